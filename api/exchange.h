@@ -1,0 +1,72 @@
+/// One HTTP exchange as the API sees it: a request in, a response out, no sockets.
+///
+/// api_handle() is the whole API: it finds the route, reads the request, asks the services and
+/// writes the response; errors become application/problem+json (RFC 9457). Routes are one table
+/// (routes.h).
+///
+/// Threads  api_handle() may be called from any thread at the same time; it blocks while a service
+///          writes to disk, which api_route_blocks() tells before.
+
+#pragma once
+
+#include "api/services.h"
+#include "api/stream.h"
+#include "core/base/buffer.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    API_HEADERS_MAX = 16,  ///< headers of a response
+    API_HEADER_SIZE = 600, ///< bytes of a header's value with its terminator
+    API_PATH_MAX = 1024,   ///< bytes of a path or a query
+};
+
+/// Largest body of a request, bytes, unless configured otherwise.
+#define API_BODY_MAX (1024 * 1024)
+
+/// A request. Everything is borrowed.
+typedef struct api_request {
+    const char *method; ///< "GET", ...
+    const char *path;   ///< percent-decoded, without the query
+    const char *query;  ///< after the '?', still encoded; "" if none
+    /// Value of a header by its case-insensitive name, or NULL.
+    const char *(*header)(void *header_context, const char *name);
+    void *header_context; ///< given to header
+    const char *body;     ///< n_body bytes; may be NULL when 0
+    size_t n_body;        ///< bytes
+} api_request;
+
+/// A response header.
+typedef struct api_header {
+    const char *name;            ///< static text
+    char value[API_HEADER_SIZE]; ///< text
+} api_header;
+
+/// A response. Zero-initialise; api_response_fini().
+typedef struct api_response {
+    int status;                          ///< HTTP status code
+    size_t n_headers;                    ///< headers in use
+    api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
+    bf_buffer body;                      ///< the body, unless is_stream
+    bool is_stream;                      ///< the body is an event stream:
+    stream_cursor cursor;                ///< from here
+} api_response;
+
+/// True if handling this request can wait for the disk, so that an event loop hands it to a thread.
+bool api_route_blocks(const char *method, const char *path);
+
+/// Handle a request. Always fills *response; HEAD is handled as GET with the body left in (the
+/// transport leaves it out). BF_ENOMEM becomes a 503.
+void api_handle(const api_services *services, const api_request *request, api_response *response);
+
+/// Make *response a problem document, replacing what was there: status, and the error's text as
+/// detail. For the transport's own refusals (400, 408, 413, 431, 503).
+void api_problem(api_response *response, int status, const char *instance, const bf_error *error);
+
+/// Add a header; one beyond API_HEADERS_MAX or too long a value is a bug.
+void api_response_header(api_response *response, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/// Free the body and zero *response. NULL is fine.
+void api_response_fini(api_response *response);

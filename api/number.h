@@ -1,0 +1,12 @@
+/// Numbers as text that reads back to the same bits, with as few digits as that takes.
+
+#pragma once
+
+enum { NUMBER_SIZE = 32 }; ///< bytes that hold any number with its terminator
+
+/// Write a finite double as JSON reads it back ("0.1", "1e-05", "-0.0"): the shortest of 1 to 17
+/// significant digits that round-trips. Independent of the locale. Returns the length.
+int number_format(double value, char *ret_text);
+
+/// Same for a float: 1 to 9 digits that read back to the same float.
+int number_format_float(float value, char *ret_text);

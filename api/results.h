@@ -1,0 +1,54 @@
+/// The results of a run in the formats of files and resources (README of api has the list).
+///
+/// The command line and the daemon write their results through these functions only, so that both
+/// give the same bytes.
+
+#pragma once
+
+#include "api/services.h"
+#include "core/base/buffer.h"
+#include "core/compare/compare.h"
+#include "core/run/frame.h"
+
+/// Figures of a run that frames do not carry.
+typedef struct results_timing {
+    double wall_s;      ///< wall time spent solving, all attempts together
+    uint32_t n_threads; ///< threads used
+} results_timing;
+
+/// Append curve.csv's header line, "t_s,<columns>\n".
+BF_MUST_CHECK bf_status results_curve_csv_header(const char *columns, bf_buffer *out,
+                                                 bf_error *err);
+
+/// Append n lines "t,value,...\n" in full precision.
+BF_MUST_CHECK bf_status results_curve_csv_rows(const double *t, const double *values, size_t n,
+                                               size_t n_columns, bf_buffer *out, bf_error *err);
+
+/// Append the curve as JSON: {"t_s": [...], "<id>": [...], ...}.
+BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err);
+
+/// Append a grid of n2 rows of n1 floats as a NumPy file (.npy version 1.0, little-endian, C order).
+BF_MUST_CHECK bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out,
+                                    bf_error *err);
+
+/// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}.
+/// url_prefix NULL: "file" names snapshots/NNNNNN.npy; else "url" is the prefix and the index.
+BF_MUST_CHECK bf_status results_snapshots_json(const bf_grid *grid, const api_snapshot *items,
+                                               size_t n, const char *url_prefix, bf_buffer *out,
+                                               bf_error *err);
+
+/// Append summary.json. scenario is the resolved document.
+BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
+                                        const frame_begin *begin, const frame_end *end,
+                                        const results_timing *timing, bf_buffer *out,
+                                        bf_error *err);
+
+/// Read a curve from CSV text (header "t_s,<id>,..." or "t_s,count"): the column named id, or the
+/// first one if id is NULL. Arrays are appended to *t and *parts as doubles. BF_EINPUT: the text has
+/// the line.
+BF_MUST_CHECK bf_status results_read_curve_csv(const char *text, size_t n, const char *id,
+                                               bf_buffer *t, bf_buffer *parts, bf_error *err);
+
+/// Append the measures of a comparison as JSON.
+BF_MUST_CHECK bf_status results_compare_json(const compare_measures *m, bf_buffer *out,
+                                             bf_error *err);

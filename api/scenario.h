@@ -1,0 +1,32 @@
+/// The scenario document (JSON) to and from core's struct.
+///
+/// Reading is strict: unknown members, duplicate keys, wrong types, numbers out of range, NaN and
+/// too deep nesting are faults with the JSON pointer of their place. All faults of a document are
+/// found in one pass where that is possible. Angles are degrees in the document.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/faults.h"
+#include "core/scene/scene.h"
+
+#include <stddef.h>
+
+enum {
+    SCENARIO_NESTING_MAX = 32,            ///< levels of nested arrays and objects
+    SCENARIO_BYTES_MAX = 64 * 1024 * 1024 ///< bytes of a document on the command line
+};
+
+/// Read a document, fill in every default (scene_resolve) and check it (scene_check). Faults are
+/// noted in *faults. BF_OK: *ret_scene is the caller's, scene_fini(). Else the status of the first
+/// fault, or BF_ENOMEM, and *ret_scene is untouched. Text that is not JSON is one fault with
+/// pointer "" and line and column in its text.
+BF_MUST_CHECK bf_status scenario_read(const char *json, size_t n, scene *ret_scene,
+                                      bf_faults *faults, bf_error *err);
+
+/// Append the resolved document, every default filled in, one line, members in a fixed order.
+/// Reading it gives the same scene again, bit by bit.
+BF_MUST_CHECK bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err);
+
+/// Append the columns of the scenario's curve as "id,id,...,left_domain".
+BF_MUST_CHECK bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err);

@@ -1,0 +1,168 @@
+/// What the API needs of the daemon, as a table of functions that the server fills.
+///
+/// With it the whole API can be called without sockets, store or threads (the tests do).
+/// All functions are thread-safe. Those that write return when their change is on disk.
+/// Common errors: BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_ENOMEM.
+
+#pragma once
+
+#include "api/run_state.h"
+#include "core/base/buffer.h"
+#include "core/base/grid.h"
+#include "core/base/status.h"
+#include "core/run/run.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    API_ID_SIZE = 37,         ///< bytes of a run id (UUIDv7, lower case) with its terminator
+    API_LABEL_SIZE = 101,     ///< bytes of a label with its terminator
+    API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
+    API_LIST_MAX = 200,       ///< runs a page of a list
+    API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
+};
+
+/// A run as the store knows it.
+typedef struct api_run {
+    char id[API_ID_SIZE];       ///< UUIDv7: sorts by time of creation
+    run_state state;            ///< where it is in its life
+    run_model model;            ///< which solver
+    int priority;               ///< higher runs first
+    char label[API_LABEL_SIZE]; ///< the client's, "" if none
+    char name[SCENE_NAME_SIZE]; ///< of the scenario
+    uint64_t revision;          ///< rises with every change of the row: the ETag
+    double progress;            ///< 0 to 1
+    int64_t created_ms;         ///< Unix time, ms
+    int64_t started_ms;         ///< last start; 0: never
+    int64_t finished_ms;        ///< 0: not yet
+    double eta_s;               ///< wall seconds to the end; NAN: unknown
+    uint64_t n_samples;         ///< stored samples of the curve
+    uint64_t n_snapshots;       ///< stored snapshots
+    uint64_t last_event;        ///< id of the newest event of the run; 0: none
+    bool has_summary;           ///< summary.json is there
+    bf_error error;             ///< code BF_OK: none
+} api_run;
+
+/// A run to be accepted.
+typedef struct api_submission {
+    run_model model;            ///< which solver
+    int priority;               ///< see API_PRIORITY_MAX
+    char label[API_LABEL_SIZE]; ///< "" if none
+    char name[SCENE_NAME_SIZE]; ///< of the scenario
+    bf_buffer scenario;         ///< the resolved document
+    bf_buffer columns;          ///< of the curve, from scenario_columns()
+} api_submission;
+
+/// Which runs a list shows; newest first.
+typedef struct api_list_query {
+    int state;                  ///< run_state, or -1: any
+    int model;                  ///< run_model, or -1: any
+    char label[API_LABEL_SIZE]; ///< "": any
+    char before[API_ID_SIZE];   ///< only runs older than this id; "": from the newest
+    size_t limit;               ///< 1 .. API_LIST_MAX
+} api_list_query;
+
+/// A page of a list.
+typedef struct api_run_list {
+    size_t n;                   ///< runs in this page
+    bool has_more;              ///< older ones follow
+    api_run runs[API_LIST_MAX]; ///< the page
+} api_run_list;
+
+/// A stored text of a run.
+typedef enum api_text { API_TEXT_SCENARIO, API_TEXT_SUMMARY } api_text;
+
+/// The stored part of a curve. Zero-initialise; api_curve_fini().
+typedef struct api_curve {
+    bf_buffer columns; ///< "id,...,left_domain"
+    size_t n;          ///< samples
+    size_t n_columns;  ///< columns without t
+    bf_buffer t;       ///< n doubles, s
+    bf_buffer values;  ///< n rows of n_columns doubles
+} api_curve;
+
+/// One snapshot without its grid.
+typedef struct api_snapshot {
+    uint64_t index; ///< from 0
+    double t;       ///< s
+    double peak;    ///< largest density
+    double mass;    ///< parts in the domain
+} api_snapshot;
+
+/// The stored snapshots of a run. Zero-initialise; free with buffer_fini(&items).
+typedef struct api_snapshot_list {
+    bf_grid grid;    ///< of all of them
+    size_t n;        ///< how many
+    bf_buffer items; ///< n api_snapshot
+} api_snapshot_list;
+
+/// Kinds of events; the words stand in streams.
+#define API_EVENT_LIST(X)                                                                          \
+    X(API_EVENT_STATUS, "status")                                                                  \
+    X(API_EVENT_PROGRESS, "progress")                                                              \
+    X(API_EVENT_CURVE, "curve")                                                                    \
+    X(API_EVENT_SNAPSHOT, "snapshot")                                                              \
+    X(API_EVENT_END, "end")
+
+/// The values stand in the store: never renumber.
+typedef enum api_event_type {
+#define X(type, word) type,
+    API_EVENT_LIST(X)
+#undef X
+        API_EVENT_TYPE_COUNT
+} api_event_type;
+
+/// One stored event.
+typedef struct api_event {
+    uint64_t id;           ///< rises over all runs of a store, never reused
+    char run[API_ID_SIZE]; ///< whose
+    api_event_type type;   ///< kind
+    uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index
+    size_t n;              ///< bytes of data
+    const char *data;      ///< JSON object, one line; valid during api_event_take
+} api_event;
+
+/// Take one event while events are read; not BF_OK stops the reading and is passed on.
+typedef bf_status api_event_take(void *context, const api_event *event, bf_error *err);
+
+/// The table. context is given to every function.
+typedef struct api_services {
+    void *context;
+    /// Accept a run: durable when this returns. BF_EBUSY: the queue is full.
+    bf_status (*submit)(void *context, const api_submission *submission, api_run *ret_run,
+                        bf_error *err);
+    bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
+    bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
+                      bf_error *err);
+    /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running
+    /// one soon after. BF_ECONFLICT: it has ended.
+    bf_status (*cancel)(void *context, const char *id, api_run *ret_run, bf_error *err);
+    /// Stop a run if need be and remove it with its results.
+    bf_status (*remove)(void *context, const char *id, bf_error *err);
+    /// Append a stored text to *out. BF_ECONFLICT: the run has none yet.
+    bf_status (*read_text)(void *context, const char *id, api_text which, bf_buffer *out,
+                           bf_error *err);
+    /// Samples from index first on. *ret_curve is the caller's: api_curve_fini().
+    bf_status (*read_curve)(void *context, const char *id, uint64_t first, api_curve *ret_curve,
+                            bf_error *err);
+    bf_status (*list_snapshots)(void *context, const char *id, api_snapshot_list *ret_list,
+                                bf_error *err);
+    /// Append a snapshot's float32 grid, n2 rows of n1, to *out. BF_ENOTFOUND: no such snapshot.
+    bf_status (*read_snapshot)(void *context, const char *id, uint64_t index,
+                               api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
+                               bf_error *err);
+    /// Give events of the runs with id > after, rising, to take; at most about limit_bytes of data
+    /// (at least one event, if there is one).
+    bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                             uint64_t after, size_t limit_bytes, api_event_take *take,
+                             void *take_context, bf_error *err);
+    /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ESYSTEM store).
+    bf_status (*ready)(void *context, bf_error *err);
+} api_services;
+
+/// The word of an event type. Never NULL.
+const char *api_event_word(api_event_type type);
+
+/// Free what the curve owns and zero it. NULL is fine.
+void api_curve_fini(api_curve *curve);

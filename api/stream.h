@@ -1,0 +1,42 @@
+/// An event stream towards one client: server-sent events or NDJSON, of one or several runs.
+///
+/// A stream is a cursor over the stored events: it keeps no queue, so a slow client costs the bytes
+/// of one batch and nothing else. It ends after the `end` event of every run it follows. An event is
+/// streamed only after it was stored, so what a client saw survives the daemon.
+
+#pragma once
+
+#include "api/services.h"
+#include "core/base/buffer.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// The two forms of a stream.
+typedef enum stream_format { STREAM_SSE, STREAM_NDJSON } stream_format;
+
+/// A client's cursor.
+typedef struct stream_cursor {
+    stream_format format;                        ///< form of the bytes
+    bool is_inline;                              ///< snapshots carry their data, base64
+    size_t n_runs;                               ///< runs it follows
+    size_t n_open;                               ///< of them, how many have not sent `end` yet
+    char runs[API_STREAM_RUNS_MAX][API_ID_SIZE]; ///< their ids
+    uint64_t after;                              ///< id of the last event written
+    bool has_begun;                              ///< the preamble (`retry:`) was written
+} stream_cursor;
+
+/// What to do after stream_next().
+typedef enum stream_state {
+    STREAM_MORE, ///< bytes were appended, call again
+    STREAM_WAIT, ///< nothing at the moment
+    STREAM_DONE, ///< everything was written (bytes may have been appended)
+} stream_state;
+
+/// Append the next batch, at most about limit_bytes, to *out.
+BF_MUST_CHECK bf_status stream_next(stream_cursor *cursor, const api_services *services,
+                                    size_t limit_bytes, bf_buffer *out, stream_state *ret_state,
+                                    bf_error *err);
+
+/// The bytes that keep an idle stream awake: an SSE comment, an empty line of NDJSON.
+const char *stream_heartbeat(stream_format format);

@@ -1,0 +1,13 @@
+/// A 64-bit digest of bytes: FNV-1a over little-endian 64-bit words with a final mix. It
+/// recognises torn and damaged bytes and compares states; it does not resist an adversary.
+
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// The digest of no bytes: where a chain of digest_add() starts.
+#define DIGEST_START UINT64_C(0xcbf29ce484222325)
+
+/// The digest after n further bytes. The cuts count: adding a and then b is not adding ab.
+uint64_t digest_add(uint64_t digest, const void *bytes, size_t n);

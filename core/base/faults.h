@@ -1,0 +1,30 @@
+/// The list of faults that a check finds in one document, each with its JSON pointer.
+
+#pragma once
+
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { FAULTS_MAX = 64 }; ///< kept per document; further ones are only counted
+
+/// Faults in the order in which they were found. Zero-initialise; owns nothing.
+typedef struct bf_faults {
+    bf_error items[FAULTS_MAX]; ///< the first FAULTS_MAX of them
+    size_t n;                   ///< how many were found, kept or not
+} bf_faults;
+
+/// Note a fault of the document (BF_EINPUT) at pointer.
+void faults_add(bf_faults *faults, const char *pointer, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/// Note a fault that is a limit exceeded (BF_ELIMIT) at pointer.
+void faults_add_limit(bf_faults *faults, const char *pointer, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/// How many are kept: the smaller of n and FAULTS_MAX.
+size_t faults_kept(const bf_faults *faults);
+
+/// BF_OK if there are none; else the first one, copied to *err (NULL is fine), and its code.
+BF_MUST_CHECK bf_status faults_status(const bf_faults *faults, bf_error *err);

@@ -1,0 +1,89 @@
+#include "core/base/memory.h"
+
+#include "core/base/check.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64, FIRST_CAPACITY = 16 };
+
+static atomic_size_t fault_at;   // 0: no fault is planned
+static atomic_size_t n_requests; // since the plan
+static atomic_size_t n_faults;
+static atomic_bool fault_persists;
+
+static bool is_fault_due(void)
+{
+    size_t at = atomic_load_explicit(&fault_at, memory_order_relaxed);
+    if (at == 0)
+        return false;
+    size_t request = atomic_fetch_add(&n_requests, 1) + 1;
+    bool due = request == at || (request > at && atomic_load(&fault_persists));
+    if (due)
+        atomic_fetch_add(&n_faults, 1);
+    return due;
+}
+
+void *memory_alloc(size_t n, size_t size)
+{
+    size_t bytes;
+
+    if (is_fault_due() || __builtin_mul_overflow(n, size, &bytes) || bytes > SIZE_MAX - ALIGNMENT)
+        return NULL;
+    bytes = bytes == 0 ? ALIGNMENT : (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    // Large blocks come zeroed from the kernel; calloc keeps their pages untouched until used.
+    void *raw = calloc(1, bytes + ALIGNMENT);
+    if (raw == NULL)
+        return NULL;
+    char *block = (char *)(((uintptr_t)raw / ALIGNMENT + 1) * ALIGNMENT);
+    memcpy(block - sizeof raw, &raw, sizeof raw);
+    return block;
+}
+
+void memory_free(void *block)
+{
+    void *raw;
+
+    if (block == NULL)
+        return;
+    memcpy(&raw, (char *)block - sizeof raw, sizeof raw);
+    free(raw);
+}
+
+int memory_reserve(void *items, size_t *capacity, size_t n, size_t size)
+{
+    void *old;
+
+    if (n <= *capacity)
+        return 0;
+    size_t wanted = *capacity < FIRST_CAPACITY ? FIRST_CAPACITY : *capacity;
+    while (wanted < n && wanted <= SIZE_MAX / 2)
+        wanted *= 2;
+    void *grown = wanted < n ? NULL : memory_alloc(wanted, size);
+    if (grown == NULL)
+        return -1;
+    memcpy(&old, items, sizeof old);
+    BF_CHECK((old == NULL) == (*capacity == 0));
+    if (old != NULL)
+        memcpy(grown, old, *capacity * size);
+    memory_free(old);
+    memcpy(items, &grown, sizeof grown);
+    *capacity = wanted;
+    return 0;
+}
+
+void memory_plan_fault(size_t n, int persistent)
+{
+    atomic_store(&n_requests, 0);
+    atomic_store(&n_faults, 0);
+    atomic_store(&fault_persists, persistent != 0);
+    atomic_store(&fault_at, n);
+}
+
+size_t memory_faults(void)
+{
+    return atomic_load(&n_faults);
+}

@@ -1,0 +1,28 @@
+/// Memory for core and api, with overflow-checked sizes and a switch that makes the n-th
+/// allocation fail, so that tests can walk through every out-of-memory path.
+///
+/// Threads  allocation is thread-safe; the fault switch belongs to tests with one thread.
+
+#pragma once
+
+#include <stddef.h>
+
+/// Zeroed room for n items of size bytes, aligned to 64 bytes (a cache line, an AVX-512 register).
+/// NULL when there is none, when n * size overflows, or when a planned fault strikes. n = 0 gives a
+/// valid pointer. Free with memory_free().
+void *memory_alloc(size_t n, size_t size);
+
+/// Give *items (room for *capacity items, NULL when 0) room for at least n items of size bytes,
+/// growing by doubling; keeps what was there. Returns 0, or -1 with everything left as it was.
+/// items points to the caller's array pointer, of any object type.
+int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
+
+/// Free what memory_alloc() or memory_reserve() gave; NULL is fine.
+void memory_free(void *block);
+
+/// From now on let the n-th allocation (counted from 1) fail, and, if persistent, all after it.
+/// n = 0 switches faults off.
+void memory_plan_fault(size_t n, int persistent);
+
+/// How many allocations have failed by plan since memory_plan_fault().
+size_t memory_faults(void);

@@ -1,0 +1,52 @@
+/// Status codes and the error record that everything in Beltflow reports failures with.
+///
+/// A function that can fail returns bf_status and fills a caller-owned bf_error (NULL: not wanted)
+/// at the place where the failure is known; the record is then passed up unchanged. Outputs are
+/// named ret_... and stay untouched on failure. Our own mistakes are not errors: see check.h.
+
+#pragma once
+
+#include <stddef.h>
+
+/// The kinds of failure, each with the word that logs and documents use for it.
+#define BF_STATUS_LIST(X)                                                                          \
+    X(BF_OK, "ok")                                                                                 \
+    X(BF_EINPUT, "bad-input")     /* the caller's document is at fault; pointer says where */      \
+    X(BF_ELIMIT, "limit")         /* beyond a stated limit; the text gives figure and limit */     \
+    X(BF_ENOMEM, "out-of-memory") /* the machine has no more memory */                             \
+    X(BF_ENUMERIC, "numeric")     /* a value became non-finite; the text gives step and place */   \
+    X(BF_ECORRUPT, "corrupt")     /* stored or transported bytes are damaged */                    \
+    X(BF_ESYSTEM, "system")       /* the operating system refused */                               \
+    X(BF_ENOTFOUND, "not-found")  /* the thing that was asked for does not exist */                \
+    X(BF_ECONFLICT, "conflict")   /* the request does not fit the present state */                 \
+    X(BF_EBUSY, "busy")           /* full at the moment; trying again later can help */
+
+typedef enum bf_status {
+#define X(code, word) code,
+    BF_STATUS_LIST(X)
+#undef X
+        BF_STATUS_COUNT
+} bf_status;
+
+enum {
+    BF_POINTER_SIZE = 160, ///< bytes of a JSON pointer with its terminator
+    BF_TEXT_SIZE = 320,    ///< bytes of an error text with its terminator
+};
+
+/// What went wrong. Filled only on failure.
+typedef struct bf_error {
+    bf_status code;                ///< same as the returned status
+    char pointer[BF_POINTER_SIZE]; ///< JSON pointer of the place at fault; "" is the whole document
+    char text[BF_TEXT_SIZE];       ///< one sentence for a person, no full stop
+} bf_error;
+
+/// Mark a function whose status must be looked at.
+#define BF_MUST_CHECK __attribute__((warn_unused_result))
+
+/// The word of a code, e.g. "bad-input". Never NULL.
+const char *bf_status_word(bf_status code);
+
+/// Fill *err (NULL is fine) and return code, so that a failing function ends with
+/// `return bf_fail(err, BF_ELIMIT, "/macro/cell_m", "...")`. Too long a text is cut.
+bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));

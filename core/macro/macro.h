@@ -1,0 +1,113 @@
+/// Macroscopic belt model: cargo as a density on a uniform grid, carried by a given velocity field
+/// and pushed apart where it is packed (a non-local conservation law; section 4, (10)-(16)).
+///
+///     d(rho)/dt + div( rho (H(rho - 1) I + v) ) = 0
+///     I = -eps grad(eta * rho) / sqrt(1 + |grad(eta * rho)|^2)
+///     eta(x) = sigma/(2 pi) exp(-sigma |x|^2 / 2)
+///
+/// First order, static and dynamic flux upwinded separately (Roe), an x1 sweep and then an x2 sweep
+/// with one field I per step. The convolution is summed with the exact cell integrals of the
+/// Gaussian, which separate into one factor along x1 and one along x2 (see kernel.h).
+///
+/// Units    SI. rho is normalised: 1 is close packing. Velocities m/s, sigma 1/m2.
+/// Layout   as in core/base/grid.h.
+/// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the
+///          same bits for any number of them, and on every processor (no contraction to FMA).
+/// Errors   what can fail returns bf_status, fills *err (NULL: not wanted) and leaves every ret_
+///          output as it was. The pointer of *err is the JSON pointer of the member in a scenario.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/grid.h"
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// What lets the push act at density rho.
+typedef enum macro_gate {
+    MACRO_GATE_SHARP,  ///< H = 1 where rho >= 1, else 0
+    MACRO_GATE_SMOOTH, ///< H = 1/2 + atan((rho - 1) / gate_width) / pi
+    MACRO_GATE_NONE,   ///< H = 1 (the paper's Example 3)
+    MACRO_GATE_COUNT
+} macro_gate;
+
+/// How to build a solver. Begin with macro_def_default(). Arrays are read during macro_create()
+/// only and stay the caller's.
+typedef struct macro_def {
+    bf_grid grid;           ///< cells (default 200 x 120 of 5 mm, lower corner 0, 0)
+    double dt;              ///< step, s, > 0, within CFL (default 1.25e-3)
+    double dispersion;      ///< eps, largest push speed, m/s, >= 0 (default 0.79)
+    double mollifier;       ///< sigma, 1/m2, > 0 (default 10000)
+    macro_gate gate;        ///< H (default MACRO_GATE_SHARP)
+    double gate_width;      ///< xi of MACRO_GATE_SMOOTH, > 0 (default 0.05)
+    const double *v1;       ///< carrying velocity on the x1-faces, m/s (default NULL: zero)
+    const double *v2;       ///< same on the x2-faces (default NULL: zero)
+    const uint8_t *closed1; ///< nonzero: nothing crosses this x1-face (default NULL: none)
+    const uint8_t *closed2; ///< same for the x2-faces (default NULL: none)
+    bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
+                     ///< this edge instead of zero outside (default false)
+    int n_threads;   ///< threads to use, >= 1 (default 1)
+    uint32_t cookie; ///< set by macro_def_default(); leave alone
+} macro_def;
+
+/// A running solver; opaque, on the heap.
+typedef struct macro_solver macro_solver;
+
+/// Mass and peak of the density at one time.
+typedef struct macro_totals {
+    double mass; ///< integral of rho over the grid, m2
+    double peak; ///< largest rho
+} macro_totals;
+
+/// The defaults above.
+macro_def macro_def_default(void);
+
+/// Build a solver with rho = 0. The caller owns *ret_solver: macro_destroy().
+/// BF_EINPUT: def not from macro_def_default(), or a member out of range or beyond CFL; BF_ENOMEM.
+BF_MUST_CHECK bf_status macro_create(const macro_def *def, macro_solver **ret_solver,
+                                     bf_error *err);
+
+/// Free a solver and what it owns. NULL is fine. Always returns NULL.
+macro_solver *macro_destroy(macro_solver *s);
+
+/// Copy n = n1 * n2 densities in. BF_EINPUT: wrong n, or a value negative or not finite.
+BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
+                                          bf_error *err);
+
+/// Advance by dt. Never allocates. A step itself cannot fail; see macro_check().
+void macro_step(macro_solver *s);
+
+/// BF_ENUMERIC if a cell is not finite, with step, time and place in the text.
+BF_MUST_CHECK bf_status macro_check(const macro_solver *s, bf_error *err);
+
+/// Borrowed view of row j's n1 densities, valid until the next non-const call on s.
+const double *macro_row(const macro_solver *s, size_t j);
+
+/// Copy the n1 * n2 densities out, layout of grid.h, as doubles or as floats.
+void macro_copy_density(const macro_solver *s, double *rho);
+void macro_copy_density_float(const macro_solver *s, float *rho);
+
+/// Mass and peak; the sum runs along rows, then over rows, for any number of threads.
+macro_totals macro_measure(const macro_solver *s);
+
+/// Integral of rho over columns i_min <= i < i_max of rows j_min <= j < j_max, m2.
+double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min, size_t j_max);
+
+/// Steps made since rho was set at t = 0.
+uint64_t macro_steps(const macro_solver *s);
+
+/// Simulated time, s: steps times dt.
+double macro_time(const macro_solver *s);
+
+/// Digest of step count and density bits.
+uint64_t macro_digest(const macro_solver *s);
+
+/// Append the state to *out, so that macro_load() into a solver of the same def goes on with the
+/// same bits. BF_ENOMEM.
+BF_MUST_CHECK bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err);
+
+/// Take a state that macro_save() wrote. BF_ECORRUPT: damaged or of another grid; s is as before.
+BF_MUST_CHECK bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err);

@@ -1,0 +1,136 @@
+/// Frames: what a run tells while it computes, and their bytes on a pipe or in a file.
+///
+///     offset  bytes  content, little-endian
+///     0       4      magic "BFF1"
+///     4       4      type, enum frame_type
+///     8       8      n, length of the payload
+///     16      n      payload: the fields of the type's struct below, in order
+///     16 + n  8      digest (digest.h) of the first 16 + n bytes
+///
+/// A reader sees a torn end (the file stops inside a frame: wait, or drop the rest) apart from
+/// damage (magic, type, length or digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and
+/// a shared file system; nothing here knows which.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/grid.h"
+#include "core/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// Frames in the order in which a run emits them: job (to the run), begin, then any number of
+/// curve, snapshot, progress and checkpoint, then one end or error.
+typedef enum frame_type {
+    FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
+    FRAME_RESUME,     ///< to the run: a checkpoint's bytes to go on from
+    FRAME_BEGIN,      ///< sizes of what comes
+    FRAME_CURVE,      ///< samples of the counters
+    FRAME_SNAPSHOT,   ///< the density grid at one time
+    FRAME_PROGRESS,   ///< how far the run is
+    FRAME_CHECKPOINT, ///< bytes to resume from; everything before it has been emitted
+    FRAME_END,        ///< the run is over: done, or stopped on request
+    FRAME_ERROR,      ///< the run failed
+    FRAME_TYPE_COUNT
+} frame_type;
+
+/// Longest payload that a reader accepts, bytes.
+#define FRAME_PAYLOAD_MAX (UINT64_C(1) << 32)
+
+/// The work itself.
+typedef struct frame_job {
+    uint32_t model;       ///< run_model of core/run/run.h
+    uint32_t n_threads;   ///< threads to use
+    size_t n_document;    ///< bytes of the scenario document
+    const char *document; ///< the scenario as JSON
+} frame_job;
+
+/// Bytes of FRAME_RESUME and FRAME_CHECKPOINT.
+typedef struct frame_bytes {
+    uint64_t step;     ///< steps that were made
+    size_t n;          ///< bytes
+    const void *bytes; ///< the solver's state
+} frame_bytes;
+
+/// Sizes of what comes.
+typedef struct frame_begin {
+    uint32_t model;      ///< run_model
+    uint32_t n_columns;  ///< columns of the curve: the counters and left_domain
+    uint64_t n_steps;    ///< steps of the whole run
+    double dt;           ///< s
+    double duration;     ///< n_steps * dt, s
+    uint64_t n_parts;    ///< parts at the start
+    uint64_t first_step; ///< 0, or the step of the checkpoint that the run resumes from
+    bf_grid grid;        ///< of the snapshots
+} frame_begin;
+
+/// Samples first .. first + n - 1 of the curve.
+typedef struct frame_curve {
+    uint64_t first;       ///< index of the first sample since the start of the run
+    uint32_t n;           ///< samples
+    uint32_t n_columns;   ///< values per sample
+    const double *t;      ///< n times, s
+    const double *values; ///< n rows of n_columns parts
+} frame_curve;
+
+/// The density at one time.
+typedef struct frame_snapshot {
+    uint64_t index;   ///< 0 at the start of the run
+    double t;         ///< s
+    double peak;      ///< largest density
+    double mass;      ///< parts in the domain
+    uint32_t n1;      ///< columns
+    uint32_t n2;      ///< rows
+    const float *rho; ///< n2 rows of n1, normalised
+} frame_snapshot;
+
+/// How far the run is.
+typedef struct frame_progress {
+    uint64_t step;    ///< steps made
+    uint64_t n_steps; ///< of the whole run
+    double t;         ///< simulated time, s
+} frame_progress;
+
+/// How a run ended, and its figures.
+typedef struct frame_end {
+    uint32_t stopped;     ///< 0: done; 1: stopped on request, resumable if a checkpoint came last
+    uint64_t n_steps;     ///< steps made since t = 0
+    double t;             ///< simulated time, s
+    uint64_t n_cells;     ///< cells of the grid
+    double parts_start;   ///< parts in the domain at t = 0
+    double parts_end;     ///< parts in the domain now
+    double peak;          ///< largest density of all snapshots and samples
+    uint64_t digest;      ///< of the final state
+    uint64_t n_samples;   ///< samples of the curve since t = 0
+    uint64_t n_snapshots; ///< snapshots since t = 0
+} frame_end;
+
+/// Why a run failed.
+typedef struct frame_error {
+    bf_error error; ///< as it was known where it happened
+} frame_error;
+
+/// One frame; the member of its type counts. Pointers are borrowed from whoever gives the frame.
+typedef struct frame {
+    frame_type type; ///< which member
+    union {
+        frame_job job;
+        frame_bytes bytes; ///< FRAME_RESUME, FRAME_CHECKPOINT
+        frame_begin begin;
+        frame_curve curve;
+        frame_snapshot snapshot;
+        frame_progress progress;
+        frame_end end;
+        frame_error error;
+    };
+} frame;
+
+/// Append the bytes of a frame to *out. BF_ENOMEM: *out is as before.
+BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
+
+/// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, give
+/// more; else its length. Pointers in *ret_frame point into bytes, which must be aligned to 8.
+/// BF_ECORRUPT: not a frame, or damaged; BF_ELIMIT: longer than FRAME_PAYLOAD_MAX.
+BF_MUST_CHECK bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame,
+                                     size_t *ret_used, bf_error *err);

@@ -1,0 +1,63 @@
+/// One scenario from its start to its end: the solver is stepped, results come out as frames.
+///
+/// Samples of the curve and snapshots are taken at the first step at or past each multiple of their
+/// period, at t = 0 and at the end. The same scenario gives the same samples, snapshots and final
+/// digest for any number of threads, and also when the run was stopped and resumed in between. Only
+/// how samples are grouped into frames, and when progress and checkpoints come, follows the caller's
+/// wishes.
+///
+/// Threads  a run belongs to one thread at a time.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/run/frame.h"
+#include "core/scene/scene.h"
+
+#include <stddef.h>
+
+/// The models. The values stand in frames and stores: never renumber.
+typedef enum run_model {
+    RUN_MACRO, ///< density
+    RUN_MICRO, ///< parts
+    RUN_MODEL_COUNT
+} run_model;
+
+/// What the caller wants at the moment; flags.
+typedef enum run_wish {
+    RUN_GO_ON = 0,
+    RUN_REPORT = 1,     ///< emit the samples so far and progress now
+    RUN_CHECKPOINT = 2, ///< emit a checkpoint now
+    RUN_STOP = 4,       ///< emit the samples so far and the end now, and return
+} run_wish;
+
+/// Where frames go and wishes come from.
+typedef struct run_sink {
+    void *context; ///< given to both functions
+    /// Take a frame; pointers in it are valid during the call. A failure ends the run with it.
+    bf_status (*take)(void *context, const frame *f, bf_error *err);
+    /// Called before every step (cheaply): what is wanted, run_wish flags. NULL: nothing.
+    unsigned (*wish)(void *context);
+} run_sink;
+
+/// A run; opaque, on the heap.
+typedef struct run run;
+
+/// The words of the models, "macro" and "micro"; NULL-terminated.
+extern const char *const run_model_words[];
+
+/// Prepare a run of a resolved and checked scenario, which must outlive it.
+/// BF_EINPUT, BF_ELIMIT: the scenario is at fault; BF_ENOMEM.
+BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run,
+                                   bf_error *err);
+
+/// Go on from a checkpoint's bytes instead of t = 0; before run_execute() only.
+/// BF_ECORRUPT: damaged, or of another scenario; the run is as before.
+BF_MUST_CHECK bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err);
+
+/// Step to the end. Emits begin first, and end last unless it fails. Failures of the solver and of
+/// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.
+BF_MUST_CHECK bf_status run_execute(run *r, const run_sink *sink, bf_error *err);
+
+/// Free a run. NULL is fine. Always returns NULL.
+run *run_destroy(run *r);

@@ -1,0 +1,14 @@
+/// The two clocks of the daemon.
+
+#pragma once
+
+#include <stdint.h>
+
+/// Milliseconds of a clock that never jumps; for deadlines and durations.
+int64_t clock_monotonic_ms(void);
+
+/// Seconds of the same clock, with its full resolution.
+double clock_monotonic_s(void);
+
+/// Milliseconds since 1970-01-01 UTC; for people and ids.
+int64_t clock_unix_ms(void);

@@ -1,0 +1,64 @@
+/// Settings of the daemon, as one table: file (INI), environment and flags, in rising precedence.
+/// Help text, sample configuration and checks follow from the table.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+
+#include <stdint.h>
+
+/// X(name, kind, default, least, most, help): name is the key in the file; BELTFLOW_<NAME> in the
+/// environment; --name on the command line, with '-' for '_'.
+#define CONFIG_LIST(X)                                                                             \
+    X(listen, TEXT, "127.0.0.1:8080", 0, 0, "address and port; port 0 picks a free one")           \
+    X(data, TEXT, "beltflow-data", 0, 0, "directory of the store, created if missing")             \
+    X(web, TEXT, "", 0, 0, "directory of the page's files; empty: beside the program")             \
+    X(program, TEXT, "", 0, 0, "the beltflow program; empty: beside beltflowd")                    \
+    X(workers, NUMBER, "1", 1, 64, "runs that are solved at once")                                 \
+    X(threads, NUMBER, "1", 1, 256, "threads of each run")                                         \
+    X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, "address space of a run; 0: unlimited")     \
+    X(run_cpu_s, NUMBER, "86400", 0, 1e9, "CPU seconds of a run; 0: unlimited")                    \
+    X(checkpoint_ms, NUMBER, "5000", 10, 3600000, "between checkpoints of a run")                  \
+    X(queue_limit, NUMBER, "1000", 1, 1000000, "runs that may wait")                               \
+    X(stop_grace_ms, NUMBER, "5000", 0, 600000, "for runs to be handed back when stopping")        \
+    X(http_threads, NUMBER, "2", 1, 64, "threads that serve connections")                          \
+    X(request_threads, NUMBER, "8", 1, 256, "threads for requests that write to the store")        \
+    X(connections, NUMBER, "1200", 8, 100000, "connections at once")                               \
+    X(connections_per_address, NUMBER, "0", 0, 100000, "of them from one address; 0: no limit")    \
+    X(streams, NUMBER, "1000", 1, 100000, "event streams at once")                                 \
+    X(body_bytes, NUMBER, "1048576", 1024, 1073741824, "largest body of a request")                \
+    X(header_deadline_ms, NUMBER, "5000", 100, 600000, "for a complete request header")            \
+    X(body_deadline_ms, NUMBER, "20000", 100, 600000, "for a complete request body")               \
+    X(heartbeat_ms, NUMBER, "15000", 100, 600000, "between comments on idle streams")              \
+    X(log_level, TEXT, "info", 0, 0, "error, warn, info or debug")
+
+enum { CONFIG_TEXT_SIZE = 512 }; ///< bytes of a text setting with its terminator
+
+/// The settings.
+typedef struct config {
+#define CONFIG_TEXT(name)                         char name[CONFIG_TEXT_SIZE];
+#define CONFIG_NUMBER(name)                       uint64_t name;
+#define X(name, kind, initial, least, most, help) CONFIG_##kind(name)
+    CONFIG_LIST(X)
+#undef X
+#undef CONFIG_TEXT
+#undef CONFIG_NUMBER
+} config;
+
+/// The defaults of the table.
+void config_init(config *c);
+
+/// Set one setting from text. where says who asks ("--workers", "beltflowd.conf:7"), for the error.
+/// BF_EINPUT: unknown (with a suggestion), not a number, out of range.
+BF_MUST_CHECK bf_status config_set(config *c, const char *name, const char *value,
+                                   const char *where, bf_error *err);
+
+/// Read an INI file of `name = value` lines. BF_ESYSTEM: cannot be read; BF_EINPUT with its line.
+BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *err);
+
+/// Take BELTFLOW_... variables.
+BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
+
+/// Append a sample file: every setting with its help and default, commented out.
+BF_MUST_CHECK bf_status config_sample(bf_buffer *out, bf_error *err);

@@ -1,0 +1,47 @@
+/// The HTTP transport: libmicrohttpd in front of api_handle(). The only file that includes
+/// <microhttpd.h> is http.c (with its private parts in http_*.c).
+///
+/// Threads  libmicrohttpd runs a small pool of epoll threads. Requests that may wait for the disk
+///          (api_route_blocks) suspend their connection and are handled by a pool of request
+///          threads; all others are answered on the epoll thread. Event streams suspend while they
+///          have nothing to send; http_notify() wakes those that follow the run.
+/// Order of stopping  http_stop(): quiesce, mark streams as ending, resume all, stop.
+
+#pragma once
+
+#include "api/services.h"
+#include "core/base/status.h"
+
+#include <stdint.h>
+
+/// How to serve.
+typedef struct http_options {
+    const char *listen;           ///< "127.0.0.1:8080", "[::1]:0"; port 0 picks a free one
+    const api_services *services; ///< what the API asks
+    const char *web_directory;    ///< files of the page; NULL: none
+    unsigned n_threads;           ///< epoll threads, >= 1
+    unsigned n_request_threads;   ///< threads for requests that block, >= 1
+    unsigned connection_limit;    ///< connections at once
+    unsigned per_address_limit;   ///< of them from one address; 0: no limit
+    unsigned stream_limit;        ///< event streams at once
+    uint64_t body_limit;          ///< bytes of a request's body
+    int64_t header_deadline_ms;   ///< for a complete request header
+    int64_t body_deadline_ms;     ///< for a complete body, after the header
+    int64_t heartbeat_ms;         ///< between comments on idle streams
+} http_options;
+
+/// A running server; opaque.
+typedef struct http http;
+
+/// Listen and serve. BF_ESYSTEM: the address cannot be used; the text says why in plain words
+/// ("port 8080 of 127.0.0.1 is taken by another program").
+BF_MUST_CHECK bf_status http_start(const http_options *options, http **ret_http, bf_error *err);
+
+/// The port that is listened on.
+unsigned http_port(const http *h);
+
+/// A run has changed: wake the streams that follow it. Never blocks; any thread.
+void http_notify(http *h, const char *run_id);
+
+/// Stop and free. NULL is fine. Always returns NULL.
+http *http_stop(http *h);

@@ -1,0 +1,34 @@
+/// Mutex and condition that know their owner; nothing else touches pthread mutexes.
+
+#pragma once
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/// A mutex with its owner.
+typedef struct lock {
+    pthread_mutex_t mutex; ///< error-checking
+    pthread_t owner;       ///< valid while is_held
+    bool is_held;          ///< written under mutex
+} lock;
+
+/// A condition on CLOCK_MONOTONIC.
+typedef struct lock_condition {
+    pthread_cond_t condition; ///< waits with the lock that is named in each call
+} lock_condition;
+
+void lock_init(lock *l);
+void lock_fini(lock *l);
+void lock_take(lock *l);
+void lock_give(lock *l);
+
+/// Assert that this thread holds the lock.
+void lock_assert_held(const lock *l);
+
+void lock_condition_init(lock_condition *c);
+void lock_condition_fini(lock_condition *c);
+void lock_wake_all(lock_condition *c);
+
+/// Wait with the lock held; false if deadline_ms (clock_monotonic_ms(), or -1: none) passed.
+bool lock_wait(lock_condition *c, lock *l, int64_t deadline_ms);

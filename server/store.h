@@ -1,0 +1,142 @@
+/// The store: every run, its scenario, curve, snapshots, events and checkpoint, in one SQLite file.
+///
+/// Invariants (cited by the tests as I1 ...):
+///   I1  What a write function returned BF_OK for is on disk and survives kill -9 and power loss.
+///   I2  There is one read-write connection in the whole system; the store's thread owns it, and it
+///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
+///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
+///   I4  Samples are stored without gap from 0; snapshots without gap from 0. Storing one again
+///       (a run resumed before it) changes nothing and tells nothing twice.
+///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
+///   I6  Event ids rise strictly over the store's life, also after runs were removed.
+///   I7  An event becomes visible in the same transaction as what it tells of.
+///   I8  After store_open() no run is `running`: those of the daemon before are queued again.
+///   I9  A removed run leaves no row behind.
+///
+/// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
+///          which commits what waits in one synced transaction (group commit), and return after it.
+/// Errors   BF_ENOTFOUND, BF_ECONFLICT where named; BF_ESYSTEM with SQLite's text; BF_ENOMEM.
+
+#pragma once
+
+#include "api/services.h"
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// An open store; opaque.
+typedef struct store store;
+
+/// Called on the store's thread after a commit, once for each run that it changed. Must not block
+/// and must not call the store.
+typedef void store_listener(void *context, const char *run_id);
+
+/// How to open a store.
+typedef struct store_options {
+    const char *directory;    ///< data directory, created if missing; holds beltflow.db
+    size_t queue_limit;       ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
+    store_listener *listener; ///< NULL: none
+    void *listener_context;   ///< given to it
+} store_options;
+
+/// Open or create the store, migrate its schema forwards, and queue again what was running (I8).
+/// BF_ESYSTEM: the file cannot be used, is of a newer version, or another daemon holds it.
+BF_MUST_CHECK bf_status store_open(const store_options *options, store **ret_store, bf_error *err);
+
+/// Commit what waits, stop the thread, checkpoint and close. NULL is fine. Always returns NULL.
+store *store_close(store *s);
+
+/// Accept a run: a new id, state queued, its first status event.
+BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission, api_run *ret_run,
+                                     bf_error *err);
+
+/// A claimed run. Buffers are the caller's: store_job_fini().
+typedef struct store_job {
+    api_run run;          ///< now running
+    bf_buffer scenario;   ///< resolved document
+    bf_buffer columns;    ///< of its curve
+    bf_buffer checkpoint; ///< n = 0: none
+    uint64_t step;        ///< of the checkpoint
+    double wall_s;        ///< solving time of earlier attempts
+} store_job;
+
+/// Take the next queued run (highest priority, then oldest) and make it running. BF_ENOTFOUND:
+/// none is queued.
+BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
+
+/// Free what *job owns and zero it. NULL is fine.
+void store_job_fini(store_job *job);
+
+/// One thing that a running run told, ready for the store.
+typedef struct store_item {
+    api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE or _SNAPSHOT
+    bf_buffer event;       ///< data of the event: a JSON object
+    uint64_t first;        ///< curve: index of the first sample; snapshot: its index
+    size_t n;              ///< curve: samples
+    bf_buffer t;           ///< curve: n doubles
+    bf_buffer values;      ///< curve: n rows of doubles
+    api_snapshot snapshot; ///< snapshot
+    bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
+} store_item;
+
+/// A batch of what one running run told, in order.
+typedef struct store_batch {
+    const char *run_id;     ///< whose
+    size_t n;               ///< items
+    store_item *items;      ///< in the order in which they came
+    double progress;        ///< 0 to 1
+    double eta_s;           ///< NAN: unknown
+    double wall_s;          ///< solving time so far, all attempts
+    const bf_grid *grid;    ///< of the snapshots; NULL: as before
+    uint64_t step;          ///< of checkpoint
+    const void *checkpoint; ///< n_checkpoint bytes; NULL: keep the one before
+    size_t n_checkpoint;    ///< bytes
+} store_batch;
+
+/// Store a batch. Samples and snapshots that are stored already are left out, and their events with
+/// them; of a curve item that is stored in part the rest is stored, and its event not told again
+/// for the part that was (I4): the store cuts t, values and event data by events_curve().
+BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
+
+/// How a run ends or goes back to the queue.
+typedef struct store_ending {
+    const char *run_id;  ///< whose
+    run_state state;     ///< an end, or RUN_QUEUED to hand it back
+    bf_error error;      ///< of RUN_FAILED
+    const char *summary; ///< summary.json, n_summary bytes; NULL: none
+    size_t n_summary;    ///< bytes
+} store_ending;
+
+/// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or
+/// back to the queue. BF_ECONFLICT: not running.
+BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
+                                     bf_error *err);
+
+/// Cancel a queued run (status and end events). A running one is returned as it is, for the
+/// supervisor to stop. BF_ECONFLICT: it has ended.
+BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err);
+
+/// Remove a run that is not running, with all it has (I9). BF_ECONFLICT: it is running.
+BF_MUST_CHECK bf_status store_remove(store *s, const char *id, bf_error *err);
+
+/// Reading; see api_services for the meaning of each.
+BF_MUST_CHECK bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err);
+BF_MUST_CHECK bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list,
+                                   bf_error *err);
+BF_MUST_CHECK bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out,
+                                        bf_error *err);
+BF_MUST_CHECK bf_status store_read_curve(store *s, const char *id, uint64_t first,
+                                         api_curve *ret_curve, bf_error *err);
+BF_MUST_CHECK bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list,
+                                             bf_error *err);
+BF_MUST_CHECK bf_status store_read_snapshot(store *s, const char *id, uint64_t index,
+                                            api_snapshot *ret_snapshot, bf_grid *ret_grid,
+                                            bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                                          uint64_t after, size_t limit_bytes, api_event_take *take,
+                                          void *take_context, bf_error *err);
+
+/// BF_OK if the store can write; else why not.
+BF_MUST_CHECK bf_status store_ready(store *s, bf_error *err);
