@@ -19,7 +19,7 @@
 enum {
     API_HEADERS_MAX = 16,  ///< headers of a response
     API_HEADER_SIZE = 600, ///< bytes of a header's value with its terminator
-    API_PATH_MAX = 1024,   ///< bytes of a path or a query
+    API_PATH_MAX = 2048,   ///< bytes of a path or a query with its terminator
 };
 
 /// Largest body of a request, bytes, unless configured otherwise.

@@ -1,7 +1,8 @@
 /// A writer of JSON text: commas, escapes and numbers are its business, structure the caller's.
 ///
 /// A failed allocation is remembered: further calls do nothing and json_out_status() tells at the
-/// end. Numbers that are not finite are written as null.
+/// end. Numbers that are not finite are written as null. What comes out is valid JSON whatever
+/// bytes a text has: what is not UTF-8 becomes U+FFFD.
 
 #pragma once
 
@@ -25,22 +26,22 @@ json_out json_out_to(bf_buffer *buffer);
 BF_MUST_CHECK bf_status json_out_status(const json_out *w, bf_error *err);
 
 /// Structure: { } [ ] and the key of the next value. Keys are escaped like strings.
-void json_object(json_out *w);
-void json_object_end(json_out *w);
-void json_array(json_out *w);
-void json_array_end(json_out *w);
-void json_key(json_out *w, const char *key);
+void json_out_object(json_out *w);
+void json_out_object_end(json_out *w);
+void json_out_array(json_out *w);
+void json_out_array_end(json_out *w);
+void json_out_key(json_out *w, const char *key);
 
-/// Values. json_string() escapes text, which is UTF-8; NULL is null. json_raw() copies JSON text.
-void json_string(json_out *w, const char *text);
-void json_number(json_out *w, double value);
-void json_integer(json_out *w, int64_t value);
-void json_bool(json_out *w, bool value);
-void json_null(json_out *w);
-void json_raw(json_out *w, const char *json, size_t n);
+/// Values. json_out_string() escapes text; NULL is null. json_out_raw() copies JSON text.
+void json_out_string(json_out *w, const char *text);
+void json_out_number(json_out *w, double value);
+void json_out_integer(json_out *w, int64_t value);
+void json_out_bool(json_out *w, bool value);
+void json_out_null(json_out *w);
+void json_out_raw(json_out *w, const char *json, size_t n);
 
 /// A key and its value in one call.
-void json_key_string(json_out *w, const char *key, const char *text);
-void json_key_number(json_out *w, const char *key, double value);
-void json_key_integer(json_out *w, const char *key, int64_t value);
-void json_key_bool(json_out *w, const char *key, bool value);
+void json_out_key_string(json_out *w, const char *key, const char *text);
+void json_out_key_number(json_out *w, const char *key, double value);
+void json_out_key_integer(json_out *w, const char *key, int64_t value);
+void json_out_key_bool(json_out *w, const char *key, bool value);

@@ -128,7 +128,7 @@ typedef bf_status api_event_take(void *context, const api_event *event, bf_error
 
 /// The table. context is given to every function.
 typedef struct api_services {
-    void *context;
+    void *context; ///< first argument of every function
     /// Accept a run: durable when this returns. BF_EBUSY: the queue is full.
     bf_status (*submit)(void *context, const api_submission *submission, api_run *ret_run,
                         bf_error *err);

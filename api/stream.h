@@ -3,6 +3,12 @@
 /// A stream is a cursor over the stored events: it keeps no queue, so a slow client costs the bytes
 /// of one batch and nothing else. It ends after the `end` event of every run it follows. An event is
 /// streamed only after it was stored, so what a client saw survives the daemon.
+///
+///     SSE      retry: 3000, then for each event  id: N / event: WORD / data: {...}
+///     NDJSON   {"id":N,"run":"...","event":"WORD","data":{...}}
+///
+/// Inline snapshots carry the float32 grid, rows of x1, little-endian, in base64 as the last member
+/// `data` of their data; it is null where the grid is larger than STREAM_INLINE_MAX.
 
 #pragma once
 
@@ -11,6 +17,9 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/// Largest grid that an inline snapshot carries, bytes.
+#define STREAM_INLINE_MAX (4 * 1024 * 1024)
 
 /// The two forms of a stream.
 typedef enum stream_format { STREAM_SSE, STREAM_NDJSON } stream_format;
@@ -33,7 +42,15 @@ typedef enum stream_state {
     STREAM_DONE, ///< everything was written (bytes may have been appended)
 } stream_state;
 
-/// Append the next batch, at most about limit_bytes, to *out.
+/// Begin a stream of 1 .. API_STREAM_RUNS_MAX runs behind the event `after` (0: from the first one
+/// on). n_open is 0 where the client has seen the end of all of them. An id that is newer than all
+/// events of the runs, as after a loss of the store, counts as the newest. BF_ENOTFOUND: no such run.
+BF_MUST_CHECK bf_status stream_begin(const api_services *services, stream_format format,
+                                     bool is_inline, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                                     uint64_t after, stream_cursor *ret_cursor, bf_error *err);
+
+/// Append the next batch, at most about limit_bytes (and one inline snapshot), to *out. Runs that
+/// were removed count as ended. On failure *cursor and *out are as before.
 BF_MUST_CHECK bf_status stream_next(stream_cursor *cursor, const api_services *services,
                                     size_t limit_bytes, bf_buffer *out, stream_state *ret_state,
                                     bf_error *err);

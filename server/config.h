@@ -5,7 +5,9 @@
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
+#include "server/log.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 /// X(name, kind, default, least, most, help): name is the key in the file; BELTFLOW_<NAME> in the
@@ -46,6 +48,16 @@ typedef struct config {
 #undef CONFIG_NUMBER
 } config;
 
+/// One row of the table.
+typedef struct config_row {
+    const char *name;    ///< key in the file
+    const char *initial; ///< default, as text
+    const char *help;    ///< one line
+} config_row;
+
+/// The table, in its order; *ret_n is how many rows it has. Static.
+const config_row *config_rows(size_t *ret_n);
+
 /// The defaults of the table.
 void config_init(config *c);
 
@@ -57,8 +69,16 @@ BF_MUST_CHECK bf_status config_set(config *c, const char *name, const char *valu
 /// Read an INI file of `name = value` lines. BF_ESYSTEM: cannot be read; BF_EINPUT with its line.
 BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *err);
 
-/// Take BELTFLOW_... variables.
+/// Take the BELTFLOW_... variables that name a setting; others are left alone.
 BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
+
+/// Fill in what is empty and lies beside the running program, whose folder is given: program, and
+/// web if there is one (installed, or in the sources of a build tree; else it stays empty).
+/// BF_ELIMIT: a path is too long.
+BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
+
+/// The level that log_level names.
+log_level config_log_level(const config *c);
 
 /// Append a sample file: every setting with its help and default, commented out.
 BF_MUST_CHECK bf_status config_sample(bf_buffer *out, bf_error *err);

@@ -18,16 +18,22 @@ typedef struct lock_condition {
     pthread_cond_t condition; ///< waits with the lock that is named in each call
 } lock_condition;
 
+/// Ready for use, free; lock_fini() before its storage goes.
 void lock_init(lock *l);
 void lock_fini(lock *l);
+
+/// Wait until it is free and hold it; give it back. The owner must not take it again.
 void lock_take(lock *l);
 void lock_give(lock *l);
 
 /// Assert that this thread holds the lock.
 void lock_assert_held(const lock *l);
 
+/// Ready for use; lock_condition_fini() before its storage goes.
 void lock_condition_init(lock_condition *c);
 void lock_condition_fini(lock_condition *c);
+
+/// Wake every thread that waits on the condition.
 void lock_wake_all(lock_condition *c);
 
 /// Wait with the lock held; false if deadline_ms (clock_monotonic_ms(), or -1: none) passed.

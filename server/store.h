@@ -95,7 +95,8 @@ typedef struct store_batch {
     size_t n_checkpoint;    ///< bytes
 } store_batch;
 
-/// Store a batch. Samples and snapshots that are stored already are left out, and their events with
+/// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
+/// not fit the run's columns and grid; then nothing of the batch is stored. Samples and snapshots that are stored already are left out, and their events with
 /// them; of a curve item that is stored in part the rest is stored, and its event not told again
 /// for the part that was (I4): the store cuts t, values and event data by events_curve().
 BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
@@ -134,6 +135,8 @@ BF_MUST_CHECK bf_status store_list_snapshots(store *s, const char *id, api_snaps
 BF_MUST_CHECK bf_status store_read_snapshot(store *s, const char *id, uint64_t index,
                                             api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                             bf_buffer *out, bf_error *err);
+/// A run that was removed has no events any more; that is no failure. No reader is held while take
+/// runs, so it may call the store.
 BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
                                           uint64_t after, size_t limit_bytes, api_event_take *take,
                                           void *take_context, bf_error *err);

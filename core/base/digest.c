@@ -2,11 +2,16 @@
 
 #include <string.h>
 
+#define FACTOR UINT64_C(0xc6a4a7935bd1e995)
+
+// The word is mixed before it meets the digest: otherwise its top bit could be made up for by one
+// bit of the next word.
 static uint64_t add_word(uint64_t digest, uint64_t word)
 {
-    digest = (digest ^ word) * UINT64_C(0x100000001b3);
-    // FNV moves bits only upwards; the rotation brings high bits of a word back down.
-    return digest << 29 | digest >> 35;
+    word *= FACTOR;
+    word ^= word >> 47;
+    word *= FACTOR;
+    return (digest ^ word) * FACTOR;
 }
 
 uint64_t digest_add(uint64_t digest, const void *bytes, size_t n)
@@ -21,6 +26,7 @@ uint64_t digest_add(uint64_t digest, const void *bytes, size_t n)
     word = 0;
     if (n % sizeof word != 0)
         memcpy(&word, at, n % sizeof word);
-    digest = add_word(digest, word);
-    return add_word(digest, n) ^ digest >> 31;
+    digest = add_word(add_word(digest, word), n);
+    digest = (digest ^ digest >> 47) * FACTOR;
+    return digest ^ digest >> 47;
 }

@@ -1,4 +1,4 @@
-/// A 64-bit digest of bytes: FNV-1a over little-endian 64-bit words with a final mix. It
+/// A 64-bit digest of bytes, after MurmurHash64A, over little-endian 64-bit words. It
 /// recognises torn and damaged bytes and compares states; it does not resist an adversary.
 
 #pragma once

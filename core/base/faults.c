@@ -33,6 +33,13 @@ void faults_add_limit(bf_faults *faults, const char *pointer, const char *format
     va_end(args);
 }
 
+void faults_add_error(bf_faults *faults, const bf_error *err)
+{
+    if (faults->n < FAULTS_MAX)
+        faults->items[faults->n] = *err;
+    faults->n++;
+}
+
 size_t faults_kept(const bf_faults *faults)
 {
     return faults->n < FAULTS_MAX ? faults->n : FAULTS_MAX;

@@ -23,6 +23,9 @@ void faults_add(bf_faults *faults, const char *pointer, const char *format, ...)
 void faults_add_limit(bf_faults *faults, const char *pointer, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/// Note a failure as it was reported, whatever its code.
+void faults_add_error(bf_faults *faults, const bf_error *err);
+
 /// How many are kept: the smaller of n and FAULTS_MAX.
 size_t faults_kept(const bf_faults *faults);
 

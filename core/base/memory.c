@@ -43,6 +43,11 @@ void *memory_alloc(size_t n, size_t size)
     return block;
 }
 
+void *memory_alloc_plain(size_t n)
+{
+    return is_fault_due() ? NULL : malloc(n);
+}
+
 void memory_free(void *block)
 {
     void *raw;

@@ -20,6 +20,10 @@ int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
 /// Free what memory_alloc() or memory_reserve() gave; NULL is fine.
 void memory_free(void *block);
 
+/// n bytes as malloc() gives them, NULL too when a planned fault strikes; for libraries that ask for
+/// an allocator. Free with free().
+void *memory_alloc_plain(size_t n);
+
 /// From now on let the n-th allocation (counted from 1) fail, and, if persistent, all after it.
 /// n = 0 switches faults off.
 void memory_plan_fault(size_t n, int persistent);

@@ -1,7 +1,7 @@
 /// How far two outflow curves are apart.
 ///
 /// Between samples a curve is linear; where two curves have different times, both are read on the
-/// union of their times within the common interval. Integrals use the trapezoidal rule there.
+/// union of their times within the common interval. Integrals are exact for such lines.
 
 #pragma once
 
@@ -31,6 +31,6 @@ typedef struct compare_measures {
 } compare_measures;
 
 /// Compare two curves. BF_EINPUT: one is empty, has times that do not rise, values that are not
-/// finite, or they have no common interval; err->pointer is "/a" or "/b". BF_ENOMEM.
+/// finite, or they have no common interval; err->pointer is "/a" or "/b".
 BF_MUST_CHECK bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                                        compare_measures *ret_measures, bf_error *err);

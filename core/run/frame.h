@@ -5,7 +5,8 @@
 ///     4       4      type, enum frame_type
 ///     8       8      n, length of the payload
 ///     16      n      payload: the fields of the type's struct below, in order
-///     16 + n  8      digest (digest.h) of the first 16 + n bytes
+///     16 + n  0..7   zeros up to a multiple of 8, so that the frame after it is aligned
+///     ...     8      digest (digest.h) of all bytes of the frame before it
 ///
 /// A reader sees a torn end (the file stops inside a frame: wait, or drop the rest) apart from
 /// damage (magic, type, length or digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and
@@ -115,14 +116,14 @@ typedef struct frame_error {
 typedef struct frame {
     frame_type type; ///< which member
     union {
-        frame_job job;
-        frame_bytes bytes; ///< FRAME_RESUME, FRAME_CHECKPOINT
-        frame_begin begin;
-        frame_curve curve;
-        frame_snapshot snapshot;
-        frame_progress progress;
-        frame_end end;
-        frame_error error;
+        frame_job job;           ///< FRAME_JOB
+        frame_bytes bytes;       ///< FRAME_RESUME, FRAME_CHECKPOINT
+        frame_begin begin;       ///< FRAME_BEGIN
+        frame_curve curve;       ///< FRAME_CURVE
+        frame_snapshot snapshot; ///< FRAME_SNAPSHOT
+        frame_progress progress; ///< FRAME_PROGRESS
+        frame_end end;           ///< FRAME_END
+        frame_error error;       ///< FRAME_ERROR
     };
 } frame;
 

@@ -14,6 +14,7 @@
 #include "core/run/frame.h"
 #include "core/scene/scene.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /// The models. The values stand in frames and stores: never renumber.
@@ -45,6 +46,9 @@ typedef struct run run;
 
 /// The words of the models, "macro" and "micro"; NULL-terminated.
 extern const char *const run_model_words[];
+
+/// True if this build can solve scenarios with the model.
+bool run_model_is_available(run_model model);
 
 /// Prepare a run of a resolved and checked scenario, which must outlive it.
 /// BF_EINPUT, BF_ELIMIT: the scenario is at fault; BF_ENOMEM.

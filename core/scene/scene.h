@@ -8,7 +8,12 @@
 /// Units    SI: m, s, kg, m/s, Pa. Angles are radians in structs, degrees in documents.
 /// Source   Goettlich et al. 2014, sections 2 to 4; defaults are the paper's or this project's choice.
 /// Owns     the arrays below; scene_fini() frees them.
-/// Errors   scene_check() notes every fault with its JSON pointer in the document.
+/// Errors   scene_check() notes every fault with its JSON pointer in the document. Beyond the names
+///          of the struct members with their unit: cargo/shape/outline_m (prism) and vertices_m
+///          (hull), contacts/cargo_cargo/{length_m, damping_n_s_m, friction, tanh_linear_s_m,
+///          tanh_spin_s}, micro/{damping_per_s, gravity_m_s2, spin_friction_radius_m},
+///          initial/random/{count, region/x_m, region/y_m, seed}. An obstacle of two points is
+///          pointed at as a whole, a longer path at its point.
 
 #pragma once
 
@@ -21,18 +26,19 @@
 #include <stdint.h>
 
 enum {
-    SCENE_NAME_SIZE = 201,       ///< bytes of a scenario's name with its terminator
-    SCENE_ID_SIZE = 65,          ///< bytes of an id with its terminator
-    SCENE_BELTS_MAX = 256,       ///< belts in a scenario
-    SCENE_OBSTACLES_MAX = 256,   ///< obstacles in a scenario
-    SCENE_POINTS_MAX = 1024,     ///< points of a polygon or a path
-    SCENE_VERTICES_MAX = 64,     ///< vertices of a cargo shape
-    SCENE_COUNTERS_MAX = 32,     ///< counters in a scenario
-    SCENE_PARTS_MAX = 1000000,   ///< parts in a scenario
-    SCENE_CELLS_MAX = 100000000, ///< cells of the macroscopic grid
-    SCENE_SAMPLES_MAX = 1000000, ///< samples of the outflow curve
-    SCENE_SNAPSHOTS_MAX = 20000, ///< density snapshots of a run
-    SCENE_REACH_MAX = 64,        ///< cells that a mollifier may reach over
+    SCENE_NAME_SIZE = 201,          ///< bytes of a scenario's name with its terminator
+    SCENE_ID_SIZE = 65,             ///< bytes of an id with its terminator
+    SCENE_BELTS_MAX = 256,          ///< belts in a scenario
+    SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
+    SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
+    SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape
+    SCENE_COUNTERS_MAX = 32,        ///< counters in a scenario
+    SCENE_PARTS_MAX = 1000000,      ///< parts in a scenario
+    SCENE_CELLS_MAX = 100000000,    ///< cells of the macroscopic grid
+    SCENE_CELLS_SIDE_MAX = 1 << 24, ///< cells of it along one side
+    SCENE_SAMPLES_MAX = 1000000,    ///< samples of the outflow curve
+    SCENE_SNAPSHOTS_MAX = 20000,    ///< density snapshots of a run
+    SCENE_REACH_MAX = 64,           ///< cells that a mollifier may reach over
 };
 
 /// Most steps of a run.
@@ -43,6 +49,17 @@ enum {
 
 /// Borders of bands and of obstacles' ends are taken with this tolerance, m, in favour of the band.
 #define SCENE_TOLERANCE 1e-9
+
+/// Largest coordinate and length, and smallest length of a part, m.
+#define SCENE_LENGTH_MAX 1e5
+#define SCENE_LENGTH_MIN 1e-6
+
+/// Largest speed, m/s.
+#define SCENE_SPEED_MAX 1e3
+
+/// Most values that the density of the parts at the start may take to sum up: parts times cells
+/// within the reach of initial_mollifier.
+#define SCENE_INITIAL_WORK_MAX 1e12
 
 /// A point or a vector in the plane: x along the belt, y across it.
 typedef struct scene_point {
@@ -77,7 +94,7 @@ typedef enum scene_edge {
 
 /// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one wins.
 typedef struct scene_belt {
-    char id[SCENE_ID_SIZE]; ///< unique among belts (default "main")
+    char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
     scene_point velocity;   ///< v_T, m/s (default 0.395, 0)
     size_t n_points;        ///< 0: the belt covers the domain
     scene_point *polygon;   ///< simple polygon, n_points >= 3 corners, m
@@ -185,7 +202,7 @@ typedef struct scene_initial {
 
 /// Counts the parts inside a rectangle: U(t) of the paper.
 typedef struct scene_counter {
-    char id[SCENE_ID_SIZE]; ///< unique, a column of the curve (default: one, "upstream")
+    char id[SCENE_ID_SIZE]; ///< unique, a column of the curve (default "upstream", "upstream-<n>")
     scene_rect rect;        ///< x_min <= x < x_max, same in y (default the domain's)
 } scene_counter;
 
@@ -254,15 +271,23 @@ typedef struct scene {
 } scene;
 
 /// Fill *s with the defaults that depend on nothing else: no belts, obstacles, counters or parts
-/// yet. Numbers whose default is derived are NAN until scene_resolve().
+/// yet. Numbers whose default is derived are NAN until scene_resolve(); what has no default is NAN
+/// or, the type of the source of cargo, SCENE_INITIAL_COUNT. Arrays that the caller adds come from
+/// memory.h.
 void scene_init(scene *s);
 
+/// Fill *b, *o or *c with its defaults; derived ones are NAN, and ids "", until scene_resolve().
+void scene_belt_init(scene_belt *b);
+void scene_obstacle_init(scene_obstacle *o);
+void scene_counter_init(scene_counter *c);
+
 /// Fill in what was left to be derived: every NAN that has a default in terms of other members,
-/// the belt and the counter if there are none. BF_ENOMEM.
+/// empty ids, the belt and the counter if there are none. BF_ENOMEM: *s is as before.
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 
 /// Check a resolved scenario completely, for the macroscopic model too: ranges, ids, geometry,
-/// sizes, stability (CFL), cargo outside or overlapping. Notes every fault it can find.
+/// sizes, stability (CFL), cargo outside or overlapping. Notes every fault it can find, of one kind
+/// of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM.
 void scene_check(const scene *s, bf_faults *faults);
 
 /// Free what *s owns and zero it. NULL is fine.
@@ -286,7 +311,8 @@ size_t scene_parts(const scene *s);
 bool scene_mirrors_walls(const scene *s);
 
 /// Time step of the macroscopic model, s: macro.step, or for "auto" the largest that is stable and
-/// positive and fits a whole number of times into output.curve_every.
+/// positive, not longer than the run, and, where output.curve_every is longer, fits a whole number
+/// of times into it.
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt (max|v_stat| + eps) <= dx, and the largest below which

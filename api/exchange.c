@@ -1,0 +1,238 @@
+// Dispatch: path and method to a route, query and Accept checked against it, failures to problems.
+
+#include "api/exchange.h"
+
+#include "api/exchange_priv.h"
+#include "core/base/check.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+bool api_route_blocks(const char *method, const char *path)
+{
+    const route *found = routes_find(method, path, NULL);
+
+    return found != NULL && found->blocks;
+}
+
+void api_response_header(api_response *response, const char *name, const char *format, ...)
+{
+    va_list args;
+
+    BF_CHECK(response->n_headers < API_HEADERS_MAX);
+    api_header *header = &response->headers[response->n_headers++];
+    header->name = name;
+    va_start(args, format);
+    int n = vsnprintf(header->value, sizeof header->value, format, args);
+    va_end(args);
+    BF_CHECK(n >= 0 && (size_t)n < sizeof header->value);
+}
+
+void api_response_fini(api_response *response)
+{
+    if (response == NULL)
+        return;
+    buffer_fini(&response->body);
+    *response = (api_response){ 0 };
+}
+
+bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
+{
+    char text[BF_TEXT_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    x->refusal = http_status;
+    return bf_fail(err, BF_EINPUT, "", "%s", text);
+}
+
+const char *exchange__header(const exchange *x, const char *name)
+{
+    return x->request->header(x->request->header_context, name);
+}
+
+bool exchange__is_id(const char *text)
+{
+    static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
+
+    for (size_t i = 0; i < sizeof form - 1; i++) {
+        bool fits = form[i] == '-' ? text[i] == '-'
+                                   : text[i] != '\0' && strchr("0123456789abcdef", text[i]) != NULL;
+        if (!fits)
+            return false;
+    }
+    return text[sizeof form - 1] == '\0';
+}
+
+bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
+{
+    const char *id = x->params.values[0];
+
+    BF_CHECK(x->params.n > 0);
+    if (!exchange__is_id(id))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", id);
+    return x->services->find(x->services->context, id, ret_run, err);
+}
+
+// True if a list of entity tags ("\"a\", W/\"b\"" or "*") has the tag, by weak comparison.
+static bool has_tag(const char *list, const char *tag)
+{
+    size_t n = strlen(tag);
+
+    while (*list != '\0') {
+        list += strspn(list, ", \t");
+        if (*list == '*')
+            return true;
+        if (strncmp(list, "W/", 2) == 0)
+            list += 2;
+        if (*list != '"')
+            return false;
+        size_t length = strcspn(list + 1, "\"");
+        if (list[1 + length] == '\0')
+            return false;
+        if (length == n && memcmp(list + 1, tag, n) == 0)
+            return true;
+        list += length + 2;
+    }
+    return false;
+}
+
+bool exchange__is_unchanged(exchange *x, const char *format, ...)
+{
+    const char *known = exchange__header(x, "If-None-Match");
+    char tag[EXCHANGE_ETAG_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    int n = vsnprintf(tag, sizeof tag, format, args);
+    va_end(args);
+    BF_CHECK(n >= 0 && (size_t)n < sizeof tag);
+    api_response_header(x->response, "ETag", "\"%s\"", tag);
+    if (known == NULL || !has_tag(known, tag))
+        return false;
+    x->response->status = 304;
+    return true;
+}
+
+static bf_status find_route(exchange *x, bf_error *err)
+{
+    const api_request *request = x->request;
+    char allow[ROUTES_ALLOW_SIZE];
+
+    if (strlen(request->path) >= API_PATH_MAX || strlen(request->query) >= API_PATH_MAX - 1)
+        return exchange__refuse(x, 414, err, "path and query may have %d bytes each",
+                                API_PATH_MAX - 2);
+    x->route = routes_find(request->method, request->path, &x->params);
+    if (x->route != NULL)
+        return BF_OK;
+    if (!routes_allow(request->path, allow))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is nothing at this path");
+    return exchange__refuse(x, 405, err, "this path knows: %s", allow);
+}
+
+static bf_status choose_media(exchange *x, bf_error *err)
+{
+    const char *word = query_value(&x->query, "format");
+    bf_status status =
+        media_choose(x->route->formats, word, exchange__header(x, "Accept"), &x->media, err);
+
+    if (status != BF_OK && word == NULL)
+        x->refusal = 406;
+    return status;
+}
+
+static bf_status dispatch(exchange *x, bf_error *err)
+{
+    bf_status status = find_route(x, err);
+
+    if (status == BF_OK)
+        status = query_parse(x->request->query, &x->query, err);
+    if (status == BF_OK)
+        status = query_allow(&x->query, x->route->query, err);
+    if (status == BF_OK)
+        status = choose_media(x, err);
+    if (status == BF_OK)
+        status = x->route->handle(x, err);
+    return status;
+}
+
+static bool has_header(const api_response *response, const char *name)
+{
+    for (size_t i = 0; i < response->n_headers; i++) {
+        if (strcmp(response->headers[i].name, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+// What every answer that is not a problem carries.
+static void complete(exchange *x)
+{
+    api_response *response = x->response;
+
+    if (response->status == 0)
+        response->status = 200;
+    bool has_body = response->status != 204 && response->status != 304;
+    if (has_body)
+        api_response_header(response, "Content-Type", "%s", x->media->content_type);
+    if (strchr(x->route->formats, ' ') != NULL)
+        api_response_header(response, "Vary", "Accept");
+    if (!has_header(response, "Cache-Control"))
+        api_response_header(response, "Cache-Control", "no-store");
+    // A stream has no length, and HEAD wants its headers only.
+    if (response->is_stream && strcmp(x->request->method, "HEAD") == 0)
+        response->is_stream = false;
+}
+
+// A document that is at fault is understood but cannot be processed, unless it is none at all.
+static int refusal_status(const exchange *x, bf_status code)
+{
+    if (x->refusal != 0)
+        return x->refusal;
+    if ((code == BF_EINPUT || code == BF_ELIMIT) && x->faults.n > 0)
+        return x->faults.items[0].pointer[0] == '\0' ? 400 : 422;
+    return problem__status(code);
+}
+
+static void refuse(exchange *x, bf_status code, const bf_error *error)
+{
+    int status = refusal_status(x, code);
+    char allow[ROUTES_ALLOW_SIZE];
+
+    problem__write(x->response, status, x->request->path, error, &x->faults);
+    if (status == 405 && routes_allow(x->request->path, allow))
+        api_response_header(x->response, "Allow", "%s", allow);
+    if (status == 415)
+        api_response_header(x->response, "Accept", "application/json");
+}
+
+// OPTIONS of a path that exists. False: it does not.
+static bool answer_options(const api_request *request, api_response *response)
+{
+    char allow[ROUTES_ALLOW_SIZE];
+
+    if (strcmp(request->method, "OPTIONS") != 0 || !routes_allow(request->path, allow))
+        return false;
+    response->status = 204;
+    api_response_header(response, "Allow", "%s", allow);
+    return true;
+}
+
+void api_handle(const api_services *services, const api_request *request, api_response *response)
+{
+    exchange x = { .services = services, .request = request, .response = response };
+    bf_error error = { 0 };
+
+    *response = (api_response){ 0 };
+    if (!answer_options(request, response)) {
+        bf_status status = dispatch(&x, &error);
+        if (status == BF_OK)
+            complete(&x);
+        else
+            refuse(&x, status, &error);
+    }
+    api_response_header(response, "X-Content-Type-Options", "nosniff");
+}

@@ -1,0 +1,51 @@
+/// What the handlers share while they answer one request.
+
+#pragma once
+
+#include "api/exchange.h"
+#include "api/media.h"
+#include "api/query.h"
+#include "api/routes.h"
+#include "core/base/faults.h"
+
+#include <stdbool.h>
+
+enum { EXCHANGE_ETAG_SIZE = 96 }; ///< bytes of an entity tag with its terminator
+
+/// One request on its way to its response. Lives on the stack of api_handle().
+struct exchange {
+    const api_services *services; ///< what the daemon offers
+    const api_request *request;   ///< borrowed
+    api_response *response;       ///< filled by the handler
+    const route *route;           ///< found in the table
+    route_params params;          ///< of the path
+    query query;                  ///< parsed, only names that the route knows
+    const media *media;           ///< the representation that was chosen
+    bf_faults faults;             ///< of the request's document, for `errors` of a problem
+    int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
+};
+
+/// Fail with an HTTP status that no bf_status stands for. Returns BF_EINPUT.
+bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/// A request header's value, or NULL.
+const char *exchange__header(const exchange *x, const char *name);
+
+/// True if text has the form of a run id.
+bool exchange__is_id(const char *text);
+
+/// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
+BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
+
+/// Name the state of what a GET asks for by an entity tag, given without quotes. True if the client
+/// has that state already: the response is then a 304, and the handler is done.
+bool exchange__is_unchanged(exchange *x, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// Make the response a problem document with the errors of faults (NULL: none).
+void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
+                    const bf_faults *faults);
+
+/// The HTTP status of a failure.
+int problem__status(bf_status code);

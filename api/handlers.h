@@ -1,0 +1,35 @@
+/// The handlers of the routes, by the file that holds them. What each does is said in the table of
+/// routes.c.
+
+#pragma once
+
+#include "api/routes.h"
+
+/// Runs: accept, list, show, stop, remove; and what accepting would say.
+route_handler handlers_runs_submit;
+route_handler handlers_runs_validate;
+route_handler handlers_runs_list;
+route_handler handlers_runs_show;
+route_handler handlers_runs_cancel;
+route_handler handlers_runs_remove;
+
+/// What a run has given so far.
+route_handler handlers_results_scenario;
+route_handler handlers_results_summary;
+route_handler handlers_results_curve;
+route_handler handlers_results_snapshots;
+route_handler handlers_results_snapshot;
+
+/// Event streams of one run and of several.
+route_handler handlers_events_of_run;
+route_handler handlers_events_of_runs;
+
+/// Two runs against each other.
+route_handler handlers_compare_runs;
+
+/// The service itself.
+route_handler handlers_meta_examples;
+route_handler handlers_meta_example;
+route_handler handlers_meta_livez;
+route_handler handlers_meta_readyz;
+route_handler handlers_meta_version;

@@ -1,0 +1,107 @@
+// Event streams: the handler finds where the client stands; the transport pulls the bytes.
+
+#include "api/exchange_priv.h"
+#include "api/handlers.h"
+
+#include <string.h>
+
+static bf_status read_flag(const exchange *x, const char *name, bool *ret_value, bf_error *err)
+{
+    uint64_t value = 0;
+
+    bf_status status = query_number(&x->query, name, 0, 1, &value, err);
+    if (status == BF_OK)
+        *ret_value = value == 1;
+    return status;
+}
+
+// A browser that reconnects sends the header; the address that it was given stays as it was.
+static bf_status read_last_event(exchange *x, uint64_t *ret_id, bf_error *err)
+{
+    const char *last = exchange__header(x, "Last-Event-ID");
+    uint64_t id = 0;
+
+    if (last == NULL || *last == '\0')
+        return query_number(&x->query, "last_event_id", 0, UINT64_MAX, ret_id, err);
+    if (query_read_number(last, &id) != 0)
+        return exchange__refuse(x, 400, err, "Last-Event-ID is no event's id: '%.64s'", last);
+    *ret_id = id;
+    return BF_OK;
+}
+
+static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_runs, bf_error *err)
+{
+    stream_format format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON;
+    api_response *response = x->response;
+    uint64_t after = 0;
+    bool is_inline = false;
+
+    bf_status status = read_flag(x, "inline", &is_inline, err);
+    if (status == BF_OK)
+        status = read_last_event(x, &after, err);
+    if (status == BF_OK)
+        status = stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs,
+                              n_runs, after, &response->cursor, err);
+    if (status != BF_OK)
+        return status;
+    response->is_stream = response->cursor.n_open > 0;
+    if (!response->is_stream)
+        response->status = 204; // tells a browser not to come back
+    else
+        api_response_header(response, "X-Accel-Buffering", "no");
+    return BF_OK;
+}
+
+bf_status handlers_events_of_run(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = begin_stream(x, &record.id, 1, err);
+    return status;
+}
+
+// Reads "id,id,..." of different runs.
+static bf_status read_runs(exchange *x, char (*ret_runs)[API_ID_SIZE], size_t *ret_n, bf_error *err)
+{
+    const char *text = query_value(&x->query, "runs");
+    size_t n = 0;
+
+    if (text == NULL || *text == '\0')
+        return exchange__refuse(x, 400, err, "query parameter 'runs' is missing: ids with commas");
+    for (;; text++) {
+        size_t length = strcspn(text, ",");
+        if (n == API_STREAM_RUNS_MAX)
+            return exchange__refuse(x, 400, err, "query parameter 'runs' has more than %d runs",
+                                    API_STREAM_RUNS_MAX);
+        if (length >= API_ID_SIZE)
+            return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%.64s'", text);
+        memcpy(ret_runs[n], text, length);
+        ret_runs[n][length] = '\0';
+        if (!exchange__is_id(ret_runs[n]))
+            return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", ret_runs[n]);
+        for (size_t i = 0; i < n; i++) {
+            if (strcmp(ret_runs[i], ret_runs[n]) == 0)
+                return exchange__refuse(x, 400, err, "query parameter 'runs' has '%s' twice",
+                                        ret_runs[n]);
+        }
+        n++;
+        text += length;
+        if (*text == '\0')
+            break;
+    }
+    *ret_n = n;
+    return BF_OK;
+}
+
+bf_status handlers_events_of_runs(exchange *x, bf_error *err)
+{
+    char runs[API_STREAM_RUNS_MAX][API_ID_SIZE];
+    size_t n = 0;
+
+    bf_status status = read_runs(x, runs, &n, err);
+    if (status == BF_OK)
+        status = begin_stream(x, runs, n, err);
+    return status;
+}

@@ -1,0 +1,234 @@
+// Runs: accept (or only judge) a submission, list, show, cancel, remove.
+
+#include "api/exchange_priv.h"
+#include "api/handlers.h"
+#include "api/run_json.h"
+#include "api/submission.h"
+#include "core/base/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+enum {
+    RUN_JSON_MAX = 16384, // bytes that hold any run as JSON
+    LIST_LIMIT = 50,      // runs a page, unless asked for
+};
+
+// The body must say that it is JSON, so that no page of another origin can post it unasked.
+static bf_status check_body_type(exchange *x, bf_error *err)
+{
+    static const char wanted[] = "application/json";
+    const char *type = exchange__header(x, "Content-Type");
+    const char *coding = exchange__header(x, "Content-Encoding");
+
+    if (type == NULL)
+        return exchange__refuse(x, 415, err, "the body needs Content-Type: %s", wanted);
+    size_t n = strcspn(type, "; \t");
+    if (n != sizeof wanted - 1 || strncasecmp(type, wanted, n) != 0)
+        return exchange__refuse(x, 415, err, "the body must be %s, not '%.64s'", wanted, type);
+    if (coding != NULL && strcasecmp(coding, "identity") != 0)
+        return exchange__refuse(x, 415, err, "the body must not be encoded ('%.32s')", coding);
+    return BF_OK;
+}
+
+static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
+{
+    const api_request *request = x->request;
+    const char *body = request->body == NULL ? "" : request->body;
+    bf_status status = check_body_type(x, err);
+
+    if (status == BF_OK)
+        status = submission_read(body, request->n_body, ret_submission, &x->faults, err);
+    return status;
+}
+
+static bf_status write_run(exchange *x, const api_run *record, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    json_out_object(&w);
+    run_json_members(&w, record);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+bf_status handlers_runs_submit(exchange *x, bf_error *err)
+{
+    api_submission submission = { 0 };
+    api_run record;
+
+    bf_status status = read_submission(x, &submission, err);
+    if (status != BF_OK)
+        return status;
+    // Room for the answer comes first: a run that was accepted must not be answered with a failure.
+    if (buffer_reserve(&x->response->body, RUN_JSON_MAX) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+    else
+        status = x->services->submit(x->services->context, &submission, &record, err);
+    submission_fini(&submission);
+    if (status != BF_OK)
+        return status;
+    x->response->status = 201;
+    api_response_header(x->response, "Location", "/v1/runs/%s", record.id);
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record.revision);
+    return write_run(x, &record, err);
+}
+
+bf_status handlers_runs_validate(exchange *x, bf_error *err)
+{
+    api_submission submission = { 0 };
+
+    bf_status status = read_submission(x, &submission, err);
+    if (status != BF_OK)
+        return status;
+    json_out w = json_out_to(&x->response->body);
+    json_out_object(&w);
+    json_out_key_bool(&w, "valid", true);
+    json_out_key_string(&w, "model", run_model_words[submission.model]);
+    json_out_key(&w, "resolved");
+    json_out_raw(&w, submission.scenario.bytes, submission.scenario.n);
+    json_out_object_end(&w);
+    submission_fini(&submission);
+    return json_out_status(&w, err);
+}
+
+static bf_status read_model(const char *word, int *ret_model, bf_error *err)
+{
+    for (int i = 0; i < RUN_MODEL_COUNT; i++) {
+        if (strcmp(word, run_model_words[i]) == 0) {
+            *ret_model = i;
+            return BF_OK;
+        }
+    }
+    return bf_fail(err, BF_EINPUT, "", "query parameter 'model' is no model: '%.32s'", word);
+}
+
+static bf_status read_list_query(const exchange *x, api_list_query *list, bf_error *err)
+{
+    const char *state = query_value(&x->query, "status");
+    const char *model = query_value(&x->query, "model");
+    const char *label = query_value(&x->query, "label");
+    const char *cursor = query_value(&x->query, "cursor");
+    uint64_t limit = LIST_LIMIT;
+
+    *list = (api_list_query){ .state = -1, .model = -1 };
+    if (state != NULL && (list->state = run_state_find(state)) == RUN_STATE_COUNT)
+        return bf_fail(err, BF_EINPUT, "", "query parameter 'status' is no status: '%.32s'", state);
+    if (label != NULL && strlen(label) >= sizeof list->label)
+        return bf_fail(err, BF_EINPUT, "", "query parameter 'label' has more than %d bytes",
+                       API_LABEL_SIZE - 1);
+    if (cursor != NULL && !exchange__is_id(cursor))
+        return bf_fail(err, BF_EINPUT, "", "query parameter 'cursor' is not from a `next` link");
+    snprintf(list->label, sizeof list->label, "%s", label == NULL ? "" : label);
+    snprintf(list->before, sizeof list->before, "%s", cursor == NULL ? "" : cursor);
+    bf_status status = query_number(&x->query, "limit", 1, API_LIST_MAX, &limit, err);
+    list->limit = (size_t)limit;
+    if (status == BF_OK && model != NULL)
+        status = read_model(model, &list->model, err);
+    return status;
+}
+
+// Writes a value for a query; text has room for three bytes per byte of value.
+static void encode_value(const char *value, char *text)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+
+    for (; *value != '\0'; value++) {
+        if (strchr(plain, *value) != NULL)
+            *text++ = *value;
+        else
+            text += sprintf(text, "%%%02X", (unsigned char)*value);
+    }
+    *text = '\0';
+}
+
+static void add_next_link(exchange *x, const api_list_query *list, const char *last_id)
+{
+    char label[API_LABEL_SIZE * 3];
+    bool has_state = list->state >= 0, has_model = list->model >= 0;
+
+    encode_value(list->label, label);
+    api_response_header(x->response, "Link",
+                        "</v1/runs?limit=%zu%s%s%s%s%s%s&cursor=%s>; rel=\"next\"", list->limit,
+                        has_state ? "&status=" : "",
+                        has_state ? run_state_word((run_state)list->state) : "",
+                        has_model ? "&model=" : "", has_model ? run_model_words[list->model] : "",
+                        label[0] == '\0' ? "" : "&label=", label, last_id);
+}
+
+static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    json_out_object(&w);
+    json_out_key(&w, "runs");
+    json_out_array(&w);
+    for (size_t i = 0; i < list->n; i++) {
+        json_out_object(&w);
+        run_json_members(&w, &list->runs[i]);
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+bf_status handlers_runs_list(exchange *x, bf_error *err)
+{
+    api_list_query list_query;
+
+    bf_status status = read_list_query(x, &list_query, err);
+    if (status != BF_OK)
+        return status;
+    api_run_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    status = x->services->list(x->services->context, &list_query, list, err);
+    if (status == BF_OK && list->has_more && list->n > 0)
+        add_next_link(x, &list_query, list->runs[list->n - 1].id);
+    if (status == BF_OK)
+        status = write_list(x, list, err);
+    memory_free(list);
+    return status;
+}
+
+bf_status handlers_runs_show(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    api_response_header(x->response, "Cache-Control", "private, no-cache");
+    if (exchange__is_unchanged(x, "r%" PRIu64, record.revision))
+        return BF_OK;
+    return write_run(x, &record, err);
+}
+
+bf_status handlers_runs_cancel(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = x->services->cancel(x->services->context, x->params.values[0], &record, err);
+    if (status != BF_OK)
+        return status;
+    x->response->status = run_state_is_end(record.state) ? 200 : 202;
+    return write_run(x, &record, err);
+}
+
+bf_status handlers_runs_remove(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = x->services->remove(x->services->context, record.id, err);
+    if (status == BF_OK)
+        x->response->status = 204;
+    return status;
+}

@@ -1,0 +1,10 @@
+/// For the files of api that read a scenario as part of something else.
+
+#pragma once
+
+#include "api/json_in.h"
+#include "core/scene/scene.h"
+
+/// Resolve and check a scenario whose members were read. Faults are pointed at from the reading's
+/// present place. False: faults were noted, or there is no memory.
+bool scenario__complete(json_in *in, scene *s);

@@ -1,0 +1,213 @@
+#include "core/macro/macro.h"
+
+#include "core/base/memory.h"
+#include "core/base/parallel.h"
+#include "core/macro/macro_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
+
+static const double cfl_slack = 1e-9; // for steps that meet the bound in decimal
+
+macro_def macro_def_default(void)
+{
+    return (macro_def){
+        .grid = { .n1 = 200, .n2 = 120, .d1 = 5e-3, .d2 = 5e-3 },
+        .dt = 1.25e-3,
+        .dispersion = 0.79,
+        .mollifier = 10000.0,
+        .gate = MACRO_GATE_SHARP,
+        .gate_width = 0.05,
+        .n_threads = 1,
+        .cookie = COOKIE,
+    };
+}
+
+static double largest_speed(const double *v, size_t n)
+{
+    double largest = 0.0;
+
+    for (size_t k = 0; v != NULL && k < n; k++)
+        largest = fabs(v[k]) > largest ? fabs(v[k]) : largest;
+    return largest;
+}
+
+static bool is_positive(double x)
+{
+    return isfinite(x) && x > 0.0;
+}
+
+static bf_status check_members(const macro_def *def, bf_error *err)
+{
+    const bf_grid *g = &def->grid;
+
+    if (g->n1 < 1 || g->n2 < 1 || g->n1 > MOST_CELLS_A_SIDE || g->n2 > MOST_CELLS_A_SIDE)
+        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "a grid of %zu x %zu cells is not possible",
+                       g->n1, g->n2);
+    if (!is_positive(g->d1) || !is_positive(g->d2))
+        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "the cell edge must be positive");
+    if (!is_positive(def->dt))
+        return bf_fail(err, BF_EINPUT, "/macro/step_s", "the step must be positive");
+    if (!isfinite(def->dispersion) || def->dispersion < 0.0)
+        return bf_fail(err, BF_EINPUT, "/macro/dispersion_m_s", "must be 0 or more");
+    if (!is_positive(def->mollifier) ||
+        mollifier_reach(def->mollifier, fmin(g->d1, g->d2)) > MOLLIFIER_REACH_MAX)
+        return bf_fail(err, BF_EINPUT, "/macro/mollifier_per_m2",
+                       "the mollifier must be positive and reach over at most %d cells",
+                       MOLLIFIER_REACH_MAX);
+    if (def->gate >= MACRO_GATE_COUNT)
+        return bf_fail(err, BF_EINPUT, "/macro/heaviside", "unknown form of H");
+    if (def->gate == MACRO_GATE_SMOOTH && !is_positive(def->gate_width))
+        return bf_fail(err, BF_EINPUT, "/macro/heaviside_width", "must be positive");
+    if (def->n_threads < 1 || def->n_threads > MOST_THREADS)
+        return bf_fail(err, BF_EINPUT, "", "the number of threads must be 1 to %d", MOST_THREADS);
+    return BF_OK;
+}
+
+static bf_status check_stability(const macro_def *def, bf_error *err)
+{
+    const bf_grid *g = &def->grid;
+    double speed1 = largest_speed(def->v1, (g->n1 + 1) * g->n2) + def->dispersion;
+    double speed2 = largest_speed(def->v2, g->n1 * (g->n2 + 1)) + def->dispersion;
+
+    if (def->dt * speed1 <= g->d1 * (1.0 + cfl_slack) &&
+        def->dt * speed2 <= g->d2 * (1.0 + cfl_slack))
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "/macro/step_s",
+                   "a step of %.9g s is unstable; the largest stable one (CFL) is %.9g s", def->dt,
+                   fmin(g->d1 / speed1, g->d2 / speed2));
+}
+
+static ptrdiff_t round_up(ptrdiff_t n)
+{
+    return (n + LANES - 1) / LANES * LANES;
+}
+
+static void lay_out(macro_solver *s, const macro_def *def)
+{
+    s->def = *def;
+    s->def.v1 = s->def.v2 = NULL;
+    s->def.closed1 = s->def.closed2 = NULL;
+    s->kernel = kernels_best();
+    mollifier_init(&s->along, def->mollifier, def->grid.d1);
+    mollifier_init(&s->across, def->mollifier, def->grid.d2);
+    s->lambda1 = def->dt / def->grid.d1;
+    s->lambda2 = def->dt / def->grid.d2;
+    s->n1 = (ptrdiff_t)def->grid.n1;
+    s->n2 = (ptrdiff_t)def->grid.n2;
+    s->n_blocks = round_up(s->n1) / LANES;
+    s->n_words = block_set_words(s->n_blocks);
+    // Block -1 is convolved too, and so is the whole last block.
+    s->margin = LANES + round_up(s->along.reach);
+    s->stride = s->margin + s->n_blocks * LANES + round_up(s->along.reach + 1);
+    s->n_ring = 1;
+    while (s->n_ring < 2 * s->across.reach + 2)
+        s->n_ring *= 2;
+    s->n_bands = def->n_threads < s->n2 ? def->n_threads : (int)s->n2;
+}
+
+static bf_status init_state(const macro_solver *s, macro_state *state)
+{
+    state->rho = memory_alloc((size_t)(s->n2 * s->stride), sizeof *state->rho);
+    state->span = memory_alloc((size_t)s->n2, sizeof *state->span);
+    state->peak = memory_alloc((size_t)s->n2, sizeof *state->peak);
+    return state->rho != NULL && state->span != NULL && state->peak != NULL ? BF_OK : BF_ENOMEM;
+}
+
+static bf_status init_arrays(macro_solver *s, const macro_def *def)
+{
+    s->zero_row = memory_alloc((size_t)s->stride, sizeof *s->zero_row);
+    s->cost = memory_alloc((size_t)s->n2, sizeof *s->cost);
+    s->bands = memory_alloc((size_t)s->n_bands, sizeof *s->bands);
+    if (s->zero_row == NULL || s->cost == NULL || s->bands == NULL ||
+        init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
+        macro__faces_init(s, def) != BF_OK)
+        return BF_ENOMEM;
+    for (int k = 0; k < s->n_bands; k++)
+        if (macro__band_init(s, &s->bands[k]) != BF_OK)
+            return BF_ENOMEM;
+    return BF_OK;
+}
+
+bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    if (def->cookie != COOKIE)
+        return bf_fail(err, BF_EINPUT, "", "the definition is not from macro_def_default()");
+    if ((status = check_members(def, err)) != BF_OK ||
+        (status = check_stability(def, err)) != BF_OK)
+        return status;
+    macro_solver *s = memory_alloc(1, sizeof *s);
+    if (s == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
+    lay_out(s, def);
+    if (init_arrays(s, def) != BF_OK) {
+        macro_destroy(s);
+        return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for a grid of %zu x %zu cells",
+                       def->grid.n1, def->grid.n2);
+    }
+    *ret_solver = s;
+    return BF_OK;
+}
+
+static void fini_state(macro_state *state)
+{
+    memory_free(state->rho);
+    memory_free(state->span);
+    memory_free(state->peak);
+}
+
+macro_solver *macro_destroy(macro_solver *s)
+{
+    if (s == NULL)
+        return NULL;
+    for (int k = 0; s->bands != NULL && k < s->n_bands; k++)
+        macro__band_fini(&s->bands[k]);
+    memory_free(s->bands);
+    macro__faces_fini(s);
+    fini_state(&s->now);
+    fini_state(&s->next);
+    memory_free(s->cost);
+    memory_free(s->zero_row);
+    memory_free(s);
+    return NULL;
+}
+
+// Cuts the rows into bands of about equal work.
+static void cut_bands(macro_solver *s)
+{
+    double total = 0.0, reached = 0.0;
+    ptrdiff_t row = 0;
+
+    for (ptrdiff_t j = 0; j < s->n2; j++)
+        total += s->cost[j];
+    for (int k = 0; k < s->n_bands; k++) {
+        ptrdiff_t rows_left_for_others = s->n_bands - 1 - k;
+        s->bands[k].first = row;
+        do
+            reached += s->cost[row++];
+        while (row < s->n2 - rows_left_for_others && reached < total * (k + 1) / s->n_bands);
+        s->bands[k].last = row;
+    }
+    s->bands[s->n_bands - 1].last = s->n2;
+}
+
+static void sweep_band(void *context, size_t k)
+{
+    macro_solver *s = context;
+
+    macro__sweep_band(&s->bands[k]);
+}
+
+void macro_step(macro_solver *s)
+{
+    cut_bands(s);
+    parallel_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
+    macro_state swap = s->now;
+    s->now = s->next;
+    s->next = swap;
+    s->steps++;
+}

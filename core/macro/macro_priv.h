@@ -1,0 +1,165 @@
+/// Inside of the macroscopic solver.
+///
+/// A step reads the density `now` and writes `next`, in one pass over the rows in rising order:
+///
+///     row r:  I at row r where a cell may be packed (the x1 part of the convolution of rows
+///             r-S .. r+S waits in a ring, so each is made once);
+///             x1 sweep of row r, from now into next;
+///             flux between rows r-1 and r; x2 sweep of row r-1, in place in next.
+///
+/// Work is left out where it would be exactly nothing: rows are swept from their first to their last
+/// non-zero block; I is made only for faces with a packed cell at a side; an x2 flux only where the
+/// static velocity is not zero or a cell is packed. Sets of blocks (block_set.h) say where. They may
+/// hold too much, never too little: a flux made without need is exactly zero.
+///
+/// Rows have `margin` doubles before cell 0 and room for the mollifier's reach behind the last cell.
+/// Outside the grid they hold zeros, or the mirrored density, which only the convolution sees: the
+/// faces of a mirroring edge are closed.
+///
+/// Threads each take a band of rows and repeat the x1 sweep of the rows next to it for themselves, so
+/// they share nothing and every bit is the same for any number of bands.
+
+#pragma once
+
+#include "core/macro/block_set.h"
+#include "core/macro/kernels.h"
+#include "core/macro/macro.h"
+
+/// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
+/// r holds the faces (i, r - 1/2), 0 <= r <= n2.
+typedef struct macro_faces {
+    double *v;          ///< static velocity; 0 on closed faces and where there is no face
+    uint64_t *mixed;    ///< per row the blocks whose velocities are not the plain one
+    uint64_t *closable; ///< per row the blocks with at least one closed face
+    uint64_t *shut;     ///< per row the blocks with only closed faces
+    uint8_t *closed;    ///< per row and block: bit k is set if face 8 b + k is closed
+} macro_faces;
+
+/// The density at one time.
+typedef struct macro_state {
+    double *rho;      ///< n2 rows
+    block_span *span; ///< per row: what is not zero lies within
+    double *peak;     ///< per row: no density is larger
+} macro_state;
+
+/// A row after its x1 sweep.
+typedef struct macro_swept {
+    const double *rho;   ///< cell 0
+    const double *gated; ///< H(rho - 1) rho, or rho itself where the kernel gates
+    uint64_t *packed;    ///< blocks in which the gate may be open
+    block_span span;     ///< what is not zero lies within
+    double peak;         ///< no density is larger
+} macro_swept;
+
+/// A row of I.
+typedef struct macro_push_row {
+    ptrdiff_t row;  ///< which row of the grid
+    double *i1;     ///< I1 at its x1-faces
+    double *i2;     ///< I2 at its northern x2-faces
+    uint64_t *done; ///< blocks that were made in this step
+} macro_push_row;
+
+/// A place of the ring: the x1 part of the convolution of a row.
+typedef struct macro_ring_row {
+    ptrdiff_t row;  ///< which row of the grid
+    double *slope1; ///< sums with slope weights
+    double *share1; ///< sums with share weights
+    uint64_t *done; ///< blocks that were made in this step
+} macro_ring_row;
+
+/// A thread's rows and what it needs for them. Arrays with two places are used in turn, row & 1.
+typedef struct macro_band {
+    const macro_solver *solver; ///< whose
+    ptrdiff_t first;            ///< first row
+    ptrdiff_t last;             ///< row after the last
+    double *rows;               ///< storage of all rows below
+    uint64_t *sets;             ///< storage of all sets below
+    macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
+    const double **slope_rows;  ///< scratch: the 2 S + 1 rows of a convolution along x2
+    const double **share_rows;  ///< same
+    macro_push_row push[2];     ///< I of the row at hand and of the one before
+    uint64_t *packed[2];        ///< open blocks of `now`, of the row at hand and of the next
+    uint64_t *packed_first[2];  ///< those of them whose first cell is open
+    macro_swept swept[2];       ///< the row at hand and the one before after their x1 sweep
+    double *swept_gated[2];     ///< storage for macro_swept.gated
+    double *outside[2];         ///< x1 sweeps of the rows before and after the band
+    double *gated;              ///< H(rho - 1) rho of a row of `now`
+    double *flux1;              ///< x1 fluxes of the row at hand
+    double *flux2[2];           ///< x2 fluxes into and out of the row before; 0 outside flux2_set
+    uint64_t *flux2_set[2];     ///< blocks with such a flux
+    uint64_t *open;             ///< x1-faces of the row at hand with an open cell at a side
+    uint64_t *wanted;           ///< blocks whose I is asked for
+    uint64_t *missing;          ///< of them, those that macro__push_make() has to make
+    uint64_t *todo;             ///< of them, those of one row of the ring
+    uint64_t *special;          ///< blocks of cells whose x1 fluxes are made one by one
+    uint64_t *unused;           ///< takes a set that nobody wants
+} macro_band;
+
+/// The solver.
+struct macro_solver {
+    macro_def def;         ///< without its arrays
+    const kernels *kernel; ///< inner loops
+    mollifier along;       ///< weights along x1
+    mollifier across;      ///< weights along x2
+    double lambda1;        ///< dt/dx1
+    double lambda2;        ///< dt/dx2
+    double plain1;         ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
+    ptrdiff_t n1;          ///< cells of a row
+    ptrdiff_t n2;          ///< rows
+    ptrdiff_t n_blocks;    ///< blocks of a row
+    size_t n_words;        ///< words of a set of blocks
+    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of LANES
+    ptrdiff_t stride;      ///< doubles from row to row, a multiple of LANES
+    ptrdiff_t n_ring;      ///< places of a ring
+    macro_faces faces1;    ///< n2 rows
+    macro_faces faces2;    ///< n2 + 1 rows
+    macro_state now;       ///< at the present time
+    macro_state next;      ///< what a step writes
+    double *zero_row;      ///< a row of zeros
+    double *cost;          ///< per row: estimated work in the step before
+    int n_bands;           ///< bands, one per thread
+    macro_band *bands;     ///< n_bands of them
+    uint64_t steps;        ///< made since t = 0
+};
+
+/// Cell 0 of row j of rows.
+static inline double *macro__row(const macro_solver *s, double *rows, ptrdiff_t j)
+{
+    return rows + j * s->stride + s->margin;
+}
+
+/// Set of row j of per-row sets.
+static inline uint64_t *macro__set(const macro_solver *s, uint64_t *sets, ptrdiff_t j)
+{
+    return sets + j * (ptrdiff_t)s->n_words;
+}
+
+/// Closed masks of row j; block b is element b.
+static inline const uint8_t *macro__closed(const macro_solver *s, const macro_faces *faces,
+                                           ptrdiff_t j)
+{
+    return faces->closed + j * (s->n_blocks + 1) + 1;
+}
+
+/// Allocate both sets of faces and fill them from the definition's arrays. BF_ENOMEM.
+BF_MUST_CHECK bf_status macro__faces_init(macro_solver *s, const macro_def *def);
+void macro__faces_fini(macro_solver *s);
+
+/// Allocate what a band needs. BF_ENOMEM: macro__band_fini() frees the rest.
+BF_MUST_CHECK bf_status macro__band_init(const macro_solver *s, macro_band *band);
+void macro__band_fini(macro_band *band);
+
+/// Bring what lies outside the grid in a row of a state in order: zeros or the mirrored density.
+void macro__fill_margins(const macro_solver *s, double *row);
+
+/// Set margins, span and peak of row j of `now` from its densities.
+void macro__measure_row(macro_solver *s, ptrdiff_t j);
+
+/// A new step begins: nothing of I is made.
+void macro__push_begin(macro_band *band);
+
+/// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.
+void macro__push_make(macro_band *band, ptrdiff_t r);
+
+/// Advance the band's rows by one step.
+void macro__sweep_band(macro_band *band);

@@ -1,0 +1,250 @@
+// The density from outside: setting, reading, measuring, saving.
+
+#include "core/base/digest.h"
+#include "core/macro/macro_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STATE_MAGIC = 0x42464d31 }; // "BFM1"
+
+// What stands before the densities of a saved state.
+typedef struct state_header {
+    uint32_t magic;
+    uint32_t gate;
+    uint64_t n1;
+    uint64_t n2;
+    uint64_t steps;
+    double dt;
+    uint64_t digest; // macro_digest()
+} state_header;
+
+void macro__fill_margins(const macro_solver *s, double *row)
+{
+    const ptrdiff_t end = s->stride - s->margin;
+
+    if (s->n1 % LANES != 0 || s->def.mirror[1])
+        memset(row + s->n1, 0, (size_t)(end - s->n1) * sizeof *row);
+    for (ptrdiff_t k = 0; s->def.mirror[0] && k < s->n1 && k < s->along.reach; k++)
+        row[-1 - k] = row[k];
+    for (ptrdiff_t k = 0; s->def.mirror[1] && k < s->n1 && k < s->along.reach; k++)
+        row[s->n1 + k] = row[s->n1 - 1 - k];
+}
+
+void macro__measure_row(macro_solver *s, ptrdiff_t j)
+{
+    double *row = macro__row(s, s->now.rho, j);
+    block_span span = { 0, 0 };
+    double peak = 0.0;
+
+    for (ptrdiff_t i = 0; i < s->n1; i++) {
+        if (row[i] == 0.0)
+            continue;
+        if (span.last == 0)
+            span.first = i / LANES;
+        span.last = i / LANES + 1;
+        peak = fmax(peak, row[i]);
+    }
+    macro__fill_margins(s, row);
+    s->now.span[j] = span;
+    s->now.peak[j] = peak;
+    s->cost[j] = 1.0 + (double)s->n_blocks;
+}
+
+// Takes densities, layout of grid.h, as the present state.
+static void take_density(macro_solver *s, const char *rho)
+{
+    const size_t row_bytes = (size_t)s->n1 * sizeof(double);
+    const size_t all_bytes = (size_t)(s->n2 * s->stride) * sizeof(double);
+
+    memset(s->now.rho, 0, all_bytes);
+    memset(s->next.rho, 0, all_bytes);
+    for (ptrdiff_t j = 0; j < s->n2; j++) {
+        memcpy(macro__row(s, s->now.rho, j), rho + (size_t)j * row_bytes, row_bytes);
+        macro__measure_row(s, j);
+    }
+}
+
+bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_error *err)
+{
+    if (n != grid_cells(&s->def.grid))
+        return bf_fail(err, BF_EINPUT, "", "%zu densities for %zu cells", n,
+                       grid_cells(&s->def.grid));
+    for (size_t k = 0; k < n; k++)
+        if (!isfinite(rho[k]) || rho[k] < 0.0)
+            return bf_fail(err, BF_EINPUT, "", "density %g of cell %zu is not possible", rho[k], k);
+    take_density(s, (const char *)rho);
+    s->steps = 0;
+    return BF_OK;
+}
+
+const double *macro_row(const macro_solver *s, size_t j)
+{
+    return macro__row(s, s->now.rho, (ptrdiff_t)j);
+}
+
+void macro_copy_density(const macro_solver *s, double *rho)
+{
+    for (size_t j = 0; j < s->def.grid.n2; j++)
+        memcpy(rho + j * s->def.grid.n1, macro_row(s, j), s->def.grid.n1 * sizeof *rho);
+}
+
+void macro_copy_density_float(const macro_solver *s, float *rho)
+{
+    const size_t n1 = s->def.grid.n1;
+
+    for (size_t j = 0; j < s->def.grid.n2; j++) {
+        const double *row = macro_row(s, j);
+        for (size_t i = 0; i < n1; i++)
+            rho[j * n1 + i] = (float)row[i];
+    }
+}
+
+// Sum of row[i_min .. i_max - 1] in LANES interleaved partial sums, the same on every processor.
+static double sum_row(const double *row, size_t i_min, size_t i_max)
+{
+    double part[LANES] = { 0 }, sum = 0.0;
+    size_t i = i_min;
+
+    for (; i + LANES <= i_max; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            part[k] += row[i + k];
+    for (; i < i_max; i++)
+        sum += row[i];
+    for (size_t k = 0; k < LANES; k++)
+        sum += part[k];
+    return sum;
+}
+
+double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j_min, size_t j_max)
+{
+    double sum = 0.0;
+
+    for (size_t j = j_min; j < j_max; j++)
+        if (s->now.span[j].first < s->now.span[j].last)
+            sum += sum_row(macro_row(s, j), i_min, i_max);
+    return sum * s->def.grid.d1 * s->def.grid.d2;
+}
+
+static double peak_of_row(const double *row, size_t n)
+{
+    double part[LANES] = { 0 }, peak = 0.0;
+    size_t i = 0;
+
+    for (; i + LANES <= n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            part[k] = row[i + k] > part[k] ? row[i + k] : part[k];
+    for (; i < n; i++)
+        peak = row[i] > peak ? row[i] : peak;
+    for (size_t k = 0; k < LANES; k++)
+        peak = part[k] > peak ? part[k] : peak;
+    return peak;
+}
+
+macro_totals macro_measure(const macro_solver *s)
+{
+    const bf_grid *g = &s->def.grid;
+    macro_totals totals = { .mass = macro_mass_in(s, 0, g->n1, 0, g->n2) };
+
+    for (size_t j = 0; j < g->n2; j++)
+        if (s->now.peak[j] > totals.peak)
+            totals.peak = fmax(totals.peak, peak_of_row(macro_row(s, j), g->n1));
+    return totals;
+}
+
+bf_status macro_check(const macro_solver *s, bf_error *err)
+{
+    const bf_grid *g = &s->def.grid;
+
+    // A value that is not finite makes the sum so.
+    if (isfinite(macro_mass_in(s, 0, g->n1, 0, g->n2)))
+        return BF_OK;
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            if (!isfinite(macro_row(s, j)[i]))
+                return bf_fail(err, BF_ENUMERIC, "",
+                               "density %g at x = %.6g m, y = %.6g m after step %llu (t = %.6g s)",
+                               macro_row(s, j)[i], grid_x1(g, i), grid_x2(g, j),
+                               (unsigned long long)s->steps, macro_time(s));
+    return bf_fail(err, BF_ENUMERIC, "", "the density's sum overflows after step %llu (t = %.6g s)",
+                   (unsigned long long)s->steps, macro_time(s));
+}
+
+uint64_t macro_steps(const macro_solver *s)
+{
+    return s->steps;
+}
+
+double macro_time(const macro_solver *s)
+{
+    return (double)s->steps * s->def.dt;
+}
+
+uint64_t macro_digest(const macro_solver *s)
+{
+    uint64_t digest = digest_add(DIGEST_START, &s->steps, sizeof s->steps);
+
+    for (size_t j = 0; j < s->def.grid.n2; j++)
+        digest = digest_add(digest, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+    return digest;
+}
+
+static state_header header_of(const macro_solver *s)
+{
+    return (state_header){
+        .magic = STATE_MAGIC,
+        .gate = (uint32_t)s->def.gate,
+        .n1 = s->def.grid.n1,
+        .n2 = s->def.grid.n2,
+        .steps = s->steps,
+        .dt = s->def.dt,
+        .digest = macro_digest(s),
+    };
+}
+
+bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
+{
+    const state_header header = header_of(s);
+    const size_t n_rho = grid_cells(&s->def.grid) * sizeof(double);
+
+    if (buffer_reserve(out, sizeof header + n_rho) == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
+    memcpy(out->bytes + out->n, &header, sizeof header);
+    out->n += sizeof header;
+    for (size_t j = 0; j < s->def.grid.n2; j++) {
+        memcpy(out->bytes + out->n, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+        out->n += s->def.grid.n1 * sizeof(double);
+    }
+    return BF_OK;
+}
+
+// The digest that a solver with these densities and steps would have.
+static uint64_t digest_of(const state_header *header, const char *rho)
+{
+    const size_t row_bytes = (size_t)header->n1 * sizeof(double);
+    uint64_t digest = digest_add(DIGEST_START, &header->steps, sizeof header->steps);
+
+    for (size_t j = 0; j < header->n2; j++)
+        digest = digest_add(digest, rho + j * row_bytes, row_bytes);
+    return digest;
+}
+
+bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err)
+{
+    const state_header own = header_of(s);
+    const char *rho = (const char *)bytes + sizeof own;
+    state_header header;
+
+    if (n < sizeof header)
+        return bf_fail(err, BF_ECORRUPT, "", "a checkpoint of %zu bytes is too short", n);
+    memcpy(&header, bytes, sizeof header);
+    if (header.magic != own.magic || header.gate != own.gate || header.n1 != own.n1 ||
+        header.n2 != own.n2 || header.dt != own.dt ||
+        n != sizeof header + grid_cells(&s->def.grid) * sizeof(double))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint belongs to another grid or step");
+    if (digest_of(&header, rho) != header.digest)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
+    take_density(s, rho);
+    s->steps = header.steps;
+    return BF_OK;
+}

@@ -1,0 +1,328 @@
+#include "core/run/run.h"
+
+#include "core/base/check.h"
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+#include "core/run/run_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    BATCH = 256,                   // samples that wait for a frame
+    CHECKPOINT_MAGIC = 0x31524642, // "BFR1"
+    COLUMNS_MAX = SCENE_COUNTERS_MAX + 1,
+};
+
+// When something is taken: at the first step at or past each multiple of a period.
+typedef struct schedule {
+    double every;   // s
+    uint64_t index; // of the next multiple
+    uint64_t step;  // at which it is due
+    uint64_t n;     // how many were taken
+} schedule;
+
+// What stands before the solver's state in a checkpoint.
+typedef struct checkpoint_header {
+    uint32_t magic;
+    uint32_t model;
+    uint64_t step;
+    uint64_t sample_index, n_samples;
+    uint64_t snapshot_index, n_snapshots;
+    double parts_start;
+    double peak;
+    uint64_t digest; // of the members above
+} checkpoint_header;
+
+struct run {
+    const scene *scene;
+    run_model model;
+    const run_backend *backend;
+    void *solver;
+    run_plan plan;
+    uint64_t step, first_step;
+    schedule samples, snapshots;
+    double parts_start, peak;
+    uint32_t n_columns;
+    uint32_t n_waiting; // samples in the arrays below
+    double t[BATCH];
+    double values[BATCH * COLUMNS_MAX];
+    float *rho;
+    bf_buffer checkpoint;
+};
+
+const char *const run_model_words[] = { "macro", "micro", NULL };
+
+static const run_backend *const backends[RUN_MODEL_COUNT] = { [RUN_MACRO] = &run__macro };
+
+bool run_model_is_available(run_model model)
+{
+    return model < RUN_MODEL_COUNT && backends[model] != NULL;
+}
+
+uint64_t run__steps_until(double t, double dt)
+{
+    double steps = t / dt;
+    double nearest = nearbyint(steps);
+    bool is_whole = fabs(steps - nearest) <= 1e-9 + 1e-12 * steps;
+
+    return (uint64_t)(is_whole ? nearest : ceil(steps));
+}
+
+bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run, bf_error *err)
+{
+    if (!run_model_is_available(model))
+        return bf_fail(err, BF_EINPUT, "/model", "this build has no solver for that model");
+    run *r = memory_alloc(1, sizeof *r);
+    if (r == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
+    r->scene = s;
+    r->model = model;
+    r->backend = backends[model];
+    r->n_columns = (uint32_t)s->n_counters + 1;
+    r->samples.every = s->output.curve_every;
+    r->snapshots.every = s->output.snapshot_every;
+    bf_status status = r->backend->open(s, n_threads, &r->solver, &r->plan, err);
+    if (status == BF_OK) {
+        r->parts_start = r->backend->measure(r->solver).parts;
+        r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
+        if (r->rho == NULL)
+            status = bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
+    }
+    if (status != BF_OK) {
+        run_destroy(r);
+        return status;
+    }
+    *ret_run = r;
+    return BF_OK;
+}
+
+run *run_destroy(run *r)
+{
+    if (r == NULL)
+        return NULL;
+    if (r->solver != NULL)
+        r->backend->close(r->solver);
+    buffer_fini(&r->checkpoint);
+    memory_free(r->rho);
+    memory_free(r);
+    return NULL;
+}
+
+static uint64_t header_digest(const checkpoint_header *h)
+{
+    return digest_add(DIGEST_START, h, offsetof(checkpoint_header, digest));
+}
+
+// Moves a schedule on to its first multiple that lies after a step.
+static void move_past(schedule *s, uint64_t step, double dt)
+{
+    while (s->step <= step)
+        s->step = run__steps_until((double)++s->index * s->every, dt);
+}
+
+static void restore_schedule(schedule *s, uint64_t index, uint64_t n, double dt)
+{
+    s->index = index;
+    s->n = n;
+    s->step = run__steps_until((double)index * s->every, dt);
+}
+
+bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
+{
+    checkpoint_header h;
+    bf_status status;
+
+    if (n < sizeof h)
+        return bf_fail(err, BF_ECORRUPT, "", "a checkpoint of %zu bytes is too short", n);
+    memcpy(&h, bytes, sizeof h);
+    if (h.magic != CHECKPOINT_MAGIC || h.digest != header_digest(&h))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
+    if (h.model != (uint32_t)r->model || h.step > r->plan.n_steps)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint belongs to another run");
+    status = r->backend->load(r->solver, (const char *)bytes + sizeof h, n - sizeof h, err);
+    if (status != BF_OK)
+        return status;
+    r->step = r->first_step = h.step;
+    r->parts_start = h.parts_start;
+    r->peak = h.peak;
+    restore_schedule(&r->samples, h.sample_index, h.n_samples, r->plan.dt);
+    restore_schedule(&r->snapshots, h.snapshot_index, h.n_snapshots, r->plan.dt);
+    return BF_OK;
+}
+
+static double time_now(const run *r)
+{
+    return (double)r->step * r->plan.dt;
+}
+
+static bf_status emit_begin(run *r, const run_sink *sink, bf_error *err)
+{
+    const frame f = { .type = FRAME_BEGIN,
+                      .begin = { .model = (uint32_t)r->model,
+                                 .n_columns = r->n_columns,
+                                 .n_steps = r->plan.n_steps,
+                                 .dt = r->plan.dt,
+                                 .duration = (double)r->plan.n_steps * r->plan.dt,
+                                 .n_parts = r->plan.n_parts,
+                                 .first_step = r->first_step,
+                                 .grid = r->plan.grid } };
+
+    return sink->take(sink->context, &f, err);
+}
+
+static bf_status emit_curve(run *r, const run_sink *sink, bf_error *err)
+{
+    const frame f = { .type = FRAME_CURVE,
+                      .curve = { .first = r->samples.n - r->n_waiting,
+                                 .n = r->n_waiting,
+                                 .n_columns = r->n_columns,
+                                 .t = r->t,
+                                 .values = r->values } };
+
+    if (r->n_waiting == 0)
+        return BF_OK;
+    r->n_waiting = 0;
+    return sink->take(sink->context, &f, err);
+}
+
+static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
+{
+    const frame f = { .type = FRAME_PROGRESS,
+                      .progress = {
+                          .step = r->step, .n_steps = r->plan.n_steps, .t = time_now(r) } };
+
+    return sink->take(sink->context, &f, err);
+}
+
+static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
+{
+    checkpoint_header h = { .magic = CHECKPOINT_MAGIC,
+                            .model = (uint32_t)r->model,
+                            .step = r->step,
+                            .sample_index = r->samples.index,
+                            .n_samples = r->samples.n,
+                            .snapshot_index = r->snapshots.index,
+                            .n_snapshots = r->snapshots.n,
+                            .parts_start = r->parts_start,
+                            .peak = r->peak };
+    bf_status status;
+
+    h.digest = header_digest(&h);
+    r->checkpoint.n = 0;
+    if (buffer_append(&r->checkpoint, &h, sizeof h) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
+    if ((status = r->backend->save(r->solver, &r->checkpoint, err)) != BF_OK)
+        return status;
+    const frame f = { .type = FRAME_CHECKPOINT,
+                      .bytes = {
+                          .step = r->step, .n = r->checkpoint.n, .bytes = r->checkpoint.bytes } };
+    return sink->take(sink->context, &f, err);
+}
+
+static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_error *err)
+{
+    const run_load load = r->backend->measure(r->solver);
+    const frame f = { .type = FRAME_END,
+                      .end = { .stopped = is_stopped,
+                               .n_steps = r->step,
+                               .t = time_now(r),
+                               .n_cells = grid_cells(&r->plan.grid),
+                               .parts_start = r->parts_start,
+                               .parts_end = load.parts,
+                               .peak = fmax(r->peak, load.peak),
+                               .digest = r->backend->digest(r->solver),
+                               .n_samples = r->samples.n,
+                               .n_snapshots = r->snapshots.n } };
+
+    return sink->take(sink->context, &f, err);
+}
+
+// Takes a sample of the curve; a full batch goes out.
+static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
+{
+    double *values = &r->values[r->n_waiting * r->n_columns];
+    bf_status status = r->backend->check(r->solver, err);
+
+    if (status != BF_OK)
+        return status;
+    const run_load load = r->backend->measure(r->solver);
+    r->peak = fmax(r->peak, load.peak);
+    r->t[r->n_waiting++] = time_now(r);
+    r->backend->count(r->solver, values);
+    values[r->n_columns - 1] = r->parts_start - load.parts;
+    r->samples.n++;
+    move_past(&r->samples, r->step, r->plan.dt);
+    return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
+}
+
+static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
+{
+    const run_load load = r->backend->measure(r->solver);
+    bf_status status = emit_curve(r, sink, err);
+
+    if (status != BF_OK)
+        return status;
+    r->backend->snapshot(r->solver, r->rho);
+    r->peak = fmax(r->peak, load.peak);
+    const frame f = { .type = FRAME_SNAPSHOT,
+                      .snapshot = { .index = r->snapshots.n,
+                                    .t = time_now(r),
+                                    .peak = load.peak,
+                                    .mass = load.parts,
+                                    .n1 = (uint32_t)r->plan.grid.n1,
+                                    .n2 = (uint32_t)r->plan.grid.n2,
+                                    .rho = r->rho } };
+    r->snapshots.n++;
+    move_past(&r->snapshots, r->step, r->plan.dt);
+    return sink->take(sink->context, &f, err);
+}
+
+// Takes what is due at the present step.
+static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
+{
+    const bool is_end = r->step == r->plan.n_steps;
+    bf_status status = BF_OK;
+
+    if (r->step >= r->samples.step || is_end)
+        status = take_sample(r, sink, err);
+    if (status == BF_OK && (r->step >= r->snapshots.step || is_end))
+        status = take_snapshot(r, sink, err);
+    return status;
+}
+
+// Does what the caller wants besides going on.
+static bf_status serve_wish(run *r, unsigned wish, const run_sink *sink, bf_error *err)
+{
+    bf_status status = emit_curve(r, sink, err);
+
+    if (status == BF_OK)
+        status = emit_progress(r, sink, err);
+    if (status == BF_OK && (wish & RUN_CHECKPOINT) != 0)
+        status = emit_checkpoint(r, sink, err);
+    if (status == BF_OK && (wish & RUN_STOP) != 0)
+        status = emit_end(r, true, sink, err);
+    return status;
+}
+
+bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
+{
+    bf_status status = emit_begin(r, sink, err);
+
+    if (status == BF_OK && r->step == 0)
+        status = take_results(r, sink, err);
+    while (status == BF_OK && r->step < r->plan.n_steps) {
+        unsigned wish = sink->wish == NULL ? RUN_GO_ON : sink->wish(sink->context);
+        if (wish != RUN_GO_ON) {
+            status = serve_wish(r, wish, sink, err);
+            if (status != BF_OK || (wish & RUN_STOP) != 0)
+                return status;
+        }
+        r->backend->step(r->solver);
+        r->step++;
+        status = take_results(r, sink, err);
+    }
+    if (status == BF_OK)
+        status = emit_progress(r, sink, err);
+    return status == BF_OK ? emit_end(r, false, sink, err) : status;
+}

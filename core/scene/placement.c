@@ -1,0 +1,154 @@
+#include "core/scene/placement.h"
+
+#include "core/base/memory.h"
+#include "core/base/random.h"
+#include "core/scene/crowd.h"
+#include "core/scene/geometry.h"
+#include "core/scene/placement_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Most places that are tried for n random parts.
+static size_t limit_attempts(size_t n)
+{
+    return 100000 + 50 * n;
+}
+
+/// Farthest point of a footprint from the centre in direction u, m.
+static double find_support(const shape_footprint *footprint, scene_pose pose, scene_point u)
+{
+    scene_point corners[SCENE_VERTICES_MAX + 1];
+    double support = -INFINITY;
+
+    if (footprint->n_corners == 0)
+        return footprint->reach;
+    shape_place(footprint, (scene_pose){ 0.0, 0.0, pose.heading }, corners);
+    for (size_t k = 0; k < footprint->n_corners; k++)
+        support = fmax(support, geometry_dot(corners[k], u));
+    return support;
+}
+
+double placement__excess(const scene *s, const shape_footprint *footprint, scene_pose pose,
+                         scene_side side)
+{
+    static const scene_point outward[SCENE_SIDE_COUNT] = { [SCENE_WEST] = { -1.0, 0.0 },
+                                                           [SCENE_EAST] = { 1.0, 0.0 },
+                                                           [SCENE_SOUTH] = { 0.0, -1.0 },
+                                                           [SCENE_NORTH] = { 0.0, 1.0 } };
+    const double excess[SCENE_SIDE_COUNT] = { [SCENE_WEST] = s->domain.x_min - pose.x,
+                                              [SCENE_EAST] = pose.x - s->domain.x_max,
+                                              [SCENE_SOUTH] = s->domain.y_min - pose.y,
+                                              [SCENE_NORTH] = pose.y - s->domain.y_max };
+
+    if (s->edges[side] != SCENE_EDGE_WALL)
+        return excess[side];
+    return excess[side] + fmax(find_support(footprint, pose, outward[side]), 0.0);
+}
+
+static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)
+{
+    double row_distance = initial->spacing * (sqrt(3.0) / 2.0);
+
+    for (size_t row = 0; row < initial->n_rows; row++) {
+        double x = initial->first.x + (row % 2 == 1 ? 0.5 * initial->spacing : 0.0);
+        double y = initial->first.y + (double)row * row_distance;
+        for (size_t column = 0; column < initial->n_columns; column++)
+            *ret_poses++ = (scene_pose){ x + (double)column * initial->spacing, y, 0.0 };
+    }
+}
+
+static bool has_room(const scene *s, const crowd *c, scene_pose pose)
+{
+    size_t other;
+
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        if (placement__excess(s, c->footprint, pose, side) > 0.0)
+            return false;
+    }
+    return !crowd_overlaps(c, pose, &other);
+}
+
+static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random *random)
+{
+    scene_pose pose = { .heading = 0.0 };
+
+    pose.x = region->x_min + random_unit(random) * (region->x_max - region->x_min);
+    pose.y = region->y_min + random_unit(random) * (region->y_max - region->y_min);
+    if (is_turned)
+        pose.heading = random_unit(random) * (2.0 * M_PI);
+    return pose;
+}
+
+/// Place parts at random until all have room, or too many places were tried. Returns how many.
+static size_t fill_crowd(const scene *s, crowd *c, scene_pose *ret_poses)
+{
+    size_t n = 0;
+    bf_random random;
+
+    random_init(&random, s->initial.seed);
+    for (size_t left = limit_attempts(s->initial.n_random); left > 0 && n < s->initial.n_random;
+         left--) {
+        scene_pose pose = draw_pose(&s->initial.region, c->footprint->n_corners > 0, &random);
+        if (has_room(s, c, pose)) {
+            ret_poses[n] = pose;
+            crowd_add(c, n++);
+        }
+    }
+    return n;
+}
+
+static bf_status place_random(const scene *s, scene_pose *ret_poses, bf_error *err)
+{
+    const scene_rect *region = &s->initial.region;
+    shape_footprint footprint = shape_footprint_of(&s->cargo.shape);
+    size_t wanted = s->initial.n_random, n = 0;
+    double reach = 2.0 * footprint.reach;
+    double room = (region->x_max - region->x_min + reach) * (region->y_max - region->y_min + reach);
+    double cover = (double)wanted * footprint.area / room;
+    crowd c;
+
+    if (cover <= 1.0) {
+        bf_status status = crowd_init(&c, &footprint, ret_poses, wanted, err);
+        if (status != BF_OK)
+            return status;
+        n = fill_crowd(s, &c, ret_poses);
+        crowd_fini(&c);
+    }
+    if (n < wanted)
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "only %zu of %zu parts found room without overlap: together they would "
+                       "cover %.0f %% of the region, and random places fill about half of it",
+                       n, wanted, 100.0 * cover);
+    return BF_OK;
+}
+
+bf_status placement_make(const scene *s, placement *ret_placement, bf_error *err)
+{
+    placement p = { .n = scene_parts(s) };
+    bf_status status = BF_OK;
+
+    p.poses = memory_alloc(p.n, sizeof *p.poses);
+    if (p.poses == NULL)
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", p.n);
+    if (s->initial.type == SCENE_INITIAL_POSITIONS && p.n > 0)
+        memcpy(p.poses, s->initial.poses, p.n * sizeof *p.poses);
+    else if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
+        place_hexagonal(&s->initial, p.poses);
+    else if (s->initial.type == SCENE_INITIAL_RANDOM)
+        status = place_random(s, p.poses, err);
+    if (status != BF_OK) {
+        placement_fini(&p);
+        return status;
+    }
+    *ret_placement = p;
+    return BF_OK;
+}
+
+void placement_fini(placement *p)
+{
+    if (p == NULL)
+        return;
+    memory_free(p->poses);
+    *p = (placement){ 0 };
+}

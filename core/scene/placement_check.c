@@ -1,0 +1,102 @@
+#include "core/scene/placement.h"
+
+#include "core/scene/crowd.h"
+#include "core/scene/geometry.h"
+#include "core/scene/placement_priv.h"
+
+#include <stdio.h>
+
+enum { TOLD_MAX = 4 }; ///< faults of one kind that are told of
+
+/// What the check has found so far.
+typedef struct findings {
+    const scene *s;
+    const placement *p;
+    shape_footprint footprint;
+    bf_faults *faults;
+    size_t n_outside;
+    size_t n_overlaps;
+} findings;
+
+/// Faults of one kind after which the check ends: a pattern is at fault as a whole, once.
+static size_t limit_told(const scene *s)
+{
+    return s->initial.type == SCENE_INITIAL_POSITIONS ? TOLD_MAX : 1;
+}
+
+static const char *point_at(const scene *s, size_t k, char *room, size_t size)
+{
+    if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
+        return "/initial/hexagonal";
+    if (s->initial.type == SCENE_INITIAL_RANDOM)
+        return "/initial/random";
+    snprintf(room, size, "/initial/positions_m/%zu", k);
+    return room;
+}
+
+/// Note a part that reaches over a side of the domain. Returns true if it does not.
+static bool check_inside(findings *f, size_t k)
+{
+    static const char *const words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
+    char room[BF_POINTER_SIZE];
+    scene_pose at = f->p->poses[k];
+
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        double excess = placement__excess(f->s, &f->footprint, at, side);
+        if (excess <= SCENE_TOLERANCE)
+            continue;
+        f->n_outside++;
+        if (f->s->edges[side] == SCENE_EDGE_WALL)
+            faults_add(f->faults, point_at(f->s, k, room, sizeof room),
+                       "part %zu at (%g, %g) m reaches %g m over the %s wall", k, at.x, at.y,
+                       excess, words[side]);
+        else
+            faults_add(f->faults, point_at(f->s, k, room, sizeof room),
+                       "part %zu at (%g, %g) m lies %g m outside the domain in the %s", k, at.x,
+                       at.y, excess, words[side]);
+        return false;
+    }
+    return true;
+}
+
+/// Note an overlap of part k with another. Returns true if there is none.
+static bool check_free(findings *f, const crowd *c, size_t k)
+{
+    scene_pose at = f->p->poses[k];
+    char room[BF_POINTER_SIZE];
+    size_t other;
+
+    if (!crowd_overlaps(c, at, &other))
+        return true;
+    scene_pose with = f->p->poses[other];
+    double distance = geometry_length((scene_point){ at.x - with.x, at.y - with.y });
+    const char *pointer = point_at(f->s, k, room, sizeof room);
+    f->n_overlaps++;
+    if (f->footprint.n_corners == 0)
+        faults_add(f->faults, pointer,
+                   "part %zu at (%g, %g) m overlaps part %zu: they are %g m apart, the least is "
+                   "%g m",
+                   k, at.x, at.y, other, distance, 2.0 * f->footprint.reach);
+    else
+        faults_add(f->faults, pointer, "part %zu at (%g, %g) m overlaps part %zu, %g m away", k,
+                   at.x, at.y, other, distance);
+    return false;
+}
+
+bf_status placement_check(const scene *s, const placement *p, bf_faults *faults)
+{
+    findings f = { .s = s, .p = p, .faults = faults };
+    size_t limit = limit_told(s);
+    crowd c;
+
+    f.footprint = shape_footprint_of(&s->cargo.shape);
+    bf_status status = crowd_init(&c, &f.footprint, p->poses, p->n, NULL);
+    if (status != BF_OK)
+        return status;
+    for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit; k++) {
+        if (check_inside(&f, k) && check_free(&f, &c, k))
+            crowd_add(&c, k);
+    }
+    crowd_fini(&c);
+    return BF_OK;
+}

@@ -1,0 +1,264 @@
+#include "core/scene/scene.h"
+
+#include "core/base/memory.h"
+#include "core/scene/geometry.h"
+#include "core/scene/shape.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/// Density of steel, kg/m3.
+#define STEEL 7850.0
+
+/// Velocity of a belt (m/s) and mollifier (1/m2) of the paper.
+static const double paper_speed = 0.395;
+static const double paper_mollifier = 10000.0;
+
+static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
+    [SCENE_CARGO_CARGO] = { 0.008, 119.0, 0.15, 10.0, 1.0 },
+    [SCENE_CONVEYOR_CARGO] = { 0.008, 230.0, 1.0, 10.0, 1.0 },
+    [SCENE_HANDLING_CARGO] = { 0.008, 120.0, 0.19, 10.0, 1.0 },
+};
+
+static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
+
+static scene_macro default_macro(void)
+{
+    return (scene_macro){ .cell = 0.005,
+                          .step = 0.00125,
+                          .scheme = SCENE_SCHEME_ROE,
+                          .heaviside = SCENE_HEAVISIDE_SHARP,
+                          .heaviside_width = 0.05,
+                          .dispersion = NAN,
+                          .mollifier = paper_mollifier,
+                          .initial_mollifier = 2500.0 };
+}
+
+static scene_micro default_micro(void)
+{
+    scene_micro micro = { .step = 1e-5,
+                          .modulus_reduction = 1e6,
+                          .damping = 0.1,
+                          .gravity = 9.81,
+                          .spin_friction_radius = NAN,
+                          .conveyor = { 40e9, 0.05 },
+                          .handling = { 70e9, 0.34 } };
+    memcpy(micro.contact, paper_contacts, sizeof paper_contacts);
+    return micro;
+}
+
+void scene_init(scene *s)
+{
+    *s = (scene){ .duration = NAN, .domain = unknown_rect };
+    s->edges[SCENE_WEST] = SCENE_EDGE_INFLOW;
+    s->edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
+    s->edges[SCENE_SOUTH] = SCENE_EDGE_WALL;
+    s->edges[SCENE_NORTH] = SCENE_EDGE_WALL;
+    s->cargo.shape = (scene_shape){
+        .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008, .length = NAN, .width = NAN
+    };
+    s->cargo.mass = NAN;
+    s->cargo.material = (scene_material){ 210e9, 0.28 };
+    s->initial = (scene_initial){ .type = SCENE_INITIAL_COUNT,
+                                  .first = { NAN, NAN },
+                                  .spacing = NAN,
+                                  .region = unknown_rect,
+                                  .seed = 1 };
+    s->output = (scene_output){ .curve_every = 0.01, .snapshot_every = 0.1 };
+    s->macro = default_macro();
+    s->micro = default_micro();
+}
+
+void scene_belt_init(scene_belt *b)
+{
+    *b = (scene_belt){ .velocity = { paper_speed, 0.0 } };
+}
+
+void scene_obstacle_init(scene_obstacle *o)
+{
+    *o = (scene_obstacle){
+        .thickness = 0.005, .treatment = SCENE_SEALED, .band = NAN, .slide_width = NAN
+    };
+}
+
+void scene_counter_init(scene_counter *c)
+{
+    *c = (scene_counter){ .rect = unknown_rect };
+}
+
+/// The value, or where there is none the one that follows from other members.
+static void fill_in(double *value, double derived)
+{
+    if (isnan(*value))
+        *value = derived;
+}
+
+/// The id of item n (from 0) where it has none: word, or word-2 and so on.
+static void fill_in_id(char *id, const char *word, size_t n)
+{
+    if (id[0] == '\0' && n == 0)
+        snprintf(id, SCENE_ID_SIZE, "%s", word);
+    else if (id[0] == '\0')
+        snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
+}
+
+static void resolve_obstacle(scene_obstacle *o, double mollifier)
+{
+    bool is_sealed = o->treatment == SCENE_SEALED;
+
+    fill_in(&o->band, 8.0 / sqrt(mollifier));
+    fill_in(&o->slide_width, is_sealed ? 3.0 / sqrt(mollifier) : 0.02);
+}
+
+static void resolve_counter(scene_counter *c, const scene_rect *domain)
+{
+    fill_in(&c->rect.x_min, domain->x_min);
+    fill_in(&c->rect.x_max, domain->x_max);
+    fill_in(&c->rect.y_min, domain->y_min);
+    fill_in(&c->rect.y_max, domain->y_max);
+}
+
+// A member at fault is told of once, at its own place: what is derived from it must then be sound.
+static void resolve_derived(scene *s)
+{
+    bf_faults faults = { 0 };
+    double speed = scene_belt_speed(s);
+    double mollifier = s->macro.mollifier > 0.0 ? s->macro.mollifier : paper_mollifier;
+
+    shape_check(&s->cargo.shape, &faults);
+    bool has_shape = faults.n == 0;
+    fill_in(&s->cargo.mass, has_shape ? STEEL * shape_volume(&s->cargo.shape) : 1.0);
+    double area = has_shape ? shape_footprint_of(&s->cargo.shape).area : 1.0;
+    double radius = s->cargo.shape.type == SCENE_CYLINDER && has_shape ? s->cargo.shape.radius
+                                                                       : sqrt(area / M_PI);
+    fill_in(&s->micro.spin_friction_radius, 2.0 * radius / 3.0);
+    fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
+    for (size_t k = 0; k < s->n_belts; k++)
+        fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        if (s->obstacles[k].id[0] == '\0')
+            snprintf(s->obstacles[k].id, SCENE_ID_SIZE, "obstacle-%zu", k + 1);
+        resolve_obstacle(&s->obstacles[k], mollifier);
+    }
+    for (size_t k = 0; k < s->n_counters; k++) {
+        fill_in_id(s->counters[k].id, "upstream", k);
+        resolve_counter(&s->counters[k], &s->domain);
+    }
+}
+
+bf_status scene_resolve(scene *s, bf_error *err)
+{
+    scene_belt *belt = s->n_belts == 0 ? memory_alloc(1, sizeof *belt) : NULL;
+    scene_counter *counter = s->n_counters == 0 ? memory_alloc(1, sizeof *counter) : NULL;
+
+    if ((s->n_belts == 0 && belt == NULL) || (s->n_counters == 0 && counter == NULL)) {
+        memory_free(belt);
+        memory_free(counter);
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a scenario");
+    }
+    if (belt != NULL) {
+        scene_belt_init(belt);
+        memory_free(s->belts);
+        s->belts = belt;
+        s->n_belts = 1;
+    }
+    if (counter != NULL) {
+        scene_counter_init(counter);
+        memory_free(s->counters);
+        s->counters = counter;
+        s->n_counters = 1;
+    }
+    resolve_derived(s);
+    return BF_OK;
+}
+
+void scene_fini(scene *s)
+{
+    if (s == NULL)
+        return;
+    for (size_t k = 0; k < s->n_belts; k++)
+        memory_free(s->belts[k].polygon);
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        memory_free(s->obstacles[k].path);
+    memory_free(s->belts);
+    memory_free(s->obstacles);
+    memory_free(s->counters);
+    memory_free(s->cargo.shape.vertices);
+    memory_free(s->initial.poses);
+    *s = (scene){ 0 };
+}
+
+bf_grid scene_grid(const scene *s)
+{
+    double cell = s->macro.cell;
+
+    return (bf_grid){ .n1 = (size_t)round((s->domain.x_max - s->domain.x_min) / cell),
+                      .n2 = (size_t)round((s->domain.y_max - s->domain.y_min) / cell),
+                      .lower1 = s->domain.x_min,
+                      .lower2 = s->domain.y_min,
+                      .d1 = cell,
+                      .d2 = cell };
+}
+
+double scene_packing_density(const scene *s)
+{
+    return shape_packing_density(&s->cargo.shape);
+}
+
+double scene_belt_speed(const scene *s)
+{
+    double speed = 0.0;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        speed = fmax(speed, geometry_length(s->belts[k].velocity));
+    return speed;
+}
+
+size_t scene_parts(const scene *s)
+{
+    switch (s->initial.type) {
+    case SCENE_INITIAL_POSITIONS:
+        return s->initial.n_poses;
+    case SCENE_INITIAL_HEXAGONAL:
+        return (size_t)s->initial.n_rows * s->initial.n_columns;
+    case SCENE_INITIAL_RANDOM:
+        return s->initial.n_random;
+    default:
+        return 0;
+    }
+}
+
+bool scene_mirrors_walls(const scene *s)
+{
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        if (s->obstacles[k].treatment != SCENE_SEALED)
+            return false;
+    }
+    return true;
+}
+
+double scene_macro_step(const scene *s)
+{
+    double every = s->output.curve_every, bound = scene_step_positive(s);
+
+    if (s->macro.step > 0.0)
+        return s->macro.step;
+    double step = bound * (1.0 - 1e-9);
+    if (every >= bound) {
+        double n = floor(every / bound) + 1.0;
+        step = every / n < bound ? every / n : every / (n + 1.0);
+    }
+    return fmin(step, s->duration);
+}
+
+// No component of v_stat exceeds the speed of the fastest belt in any region.
+double scene_step_stable(const scene *s)
+{
+    return s->macro.cell / (scene_belt_speed(s) + s->macro.dispersion);
+}
+
+double scene_step_positive(const scene *s)
+{
+    return 0.5 * scene_step_stable(s);
+}

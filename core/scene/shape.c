@@ -1,0 +1,326 @@
+#include "core/scene/shape.h"
+
+#include "core/scene/geometry.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+/// Largest ratio of the disk about a part's origin to its footprint: with more, far too many parts
+/// fit into one cell of the search for overlaps.
+#define SLENDER_MAX 1000.0
+
+/// Relative to the size of the shape: nearer corners are one, and an outline with less area is flat.
+#define FLAT 1e-9
+
+/// The same for the volume of a hull, which must stand well above what FLAT leaves open.
+#define HULL_FLAT 1e-6
+
+typedef struct vector {
+    double x, y, z;
+} vector;
+
+static vector vector_between(const double from[3], const double to[3])
+{
+    return (vector){ to[0] - from[0], to[1] - from[1], to[2] - from[2] };
+}
+
+static vector vector_cross(vector a, vector b)
+{
+    return (vector){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static double vector_dot(vector a, vector b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vector vector_unit(vector a)
+{
+    double length = sqrt(vector_dot(a, a));
+    return (vector){ a.x / length, a.y / length, a.z / length };
+}
+
+/// Largest side of the box around the vertices.
+static double measure_extent(const scene_shape *shape, int n_axes)
+{
+    double extent = 0.0;
+
+    for (int axis = 0; axis < n_axes; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < shape->n_vertices; k++) {
+            low = fmin(low, shape->vertices[k][axis]);
+            high = fmax(high, shape->vertices[k][axis]);
+        }
+        extent = fmax(extent, high - low);
+    }
+    return extent;
+}
+
+static void copy_outline(const scene_shape *shape, scene_point *ret_points)
+{
+    for (size_t k = 0; k < shape->n_vertices; k++)
+        ret_points[k] = (scene_point){ shape->vertices[k][0], shape->vertices[k][1] };
+}
+
+shape_footprint shape_footprint_of(const scene_shape *shape)
+{
+    shape_footprint f = { .n_corners = 0 };
+    scene_point points[SCENE_VERTICES_MAX];
+    double x = 0.5 * shape->length, y = 0.5 * shape->width;
+
+    switch (shape->type) {
+    case SCENE_BOX:
+        f.n_corners = 4;
+        memcpy(f.corners, (scene_point[]){ { -x, -y }, { x, -y }, { x, y }, { -x, y } },
+               4 * sizeof *f.corners);
+        break;
+    case SCENE_PRISM:
+        f.n_corners = shape->n_vertices;
+        copy_outline(shape, f.corners);
+        break;
+    case SCENE_HULL:
+        copy_outline(shape, points);
+        f.n_corners = geometry_convex_hull(points, shape->n_vertices, f.corners);
+        break;
+    default:
+        f.reach = shape->radius;
+        f.area = M_PI * shape->radius * shape->radius;
+        return f;
+    }
+    f.area = geometry_polygon_area(f.corners, f.n_corners);
+    for (size_t k = 0; k < f.n_corners; k++)
+        f.reach = fmax(f.reach, geometry_length(f.corners[k]));
+    return f;
+}
+
+/// Six times the volume of the cone from apex over the facet in the plane of three vertices, given
+/// by its unit normal: the facet is the hull of all the vertices that are marked to lie in it.
+static double measure_cone(const scene_shape *shape, const bool *is_in_plane, size_t first,
+                           size_t second, vector normal, const double apex[3])
+{
+    scene_point points[SCENE_VERTICES_MAX], hull[SCENE_VERTICES_MAX + 1];
+    vector u = vector_unit(vector_between(shape->vertices[first], shape->vertices[second]));
+    vector v = vector_cross(normal, u);
+    size_t n = 0;
+
+    for (size_t k = 0; k < shape->n_vertices; k++) {
+        vector to = vector_between(shape->vertices[first], shape->vertices[k]);
+        if (is_in_plane[k])
+            points[n++] = (scene_point){ vector_dot(to, u), vector_dot(to, v) };
+    }
+    size_t n_hull = geometry_convex_hull(points, n, hull);
+    double height = fabs(vector_dot(normal, vector_between(apex, shape->vertices[first])));
+    return 2.0 * geometry_polygon_area(hull, n_hull) * height;
+}
+
+/// True if the plane of vertices i < j < k has all the others on one side, and they are the first
+/// three of it that are not on one line, so that every facet is found once. Marks its vertices.
+static bool is_facet(const scene_shape *shape, const size_t corner[3], double tolerance,
+                     bool *ret_is_in_plane, vector *ret_normal)
+{
+    const double(*at)[3] = (const double(*)[3])shape->vertices;
+    vector along = vector_unit(vector_between(at[corner[0]], at[corner[1]]));
+    vector across = vector_cross(along, vector_between(at[corner[0]], at[corner[2]]));
+    bool has_above = false, has_below = false;
+
+    if (!(sqrt(vector_dot(across, across)) > tolerance))
+        return false;
+    vector normal = vector_unit(across);
+    for (size_t m = 0; m < shape->n_vertices; m++) {
+        vector to = vector_between(at[corner[0]], at[m]);
+        double height = vector_dot(normal, to);
+        vector aside = vector_cross(along, to);
+        bool is_off_line = sqrt(vector_dot(aside, aside)) > tolerance;
+        ret_is_in_plane[m] = fabs(height) <= tolerance;
+        has_above |= height > tolerance;
+        has_below |= height < -tolerance;
+        if (ret_is_in_plane[m] &&
+            (m < corner[0] || (m < corner[1] && m != corner[0]) || (m < corner[2] && is_off_line)))
+            return false;
+    }
+    *ret_normal = normal;
+    return has_above != has_below;
+}
+
+static double measure_hull(const scene_shape *shape)
+{
+    double tolerance = FLAT * measure_extent(shape, 3), sixfold = 0.0;
+    bool is_in_plane[SCENE_VERTICES_MAX];
+    vector normal;
+    size_t n = shape->n_vertices;
+
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = i + 1; j < n; j++) {
+            for (size_t k = j + 1; k < n; k++) {
+                if (is_facet(shape, (size_t[]){ i, j, k }, tolerance, is_in_plane, &normal))
+                    sixfold += measure_cone(shape, is_in_plane, i, j, normal, shape->vertices[0]);
+            }
+        }
+    }
+    return sixfold / 6.0;
+}
+
+double shape_volume(const scene_shape *shape)
+{
+    if (shape->type == SCENE_HULL)
+        return measure_hull(shape);
+    return shape_footprint_of(shape).area * shape->height;
+}
+
+double shape_packing_density(const scene_shape *shape)
+{
+    if (shape->type == SCENE_CYLINDER)
+        return 1.0 / (2.0 * sqrt(3.0) * shape->radius * shape->radius);
+    if (shape->type == SCENE_BOX)
+        return 1.0 / (shape->length * shape->width);
+    return M_PI / (2.0 * sqrt(3.0)) / shape_footprint_of(shape).area;
+}
+
+static void check_length(double value, const char *pointer, bf_faults *faults)
+{
+    if (!(value >= SCENE_LENGTH_MIN && value <= SCENE_LENGTH_MAX))
+        faults_add(faults, pointer, "must be a length from %g to %g m, not %g", SCENE_LENGTH_MIN,
+                   SCENE_LENGTH_MAX, value);
+}
+
+static void check_finite(const scene_shape *shape, const char *pointer, int n_axes,
+                         bf_faults *faults)
+{
+    char at[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < shape->n_vertices; k++) {
+        bool is_good = true;
+        for (int axis = 0; axis < n_axes; axis++)
+            is_good = is_good && fabs(shape->vertices[k][axis]) <= SCENE_LENGTH_MAX;
+        snprintf(at, sizeof at, "%s/%zu", pointer, k);
+        if (!is_good)
+            faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+    }
+}
+
+static void check_repeats(const scene_shape *shape, const char *pointer, int n_axes,
+                          bf_faults *faults)
+{
+    double least = FLAT * measure_extent(shape, n_axes);
+    char at[BF_POINTER_SIZE];
+
+    for (size_t k = 1; k < shape->n_vertices; k++) {
+        for (size_t m = 0; m < k; m++) {
+            vector to = vector_between(shape->vertices[m], shape->vertices[k]);
+            if (n_axes == 2)
+                to.z = 0.0;
+            if (!(sqrt(vector_dot(to, to)) > least)) {
+                snprintf(at, sizeof at, "%s/%zu", pointer, k);
+                faults_add(faults, at, "repeats point %zu", m);
+                break;
+            }
+        }
+    }
+}
+
+/// Note too few or too many vertices, ones that are no numbers and ones that are given twice.
+/// Returns true if there are none of them.
+static bool check_vertices(const scene_shape *shape, const char *pointer, int n_axes, size_t n_min,
+                           bf_faults *faults)
+{
+    size_t n_before = faults->n;
+
+    if (shape->n_vertices < n_min || shape->n_vertices > SCENE_VERTICES_MAX)
+        faults_add(faults, pointer, "must have %zu to %d points, not %zu", n_min,
+                   SCENE_VERTICES_MAX, shape->n_vertices);
+    if (faults->n == n_before)
+        check_finite(shape, pointer, n_axes, faults);
+    if (faults->n == n_before)
+        check_repeats(shape, pointer, n_axes, faults);
+    return faults->n == n_before;
+}
+
+static void check_prism(const scene_shape *shape, bf_faults *faults)
+{
+    const char *pointer = "/cargo/shape/outline_m";
+    scene_point outline[SCENE_VERTICES_MAX];
+
+    if (!check_vertices(shape, pointer, 2, 3, faults))
+        return;
+    copy_outline(shape, outline);
+    double extent = measure_extent(shape, 2);
+    double area = geometry_polygon_area(outline, shape->n_vertices);
+    if (!(fabs(area) > FLAT * extent * extent))
+        faults_add(faults, pointer, "encloses no area");
+    else if (area < 0.0)
+        faults_add(faults, pointer, "must run counter-clockwise");
+    else if (!geometry_polygon_is_convex(outline, shape->n_vertices, FLAT * extent))
+        faults_add(faults, pointer, "must be convex");
+}
+
+static void check_hull(const scene_shape *shape, bf_faults *faults)
+{
+    const char *pointer = "/cargo/shape/vertices_m";
+
+    if (!check_vertices(shape, pointer, 3, 4, faults))
+        return;
+    double extent = measure_extent(shape, 3);
+    if (!(measure_hull(shape) > HULL_FLAT * extent * extent * extent))
+        faults_add(faults, pointer, "is degenerate: the points enclose no volume");
+}
+
+/// Note a footprint that is too small, or too small for how far it reaches from the origin.
+static void check_footprint(const scene_shape *shape, bf_faults *faults)
+{
+    const char *pointer = shape->type == SCENE_PRISM  ? "/cargo/shape/outline_m"
+                          : shape->type == SCENE_HULL ? "/cargo/shape/vertices_m"
+                                                      : "/cargo/shape";
+    shape_footprint f = shape_footprint_of(shape);
+    double ratio = M_PI * f.reach * f.reach / f.area;
+
+    if (f.area < SCENE_LENGTH_MIN * SCENE_LENGTH_MIN)
+        faults_add(faults, pointer, "is too small: %g m2 seen from above", f.area);
+    else if (!(ratio <= SLENDER_MAX))
+        faults_add_limit(faults, pointer,
+                         "is too slender or too far from its origin: the disk about the origin "
+                         "has %g times its area, the limit is %g",
+                         ratio, SLENDER_MAX);
+}
+
+void shape_check(const scene_shape *shape, bf_faults *faults)
+{
+    size_t n_before = faults->n;
+
+    switch (shape->type) {
+    case SCENE_CYLINDER:
+        check_length(shape->radius, "/cargo/shape/radius_m", faults);
+        break;
+    case SCENE_BOX:
+        check_length(shape->length, "/cargo/shape/length_m", faults);
+        check_length(shape->width, "/cargo/shape/width_m", faults);
+        break;
+    case SCENE_PRISM:
+        check_prism(shape, faults);
+        break;
+    case SCENE_HULL:
+        check_hull(shape, faults);
+        break;
+    default:
+        faults_add(faults, "/cargo/shape/type", "is not a type of shape");
+        return;
+    }
+    if (shape->type != SCENE_HULL)
+        check_length(shape->height, "/cargo/shape/height_m", faults);
+    if (faults->n == n_before)
+        check_footprint(shape, faults);
+}
+
+void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners)
+{
+    scene_point u = { cos(pose.heading), sin(pose.heading) };
+    scene_point v = geometry_turn_left(u);
+    scene_point centre = { pose.x, pose.y };
+
+    for (size_t k = 0; k < footprint->n_corners; k++) {
+        scene_point corner = footprint->corners[k];
+        ret_corners[k] = geometry_add(
+            centre, geometry_add(geometry_scale(u, corner.x), geometry_scale(v, corner.y)));
+    }
+}

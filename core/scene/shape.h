@@ -1,0 +1,31 @@
+/// What the shape of a part amounts to: its footprint on the belt and its volume.
+
+#pragma once
+
+#include "core/base/faults.h"
+#include "core/scene/scene.h"
+
+#include <stddef.h>
+
+/// The outline of a part seen from above, in its own frame.
+typedef struct shape_footprint {
+    size_t n_corners;                            ///< 0: a disk
+    scene_point corners[SCENE_VERTICES_MAX + 1]; ///< of a convex polygon, counter-clockwise, m
+    double reach;                                ///< from the origin to the farthest point, m
+    double area;                                 ///< m2
+} shape_footprint;
+
+/// The footprint of a checked shape.
+shape_footprint shape_footprint_of(const scene_shape *shape);
+
+/// Volume of a checked shape, m3; of a hull by its facets.
+double shape_volume(const scene_shape *shape);
+
+/// Density of close packing, see scene_packing_density().
+double shape_packing_density(const scene_shape *shape);
+
+/// Note every fault of a shape; pointers begin with /cargo/shape.
+void shape_check(const scene_shape *shape, bf_faults *faults);
+
+/// Corners of the footprint of a part in its place, into ret_corners.
+void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners);

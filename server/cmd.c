@@ -1,0 +1,73 @@
+#include "server/cmd.h"
+
+#include "api/results.h"
+#include "api/scenario.h"
+#include "server/file_io.h"
+
+#include <stdio.h>
+
+cmd_exit cmd_fail(const char *command, const bf_error *err)
+{
+    bool is_input = err->code == BF_EINPUT || err->code == BF_ELIMIT;
+
+    fprintf(stderr, "%s: %s\n", err->pointer[0] != '\0' ? err->pointer : command, err->text);
+    return is_input ? CMD_BAD_INPUT : CMD_FAILED;
+}
+
+static void print_faults(const char *command, const bf_faults *faults)
+{
+    for (size_t i = 0; i < faults_kept(faults); i++)
+        fprintf(stderr, "%s: %s\n", faults->items[i].pointer, faults->items[i].text);
+    if (faults->n > faults_kept(faults))
+        fprintf(stderr, "%s: %zu further faults are not shown\n", command,
+                faults->n - faults_kept(faults));
+}
+
+cmd_exit cmd_read_scenario(const char *command, const char *path, scene *ret_scene)
+{
+    bf_buffer document = { 0 };
+    bf_faults faults = { 0 };
+    bf_error err = { 0 };
+    cmd_exit code = CMD_DONE;
+
+    bf_status status = file_io_read(path, NULL, SCENARIO_BYTES_MAX, &document, &err);
+    if (status == BF_OK)
+        status = scenario_read(document.bytes, document.n, ret_scene, &faults, &err);
+    buffer_fini(&document);
+    if (faults.n > 0) {
+        print_faults(command, &faults);
+        code = CMD_BAD_INPUT;
+    } else if (status != BF_OK) {
+        code = cmd_fail(command, &err);
+    }
+    return code;
+}
+
+bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_curve, bf_error *err)
+{
+    bf_buffer text = { 0 };
+    cmd_curve curve = { 0 };
+    bf_error why = { 0 };
+
+    bf_status status = file_io_read(path, "curve.csv", CMD_CURVE_BYTES_MAX, &text, err);
+    if (status != BF_OK)
+        return status;
+    status = results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, &why);
+    buffer_fini(&text);
+    if (status != BF_OK) {
+        cmd_curve_fini(&curve);
+        return bf_fail(err, status, "", "%.120s: %.180s", path, why.text);
+    }
+    curve.n = curve.t.n / sizeof(double);
+    *ret_curve = curve;
+    return BF_OK;
+}
+
+void cmd_curve_fini(cmd_curve *curve)
+{
+    if (curve == NULL)
+        return;
+    buffer_fini(&curve->t);
+    buffer_fini(&curve->parts);
+    *curve = (cmd_curve){ 0 };
+}

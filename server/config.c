@@ -1,0 +1,154 @@
+#include "server/config.h"
+
+#include "api/suggest.h"
+#include "core/base/check.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+typedef enum config_kind { KIND_TEXT, KIND_NUMBER } config_kind;
+
+// Where a row's value is, and what it may be.
+typedef struct config_place {
+    config_kind kind;
+    size_t offset;  // in config
+    uint64_t least; // of a number
+    uint64_t most;  // of a number
+} config_place;
+
+static const config_row rows[] = {
+#define X(name, kind, initial, least, most, help) { #name, initial, help },
+    CONFIG_LIST(X)
+#undef X
+};
+
+static const config_place places[] = {
+#define X(name, kind, initial, least, most, help)                                                  \
+    { KIND_##kind, offsetof(config, name), (uint64_t)(least), (uint64_t)(most) },
+    CONFIG_LIST(X)
+#undef X
+};
+
+enum { N_ROWS = sizeof rows / sizeof *rows };
+
+static const char *const level_words[LOG_LEVEL_COUNT] = { "error", "warn", "info", "debug" };
+
+const config_row *config_rows(size_t *ret_n)
+{
+    *ret_n = N_ROWS;
+    return rows;
+}
+
+// The level of a word, or LOG_LEVEL_COUNT.
+static log_level find_level(const char *word)
+{
+    int level = 0;
+
+    while (level < LOG_LEVEL_COUNT && strcmp(level_words[level], word) != 0)
+        level++;
+    return (log_level)level;
+}
+
+static bf_status refuse_unknown(const char *name, const char *where, bf_error *err)
+{
+    size_t nearest = SIZE_MAX;
+    const char *meant = "";
+
+    for (size_t i = 0; i < N_ROWS; i++) {
+        size_t distance = suggest_distance(name, rows[i].name);
+        if (distance < nearest && suggest_is_near(rows[i].name, distance)) {
+            nearest = distance;
+            meant = rows[i].name;
+        }
+    }
+    if (nearest == SIZE_MAX)
+        return bf_fail(err, BF_EINPUT, "", "%s: there is no setting '%s'", where, name);
+    return bf_fail(err, BF_EINPUT, "", "%s: there is no setting '%s'; is '%s' meant?", where, name,
+                   meant);
+}
+
+// Reads decimal digits. False: it is no whole number, or beyond uint64_t.
+static bool read_number(const char *text, uint64_t *ret_number)
+{
+    uint64_t number = 0;
+
+    if (*text == '\0')
+        return false;
+    for (; *text != '\0'; text++) {
+        if (*text < '0' || *text > '9')
+            return false;
+        uint64_t digit = (uint64_t)(*text - '0');
+        if (number > (UINT64_MAX - digit) / 10)
+            return false;
+        number = number * 10 + digit;
+    }
+    *ret_number = number;
+    return true;
+}
+
+static bf_status set_number(config *c, size_t i, const char *value, const char *where,
+                            bf_error *err)
+{
+    const config_place *place = &places[i];
+    uint64_t number = 0;
+
+    if (!read_number(value, &number) || number < place->least || number > place->most)
+        return bf_fail(err, BF_EINPUT, "",
+                       "%s: %s must be a whole number from %llu to %llu, not '%.40s'", where,
+                       rows[i].name, (unsigned long long)place->least,
+                       (unsigned long long)place->most, value);
+    memcpy((char *)c + place->offset, &number, sizeof number);
+    return BF_OK;
+}
+
+static bf_status set_text(config *c, size_t i, const char *value, const char *where, bf_error *err)
+{
+    char *to = (char *)c + places[i].offset;
+
+    if (strlen(value) >= CONFIG_TEXT_SIZE)
+        return bf_fail(err, BF_EINPUT, "", "%s: %s is longer than %d bytes", where, rows[i].name,
+                       CONFIG_TEXT_SIZE - 1);
+    if (to == c->log_level && find_level(value) == LOG_LEVEL_COUNT)
+        return bf_fail(err, BF_EINPUT, "", "%s: log_level must be %s, not '%.40s'", where,
+                       rows[i].help, value);
+    memcpy(to, value, strlen(value) + 1);
+    return BF_OK;
+}
+
+bf_status config_set(config *c, const char *name, const char *value, const char *where,
+                     bf_error *err)
+{
+    size_t i = 0;
+
+    while (i < N_ROWS && strcmp(rows[i].name, name) != 0)
+        i++;
+    if (i == N_ROWS)
+        return refuse_unknown(name, where, err);
+    return places[i].kind == KIND_NUMBER ? set_number(c, i, value, where, err)
+                                         : set_text(c, i, value, where, err);
+}
+
+void config_init(config *c)
+{
+    memset(c, 0, sizeof *c);
+    for (size_t i = 0; i < N_ROWS; i++)
+        BF_CHECK(config_set(c, rows[i].name, rows[i].initial, "default", NULL) == BF_OK);
+}
+
+log_level config_log_level(const config *c)
+{
+    log_level level = find_level(c->log_level);
+    BF_CHECK(level != LOG_LEVEL_COUNT);
+    return level;
+}
+
+bf_status config_sample(bf_buffer *out, bf_error *err)
+{
+    bf_status status = buffer_printf(out, "# Settings of beltflowd, with their defaults. Also "
+                                          "BELTFLOW_<NAME> in the environment and --<name>.\n");
+
+    for (size_t i = 0; status == BF_OK && i < N_ROWS; i++)
+        status = buffer_printf(out, "\n# %s\n#%s = %s\n", rows[i].help, rows[i].name,
+                               rows[i].initial);
+    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "no memory for a sample");
+}

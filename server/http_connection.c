@@ -1,0 +1,189 @@
+// Deadlines of connections, and the thread that watches them.
+//
+// MHD's own timeout is for inactivity only: a client that sends a byte now and then would hold its
+// connection forever. So each connection has an absolute deadline for what it owes at the moment (a
+// complete header, then a complete body), and one thread shuts down the sockets of those that are
+// late; MHD notices and closes. Between requests the deadline is that of the next header and the
+// time that a connection may idle, together.
+//
+// A socket of the list is open: MHD tells us of a connection's end before it closes the socket, and
+// the list is only looked at under http.lock.
+//
+// A client that was refused may still be sending. If its socket were closed at once, the kernel
+// would answer with a reset, and the client might never read the refusal. Such sockets are kept for
+// a moment (a duplicate of MHD's), and what comes in is thrown away.
+
+#include "server/http_priv.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "server/clock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    WATCH_TICK_MS = 100,       // between two looks while there are connections
+    WATCH_TICK_LINGER_MS = 10, // while sockets linger
+    WATCH_DRAIN_READS = 8,    // reads of one lingering socket at one look
+    RESERVE_MAX = 16,          // connections kept for the daemon's health
+};
+
+http_connection *http__connection_open(http *h, int fd)
+{
+    http_connection *c = memory_alloc(1, sizeof *c);
+
+    if (c == NULL)
+        return NULL;
+    c->server = h;
+    c->fd = fd;
+    c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
+    lock_take(&h->lock);
+    c->next = h->connections;
+    if (c->next != NULL)
+        c->next->previous = c;
+    h->connections = c;
+    if (h->n_connections++ == 0)
+        lock_wake_all(&h->changed);
+    lock_give(&h->lock);
+    return c;
+}
+
+static void start_lingering(http *h, int fd)
+{
+    lock_assert_held(&h->lock);
+    if (h->n_lingering == HTTP_LINGER_MAX || h->is_stopping)
+        return;
+    int copy = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    if (copy < 0)
+        return;
+    h->linger_fds[h->n_lingering] = copy;
+    h->linger_until[h->n_lingering++] = clock_monotonic_ms() + HTTP_LINGER_MS;
+    lock_wake_all(&h->changed);
+}
+
+void http__connection_close(http_connection *c)
+{
+    if (c == NULL)
+        return;
+    http *h = c->server;
+
+    lock_take(&h->lock);
+    if (c->previous != NULL)
+        c->previous->next = c->next;
+    else
+        h->connections = c->next;
+    if (c->next != NULL)
+        c->next->previous = c->previous;
+    h->n_connections--;
+    if (c->lingers)
+        start_lingering(h, c->fd);
+    lock_give(&h->lock);
+    memory_free(c);
+}
+
+void http__connection_deadline(http_connection *c, int64_t ms)
+{
+    lock_take(&c->server->lock);
+    c->deadline_ms = ms < 0 ? -1 : clock_monotonic_ms() + ms;
+    lock_give(&c->server->lock);
+}
+
+bool http__connection_is_reserved(const http_connection *c)
+{
+    http *h = c->server;
+    unsigned limit = h->options.connection_limit;
+    unsigned reserve = limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
+
+    lock_take(&h->lock);
+    bool is_reserved = h->n_connections > limit - reserve;
+    lock_give(&h->lock);
+    return is_reserved;
+}
+
+static void cut_off_the_late(http *h, int64_t now_ms)
+{
+    lock_assert_held(&h->lock);
+    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
+            continue;
+        c->deadline_ms = -1;
+        (void)shutdown(c->fd, SHUT_RDWR);
+    }
+}
+
+// Throws away what came in. False: the client is done, or failed.
+static bool drain(int fd)
+{
+    char waste[16384];
+
+    for (int i = 0; i < WATCH_DRAIN_READS; i++) {
+        ssize_t n = recv(fd, waste, sizeof waste, MSG_DONTWAIT);
+        if (n == 0)
+            return false;
+        if (n < 0)
+            return errno == EAGAIN || errno == EINTR;
+    }
+    return true;
+}
+
+static void drain_the_lingering(http *h, int64_t now_ms)
+{
+    unsigned n_left = 0;
+
+    lock_assert_held(&h->lock);
+    for (unsigned i = 0; i < h->n_lingering; i++) {
+        if (now_ms >= h->linger_until[i] || !drain(h->linger_fds[i])) {
+            (void)close(h->linger_fds[i]);
+            continue;
+        }
+        h->linger_fds[n_left] = h->linger_fds[i];
+        h->linger_until[n_left++] = h->linger_until[i];
+    }
+    h->n_lingering = n_left;
+}
+
+static void *watch(void *context)
+{
+    http *h = context;
+
+    lock_take(&h->lock);
+    while (!h->watch_ends) {
+        int64_t now_ms = clock_monotonic_ms();
+        cut_off_the_late(h, now_ms);
+        drain_the_lingering(h, now_ms);
+        http__stream_watch(h, now_ms);
+        if (h->n_lingering > 0)
+            (void)lock_wait(&h->changed, &h->lock, now_ms + WATCH_TICK_LINGER_MS);
+        else
+            (void)lock_wait(&h->changed, &h->lock,
+                            h->connections == NULL ? -1 : now_ms + WATCH_TICK_MS);
+    }
+    lock_give(&h->lock);
+    return NULL;
+}
+
+bf_status http__watch_start(http *h, bf_error *err)
+{
+    if (pthread_create(&h->watch, NULL, watch, h) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot start a thread that watches connections");
+    h->has_watch = true;
+    return BF_OK;
+}
+
+void http__watch_stop(http *h)
+{
+    if (!h->has_watch)
+        return;
+    lock_take(&h->lock);
+    h->watch_ends = true;
+    lock_wake_all(&h->changed);
+    lock_give(&h->lock);
+    BF_CHECK(pthread_join(h->watch, NULL) == 0);
+    h->has_watch = false;
+    for (unsigned i = 0; i < h->n_lingering; i++)
+        (void)close(h->linger_fds[i]);
+    h->n_lingering = 0;
+}

@@ -1,0 +1,113 @@
+// Request threads: requests that may wait for the disk are handled here, so that the epoll threads
+// never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
+// nothing for it, until MHD_resume_connection(), after which the pool does not touch it any more.
+// The queue is bounded: what does not fit is refused at once.
+
+#include "server/http_priv.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+
+#include <microhttpd.h>
+
+struct http_pool {
+    lock lock;              // guards the queue
+    lock_condition changed; // something was queued, or the end
+    http_request *first;    // queue, oldest first
+    http_request *last;     // its end
+    unsigned n_waiting;     // requests in it
+    unsigned n_max;         // at most
+    bool is_stopping;       // nothing more is queued
+    unsigned n_threads;     // started
+    pthread_t threads[];    // they
+};
+
+// The oldest request, waiting for one. NULL: the pool ends and the queue is empty.
+static http_request *take(http_pool *p)
+{
+    lock_take(&p->lock);
+    while (p->first == NULL && !p->is_stopping)
+        (void)lock_wait(&p->changed, &p->lock, -1);
+    http_request *r = p->first;
+    if (r != NULL) {
+        p->first = r->next;
+        p->n_waiting--;
+    }
+    lock_give(&p->lock);
+    return r;
+}
+
+static void *work(void *context)
+{
+    http_request *r;
+
+    while ((r = take(context)) != NULL) {
+        struct MHD_Connection *mhd = r->mhd;
+        http__request_handle(r);
+        r->stage = HTTP_STAGE_READY;
+        MHD_resume_connection(mhd);
+    }
+    return NULL;
+}
+
+bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *err)
+{
+    http_pool *p = memory_alloc(1, sizeof *p + n_threads * sizeof p->threads[0]);
+
+    if (p == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %u request threads", n_threads);
+    lock_init(&p->lock);
+    lock_condition_init(&p->changed);
+    p->n_max = n_threads * HTTP_POOL_QUEUE_PER_THREAD;
+    for (; p->n_threads < n_threads; p->n_threads++) {
+        if (pthread_create(&p->threads[p->n_threads], NULL, work, p) != 0) {
+            http__pool_end(p);
+            (void)http__pool_free(p);
+            return bf_fail(err, BF_ESYSTEM, "", "cannot start %u request threads", n_threads);
+        }
+    }
+    *ret_pool = p;
+    return BF_OK;
+}
+
+bool http__pool_give(http_pool *p, http_request *r)
+{
+    lock_take(&p->lock);
+    bool has_room = p->n_waiting < p->n_max && !p->is_stopping;
+    if (has_room) {
+        MHD_suspend_connection(r->mhd);
+        r->stage = HTTP_STAGE_WORKING;
+        r->next = NULL;
+        if (p->first == NULL)
+            p->first = r;
+        else
+            p->last->next = r;
+        p->last = r;
+        p->n_waiting++;
+        lock_wake_all(&p->changed);
+    }
+    lock_give(&p->lock);
+    return has_room;
+}
+
+void http__pool_end(http_pool *p)
+{
+    if (p == NULL)
+        return;
+    lock_take(&p->lock);
+    p->is_stopping = true;
+    lock_wake_all(&p->changed);
+    lock_give(&p->lock);
+    for (; p->n_threads > 0; p->n_threads--)
+        BF_CHECK(pthread_join(p->threads[p->n_threads - 1], NULL) == 0);
+}
+
+http_pool *http__pool_free(http_pool *p)
+{
+    if (p == NULL)
+        return NULL;
+    lock_condition_fini(&p->changed);
+    lock_fini(&p->lock);
+    memory_free(p);
+    return NULL;
+}

@@ -1,0 +1,259 @@
+/// Private parts of the HTTP transport, shared by http.c and http_*.c.
+///
+/// Life of a request (one http_request, made when its request line is parsed, freed when MHD says
+/// that it is completed):
+///
+///     HEADER --guard--> BODY --complete--> WORKING (suspended, in the pool) --> READY --> SENT
+///                                    '------- does not block ---------------------^
+///
+/// Everything that more than one thread touches is under http.lock; the order of locks is
+/// http_pool's lock, http.lock, MHD's own. No callback of MHD holds MHD's lock when it calls us.
+
+#pragma once
+
+#include "api/exchange.h"
+#include "server/http.h"
+#include "server/lock.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+struct MHD_Connection;
+struct MHD_Daemon;
+struct MHD_Response;
+
+enum {
+    HTTP_METHOD_SIZE = 32,          ///< bytes of a method with its terminator
+    HTTP_IDLE_S = 15,               ///< an inactive connection is closed after it
+    HTTP_STREAM_IDLE_S = 60,        ///< the same for a client that does not take its stream
+    HTTP_STREAM_BATCH = 64 * 1024,  ///< bytes that a stream reads from the store at once
+    HTTP_LINGER_MAX = 64,           ///< sockets that are drained after a refusal
+    HTTP_LINGER_MS = 2000,          ///< for how long
+    HTTP_STOP_MS = 1000,            ///< for answers under way when stopping
+    HTTP_POOL_QUEUE_PER_THREAD = 16 ///< requests that may wait for a request thread
+};
+
+/// A connection's socket, from accept to close.
+typedef struct http_connection {
+    struct http_connection *previous; ///< in http.connections
+    struct http_connection *next;     ///< in http.connections
+    http *server;                     ///< whose
+    int fd;                           ///< MHD's socket; valid while in the list
+    int64_t deadline_ms;              ///< shut down then (clock_monotonic_ms()); -1: never
+    bool lingers;                     ///< was refused while its client may still be sending
+} http_connection;
+
+/// Where a request is in its life.
+typedef enum http_stage {
+    HTTP_STAGE_HEADER,  ///< the header is not checked yet
+    HTTP_STAGE_BODY,    ///< the body is being received
+    HTTP_STAGE_WORKING, ///< suspended, a request thread has it
+    HTTP_STAGE_READY,   ///< the response is there
+    HTTP_STAGE_SENT,    ///< the response was given to MHD
+} http_stage;
+
+/// The stream of a request whose response is one.
+typedef struct http_stream {
+    struct http_stream *previous;                ///< in http.streams
+    struct http_stream *next;                    ///< in http.streams
+    struct MHD_Connection *mhd;                  ///< to be suspended and resumed
+    int fd;                                      ///< of its connection
+    size_t n_runs;                               ///< runs that it follows
+    char runs[API_STREAM_RUNS_MAX][API_ID_SIZE]; ///< their ids
+    uint64_t n_notified;                         ///< wake-ups so far
+    bool is_suspended;                           ///< MHD was told to suspend, and not to resume
+    bool has_left;                               ///< the client hung up
+    bool owes_heartbeat;                         ///< nothing was sent for heartbeat_ms
+    int64_t sent_ms;                             ///< when something was last given to MHD
+    bool is_over;                                ///< epoll thread: no further event will come
+    bf_buffer batch;                             ///< epoll thread: what was read from the store
+    size_t n_taken;                              ///< epoll thread: bytes of it given to MHD
+} http_stream;
+
+/// A file of the page that is to be sent.
+typedef struct http_file {
+    int fd;           ///< open for reading; -1: none
+    uint64_t n;       ///< its bytes
+    const char *type; ///< Content-Type
+    char etag[64];    ///< entity tag, quoted
+} http_file;
+
+/// One request.
+typedef struct http_request {
+    http *server;                  ///< whose
+    http_connection *connection;   ///< its socket
+    struct MHD_Connection *mhd;    ///< its connection
+    struct http_request *next;     ///< in the pool's queue
+    http_stage stage;              ///< handed from thread to thread with the request
+    const char *line_end;          ///< in MHD's buffer, where the version should stand
+    int refusal;                   ///< HTTP status of a fault found so far; 0: none
+    bf_error fault;                ///< what it is
+    char method[HTTP_METHOD_SIZE]; ///< as sent
+    char path[API_PATH_MAX];       ///< decoded
+    char query[API_PATH_MAX];      ///< as sent
+    bf_buffer body;                ///< as received
+    api_response response;         ///< what to answer
+    http_file file;                ///< or a file instead of its body
+    bool is_counted;               ///< in http.n_requests
+    bool is_stream;                ///< stream is in http.streams
+    http_stream stream;            ///< of a response that is one
+    int64_t begun_ms;              ///< when its header was complete
+} http_request;
+
+/// The request threads; opaque.
+typedef struct http_pool http_pool;
+
+/// The server.
+struct http {
+    http_options options;                 ///< as given; its texts are not kept
+    api_services services;                ///< as given
+    int listen_fd;                        ///< listening socket; -1: none
+    int web_fd;                           ///< directory of the page; -1: none
+    unsigned port;                        ///< listened on
+    struct MHD_Daemon *daemon;            ///< NULL until it runs
+    http_pool *pool;                      ///< request threads
+    lock lock;                            ///< guards all that follows
+    lock_condition changed;               ///< a connection came, a request went, or is_stopping
+    http_connection *connections;         ///< open ones
+    unsigned n_connections;               ///< how many
+    http_stream *streams;                 ///< under way
+    unsigned n_streams;                   ///< how many
+    unsigned n_requests;                  ///< requests past their header
+    bool is_stopping;                     ///< streams end, nothing suspends any more
+    bool has_watch;                       ///< watch runs
+    bool watch_ends;                      ///< it shall not
+    pthread_t watch;                      ///< deadlines, heartbeats, clients that left
+    unsigned n_lingering;                 ///< sockets in linger
+    int linger_fds[HTTP_LINGER_MAX];      ///< sockets to be drained
+    int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
+};
+
+/// What the guard saw in the headers of a request. Zero-initialise.
+typedef struct http_guard {
+    const char *next;     ///< where in the request the next name must stand; NULL: not looked at
+    unsigned n_hosts;     ///< Host headers
+    unsigned n_lengths;   ///< Content-Length headers
+    unsigned n_encodings; ///< Transfer-Encoding headers
+    bool is_chunked;      ///< the encoding is exactly `chunked`
+    const char *fault;    ///< first bad name or value; NULL: none
+} http_guard;
+
+// http_guard.c: pure functions over the bytes of a request.
+
+/// Look at one header. With g->next set by the caller behind the request line, also at the place of
+/// its bytes: MHD gives texts up to the first zero byte, puts lines together that were folded, and
+/// takes a lone CR or LF for the end of a line; in all these cases the next name is elsewhere.
+void http__guard_header(http_guard *g, const char *name, size_t n_name, const char *value,
+                        size_t n_value);
+
+/// The header ends at end: is all of it accounted for?
+void http__guard_end(http_guard *g, const char *end);
+
+/// Judge the request line and the headers: 0, or the HTTP status of the refusal with its text in
+/// *err.
+int http__guard_verdict(const http_guard *g, const char *method, const char *version,
+                        bf_error *err);
+
+/// Split and decode a request target into path and query (API_PATH_MAX bytes each). 0, or the HTTP
+/// status of the refusal with its text in *err.
+int http__guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err);
+
+// http_listen.c
+
+/// Listen on "host:port". BF_EINPUT: not an address; BF_ESYSTEM: it cannot be used.
+BF_MUST_CHECK bf_status http__listen(const char *address, int *ret_fd, unsigned *ret_port,
+                                     bf_error *err);
+
+// http_connection.c
+
+/// A new connection (NULL: no memory), in the list, with the deadline for its first header.
+http_connection *http__connection_open(http *h, int fd);
+
+/// Take a connection out of the list and free it; its socket is still open. NULL is fine.
+void http__connection_close(http_connection *c);
+
+/// Shut the connection down in ms from now, unless told otherwise; -1: never.
+void http__connection_deadline(http_connection *c, int64_t ms);
+
+/// True if only requests about the daemon's health are still answered.
+bool http__connection_is_reserved(const http_connection *c);
+
+/// Start and stop the thread that watches deadlines and streams.
+BF_MUST_CHECK bf_status http__watch_start(http *h, bf_error *err);
+void http__watch_stop(http *h);
+
+// http_stream.c
+
+/// Begin the stream of r->response. False: there are too many.
+bool http__stream_begin(http_request *r);
+
+/// End it, if there is one.
+void http__stream_end(http_request *r);
+
+/// MHD's content reader of a stream; context is the http_request.
+ssize_t http__stream_read(void *context, uint64_t position, char *bytes, size_t n);
+
+/// Under http.lock: wake what owes a heartbeat or has left.
+void http__stream_watch(http *h, int64_t now_ms);
+
+/// Mark all streams as ending and resume them.
+void http__stream_end_all(http *h);
+
+// http_pool.c
+
+/// Start n threads that handle requests.
+BF_MUST_CHECK bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *err);
+
+/// Suspend the request's connection and queue it. False: the queue is full or the pool has ended;
+/// nothing was done.
+bool http__pool_give(http_pool *p, http_request *r);
+
+/// Handle what is queued and end the threads. NULL is fine.
+void http__pool_end(http_pool *p);
+
+/// Free a pool that has ended. NULL is fine. Always returns NULL.
+http_pool *http__pool_free(http_pool *p);
+
+// http_file.c
+
+/// Open the file of the page for a path, if there is one.
+bool http__file_open(int web_fd, const char *path, http_file *ret_file);
+
+/// Make the response that of r->path in the page, if it has one: a file, a 304, or without a page a
+/// word about it for "/".
+void http__file_answer(http_request *r);
+
+// http_request.c: what MHD's callbacks for requests come to.
+
+/// A new request, from the target of its request line, which is followed by the version in the same
+/// buffer. NULL: no memory.
+http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target);
+
+/// Go on with a request; *n bytes of its body came, all of which are taken. False: close the
+/// connection.
+bool http__request_advance(http_request *r, const char *method, const char *version,
+                           const char *bytes, size_t *n);
+
+/// The request is over, answered or not: log and free it. NULL is fine.
+void http__request_close(http_request *r);
+
+/// Handle the request by the API, and by the page where the API knows no such path.
+void http__request_handle(http_request *r);
+
+/// A request header's value by its name, or NULL; context is the http_request.
+const char *http__request_header(void *context, const char *name);
+
+// http_respond.c
+
+/// Make the request's response a problem.
+void http__respond_refuse(http_request *r, int status, const bf_error *err);
+
+/// Give the response to MHD. False: it cannot be sent, close the connection.
+bool http__respond(http_request *r);
+
+/// Send the response past MHD, which takes none while a body is coming in. The connection must then
+/// be closed.
+void http__respond_past_body(http_request *r);

@@ -1,0 +1,264 @@
+#include "server/http_priv.h"
+
+#include "core/base/memory.h"
+#include "server/clock.h"
+#include "server/log.h"
+
+#include <microhttpd.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ID_LENGTH = API_ID_SIZE - 1 };
+
+// What is answered even when all connections but the reserve are in use.
+static const char *const health_paths[] = { "/livez", "/readyz", "/metrics" };
+
+static http_connection *connection_of(struct MHD_Connection *mhd)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info == NULL ? NULL : info->socket_context;
+}
+
+http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target)
+{
+    http_connection *c = connection_of(mhd);
+    http_request *r = c == NULL ? NULL : memory_alloc(1, sizeof *r);
+
+    if (r == NULL)
+        return NULL;
+    r->server = h;
+    r->connection = c;
+    r->mhd = mhd;
+    r->file.fd = -1;
+    r->line_end = target + strlen(target) + 1;
+    r->refusal = http__guard_target(target, r->path, r->query, &r->fault);
+    return r;
+}
+
+const char *http__request_header(void *context, const char *name)
+{
+    const http_request *r = context;
+    return MHD_lookup_connection_value(r->mhd, MHD_HEADER_KIND, name);
+}
+
+static enum MHD_Result show_header(void *context, enum MHD_ValueKind kind, const char *name,
+                                   size_t n_name, const char *value, size_t n_value)
+{
+    (void)kind;
+    http__guard_header(context, name, n_name, value, n_value);
+    return MHD_YES;
+}
+
+static void refuse(http_request *r, int status, bf_status code, const char *text)
+{
+    r->refusal = status;
+    (void)bf_fail(&r->fault, code, "", "%s", text);
+}
+
+// The guard: sets r->refusal if the request must not be used. The version should follow the target
+// after one space; where it does not, the line had a zero byte.
+static void check_header(http_request *r, const char *method, const char *version)
+{
+    http_guard guard = { .next = version + strlen(version) + 2 };
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE);
+
+    if (strlen(method) >= sizeof r->method) {
+        refuse(r, 501, BF_EINPUT, "there is no such method");
+        return;
+    }
+    memcpy(r->method, method, strlen(method) + 1);
+    if (version != r->line_end) {
+        refuse(r, 400, BF_EINPUT, "the request line has a zero byte");
+        return;
+    }
+    if (r->refusal != 0)
+        return;
+    (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, show_header, &guard);
+    if (info != NULL)
+        http__guard_end(&guard, method + info->header_size);
+    r->refusal = http__guard_verdict(&guard, method, version, &r->fault);
+}
+
+static void check_reserve(http_request *r)
+{
+    if (!http__connection_is_reserved(r->connection))
+        return;
+    for (size_t i = 0; i < sizeof health_paths / sizeof *health_paths; i++) {
+        if (strcmp(r->path, health_paths[i]) == 0)
+            return;
+    }
+    refuse(r, 503, BF_EBUSY, "too many connections are open");
+}
+
+static void refuse_body(http_request *r)
+{
+    r->refusal = 413;
+    (void)bf_fail(&r->fault, BF_ELIMIT, "", "the body is larger than %llu bytes, the limit",
+                  (unsigned long long)r->server->options.body_limit);
+}
+
+// True if a body follows the header; one that says that it is too long is refused at once.
+static bool check_length(http_request *r)
+{
+    const char *length = http__request_header(r, "Content-Length");
+
+    if (length == NULL)
+        return http__request_header(r, "Transfer-Encoding") != NULL;
+    unsigned long long n = strtoull(length, NULL, 10);
+    if (n > r->server->options.body_limit)
+        refuse_body(r);
+    return n > 0;
+}
+
+static void count(http_request *r, int change)
+{
+    http *h = r->server;
+
+    lock_take(&h->lock);
+    h->n_requests += (unsigned)change;
+    if (h->n_requests == 0 && h->is_stopping)
+        lock_wake_all(&h->changed);
+    lock_give(&h->lock);
+    r->is_counted = change > 0;
+}
+
+static bool begin(http_request *r, const char *method, const char *version)
+{
+    bool has_body = false;
+
+    r->begun_ms = clock_monotonic_ms();
+    count(r, 1);
+    check_header(r, method, version);
+    if (r->refusal == 0)
+        check_reserve(r);
+    if (r->refusal == 0)
+        has_body = check_length(r);
+    if (r->refusal != 0) {
+        r->connection->lingers = true;
+        http__connection_deadline(r->connection, -1);
+        http__respond_refuse(r, r->refusal, &r->fault);
+        return http__respond(r);
+    }
+    http__connection_deadline(r->connection,
+                              has_body ? r->server->options.body_deadline_ms : -1);
+    r->stage = HTTP_STAGE_BODY;
+    return true;
+}
+
+static bool take_body(http_request *r, const char *bytes, size_t *n)
+{
+    if (r->body.n + *n > r->server->options.body_limit)
+        refuse_body(r);
+    else if (buffer_append(&r->body, bytes, *n) != BF_OK)
+        refuse(r, 503, BF_ENOMEM, "there is no memory for the body");
+    *n = 0;
+    if (r->refusal == 0)
+        return true;
+    r->connection->lingers = true;
+    http__respond_refuse(r, r->refusal, &r->fault);
+    http__respond_past_body(r);
+    return false;
+}
+
+static bool is_for_page(const http_request *r)
+{
+    return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0 &&
+           (strcmp(r->method, "GET") == 0 || strcmp(r->method, "HEAD") == 0);
+}
+
+void http__request_handle(http_request *r)
+{
+    const api_request request = { .method = r->method,
+                                  .path = r->path,
+                                  .query = r->query,
+                                  .header = http__request_header,
+                                  .header_context = r,
+                                  .body = r->body.bytes,
+                                  .n_body = r->body.n };
+
+    api_handle(&r->server->services, &request, &r->response);
+    if (is_for_page(r))
+        http__file_answer(r);
+}
+
+static bool dispatch(http_request *r)
+{
+    http__connection_deadline(r->connection, -1);
+    if (!api_route_blocks(r->method, r->path)) {
+        http__request_handle(r);
+        return http__respond(r);
+    }
+    if (http__pool_give(r->server->pool, r))
+        return true;
+    bf_error err = { 0 };
+    (void)bf_fail(&err, BF_EBUSY, "", "too many requests are waiting");
+    http__respond_refuse(r, 503, &err);
+    return http__respond(r);
+}
+
+bool http__request_advance(http_request *r, const char *method, const char *version,
+                           const char *bytes, size_t *n)
+{
+    switch (r->stage) {
+    case HTTP_STAGE_HEADER:
+        return begin(r, method, version);
+    case HTTP_STAGE_BODY:
+        return *n > 0 ? take_body(r, bytes, n) : dispatch(r);
+    case HTTP_STAGE_READY:
+        return http__respond(r);
+    case HTTP_STAGE_WORKING:
+    case HTTP_STAGE_SENT:
+        break;
+    }
+    return false;
+}
+
+// The run that the request is about, or "-": from its path, or where a new one was put.
+static const char *run_of(const http_request *r, char *storage)
+{
+    static const char prefix[] = "/v1/runs/";
+    const char *place = r->path;
+
+    for (size_t i = 0; i < r->response.n_headers; i++) {
+        if (strcmp(r->response.headers[i].name, "Location") == 0)
+            place = r->response.headers[i].value;
+    }
+    const char *id = strstr(place, prefix);
+    if (id == NULL || strspn(id + sizeof prefix - 1, "0123456789abcdef-") < ID_LENGTH)
+        return "-";
+    memcpy(storage, id + sizeof prefix - 1, ID_LENGTH);
+    storage[ID_LENGTH] = '\0';
+    return storage;
+}
+
+static void log_request(const http_request *r)
+{
+    char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
+    bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
+
+    log_event(is_write ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
+              "method=%s path=%s status=%d ms=%lld run=%s", log_quote(r->method, method),
+              log_quote(r->path, path), r->response.status,
+              (long long)(clock_monotonic_ms() - r->begun_ms), run_of(r, id));
+}
+
+void http__request_close(http_request *r)
+{
+    if (r == NULL)
+        return;
+    http__stream_end(r);
+    http__connection_deadline(r->connection,
+                              HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
+    if (r->is_counted) {
+        log_request(r);
+        count(r, -1);
+    }
+    if (r->file.fd >= 0)
+        (void)close(r->file.fd);
+    buffer_fini(&r->body);
+    api_response_fini(&r->response);
+    memory_free(r);
+}

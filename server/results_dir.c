@@ -1,0 +1,222 @@
+#include "server/results_dir.h"
+
+#include "api/results.h"
+#include "core/base/memory.h"
+#include "server/file_io.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { NAME_SIZE = 32 };
+
+struct results_dir {
+    int directory;     // locked
+    int snapshots;     // directory/snapshots
+    int curve;         // curve.csv, appended to
+    off_t curve_bytes; // whole lines in it
+    bf_grid grid;      // of the snapshots
+    size_t n_items;
+    bf_buffer items; // api_snapshot each
+    bf_buffer text;  // room for what is written next
+};
+
+static bf_status fail_on(const char *name, bf_error *err)
+{
+    return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(errno));
+}
+
+static void name_snapshot(uint64_t index, char *ret_name)
+{
+    snprintf(ret_name, NAME_SIZE, "%06llu.npy", (unsigned long long)index);
+}
+
+// Make path and what is above it, like mkdir -p. False: errno.
+static bool make_directories(const char *path)
+{
+    char *part = strdup(path);
+
+    if (part == NULL)
+        return false;
+    bool ok = true;
+    for (char *slash = part; ok && slash != NULL;) {
+        slash = strchr(slash + 1, '/');
+        if (slash != NULL)
+            *slash = '\0';
+        ok = mkdir(part, 0777) == 0 || errno == EEXIST;
+        if (slash != NULL)
+            *slash = '/';
+    }
+    free(part);
+    return ok;
+}
+
+static bf_status open_directories(results_dir *d, const char *path, bf_error *err)
+{
+    if (*path == '\0')
+        errno = ENOENT;
+    if (*path == '\0' || !make_directories(path))
+        return fail_on(path, err);
+    d->directory = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (d->directory < 0)
+        return fail_on(path, err);
+    if (flock(d->directory, LOCK_EX | LOCK_NB) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "%s is being written by another program", path);
+    if (mkdirat(d->directory, "snapshots", 0777) != 0 && errno != EEXIST)
+        return fail_on("snapshots", err);
+    d->snapshots = openat(d->directory, "snapshots", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return d->snapshots < 0 ? fail_on("snapshots", err) : BF_OK;
+}
+
+// Append whole lines; what the disk does not take completely is taken back.
+static bf_status append_to_curve(results_dir *d, bf_error *err)
+{
+    if (!file_io_write_fd(d->curve, d->text.bytes, d->text.n)) {
+        bf_status status = fail_on("curve.csv", err);
+        return ftruncate(d->curve, d->curve_bytes) == 0 ? status : fail_on("curve.csv", err);
+    }
+    d->curve_bytes += (off_t)d->text.n;
+    return BF_OK;
+}
+
+// Forget what a run before left, its mark of completeness first, and begin the curve.
+static bf_status begin_results(results_dir *d, const char *columns, bf_error *err)
+{
+    if ((unlinkat(d->directory, "summary.json", 0) != 0 && errno != ENOENT) ||
+        (unlinkat(d->directory, "snapshots.json", 0) != 0 && errno != ENOENT))
+        return fail_on("summary.json", err);
+    d->curve = openat(d->directory, "curve.csv",
+                      O_WRONLY | O_APPEND | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (d->curve < 0)
+        return fail_on("curve.csv", err);
+    bf_status status = results_curve_csv_header(columns, &d->text, err);
+    return status != BF_OK ? status : append_to_curve(d, err);
+}
+
+bf_status results_dir_open(const char *path, const char *columns, results_dir **ret_dir,
+                           bf_error *err)
+{
+    results_dir *d = memory_alloc(1, sizeof *d);
+
+    if (d == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the results");
+    *d = (results_dir){ .directory = -1, .snapshots = -1, .curve = -1 };
+    bf_status status = open_directories(d, path, err);
+    if (status == BF_OK)
+        status = begin_results(d, columns, err);
+    if (status != BF_OK) {
+        results_dir_close(d);
+        return status;
+    }
+    *ret_dir = d;
+    return BF_OK;
+}
+
+static bf_status take_curve(results_dir *d, const frame_curve *c, bf_error *err)
+{
+    d->text.n = 0;
+    bf_status status = results_curve_csv_rows(c->t, c->values, c->n, c->n_columns, &d->text, err);
+    return status != BF_OK ? status : append_to_curve(d, err);
+}
+
+static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error *err)
+{
+    api_snapshot item = { .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
+    char name[NAME_SIZE];
+
+    d->text.n = 0;
+    bf_status status = results_npy(s->rho, s->n1, s->n2, &d->text, err);
+    if (status != BF_OK)
+        return status;
+    name_snapshot(s->index, name);
+    status = file_io_replace(d->snapshots, name, d->text.bytes, d->text.n, FILE_IO_LATER, err);
+    if (status != BF_OK)
+        return status;
+    if (buffer_append(&d->items, &item, sizeof item) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the list of snapshots");
+    d->n_items++;
+    return BF_OK;
+}
+
+bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
+{
+    switch (f->type) {
+    case FRAME_BEGIN:
+        d->grid = f->begin.grid;
+        return BF_OK;
+    case FRAME_CURVE:
+        return take_curve(d, &f->curve, err);
+    case FRAME_SNAPSHOT:
+        return take_snapshot(d, &f->snapshot, err);
+    default:
+        return BF_OK;
+    }
+}
+
+// True for the name of a snapshot that the run did not write (an earlier one did).
+static bool is_stale(const results_dir *d, const char *name)
+{
+    char own[NAME_SIZE];
+    unsigned long long index = strtoull(name, NULL, 10);
+
+    name_snapshot(index, own);
+    return strcmp(name, own) == 0 && index >= d->n_items;
+}
+
+static bf_status remove_stale_snapshots(results_dir *d, bf_error *err)
+{
+    int fd = openat(d->snapshots, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *listing = fd < 0 ? NULL : fdopendir(fd);
+
+    if (listing == NULL) {
+        if (fd >= 0)
+            close(fd);
+        return fail_on("snapshots", err);
+    }
+    bf_status status = BF_OK;
+    for (struct dirent *entry; status == BF_OK && (entry = readdir(listing)) != NULL;) {
+        if (is_stale(d, entry->d_name) && unlinkat(d->snapshots, entry->d_name, 0) != 0)
+            status = fail_on("snapshots", err);
+    }
+    closedir(listing);
+    return status;
+}
+
+bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summary, bf_error *err)
+{
+    d->text.n = 0;
+    bf_status status = results_snapshots_json(
+        &d->grid, (const api_snapshot *)(void *)d->items.bytes, d->n_items, NULL, &d->text, err);
+    if (status == BF_OK)
+        status = remove_stale_snapshots(d, err);
+    if (status == BF_OK)
+        status = file_io_replace(d->directory, "snapshots.json", d->text.bytes, d->text.n,
+                                 FILE_IO_LATER, err);
+    if (status != BF_OK || summary == NULL)
+        return status;
+    // One flush for all files, however many snapshots there are; only then their seal.
+    if (syncfs(d->directory) != 0)
+        return fail_on("the results", err);
+    return file_io_replace(d->directory, "summary.json", summary, n_summary, FILE_IO_NOW, err);
+}
+
+results_dir *results_dir_close(results_dir *d)
+{
+    if (d == NULL)
+        return NULL;
+    int descriptors[] = { d->curve, d->snapshots, d->directory };
+    for (size_t i = 0; i < sizeof descriptors / sizeof *descriptors; i++) {
+        if (descriptors[i] >= 0)
+            close(descriptors[i]);
+    }
+    buffer_fini(&d->items);
+    buffer_fini(&d->text);
+    memory_free(d);
+    return NULL;
+}

@@ -1,0 +1,36 @@
+/// A directory with the results of one run, as `beltflow solve --out` leaves it:
+///
+///     curve.csv               whole lines, appended while the run goes on
+///     snapshots/NNNNNN.npy    each complete from the moment it has its name
+///     snapshots.json          written at the end
+///     summary.json            written last, and on the disk only after all the rest: where it is,
+///                             the results are complete
+///
+/// Results of an earlier run in the same directory are replaced: its summary goes first, snapshots
+/// beyond those of the new run last. A second writer of the same directory is refused.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/run/frame.h"
+
+#include <stddef.h>
+
+/// A directory being written; opaque.
+typedef struct results_dir results_dir;
+
+/// Create path (and the directories above it) or take what is there over. columns as from
+/// scenario_columns(). BF_ESYSTEM: it cannot be written, or another program writes it.
+BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
+                                         results_dir **ret_dir, bf_error *err);
+
+/// Write what a frame tells: begin, curve, snapshot; others are none of this directory's business.
+/// BF_ESYSTEM: the disk refused; nothing half-written is left.
+BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
+
+/// Write snapshots.json and, unless summary is NULL (the run was stopped), summary.json.
+BF_MUST_CHECK bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summary,
+                                           bf_error *err);
+
+/// Close and free. NULL is fine. Always returns NULL.
+results_dir *results_dir_close(results_dir *d);

@@ -1,0 +1,246 @@
+/// Private parts of the store, shared by store*.c; nothing else includes this.
+
+#pragma once
+
+#include "server/lock.h"
+#include "server/store.h"
+#include "server/store_sql.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+enum {
+    STORE__READERS_MAX = 8,            ///< connections that read at once
+    STORE__PATH_SIZE = 1024,           ///< bytes of a path with its terminator
+    STORE__BUSY_MS = 5000,             ///< how long SQLite waits for a lock of its own
+    STORE__CHUNK_BYTES = 256 * 1024,   ///< of a blob that is stored in one row
+    STORE__READY_MS = 1000,            ///< how long a write test counts
+    STORE__FREE_MIN = 64 * 1024 * 1024 ///< bytes that must be free on the disk to be ready
+};
+
+/// The statements of store_sql.h.
+typedef enum store__sql {
+#define X(name, text) STORE__SQL_##name,
+    STORE__SQL_LIST(X)
+#undef X
+        STORE__SQL_COUNT
+} store__sql;
+
+/// Kinds of texts. The values stand in the store: never renumber.
+typedef enum store__text {
+    STORE__TEXT_SCENARIO, ///< the resolved document
+    STORE__TEXT_SUMMARY,  ///< summary.json
+    STORE__TEXT_COLUMNS,  ///< of the curve
+} store__text;
+
+/// Kinds of chunked blobs. The values stand in the store: never renumber.
+typedef enum store__blob {
+    STORE__BLOB_SNAPSHOT,   ///< item: index of the snapshot
+    STORE__BLOB_CHECKPOINT, ///< item: 0
+} store__blob;
+
+/// A connection with its prepared statements. Zero-initialise.
+typedef struct store__connection {
+    struct sqlite3 *db;                                ///< NULL: not open
+    struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
+} store__connection;
+
+/// What a connection may do.
+typedef enum store__access {
+    STORE__READ_WRITE, ///< the writer's; there is one (I2)
+    STORE__READ_ONLY,  ///< a reader's
+} store__access;
+
+/// A use of a statement. A failure is remembered: further calls do nothing and store__next() tells.
+typedef struct store__query {
+    store__connection *connection;  ///< whose statement it is
+    struct sqlite3_stmt *statement; ///< NULL: could not be prepared
+    int n_bound;                    ///< parameters so far
+    int code;                       ///< SQLite's first failure
+} store__query;
+
+typedef struct store__operation store__operation;
+
+/// Do a write inside a transaction that is open; not BF_OK undoes what it wrote. Runs on the
+/// store's thread while the caller waits.
+typedef bf_status store__apply(store__connection *writer, store__operation *operation,
+                               bf_error *err);
+
+/// A write that waits for its turn; on its caller's stack.
+struct store__operation {
+    store__apply *apply;       ///< what to do
+    void *context;             ///< for apply
+    char changed[API_ID_SIZE]; ///< set by apply: the run that it changed; "" none
+    bf_status status;          ///< result, once is_done
+    bf_error error;            ///< of a status that is not BF_OK
+    bool is_done;              ///< written under the store's lock
+    store__operation *next;    ///< in the queue
+};
+
+/// The connections that read.
+typedef struct store__pool {
+    lock lock;                                     ///< guards is_taken
+    lock_condition given;                          ///< one was given back
+    bool is_taken[STORE__READERS_MAX];             ///< by a thread, which then owns the connection
+    store__connection readers[STORE__READERS_MAX]; ///< opened when first taken
+} store__pool;
+
+/// An open store.
+struct store {
+    char directory[STORE__PATH_SIZE]; ///< of the data
+    char path[STORE__PATH_SIZE];      ///< of the database
+    size_t queue_limit;               ///< see store_options
+    store_listener *listener;         ///< NULL: none
+    void *listener_context;           ///< given to it
+    int lock_file;                    ///< descriptor that holds the flock; -1: none
+    store__connection writer;         ///< the store's thread's, once that runs
+    store__pool pool;                 ///< readers
+    bool has_thread;                  ///< thread runs
+    pthread_t thread;                 ///< the store's thread
+    lock lock;                        ///< guards what follows
+    lock_condition queued;            ///< an operation waits, or is_stopping
+    lock_condition done;              ///< operations are done
+    store__operation *first;          ///< queue of operations
+    store__operation *last;           ///< its end; NULL if empty
+    bool is_stopping;                 ///< no further operations
+    int64_t ready_until_ms;           ///< monotonic; until then ready_status counts
+    bf_status ready_status;           ///< of the last write test
+    bf_error ready_error;             ///< of a status that is not BF_OK
+};
+
+/// A run's row.
+typedef struct store__row {
+    int64_t number;           ///< key of all other tables
+    api_run run;              ///< what others see of it
+    double wall_s;            ///< solving time of all attempts, s
+    uint64_t checkpoint_step; ///< 0 if there is none
+    bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
+} store__row;
+
+/// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM: no
+/// access, or another daemon holds it.
+BF_MUST_CHECK bf_status store__take_directory(store *s, bf_error *err);
+
+/// Bytes that the disk of the directory has left for us.
+BF_MUST_CHECK bf_status store__free_bytes(const store *s, uint64_t *ret_bytes, bf_error *err);
+
+/// Open the database at path. The caller gives *ret_connection to store__disconnect().
+BF_MUST_CHECK bf_status store__connect(const char *path, store__access access,
+                                       store__connection *ret_connection, bf_error *err);
+
+/// Finalise the statements and close. A connection that is not open is fine.
+void store__disconnect(store__connection *c);
+
+/// Turn a result code of SQLite into an error, with SQLite's own text where there is one.
+bf_status store__fail(struct sqlite3 *db, int code, bf_error *err);
+
+/// Begin to use a statement. End with store__end(), whatever happens between.
+store__query store__begin(store__connection *c, store__sql sql);
+
+/// Bind the next parameter. Texts and blobs are the caller's and must stay until store__end().
+void store__bind_integer(store__query *q, int64_t value);
+void store__bind_real(store__query *q, double value); ///< not finite: NULL
+void store__bind_text(store__query *q, const char *text, size_t n);
+void store__bind_blob(store__query *q, const void *bytes, size_t n);
+
+/// Step to the next row, or to the end.
+BF_MUST_CHECK bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err);
+
+/// Done with the statement for now.
+void store__end(store__query *q);
+
+/// Step a statement without rows to its end, and end it.
+BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
+
+/// Run a statement that has neither parameters nor rows.
+BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err);
+
+/// A column of the present row; a NULL is NAN.
+double store__column_real(const store__query *q, int column);
+
+/// Append a text or blob column of the present row.
+BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
+                                            bf_error *err);
+
+/// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all. Returns
+/// status, or the failure of the commit.
+BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,
+                                               bf_error *err);
+
+/// Check that the file is a store of ours and bring its tables to this program's version.
+BF_MUST_CHECK bf_status store__migrate(store__connection *writer, const char *path, bf_error *err);
+
+/// Start the store's thread.
+BF_MUST_CHECK bf_status store__start_thread(store *s, bf_error *err);
+
+/// Let the thread finish what waits, and join it.
+void store__stop_thread(store *s);
+
+/// Let the store's thread do an operation and wait until it is on disk.
+BF_MUST_CHECK bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err);
+
+/// Prepare an empty pool.
+void store__init_pool(store__pool *pool);
+
+/// Close all readers; none may be taken.
+void store__fini_pool(store__pool *pool);
+
+/// Take a reader with a transaction begun, waiting for one if need be. Give it back soon.
+BF_MUST_CHECK bf_status store__take_reader(store *s, store__connection **ret_reader, bf_error *err);
+
+/// End the transaction and give the reader back.
+void store__give_reader(store *s, store__connection *reader);
+
+/// Read the run of the present row, selected as STORE__RUN_COLUMNS.
+void store__read_row(const store__query *q, store__row *ret_row);
+
+/// Find a run by its id. BF_ENOTFOUND.
+BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,
+                                        bf_error *err);
+
+/// Write a changed run back, with a new revision.
+BF_MUST_CHECK bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err);
+
+/// Insert an event of a run; row->run.last_event follows. snapshot counts for API_EVENT_SNAPSHOT.
+BF_MUST_CHECK bf_status store__insert_event(store__connection *writer, store__row *row,
+                                            api_event_type type, uint64_t snapshot,
+                                            const bf_buffer *data, bf_error *err);
+
+/// Insert the status event of a run as it is, and the end event if it has ended, and save the row.
+BF_MUST_CHECK bf_status store__tell_row(store__connection *writer, store__row *row, bf_error *err);
+
+/// Move a run to another state, tell it and save the row; an end drops the checkpoint (I3, I7).
+/// BF_ECONFLICT: the state may not follow.
+BF_MUST_CHECK bf_status store__move_row(store__connection *writer, store__row *row, run_state to,
+                                        bf_error *err);
+
+/// Insert or replace a text of a run.
+BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
+                                        const char *text, size_t n, bf_error *err);
+
+/// Append a text of a run to *out. BF_ENOTFOUND: there is none.
+BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t number, store__text kind,
+                                        bf_buffer *out, bf_error *err);
+
+/// Append bytes in compressed form to *out.
+BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
+
+/// Append what was packed to *out. BF_ECORRUPT: damaged.
+BF_MUST_CHECK bf_status store__unpack(const bf_buffer *packed, bf_buffer *out, bf_error *err);
+
+/// Insert a packed blob in chunks.
+BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t number,
+                                             store__blob kind, uint64_t item,
+                                             const bf_buffer *packed, bf_error *err);
+
+/// Append the chunks of a packed blob to *out; nothing if there is none.
+BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t number, store__blob kind,
+                                          uint64_t item, bf_buffer *out, bf_error *err);
+
+/// Delete a packed blob.
+BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t number,
+                                             store__blob kind, uint64_t item, bf_error *err);

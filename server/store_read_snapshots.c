@@ -1,0 +1,134 @@
+#include "server/store_priv.h"
+
+#include <sqlite3.h>
+
+static api_snapshot read_snapshot_row(const store__query *q)
+{
+    return (api_snapshot){
+        .index = (uint64_t)sqlite3_column_int64(q->statement, 0),
+        .t = store__column_real(q, 1),
+        .peak = store__column_real(q, 2),
+        .mass = store__column_real(q, 3),
+    };
+}
+
+static bf_status read_items(store__connection *reader, int64_t number, api_snapshot_list *list,
+                            bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+
+    store__query q = store__begin(reader, STORE__SQL_LIST_SNAPSHOTS);
+    store__bind_integer(&q, number);
+    while (status == BF_OK && has_row) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        api_snapshot snapshot = read_snapshot_row(&q);
+        if (buffer_append(&list->items, &snapshot, sizeof snapshot) != BF_OK)
+            status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+        else
+            list->n++;
+    }
+    store__end(&q);
+    return status;
+}
+
+static bf_status read_list(store__connection *reader, const char *id, api_snapshot_list *list,
+                           bf_error *err)
+{
+    store__row row;
+
+    bf_status status = store__find_row(reader, id, &row, err);
+    if (status != BF_OK)
+        return status;
+    list->grid = row.grid;
+    return read_items(reader, row.number, list, err);
+}
+
+bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list, bf_error *err)
+{
+    store__connection *reader = NULL;
+    api_snapshot_list list = { 0 };
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_list(reader, id, &list, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        *ret_list = list;
+    else
+        buffer_fini(&list.items);
+    return status;
+}
+
+static bf_status find_snapshot(store__connection *reader, int64_t number, uint64_t index,
+                               api_snapshot *ret_snapshot, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_GET_SNAPSHOT);
+    store__bind_integer(&q, number);
+    store__bind_integer(&q, (int64_t)index);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        *ret_snapshot = read_snapshot_row(&q);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot %llu",
+                       (unsigned long long)index);
+    return status;
+}
+
+static bf_status read_packed(store__connection *reader, const char *id, uint64_t index,
+                             api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *packed,
+                             bf_error *err)
+{
+    store__row row;
+
+    bf_status status = store__find_row(reader, id, &row, err);
+    if (status == BF_OK)
+        status = find_snapshot(reader, row.number, index, ret_snapshot, err);
+    if (status == BF_OK)
+        status = store__get_chunks(reader, row.number, STORE__BLOB_SNAPSHOT, index, packed, err);
+    if (status == BF_OK)
+        *ret_grid = row.grid;
+    return status;
+}
+
+static bf_status unpack_grid(const bf_buffer *packed, const bf_grid *grid, bf_buffer *out,
+                             bf_error *err)
+{
+    size_t before = out->n;
+
+    bf_status status = store__unpack(packed, out, err);
+    if (status == BF_OK && out->n - before != grid_cells(grid) * sizeof(float)) {
+        out->n = before;
+        status = bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not fit its grid");
+    }
+    return status;
+}
+
+bf_status store_read_snapshot(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
+                              bf_grid *ret_grid, bf_buffer *out, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bf_buffer packed = { 0 };
+    api_snapshot snapshot = { 0 };
+    bf_grid grid = { 0 };
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_packed(reader, id, index, &snapshot, &grid, &packed, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        status = unpack_grid(&packed, &grid, out, err);
+    buffer_fini(&packed);
+    if (status == BF_OK) {
+        *ret_snapshot = snapshot;
+        *ret_grid = grid;
+    }
+    return status;
+}

@@ -1,0 +1,191 @@
+#include "server/store_priv.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+// Marks the file as ours: "BFLW".
+enum { APPLICATION_ID = 0x42464c57 };
+
+// Blobs of doubles and of floats are in the machine's byte order, little-endian wherever we run.
+// The states in the indices' conditions are run_state's numbers.
+static const char schema_1[] =
+    "CREATE TABLE runs ("
+    "  number INTEGER PRIMARY KEY,"
+    "  id TEXT NOT NULL UNIQUE,"
+    "  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 4),"
+    "  model INTEGER NOT NULL,"
+    "  priority INTEGER NOT NULL,"
+    "  label TEXT NOT NULL,"
+    "  name TEXT NOT NULL,"
+    "  revision INTEGER NOT NULL DEFAULT 0,"
+    "  progress REAL NOT NULL DEFAULT 0,"
+    "  created_ms INTEGER NOT NULL,"
+    "  started_ms INTEGER NOT NULL DEFAULT 0,"
+    "  finished_ms INTEGER NOT NULL DEFAULT 0,"
+    "  eta_s REAL,"
+    "  wall_s REAL NOT NULL DEFAULT 0,"
+    "  n_samples INTEGER NOT NULL DEFAULT 0,"
+    "  n_snapshots INTEGER NOT NULL DEFAULT 0,"
+    "  last_event INTEGER NOT NULL DEFAULT 0,"
+    "  has_summary INTEGER NOT NULL DEFAULT 0,"
+    "  error_code TEXT NOT NULL DEFAULT '',"
+    "  error_pointer TEXT NOT NULL DEFAULT '',"
+    "  error_text TEXT NOT NULL DEFAULT '',"
+    "  checkpoint_step INTEGER NOT NULL DEFAULT 0,"
+    "  n1 INTEGER NOT NULL DEFAULT 0,"
+    "  n2 INTEGER NOT NULL DEFAULT 0,"
+    "  lower1 REAL NOT NULL DEFAULT 0,"
+    "  lower2 REAL NOT NULL DEFAULT 0,"
+    "  d1 REAL NOT NULL DEFAULT 0,"
+    "  d2 REAL NOT NULL DEFAULT 0"
+    ") STRICT;"
+    "CREATE INDEX runs_queue ON runs (priority DESC, id) WHERE state = 0;"
+    "CREATE INDEX runs_running ON runs (number) WHERE state = 1;"
+    "CREATE INDEX runs_by_state ON runs (state, id);"
+    "CREATE INDEX runs_by_label ON runs (label, id);"
+
+    "CREATE TABLE texts ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  kind INTEGER NOT NULL,"
+    "  data TEXT NOT NULL,"
+    "  PRIMARY KEY (run, kind)"
+    ") STRICT;"
+
+    "CREATE TABLE samples ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  first INTEGER NOT NULL,"
+    "  n INTEGER NOT NULL CHECK (n > 0),"
+    "  t BLOB NOT NULL,"
+    "  parts BLOB NOT NULL,"
+    "  PRIMARY KEY (run, first)"
+    ") STRICT;"
+
+    "CREATE TABLE snapshots ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  item INTEGER NOT NULL,"
+    "  t REAL,"
+    "  peak REAL,"
+    "  mass REAL,"
+    "  PRIMARY KEY (run, item)"
+    ") STRICT, WITHOUT ROWID;"
+
+    "CREATE TABLE chunks ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  kind INTEGER NOT NULL,"
+    "  item INTEGER NOT NULL,"
+    "  part INTEGER NOT NULL,"
+    "  data BLOB NOT NULL,"
+    "  PRIMARY KEY (run, kind, item, part)"
+    ") STRICT;"
+
+    "CREATE TABLE events ("
+    "  id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  type INTEGER NOT NULL,"
+    "  snapshot INTEGER NOT NULL,"
+    "  data TEXT NOT NULL"
+    ") STRICT;"
+    "CREATE INDEX events_of_run ON events (run);"
+
+    "CREATE TABLE probe ("
+    "  id INTEGER PRIMARY KEY,"
+    "  at_ms INTEGER NOT NULL"
+    ") STRICT;";
+
+// Text i brings the tables from version i to i + 1.
+static const char *const migrations[] = { schema_1 };
+
+enum { VERSION = sizeof migrations / sizeof *migrations };
+
+static bf_status execute(sqlite3 *db, const char *text, bf_error *err)
+{
+    int code = sqlite3_exec(db, text, NULL, NULL, NULL);
+    return code == SQLITE_OK ? BF_OK : store__fail(db, code, err);
+}
+
+static bf_status read_integer(sqlite3 *db, const char *text, int *ret_value, bf_error *err)
+{
+    sqlite3_stmt *statement = NULL;
+    bf_status status = BF_OK;
+
+    int code = sqlite3_prepare_v2(db, text, -1, &statement, NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_step(statement);
+    if (code == SQLITE_ROW)
+        *ret_value = sqlite3_column_int(statement, 0);
+    else
+        status = store__fail(db, code, err);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+static bf_status check_identity(sqlite3 *db, const char *path, int *ret_version, bf_error *err)
+{
+    int application = 0;
+    int version = 0;
+    int n_tables = 0;
+
+    bf_status status = read_integer(db, "PRAGMA application_id", &application, err);
+    if (status == BF_OK)
+        status = read_integer(db, "PRAGMA user_version", &version, err);
+    if (status == BF_OK)
+        status = read_integer(db, "SELECT count(*) FROM sqlite_schema", &n_tables, err);
+    if (status != BF_OK)
+        return status;
+    bool is_empty = application == 0 && version == 0 && n_tables == 0;
+    if (!is_empty && application != APPLICATION_ID)
+        return bf_fail(err, BF_ESYSTEM, "", "%s is not a store of Beltflow", path);
+    if (version < 0 || version > VERSION)
+        return bf_fail(err, BF_ESYSTEM, "",
+                       "%s was written by a newer Beltflow: its version is %d, and this program "
+                       "knows versions up to %d",
+                       path, version, VERSION);
+    *ret_version = version;
+    return BF_OK;
+}
+
+static bf_status switch_to_wal(sqlite3 *db, bf_error *err)
+{
+    sqlite3_stmt *statement = NULL;
+    bf_status status = BF_OK;
+
+    int code = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &statement, NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_step(statement);
+    if (code != SQLITE_ROW)
+        status = store__fail(db, code, err);
+    else if (strcmp((const char *)sqlite3_column_text(statement, 0), "wal") != 0)
+        status = bf_fail(err, BF_ESYSTEM, "", "the file system of the store cannot do a WAL");
+    sqlite3_finalize(statement);
+    return status;
+}
+
+static bf_status upgrade(sqlite3 *db, int version, bf_error *err)
+{
+    char mark[96];
+    bf_status status = BF_OK;
+
+    for (int i = version; i < VERSION && status == BF_OK; i++)
+        status = execute(db, migrations[i], err);
+    snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             APPLICATION_ID, VERSION);
+    if (status == BF_OK)
+        status = execute(db, mark, err);
+    return status;
+}
+
+bf_status store__migrate(store__connection *writer, const char *path, bf_error *err)
+{
+    int version = 0;
+
+    bf_status status = check_identity(writer->db, path, &version, err);
+    if (status == BF_OK)
+        status = switch_to_wal(writer->db, err);
+    if (status != BF_OK || version == VERSION)
+        return status;
+    status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
+    if (status == BF_OK)
+        status = store__end_transaction(writer, upgrade(writer->db, version, err), err);
+    return status;
+}

@@ -1,0 +1,48 @@
+// The page's files, as the daemon gives them.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import path from "node:path";
+import test from "node:test";
+
+import { daemon } from "./daemon.mjs";
+import { root, temporaryFolder } from "./setup.mjs";
+
+test("the page and what it needs come from the daemon, with their types", async (t) => {
+  const d = await daemon(t);
+  for (const [target, file, type] of [
+    ["/", "index.html", /^text\/html/],
+    ["/app.js", "app.js", /^text\/javascript/],
+    ["/style.css", "style.css", /^text\/css/],
+  ]) {
+    const answer = await d.get(target);
+    assert.equal(answer.status, 200, target);
+    assert.match(answer.headers["content-type"], type);
+    assert.equal(answer.text, readFileSync(path.join(root, "web", file), "utf8"));
+  }
+});
+
+test("the page runs nothing inline and loads nothing from elsewhere", async (t) => {
+  const d = await daemon(t);
+  const page = (await d.get("/")).text;
+  assert.doesNotMatch(page, /<script(?![^>]*\bsrc=)/);
+  assert.doesNotMatch(page, /\son\w+=|<style|\sstyle=|javascript:/);
+  for (const [, target] of page.matchAll(/(?:src|href)="([^"#]+)"/g)) {
+    assert.doesNotMatch(target, /^(?:https?:)?\/\//);
+    assert.equal((await d.get(target.startsWith("/") ? target : `/${target}`)).status, 200, target);
+  }
+});
+
+test("no file outside the page's folder is given", async (t) => {
+  const d = await daemon(t);
+  for (const target of ["/../README.md", "/%2e%2e/README.md", "/..%2fREADME.md", "//etc/passwd", "/README.md"]) {
+    assert.notEqual((await d.get(target)).status, 200, target);
+  }
+});
+
+test("a daemon without a page says why there is none", async (t) => {
+  const d = await daemon(t, { web: path.join(temporaryFolder(t), "none") });
+  const answer = await d.get("/");
+  assert.equal(answer.status, 404);
+  assert.equal((await d.get("/livez")).status, 200);
+});

@@ -1,0 +1,203 @@
+// The main way through: a scenario goes in, results come out, and they are the command line's bytes.
+
+import assert from "node:assert/strict";
+import { readFileSync, readdirSync } from "node:fs";
+import path from "node:path";
+import test from "node:test";
+
+import { daemon } from "./daemon.mjs";
+import { beltflow } from "./processes.mjs";
+import { assertSameResults, solve } from "./results.mjs";
+import { jam, tiny } from "./scenarios.mjs";
+import { isSanitized, temporaryFolder } from "./setup.mjs";
+
+async function readyExamples(d) {
+  const { examples } = (await d.get("/v1/examples")).json;
+  const documents = [];
+  for (const { name } of examples) {
+    const answer = await d.get(`/v1/examples/${name}`);
+    assert.equal(answer.status, 200);
+    documents.push({ name, scenario: answer.json });
+  }
+  return documents;
+}
+
+test("a run that is followed to its end gives the bytes of the command line", async (t) => {
+  const d = await daemon(t);
+  const scenario = jam(2, { curve_every_s: 0.01, snapshot_every_s: 0.1 });
+  const run = await d.submit(scenario, { label: "first" });
+  assert.deepEqual([run.model, run.label, run.priority], ["macro", "first", 0]);
+
+  const events = await (await d.events(run.id)).rest();
+  assert.equal(events[0].event, "status");
+  assert.equal(events.at(-1).event, "end");
+  assert.equal(events.at(-1).data.status, "succeeded");
+  const ended = await d.run(run.id);
+  assert.deepEqual([ended.status, ended.progress, ended.error], ["succeeded", 1, null]);
+  await assertSameResults(d, run.id, await solve(t, scenario));
+});
+
+test("the curve of the events is the stored curve, sample by sample", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(jam(2, { curve_every_s: 0.01, snapshot_every_s: 0.1 }));
+  const events = await (await d.events(run.id)).rest();
+  const told = { t_s: [], upstream: [], left_domain: [] };
+  for (const { data } of events.filter((event) => event.event === "curve")) {
+    assert.equal(data.first, told.t_s.length);
+    for (const column of Object.keys(told)) told[column].push(...data[column]);
+  }
+  assert.deepEqual(told, (await d.get(`/v1/runs/${run.id}/curve`)).json);
+  assert.equal(told.t_s.length, 201);
+});
+
+test("the location of a new run is its document", async (t) => {
+  const d = await daemon(t);
+  const answer = await d.post("/v1/runs", { scenario: tiny() });
+  assert.equal(answer.status, 201);
+  assert.equal(answer.headers.location, `/v1/runs/${answer.json.id}`);
+  const run = (await d.get(answer.headers.location)).json;
+  assert.equal(run.links.self, answer.headers.location);
+  for (const link of ["scenario", "curve", "snapshots", "events"]) {
+    const found = await d.get(run.links[link]);
+    assert.ok(found.status === 200, `${link}: ${found.status}`);
+  }
+});
+
+test("every ready example is accepted as it is", async (t) => {
+  const d = await daemon(t);
+  const examples = await readyExamples(d);
+  const names = examples.map((example) => example.name);
+  for (const name of ["example-1", "example-2", "example-3"]) assert.ok(names.includes(name));
+  for (const { name, scenario } of examples) {
+    const answer = await d.post("/v1/validate", { scenario });
+    assert.equal(answer.status, 200, `${name}: ${answer.text}`);
+  }
+});
+
+test("every ready example is solved to the command line's bytes", { skip: isSanitized }, async (t) => {
+  const d = await daemon(t, { workers: 2 });
+  for (const { name, scenario } of await readyExamples(d)) {
+    const run = await d.submit(scenario, { label: name });
+    assert.equal((await d.reached(run.id, "succeeded")).label, name);
+    await assertSameResults(d, run.id, await solve(t, scenario));
+  }
+});
+
+test("the resolved scenario, submitted again, gives the same results", async (t) => {
+  const d = await daemon(t);
+  const first = await d.submit(tiny());
+  await d.reached(first.id, "succeeded");
+  const resolved = await d.get(`/v1/runs/${first.id}/scenario`);
+  const second = await d.submit(resolved.json);
+  await d.reached(second.id, "succeeded");
+  for (const part of ["scenario", "curve?format=csv", "snapshots/2"]) {
+    const [a, b] = await Promise.all(
+      [first, second].map((run) => d.get(`/v1/runs/${run.id}/${part}`)),
+    );
+    assert.deepEqual(a.body, b.body, part);
+  }
+});
+
+test("validating says yes to what is good, and stores nothing", async (t) => {
+  const d = await daemon(t);
+  const answer = await d.post("/v1/validate", { scenario: tiny() });
+  assert.equal(answer.status, 200, answer.text);
+  assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
+});
+
+test("a run compared with itself is apart by nothing", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny());
+  await d.reached(run.id, "succeeded");
+  const measures = (await d.get(`/v1/compare?a=${run.id}&b=${run.id}`)).json;
+  const apart = JSON.stringify(measures);
+  assert.match(apart, /"l1":0(\.0)?[,}]/);
+  assert.match(apart, /"l2":0(\.0)?[,}]/);
+  assert.match(apart, /"largest":0(\.0)?[,}]/);
+});
+
+test("two runs compared give the measures of the command line", async (t) => {
+  const d = await daemon(t);
+  const scenarios = [tiny(), tiny({ belts: [{ velocity_m_s: [0.2, 0] }] })];
+  const runs = [];
+  const folders = [];
+  for (const scenario of scenarios) {
+    runs.push(await d.submit(scenario));
+    folders.push(await solve(t, scenario));
+  }
+  for (const run of runs) await d.reached(run.id, "succeeded");
+  const measures = (await d.get(`/v1/compare?a=${runs[0].id}&b=${runs[1].id}`)).text;
+  const done = await beltflow(["compare", ...folders]);
+  assert.equal(done.status, 0, done.stderr);
+  const l1 = /"l1":([^,}]+)/.exec(measures)[1];
+  assert.ok(done.stdout.includes(l1), `${l1} is not in ${done.stdout}`);
+});
+
+test("runs are listed newest first, page by page, and by state and label", async (t) => {
+  const d = await daemon(t);
+  const ids = [];
+  for (const label of ["a", "b", "a", "b", "a"]) ids.push((await d.submit(tiny(), { label })).id);
+  for (const id of ids) await d.reached(id, "succeeded");
+
+  const newest = [...ids].reverse();
+  const listed = async (target) => {
+    const answer = await d.get(target);
+    assert.equal(answer.status, 200, answer.text);
+    return { ids: answer.json.runs.map((run) => run.id), link: answer.headers.link };
+  };
+  assert.deepEqual((await listed("/v1/runs")).ids, newest);
+  assert.deepEqual((await listed("/v1/runs?label=b")).ids, [ids[3], ids[1]]);
+  assert.deepEqual((await listed("/v1/runs?status=failed")).ids, []);
+  assert.deepEqual((await listed("/v1/runs?status=succeeded&model=macro")).ids, newest);
+
+  const seen = [];
+  for (let target = "/v1/runs?limit=2"; target !== undefined; ) {
+    const page = await listed(target);
+    seen.push(...page.ids);
+    target = /<([^>]+)>; rel="next"/.exec(page.link ?? "")?.[1];
+  }
+  assert.deepEqual(seen, newest);
+});
+
+test("a removed run is gone with all it had", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny());
+  await d.reached(run.id, "succeeded");
+  assert.equal((await d.request("DELETE", `/v1/runs/${run.id}`)).status, 204);
+  for (const part of ["", "/curve", "/scenario", "/snapshots", "/snapshots/0", "/events"]) {
+    assert.equal((await d.get(`/v1/runs/${run.id}${part}`)).status, 404, part);
+  }
+  assert.equal((await d.request("DELETE", `/v1/runs/${run.id}`)).status, 404);
+});
+
+test("a snapshot is a NumPy file of the grid and may be cached for ever", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(tiny());
+  await d.reached(run.id, "succeeded");
+  const answer = await d.get(`/v1/runs/${run.id}/snapshots/0`);
+  assert.equal(answer.body.subarray(1, 6).toString(), "NUMPY");
+  const header = answer.body.subarray(10, 10 + answer.body.readUInt16LE(8)).toString();
+  assert.match(header, /'descr': '<f4', 'fortran_order': False, 'shape': \(12, 24\)/);
+  assert.equal(answer.body.length, 10 + answer.body.readUInt16LE(8) + 4 * 24 * 12);
+  assert.match(answer.headers["cache-control"], /immutable/);
+  const again = await d.get(`/v1/runs/${run.id}/snapshots/0`, {
+    "if-none-match": answer.headers.etag,
+  });
+  assert.deepEqual([again.status, again.body.length], [304, 0]);
+});
+
+test("threads change no bit of a run", { skip: isSanitized }, async (t) => {
+  const scenario = jam(2, { curve_every_s: 0.05, snapshot_every_s: 0.5 });
+  const one = await solve(t, scenario, "--threads", "1");
+  const two = await solve(t, scenario, "--threads", "2");
+  for (const file of ["curve.csv", ...readdirSync(path.join(one, "snapshots")).map((f) => `snapshots/${f}`)]) {
+    assert.deepEqual(readFileSync(path.join(one, file)), readFileSync(path.join(two, file)), file);
+  }
+});
+
+test("the store of one story does not leak into the folder of another", async (t) => {
+  const folder = temporaryFolder(t);
+  const d = await daemon(t, { data: path.join(folder, "deep", "data") });
+  await d.reached((await d.submit(tiny())).id, "succeeded");
+  assert.ok(readdirSync(path.join(folder, "deep", "data")).includes("beltflow.db"));
+});

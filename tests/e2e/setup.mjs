@@ -1,0 +1,41 @@
+// Where things are, how long a story waits, and how it waits.
+
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { setTimeout as sleep } from "node:timers/promises";
+import { fileURLToPath } from "node:url";
+
+export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+export const binaries = process.env.BELTFLOW_BIN_DIR ?? path.join(root, "build/release/bin");
+export const isSanitized = process.env.BELTFLOW_SANITIZED === "1";
+
+// How long anything may take before a story fails, ms. Generous: it only ends what hangs.
+export const patience = isSanitized ? 120_000 : 60_000;
+
+// A folder that is removed after the story.
+export function temporaryFolder(t) {
+  const folder = mkdtempSync(path.join(tmpdir(), "beltflow-e2e-"));
+  t.after(() => rmSync(folder, { recursive: true, force: true }));
+  return folder;
+}
+
+// The result of a promise, or a failure that says what was waited for.
+export function within(promise, what, ms = patience) {
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`waited ${ms} ms for ${what}`)), ms);
+  });
+  return Promise.race([promise, late]).finally(() => clearTimeout(timer));
+}
+
+// Ask until the answer is truthy; returns it.
+export async function until(ask, what, ms = patience) {
+  const deadline = Date.now() + ms;
+  for (;;) {
+    const answer = await ask();
+    if (answer) return answer;
+    if (Date.now() > deadline) throw new Error(`waited ${ms} ms for ${what}`);
+    await sleep(10);
+  }
+}

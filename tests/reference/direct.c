@@ -1,0 +1,209 @@
+#include "tests/reference/direct.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct direct {
+    macro_def def;
+    int n1, n2, reach1, reach2;
+    double *rho, *swept; // n1 * n2
+    double *c1, *c2;     // (2 S1 + 1) (2 S2 + 1) cell integrals of the mollifier's gradient
+    double *i1, *i2;     // I at (i + 1/2, j) and (i, j + 1/2), i, j >= -1
+    double *v1, *v2;     // copies of the definition's arrays
+    uint8_t *closed1, *closed2;
+};
+
+static double normal_density(double sigma, double x)
+{
+    return sqrt(sigma / (2.0 * M_PI)) * exp(-0.5 * sigma * x * x);
+}
+
+static double normal_share(double sigma, double a, double b)
+{
+    return 0.5 * (erf(b * sqrt(sigma / 2.0)) - erf(a * sqrt(sigma / 2.0)));
+}
+
+static void fill_integrals(direct *d)
+{
+    const double sigma = d->def.mollifier, d1 = d->def.grid.d1, d2 = d->def.grid.d2;
+
+    for (int p = -d->reach1; p <= d->reach1; p++)
+        for (int q = -d->reach2; q <= d->reach2; q++) {
+            int at = (p + d->reach1) * (2 * d->reach2 + 1) + q + d->reach2;
+            d->c1[at] = (normal_density(sigma, (p + 1) * d1) - normal_density(sigma, p * d1)) *
+                        normal_share(sigma, (q - 0.5) * d2, (q + 0.5) * d2);
+            d->c2[at] = normal_share(sigma, (p - 0.5) * d1, (p + 0.5) * d1) *
+                        (normal_density(sigma, (q + 1) * d2) - normal_density(sigma, q * d2));
+        }
+}
+
+static int reach_of(double sigma, double edge)
+{
+    return (int)ceil(4.0 / (sqrt(sigma) * edge) - 1e-9);
+}
+
+static void *copy_of(const void *from, size_t n, size_t size)
+{
+    void *to = calloc(n, size);
+    if (from != NULL && to != NULL)
+        memcpy(to, from, n * size);
+    return to;
+}
+
+direct *direct_create(const macro_def *def)
+{
+    direct *d = calloc(1, sizeof *d);
+    if (d == NULL)
+        return NULL;
+    d->def = *def;
+    d->n1 = (int)def->grid.n1;
+    d->n2 = (int)def->grid.n2;
+    d->reach1 = reach_of(def->mollifier, def->grid.d1);
+    d->reach2 = reach_of(def->mollifier, def->grid.d2);
+    size_t cells = (size_t)d->n1 * (size_t)d->n2;
+    size_t faces1 = (size_t)(d->n1 + 1) * (size_t)d->n2;
+    size_t faces2 = (size_t)d->n1 * (size_t)(d->n2 + 1);
+    size_t taps = (size_t)(2 * d->reach1 + 1) * (size_t)(2 * d->reach2 + 1);
+    size_t corners = (size_t)(d->n1 + 1) * (size_t)(d->n2 + 1);
+    d->rho = calloc(cells, sizeof(double));
+    d->swept = calloc(cells, sizeof(double));
+    d->c1 = calloc(taps, sizeof(double));
+    d->c2 = calloc(taps, sizeof(double));
+    d->i1 = calloc(corners, sizeof(double));
+    d->i2 = calloc(corners, sizeof(double));
+    d->v1 = copy_of(def->v1, faces1, sizeof(double));
+    d->v2 = copy_of(def->v2, faces2, sizeof(double));
+    d->closed1 = copy_of(def->closed1, faces1, 1);
+    d->closed2 = copy_of(def->closed2, faces2, 1);
+    if (d->rho == NULL || d->swept == NULL || d->c1 == NULL || d->c2 == NULL || d->i1 == NULL ||
+        d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL || d->closed2 == NULL)
+        return direct_destroy(d);
+    fill_integrals(d);
+    return d;
+}
+
+direct *direct_destroy(direct *d)
+{
+    if (d == NULL)
+        return NULL;
+    free(d->rho);
+    free(d->swept);
+    free(d->c1);
+    free(d->c2);
+    free(d->i1);
+    free(d->i2);
+    free(d->v1);
+    free(d->v2);
+    free(d->closed1);
+    free(d->closed2);
+    free(d);
+    return NULL;
+}
+
+void direct_set_density(direct *d, const double *rho)
+{
+    memcpy(d->rho, rho, (size_t)d->n1 * (size_t)d->n2 * sizeof *rho);
+}
+
+// The index that the convolution sees at k of n, or -1: nothing there.
+static int seen(int k, int n, bool mirror_below, bool mirror_above)
+{
+    if (k < 0)
+        return mirror_below && -1 - k < n ? -1 - k : -1;
+    if (k >= n)
+        return mirror_above && 2 * n - 1 - k >= 0 ? 2 * n - 1 - k : -1;
+    return k;
+}
+
+static void sum_gradient(const direct *d, int i, int j, double *ret_d1, double *ret_d2)
+{
+    double d1 = 0.0, d2 = 0.0;
+
+    for (int q = -d->reach2; q <= d->reach2; q++) {
+        int row = seen(j - q, d->n2, d->def.mirror[2], d->def.mirror[3]);
+        if (row < 0)
+            continue;
+        for (int p = -d->reach1; p <= d->reach1; p++) {
+            int column = seen(i - p, d->n1, d->def.mirror[0], d->def.mirror[1]);
+            if (column < 0)
+                continue;
+            int at = (p + d->reach1) * (2 * d->reach2 + 1) + q + d->reach2;
+            d1 += d->rho[row * d->n1 + column] * d->c1[at];
+            d2 += d->rho[row * d->n1 + column] * d->c2[at];
+        }
+    }
+    *ret_d1 = d1;
+    *ret_d2 = d2;
+}
+
+static void fill_push(direct *d)
+{
+    for (int j = -1; j < d->n2; j++)
+        for (int i = -1; i < d->n1; i++) {
+            double d1, d2;
+            sum_gradient(d, i, j, &d1, &d2);
+            double root = sqrt(1.0 + d1 * d1 + d2 * d2);
+            d->i1[(j + 1) * (d->n1 + 1) + i + 1] = -d->def.dispersion * d1 / root;
+            d->i2[(j + 1) * (d->n1 + 1) + i + 1] = -d->def.dispersion * d2 / root;
+        }
+}
+
+static double gated(const direct *d, double rho)
+{
+    switch (d->def.gate) {
+    case MACRO_GATE_SHARP:
+        return rho >= 1.0 ? rho : 0.0;
+    case MACRO_GATE_SMOOTH:
+        return rho * (0.5 + atan((rho - 1.0) / d->def.gate_width) / M_PI);
+    default:
+        return rho;
+    }
+}
+
+static double flux(const direct *d, double near, double far, double v, double push, bool closed)
+{
+    if (closed)
+        return 0.0;
+    return (v >= 0.0 ? near : far) * v + (push >= 0.0 ? gated(d, near) : gated(d, far)) * push;
+}
+
+static double flux1(const direct *d, int i, int j)
+{
+    int face = j * (d->n1 + 1) + i + 1;
+    double near = i >= 0 ? d->rho[j * d->n1 + i] : 0.0;
+    double far = i + 1 < d->n1 ? d->rho[j * d->n1 + i + 1] : 0.0;
+
+    return flux(d, near, far, d->v1[face], d->i1[(j + 1) * (d->n1 + 1) + i + 1],
+                d->closed1[face] != 0);
+}
+
+static double flux2(const direct *d, int i, int j)
+{
+    int face = (j + 1) * d->n1 + i;
+    double near = j >= 0 ? d->swept[j * d->n1 + i] : 0.0;
+    double far = j + 1 < d->n2 ? d->swept[(j + 1) * d->n1 + i] : 0.0;
+
+    return flux(d, near, far, d->v2[face], d->i2[(j + 1) * (d->n1 + 1) + i + 1],
+                d->closed2[face] != 0);
+}
+
+void direct_step(direct *d)
+{
+    const double lambda1 = d->def.dt / d->def.grid.d1, lambda2 = d->def.dt / d->def.grid.d2;
+
+    fill_push(d);
+    for (int j = 0; j < d->n2; j++)
+        for (int i = 0; i < d->n1; i++)
+            d->swept[j * d->n1 + i] =
+                d->rho[j * d->n1 + i] - lambda1 * (flux1(d, i, j) - flux1(d, i - 1, j));
+    for (int j = 0; j < d->n2; j++)
+        for (int i = 0; i < d->n1; i++)
+            d->rho[j * d->n1 + i] =
+                d->swept[j * d->n1 + i] - lambda2 * (flux2(d, i, j) - flux2(d, i, j - 1));
+}
+
+const double *direct_density(const direct *d)
+{
+    return d->rho;
+}

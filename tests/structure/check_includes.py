@@ -1,0 +1,105 @@
+"""Every #include follows the arrows: server -> api -> core, inside core base <- scene <- macro, micro
+<- run; and every outside header is included only where it belongs."""
+
+import re
+
+import tree
+
+# Folder: the folders of ours that it may include from.
+ARROWS = {
+    "core/base": {"core/base"},
+    "core/scene": {"core/base", "core/scene"},
+    "core/macro": {"core/base", "core/scene", "core/macro"},
+    "core/micro": {"core/base", "core/scene", "core/micro"},
+    "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
+    "core/compare": {"core/base", "core/scene", "core/compare"},
+    "api": {"core/base", "core/scene", "core/run", "core/compare", "api"},
+    "server": {"core/base", "core/scene", "core/run", "core/compare", "api", "server"},
+}
+
+# What a standard C library offers; clocks, locales, signals and threads are left out on purpose.
+STANDARD = {
+    "ctype.h", "endian.h", "errno.h", "float.h", "inttypes.h", "limits.h", "math.h",
+    "stdalign.h", "stdarg.h",
+    "stdatomic.h", "stdbool.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h",
+    "strings.h",
+}
+
+# Beyond that: instruction sets, the choice between them, and the calendar (not the clock).
+ALSO = {
+    "core/macro/lanes.h": {"immintrin.h"},
+    "core/macro/kernels_select.c": {"pthread.h"},
+    "api/run_json.c": {"time.h"},
+}
+
+# Outside header: the only files that may include it.
+ONLY_IN = {
+    "omp.h": r"core/base/parallel\.c",
+    "jansson.h": r"api/[^/]+\.c|tests/.+",
+    "microhttpd.h": r"server/http(_\w+)?\.c|server/http_priv\.h",
+    "sqlite3.h": r"server/store(_\w+)?\.c|server/store_priv\.h|tests/unit/server/\w+_store\w*\.c",
+    "zstd.h": r"server/store(_\w+)?\.c",
+    "ini.h": r"server/config(_\w+)?\.c",
+    "cmocka.h": r"tests/.+",
+}
+
+
+def folder_of(name):
+    """The folder that the arrows speak of."""
+    parts = name.split("/")
+    return "/".join(parts[:2]) if parts[0] == "core" else parts[0]
+
+
+def outside_fault(name, header):
+    """Why this file may not include <header>, or None."""
+    if header in ONLY_IN:
+        if re.fullmatch(ONLY_IN[header], name):
+            return None
+        return f"<{header}> belongs into {ONLY_IN[header]} only"
+    is_known = header in STANDARD or header in ALSO.get(name, set())
+    if name.startswith(("core/", "api/")) and not is_known:
+        return f"<{header}> is not for core and api"
+    return None
+
+
+def own_fault(root, name, header):
+    """Why this file may not include "header", or None."""
+    if not (root / header).is_file():
+        return f'"{header}" is no file of the tree (paths are written from its root)'
+    folder = folder_of(name)
+    target = folder_of(header)
+    if folder in ARROWS and target not in ARROWS[folder]:
+        return f'"{header}": {folder} must not know {target}'
+    if header.endswith("_priv.h") and folder in ARROWS and target != folder:
+        return f'"{header}" is private to {target}'
+    return None
+
+
+def file_faults(root, path):
+    name = tree.name(root, path)
+    own_header = name[:-2] + ".h"
+    includes = []
+    for number, line in enumerate(tree.lines(path), 1):
+        match = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
+        if not match:
+            continue
+        includes.append(match.group(2))
+        fault = (outside_fault(name, match.group(2)) if match.group(1) == "<"
+                 else own_fault(root, name, match.group(2)))
+        if fault:
+            yield f"{name}:{number}: {fault}"
+    may_be_first = {own_header, own_header[:-2] + "_priv.h"}
+    if (name.endswith(".c") and (root / own_header).is_file()
+            and not may_be_first.intersection(includes[:1])):
+        yield f'{name}:1: does not include its own "{own_header}" first'
+    if name.endswith(".h") and "#pragma once" not in tree.lines(path):
+        yield f"{name}:1: no #pragma once"
+
+
+def check(root):
+    return [fault for path in tree.sources(root, *tree.FLOORS, "tests")
+            for fault in file_faults(root, path)]
+
+
+if __name__ == "__main__":
+    tree.main(check)

@@ -1,0 +1,127 @@
+"""The checks find what they are for: each is given a small tree with one fault."""
+
+import pathlib
+import tempfile
+import unittest
+
+import check_format
+import check_headers
+import check_includes
+import check_invariants
+import check_quiet
+import check_readmes
+import check_sizes
+import check_symbols
+import check_words
+
+STATES = '''#define RUN_STATE_LIST(X) \\
+    X(RUN_QUEUED, "queued", RUN_TO(RUN_RUNNING)) \\
+    X(RUN_RUNNING, "running", 0)
+
+'''
+README = "# A tree\n`api/` and `core/`\n```mermaid\nstateDiagram-v2\n    queued --> running\n```\n"
+
+
+class Checks(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def put(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def test_an_arrow_that_turns_round_is_found(self):
+        self.put("api/scenario.h", "#pragma once\n")
+        self.put("core/base/grid.c", '#include "api/scenario.h"\n')
+        self.assertIn("core/base must not know api", check_includes.check(self.root)[0])
+
+    def test_the_solvers_do_not_know_each_other(self):
+        self.put("core/micro/micro.h", "#pragma once\n")
+        self.put("core/macro/step.c", '#include "core/micro/micro.h"\n')
+        self.assertEqual(len(check_includes.check(self.root)), 1)
+
+    def test_an_outside_header_in_the_wrong_file_is_found(self):
+        self.put("server/http.c", "#include <microhttpd.h>\n#include <unistd.h>\n")
+        self.assertEqual(check_includes.check(self.root), [])
+        self.put("server/store.c", "#include <microhttpd.h>\n")
+        self.put("api/text.c", "#include <time.h>\n")
+        self.put("api/text.h", "#include <jansson.h>\n#pragma once\n")
+        self.assertEqual(len(check_includes.check(self.root)), 4)
+
+    def test_the_own_header_comes_first(self):
+        self.put("core/base/grid.h", "#pragma once\n")
+        self.put("core/base/grid.c", '#include <math.h>\n#include "core/base/grid.h"\n')
+        self.assertEqual(len(check_includes.check(self.root)), 1)
+
+    def test_a_prototype_or_a_member_without_a_comment_is_found(self):
+        self.put("core/base/a.h", "/// A.\n\n/// Good.\nint a(void);\nint b(void);\n\nint c(void);\n")
+        self.put("core/base/b.h", "/// B.\n\n/// Good.\ntypedef struct b {\n    int x; ///< good\n"
+                 "    int y;\n    /// Good.\n    int (*f)(int a,\n             int b);\n} b;\n")
+        self.assertEqual([fault.split(" ")[0] for fault in check_headers.check(self.root)],
+                         ["core/base/a.h:7:", "core/base/b.h:6:"])
+
+    def test_a_header_says_its_purpose(self):
+        self.put("core/base/a.h", "#pragma once\n")
+        self.assertEqual(len(check_headers.check(self.root)), 1)
+
+    def test_what_is_too_long_is_found(self):
+        self.put("core/base/a.h", "//\n" * 251)
+        self.put("core/base/a.c", "int a(void)\n{\n" + "    ;\n" * 78 + "}\n")
+        self.put("core/base/b.c", "int a(void)\n{\n" + "    ;\n" * 77 + "}\n" + "//\n" * 800)
+        found = check_sizes.check(self.root)
+        self.assertEqual(len(found), 3)
+        self.assertIn("a() has 81 lines", found[0])
+
+    def test_printing_and_clocks_are_found_but_not_in_comments(self):
+        self.put("core/base/a.c", '// printf("")\nconst char *a = "exit(1)";\nsnprintf(b, 1, "");\n')
+        self.assertEqual(check_quiet.check(self.root), [])
+        self.put("core/base/a.c", "printf(b);\nint t = time(NULL);\n")
+        self.assertEqual(len(check_quiet.check(self.root)), 2)
+
+    def test_symbols_start_with_their_files_prefix(self):
+        self.assertTrue(check_symbols.is_named_well("store_write_begin", "server/store_write.c"))
+        self.assertTrue(check_symbols.is_named_well("store_open", "server/store_write.c"))
+        self.assertTrue(check_symbols.is_named_well("bf_fail", "core/base/status.c"))
+        self.assertFalse(check_symbols.is_named_well("storeroom", "server/store.c"))
+        self.assertFalse(check_symbols.is_named_well("helper", "server/store.c"))
+        listing = "store.c.o:\n0000 T store_open\n0000 t hidden\n                 U other\n"
+        self.assertEqual(list(check_symbols.symbols(listing)), [("store.c.o", "store_open")])
+
+    def test_an_invariant_without_a_test_is_found(self):
+        self.put("server/store.h", "///   I1  One.\n///   I2  Two.\n")
+        self.put("tests/unit/server/test_store.c", "// I1\n")
+        self.assertEqual(check_invariants.check(self.root), ["server/store.h: no test cites I2"])
+
+    def test_a_path_that_is_not_there_is_found(self):
+        self.put("api/run_state.h", STATES)
+        self.put("api/README.md", "`run_state.h`, `api/run_*.h`, `application/json`\n")
+        self.put("core/README.md", "[x](base/grid.h)\n")
+        self.put("README.md", README)
+        self.assertEqual(check_readmes.check(self.root),
+                         ["core/README.md: `base/grid.h` does not exist"])
+
+    def test_a_diagram_that_differs_from_the_table_is_found(self):
+        self.put("api/run_state.h", STATES)
+        self.put("api/README.md", "")
+        self.put("README.md", README.replace("queued --> running", "running --> queued")
+                 .replace("`core/`", ""))
+        self.assertEqual(len(check_readmes.check(self.root)), 2)
+
+    def test_postponed_work_is_found(self):
+        self.put("core/base/a.c", "// TO" "DO: later\n")
+        self.assertEqual(len(check_words.check(self.root)), 1)
+
+    def test_what_clang_format_would_change_is_found(self):
+        self.put("core/base/a.c", "int a;\n")
+        self.put("web/a.css", "a {}\n")
+        self.assertEqual(check_format.check(self.root), [])
+        self.put("core/base/a.c", "int   a;\n")
+        self.put("web/a.css", "a {} \n\tb {}")
+        self.assertEqual(len(check_format.check(self.root)), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,47 @@
+#include "tests/unit/api/helper_document.h"
+
+#include "core/base/check.h"
+
+#include <string.h>
+
+bf_buffer document_quote(const char *text)
+{
+    bf_buffer b = { 0 };
+
+    BF_CHECK(buffer_append(&b, text, strlen(text)) == BF_OK);
+    for (char *at = b.bytes; *at != '\0'; at++)
+        *at = *at == '\'' ? '"' : *at;
+    return b;
+}
+
+bf_buffer document_complete(void)
+{
+    return document_quote(
+        "{'name': 'All members', 'duration_s': 2.5,"
+        "'domain': {'x_m': [-0.5, 1.0], 'y_m': [0.1, 0.9]},"
+        "'edges': {'west': 'wall', 'east': 'inflow', 'south': 'outflow', 'north': 'wall'},"
+        "'belts': [{'id': 'a', 'velocity_m_s': [0.3, -0.1]},"
+        "          {'id': 'b', 'velocity_m_s': [0.0, 0.2],"
+        "           'polygon_m': [[0, 0.2], [0.5, 0.2], [0.5, 0.8]]}],"
+        "'obstacles': [{'id': 'long', 'path_m': [[0.6, 0.2], [0.7, 0.5], [0.9, 0.55]],"
+        "               'thickness_m': 0.004, 'treatment': 'field', 'band_m': 0.07,"
+        "               'slide_width_m': 0.025}],"
+        "'cargo': {'shape': {'type': 'box', 'length_m': 0.04, 'width_m': 0.03, 'height_m': 0.02},"
+        "          'mass_kg': 0.5, 'material': {'young_modulus_pa': 1e9, 'poisson_ratio': 0.3}},"
+        "'initial': {'positions_m': [[0.1, 0.4], [0.2, 0.5, 33.3], [0.3, 0.6, -120]]},"
+        "'counters': [{'id': 'left', 'x_m': [0, 0.5], 'y_m': [0.2, 0.7]}, {'id': 'right'}],"
+        "'output': {'curve_every_s': 0.02, 'snapshot_every_s': 0.25},"
+        "'macro': {'cell_m': 0.01, 'step_s': 'auto', 'scheme': 'roe', 'heaviside': 'smooth',"
+        "          'heaviside_width': 0.1, 'dispersion_m_s': 0.6, 'mollifier_per_m2': 9000,"
+        "          'initial_mollifier_per_m2': 3000},"
+        "'micro': {'step_s': 2e-5, 'modulus_reduction': 1e4, 'tension': true,"
+        "          'damping_per_s': 0.2, 'gravity_m_s2': 9.8, 'spin_friction_radius_m': 0.01},"
+        "'materials': {'conveyor': {'young_modulus_pa': 3e10, 'poisson_ratio': 0.1},"
+        "              'handling': {'young_modulus_pa': 6e10, 'poisson_ratio': 0.2}},"
+        "'contacts': {'cargo_cargo': {'length_m': 0.01, 'damping_n_s_m': 100, 'friction': 0.2,"
+        "                             'tanh_linear_s_m': 11, 'tanh_spin_s': 2},"
+        "             'conveyor_cargo': {'length_m': 0.02, 'damping_n_s_m': 200, 'friction': 0.9,"
+        "                                'tanh_linear_s_m': 12, 'tanh_spin_s': 3},"
+        "             'handling_cargo': {'length_m': 0.03, 'damping_n_s_m': 300, 'friction': 0.3,"
+        "                                'tanh_linear_s_m': 13, 'tanh_spin_s': 4}}}");
+}

@@ -1,0 +1,327 @@
+#include "tests/unit/api/helper_services.h"
+
+// cmocka.h wants these first.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static helper_run *lookup(helper_daemon *d, const char *id)
+{
+    for (size_t i = 0; i < d->n_runs; i++) {
+        if (strcmp(d->runs[i].record.id, id) == 0)
+            return &d->runs[i];
+    }
+    return NULL;
+}
+
+static bf_status no_run(bf_error *err)
+{
+    return bf_fail(err, BF_ENOTFOUND, "", "there is no such run");
+}
+
+static bf_status no_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+static bf_status do_submit(void *context, const api_submission *submission, api_run *ret_run,
+                           bf_error *err)
+{
+    helper_daemon *d = context;
+
+    if (d->refusal != BF_OK)
+        return bf_fail(err, d->refusal, "", "the queue is full: 1000 runs wait");
+    helper_run *item = helper_add_run(d, RUN_QUEUED);
+    item->record.model = submission->model;
+    item->record.priority = submission->priority;
+    memcpy(item->record.label, submission->label, sizeof item->record.label);
+    memcpy(item->record.name, submission->name, sizeof item->record.name);
+    d->submitted = *submission;
+    d->n_submitted++;
+    *ret_run = item->record;
+    return BF_OK;
+}
+
+static bf_status do_find(void *context, const char *id, api_run *ret_run, bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_run(err);
+    *ret_run = item->record;
+    return BF_OK;
+}
+
+static bool fits(const api_run *record, const api_list_query *query)
+{
+    return record->id[0] != '\0' && (query->state < 0 || (int)record->state == query->state) &&
+           (query->model < 0 || (int)record->model == query->model) &&
+           (query->label[0] == '\0' || strcmp(record->label, query->label) == 0) &&
+           (query->before[0] == '\0' || strcmp(record->id, query->before) < 0);
+}
+
+static bf_status do_list(void *context, const api_list_query *query, api_run_list *ret_list,
+                         bf_error *err)
+{
+    helper_daemon *d = context;
+
+    (void)err;
+    d->last_query = *query;
+    ret_list->n = 0;
+    ret_list->has_more = false;
+    for (size_t i = d->n_runs; i-- > 0;) {
+        if (!fits(&d->runs[i].record, query))
+            continue;
+        if (ret_list->n == query->limit) {
+            ret_list->has_more = true;
+            break;
+        }
+        ret_list->runs[ret_list->n++] = d->runs[i].record;
+    }
+    return BF_OK;
+}
+
+static bf_status do_cancel(void *context, const char *id, api_run *ret_run, bf_error *err)
+{
+    helper_run *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_run(err);
+    if (run_state_is_end(item->record.state))
+        return bf_fail(err, BF_ECONFLICT, "", "the run has ended");
+    if (item->record.state == RUN_QUEUED)
+        item->record.state = RUN_CANCELLED;
+    *ret_run = item->record;
+    return BF_OK;
+}
+
+static bf_status do_remove(void *context, const char *id, bf_error *err)
+{
+    helper_daemon *d = context;
+    helper_run *item = lookup(d, id);
+    size_t kept = 0;
+
+    if (item == NULL)
+        return no_run(err);
+    for (size_t i = 0; i < d->n_events; i++) {
+        if (strcmp(d->events[i].run, id) != 0)
+            d->events[kept++] = d->events[i];
+    }
+    d->n_events = kept;
+    item->record.id[0] = '\0';
+    return BF_OK;
+}
+
+static bf_status do_read_text(void *context, const char *id, api_text which, bf_buffer *out,
+                              bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_run(err);
+    const char *text = which == API_TEXT_SCENARIO ? "{\"duration_s\":6.0}" : item->summary;
+    if (text == NULL)
+        return bf_fail(err, BF_ECONFLICT, "", "there is none yet");
+    return buffer_append(out, text, strlen(text)) == BF_OK ? BF_OK : no_memory(err);
+}
+
+static bf_status do_read_curve(void *context, const char *id, uint64_t first, api_curve *ret_curve,
+                               bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+    api_curve curve = { 0 };
+
+    if (item == NULL)
+        return no_run(err);
+    curve.n = (size_t)(item->record.n_samples - first);
+    curve.n_columns = item->n_columns;
+    size_t n_values = curve.n * curve.n_columns;
+    if (buffer_append(&curve.columns, item->columns, strlen(item->columns)) != BF_OK ||
+        buffer_append(&curve.t, item->t + first, curve.n * sizeof(double)) != BF_OK ||
+        buffer_append(&curve.values, item->values + first * curve.n_columns,
+                      n_values * sizeof(double)) != BF_OK) {
+        api_curve_fini(&curve);
+        return no_memory(err);
+    }
+    *ret_curve = curve;
+    return BF_OK;
+}
+
+static bf_status do_list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,
+                                   bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+
+    if (item == NULL)
+        return no_run(err);
+    api_snapshot_list list = { .grid = item->grid, .n = (size_t)item->record.n_snapshots };
+    if (buffer_append(&list.items, item->snapshots, list.n * sizeof *item->snapshots) != BF_OK)
+        return no_memory(err);
+    *ret_list = list;
+    return BF_OK;
+}
+
+static bf_status do_read_snapshot(void *context, const char *id, uint64_t index,
+                                  api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
+                                  bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+
+    if (item == NULL || index >= item->record.n_snapshots)
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no such snapshot");
+    if (buffer_append(out, item->rho[index], sizeof item->rho[index]) != BF_OK)
+        return no_memory(err);
+    *ret_snapshot = item->snapshots[index];
+    *ret_grid = item->grid;
+    return BF_OK;
+}
+
+static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *id)
+{
+    for (size_t i = 0; i < n_runs; i++) {
+        if (strcmp(runs[i], id) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bf_status do_read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                                uint64_t after, size_t limit_bytes, api_event_take *take,
+                                void *take_context, bf_error *err)
+{
+    const helper_daemon *d = context;
+    size_t given = 0;
+
+    for (size_t i = 0; i < d->n_events && given < limit_bytes; i++) {
+        if (d->events[i].id <= after || !follows(runs, n_runs, d->events[i].run))
+            continue;
+        bf_status status = take(take_context, &d->events[i], err);
+        if (status != BF_OK)
+            return status;
+        given += d->events[i].n;
+    }
+    return BF_OK;
+}
+
+static bf_status do_ready(void *context, bf_error *err)
+{
+    const helper_daemon *d = context;
+
+    return d->refusal == BF_OK ? BF_OK : bf_fail(err, d->refusal, "", "the daemon is stopping");
+}
+
+api_services helper_services(helper_daemon *d)
+{
+    return (api_services){ .context = d,
+                           .submit = do_submit,
+                           .find = do_find,
+                           .list = do_list,
+                           .cancel = do_cancel,
+                           .remove = do_remove,
+                           .read_text = do_read_text,
+                           .read_curve = do_read_curve,
+                           .list_snapshots = do_list_snapshots,
+                           .read_snapshot = do_read_snapshot,
+                           .read_events = do_read_events,
+                           .ready = do_ready };
+}
+
+helper_run *helper_add_run(helper_daemon *d, run_state state)
+{
+    assert_true(d->n_runs < HELPER_RUNS_MAX);
+    helper_run *item = &d->runs[d->n_runs++];
+
+    *item = (helper_run){ .columns = "upstream,left_domain",
+                          .n_columns = 2,
+                          .t = { 0.0, 0.1 },
+                          .values = { 192.0, 0.0, 191.5, 0.5 },
+                          .snapshots = { { 0, 0.0, 1.0, 6.0 }, { 1, 0.1, 0.5, 5.5 } },
+                          .rho = { { 0, 1, 2, 3, 4, 5 }, { 0.5F, 1, 2, 3, 4, 5 } },
+                          .grid = { .n1 = 3, .n2 = 2, .d1 = 0.5, .d2 = 0.25 } };
+    item->record = (api_run){ .state = state,
+                              .revision = d->n_runs,
+                              .created_ms = 1769860800000 + 1000 * (int64_t)d->n_runs,
+                              .eta_s = (double)NAN,
+                              .n_samples = 2,
+                              .n_snapshots = 2 };
+    snprintf(item->record.id, sizeof item->record.id, "0190a0b0-0000-7000-8000-%012zx", d->n_runs);
+    return item;
+}
+
+uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type, const char *data)
+{
+    assert_true(d->n_events < HELPER_EVENTS_MAX);
+    uint64_t id = d->n_events == 0 ? 1 : d->events[d->n_events - 1].id + 1;
+    api_event *event = &d->events[d->n_events++];
+
+    *event = (api_event){ .id = id, .type = type, .n = strlen(data), .data = data };
+    memcpy(event->run, of->record.id, sizeof event->run);
+    of->record.last_event = id;
+    of->record.revision++;
+    return id;
+}
+
+// Header lines with the value that was asked for last.
+typedef struct header_lines {
+    const char *lines;
+    char value[256];
+} header_lines;
+
+static const char *find_header(void *context, const char *name)
+{
+    header_lines *h = context;
+    size_t n = strlen(name);
+
+    for (const char *line = h->lines; line != NULL && *line != '\0';
+         line = strchr(line, '\n') + 1) {
+        if (strncasecmp(line, name, n) != 0 || strncmp(line + n, ": ", 2) != 0)
+            continue;
+        snprintf(h->value, sizeof h->value, "%.*s", (int)strcspn(line + n + 2, "\n"), line + n + 2);
+        return h->value;
+    }
+    return NULL;
+}
+
+void helper_request(helper_daemon *d, const char *method, const char *path, const char *query,
+                    const char *headers, const char *body, api_response *response)
+{
+    api_services services = helper_services(d);
+    header_lines lines = { .lines = headers };
+    api_request request = { .method = method,
+                            .path = path,
+                            .query = query == NULL ? "" : query,
+                            .header = find_header,
+                            .header_context = &lines,
+                            .body = body,
+                            .n_body = body == NULL ? 0 : strlen(body) };
+
+    api_handle(&services, &request, response);
+}
+
+const char *helper_header(const api_response *response, const char *name)
+{
+    for (size_t i = 0; i < response->n_headers; i++) {
+        if (strcasecmp(response->headers[i].name, name) == 0)
+            return response->headers[i].value;
+    }
+    return NULL;
+}
+
+json_t *helper_json(const api_response *response)
+{
+    json_error_t error;
+
+    assert_non_null(response->body.bytes);
+    json_t *root =
+        json_loadb(response->body.bytes, response->body.n, JSON_REJECT_DUPLICATES, &error);
+    if (root == NULL)
+        fail_msg("%s in %s", error.text, response->body.bytes);
+    return root;
+}

@@ -1,0 +1,56 @@
+/// A daemon in a few arrays: the services table for tests of the API, and requests to it.
+
+#pragma once
+
+#include "api/exchange.h"
+#include "api/services.h"
+
+#include <jansson.h>
+
+enum { HELPER_RUNS_MAX = 8, HELPER_EVENTS_MAX = 64, HELPER_SNAPSHOTS_MAX = 8, HELPER_CELLS = 6 };
+
+/// A run with its results.
+typedef struct helper_run {
+    api_run record;                                ///< what find() gives; id "" once removed
+    const char *summary;                           ///< NULL: none
+    const char *columns;                           ///< of the curve
+    size_t n_columns;                              ///< of them
+    double t[8];                                   ///< n_samples of the record
+    double values[16];                             ///< rows
+    api_snapshot snapshots[HELPER_SNAPSHOTS_MAX];  ///< n_snapshots of the record
+    float rho[HELPER_SNAPSHOTS_MAX][HELPER_CELLS]; ///< their grids: 2 rows of 3
+    bf_grid grid;                                  ///< of the snapshots
+} helper_run;
+
+/// The daemon.
+typedef struct helper_daemon {
+    helper_run runs[HELPER_RUNS_MAX];    ///< oldest first
+    size_t n_runs;                       ///< of them
+    api_event events[HELPER_EVENTS_MAX]; ///< rising ids
+    size_t n_events;                     ///< of them
+    bf_status refusal;                   ///< not BF_OK: submit and ready fail with it
+    api_list_query last_query;           ///< what list() was asked
+    api_submission submitted;            ///< last accepted, without its buffers
+    size_t n_submitted;                  ///< accepted so far
+} helper_daemon;
+
+/// The table of *d.
+api_services helper_services(helper_daemon *d);
+
+/// Add a run in a state with two samples of "upstream,left_domain" and two snapshots on a 3 x 2 grid,
+/// created one second after the one before.
+helper_run *helper_add_run(helper_daemon *d, run_state state);
+
+/// Add an event; data must outlive *d. Returns its id.
+uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type, const char *data);
+
+/// Send a request. headers is "Name: value" lines, ended by '\n' each (NULL: none); query and body
+/// may be NULL. *response is the caller's: api_response_fini().
+void helper_request(helper_daemon *d, const char *method, const char *path, const char *query,
+                    const char *headers, const char *body, api_response *response);
+
+/// The value of a response header, or NULL.
+const char *helper_header(const api_response *response, const char *name);
+
+/// The body as JSON; fails the test if it is none. json_decref().
+json_t *helper_json(const api_response *response);

@@ -1,0 +1,155 @@
+// Results over the API: scenario, summary, curve, snapshots, comparison.
+
+#include "tests/unit/api/helper_ask.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+
+static void the_scenario_never_changes(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_QUEUED);
+    ask_get(RUN_1 "/scenario", NULL, NULL, 200);
+    assert_string_equal(ask_response.body.bytes, "{\"duration_s\":6.0}");
+    ask_assert_header("Cache-Control", "private, max-age=31536000, immutable");
+    ask_get(RUN_1 "/scenario", NULL, "If-None-Match: \"" ID_1 "-scenario\"\n", 304);
+}
+
+static void a_summary_that_is_not_there_yet_is_a_conflict(void **state)
+{
+    (void)state;
+    helper_run *of = ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/summary", NULL, NULL, 409);
+    assert_true(ask_body_has("running"));
+    of->record.state = RUN_FAILED;
+    ask_get(RUN_1 "/summary", NULL, NULL, 409);
+    assert_true(ask_body_has("left no summary"));
+    of->record.has_summary = true;
+    of->summary = "{\"model\":\"macro\"}";
+    ask_get(RUN_1 "/summary", NULL, NULL, 200);
+    assert_string_equal(ask_response.body.bytes, of->summary);
+}
+
+// The bytes that `beltflow solve` writes into curve.csv: header, then t and the counters.
+static void the_curve_is_json_or_csv(void **state)
+{
+    static const char csv[] = "t_s,upstream,left_domain\n0,192,0\n0.1,191.5,0.5\n";
+
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/curve", NULL, NULL, 200);
+    ask_assert_header("Content-Type", "application/json");
+    ask_assert_header("Vary", "Accept");
+    assert_string_equal(ask_response.body.bytes,
+                        "{\"t_s\":[0,0.1],\"upstream\":[192,191.5],\"left_domain\":[0,0.5]}");
+    ask_get(RUN_1 "/curve", NULL, "Accept: text/csv\n", 200);
+    ask_assert_header("Content-Type", "text/csv; charset=utf-8");
+    assert_string_equal(ask_response.body.bytes, csv);
+    ask_get(RUN_1 "/curve", "format=csv", "Accept: application/json\n", 200);
+    assert_string_equal(ask_response.body.bytes, csv);
+}
+
+static void a_curve_without_samples_has_its_columns(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_QUEUED)->record.n_samples = 0;
+    ask_get(RUN_1 "/curve", "format=csv", NULL, 200);
+    assert_string_equal(ask_response.body.bytes, "t_s,upstream,left_domain\n");
+    ask_get(RUN_1 "/curve", NULL, NULL, 200);
+    assert_string_equal(ask_response.body.bytes, "{\"t_s\":[],\"upstream\":[],\"left_domain\":[]}");
+}
+
+static void the_tag_of_a_curve_tells_formats_apart(void **state)
+{
+    char tag[API_HEADER_SIZE], header[API_HEADER_SIZE + 20];
+
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/curve", NULL, NULL, 200);
+    snprintf(tag, sizeof tag, "%s", helper_header(&ask_response, "ETag"));
+    snprintf(header, sizeof header, "If-None-Match: %s\n", tag);
+    ask_get(RUN_1 "/curve", NULL, header, 304);
+    ask_get(RUN_1 "/curve", "format=csv", header, 200);
+    assert_string_not_equal(helper_header(&ask_response, "ETag"), tag);
+}
+
+static void snapshots_are_listed_with_their_places(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/snapshots", NULL, NULL, 200);
+    json_t *root = helper_json(&ask_response);
+    json_t *items = json_object_get(root, "snapshots");
+    assert_int_equal(json_array_size(items), 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(items, 1), "url")),
+                        RUN_1 "/snapshots/1");
+    json_decref(root);
+}
+
+// NumPy's format: magic, version 1.0, a header that ends at a multiple of 64, 6 floats.
+static void a_snapshot_is_a_numpy_file_that_never_changes(void **state)
+{
+    static const char *const headers[] = { NULL, "Accept: */*\n",
+                                           "Accept: application/octet-stream\n" };
+
+    (void)state;
+    helper_run *of = ask_add_run(RUN_RUNNING);
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        ask_get(RUN_1 "/snapshots/1", NULL, headers[i], 200);
+        ask_assert_header("Content-Type", "application/octet-stream");
+        ask_assert_header("Cache-Control", "private, max-age=31536000, immutable");
+        assert_memory_equal(ask_response.body.bytes, "\x93NUMPY\x01\x00", 8);
+        assert_int_equal((ask_response.body.n - sizeof of->rho[1]) % 64, 0);
+        assert_memory_equal(ask_response.body.bytes + ask_response.body.n - sizeof of->rho[1],
+                            of->rho[1], sizeof of->rho[1]);
+    }
+    ask_get(RUN_1 "/snapshots/1", NULL, "Accept: application/x-npy\n", 200);
+    ask_assert_header("Content-Type", "application/x-npy");
+    ask_get(RUN_1 "/snapshots/1", NULL, "If-None-Match: \"" ID_1 "-1-npy\"\n", 304);
+    ask_get(RUN_1 "/snapshots/0", NULL, "If-None-Match: \"" ID_1 "-1-npy\"\n", 200);
+}
+
+static void a_snapshot_is_json_when_asked(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/snapshots/1", "format=json", NULL, 200);
+    assert_string_equal(ask_response.body.bytes,
+                        "{\"n\":1,\"t_s\":0.1,\"peak\":0.5,\"mass\":5.5,\"origin_m\":[0,0],"
+                        "\"cell_m\":[0.5,0.25],\"shape\":[2,3],"
+                        "\"density\":[[0.5,1,2],[3,4,5]]}");
+}
+
+static void snapshots_that_do_not_exist_are_not_found(void **state)
+{
+    static const char *const numbers[] = { "2", "-1", "x", "1.0", "18446744073709551616", "0x0" };
+    char path[128];
+
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        snprintf(path, sizeof path, RUN_1 "/snapshots/%s", numbers[i]);
+        ask_get(path, NULL, NULL, 404);
+    }
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        ASK_TEST(the_scenario_never_changes),
+        ASK_TEST(a_summary_that_is_not_there_yet_is_a_conflict),
+        ASK_TEST(the_curve_is_json_or_csv),
+        ASK_TEST(a_curve_without_samples_has_its_columns),
+        ASK_TEST(the_tag_of_a_curve_tells_formats_apart),
+        ASK_TEST(snapshots_are_listed_with_their_places),
+        ASK_TEST(a_snapshot_is_a_numpy_file_that_never_changes),
+        ASK_TEST(a_snapshot_is_json_when_asked),
+        ASK_TEST(snapshots_that_do_not_exist_are_not_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

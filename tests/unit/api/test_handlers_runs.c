@@ -1,0 +1,231 @@
+// Runs over the API: submit, validate, list, show, cancel, remove.
+
+#include "tests/unit/api/helper_ask.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+
+static void a_submitted_run_is_answered_with_its_place(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
+    ask_assert_header("Location", RUN_1);
+    ask_assert_header("Content-Type", "application/json");
+    ask_assert_header("ETag", "\"r1\"");
+    assert_int_equal(ask_daemon.n_submitted, 1);
+    assert_string_equal(ask_daemon.submitted.label, "night");
+    assert_int_equal(ask_daemon.submitted.priority, 5);
+    json_t *root = helper_json(&ask_response);
+    assert_string_equal(json_string_value(json_object_get(root, "id")), ID_1);
+    assert_string_equal(json_string_value(json_object_get(root, "status")), "queued");
+    assert_string_equal(json_string_value(json_object_get(root, "name")), "one part");
+    json_decref(root);
+}
+
+static void a_body_that_is_not_json_is_a_bad_request(void **state)
+{
+    static const char *const bodies[] = { "", "{", "nonsense", "{\"scenario\":}", "[]", "1e999" };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++)
+        ask("POST", "/v1/runs", NULL, IS_JSON, bodies[i], 400);
+    ask("POST", "/v1/runs", NULL, IS_JSON, NULL, 400);
+    assert_int_equal(ask_daemon.n_submitted, 0);
+}
+
+static void a_bad_document_is_answered_with_pointers(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BAD_BODY, 422);
+    json_t *root = helper_json(&ask_response);
+    json_t *first = json_array_get(json_object_get(root, "errors"), 0);
+    assert_string_equal(json_string_value(json_object_get(first, "pointer")),
+                        "/scenario/duration_s");
+    assert_true(json_string_length(json_object_get(first, "detail")) > 0);
+    json_decref(root);
+    assert_int_equal(ask_daemon.n_submitted, 0);
+}
+
+static void several_faults_are_told_together(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON,
+        "{\"scenario\":" SCENARIO ",\"labell\":\"\",\"priority\":1000}", 422);
+    json_t *root = helper_json(&ask_response);
+    assert_int_equal(json_array_size(json_object_get(root, "errors")), 2);
+    assert_non_null(strstr(json_string_value(json_object_get(root, "detail")), "(and 1 more)"));
+    json_decref(root);
+}
+
+static void only_json_is_taken(void **state)
+{
+    static const char *const headers[] = {
+        NULL,
+        "Content-Type: application/x-www-form-urlencoded\n",
+        "Content-Type: text/json\n",
+        "Content-Type: application/jsonx\n",
+        IS_JSON "Content-Encoding: gzip\n",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        ask("POST", "/v1/runs", NULL, headers[i], BODY, 415);
+        ask_assert_header("Accept", "application/json");
+    }
+    assert_int_equal(ask_daemon.n_submitted, 0);
+    ask("POST", "/v1/runs", NULL, "Content-Type: Application/JSON; charset=utf-8\n", BODY, 201);
+}
+
+static void a_full_queue_asks_to_come_back(void **state)
+{
+    (void)state;
+    ask_daemon.refusal = BF_EBUSY;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 503);
+    assert_non_null(helper_header(&ask_response, "Retry-After"));
+    assert_true(ask_body_has("the queue is full"));
+}
+
+static void validate_says_the_same_and_stores_nothing(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/validate", NULL, IS_JSON, BODY, 200);
+    json_t *root = helper_json(&ask_response);
+    assert_true(json_is_true(json_object_get(root, "valid")));
+    json_t *resolved = json_object_get(root, "resolved");
+    assert_true(json_is_object(json_object_get(resolved, "macro")));
+    json_decref(root);
+    ask("POST", "/v1/validate", NULL, IS_JSON, BAD_BODY, 422);
+    ask("POST", "/v1/validate", NULL, IS_JSON, "{", 400);
+    ask("POST", "/v1/validate", NULL, NULL, BODY, 415);
+    assert_int_equal(ask_daemon.n_submitted, 0);
+}
+
+static void a_run_is_shown_with_a_tag_of_its_revision(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING)->record.revision = 42;
+    ask_get(RUN_1, NULL, NULL, 200);
+    ask_assert_header("ETag", "\"r42\"");
+    ask_assert_header("Cache-Control", "private, no-cache");
+    assert_true(ask_body_has("\"status\":\"running\""));
+}
+
+static void a_list_has_the_newest_first_and_a_link_to_the_next(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++)
+        ask_add_run(RUN_QUEUED);
+    ask_get("/v1/runs", "limit=2", NULL, 200);
+    ask_assert_header("Link", "</v1/runs?limit=2&cursor=" ID_2 ">; rel=\"next\"");
+    json_t *root = helper_json(&ask_response);
+    json_t *runs = json_object_get(root, "runs");
+    assert_int_equal(json_array_size(runs), 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(runs, 0), "id")), ID_3);
+    json_decref(root);
+    ask_get("/v1/runs", "limit=2&cursor=" ID_2, NULL, 200);
+    assert_null(helper_header(&ask_response, "Link"));
+    assert_true(ask_body_has(ID_1) && !ask_body_has(ID_2));
+}
+
+static void filters_reach_the_store_and_the_next_link(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        memcpy(ask_add_run(RUN_SUCCEEDED)->record.label, "a&b", 4);
+    ask_add_run(RUN_QUEUED);
+    ask_get("/v1/runs", "status=succeeded&model=macro&label=a%26b&limit=1", NULL, 200);
+    ask_assert_header("Link",
+                      "</v1/runs?limit=1&status=succeeded&model=macro&label=a%26b&cursor=" ID_2
+                      ">; rel=\"next\"");
+    assert_int_equal(ask_daemon.last_query.state, RUN_SUCCEEDED);
+    assert_int_equal(ask_daemon.last_query.model, RUN_MACRO);
+    ask_get("/v1/runs", NULL, NULL, 200);
+    assert_int_equal(ask_daemon.last_query.state, -1);
+    assert_int_equal(ask_daemon.last_query.model, -1);
+    assert_int_equal(ask_daemon.last_query.limit, 50);
+}
+
+// The longest label there is, of bytes that need three each, still fits into the header.
+static void the_longest_link_fits(void **state)
+{
+    char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&label=";
+
+    (void)state;
+    for (int i = 0; i < 100; i++)
+        strcat(query, "%ff");
+    for (int i = 0; i < 2; i++)
+        memset(ask_add_run(RUN_CANCELLED)->record.label, 0xff, API_LABEL_SIZE - 1);
+    ask_get("/v1/runs", query, NULL, 200);
+    assert_null(helper_header(&ask_response, "Link"));
+    memcpy(query, "limit=001", 9);
+    ask_get("/v1/runs", query, NULL, 200);
+    assert_non_null(helper_header(&ask_response, "Link"));
+    strcat(query, "a");
+    ask_get("/v1/runs", query, NULL, 400);
+}
+
+static void bad_list_queries_name_the_parameter(void **state)
+{
+    static const char *const queries[][2] = {
+        { "status=done", "status" },    { "model=nano", "model" },  { "limit=0", "limit" },
+        { "limit=201", "limit" },       { "cursor=abc", "cursor" }, { "colour=red", "colour" },
+        { "limit=1&limit=2", "limit" }, { "label=%zz", "label" },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
+        char name[32];
+        ask_get("/v1/runs", queries[i][0], NULL, 400);
+        snprintf(name, sizeof name, "'%s'", queries[i][1]);
+        assert_true(ask_body_has(name));
+    }
+}
+
+static void cancel_tells_whether_the_run_still_runs(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_QUEUED);
+    ask_add_run(RUN_RUNNING);
+    ask_add_run(RUN_SUCCEEDED);
+    ask("POST", RUN_1 "/cancel", NULL, NULL, NULL, 200);
+    assert_true(ask_body_has("\"status\":\"cancelled\""));
+    ask("POST", "/v1/runs/" ID_2 "/cancel", NULL, NULL, NULL, 202);
+    ask("POST", "/v1/runs/" ID_3 "/cancel", NULL, NULL, NULL, 409);
+}
+
+static void a_removed_run_is_gone(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_SUCCEEDED);
+    ask("DELETE", RUN_1, NULL, NULL, NULL, 204);
+    assert_int_equal(ask_response.body.n, 0);
+    assert_null(helper_header(&ask_response, "Content-Type"));
+    ask_get(RUN_1, NULL, NULL, 404);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        ASK_TEST(a_submitted_run_is_answered_with_its_place),
+        ASK_TEST(a_body_that_is_not_json_is_a_bad_request),
+        ASK_TEST(a_bad_document_is_answered_with_pointers),
+        ASK_TEST(several_faults_are_told_together),
+        ASK_TEST(only_json_is_taken),
+        ASK_TEST(a_full_queue_asks_to_come_back),
+        ASK_TEST(validate_says_the_same_and_stores_nothing),
+        ASK_TEST(a_run_is_shown_with_a_tag_of_its_revision),
+        ASK_TEST(a_list_has_the_newest_first_and_a_link_to_the_next),
+        ASK_TEST(filters_reach_the_store_and_the_next_link),
+        ASK_TEST(the_longest_link_fits),
+        ASK_TEST(bad_list_queries_name_the_parameter),
+        ASK_TEST(cancel_tells_whether_the_run_still_runs),
+        ASK_TEST(a_removed_run_is_gone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

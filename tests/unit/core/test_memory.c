@@ -1,0 +1,118 @@
+// Unit tests of memory with planned faults.
+
+#include "core/base/memory.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+static void room_is_zeroed_and_aligned_to_cache_lines(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n < 200; n++) {
+        unsigned char *block = memory_alloc(n, 3);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        for (size_t k = 0; k < 3 * n; k++)
+            assert_int_equal(block[k], 0);
+        memset(block, 0xff, 3 * n);
+        memory_free(block);
+    }
+}
+
+static void a_size_that_overflows_is_no_memory(void **state)
+{
+    (void)state;
+    assert_null(memory_alloc(SIZE_MAX / 2 + 2, 2));
+    assert_null(memory_alloc(SIZE_MAX, 1));
+    assert_null(memory_alloc(1, SIZE_MAX - 10));
+}
+
+static void freeing_nothing_is_fine(void **state)
+{
+    (void)state;
+    memory_free(NULL);
+}
+
+static void reserved_room_grows_by_doubling_and_keeps_what_was_there(void **state)
+{
+    int *items = NULL;
+    size_t capacity = 0, n_moves = 0;
+
+    (void)state;
+    for (int k = 0; k < 1000; k++) {
+        int *before = items;
+        assert_int_equal(memory_reserve(&items, &capacity, (size_t)k + 1, sizeof *items), 0);
+        n_moves += items != before;
+        items[k] = k;
+    }
+    for (int k = 0; k < 1000; k++)
+        assert_int_equal(items[k], k);
+    // 16, 32, ..., 1024: seven sizes.
+    assert_int_equal(n_moves, 7);
+    assert_int_equal(capacity, 1024);
+    memory_free(items);
+}
+
+static void a_failed_reservation_leaves_everything(void **state)
+{
+    char *items = NULL;
+    size_t capacity = 0;
+
+    (void)state;
+    assert_int_equal(memory_reserve(&items, &capacity, 5, 1), 0);
+    char *before = items;
+    items[4] = 'x';
+    assert_int_equal(memory_reserve(&items, &capacity, SIZE_MAX, 1), -1);
+    memory_plan_fault(1, 0);
+    assert_int_equal(memory_reserve(&items, &capacity, 1000, 1), -1);
+    memory_plan_fault(0, 0);
+    assert_ptr_equal(items, before);
+    assert_int_equal(capacity, 16);
+    assert_int_equal(items[4], 'x');
+    memory_free(items);
+}
+
+/// Whether the next n allocations succeed, as a string of '+' and '-'.
+static const char *try_allocations(size_t n)
+{
+    static char outcome[16];
+
+    for (size_t k = 0; k < n; k++) {
+        void *block = memory_alloc(1, 1);
+        outcome[k] = block != NULL ? '+' : '-';
+        memory_free(block);
+    }
+    outcome[n] = '\0';
+    return outcome;
+}
+
+static void a_planned_fault_strikes_once_or_for_good(void **state)
+{
+    (void)state;
+    memory_plan_fault(3, 0);
+    assert_string_equal(try_allocations(6), "++-+++");
+    assert_int_equal(memory_faults(), 1);
+    memory_plan_fault(3, 1);
+    assert_string_equal(try_allocations(6), "++----");
+    assert_int_equal(memory_faults(), 4);
+    memory_plan_fault(0, 1);
+    assert_string_equal(try_allocations(6), "++++++");
+    assert_int_equal(memory_faults(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(room_is_zeroed_and_aligned_to_cache_lines),
+        cmocka_unit_test(a_size_that_overflows_is_no_memory),
+        cmocka_unit_test(freeing_nothing_is_fine),
+        cmocka_unit_test(reserved_room_grows_by_doubling_and_keeps_what_was_there),
+        cmocka_unit_test(a_failed_reservation_leaves_everything),
+        cmocka_unit_test(a_planned_fault_strikes_once_or_for_good),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,137 @@
+#include "tests/unit/server/helper_client.h"
+
+#include "server/clock.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+int client_connect(unsigned port)
+{
+    struct sockaddr_in address = { .sin_family = AF_INET, .sin_port = htons((uint16_t)port) };
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+bool client_send_bytes(int fd, const void *bytes, size_t n)
+{
+    const char *from = bytes;
+
+    while (n > 0) {
+        ssize_t n_sent = send(fd, from, n, MSG_NOSIGNAL);
+        if (n_sent <= 0)
+            return false;
+        from += n_sent;
+        n -= (size_t)n_sent;
+    }
+    return true;
+}
+
+bool client_send(int fd, const char *text)
+{
+    return client_send_bytes(fd, text, strlen(text));
+}
+
+// What came of one read.
+typedef enum got { GOT_BYTES, GOT_END, GOT_NOTHING } got;
+
+static got read_some(int fd, bf_buffer *answer, int64_t deadline_ms)
+{
+    struct pollfd p = { .fd = fd, .events = POLLIN };
+    char bytes[65536];
+    int64_t left = deadline_ms - clock_monotonic_ms();
+
+    if (poll(&p, 1, left < 0 ? 0 : (int)left) <= 0)
+        return GOT_NOTHING;
+    ssize_t n = recv(fd, bytes, sizeof bytes, 0);
+    if (n <= 0)
+        return GOT_END;
+    assert_int_equal(buffer_append(answer, bytes, (size_t)n), BF_OK);
+    return GOT_BYTES;
+}
+
+static bool holds(const bf_buffer *answer, const char *text)
+{
+    return answer->n > 0 && memmem(answer->bytes, answer->n, text, strlen(text)) != NULL;
+}
+
+bool client_read_until(int fd, bf_buffer *answer, const char *text, int64_t ms)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + ms;
+
+    while (!holds(answer, text)) {
+        if (read_some(fd, answer, deadline_ms) != GOT_BYTES)
+            return false;
+    }
+    return true;
+}
+
+bool client_read_all(int fd, bf_buffer *answer, int64_t ms)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + ms;
+
+    for (;;) {
+        got what = read_some(fd, answer, deadline_ms);
+        if (what != GOT_BYTES)
+            return what == GOT_END;
+    }
+}
+
+static size_t content_length(const bf_buffer *bytes)
+{
+    const char *found = strcasestr(bytes->bytes, "\r\nContent-Length:");
+    return found == NULL ? 0 : strtoul(found + strlen("\r\nContent-Length:"), NULL, 10);
+}
+
+bool client_read_response(int fd, bf_buffer *rest, bool has_body, bf_buffer *answer)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + 5000;
+
+    answer->n = 0;
+    if (!client_read_until(fd, rest, "\r\n\r\n", 5000))
+        return false;
+    size_t n = (size_t)(strstr(rest->bytes, "\r\n\r\n") + 4 - rest->bytes);
+    if (has_body)
+        n += content_length(rest);
+    while (rest->n < n) {
+        if (read_some(fd, rest, deadline_ms) != GOT_BYTES)
+            return false;
+    }
+    assert_int_equal(buffer_append(answer, rest->bytes, n), BF_OK);
+    buffer_drop(rest, n);
+    return true;
+}
+
+int client_status(const bf_buffer *answer)
+{
+    if (answer->n < 12 || memcmp(answer->bytes, "HTTP/1.", 7) != 0)
+        return -1;
+    return atoi(answer->bytes + 9);
+}
+
+int client_ask(unsigned port, const char *request, bf_buffer *answer)
+{
+    bf_buffer own = { 0 };
+    bf_buffer *to = answer == NULL ? &own : answer;
+    int fd = client_connect(port);
+
+    to->n = 0;
+    (void)client_send(fd, request);
+    assert_true(client_read_all(fd, to, 10000));
+    int status = client_status(to);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&own);
+    return status;
+}

@@ -1,0 +1,131 @@
+#include "tests/unit/server/helper_fake.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+void fake_init(fake *f)
+{
+    *f = (fake){ 0 };
+    lock_init(&f->lock);
+    lock_condition_init(&f->changed);
+}
+
+void fake_fini(fake *f)
+{
+    lock_condition_fini(&f->changed);
+    lock_fini(&f->lock);
+}
+
+void fake_append(fake *f, bool is_end)
+{
+    lock_take(&f->lock);
+    f->n_events++;
+    f->has_ended = is_end;
+    lock_give(&f->lock);
+}
+
+void fake_hold(fake *f, bool is_held)
+{
+    lock_take(&f->lock);
+    f->is_held = is_held;
+    lock_wake_all(&f->changed);
+    lock_give(&f->lock);
+}
+
+static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
+{
+    fake *f = context;
+
+    (void)err;
+    memset(ret_run, 0, sizeof *ret_run);
+    (void)snprintf(ret_run->id, sizeof ret_run->id, "%s", id);
+    lock_take(&f->lock);
+    ret_run->last_event = f->n_events;
+    ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
+    lock_give(&f->lock);
+    return BF_OK;
+}
+
+static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                             uint64_t after, size_t limit_bytes, api_event_take *take,
+                             void *take_context, bf_error *err)
+{
+    fake *f = context;
+    bf_status status = BF_OK;
+    size_t n = 0;
+
+    (void)n_runs;
+    lock_take(&f->lock);
+    uint64_t n_events = f->n_events;
+    bool has_ended = f->has_ended;
+    f->n_reads++;
+    lock_give(&f->lock);
+    for (uint64_t id = after + 1; status == BF_OK && id <= n_events && n < limit_bytes; id++) {
+        char data[64];
+        api_event event = { .id = id, .data = data };
+        memcpy(event.run, runs[0], sizeof event.run);
+        event.type = has_ended && id == n_events ? API_EVENT_END : API_EVENT_PROGRESS;
+        event.n = (size_t)snprintf(data, sizeof data, "{\"k\":%llu}", (unsigned long long)id);
+        n += event.n;
+        status = take(take_context, &event, err);
+    }
+    return status;
+}
+
+static bf_status ready(void *context, bf_error *err)
+{
+    fake *f = context;
+
+    (void)err;
+    lock_take(&f->lock);
+    f->n_waiting++;
+    while (f->is_held)
+        (void)lock_wait(&f->changed, &f->lock, -1);
+    f->n_waiting--;
+    lock_give(&f->lock);
+    return BF_OK;
+}
+
+static bf_status submit(void *context, const api_submission *submission, api_run *ret_run,
+                        bf_error *err)
+{
+    (void)submission;
+    return find(context, FAKE_RUN, ret_run, err);
+}
+
+api_services fake_services(fake *f)
+{
+    return (api_services){
+        .context = f, .find = find, .read_events = read_events, .ready = ready, .submit = submit
+    };
+}
+
+http *fake_serve(fake *f, void (*change)(http_options *options))
+{
+    const api_services services = fake_services(f);
+    http_options options = { .listen = "127.0.0.1:0",
+                             .services = &services,
+                             .n_threads = 2,
+                             .n_request_threads = 4,
+                             .connection_limit = 600,
+                             .stream_limit = 500,
+                             .body_limit = 100000,
+                             .header_deadline_ms = 10000,
+                             .body_deadline_ms = 10000,
+                             .heartbeat_ms = 600000 };
+    bf_error err = { 0 };
+    http *h = NULL;
+
+    if (change != NULL)
+        change(&options);
+    bf_status status = http_start(&options, &h, &err);
+    if (status != BF_OK)
+        print_error("%s\n", err.text);
+    assert_int_equal(status, BF_OK);
+    return h;
+}

@@ -1,0 +1,632 @@
+// Tests of the HTTP transport by a real server on a free port, with services that are made up and
+// requests that are written byte by byte.
+
+#include "server/http.h"
+
+#include "server/clock.h"
+#include "tests/unit/server/helper_client.h"
+#include "tests/unit/server/helper_fake.h"
+
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define HOST "Host: a\r\n"
+#define CLOSE "Connection: close\r\n"
+
+static fake services;
+static http *server;
+
+static int set_up(void **state)
+{
+    (void)state;
+    fake_init(&services);
+    server = NULL;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    fake_hold(&services, false);
+    server = http_stop(server);
+    fake_fini(&services);
+    return 0;
+}
+
+static void assert_holds(const bf_buffer *answer, const char *text)
+{
+    if (answer->n == 0 || strstr(answer->bytes, text) == NULL)
+        print_error("no '%s' in: %s\n", text, answer->n == 0 ? "" : answer->bytes);
+    assert_true(answer->n > 0 && strstr(answer->bytes, text) != NULL);
+}
+
+static void an_answer_carries_the_standard_headers(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 200);
+    assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
+    assert_holds(&answer, "\r\nCache-Control: no-store\r\n");
+    assert_int_equal(
+        client_ask(http_port(server), "GET /nothing HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer),
+        404);
+    assert_holds(&answer, "\r\nContent-Type: application/problem+json\r\n");
+    assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
+    buffer_fini(&answer);
+}
+
+static void head_is_answered_without_a_body(void **state)
+{
+    bf_buffer get = { 0 }, head = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &get), 200);
+    assert_int_equal(
+        client_ask(http_port(server), "HEAD /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &head), 200);
+    assert_memory_equal(head.bytes + head.n - 4, "\r\n\r\n", 4);
+    const char *length = strstr(get.bytes, "Content-Length:");
+    assert_non_null(length);
+    char line[64] = { 0 };
+    memcpy(line, length, strcspn(length, "\r"));
+    assert_holds(&head, line);
+    buffer_fini(&get);
+    buffer_fini(&head);
+}
+
+static void a_connection_serves_one_request_after_the_other(void **state)
+{
+    bf_buffer rest = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    int fd = client_connect(http_port(server));
+    for (int i = 0; i < 50; i++) {
+        bool is_head = i % 5 == 4;
+        const char *request = is_head      ? "HEAD /livez HTTP/1.1\r\n" HOST "\r\n"
+                              : i % 2 == 0 ? "GET /livez HTTP/1.1\r\n" HOST "\r\n"
+                                           : "GET /readyz HTTP/1.1\r\n" HOST "\r\n";
+        assert_true(client_send(fd, request));
+        assert_true(client_read_response(fd, &rest, !is_head, &answer));
+        assert_int_equal(client_status(&answer), 200);
+    }
+    assert_int_equal(rest.n, 0);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+}
+
+static void requests_sent_at_once_are_answered_in_order(void **state)
+{
+    static const char requests[] =
+        "GET /livez HTTP/1.1\r\n" HOST "\r\n"
+        "GET /readyz HTTP/1.1\r\n" HOST "\r\n"
+        "GET /nothing HTTP/1.1\r\n" HOST "\r\n"
+        "POST /v1/validate HTTP/1.1\r\n" HOST
+        "Content-Type: application/json\r\nContent-Length: 3\r\n\r\n{,}"
+        "POST /livez HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n2\r\nab\r\n0\r\n\r\n"
+        "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n";
+    static const int statuses[] = { 200, 200, 404, 400, 405, 200 };
+    bf_buffer rest = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, requests));
+    for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++) {
+        assert_true(client_read_response(fd, &rest, true, &answer));
+        assert_int_equal(client_status(&answer), statuses[i]);
+    }
+    assert_true(client_read_all(fd, &rest, 5000));
+    assert_int_equal(rest.n, 0);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+}
+
+// The connection must be closed, so what follows a bad request is never taken for a request.
+static void a_bad_request_is_refused_and_its_connection_closed(void **state)
+{
+#define NEXT "GET /livez HTTP/1.1\r\n" HOST "\r\n"
+    static const struct {
+        size_t n;
+        const char *bytes;
+        int status;
+    } cases[] = {
+#define BYTES(text) sizeof text - 1, text
+        { BYTES("GET /livez HTTP/1.1\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST HOST "\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Content-Length: 0\r\nContent-Length: 0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.0\r\n" HOST
+                "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n" NEXT),
+          501 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X y: z\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X : z\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: \a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\0b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X\0Y: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez\0 HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /livez%00 HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /%zz HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("G@T /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET\0X /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("NEVERHEARDOFSUCHAMETHODINMYWHOLELIFE /livez HTTP/1.1\r\n" HOST "\r\n" NEXT),
+          501 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\0b\r\nY: c\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\r\n b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n Host: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\nHost: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\nY: b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\rY: b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "\n" NEXT), 400 },
+        { BYTES("GET /li vez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "no colon\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST ": nameless\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: -1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: 1,1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: +1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Transfer-Encoding: chunked\r\n\r\nxyz\r\n" NEXT),
+          400 },
+        { BYTES("GET /livez HTTP/3.0\r\n" HOST "\r\n" NEXT), 505 },
+#undef BYTES
+    };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bf_buffer answer = { 0 };
+        int fd = client_connect(http_port(server));
+        assert_true(client_send_bytes(fd, cases[i].bytes, cases[i].n));
+        bool is_closed = client_read_all(fd, &answer, 5000);
+        const char *second = answer.n == 0 ? NULL : strstr(answer.bytes + 1, "HTTP/1.1 ");
+        if (!is_closed || client_status(&answer) != cases[i].status || second != NULL)
+            print_error("case %zu: closed %d, answer: %s\n", i, is_closed,
+                        answer.n == 0 ? "none" : answer.bytes);
+        assert_true(is_closed);
+        assert_int_equal(client_status(&answer), cases[i].status);
+        assert_null(second);
+        assert_int_equal(close(fd), 0);
+        buffer_fini(&answer);
+    }
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+}
+
+static void long_headers_are_fine(void **state)
+{
+    bf_buffer request = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    assert_int_equal(buffer_printf(&request, "GET /livez?a=%01000d HTTP/1.1\r\n" HOST CLOSE, 0),
+                     BF_OK);
+    for (int i = 0; i < 80; i++)
+        assert_int_equal(buffer_printf(&request, "Header-%d: %0200d\r\n", i, 0), BF_OK);
+    assert_int_equal(buffer_append(&request, "\r\n", 2), BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 400);
+    request.bytes[strlen("GET /livez")] = '/';
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 404);
+    buffer_fini(&request);
+}
+
+static void too_long_a_target_is_refused(void **state)
+{
+    bf_buffer request = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    assert_int_equal(buffer_printf(&request, "GET /%05000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 414);
+    buffer_fini(&request);
+    assert_int_equal(buffer_printf(&request, "GET /%090000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
+    assert_in_range(client_ask(http_port(server), request.bytes, NULL), 400, 499);
+    buffer_fini(&request);
+}
+
+static void shorten_deadlines(http_options *options)
+{
+    options->header_deadline_ms = 400;
+    options->body_deadline_ms = 400;
+}
+
+// Sends head, then a byte every 50 ms, until the server closes; returns ms until then.
+static int64_t drip(unsigned port, const char *head, char byte)
+{
+    int64_t start_ms = clock_monotonic_ms();
+    bf_buffer answer = { 0 };
+    int fd = client_connect(port);
+
+    assert_true(client_send(fd, head));
+    while (!client_read_all(fd, &answer, 50)) {
+        if (!client_send_bytes(fd, &byte, 1))
+            break;
+        assert_true(clock_monotonic_ms() - start_ms < 10000);
+    }
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
+    return clock_monotonic_ms() - start_ms;
+}
+
+static void a_client_that_drips_its_header_is_cut_off(void **state)
+{
+    (void)state;
+    server = fake_serve(&services, shorten_deadlines);
+    assert_in_range(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x'), 350, 3000);
+}
+
+static void a_client_that_drips_its_body_is_cut_off(void **state)
+{
+    (void)state;
+    server = fake_serve(&services, shorten_deadlines);
+    assert_in_range(drip(http_port(server),
+                         "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' '),
+                    350, 3000);
+}
+
+static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
+{
+    bf_buffer rest = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, shorten_deadlines);
+    fake_hold(&services, true);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+    assert_false(client_read_until(fd, &rest, "\r\n\r\n", 1000));
+    fake_hold(&services, false);
+    assert_true(client_read_response(fd, &rest, true, &answer));
+    assert_int_equal(client_status(&answer), 200);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+}
+
+static void a_body_that_is_announced_too_long_is_refused_at_once(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST
+                                "Content-Length: 1073741824\r\n\r\n"));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_int_equal(client_status(&answer), 413);
+    assert_int_equal(close(fd), 0);
+    assert_int_equal(client_ask(http_port(server),
+                                "POST /v1/runs HTTP/1.1\r\n" HOST
+                                "Content-Length: 99999999999999999999999\r\n\r\n",
+                                NULL),
+                     413);
+    buffer_fini(&answer);
+}
+
+// A client that first sends everything and then reads must find the refusal, not a reset.
+static void a_client_that_sends_its_long_body_anyway_reads_the_refusal(void **state)
+{
+    enum { N = 3000000 };
+    char *body = calloc(1, N);
+
+    (void)state;
+    assert_non_null(body);
+    server = fake_serve(&services, NULL);
+    for (int i = 0; i < 10; i++) {
+        bf_buffer answer = { 0 };
+        int fd = client_connect(http_port(server));
+        assert_true(client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST
+                                    "Content-Length: 3000000\r\n\r\n"));
+        assert_true(client_send_bytes(fd, body, N));
+        assert_true(client_read_all(fd, &answer, 5000));
+        assert_int_equal(client_status(&answer), 413);
+        assert_int_equal(close(fd), 0);
+        buffer_fini(&answer);
+    }
+    free(body);
+}
+
+static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
+{
+    char chunk[10008] = "2710\r\n";
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    memset(chunk + 6, ' ', 10000);
+    memcpy(chunk + 10006, "\r\n", 2);
+    server = fake_serve(&services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(
+        client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n"));
+    for (int i = 0; i < 11; i++)
+        assert_true(client_send_bytes(fd, chunk, sizeof chunk));
+    assert_true(client_read_all(fd, &answer, 5000));
+    assert_int_equal(client_status(&answer), 413);
+    assert_holds(&answer, "application/problem+json");
+    assert_holds(&answer, "\r\nConnection: close\r\n");
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
+}
+
+static void a_body_may_be_as_long_as_the_limit(void **state)
+{
+    bf_buffer request = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    assert_int_equal(buffer_printf(&request,
+                                   "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
+                                   "Content-Type: application/json\r\n"
+                                   "Content-Length: 100000\r\n\r\n%100000s",
+                                   "{,}"),
+                     BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, &answer), 400);
+    assert_holds(&answer, "application/problem+json");
+    buffer_fini(&request);
+    buffer_fini(&answer);
+}
+
+static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
+                                "Content-Type: application/json\r\n"
+                                "Content-Length: 3\r\nExpect: 100-continue\r\n\r\n"));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_int_equal(client_status(&answer), 100);
+    assert_true(client_send(fd, "{,}"));
+    answer.n = 0;
+    assert_true(client_read_all(fd, &answer, 5000));
+    assert_int_equal(client_status(&answer), 400);
+    assert_int_equal(close(fd), 0);
+    assert_int_equal(client_ask(http_port(server),
+                                "POST /v1/validate HTTP/1.1\r\n" HOST "Content-Length: 200000\r\n"
+                                "Expect: 100-continue\r\n\r\n",
+                                NULL),
+                     413);
+    buffer_fini(&answer);
+}
+
+static void one_request_thread(http_options *options)
+{
+    options->n_request_threads = 1;
+}
+
+// One thread handles, sixteen requests wait, the rest is told to come again.
+static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
+{
+    enum { N = 30, TAKEN = 17 };
+    int fds[N], n_refused = 0, n_answered = 0;
+
+    (void)state;
+    server = fake_serve(&services, one_request_thread);
+    fake_hold(&services, true);
+    for (int i = 0; i < N; i++) {
+        fds[i] = client_connect(http_port(server));
+        assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST CLOSE "\r\n"));
+        lock_take(&services.lock);
+        bool has_begun = services.n_waiting > 0;
+        lock_give(&services.lock);
+        for (int k = 0; i == 0 && !has_begun && k < 500; k++) {
+            assert_int_equal(usleep(10000), 0);
+            lock_take(&services.lock);
+            has_begun = services.n_waiting > 0;
+            lock_give(&services.lock);
+        }
+        assert_true(has_begun);
+    }
+    for (int i = 0; i < N; i++) {
+        bf_buffer answer = { 0 };
+        if (client_read_all(fds[i], &answer, i == 0 ? 500 : 0)) {
+            assert_int_equal(client_status(&answer), 503);
+            assert_holds(&answer, "\r\nRetry-After: ");
+            assert_int_equal(close(fds[i]), 0);
+            fds[i] = -1;
+            n_refused++;
+        }
+        buffer_fini(&answer);
+    }
+    fake_hold(&services, false);
+    for (int i = 0; i < N; i++) {
+        bf_buffer answer = { 0 };
+        if (fds[i] < 0)
+            continue;
+        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_int_equal(client_status(&answer), 200);
+        assert_int_equal(close(fds[i]), 0);
+        buffer_fini(&answer);
+        n_answered++;
+    }
+    assert_int_equal(n_answered, TAKEN);
+    assert_int_equal(n_refused, N - TAKEN);
+}
+
+static void *release_later(void *context)
+{
+    (void)usleep(200000);
+    fake_hold(context, false);
+    return NULL;
+}
+
+static void requests_under_way_are_answered_when_the_server_stops(void **state)
+{
+    enum { N = 8 };
+    pthread_t releaser;
+    int fds[N];
+
+    (void)state;
+    server = fake_serve(&services, one_request_thread);
+    fake_hold(&services, true);
+    for (int i = 0; i < N; i++) {
+        fds[i] = client_connect(http_port(server));
+        assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+    }
+    (void)usleep(200000);
+    assert_int_equal(pthread_create(&releaser, NULL, release_later, &services), 0);
+    server = http_stop(server);
+    assert_int_equal(pthread_join(releaser, NULL), 0);
+    for (int i = 0; i < N; i++) {
+        bf_buffer answer = { 0 };
+        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_int_equal(client_status(&answer), 200);
+        assert_int_equal(close(fds[i]), 0);
+        buffer_fini(&answer);
+    }
+}
+
+static void sixteen_connections(http_options *options)
+{
+    options->connection_limit = 16;
+    options->n_threads = 1;
+}
+
+// Of 16 connections 2 are for health only.
+static void the_last_connections_are_for_the_health_of_the_daemon(void **state)
+{
+    int fds[14];
+
+    (void)state;
+    server = fake_serve(&services, sixteen_connections);
+    for (int i = 0; i < 14; i++)
+        fds[i] = client_connect(http_port(server));
+    assert_int_equal(
+        client_ask(http_port(server), "GET /version HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 503);
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+    for (int i = 0; i < 14; i++)
+        assert_int_equal(close(fds[i]), 0);
+}
+
+static void three_per_address(http_options *options)
+{
+    options->per_address_limit = 3;
+    options->n_threads = 1;
+}
+
+static void one_address_gets_no_more_than_its_share(void **state)
+{
+    bf_buffer answer = { 0 };
+    int fds[4];
+
+    (void)state;
+    server = fake_serve(&services, three_per_address);
+    for (int i = 0; i < 4; i++)
+        fds[i] = client_connect(http_port(server));
+    (void)client_send(fds[3], "GET /livez HTTP/1.1\r\n" HOST "\r\n");
+    assert_true(client_read_all(fds[3], &answer, 5000));
+    assert_int_equal(answer.n, 0);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(close(fds[i]), 0);
+    buffer_fini(&answer);
+}
+
+static void a_taken_port_is_named(void **state)
+{
+    const api_services table = fake_services(&services);
+    char address[32], expected[128];
+    http *second = NULL;
+    bf_error err = { 0 };
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    (void)snprintf(address, sizeof address, "127.0.0.1:%u", http_port(server));
+    (void)snprintf(expected, sizeof expected, "port %u of 127.0.0.1 is taken by another program",
+                   http_port(server));
+    const http_options options = { .listen = address,
+                                   .services = &table,
+                                   .n_threads = 1,
+                                   .n_request_threads = 1,
+                                   .connection_limit = 10 };
+    assert_int_equal(http_start(&options, &second, &err), BF_ESYSTEM);
+    assert_string_equal(err.text, expected);
+    assert_null(second);
+}
+
+static void what_is_no_address_is_refused(void **state)
+{
+    static const char *const cases[] = { "",           "8080",        ":8080",      "127.0.0.1",
+                                         "127.0.0.1:", "127.0.0.1:x", "::1:8080",   "[]:1",
+                                         "a:65536",    "a:-1",        "a:8080:1 ",  "a:999999" };
+    const api_services table = fake_services(&services);
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const http_options options = { .listen = cases[i],
+                                       .services = &table,
+                                       .n_threads = 1,
+                                       .n_request_threads = 1,
+                                       .connection_limit = 10 };
+        bf_error err = { 0 };
+        http *h = NULL;
+        assert_int_equal(http_start(&options, &h, &err), BF_EINPUT);
+        assert_null(h);
+    }
+}
+
+static void a_server_that_was_never_asked_stops(void **state)
+{
+    (void)state;
+    assert_null(http_stop(NULL));
+    for (int i = 0; i < 10; i++) {
+        server = fake_serve(&services, NULL);
+        server = http_stop(server);
+    }
+}
+
+int main(void)
+{
+#define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        CASE(an_answer_carries_the_standard_headers),
+        CASE(head_is_answered_without_a_body),
+        CASE(a_connection_serves_one_request_after_the_other),
+        CASE(requests_sent_at_once_are_answered_in_order),
+        CASE(a_bad_request_is_refused_and_its_connection_closed),
+        CASE(long_headers_are_fine),
+        CASE(too_long_a_target_is_refused),
+        CASE(a_client_that_drips_its_header_is_cut_off),
+        CASE(a_client_that_drips_its_body_is_cut_off),
+        CASE(deadlines_do_not_hit_a_request_that_is_being_handled),
+        CASE(a_body_that_is_announced_too_long_is_refused_at_once),
+        CASE(a_client_that_sends_its_long_body_anyway_reads_the_refusal),
+        CASE(a_chunked_body_is_refused_when_it_becomes_too_long),
+        CASE(a_body_may_be_as_long_as_the_limit),
+        CASE(a_client_that_expects_a_100_gets_it_or_the_refusal),
+        CASE(what_the_queue_of_requests_cannot_take_is_refused),
+        CASE(requests_under_way_are_answered_when_the_server_stops),
+        CASE(the_last_connections_are_for_the_health_of_the_daemon),
+        CASE(one_address_gets_no_more_than_its_share),
+        CASE(a_taken_port_is_named),
+        CASE(what_is_no_address_is_refused),
+        CASE(a_server_that_was_never_asked_stops),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
