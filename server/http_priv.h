@@ -88,7 +88,8 @@ typedef struct http_request {
     struct MHD_Connection *mhd;    ///< its connection
     struct http_request *next;     ///< in the pool's queue
     http_stage stage;              ///< handed from thread to thread with the request
-    const char *line_end;          ///< in MHD's buffer, where the version should stand
+    const char *target;            ///< in MHD's buffer, where the target stands
+    const char *target_end;        ///< and where its terminating zero stands
     int refusal;                   ///< HTTP status of a fault found so far; 0: none
     bf_error fault;                ///< what it is
     char method[HTTP_METHOD_SIZE]; ///< as sent

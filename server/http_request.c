@@ -32,7 +32,8 @@ http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char
     r->connection = c;
     r->mhd = mhd;
     r->file.fd = -1;
-    r->line_end = target + strlen(target) + 1;
+    r->target = target;
+    r->target_end = target + strlen(target);
     r->refusal = http__guard_target(target, r->path, r->query, &r->fault);
     return r;
 }
@@ -57,8 +58,14 @@ static void refuse(http_request *r, int status, bf_status code, const char *text
     (void)bf_fail(&r->fault, code, "", "%s", text);
 }
 
-// The guard: sets r->refusal if the request must not be used. The version should follow the target
-// after one space; where it does not, the line had a zero byte.
+// True if method, target and version stand one behind the other: else there was a zero byte in the
+// request line, which ends their texts early.
+static bool is_line_whole(const http_request *r, const char *method, const char *version)
+{
+    return r->target == method + strlen(method) + 1 && version == r->target_end + 1;
+}
+
+// The guard: sets r->refusal if the request must not be used.
 static void check_header(http_request *r, const char *method, const char *version)
 {
     http_guard guard = { .next = version + strlen(version) + 2 };
@@ -70,8 +77,8 @@ static void check_header(http_request *r, const char *method, const char *versio
         return;
     }
     memcpy(r->method, method, strlen(method) + 1);
-    if (version != r->line_end) {
-        refuse(r, 400, BF_EINPUT, "the request line has a zero byte");
+    if (!is_line_whole(r, method, version)) {
+        refuse(r, 400, BF_EINPUT, "the request line is not three words with one space between");
         return;
     }
     if (r->refusal != 0)

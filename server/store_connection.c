@@ -29,10 +29,16 @@ static const int open_flags[] = {
     [STORE__READ_ONLY] = SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
 };
 
+// What the operating system said; SQLite does not always know.
+static const char *name_cause(struct sqlite3 *db)
+{
+    int cause = db == NULL ? 0 : sqlite3_system_errno(db);
+    return cause == 0 ? "the system refused" : strerror(cause);
+}
+
 bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
 {
     const char *text = db == NULL ? sqlite3_errstr(code) : sqlite3_errmsg(db);
-    int cause = db == NULL ? 0 : sqlite3_system_errno(db);
 
     switch (code & 0xff) {
     case SQLITE_NOMEM:
@@ -48,7 +54,7 @@ bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
         return bf_fail(err, BF_ESYSTEM, "", "the store's file failed: %s (%s)", text,
-                       strerror(cause));
+                       name_cause(db));
     default:
         return bf_fail(err, BF_ESYSTEM, "", "the store failed: %s", text);
     }

@@ -41,7 +41,6 @@ static const char schema_1[] =
     "  d2 REAL NOT NULL DEFAULT 0"
     ") STRICT;"
     "CREATE INDEX runs_queue ON runs (priority DESC, id) WHERE state = 0;"
-    "CREATE INDEX runs_running ON runs (number) WHERE state = 1;"
     "CREATE INDEX runs_by_state ON runs (state, id);"
     "CREATE INDEX runs_by_label ON runs (label, id);"
 

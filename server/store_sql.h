@@ -35,8 +35,9 @@
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(FIND_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 LIMIT 1")             \
     X(COUNT_QUEUED, "SELECT count(*) FROM runs WHERE state = 0")                                   \
-    X(NEXT_QUEUED, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 0 "                      \
-                   "ORDER BY priority DESC, id LIMIT 1")                                           \
+    X(NEXT_QUEUED,                                                                                 \
+      "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_queue WHERE state = 0 "             \
+      "ORDER BY priority DESC, id LIMIT 1")                                                        \
     X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = ''"))                                                 \
     X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = ''"))                                           \
     X(LIST_LABEL, STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5"))                            \

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LANES = 8 }; ///< cells of a block
+enum { BLOCK_CELLS = 8 }; ///< cells of a block: a cache line, an AVX-512 register
 
 /// Blocks first <= b < last of a row; empty where first >= last.
 typedef struct block_span {

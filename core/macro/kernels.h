@@ -55,9 +55,10 @@ typedef struct kernels {
     double (*update_uniform)(const double *rho, double lambda, double v, ptrdiff_t b_min,
                              ptrdiff_t b_max, double *out);
 
-    /// Sets of blocks (block_set.h) of a row of n_blocks: those with a cell rho >= 1, and those whose
-    /// first cell is one. Block -1 is in neither.
-    void (*find_packed)(const double *rho, ptrdiff_t n_blocks, uint64_t *any, uint64_t *first);
+    /// Mark the blocks of the range in two sets (block_set.h): those with a cell rho >= 1, and those
+    /// whose first cell is one. Other blocks of the sets stay as they are.
+    void (*find_packed)(const double *rho, ptrdiff_t b_min, ptrdiff_t b_max, uint64_t *any,
+                        uint64_t *first);
 } kernels;
 
 /// The fastest variant that this processor can run.

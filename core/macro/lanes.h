@@ -1,27 +1,33 @@
-/// Eight doubles that move together: one AVX-512 register, two of AVX2, four of SSE2 or NEON.
+/// Doubles that move together: a register of the instruction set that the compiler may use.
 ///
 /// Every operation acts on each lane alone and is exact or correctly rounded, so a kernel written
-/// with lanes gives the same bits on every processor. Kernels are compiled once per instruction set
-/// (see kernels.h); this header picks the instructions from what the compiler is allowed to use.
+/// with lanes gives the same bits on every processor, whatever their number. Kernels are compiled
+/// once per instruction set (see kernels.h).
 
 #pragma once
 
-#include "core/macro/block_set.h"
-
 #include <string.h>
 
-#if defined(__AVX512F__) || defined(__AVX2__) || defined(__SSE2__)
+#if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
-/// A block of doubles; + - * / act lane by lane, and with a scalar on all lanes.
-typedef double lanes __attribute__((vector_size(64)));
+#if defined(__AVX512F__)
+enum { LANES = 8 }; ///< doubles in a register; a block of cells is a multiple of it
+#elif defined(__AVX2__)
+enum { LANES = 4 };
+#else
+enum { LANES = 2 };
+#endif
 
-/// Load from an address aligned to 64 bytes.
+/// A register of doubles; + - * / act lane by lane, and with a scalar on all lanes.
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+
+/// Load from an address aligned to a register's size.
 static inline lanes lanes_load(const double *at)
 {
     lanes x;
-    memcpy(&x, __builtin_assume_aligned(at, 64), sizeof x);
+    memcpy(&x, __builtin_assume_aligned(at, sizeof x), sizeof x);
     return x;
 }
 
@@ -33,21 +39,28 @@ static inline lanes lanes_load_any(const double *at)
     return x;
 }
 
-/// Store to an address aligned to 64 bytes.
+/// Store to an address aligned to a register's size.
 static inline void lanes_store(double *at, lanes x)
 {
-    memcpy(__builtin_assume_aligned(at, 64), &x, sizeof x);
+    memcpy(__builtin_assume_aligned(at, sizeof x), &x, sizeof x);
 }
 
 /// The same value in all lanes.
 static inline lanes lanes_all(double value)
 {
-    return (lanes){ value, value, value, value, value, value, value, value };
+    return value - (lanes){ 0.0 };
 }
 
 #if defined(__AVX512F__)
 
-/// max(x, 0): 0 for -0 and NaN, like every variant below.
+/// x, kept in a register: without it the compiler loads x again for each of its uses.
+static inline lanes lanes_held(lanes x)
+{
+    __asm__("" : "+v"(x));
+    return x;
+}
+
+/// max(x, 0): 0 for -0, like every variant below.
 static inline lanes lanes_positive(lanes x)
 {
     return (lanes)_mm512_max_pd((__m512d)x, _mm512_setzero_pd());
@@ -84,72 +97,90 @@ static inline lanes lanes_sqrt(lanes x)
     return (lanes)_mm512_sqrt_pd((__m512d)x);
 }
 
-#else
+#elif defined(__AVX2__)
 
-#if defined(__AVX2__)
-typedef __m256d lanes_part;
-#define LANES_OP(name)  _mm256_##name##_pd
-#define LANES_PACKED(x) _mm256_cmp_pd(x, _mm256_set1_pd(1.0), _CMP_GE_OQ)
-#elif defined(__SSE2__)
-typedef __m128d lanes_part;
-#define LANES_OP(name)  _mm_##name##_pd
-#define LANES_PACKED(x) _mm_cmpge_pd(x, _mm_set1_pd(1.0))
-#endif
-
-#if defined(LANES_OP)
-
-enum { LANES_PARTS = sizeof(lanes) / sizeof(lanes_part), LANES_PART = LANES / LANES_PARTS };
-
-// Applies expression, in terms of the parts a of x and b of y, to all parts.
-#define LANES_EACH(x, y, expression)                                                               \
-    lanes_part parts_x[LANES_PARTS], parts_y[LANES_PARTS];                                         \
-    memcpy(parts_x, &(x), sizeof parts_x);                                                         \
-    memcpy(parts_y, &(y), sizeof parts_y);                                                         \
-    for (int part = 0; part < LANES_PARTS; part++) {                                               \
-        lanes_part a = parts_x[part], b = parts_y[part];                                           \
-        (void)b;                                                                                   \
-        parts_x[part] = expression;                                                                \
-    }                                                                                              \
-    memcpy(&(x), parts_x, sizeof parts_x);                                                         \
-    return x
+static inline lanes lanes_held(lanes x)
+{
+    __asm__("" : "+x"(x));
+    return x;
+}
 
 static inline lanes lanes_positive(lanes x)
 {
-    LANES_EACH(x, x, LANES_OP(max)(a, LANES_OP(setzero)()));
+    return (lanes)_mm256_max_pd((__m256d)x, _mm256_setzero_pd());
 }
 
 static inline lanes lanes_negative(lanes x)
 {
-    LANES_EACH(x, x, LANES_OP(min)(a, LANES_OP(setzero)()));
+    return (lanes)_mm256_min_pd((__m256d)x, _mm256_setzero_pd());
 }
 
 static inline lanes lanes_max(lanes x, lanes y)
 {
-    LANES_EACH(x, y, LANES_OP(max)(a, b));
+    return (lanes)_mm256_max_pd((__m256d)x, (__m256d)y);
 }
 
 static inline lanes lanes_packed(lanes x)
 {
-    LANES_EACH(x, x, LANES_OP(and)(a, LANES_PACKED(a)));
-}
-
-static inline lanes lanes_sqrt(lanes x)
-{
-    LANES_EACH(x, x, LANES_OP(sqrt)(a));
+    __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
+    return (lanes)_mm256_and_pd(packed, (__m256d)x);
 }
 
 static inline unsigned lanes_packed_bits(lanes x)
 {
-    lanes_part parts[LANES_PARTS];
-    unsigned bits = 0;
+    __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
+    return (unsigned)_mm256_movemask_pd(packed);
+}
 
-    memcpy(parts, &x, sizeof parts);
-    for (int part = 0; part < LANES_PARTS; part++)
-        bits |= (unsigned)LANES_OP(movemask)(LANES_PACKED(parts[part])) << part * LANES_PART;
-    return bits;
+static inline lanes lanes_sqrt(lanes x)
+{
+    return (lanes)_mm256_sqrt_pd((__m256d)x);
+}
+
+#elif defined(__SSE2__)
+
+static inline lanes lanes_held(lanes x)
+{
+    __asm__("" : "+x"(x));
+    return x;
+}
+
+static inline lanes lanes_positive(lanes x)
+{
+    return (lanes)_mm_max_pd((__m128d)x, _mm_setzero_pd());
+}
+
+static inline lanes lanes_negative(lanes x)
+{
+    return (lanes)_mm_min_pd((__m128d)x, _mm_setzero_pd());
+}
+
+static inline lanes lanes_max(lanes x, lanes y)
+{
+    return (lanes)_mm_max_pd((__m128d)x, (__m128d)y);
+}
+
+static inline lanes lanes_packed(lanes x)
+{
+    return (lanes)_mm_and_pd(_mm_cmpge_pd((__m128d)x, _mm_set1_pd(1.0)), (__m128d)x);
+}
+
+static inline unsigned lanes_packed_bits(lanes x)
+{
+    return (unsigned)_mm_movemask_pd(_mm_cmpge_pd((__m128d)x, _mm_set1_pd(1.0)));
+}
+
+static inline lanes lanes_sqrt(lanes x)
+{
+    return (lanes)_mm_sqrt_pd((__m128d)x);
 }
 
 #else
+
+static inline lanes lanes_held(lanes x)
+{
+    return x;
+}
 
 static inline lanes lanes_positive(lanes x)
 {
@@ -179,13 +210,6 @@ static inline lanes lanes_packed(lanes x)
     return x;
 }
 
-static inline lanes lanes_sqrt(lanes x)
-{
-    for (int k = 0; k < LANES; k++)
-        x[k] = __builtin_sqrt(x[k]);
-    return x;
-}
-
 static inline unsigned lanes_packed_bits(lanes x)
 {
     unsigned bits = 0;
@@ -195,5 +219,11 @@ static inline unsigned lanes_packed_bits(lanes x)
     return bits;
 }
 
-#endif
+static inline lanes lanes_sqrt(lanes x)
+{
+    for (int k = 0; k < LANES; k++)
+        x[k] = __builtin_sqrt(x[k]);
+    return x;
+}
+
 #endif

@@ -82,7 +82,7 @@ static bf_status check_stability(const macro_def *def, bf_error *err)
 
 static ptrdiff_t round_up(ptrdiff_t n)
 {
-    return (n + LANES - 1) / LANES * LANES;
+    return (n + BLOCK_CELLS - 1) / BLOCK_CELLS * BLOCK_CELLS;
 }
 
 static void lay_out(macro_solver *s, const macro_def *def)
@@ -97,11 +97,11 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->lambda2 = def->dt / def->grid.d2;
     s->n1 = (ptrdiff_t)def->grid.n1;
     s->n2 = (ptrdiff_t)def->grid.n2;
-    s->n_blocks = round_up(s->n1) / LANES;
+    s->n_blocks = round_up(s->n1) / BLOCK_CELLS;
     s->n_words = block_set_words(s->n_blocks);
     // Block -1 is convolved too, and so is the whole last block.
-    s->margin = LANES + round_up(s->along.reach);
-    s->stride = s->margin + s->n_blocks * LANES + round_up(s->along.reach + 1);
+    s->margin = BLOCK_CELLS + round_up(s->along.reach);
+    s->stride = s->margin + s->n_blocks * BLOCK_CELLS + round_up(s->along.reach + 1);
     s->n_ring = 1;
     while (s->n_ring < 2 * s->across.reach + 2)
         s->n_ring *= 2;
@@ -112,8 +112,12 @@ static bf_status init_state(const macro_solver *s, macro_state *state)
 {
     state->rho = memory_alloc((size_t)(s->n2 * s->stride), sizeof *state->rho);
     state->span = memory_alloc((size_t)s->n2, sizeof *state->span);
-    state->peak = memory_alloc((size_t)s->n2, sizeof *state->peak);
-    return state->rho != NULL && state->span != NULL && state->peak != NULL ? BF_OK : BF_ENOMEM;
+    state->open = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->open);
+    state->open_first = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->open_first);
+    return state->rho != NULL && state->span != NULL && state->open != NULL &&
+                   state->open_first != NULL
+               ? BF_OK
+               : BF_ENOMEM;
 }
 
 static bf_status init_arrays(macro_solver *s, const macro_def *def)
@@ -157,7 +161,8 @@ static void fini_state(macro_state *state)
 {
     memory_free(state->rho);
     memory_free(state->span);
-    memory_free(state->peak);
+    memory_free(state->open);
+    memory_free(state->open_first);
 }
 
 macro_solver *macro_destroy(macro_solver *s)

@@ -41,9 +41,8 @@ static void cut_pairs(macro_band *band, cutter *c)
         band->push[k].i1 = cut_row(c);
         band->push[k].i2 = cut_row(c);
         band->push[k].done = cut_set(c);
-        band->packed[k] = cut_set(c);
-        band->packed_first[k] = cut_set(c);
-        band->swept[k].packed = cut_set(c);
+        band->outside_open[k] = cut_set(c);
+        band->outside_first[k] = cut_set(c);
         band->swept_gated[k] = cut_row(c);
         band->outside[k] = cut_row(c);
         band->flux2[k] = cut_row(c);
@@ -51,7 +50,7 @@ static void cut_pairs(macro_band *band, cutter *c)
     }
 }
 
-enum { ROWS_IN_PAIRS = 5, SETS_IN_PAIRS = 5, SINGLE_ROWS = 2, SINGLE_SETS = 6 };
+enum { ROWS_IN_PAIRS = 5, SETS_IN_PAIRS = 4, SINGLE_ROWS = 2, SINGLE_SETS = 7 };
 
 bf_status macro__band_init(const macro_solver *s, macro_band *band)
 {
@@ -63,9 +62,10 @@ bf_status macro__band_init(const macro_solver *s, macro_band *band)
     band->rows = memory_alloc(n_rows * (size_t)s->stride, sizeof *band->rows);
     band->sets = memory_alloc(n_sets * s->n_words, sizeof *band->sets);
     band->ring = memory_alloc(n_ring, sizeof *band->ring);
+    band->expected = memory_alloc((size_t)s->n2 * s->n_words, sizeof *band->expected);
     band->slope_rows = memory_alloc(n_ring, sizeof *band->slope_rows);
     band->share_rows = memory_alloc(n_ring, sizeof *band->share_rows);
-    if (band->rows == NULL || band->sets == NULL || band->ring == NULL ||
+    if (band->rows == NULL || band->sets == NULL || band->ring == NULL || band->expected == NULL ||
         band->slope_rows == NULL || band->share_rows == NULL)
         return BF_ENOMEM;
     cutter c = { s, band->rows, band->sets };
@@ -73,12 +73,13 @@ bf_status macro__band_init(const macro_solver *s, macro_band *band)
     cut_pairs(band, &c);
     band->gated = cut_row(&c);
     band->flux1 = cut_row(&c);
-    band->open = cut_set(&c);
+    band->open_faces = cut_set(&c);
     band->wanted = cut_set(&c);
     band->missing = cut_set(&c);
+    band->unexpected = cut_set(&c);
     band->todo = cut_set(&c);
     band->special = cut_set(&c);
-    band->unused = cut_set(&c);
+    band->empty = cut_set(&c);
     return BF_OK;
 }
 
@@ -87,6 +88,7 @@ void macro__band_fini(macro_band *band)
     memory_free(band->rows);
     memory_free(band->sets);
     memory_free(band->ring);
+    memory_free(band->expected);
     memory_free(band->slope_rows);
     memory_free(band->share_rows);
     *band = (macro_band){ 0 };

@@ -38,8 +38,8 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
     const size_t base = (size_t)row * from->row_stride;
     unsigned mask = 0, n_faces = 0, n_plain = 0;
 
-    for (ptrdiff_t k = 0; k < LANES; k++) {
-        ptrdiff_t face = b * LANES + k;
+    for (ptrdiff_t k = 0; k < BLOCK_CELLS; k++) {
+        ptrdiff_t face = b * BLOCK_CELLS + k;
         if (face < from->first || face >= from->first + from->n_faces)
             continue;
         size_t at = base + (size_t)(face - from->first);

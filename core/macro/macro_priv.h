@@ -37,18 +37,19 @@ typedef struct macro_faces {
 
 /// The density at one time.
 typedef struct macro_state {
-    double *rho;      ///< n2 rows
-    block_span *span; ///< per row: what is not zero lies within
-    double *peak;     ///< per row: no density is larger
+    double *rho;          ///< n2 rows
+    block_span *span;     ///< per row: what is not zero lies within
+    uint64_t *open;       ///< per row: blocks in which the gate may be open
+    uint64_t *open_first; ///< per row: those of them whose first cell's gate may be open
 } macro_state;
 
 /// A row after its x1 sweep.
 typedef struct macro_swept {
-    const double *rho;   ///< cell 0
-    const double *gated; ///< H(rho - 1) rho, or rho itself where the kernel gates
-    uint64_t *packed;    ///< blocks in which the gate may be open
-    block_span span;     ///< what is not zero lies within
-    double peak;         ///< no density is larger
+    const double *rho;    ///< cell 0
+    const double *gated;  ///< H(rho - 1) rho, or rho itself where the kernel gates
+    uint64_t *open;       ///< blocks in which the gate may be open
+    uint64_t *open_first; ///< those of them whose first cell's gate may be open
+    block_span span;      ///< what is not zero lies within
 } macro_swept;
 
 /// A row of I.
@@ -61,7 +62,6 @@ typedef struct macro_push_row {
 
 /// A place of the ring: the x1 part of the convolution of a row.
 typedef struct macro_ring_row {
-    ptrdiff_t row;  ///< which row of the grid
     double *slope1; ///< sums with slope weights
     double *share1; ///< sums with share weights
     uint64_t *done; ///< blocks that were made in this step
@@ -74,25 +74,28 @@ typedef struct macro_band {
     ptrdiff_t last;             ///< row after the last
     double *rows;               ///< storage of all rows below
     uint64_t *sets;             ///< storage of all sets below
+    uint64_t *expected;         ///< per row of the grid: blocks whose I this step will want
     macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
+    ptrdiff_t ring_end;         ///< rows below have been through the ring
     const double **slope_rows;  ///< scratch: the 2 S + 1 rows of a convolution along x2
     const double **share_rows;  ///< same
     macro_push_row push[2];     ///< I of the row at hand and of the one before
-    uint64_t *packed[2];        ///< open blocks of `now`, of the row at hand and of the next
-    uint64_t *packed_first[2];  ///< those of them whose first cell is open
     macro_swept swept[2];       ///< the row at hand and the one before after their x1 sweep
     double *swept_gated[2];     ///< storage for macro_swept.gated
     double *outside[2];         ///< x1 sweeps of the rows before and after the band
+    uint64_t *outside_open[2];  ///< their sets
+    uint64_t *outside_first[2]; ///< same
     double *gated;              ///< H(rho - 1) rho of a row of `now`
     double *flux1;              ///< x1 fluxes of the row at hand
     double *flux2[2];           ///< x2 fluxes into and out of the row before; 0 outside flux2_set
     uint64_t *flux2_set[2];     ///< blocks with such a flux
-    uint64_t *open;             ///< x1-faces of the row at hand with an open cell at a side
+    uint64_t *open_faces;       ///< x1-faces of the row at hand with an open cell at a side
     uint64_t *wanted;           ///< blocks whose I is asked for
     uint64_t *missing;          ///< of them, those that macro__push_make() has to make
-    uint64_t *todo;             ///< of them, those of one row of the ring
+    uint64_t *unexpected;       ///< of them, those that band->expected lacks
+    uint64_t *todo;             ///< scratch
     uint64_t *special;          ///< blocks of cells whose x1 fluxes are made one by one
-    uint64_t *unused;           ///< takes a set that nobody wants
+    uint64_t *empty;            ///< an empty set
 } macro_band;
 
 /// The solver.
@@ -108,8 +111,8 @@ struct macro_solver {
     ptrdiff_t n2;          ///< rows
     ptrdiff_t n_blocks;    ///< blocks of a row
     size_t n_words;        ///< words of a set of blocks
-    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of LANES
-    ptrdiff_t stride;      ///< doubles from row to row, a multiple of LANES
+    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of BLOCK_CELLS
+    ptrdiff_t stride;      ///< doubles from row to row, a multiple of BLOCK_CELLS
     ptrdiff_t n_ring;      ///< places of a ring
     macro_faces faces1;    ///< n2 rows
     macro_faces faces2;    ///< n2 + 1 rows
@@ -152,10 +155,15 @@ void macro__band_fini(macro_band *band);
 /// Bring what lies outside the grid in a row of a state in order: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);
 
-/// Set margins, span and peak of row j of `now` from its densities.
+/// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
 
-/// A new step begins: nothing of I is made.
+/// Set where the gate may be open in a row, over the blocks of range, of which no density is larger
+/// than peak.
+void macro__find_open(const macro_solver *s, const double *rho, block_span range, double peak,
+                      uint64_t *open, uint64_t *open_first);
+
+/// A new step begins: nothing of I is made, and band->expected is worked out for its rows.
 void macro__push_begin(macro_band *band);
 
 /// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.

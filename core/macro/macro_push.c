@@ -1,45 +1,57 @@
 // The push I of (10) where it is wanted: x1 part of the convolution in a ring of rows, then the x2
 // part, then the root.
+//
+// What a step will want is nearly known before it: I at the faces whose cells are open in `now`. So
+// the x1 part of a row is made once, for all rows that will read it, when the row enters the ring. A
+// cell that opens only by the x1 sweep is the exception, and its blocks are made when it turns up.
 
-#include "core/base/check.h"
 #include "core/macro/macro_priv.h"
 
 #include <string.h>
 
 enum { NO_ROW = -0x7fffffff };
 
-static macro_ring_row *ring_place(macro_band *band, ptrdiff_t r)
+static macro_ring_row *ring_place(const macro_band *band, ptrdiff_t r)
 {
-    const macro_solver *s = band->solver;
-    macro_ring_row *place = &band->ring[r & (s->n_ring - 1)];
-
-    if (place->row != r) {
-        place->row = r;
-        memset(place->done, 0, s->n_words * sizeof *place->done);
-    }
-    return place;
+    return &band->ring[r & (band->solver->n_ring - 1)];
 }
 
-// Makes the x1 part of row r for the missing blocks that are not done.
-static const macro_ring_row *convolve_row(macro_band *band, ptrdiff_t r)
+// Makes the x1 part of row r for the blocks of wanted that are not done.
+static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
 {
     const macro_solver *s = band->solver;
     macro_ring_row *place = ring_place(band, r);
     uint64_t *todo = band->todo;
-    uint64_t any = 0;
     ptrdiff_t b = -1;
     block_span run;
 
-    for (size_t w = 0; w < s->n_words; w++)
-        any |= todo[w] = band->missing[w] & ~place->done[w];
-    if (any == 0)
-        return place;
+    for (size_t w = 0; w < s->n_words; w++) {
+        todo[w] = wanted[w] & ~place->done[w];
+        place->done[w] |= todo[w];
+    }
     while (block_set_next_run(todo, s->n_words, &b, &run))
         s->kernel->convolve_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
                                place->slope1, place->share1);
-    for (size_t w = 0; w < s->n_words; w++)
-        place->done[w] |= todo[w];
-    return place;
+}
+
+// Lets the rows up to r enter the ring, each with the blocks that the rows within reach expect.
+static void fill_ring(macro_band *band, ptrdiff_t r)
+{
+    const macro_solver *s = band->solver;
+    const ptrdiff_t end = r + 1 < s->n2 ? r + 1 : s->n2;
+
+    for (; band->ring_end < end; band->ring_end++) {
+        const ptrdiff_t row = band->ring_end, reach = s->across.reach;
+        const ptrdiff_t low = row - reach > band->first - 1 ? row - reach : band->first - 1;
+        const ptrdiff_t high = row + reach < band->last ? row + reach : band->last;
+        uint64_t *wanted = band->todo;
+        memset(ring_place(band, row)->done, 0, s->n_words * sizeof *wanted);
+        memset(wanted, 0, s->n_words * sizeof *wanted);
+        for (ptrdiff_t k = low < 0 ? 0 : low; k <= high && k < s->n2; k++)
+            for (size_t w = 0; w < s->n_words; w++)
+                wanted[w] |= macro__set(s, band->expected, k)[w];
+        convolve_row(band, row, wanted);
+    }
 }
 
 // The row of the grid that the convolution sees at row r, which may lie outside; NO_ROW: zeros.
@@ -54,10 +66,20 @@ static ptrdiff_t seen_row(const macro_solver *s, ptrdiff_t r)
 
 void macro__push_begin(macro_band *band)
 {
-    for (ptrdiff_t k = 0; k < band->solver->n_ring; k++)
-        band->ring[k].row = NO_ROW;
+    const macro_solver *s = band->solver;
+    const ptrdiff_t first = band->first > 0 ? band->first - 1 : 0;
+
+    for (ptrdiff_t r = first; r <= band->last && r < s->n2; r++) {
+        const uint64_t *open = macro__set(s, s->now.open, r);
+        const uint64_t *first_open = macro__set(s, s->now.open_first, r);
+        const uint64_t *north = r + 1 < s->n2 ? macro__set(s, s->now.open, r + 1) : band->empty;
+        uint64_t *expected = macro__set(s, band->expected, r);
+        for (size_t w = 0; w < s->n_words; w++)
+            expected[w] = open[w] | block_set_shifted_down(first_open, s->n_words, w) | north[w];
+    }
     for (int k = 0; k < 2; k++)
         band->push[k].row = NO_ROW;
+    band->ring_end = first > s->across.reach ? first - s->across.reach : 0;
 }
 
 static macro_push_row *push_place(macro_band *band, ptrdiff_t r)
@@ -82,8 +104,25 @@ static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff
         for (uint64_t word = blocks[w] & closable[w]; word != 0; word &= word - 1) {
             ptrdiff_t b = (ptrdiff_t)(w * 64) + __builtin_ctzll(word) - 1;
             for (unsigned mask = closed[b]; mask != 0; mask &= mask - 1)
-                push[b * LANES + __builtin_ctz(mask)] = 0.0;
+                push[b * BLOCK_CELLS + __builtin_ctz(mask)] = 0.0;
         }
+}
+
+// Makes the x1 part of all rows that row r reads for the missing blocks nobody expected.
+static void make_unexpected(macro_band *band, ptrdiff_t r)
+{
+    const macro_solver *s = band->solver;
+    const uint64_t *expected = r < 0 ? band->empty : macro__set(s, band->expected, r);
+    uint64_t *unexpected = band->unexpected;
+    uint64_t any = 0;
+
+    for (size_t w = 0; w < s->n_words; w++)
+        any |= unexpected[w] = band->missing[w] & ~expected[w];
+    for (int m = 0; any != 0 && m <= 2 * s->across.reach; m++) {
+        ptrdiff_t row = r - s->across.reach + m;
+        if (row >= 0 && row < s->n2)
+            convolve_row(band, row, unexpected);
+    }
 }
 
 void macro__push_make(macro_band *band, ptrdiff_t r)
@@ -95,15 +134,19 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
     ptrdiff_t b = -1;
     block_span run;
 
-    for (size_t w = 0; w < s->n_words; w++)
+    for (size_t w = 0; w < s->n_words; w++) {
         any |= missing[w] = band->wanted[w] & ~place->done[w];
+        place->done[w] |= missing[w];
+    }
     if (any == 0)
         return;
+    fill_ring(band, r + s->across.reach);
+    make_unexpected(band, r);
     for (int m = 0; m <= 2 * s->across.reach; m++) {
         ptrdiff_t seen = seen_row(s, r - s->across.reach + m);
-        const macro_ring_row *row = seen == NO_ROW ? NULL : convolve_row(band, seen);
-        band->slope_rows[m] = row == NULL ? s->zero_row + s->margin : row->slope1;
-        band->share_rows[m] = row == NULL ? s->zero_row + s->margin : row->share1;
+        const macro_ring_row *row = ring_place(band, seen);
+        band->slope_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->slope1;
+        band->share_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->share1;
     }
     while (block_set_next_run(missing, s->n_words, &b, &run))
         s->kernel->push(band->slope_rows, band->share_rows, &s->across, s->def.dispersion,
@@ -111,6 +154,4 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
     if (r >= 0)
         close_faces(s, &s->faces1, r, missing, place->i1);
     close_faces(s, &s->faces2, r + 1, missing, place->i2);
-    for (size_t w = 0; w < s->n_words; w++)
-        place->done[w] |= missing[w];
 }

@@ -23,7 +23,7 @@ void macro__fill_margins(const macro_solver *s, double *row)
 {
     const ptrdiff_t end = s->stride - s->margin;
 
-    if (s->n1 % LANES != 0 || s->def.mirror[1])
+    if (s->n1 % BLOCK_CELLS != 0 || s->def.mirror[1])
         memset(row + s->n1, 0, (size_t)(end - s->n1) * sizeof *row);
     for (ptrdiff_t k = 0; s->def.mirror[0] && k < s->n1 && k < s->along.reach; k++)
         row[-1 - k] = row[k];
@@ -41,13 +41,15 @@ void macro__measure_row(macro_solver *s, ptrdiff_t j)
         if (row[i] == 0.0)
             continue;
         if (span.last == 0)
-            span.first = i / LANES;
-        span.last = i / LANES + 1;
+            span.first = i / BLOCK_CELLS;
+        span.last = i / BLOCK_CELLS + 1;
         peak = fmax(peak, row[i]);
     }
     macro__fill_margins(s, row);
     s->now.span[j] = span;
-    s->now.peak[j] = peak;
+    macro__find_open(s, row,
+                     s->def.gate == MACRO_GATE_SHARP ? (block_span){ 0, s->n_blocks } : span, peak,
+                     macro__set(s, s->now.open, j), macro__set(s, s->now.open_first, j));
     s->cost[j] = 1.0 + (double)s->n_blocks;
 }
 
@@ -56,9 +58,12 @@ static void take_density(macro_solver *s, const char *rho)
 {
     const size_t row_bytes = (size_t)s->n1 * sizeof(double);
     const size_t all_bytes = (size_t)(s->n2 * s->stride) * sizeof(double);
+    const size_t set_bytes = (size_t)s->n2 * s->n_words * sizeof(uint64_t);
 
     memset(s->now.rho, 0, all_bytes);
     memset(s->next.rho, 0, all_bytes);
+    memset(s->now.open, 0, set_bytes);
+    memset(s->now.open_first, 0, set_bytes);
     for (ptrdiff_t j = 0; j < s->n2; j++) {
         memcpy(macro__row(s, s->now.rho, j), rho + (size_t)j * row_bytes, row_bytes);
         macro__measure_row(s, j);
@@ -100,18 +105,18 @@ void macro_copy_density_float(const macro_solver *s, float *rho)
     }
 }
 
-// Sum of row[i_min .. i_max - 1] in LANES interleaved partial sums, the same on every processor.
+// Sum of row[i_min .. i_max - 1] in BLOCK_CELLS interleaved partial sums, the same on every processor.
 static double sum_row(const double *row, size_t i_min, size_t i_max)
 {
-    double part[LANES] = { 0 }, sum = 0.0;
+    double part[BLOCK_CELLS] = { 0 }, sum = 0.0;
     size_t i = i_min;
 
-    for (; i + LANES <= i_max; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
+    for (; i + BLOCK_CELLS <= i_max; i += BLOCK_CELLS)
+        for (size_t k = 0; k < BLOCK_CELLS; k++)
             part[k] += row[i + k];
     for (; i < i_max; i++)
         sum += row[i];
-    for (size_t k = 0; k < LANES; k++)
+    for (size_t k = 0; k < BLOCK_CELLS; k++)
         sum += part[k];
     return sum;
 }
@@ -128,15 +133,15 @@ double macro_mass_in(const macro_solver *s, size_t i_min, size_t i_max, size_t j
 
 static double peak_of_row(const double *row, size_t n)
 {
-    double part[LANES] = { 0 }, peak = 0.0;
+    double part[BLOCK_CELLS] = { 0 }, peak = 0.0;
     size_t i = 0;
 
-    for (; i + LANES <= n; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
+    for (; i + BLOCK_CELLS <= n; i += BLOCK_CELLS)
+        for (size_t k = 0; k < BLOCK_CELLS; k++)
             part[k] = row[i + k] > part[k] ? row[i + k] : part[k];
     for (; i < n; i++)
         peak = row[i] > peak ? row[i] : peak;
-    for (size_t k = 0; k < LANES; k++)
+    for (size_t k = 0; k < BLOCK_CELLS; k++)
         peak = part[k] > peak ? part[k] : peak;
     return peak;
 }
@@ -147,7 +152,7 @@ macro_totals macro_measure(const macro_solver *s)
     macro_totals totals = { .mass = macro_mass_in(s, 0, g->n1, 0, g->n2) };
 
     for (size_t j = 0; j < g->n2; j++)
-        if (s->now.peak[j] > totals.peak)
+        if (s->now.span[j].first < s->now.span[j].last)
             totals.peak = fmax(totals.peak, peak_of_row(macro_row(s, j), g->n1));
     return totals;
 }

@@ -9,11 +9,6 @@ static const double cost_of_push = 8.0; // I of a block, in blocks swept
 
 static const block_span no_blocks = { 0, 0 };
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static block_span span_hull(block_span a, block_span b)
 {
     if (a.first >= a.last)
@@ -23,11 +18,6 @@ static block_span span_hull(block_span a, block_span b)
     return (block_span){ a.first < b.first ? a.first : b.first, a.last > b.last ? a.last : b.last };
 }
 
-static bool is_in_grid(const macro_solver *s, ptrdiff_t r)
-{
-    return r >= 0 && r < s->n2;
-}
-
 // H(rho - 1) rho where the kernels do not gate by themselves: the row itself, or made in storage.
 static const double *gate_row(const macro_solver *s, const double *rho, block_span span,
                               double *storage)
@@ -35,55 +25,47 @@ static const double *gate_row(const macro_solver *s, const double *rho, block_sp
     if (s->def.gate != MACRO_GATE_SMOOTH)
         return rho;
     // A block on each side is read as the neighbour of the first and last cell.
-    memset(storage - LANES, 0, (size_t)(s->n_blocks + 2) * LANES * sizeof *storage);
-    for (ptrdiff_t i = span.first * LANES; i < span.last * LANES; i++)
+    memset(storage - BLOCK_CELLS, 0, (size_t)(s->n_blocks + 2) * BLOCK_CELLS * sizeof *storage);
+    for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i++)
         storage[i] = rho[i] * (0.5 + atan((rho[i] - 1.0) / s->def.gate_width) / M_PI);
     return storage;
 }
 
-// The blocks of a row in which the gate is open somewhere, and in whose first cell it is.
-static void find_open(const macro_solver *s, const double *rho, block_span span, double peak,
-                      uint64_t *any, uint64_t *first)
+void macro__find_open(const macro_solver *s, const double *rho, block_span range, double peak,
+                      uint64_t *open, uint64_t *open_first)
 {
-    if (s->def.gate != MACRO_GATE_SHARP) {
-        for (size_t w = 0; w < s->n_words; w++)
-            any[w] = first[w] = block_set_span_word(span, w);
-    } else if (peak >= 1.0) {
-        s->kernel->find_packed(rho, s->n_blocks, any, first);
-    } else {
-        memset(any, 0, s->n_words * sizeof *any);
-        memset(first, 0, s->n_words * sizeof *first);
+    if (s->def.gate == MACRO_GATE_SHARP && peak >= 1.0) {
+        s->kernel->find_packed(rho, range.first, range.last, open, open_first);
+        return;
+    }
+    // H has no zero in its other forms, so there the gate is open wherever there is mass.
+    for (size_t w = 0; w < s->n_words; w++) {
+        uint64_t word = block_set_span_word(range, w);
+        open[w] = s->def.gate == MACRO_GATE_SHARP ? open[w] & ~word : open[w] | word;
+        open_first[w] =
+            s->def.gate == MACRO_GATE_SHARP ? open_first[w] & ~word : open_first[w] | word;
     }
 }
 
-static void find_open_now(macro_band *band, ptrdiff_t r)
-{
-    const macro_solver *s = band->solver;
-    bool is_inside = is_in_grid(s, r);
-
-    find_open(s, is_inside ? macro__row(s, s->now.rho, r) : NULL,
-              is_inside ? s->now.span[r] : no_blocks, is_inside ? s->now.peak[r] : 0.0,
-              band->packed[r & 1], band->packed_first[r & 1]);
-}
-
-// Makes I of row r where its x1 sweep needs it, and where its x2 flux probably will. Leaves the
-// x1-faces with an open cell at a side in band->open.
+// Makes I of row r where its x1 sweep needs it, and where its x2 flux probably will. Sets
+// band->open_faces.
 static void prepare_push(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
-    const uint64_t *here = band->packed[r & 1], *north = band->packed[(r + 1) & 1];
-    const uint64_t *first = band->packed_first[r & 1];
+    const uint64_t *open = macro__set(s, s->now.open, r);
+    const uint64_t *first = macro__set(s, s->now.open_first, r);
+    const uint64_t *expected = macro__set(s, band->expected, r);
     uint64_t any = 0;
 
     for (size_t w = 0; w < s->n_words; w++) {
-        band->open[w] = here[w] | block_set_shifted_down(first, s->n_words, w);
-        any |= band->wanted[w] = band->open[w] | north[w];
+        band->open_faces[w] = open[w] | block_set_shifted_down(first, s->n_words, w);
+        any |= band->wanted[w] = expected[w];
     }
     if (any != 0)
         macro__push_make(band, r);
     if (r >= band->first && r < band->last)
         s->cost[r] = 1.0 + (double)s->n_blocks +
-                     (any == 0 ? 0.0 : cost_of_push * block_set_count(band->wanted, s->n_words));
+                     (any == 0 ? 0.0 : cost_of_push * block_set_count(expected, s->n_words));
 }
 
 // x1 fluxes through the faces of the blocks of run, of row r.
@@ -97,7 +79,7 @@ static void flux_x1(macro_band *band, ptrdiff_t r, const double *rho, const doub
 
     s->kernel->upwind(macro__row(s, s->faces1.v, r), rho, rho + 1, run.first, run.last,
                       band->flux1);
-    while (block_set_next_run(band->open, s->n_words, &b, &open) && open.first < run.last) {
+    while (block_set_next_run(band->open_faces, s->n_words, &b, &open) && open.first < run.last) {
         open.last = open.last < run.last ? open.last : run.last;
         if (s->def.gate == MACRO_GATE_SHARP)
             s->kernel->upwind_add_packed(push, rho, rho + 1, open.first, open.last, band->flux1);
@@ -111,9 +93,9 @@ static block_span grown_span(const macro_solver *s, block_span span, const doubl
 {
     if (span.first >= span.last)
         return no_blocks;
-    if (span.first > 0 && rho[span.first * LANES] != 0.0)
+    if (span.first > 0 && rho[span.first * BLOCK_CELLS] != 0.0)
         span.first--;
-    if (span.last < s->n_blocks && rho[span.last * LANES - 1] != 0.0)
+    if (span.last < s->n_blocks && rho[span.last * BLOCK_CELLS - 1] != 0.0)
         span.last++;
     return span;
 }
@@ -126,49 +108,61 @@ static void find_special(macro_band *band, ptrdiff_t r, block_span span)
     uint64_t carry = 0; // the face at the end of the word before
 
     for (size_t w = 0; w < s->n_words; w++) {
-        uint64_t faces = mixed[w] | band->open[w];
+        uint64_t faces = mixed[w] | band->open_faces[w];
         band->special[w] = (faces | faces << 1 | carry) & block_set_span_word(span, w);
         carry = faces >> 63;
     }
 }
 
-// The x1 sweep of row r of `now` into out; returns the largest density.
-static double sweep_row_x1(macro_band *band, ptrdiff_t r, block_span span, double *out)
+// The x1 sweep of row r of `now` over the swept row's span.
+static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_swept *swept, double *out)
 {
     const macro_solver *s = band->solver;
     const double *rho = macro__row(s, s->now.rho, r);
     const double *gated = gate_row(s, rho, s->now.span[r], band->gated);
-    double peak = 0.0;
-    ptrdiff_t b = -1, done = span.first;
-    block_span run;
+    ptrdiff_t b = -1, done = swept->span.first;
+    block_span run, plain;
+    double peak;
 
-    find_special(band, r, span);
-    while (done < span.last) {
+    find_special(band, r, swept->span);
+    while (done < swept->span.last) {
         if (!block_set_next_run(band->special, s->n_words, &b, &run))
-            run = (block_span){ span.last, span.last };
-        if (done < run.first)
-            peak = larger(
-                peak, s->kernel->update_uniform(rho, s->lambda1, s->plain1, done, run.first, out));
+            run = (block_span){ swept->span.last, swept->span.last };
+        plain = (block_span){ done, run.first };
+        if (plain.first < plain.last) {
+            peak =
+                s->kernel->update_uniform(rho, s->lambda1, s->plain1, plain.first, plain.last, out);
+            macro__find_open(s, out, plain, peak, swept->open, swept->open_first);
+        }
         if (run.first < run.last) {
             flux_x1(band, r, rho, gated, (block_span){ run.first - 1, run.last });
-            peak = larger(peak, s->kernel->update(rho, s->lambda1, band->flux1, band->flux1 - 1,
-                                                run.first, run.last, out));
+            peak = s->kernel->update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first,
+                                     run.last, out);
+            macro__find_open(s, out, run, peak, swept->open, swept->open_first);
         }
         done = run.last;
     }
-    return peak;
 }
 
 // Where the x1 sweep of row r goes: into `next` inside the band, aside for its neighbours.
-static double *swept_storage(macro_band *band, ptrdiff_t r)
+static double *open_swept(macro_band *band, ptrdiff_t r, macro_swept *swept)
 {
     const macro_solver *s = band->solver;
+    const int side = r < band->first ? 0 : 1;
+    double *out = band->outside[side];
 
-    if (r >= band->first && r < band->last)
-        return macro__row(s, s->next.rho, r);
-    double *aside = band->outside[r < band->first ? 0 : 1];
-    memset(aside - s->margin, 0, (size_t)s->stride * sizeof *aside);
-    return aside;
+    swept->open = band->outside_open[side];
+    swept->open_first = band->outside_first[side];
+    if (r >= band->first && r < band->last) {
+        out = macro__row(s, s->next.rho, r);
+        swept->open = macro__set(s, s->next.open, r);
+        swept->open_first = macro__set(s, s->next.open_first, r);
+    } else {
+        memset(out - s->margin, 0, (size_t)s->stride * sizeof *out);
+    }
+    memset(swept->open, 0, s->n_words * sizeof *swept->open);
+    memset(swept->open_first, 0, s->n_words * sizeof *swept->open_first);
+    return out;
 }
 
 // Sweeps row r along x1; outside the grid there is nothing.
@@ -176,20 +170,18 @@ static void sweep_x1(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
     macro_swept *swept = &band->swept[r & 1];
-    double *out = s->zero_row + s->margin;
 
-    find_open_now(band, r + 1);
-    swept->span = no_blocks;
-    swept->peak = 0.0;
-    if (is_in_grid(s, r)) {
-        out = swept_storage(band, r);
-        swept->span = grown_span(s, s->now.span[r], macro__row(s, s->now.rho, r));
-        prepare_push(band, r);
-        swept->peak = sweep_row_x1(band, r, swept->span, out);
+    if (r < 0 || r >= s->n2) {
+        const double *nothing = s->zero_row + s->margin;
+        *swept = (macro_swept){ nothing, nothing, band->empty, band->empty, no_blocks };
+        return;
     }
+    double *out = open_swept(band, r, swept);
     swept->rho = out;
+    swept->span = grown_span(s, s->now.span[r], macro__row(s, s->now.rho, r));
+    prepare_push(band, r);
+    sweep_row_x1(band, r, swept, out);
     swept->gated = gate_row(s, out, swept->span, band->swept_gated[r & 1]);
-    find_open(s, out, swept->span, swept->peak, swept->packed, band->unused);
 }
 
 // Sets the blocks of the flux between rows r - 1 and r that are not exactly zero; of them band->wanted
@@ -206,15 +198,15 @@ static void find_flux_x2(macro_band *band, ptrdiff_t r)
     block_span run;
 
     for (size_t w = 0; w < s->n_words; w++) {
-        band->wanted[w] = (south->packed[w] | north->packed[w]) & ~shut[w];
+        band->wanted[w] = (south->open[w] | north->open[w]) & ~shut[w];
         uint64_t carried = mixed[w] & ~shut[w] & block_set_span_word(span, w);
         band->todo[w] = set[w];
         set[w] = band->wanted[w] | carried;
         band->todo[w] &= ~set[w];
     }
     while (block_set_next_run(band->todo, s->n_words, &b, &run))
-        memset(band->flux2[r & 1] + run.first * LANES, 0,
-               (size_t)(run.last - run.first) * LANES * sizeof(double));
+        memset(band->flux2[r & 1] + run.first * BLOCK_CELLS, 0,
+               (size_t)(run.last - run.first) * BLOCK_CELLS * sizeof(double));
 }
 
 // The flux through the faces between rows r - 1 and r after their x1 sweeps.
@@ -251,25 +243,23 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     const uint64_t *south = band->flux2_set[r & 1], *north = band->flux2_set[(r + 1) & 1];
     double *rho = macro__row(s, s->next.rho, r);
     block_span span = swept->span, run;
-    double peak = swept->peak;
     ptrdiff_t b = -1;
 
     for (size_t w = 0; w < s->n_words; w++)
         band->todo[w] = south[w] | north[w];
     while (block_set_next_run(band->todo, s->n_words, &b, &run)) {
-        peak = larger(peak, s->kernel->update(rho, s->lambda2, band->flux2[(r + 1) & 1],
-                                            band->flux2[r & 1], run.first, run.last, rho));
+        double peak = s->kernel->update(rho, s->lambda2, band->flux2[(r + 1) & 1],
+                                        band->flux2[r & 1], run.first, run.last, rho);
+        macro__find_open(s, rho, run, peak, swept->open, swept->open_first);
         span = span_hull(span, run);
     }
     macro__fill_margins(s, rho);
     s->next.span[r] = span;
-    s->next.peak[r] = peak;
 }
 
 void macro__sweep_band(macro_band *band)
 {
     macro__push_begin(band);
-    find_open_now(band, band->first - 1);
     sweep_x1(band, band->first - 1);
     for (ptrdiff_t r = band->first; r <= band->last; r++) {
         sweep_x1(band, r);

@@ -61,7 +61,10 @@ static void check_work(const scene *s, double n_cells, bf_faults *faults)
     double reached =
         2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
 
-    check_limit((double)scene_parts(s) * fmin(reached, n_cells), SCENE_INITIAL_WORK_MAX,
+    // Too many parts are told of where they come from.
+    double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
+
+    check_limit(n_parts * fmin(reached, n_cells), SCENE_INITIAL_WORK_MAX,
                 "values to sum up for the density at the start", "/macro/initial_mollifier_per_m2",
                 faults);
 }

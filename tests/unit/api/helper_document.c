@@ -1,8 +1,14 @@
 #include "tests/unit/api/helper_document.h"
 
+#include "api/scenario.h"
 #include "core/base/check.h"
 
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 bf_buffer document_quote(const char *text)
 {
@@ -44,4 +50,30 @@ bf_buffer document_complete(void)
         "                                'tanh_linear_s_m': 12, 'tanh_spin_s': 3},"
         "             'handling_cargo': {'length_m': 0.03, 'damping_n_s_m': 300, 'friction': 0.3,"
         "                                'tanh_linear_s_m': 13, 'tanh_spin_s': 4}}}");
+}
+
+bf_status document_refuse(const char *json, size_t n, bf_faults *faults, bf_error *err)
+{
+    scene s;
+    scene before;
+
+    memset(&s, 0x5a, sizeof s);
+    before = s;
+    faults->n = 0;
+    bf_status status = scenario_read(json, n, &s, faults, err);
+    if (status == BF_OK)
+        fail_msg("%.*s was read", (int)n, json);
+    assert_memory_equal(&s, &before, sizeof s);
+    assert_true(faults->n > 0);
+    assert_int_equal(err->code, status);
+    return status;
+}
+
+bool document_has_fault(const bf_faults *faults, const char *pointer)
+{
+    for (size_t k = 0; k < faults_kept(faults); k++) {
+        if (strcmp(faults->items[k].pointer, pointer) == 0)
+            return true;
+    }
+    return false;
 }

@@ -3,6 +3,9 @@
 #pragma once
 
 #include "core/base/buffer.h"
+#include "core/base/faults.h"
+
+#include <stdbool.h>
 
 /// The members that a scenario needs, and a document with further ones.
 #define DOCUMENT_NEEDED                                                                            \
@@ -15,3 +18,10 @@ bf_buffer document_quote(const char *text);
 
 /// A scenario that has every member there is, of one kind or the other. The caller frees the buffer.
 bf_buffer document_complete(void);
+
+/// Read a scenario that must be refused, with the scene that was handed over untouched. Returns the
+/// status; *faults and *err are as scenario_read() leaves them.
+bf_status document_refuse(const char *json, size_t n, bf_faults *faults, bf_error *err);
+
+/// True if a fault at the pointer was kept.
+bool document_has_fault(const bf_faults *faults, const char *pointer);

@@ -7,7 +7,7 @@
 
 #include <jansson.h>
 
-enum { HELPER_RUNS_MAX = 8, HELPER_EVENTS_MAX = 64, HELPER_SNAPSHOTS_MAX = 8, HELPER_CELLS = 6 };
+enum { HELPER_RUNS_MAX = 8, HELPER_EVENTS_MAX = 64, HELPER_SNAPSHOTS_MAX = 401, HELPER_CELLS = 6 };
 
 /// A run with its results.
 typedef struct helper_run {

@@ -60,6 +60,26 @@ static void only_snapshots_of_common_times_are_compared(void **state)
     assert_true(ask_body_has("\"n_common\":1,\"snapshots\":[{\"t_s\":0.1,\"a\":1,\"b\":1,"));
 }
 
+// Of 401 common snapshots 200 may be compared: every third (0, 3, ..., 399: 134 of them), and the last.
+static void many_snapshots_are_thinned_out_but_for_the_last(void **state)
+{
+    helper_run *a = ask_add_run(RUN_SUCCEEDED);
+
+    (void)state;
+    for (uint64_t i = 0; i < 401; i++)
+        a->snapshots[i] = (api_snapshot){ .index = i, .t = 0.1 * (double)i };
+    a->record.n_snapshots = 401;
+    ask_get("/v1/compare", "a=" ID_1 "&b=" ID_1, NULL, 200);
+    json_t *root = helper_json(&ask_response);
+    json_t *density = json_object_get(root, "density");
+    json_t *items = json_object_get(density, "snapshots");
+    assert_int_equal(json_integer_value(json_object_get(density, "n_common")), 401);
+    assert_int_equal(json_array_size(items), 135);
+    assert_int_equal(json_integer_value(json_object_get(json_array_get(items, 1), "a")), 3);
+    assert_int_equal(json_integer_value(json_object_get(json_array_get(items, 134), "a")), 400);
+    json_decref(root);
+}
+
 static void a_comparison_needs_two_runs_with_samples_and_the_column(void **state)
 {
     (void)state;
@@ -92,6 +112,7 @@ int main(void)
         ASK_TEST(two_runs_are_compared_in_curve_and_density),
         ASK_TEST(densities_on_different_grids_are_not_compared),
         ASK_TEST(only_snapshots_of_common_times_are_compared),
+        ASK_TEST(many_snapshots_are_thinned_out_but_for_the_last),
         ASK_TEST(a_comparison_needs_two_runs_with_samples_and_the_column),
         ASK_TEST(curves_without_a_common_time_are_a_conflict),
     };

@@ -62,16 +62,14 @@ static got read_some(int fd, bf_buffer *answer, int64_t deadline_ms)
     return GOT_BYTES;
 }
 
-static bool holds(const bf_buffer *answer, const char *text)
-{
-    return answer->n > 0 && memmem(answer->bytes, answer->n, text, strlen(text)) != NULL;
-}
-
 bool client_read_until(int fd, bf_buffer *answer, const char *text, int64_t ms)
 {
     int64_t deadline_ms = clock_monotonic_ms() + ms;
+    size_t n_text = strlen(text), n_seen = 0;
 
-    while (!holds(answer, text)) {
+    while (answer->n == 0 ||
+           memmem(answer->bytes + n_seen, answer->n - n_seen, text, n_text) == NULL) {
+        n_seen = answer->n < n_text ? 0 : answer->n - n_text;
         if (read_some(fd, answer, deadline_ms) != GOT_BYTES)
             return false;
     }

@@ -89,7 +89,7 @@ static void a_zero_byte_in_a_value_is_refused(void **state)
 static void each_line_must_follow_the_one_before_it(void **state)
 {
     static const char request[] = "GET\0/\0HTTP/1.1\0\0Host\0 a\0\0X\0 b\0\0\0\0";
-    const char *host = request + 17, *x = host + 9;
+    const char *host = request + 16, *x = host + 9;
     static const struct {
         size_t moved_host, moved_x, moved_end;
         int status;

@@ -1,0 +1,96 @@
+#include "tests/unit/core/helper_scene.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+/// A copy of n items in memory of its own.
+static void *copy(const void *items, size_t n, size_t size)
+{
+    void *room = memory_alloc(n, size);
+
+    BF_CHECK(room != NULL);
+    if (n > 0)
+        memcpy(room, items, n * size);
+    return room;
+}
+
+void helper_scene_resolve(scene *s)
+{
+    BF_CHECK(scene_resolve(s, NULL) == BF_OK);
+}
+
+void helper_scene_belt(scene *s, double length, double width, double cell, const scene_pose *poses,
+                       size_t n)
+{
+    scene_init(s);
+    s->duration = 1.0;
+    s->domain = (scene_rect){ 0.0, length, 0.0, width };
+    s->macro.cell = cell;
+    s->macro.step = 0.0;
+    s->initial.type = SCENE_INITIAL_POSITIONS;
+    s->initial.n_poses = n;
+    s->initial.poses = copy(poses, n, sizeof *poses);
+}
+
+scene_obstacle *helper_scene_add_obstacle(scene *s, const scene_point *path, size_t n,
+                                          scene_treatment treatment)
+{
+    scene_obstacle *all = memory_alloc(s->n_obstacles + 1, sizeof *all);
+
+    BF_CHECK(all != NULL);
+    if (s->n_obstacles > 0)
+        memcpy(all, s->obstacles, s->n_obstacles * sizeof *all);
+    memory_free(s->obstacles);
+    s->obstacles = all;
+    scene_obstacle *o = &all[s->n_obstacles++];
+    scene_obstacle_init(o);
+    o->treatment = treatment;
+    o->n_points = n;
+    o->path = copy(path, n, sizeof *path);
+    return o;
+}
+
+scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_point *polygon,
+                                  size_t n)
+{
+    scene_belt *all = memory_alloc(s->n_belts + 1, sizeof *all);
+
+    BF_CHECK(all != NULL);
+    if (s->n_belts > 0)
+        memcpy(all, s->belts, s->n_belts * sizeof *all);
+    memory_free(s->belts);
+    s->belts = all;
+    scene_belt *b = &all[s->n_belts++];
+    scene_belt_init(b);
+    b->velocity = velocity;
+    b->n_points = n;
+    b->polygon = n > 0 ? copy(polygon, n, sizeof *polygon) : NULL;
+    return b;
+}
+
+void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
+{
+    double angle = angle_deg * M_PI / 180.0, length = 0.5 / sin(angle);
+    scene_point end = { 0.75, 0.5 };
+    scene_point path[] = { { end.x - length * cos(angle), end.y - length * sin(angle) }, end };
+
+    scene_init(s);
+    s->duration = 6.0;
+    s->domain = (scene_rect){ 0.0, 1.0, 0.0, 0.6 };
+    s->initial.type = SCENE_INITIAL_HEXAGONAL;
+    s->initial.n_rows = 16;
+    s->initial.n_columns = 12;
+    s->initial.first = (scene_point){ 0.10, 0.11 };
+    s->initial.spacing = 1.02 * 2.0 * 0.012;
+    helper_scene_add_obstacle(s, path, 2, treatment)->thickness =
+        treatment == SCENE_FIELD ? 0.03 : 0.005;
+    s->n_counters = 1;
+    s->counters = memory_alloc(1, sizeof *s->counters);
+    BF_CHECK(s->counters != NULL);
+    scene_counter_init(s->counters);
+    s->counters->rect.x_max = 0.75;
+    helper_scene_resolve(s);
+}

@@ -1,0 +1,29 @@
+/// Scenes that several tests are about.
+
+#pragma once
+
+#include "core/scene/scene.h"
+
+#include <math.h>
+
+/// cmocka's own comparison of numbers is one of floats.
+#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+/// A belt of length x width, m, without obstacles, with n parts at the places; cells of cell, m. Not
+/// resolved yet; scene_fini().
+void helper_scene_belt(scene *s, double length, double width, double cell, const scene_pose *poses,
+                       size_t n);
+
+/// The paper's Examples 1 (60 degrees) and 2 (90 degrees), as model.md lays them out; resolved.
+void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment);
+
+/// Append an obstacle with default widths along a path of n points; borrowed until the next one.
+scene_obstacle *helper_scene_add_obstacle(scene *s, const scene_point *path, size_t n,
+                                          scene_treatment treatment);
+
+/// Append a belt over a polygon of n corners, 0 for the whole domain; borrowed until the next one.
+scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_point *polygon,
+                                  size_t n);
+
+/// scene_resolve() that must succeed.
+void helper_scene_resolve(scene *s);

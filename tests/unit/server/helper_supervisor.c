@@ -1,0 +1,172 @@
+#include "tests/unit/server/helper_supervisor.h"
+
+#include "api/scenario.h"
+#include "server/clock.h"
+#include "server/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { PATIENCE_MS = 60000 };
+
+static void note_commit(void *context, const char *run_id)
+{
+    helper_world *w = context;
+    (void)run_id;
+
+    lock_take(&w->lock);
+    w->n_commits++;
+    lock_wake_all(&w->committed);
+    lock_give(&w->lock);
+}
+
+static void open_store(helper_world *w)
+{
+    char directory[HELPER_PATH_SIZE + 8];
+    store_options options = {
+        .directory = directory, .queue_limit = 100, .listener = note_commit, .listener_context = w
+    };
+    bf_error err = { 0 };
+
+    snprintf(directory, sizeof directory, "%s/store", w->directory);
+    if (store_open(&options, &w->store, &err) != BF_OK)
+        fail_msg("%s", err.text);
+}
+
+int helper_world_setup(void **state)
+{
+    helper_world *w = calloc(1, sizeof *w);
+
+    assert_non_null(w);
+    strcpy(w->directory, "/tmp/beltflow-world-XXXXXX");
+    assert_non_null(mkdtemp(w->directory));
+    strcpy(w->program, PROGRAM_DIR "/beltflow");
+    w->options =
+        (supervisor_options){ .n_workers = 1, .n_threads = 1, .cpu_s = 600, .checkpoint_ms = 20 };
+    lock_init(&w->lock);
+    lock_condition_init(&w->committed);
+    log_set_level(LOG_LEVEL_ERROR);
+    open_store(w);
+    *state = w;
+    return 0;
+}
+
+int helper_world_teardown(void **state)
+{
+    helper_world *w = *state;
+    char command[HELPER_PATH_SIZE + 16];
+
+    supervisor_stop(w->supervisor, 0);
+    store_close(w->store);
+    lock_condition_fini(&w->committed);
+    lock_fini(&w->lock);
+    snprintf(command, sizeof command, "rm -rf '%s'", w->directory);
+    int code = system(command);
+    free(w);
+    return code;
+}
+
+void helper_world_reopen(helper_world *w)
+{
+    w->store = store_close(w->store);
+    open_store(w);
+}
+
+const char *helper_world_file(const helper_world *w, const char *name, const void *bytes, size_t n)
+{
+    static char path[HELPER_PATH_SIZE];
+
+    assert_true(snprintf(path, sizeof path, "%s/%s", w->directory, name) < (int)sizeof path);
+    // Kept from children that are being started: a script open for writing cannot be executed.
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0700);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, bytes, n), n);
+    assert_int_equal(close(fd), 0);
+    return path;
+}
+
+void helper_world_fake(helper_world *w, const char *lines)
+{
+    char text[4096];
+
+    int n = snprintf(text, sizeof text, "#!/bin/sh\n%s\n", lines);
+    assert_true(n > 0 && n < (int)sizeof text);
+    snprintf(w->program, sizeof w->program, "%s", helper_world_file(w, "fake", text, (size_t)n));
+}
+
+void helper_supervise(helper_world *w)
+{
+    bf_error err = { 0 };
+
+    w->options.store = w->store;
+    w->options.program = w->program;
+    if (supervisor_start(&w->options, &w->supervisor, &err) != BF_OK)
+        fail_msg("%s", err.text);
+}
+
+api_run helper_world_submit(helper_world *w, const char *json)
+{
+    api_submission submission = { .model = RUN_MACRO };
+    api_run record = { 0 };
+    bf_faults faults = { 0 };
+    bf_error err = { 0 };
+    scene s;
+
+    if (scenario_read(json, strlen(json), &s, &faults, &err) != BF_OK)
+        fail_msg("%s: %s", faults.items[0].pointer, faults.items[0].text);
+    assert_int_equal(scenario_write(&s, &submission.scenario, NULL), BF_OK);
+    assert_int_equal(scenario_columns(&s, &submission.columns, NULL), BF_OK);
+    scene_fini(&s);
+    if (store_submit(w->store, &submission, &record, &err) != BF_OK)
+        fail_msg("%s", err.text);
+    buffer_fini(&submission.scenario);
+    buffer_fini(&submission.columns);
+    if (w->supervisor != NULL)
+        supervisor_wake(w->supervisor);
+    return record;
+}
+
+static api_run await(helper_world *w, const char *id, run_state state, uint64_t n_samples)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    api_run record = { 0 };
+
+    for (;;) {
+        lock_take(&w->lock);
+        uint64_t n_before = w->n_commits;
+        lock_give(&w->lock);
+        assert_int_equal(store_find(w->store, id, &record, NULL), BF_OK);
+        if (state == RUN_STATE_COUNT ? record.n_samples >= n_samples : record.state == state)
+            return record;
+        if (run_state_is_end(record.state))
+            fail_msg("the run is %s: %s", run_state_word(record.state), record.error.text);
+        lock_take(&w->lock);
+        while (w->n_commits == n_before && lock_wait(&w->committed, &w->lock, deadline_ms))
+            ;
+        bool is_late = w->n_commits == n_before;
+        lock_give(&w->lock);
+        if (is_late)
+            fail_msg("the run is still %s", run_state_word(record.state));
+    }
+}
+
+api_run helper_await_state(helper_world *w, const char *id, run_state state)
+{
+    return await(w, id, state, 0);
+}
+
+api_run helper_await_samples(helper_world *w, const char *id, uint64_t n)
+{
+    return await(w, id, RUN_STATE_COUNT, n);
+}
+
+bool helper_is_childless(void)
+{
+    return waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD;
+}

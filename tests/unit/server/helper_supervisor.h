@@ -1,0 +1,55 @@
+/// A supervisor with a store of its own in a temporary directory, and worker programs made for a
+/// test, for tests.
+
+#pragma once
+
+#include "server/lock.h"
+#include "server/supervisor.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+enum { HELPER_PATH_SIZE = 256 }; ///< bytes of a path with its terminator
+
+/// What a test of the supervisor needs.
+typedef struct helper_world {
+    char directory[HELPER_PATH_SIZE]; ///< of the test, removed at the end
+    char program[HELPER_PATH_SIZE];   ///< that is started for each run
+    supervisor_options options;       ///< for helper_supervise()
+    store *store;                     ///< open
+    supervisor *supervisor;           ///< NULL: not started
+    lock lock;                        ///< of n_commits
+    lock_condition committed;         ///< n_commits has changed
+    uint64_t n_commits;               ///< runs that the store has told of
+} helper_world;
+
+/// Fixtures of cmocka: a store, no supervisor yet, the real program.
+int helper_world_setup(void **state);
+int helper_world_teardown(void **state);
+
+/// Close the store and open it again.
+void helper_world_reopen(helper_world *w);
+
+/// Make the program a shell script of these lines.
+void helper_world_fake(helper_world *w, const char *lines);
+
+/// Write bytes to a file in the test's directory and return its path (static storage).
+const char *helper_world_file(const helper_world *w, const char *name, const void *bytes, size_t n);
+
+/// Start the supervisor.
+void helper_supervise(helper_world *w);
+
+/// Submit a scenario and wake the supervisor, if there is one.
+api_run helper_world_submit(helper_world *w, const char *json);
+
+/// Wait until the run is in this state, or has this many samples stored; fails after a minute.
+api_run helper_await_state(helper_world *w, const char *id, run_state state);
+api_run helper_await_samples(helper_world *w, const char *id, uint64_t n);
+
+/// True if this process has no child.
+bool helper_is_childless(void);
