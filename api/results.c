@@ -14,7 +14,7 @@ static bf_status finish(bf_status status, bf_buffer *out, size_t n, bf_error *er
 {
     if (status == BF_OK)
         return BF_OK;
-    out->n = n;
+    buffer_truncate(out, n);
     return bf_fail(err, status, "", "out of memory");
 }
 

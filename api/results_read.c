@@ -118,8 +118,8 @@ bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_
             status = read_row(row, column, line, t, parts, err);
     }
     if (status != BF_OK) {
-        t->n = n_t;
-        parts->n = n_parts;
+        buffer_truncate(t, n_t);
+        buffer_truncate(parts, n_parts);
     }
     return status;
 }

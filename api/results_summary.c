@@ -114,6 +114,6 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     scene_fini(&s);
     status = json_out_status(&w, err);
     if (status != BF_OK)
-        out->n = n_before;
+        buffer_truncate(out, n_before);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "core/scene/scene.h"
 
 #include <math.h>
+#include <string.h>
 
 // Lines of the tables, by kind. Where the default `std` is NULL the member must be there.
 #define LINE(name_, kind_, at, unit_, std, help_)                                                  \
@@ -220,8 +221,24 @@ static void begin_counter(void *item)
 {
     scene_counter_init(item);
 }
+// A curve event has these members beside one for each counter.
+static void refuse_reserved_id(json_in *in, const struct json_t *object, void *item)
+{
+    static const char *const reserved[] = { "run", "first" };
+    const scene_counter *counter = item;
+
+    (void)object;
+    for (size_t k = 0; k < sizeof reserved / sizeof *reserved; k++) {
+        if (strcmp(counter->id, reserved[k]) != 0)
+            continue;
+        size_t mark = json_pointer_enter(&in->pointer, "id", strlen("id"));
+        json_in_fault(in, "'%s' is a member of every curve event", reserved[k]);
+        json_pointer_leave(&in->pointer, mark);
+    }
+}
 static const member_table counter_table = { TABLE("counter", counter_members),
-                                            .size = sizeof(scene_counter), .begin = begin_counter };
+                                            .size = sizeof(scene_counter), .begin = begin_counter,
+                                            .finish = refuse_reserved_id };
 #undef AT
 
 #define AT(place) offsetof(scene_output, place)
@@ -244,6 +261,8 @@ static const member macro_members[] = {
     NUMBER("mollifier_per_m2", AT(mollifier), "1/m2", &positive, "10000", "sigma"),
     NUMBER("initial_mollifier_per_m2", AT(initial_mollifier), "1/m2", &positive, "2500",
            "sigma_0 of the density at the start"),
+    NUMBER("packing_per_m2", AT(packing), "1/m2", &positive,
+           "close packing of the shape, cut to four digits", "rho_max, parts/m2 at density 1"),
 };
 static const member_table macro_table = { TABLE("macro", macro_members) };
 #undef AT

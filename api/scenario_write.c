@@ -13,7 +13,7 @@ bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err)
     members_write(&w, &scenario_members, s);
     bf_status status = json_out_status(&w, err);
     if (status != BF_OK)
-        out->n = n;
+        buffer_truncate(out, n);
     return status;
 }
 
@@ -27,7 +27,7 @@ bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err)
     if (status == BF_OK)
         status = buffer_append(out, "left_domain", strlen("left_domain"));
     if (status != BF_OK) {
-        out->n = n;
+        buffer_truncate(out, n);
         return bf_fail(err, status, "", "out of memory");
     }
     return BF_OK;

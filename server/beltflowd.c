@@ -80,11 +80,15 @@ static void parse_arguments(int argc, char **argv, arguments *ret_arguments)
         { "config", KEY_CONFIG, "FILE", 0, "read settings from FILE (lines 'name = value')", 0 },
         { "print-config", KEY_PRINT, NULL, 0, "print a sample of FILE with all settings", 0 },
     };
-    const struct argp argp = { options, take_argument, NULL,
+    const struct argp argp = { options,
+                               take_argument,
+                               NULL,
                                "Solves material flow on conveyor belts and offers it over HTTP."
                                "\vA flag goes before the environment (BELTFLOW_<NAME>), and that "
                                "before FILE.",
-                               NULL, NULL, NULL };
+                               NULL,
+                               NULL,
+                               NULL };
     size_t n = 0;
     const config_row *rows = config_rows(&n);
 

@@ -97,9 +97,9 @@ static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_fra
 // left aside: the run then starts from t = 0.
 static bf_status resume(run *r, bf_buffer *in, bf_error *err)
 {
-    frame f;
-    size_t used;
-    bf_error why;
+    frame f = { .type = FRAME_RESUME };
+    size_t used = 0;
+    bf_error why = { 0 };
 
     if (in->n == 0)
         return BF_OK;
@@ -135,8 +135,8 @@ static bf_status work(working *w, bf_error *err)
 {
     bf_buffer in = { 0 };
     bf_faults faults = { 0 };
-    frame f;
-    size_t used;
+    frame f = { .type = FRAME_JOB };
+    size_t used = 0;
     scene s;
 
     bf_status status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, &in, err);

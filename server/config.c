@@ -148,7 +148,7 @@ bf_status config_sample(bf_buffer *out, bf_error *err)
                                           "BELTFLOW_<NAME> in the environment and --<name>.\n");
 
     for (size_t i = 0; status == BF_OK && i < N_ROWS; i++)
-        status = buffer_printf(out, "\n# %s\n#%s = %s\n", rows[i].help, rows[i].name,
-                               rows[i].initial);
+        status =
+            buffer_printf(out, "\n# %s\n#%s = %s\n", rows[i].help, rows[i].name, rows[i].initial);
     return status == BF_OK ? BF_OK : bf_fail(err, status, "", "no memory for a sample");
 }

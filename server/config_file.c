@@ -13,12 +13,12 @@ enum { WHERE_SIZE = 160, PATH_SIZE = 2 * CONFIG_TEXT_SIZE };
 
 // A file that is being read.
 typedef struct config_reader {
-    config *settings;  // to be filled
-    const char *path;  // for errors
-    FILE *file;        // open
-    int line;          // the one read last, from 1
-    bf_status status;  // first failure
-    bf_error *err;     // of it
+    config *settings; // to be filled
+    const char *path; // for errors
+    FILE *file;       // open
+    int line;         // the one read last, from 1
+    bf_status status; // first failure
+    bf_error *err;    // of it
 } config_reader;
 
 static void fail_line(config_reader *reader, const char *text)

@@ -103,8 +103,8 @@ static void add_option(struct MHD_OptionItem *items, enum MHD_OPTION option, uin
 static bf_status start_daemon(http *h, bf_error *err)
 {
     struct MHD_OptionItem items[OPTIONS_MAX] = { { MHD_OPTION_END, 0, NULL } };
-    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ITC | MHD_ALLOW_SUSPEND_RESUME |
-                     MHD_USE_ERROR_LOG;
+    unsigned flags =
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ITC | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
 
     add_option(items, MHD_OPTION_LISTEN_SOCKET, (uint64_t)h->listen_fd);
     add_option(items, MHD_OPTION_CONNECTION_LIMIT, h->options.connection_limit);

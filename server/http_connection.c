@@ -27,7 +27,7 @@
 enum {
     WATCH_TICK_MS = 100,       // between two looks while there are connections
     WATCH_TICK_LINGER_MS = 10, // while sockets linger
-    WATCH_DRAIN_READS = 8,    // reads of one lingering socket at one look
+    WATCH_DRAIN_READS = 8,     // reads of one lingering socket at one look
     RESERVE_MAX = 16,          // connections kept for the daemon's health
 };
 

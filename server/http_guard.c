@@ -1,12 +1,10 @@
-#include "server/http_priv.h"
+#include "server/http_guard.h"
+
+#include "api/exchange.h"
 
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
-
-// MHD lets through what proxies in front of it may read differently (request smuggling): repeated or
-// contradicting lengths, repeated hosts, control bytes, names that are none. All of that is refused
-// here, before any of the request is used.
 
 static bool is_token(const char *text, size_t n)
 {
@@ -39,8 +37,8 @@ static void check_place(http_guard *g, const char *place)
         g->fault = "a line is folded, has a zero byte, or does not end in CR and LF";
 }
 
-void http__guard_header(http_guard *g, const char *name, size_t n_name, const char *value,
-                        size_t n_value)
+void http_guard_header(http_guard *g, const char *name, size_t n_name, const char *value,
+                       size_t n_value)
 {
     check_place(g, name);
     if (g->next != NULL)
@@ -59,7 +57,7 @@ void http__guard_header(http_guard *g, const char *name, size_t n_name, const ch
     }
 }
 
-void http__guard_end(http_guard *g, const char *end)
+void http_guard_end(http_guard *g, const char *end)
 {
     check_place(g, end - 2);
 }
@@ -85,8 +83,7 @@ static const char *find_fault(const http_guard *g, const char *method, bool is_1
     return NULL;
 }
 
-int http__guard_verdict(const http_guard *g, const char *method, const char *version,
-                        bf_error *err)
+int http_guard_verdict(const http_guard *g, const char *method, const char *version, bf_error *err)
 {
     const char *fault = find_fault(g, method, strcmp(version, "HTTP/1.0") == 0);
 
@@ -160,7 +157,7 @@ static bool has_byte_outside_ascii(const char *text)
     return false;
 }
 
-int http__guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err)
+int http_guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err)
 {
     const char *path = skip_authority(target);
     size_t n_path = strcspn(path, "?");

@@ -109,58 +109,28 @@ typedef struct http_pool http_pool;
 
 /// The server.
 struct http {
-    http_options options;                 ///< as given; its texts are not kept
-    api_services services;                ///< as given
-    int listen_fd;                        ///< listening socket; -1: none
-    int web_fd;                           ///< directory of the page; -1: none
-    unsigned port;                        ///< listened on
-    struct MHD_Daemon *daemon;            ///< NULL until it runs
-    http_pool *pool;                      ///< request threads
-    lock lock;                            ///< guards all that follows
-    lock_condition changed;               ///< a connection came, a request went, or is_stopping
-    http_connection *connections;         ///< open ones
-    unsigned n_connections;               ///< how many
-    http_stream *streams;                 ///< under way
-    unsigned n_streams;                   ///< how many
-    unsigned n_requests;                  ///< requests past their header
-    bool is_stopping;                     ///< streams end, nothing suspends any more
-    bool has_watch;                       ///< watch runs
-    bool watch_ends;                      ///< it shall not
-    pthread_t watch;                      ///< deadlines, heartbeats, clients that left
-    unsigned n_lingering;                 ///< sockets in linger
-    int linger_fds[HTTP_LINGER_MAX];      ///< sockets to be drained
+    http_options options;                  ///< as given; its texts are not kept
+    api_services services;                 ///< as given
+    int listen_fd;                         ///< listening socket; -1: none
+    int web_fd;                            ///< directory of the page; -1: none
+    unsigned port;                         ///< listened on
+    struct MHD_Daemon *daemon;             ///< NULL until it runs
+    http_pool *pool;                       ///< request threads
+    lock lock;                             ///< guards all that follows
+    lock_condition changed;                ///< a connection came, a request went, or is_stopping
+    http_connection *connections;          ///< open ones
+    unsigned n_connections;                ///< how many
+    http_stream *streams;                  ///< under way
+    unsigned n_streams;                    ///< how many
+    unsigned n_requests;                   ///< requests past their header
+    bool is_stopping;                      ///< streams end, nothing suspends any more
+    bool has_watch;                        ///< watch runs
+    bool watch_ends;                       ///< it shall not
+    pthread_t watch;                       ///< deadlines, heartbeats, clients that left
+    unsigned n_lingering;                  ///< sockets in linger
+    int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
-
-/// What the guard saw in the headers of a request. Zero-initialise.
-typedef struct http_guard {
-    const char *next;     ///< where in the request the next name must stand; NULL: not looked at
-    unsigned n_hosts;     ///< Host headers
-    unsigned n_lengths;   ///< Content-Length headers
-    unsigned n_encodings; ///< Transfer-Encoding headers
-    bool is_chunked;      ///< the encoding is exactly `chunked`
-    const char *fault;    ///< first bad name or value; NULL: none
-} http_guard;
-
-// http_guard.c: pure functions over the bytes of a request.
-
-/// Look at one header. With g->next set by the caller behind the request line, also at the place of
-/// its bytes: MHD gives texts up to the first zero byte, puts lines together that were folded, and
-/// takes a lone CR or LF for the end of a line; in all these cases the next name is elsewhere.
-void http__guard_header(http_guard *g, const char *name, size_t n_name, const char *value,
-                        size_t n_value);
-
-/// The header ends at end: is all of it accounted for?
-void http__guard_end(http_guard *g, const char *end);
-
-/// Judge the request line and the headers: 0, or the HTTP status of the refusal with its text in
-/// *err.
-int http__guard_verdict(const http_guard *g, const char *method, const char *version,
-                        bf_error *err);
-
-/// Split and decode a request target into path and query (API_PATH_MAX bytes each). 0, or the HTTP
-/// status of the refusal with its text in *err.
-int http__guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err);
 
 // http_listen.c
 

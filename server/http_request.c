@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "server/clock.h"
+#include "server/http_guard.h"
 #include "server/log.h"
 
 #include <microhttpd.h>
@@ -34,7 +35,7 @@ http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char
     r->file.fd = -1;
     r->target = target;
     r->target_end = target + strlen(target);
-    r->refusal = http__guard_target(target, r->path, r->query, &r->fault);
+    r->refusal = http_guard_target(target, r->path, r->query, &r->fault);
     return r;
 }
 
@@ -48,7 +49,7 @@ static enum MHD_Result show_header(void *context, enum MHD_ValueKind kind, const
                                    size_t n_name, const char *value, size_t n_value)
 {
     (void)kind;
-    http__guard_header(context, name, n_name, value, n_value);
+    http_guard_header(context, name, n_name, value, n_value);
     return MHD_YES;
 }
 
@@ -85,8 +86,8 @@ static void check_header(http_request *r, const char *method, const char *versio
         return;
     (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, show_header, &guard);
     if (info != NULL)
-        http__guard_end(&guard, method + info->header_size);
-    r->refusal = http__guard_verdict(&guard, method, version, &r->fault);
+        http_guard_end(&guard, method + info->header_size);
+    r->refusal = http_guard_verdict(&guard, method, version, &r->fault);
 }
 
 static void check_reserve(http_request *r)
@@ -149,8 +150,7 @@ static bool begin(http_request *r, const char *method, const char *version)
         http__respond_refuse(r, r->refusal, &r->fault);
         return http__respond(r);
     }
-    http__connection_deadline(r->connection,
-                              has_body ? r->server->options.body_deadline_ms : -1);
+    http__connection_deadline(r->connection, has_body ? r->server->options.body_deadline_ms : -1);
     r->stage = HTTP_STAGE_BODY;
     return true;
 }

@@ -86,8 +86,8 @@ bool http__respond(http_request *r)
     for (size_t i = 0; i < r->response.n_headers; i++)
         is_good = is_good && MHD_add_response_header(response, r->response.headers[i].name,
                                                      r->response.headers[i].value) == MHD_YES;
-    is_good = is_good && MHD_queue_response(r->mhd, (unsigned)r->response.status, response) ==
-                             MHD_YES;
+    is_good =
+        is_good && MHD_queue_response(r->mhd, (unsigned)r->response.status, response) == MHD_YES;
     MHD_destroy_response(response);
     return is_good;
 }
@@ -97,8 +97,8 @@ static bf_status write_head(const api_response *response, bf_buffer *out)
     bf_status status = buffer_printf(out, "HTTP/1.1 %d \r\n", response->status);
 
     for (size_t i = 0; status == BF_OK && i < response->n_headers; i++)
-        status = buffer_printf(out, "%s: %s\r\n", response->headers[i].name,
-                               response->headers[i].value);
+        status =
+            buffer_printf(out, "%s: %s\r\n", response->headers[i].name, response->headers[i].value);
     if (status == BF_OK)
         status = buffer_printf(out, "Content-Length: %zu\r\n\r\n", response->body.n);
     return status;

@@ -17,14 +17,16 @@ void progress_bar_text(const frame_progress *p, uint64_t first_step, double elap
 {
     double share = p->n_steps == 0 ? 1.0 : (double)p->step / (double)p->n_steps;
     double rate = elapsed_s > 0.0 ? (double)(p->step - first_step) / elapsed_s : 0.0;
-    double rest_s = rate > 0.0 ? (double)(p->n_steps - p->step) / rate : 0.0;
     char cells[CELLS + 1];
 
     for (int i = 0; i < CELLS; i++)
         cells[i] = i < (int)(share * CELLS) ? '#' : '.';
     cells[CELLS] = '\0';
-    snprintf(ret_text, PROGRESS_BAR_SIZE, "[%s] %3.0f %%  t = %.3g s  %.3g steps/s  %.0f s left",
-             cells, 100.0 * share, p->t, rate, rest_s);
+    int n = snprintf(ret_text, PROGRESS_BAR_SIZE, "[%s] %3.0f %%  t = %.3g s", cells, 100.0 * share,
+                     p->t);
+    if (rate > 0.0)
+        snprintf(ret_text + n, (size_t)(PROGRESS_BAR_SIZE - n), "  %.3g steps/s  %.0f s left", rate,
+                 (double)(p->n_steps - p->step) / rate);
 }
 
 void progress_bar_show(progress_bar *bar, const frame_progress *p)

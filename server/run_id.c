@@ -12,7 +12,8 @@
 
 enum { COUNTER_BITS = 12 };
 
-// Milliseconds and counter of the newest id as one number, so that one compare-and-swap keeps order.
+// Milliseconds and counter of the newest id as one number, so that one compare-and-swap keeps
+// order.
 static _Atomic uint64_t newest;
 
 static bf_status draw_random(void *bytes, size_t n, bf_error *err)

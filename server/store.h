@@ -45,7 +45,8 @@ typedef struct store_options {
 /// BF_ESYSTEM: the file cannot be used, is of a newer version, or another daemon holds it.
 BF_MUST_CHECK bf_status store_open(const store_options *options, store **ret_store, bf_error *err);
 
-/// Commit what waits, stop the thread, checkpoint and close. NULL is fine. Always returns NULL.
+/// Stop the thread, checkpoint and close; all other calls must have returned. NULL is fine. Always
+/// returns NULL.
 store *store_close(store *s);
 
 /// Accept a run: a new id, state queued, its first status event.
@@ -96,9 +97,10 @@ typedef struct store_batch {
 } store_batch;
 
 /// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
-/// not fit the run's columns and grid; then nothing of the batch is stored. Samples and snapshots that are stored already are left out, and their events with
-/// them; of a curve item that is stored in part the rest is stored, and its event not told again
-/// for the part that was (I4): the store cuts t, values and event data by events_curve().
+/// not fit the run's columns and grid; then nothing of the batch is stored. Samples and snapshots
+/// that are stored already are left out, and their events with them; of a curve item that is stored
+/// in part the rest is stored, and its event not told again for the part that was (I4): the store
+/// cuts t, values and event data by events_curve().
 BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
 
 /// How a run ends or goes back to the queue.

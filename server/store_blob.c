@@ -1,3 +1,4 @@
+#include "core/run/frame.h"
 #include "server/store_priv.h"
 
 #include <sqlite3.h>
@@ -49,7 +50,8 @@ bf_status store__unpack(const bf_buffer *packed, bf_buffer *out, bf_error *err)
 {
     unsigned long long n = ZSTD_getFrameContentSize(packed->bytes, packed->n);
 
-    if (n == ZSTD_CONTENTSIZE_UNKNOWN || n == ZSTD_CONTENTSIZE_ERROR)
+    // Nothing larger comes from a run; the two marks of an unknown size are larger, too.
+    if (n > FRAME_PAYLOAD_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "compressed bytes of the store are damaged");
     char *to = buffer_reserve(out, n);
     if (to == NULL)

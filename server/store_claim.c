@@ -1,5 +1,5 @@
-// Claiming in two steps: read the next run with all it needs, then make it running if it still waits.
-// All that can fail or takes long (reading, unpacking a checkpoint) comes before the change.
+// Claiming in two steps: read the next run with all it needs, then make it running if it still
+// waits. All that can fail or takes long (reading, unpacking a checkpoint) comes before the change.
 
 #include "server/store_priv.h"
 

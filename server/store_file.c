@@ -65,8 +65,8 @@ static bf_status take_lock_file(store *s, bf_error *err)
     return status;
 }
 
-// SQLite would create the file readable by others. Its own descriptors do not exist yet: closing one
-// of ours later would drop their locks.
+// SQLite would create the file readable by others. Its own descriptors do not exist yet: closing
+// one of ours later would drop their locks.
 static bf_status create_database_file(const store *s, bf_error *err)
 {
     int file = open(s->path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);

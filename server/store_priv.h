@@ -121,8 +121,8 @@ typedef struct store__row {
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
 } store__row;
 
-/// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM: no
-/// access, or another daemon holds it.
+/// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM:
+/// no access, or another daemon holds it.
 BF_MUST_CHECK bf_status store__take_directory(store *s, bf_error *err);
 
 /// Bytes that the disk of the directory has left for us.
@@ -166,8 +166,8 @@ double store__column_real(const store__query *q, int column);
 BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
                                             bf_error *err);
 
-/// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all. Returns
-/// status, or the failure of the commit.
+/// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all.
+/// Returns status, or the failure of the commit.
 BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,
                                                bf_error *err);
 

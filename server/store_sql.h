@@ -1,5 +1,5 @@
-/// Private to the store: its statements, as one table. Each connection prepares one when it is first
-/// used and keeps it.
+/// Private to the store: its statements, as one table. Each connection prepares one when it is
+/// first used and keeps it.
 
 #pragma once
 

@@ -1,10 +1,10 @@
-// The store's thread. It takes all operations that wait, does them in one transaction, each inside a
-// savepoint of its own, and answers them after the commit (I1). While it syncs, the next ones gather:
-// the busier the store, the larger the groups.
+// The store's thread. It takes all operations that wait, does them in one transaction, each inside
+// a savepoint of its own, and answers them after the commit (I1). While it syncs, the next ones
+// gather: the busier the store, the larger the groups.
 //
-// Threads  an operation lives on its caller's stack. From store__write() until is_done, which is set
-//          under the lock, it belongs to the store's thread. The writing connection belongs to the
-//          store's thread alone while that runs (I2).
+// Threads  an operation lives on its caller's stack. From store__write() until is_done, which is
+//          set under the lock, it belongs to the store's thread. The writing connection belongs to
+//          the store's thread alone while that runs (I2).
 
 #include "server/store_priv.h"
 

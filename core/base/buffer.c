@@ -56,6 +56,14 @@ void buffer_drop(bf_buffer *b, size_t n)
     b->n -= n;
 }
 
+void buffer_truncate(bf_buffer *b, size_t n)
+{
+    BF_CHECK(n <= b->n);
+    b->n = n;
+    if (b->bytes != NULL)
+        b->bytes[n] = '\0';
+}
+
 void buffer_fini(bf_buffer *b)
 {
     if (b == NULL)

@@ -47,12 +47,6 @@ static inline uint64_t block_set_shifted_down(const uint64_t *set, size_t n_word
     return set[w] >> 1 | (w + 1 < n_words ? set[w + 1] << 63 : 0);
 }
 
-/// The set {b + 1 : b in set}, word by word: what is added to word w.
-static inline uint64_t block_set_shifted_up(const uint64_t *set, size_t w)
-{
-    return set[w] << 1 | (w > 0 ? set[w - 1] >> 63 : 0);
-}
-
 /// Bits of word w that belong to the span.
 static inline uint64_t block_set_span_word(block_span span, size_t w)
 {

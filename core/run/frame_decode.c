@@ -205,7 +205,7 @@ static bf_status read_header(const char *bytes, frame_type *ret_type, uint64_t *
 bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame, size_t *ret_used,
                        bf_error *err)
 {
-    uint64_t n_payload, length, digest;
+    uint64_t n_payload = 0, length = 0, digest;
     frame f = { 0 };
     bf_status status;
 

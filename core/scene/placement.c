@@ -12,7 +12,7 @@
 /// Most places that are tried for n random parts.
 static size_t limit_attempts(size_t n)
 {
-    return 100000 + 50 * n;
+    return 100000 + 20 * n;
 }
 
 /// Farthest point of a footprint from the centre in direction u, m.
@@ -98,28 +98,38 @@ static size_t fill_crowd(const scene *s, crowd *c, scene_pose *ret_poses)
     return n;
 }
 
+/// Largest share of a region that is worth a try. Random places jam near 0.55; few parts that reach
+/// over a small region's border may do better.
+static double limit_cover(size_t n)
+{
+    return n < 10000 ? 1.0 : 0.6;
+}
+
 static bf_status place_random(const scene *s, scene_pose *ret_poses, bf_error *err)
 {
     const scene_rect *region = &s->initial.region;
     shape_footprint footprint = shape_footprint_of(&s->cargo.shape);
-    size_t wanted = s->initial.n_random, n = 0;
+    size_t wanted = s->initial.n_random;
     double reach = 2.0 * footprint.reach;
     double room = (region->x_max - region->x_min + reach) * (region->y_max - region->y_min + reach);
     double cover = (double)wanted * footprint.area / room;
     crowd c;
 
-    if (cover <= 1.0) {
-        bf_status status = crowd_init(&c, &footprint, ret_poses, wanted, err);
-        if (status != BF_OK)
-            return status;
-        n = fill_crowd(s, &c, ret_poses);
-        crowd_fini(&c);
-    }
+    if (cover > limit_cover(wanted))
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "%zu parts would cover %.0f %% of the region, and random places without "
+                       "overlap fill about half of it",
+                       wanted, 100.0 * cover);
+    bf_status status = crowd_init(&c, &footprint, ret_poses, wanted, err);
+    if (status != BF_OK)
+        return status;
+    size_t n = fill_crowd(s, &c, ret_poses);
+    crowd_fini(&c);
     if (n < wanted)
         return bf_fail(err, BF_EINPUT, "/initial/random",
-                       "only %zu of %zu parts found room without overlap: together they would "
-                       "cover %.0f %% of the region, and random places fill about half of it",
-                       n, wanted, 100.0 * cover);
+                       "only %zu of %zu parts found room without overlap in %zu attempts; all "
+                       "would cover %.0f %% of the region, and random places fill about half of it",
+                       n, wanted, limit_attempts(wanted), 100.0 * cover);
     return BF_OK;
 }
 

@@ -31,6 +31,7 @@ static scene_macro default_macro(void)
                           .heaviside = SCENE_HEAVISIDE_SHARP,
                           .heaviside_width = 0.05,
                           .dispersion = NAN,
+                          .packing = NAN,
                           .mollifier = paper_mollifier,
                           .initial_mollifier = 2500.0 };
 }
@@ -119,6 +120,15 @@ static void resolve_counter(scene_counter *c, const scene_rect *domain)
     fill_in(&c->rect.y_max, domain->y_max);
 }
 
+// See scene_packing_density(). A hair of rounding must not turn 1000 into 999.9.
+static double cut_to_four_digits(double value)
+{
+    double unit = pow(10.0, floor(log10(value)) - 3.0);
+
+    return unit >= 1.0 ? floor(value / unit * (1.0 + 1e-12)) * unit
+                       : floor(value * round(1.0 / unit) * (1.0 + 1e-12)) / round(1.0 / unit);
+}
+
 // A member at fault is told of once, at its own place: what is derived from it must then be sound.
 static void resolve_derived(scene *s)
 {
@@ -134,6 +144,8 @@ static void resolve_derived(scene *s)
                                                                        : sqrt(area / M_PI);
     fill_in(&s->micro.spin_friction_radius, 2.0 * radius / 3.0);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
+    fill_in(&s->macro.packing,
+            has_shape ? cut_to_four_digits(shape_packing_density(&s->cargo.shape)) : 1.0);
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
     for (size_t k = 0; k < s->n_obstacles; k++) {
@@ -203,7 +215,7 @@ bf_grid scene_grid(const scene *s)
 
 double scene_packing_density(const scene *s)
 {
-    return shape_packing_density(&s->cargo.shape);
+    return s->macro.packing;
 }
 
 double scene_belt_speed(const scene *s)

@@ -4,7 +4,7 @@ import { spawn } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 
-import { binaries } from "./setup.mjs";
+import { binaries, patience } from "./setup.mjs";
 
 // { state, parent } of a process, or null when there is none.
 function statOf(pid) {
@@ -40,10 +40,14 @@ export function residentBytes(pid) {
   return Number(found[1]) * 1024;
 }
 
-// Run a program of ours to its end: { status, signal, stdout, stderr }.
+// Run a program of ours to its end, or kill it when it has none: { status, signal, stdout, stderr }.
 export function runProgram(name, args, { input = "", env = {} } = {}) {
   return new Promise((resolve, reject) => {
-    const child = spawn(path.join(binaries, name), args, { env: { ...process.env, ...env } });
+    const child = spawn(path.join(binaries, name), args, {
+      env: { ...process.env, ...env },
+      timeout: patience,
+      killSignal: "SIGKILL",
+    });
     const out = [];
     const err = [];
     child.stdout.on("data", (chunk) => out.push(chunk));

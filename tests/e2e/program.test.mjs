@@ -34,7 +34,7 @@ test("a daemon whose port is taken says so and leaves with 1", async (t) => {
 test("a daemon that is told nonsense says which word and leaves with 2", async (t) => {
   const data = temporaryFolder(t);
   for (const [flags, word] of [
-    [["--worker", "2"], /--workers/],
+    [["--wrkers", "2"], /wrkers/],
     [["--workers", "many"], /workers/],
     [["--workers", "0"], /workers/],
     [["--listen", "nowhere"], /nowhere/],

@@ -20,8 +20,8 @@ export async function solve(t, scenario, ...more) {
 
 // Members of a summary that tell how long it took, not what came out.
 function withoutTiming(summary) {
-  const { wall_s, threads, cell_steps_per_s, ...rest } = summary;
-  assert.ok(wall_s >= 0 && threads >= 1 && cell_steps_per_s >= 0, JSON.stringify(summary));
+  const { wall_time_s, threads, cell_steps_per_s, ...rest } = summary;
+  assert.ok(wall_time_s >= 0 && threads >= 1 && cell_steps_per_s >= 0, JSON.stringify(summary));
   return rest;
 }
 

@@ -253,7 +253,7 @@ static void try_mutation(const char *document, size_t n, bf_random *random)
 
 static void damaged_documents_never_harm(void **unused)
 {
-    enum { MUTATIONS = 1000 };
+    enum { MUTATIONS = 2000 };
     bf_buffer complete = document_complete();
     bf_random random;
     size_t n;

@@ -14,7 +14,7 @@
 void helper_scene_belt(scene *s, double length, double width, double cell, const scene_pose *poses,
                        size_t n);
 
-/// The paper's Examples 1 (60 degrees) and 2 (90 degrees), as model.md lays them out; resolved.
+/// The paper's Examples 1 (60 degrees) and 2 (90 degrees), as core/README.md lays them out; resolved.
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment);
 
 /// Append an obstacle with default widths along a path of n points; borrowed until the next one.
@@ -27,3 +27,7 @@ scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_po
 
 /// scene_resolve() that must succeed.
 void helper_scene_resolve(scene *s);
+
+/// Turn the cargo into a prism or a hull of n vertices.
+void helper_scene_set_vertices(scene *s, scene_shape_type type, const double (*vertices)[3],
+                               size_t n);

@@ -69,6 +69,21 @@ static void dropped_bytes_are_gone_from_the_front(void **state)
     buffer_fini(&b);
 }
 
+static void truncated_bytes_are_gone_from_the_end(void **state)
+{
+    bf_buffer b = { 0 };
+
+    (void)state;
+    buffer_truncate(&b, 0);
+    assert_null(b.bytes);
+    assert_int_equal(buffer_append(&b, "abcdef", 6), BF_OK);
+    buffer_truncate(&b, 6);
+    buffer_truncate(&b, 2);
+    assert_int_equal(b.n, 2);
+    assert_string_equal(b.bytes, "ab");
+    buffer_fini(&b);
+}
+
 static void without_memory_the_buffer_is_as_before(void **state)
 {
     bf_buffer b = { 0 };
@@ -96,6 +111,7 @@ int main(void)
         cmocka_unit_test(formatted_text_of_any_length_is_appended),
         cmocka_unit_test(reserved_room_lies_behind_what_is_there),
         cmocka_unit_test(dropped_bytes_are_gone_from_the_front),
+        cmocka_unit_test(truncated_bytes_are_gone_from_the_end),
         cmocka_unit_test(without_memory_the_buffer_is_as_before),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

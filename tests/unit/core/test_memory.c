@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void room_is_zeroed_and_aligned_to_cache_lines(void **state)
@@ -104,6 +105,18 @@ static void a_planned_fault_strikes_once_or_for_good(void **state)
     assert_int_equal(memory_faults(), 0);
 }
 
+static void plain_memory_is_freed_as_malloc_gave_it(void **state)
+{
+    (void)state;
+    memory_plan_fault(2, 0);
+    void *first = memory_alloc_plain(10);
+    void *second = memory_alloc_plain(10);
+    memory_plan_fault(0, 0);
+    assert_non_null(first);
+    assert_null(second);
+    free(first);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -113,6 +126,7 @@ int main(void)
         cmocka_unit_test(reserved_room_grows_by_doubling_and_keeps_what_was_there),
         cmocka_unit_test(a_failed_reservation_leaves_everything),
         cmocka_unit_test(a_planned_fault_strikes_once_or_for_good),
+        cmocka_unit_test(plain_memory_is_freed_as_malloc_gave_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

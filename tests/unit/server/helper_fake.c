@@ -47,7 +47,10 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     lock_take(&f->lock);
     ret_run->last_event = f->n_events;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
+    void (*after_find)(void) = f->after_find;
     lock_give(&f->lock);
+    if (after_find != NULL)
+        after_find();
     return BF_OK;
 }
 

@@ -14,13 +14,14 @@
 
 /// The log, and what else a test can turn. Under lock.
 typedef struct fake {
-    lock lock;              ///< guards what follows
-    lock_condition changed; ///< waiting, or is_held
-    uint64_t n_events;      ///< events of the log, ids from 1
-    bool has_ended;         ///< the last of them is `end`
-    bool is_held;           ///< ready() waits until it is not
-    unsigned n_waiting;     ///< calls of ready() that wait
-    unsigned n_reads;       ///< calls of read_events()
+    lock lock;                ///< guards what follows
+    lock_condition changed;   ///< waiting, or is_held
+    uint64_t n_events;        ///< events of the log, ids from 1
+    bool has_ended;           ///< the last of them is `end`
+    bool is_held;             ///< ready() waits until it is not
+    unsigned n_waiting;       ///< calls of ready() that wait
+    unsigned n_reads;         ///< calls of read_events()
+    void (*after_find)(void); ///< called by find() when it has its answer; NULL: nothing
 } fake;
 
 void fake_init(fake *f);

@@ -73,7 +73,8 @@ bool helper_curve_is(const api_curve *curve, uint64_t first, size_t n);
 /// Store one item and free it.
 bf_status helper_append(store *s, const char *id, store_item *item, bf_error *err);
 
-/// Samples and snapshots of a running run, as helper_curve_item() and helper_snapshot_item() make them.
+/// Samples and snapshots of a running run, as helper_curve_item() and helper_snapshot_item() make
+/// them.
 void helper_append_samples(store *s, const char *id, uint64_t first, size_t n);
 void helper_append_snapshot(store *s, const char *id, uint64_t index);
 

@@ -168,5 +168,7 @@ api_run helper_await_samples(helper_world *w, const char *id, uint64_t n)
 
 bool helper_is_childless(void)
 {
-    return waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD;
+    siginfo_t info;
+
+    return waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == -1 && errno == ECHILD;
 }

@@ -75,9 +75,9 @@ static void a_bad_value_is_refused_and_changes_nothing(void **state)
     static const struct {
         const char *name, *value;
     } cases[] = {
-        { "workers", "0" },     { "workers", "65" },  { "workers", "" },
-        { "workers", "-1" },    { "workers", "1.5" }, { "workers", " 1" },
-        { "workers", "0x10" },  { "workers", "1k" },  { "run_cpu_s", "18446744073709551616" },
+        { "workers", "0" },      { "workers", "65" },  { "workers", "" },
+        { "workers", "-1" },     { "workers", "1.5" }, { "workers", " 1" },
+        { "workers", "0x10" },   { "workers", "1k" },  { "run_cpu_s", "18446744073709551616" },
         { "log_level", "loud" }, { "log_level", "" },
     };
     config c, before;

@@ -1,6 +1,8 @@
 // Unit tests of the header guard: pure functions over the bytes of a request.
 
-#include "server/http_priv.h"
+#include "server/http_guard.h"
+
+#include "api/exchange.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,10 +26,10 @@ static int judge(const guard_case *c, bf_error *err)
     for (size_t i = 0; i < 4 && c->headers[i] != NULL; i++) {
         const char *colon = strchr(c->headers[i], ':');
         assert_non_null(colon);
-        http__guard_header(&guard, c->headers[i], (size_t)(colon - c->headers[i]), colon + 2,
-                           strlen(colon + 2));
+        http_guard_header(&guard, c->headers[i], (size_t)(colon - c->headers[i]), colon + 2,
+                          strlen(colon + 2));
     }
-    return http__guard_verdict(&guard, c->method, c->version, err);
+    return http_guard_verdict(&guard, c->method, c->version, err);
 }
 
 static void every_row_of_the_table_is_judged_as_it_says(void **state)
@@ -44,9 +46,13 @@ static void every_row_of_the_table_is_judged_as_it_says(void **state)
         { "GET", "HTTP/1.1", { "Host: a", "Host: a" }, 400 },
         { "GET", "HTTP/1.0", { "Host: a", "host: b" }, 400 },
         { "POST", "HTTP/1.1", { "Host: a", "Content-Length: 3", "content-length: 3" }, 400 },
-        { "POST", "HTTP/1.1",
-          { "Host: a", "Transfer-Encoding: chunked", "Transfer-Encoding: chunked" }, 400 },
-        { "POST", "HTTP/1.1", { "Host: a", "Content-Length: 3", "Transfer-Encoding: chunked" },
+        { "POST",
+          "HTTP/1.1",
+          { "Host: a", "Transfer-Encoding: chunked", "Transfer-Encoding: chunked" },
+          400 },
+        { "POST",
+          "HTTP/1.1",
+          { "Host: a", "Content-Length: 3", "Transfer-Encoding: chunked" },
           400 },
         { "POST", "HTTP/1.0", { "Host: a", "Transfer-Encoding: chunked" }, 400 },
         { "POST", "HTTP/1.1", { "Host: a", "Transfer-Encoding: gzip, chunked" }, 501 },
@@ -80,9 +86,9 @@ static void a_zero_byte_in_a_value_is_refused(void **state)
     http_guard guard = { 0 };
 
     (void)state;
-    http__guard_header(&guard, "Host", 4, "a", 1);
-    http__guard_header(&guard, "X", 1, "a\0b", 3);
-    assert_int_equal(http__guard_verdict(&guard, "GET", "HTTP/1.1", NULL), 400);
+    http_guard_header(&guard, "Host", 4, "a", 1);
+    http_guard_header(&guard, "X", 1, "a\0b", 3);
+    assert_int_equal(http_guard_verdict(&guard, "GET", "HTTP/1.1", NULL), 400);
 }
 
 // A request as MHD leaves it: names and values in place, their separators overwritten by zeros.
@@ -98,11 +104,11 @@ static void each_line_must_follow_the_one_before_it(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         http_guard guard = { .next = host - cases[i].moved_host };
-        http__guard_header(&guard, host, 4, host + 6, 1);
+        http_guard_header(&guard, host, 4, host + 6, 1);
         guard.next -= cases[i].moved_x;
-        http__guard_header(&guard, x, 1, x + 3, 1);
-        http__guard_end(&guard, x + 8 + cases[i].moved_end);
-        assert_int_equal(http__guard_verdict(&guard, "GET", "HTTP/1.1", NULL), cases[i].status);
+        http_guard_header(&guard, x, 1, x + 3, 1);
+        http_guard_end(&guard, x + 8 + cases[i].moved_end);
+        assert_int_equal(http_guard_verdict(&guard, "GET", "HTTP/1.1", NULL), cases[i].status);
     }
 }
 
@@ -136,7 +142,7 @@ static void a_target_is_split_and_its_path_decoded(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char path[API_PATH_MAX] = "untouched", query[API_PATH_MAX] = "untouched";
-        int status = http__guard_target(cases[i].target, path, query, NULL);
+        int status = http_guard_target(cases[i].target, path, query, NULL);
         assert_int_equal(status, cases[i].query == NULL ? 400 : 0);
         assert_string_equal(path, status == 0 ? cases[i].path : "untouched");
         assert_string_equal(query, status == 0 ? cases[i].query : "untouched");
@@ -152,15 +158,15 @@ static void a_target_may_be_as_long_as_its_limit(void **state)
     target[0] = '/';
     target[API_PATH_MAX - 1] = '?';
     target[2 * API_PATH_MAX - 1] = '\0';
-    assert_int_equal(http__guard_target(target, path, query, NULL), 0);
+    assert_int_equal(http_guard_target(target, path, query, NULL), 0);
     assert_int_equal(strlen(path), API_PATH_MAX - 1);
     assert_int_equal(strlen(query), API_PATH_MAX - 1);
     target[2 * API_PATH_MAX - 1] = 'a';
     target[2 * API_PATH_MAX] = '\0';
-    assert_int_equal(http__guard_target(target, path, query, NULL), 414);
+    assert_int_equal(http_guard_target(target, path, query, NULL), 414);
     target[API_PATH_MAX - 1] = 'a';
     target[API_PATH_MAX] = '\0';
-    assert_int_equal(http__guard_target(target, path, query, NULL), 414);
+    assert_int_equal(http_guard_target(target, path, query, NULL), 414);
 }
 
 int main(void)

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-#define HOST "Host: a\r\n"
+#define HOST   "Host: a\r\n"
 #define EVENTS "/v1/runs/" FAKE_RUN "/events"
 #define STREAM "GET " EVENTS " HTTP/1.1\r\n" HOST "\r\n"
 
@@ -183,6 +183,38 @@ static void a_stream_that_is_notified_at_any_moment_misses_nothing(void **state)
         assert_int_equal(close(fds[i]), 0);
     }
     assert_int_equal(n_good, N_READERS);
+}
+
+enum { N_LATE = 1000 };
+
+// Appends an event at the worst moment: the reader has looked at the store, has found nothing new,
+// and is about to sleep.
+static void append_late(void)
+{
+    lock_take(&services.lock);
+    uint64_t n = services.n_events;
+    lock_give(&services.lock);
+    if (n <= N_LATE)
+        append_and_notify(n == N_LATE);
+}
+
+static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **state)
+{
+    bf_buffer answer = { 0 };
+    char event[64];
+
+    (void)state;
+    server = fake_serve(&services, NULL);
+    int fd = open_stream(&answer);
+    wait_until_quiet();
+    lock_take(&services.lock);
+    services.after_find = append_late;
+    lock_give(&services.lock);
+    append_and_notify(false);
+    (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
+    assert_true(client_read_until(fd, &answer, event, 20000));
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
 }
 
 // After each event everybody is asleep, so each round needs every wake-up.
@@ -377,6 +409,7 @@ int main(void)
         CASE(a_stream_tells_what_happens_when_it_happens),
         CASE(a_notice_of_another_run_wakes_nobody),
         CASE(a_stream_that_is_notified_at_any_moment_misses_nothing),
+        CASE(an_event_between_the_last_look_and_the_sleep_is_not_missed),
         CASE(a_stream_that_sleeps_is_woken_every_time),
         CASE(two_hundred_sleeping_streams_stop_at_once),
         CASE(streams_under_way_stop_too),

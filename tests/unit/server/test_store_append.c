@@ -1,11 +1,14 @@
-// Unit tests of the store: what a running run tells. I1 ... I9 are the invariants of server/store.h.
+// Unit tests of the store: what a running run tells. I1 ... I9 are the invariants of
+// server/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
 #include "api/events.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static void samples_come_back_bit_by_bit_from_any_index(void **state)
 {
@@ -55,6 +58,75 @@ static void snapshots_come_back_bit_by_bit(void **state)
         buffer_fini(&rho);
     }
     buffer_fini(&list.items);
+}
+
+// 40 snapshots are 19 MB; the log is copied into the database every 1000 pages of 4096 bytes.
+static void the_log_stays_small_while_much_is_written(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_start(h->store);
+    char path[128];
+    struct stat info;
+
+    for (uint64_t i = 0; i < 40; i++) {
+        helper_append_snapshot(h->store, record.id, i);
+        // Someone reads in between.
+        helper_find(h->store, record.id);
+    }
+    snprintf(path, sizeof path, "%s/beltflow.db-wal", h->directory);
+    assert_int_equal(stat(path, &info), 0);
+    assert_true(info.st_size < 2 * 1000 * 4096);
+}
+
+static bf_status read_first_snapshot(store *s, const char *id, bf_buffer *rho)
+{
+    api_snapshot snapshot = { .index = 77 };
+    bf_grid grid = { .n1 = 77 };
+
+    bf_status status = store_read_snapshot(s, id, 0, &snapshot, &grid, rho, NULL);
+    assert_true(status == BF_OK || (snapshot.index == 77 && grid.n1 == 77 && rho->n == 0));
+    return status;
+}
+
+// One byte of 480,000 is changed, then the size in the head, then a chunk is missing.
+static void damage_in_a_snapshot_is_noticed(void **state)
+{
+    static const char *const damages[] = {
+        "UPDATE chunks SET data = CAST(substr(data, 1, 999) || x'00' || substr(data, 1001) AS "
+        "BLOB) WHERE part = 0",
+        "UPDATE chunks SET data = CAST(x'28b52ffde4ffffffffffffff7f' || substr(data, 14) AS "
+        "BLOB) WHERE part = 0",
+        "DELETE FROM chunks WHERE part = 1",
+        "DELETE FROM chunks WHERE part = 0",
+    };
+    helper_store *h = *state;
+    api_run record = helper_start(h->store);
+    bf_buffer rho = { 0 };
+
+    helper_append_snapshot(h->store, record.id, 0);
+    assert_int_equal(read_first_snapshot(h->store, record.id, &rho), BF_OK);
+    for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
+        helper_store_close(h);
+        helper_store_sql(h, damages[i]);
+        helper_store_open(h);
+        rho.n = 0;
+        assert_int_equal(read_first_snapshot(h->store, record.id, &rho), BF_ECORRUPT);
+    }
+    buffer_fini(&rho);
+}
+
+static void damage_in_a_curve_is_noticed(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_start(h->store);
+    api_curve curve = { .n = 77 };
+
+    helper_append_samples(h->store, record.id, 0, 5);
+    helper_store_close(h);
+    helper_store_sql(h, "UPDATE samples SET t = substr(t, 1, 39)");
+    helper_store_open(h);
+    assert_int_equal(store_read_curve(h->store, record.id, 0, &curve, NULL), BF_ECORRUPT);
+    assert_int_equal(curve.n, 77);
 }
 
 static void a_snapshot_that_is_not_there_is_not_found(void **state)
@@ -286,6 +358,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STORE_TEST(samples_come_back_bit_by_bit_from_any_index),
         STORE_TEST(snapshots_come_back_bit_by_bit),
+        STORE_TEST(the_log_stays_small_while_much_is_written),
+        STORE_TEST(damage_in_a_snapshot_is_noticed),
+        STORE_TEST(damage_in_a_curve_is_noticed),
         STORE_TEST(a_snapshot_that_is_not_there_is_not_found),
         STORE_TEST(what_is_stored_already_is_neither_stored_nor_told_again),
         STORE_TEST(of_a_batch_that_is_known_in_part_the_rest_is_stored_and_told),

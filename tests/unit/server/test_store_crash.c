@@ -53,7 +53,8 @@ static void tell_run(int out, const api_run *record)
     tell(out, &p);
 }
 
-// A batch with samples, once a snapshot, and a checkpoint whose step is the number of samples so far.
+// A batch with samples, once a snapshot, and a checkpoint whose step is the number of samples so
+// far.
 static void append_step(store *s, const char *id, uint64_t first, bool with_snapshot)
 {
     store_item items[2];

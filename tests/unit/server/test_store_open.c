@@ -3,8 +3,11 @@
 
 #include "tests/unit/server/helper_store.h"
 
+#include "server/store_priv.h"
+
 #include <dirent.h>
 #include <fcntl.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -205,6 +208,32 @@ static void one_connection_can_write(void **state)
     assert_int_equal(n_readers, 1);
 }
 
+static int setting_of(store__connection *c, const char *pragma)
+{
+    sqlite3_stmt *statement = NULL;
+
+    assert_int_equal(sqlite3_prepare_v2(c->db, pragma, -1, &statement, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_step(statement), SQLITE_ROW);
+    int value = sqlite3_column_int(statement, 0);
+    sqlite3_finalize(statement);
+    return value;
+}
+
+// I1: FULL (2) syncs the log at each commit. I2: a reader neither writes nor copies the log.
+static void commits_are_synced_and_readers_only_read(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    store__connection *reader = NULL;
+
+    assert_int_equal(setting_of(&s->writer, "PRAGMA synchronous"), 2);
+    assert_int_equal(setting_of(&s->writer, "PRAGMA foreign_keys"), 1);
+    assert_true(setting_of(&s->writer, "PRAGMA journal_size_limit") > 0);
+    assert_int_equal(store__take_reader(s, &reader, NULL), BF_OK);
+    assert_int_equal(setting_of(reader, "PRAGMA wal_autocheckpoint"), 0);
+    assert_int_equal(sqlite3_db_readonly(reader->db, "main"), 1);
+    store__give_reader(s, reader);
+}
+
 static void closing_leaves_one_file_and_no_log(void **state)
 {
     helper_store *h = *state;
@@ -232,6 +261,7 @@ int main(void)
         STORE_TEST(a_damaged_page_is_refused),
         STORE_TEST(a_directory_that_cannot_be_made_is_refused),
         STORE_TEST(one_connection_can_write),
+        STORE_TEST(commits_are_synced_and_readers_only_read),
         STORE_TEST(closing_leaves_one_file_and_no_log),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -38,6 +38,11 @@ static const char short_belt[] = "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"
 static const char long_jam[] = JAM("5000", "0.005", "100");
 static const char medium_jam[] = JAM("60", "0.01", "1");
 
+// 6 million cells: one array of doubles alone has 49 MB.
+static const char vast_belt[] = "{\"duration_s\":1,\"domain\":{\"x_m\":[0,16],\"y_m\":[0,9.6]},"
+                                "\"cargo\":{},\"initial\":{\"positions_m\":[[0.5,0.3]]},"
+                                "\"macro\":{\"cell_m\":0.005,\"step_s\":\"auto\"}}";
+
 // ------------------------------------------------------------------------ what comes out
 
 // The samples and snapshots of a scenario, solved here.
@@ -217,24 +222,6 @@ static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **st
     assert_same_results(w, record.id, medium_jam);
 }
 
-static void a_worker_that_heeds_no_signal_is_killed(void **state)
-{
-    helper_world *w = *state;
-
-    helper_world_fake(w, "trap '' TERM\nwhile :; do sleep 1000; done");
-    helper_supervise(w);
-    api_run record = helper_world_submit(w, short_belt);
-    helper_await_state(w, record.id, RUN_RUNNING);
-    assert_int_equal(supervisor_cancel(w->supervisor, record.id, NULL), BF_OK);
-    helper_await_state(w, record.id, RUN_CANCELLED);
-    // The same when stopping, with the grace that is given; the run is not lost.
-    record = helper_world_submit(w, short_belt);
-    helper_await_state(w, record.id, RUN_RUNNING);
-    w->supervisor = supervisor_stop(w->supervisor, 50);
-    assert_true(helper_is_childless());
-    helper_await_state(w, record.id, RUN_QUEUED);
-}
-
 // Somebody else's SIGTERM, as a service manager sends it to all processes at once, loses no run. The
 // fake does that to itself the first time and is the real program the second time.
 static void a_run_stopped_by_others_goes_back_to_the_queue(void **state)
@@ -315,6 +302,33 @@ static const frame begin_frame = {
     .begin = { .n_columns = 2, .n_steps = 10, .grid = { .n1 = 4, .n2 = 2, .d1 = 1, .d2 = 1 } },
 };
 
+// It tells of a sample when it is ready to heed nothing.
+static void a_worker_that_heeds_no_signal_is_killed(void **state)
+{
+    const double t = 0.0, values[] = { 1.0, 0.0 };
+    const frame frames[] = {
+        begin_frame,
+        { .type = FRAME_CURVE, .curve = { .n = 1, .n_columns = 2, .t = &t, .values = values } },
+    };
+    helper_world *w = *state;
+    char path[HELPER_PATH_SIZE], lines[1024];
+
+    encode_to_file(w, frames, 2, path);
+    snprintf(lines, sizeof lines, "trap '' TERM\ncat '%s'\nsleep 1000", path);
+    helper_world_fake(w, lines);
+    helper_supervise(w);
+    api_run record = helper_world_submit(w, short_belt);
+    helper_await_samples(w, record.id, 1);
+    assert_int_equal(supervisor_cancel(w->supervisor, record.id, NULL), BF_OK);
+    helper_await_state(w, record.id, RUN_CANCELLED);
+    // The same when stopping, with the grace that is given; the run is not lost.
+    record = helper_world_submit(w, short_belt);
+    helper_await_samples(w, record.id, 1);
+    w->supervisor = supervisor_stop(w->supervisor, 50);
+    assert_true(helper_is_childless());
+    helper_await_state(w, record.id, RUN_QUEUED);
+}
+
 static void a_torn_or_damaged_frame_fails_the_run(void **state)
 {
     helper_world *w = *state;
@@ -354,7 +368,7 @@ static void frames_that_make_no_sense_fail_the_run(void **state)
         encode_to_file(w, wrong[i], 2, path);
         snprintf(lines, sizeof lines, "cat '%s'", path);
         bf_error err = fail_with(w, lines);
-        assert_says(&err, BF_ECORRUPT, "sen"); // sent, sends
+        assert_says(&err, BF_ECORRUPT, "the solver ");
     }
 }
 
@@ -411,8 +425,7 @@ static void a_run_beyond_its_memory_fails_alone(void **state)
         skip();
     w->options.memory_bytes = 64 * 1024 * 1024;
     helper_supervise(w);
-    // 6 million cells: one array of doubles alone has 48 MB.
-    api_run record = helper_world_submit(w, JAM("1", "0.0003162", "1"));
+    api_run record = helper_world_submit(w, vast_belt);
     record = helper_await_state(w, record.id, RUN_FAILED);
     assert_int_equal(record.error.code, BF_ENOMEM);
 }
@@ -448,23 +461,25 @@ static void a_worker_without_its_parent_ends_at_once(void **state)
     child_fini(&c);
 }
 
-// A limit on the size of files stands for a full disk.
+// A limit on the size of files stands for a full disk: the run's first samples fit, the rest do not.
 static void a_full_disk_ends_the_run_and_hangs_nothing(void **state)
 {
     helper_world *w = *state;
     struct rlimit before, limit;
 
     signal(SIGXFSZ, SIG_IGN);
-    api_run record = helper_world_submit(w, long_jam);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     limit = before;
-    limit.rlim_cur = 64 * 1024;
+    limit.rlim_cur = 600 * 1024;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
     helper_supervise(w);
-    sleep(1); // until the store is full, which nobody can tell of
+    api_run record = helper_world_submit(w, long_jam);
+    helper_await_samples(w, record.id, 1);
+    for (int i = 0; i < 6000 && !helper_is_childless(); i++)
+        usleep(10000);
+    assert_true(helper_is_childless());
     w->supervisor = supervisor_stop(w->supervisor, 1000);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
-    assert_true(helper_is_childless());
     helper_world_reopen(w);
     assert_int_equal(store_find(w->store, record.id, &record, NULL), BF_OK);
     assert_true(record.state == RUN_FAILED || record.state == RUN_QUEUED);

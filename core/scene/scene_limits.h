@@ -1,0 +1,39 @@
+/// The limits of a scenario. What a client can make us keep or compute is bounded by them.
+
+#pragma once
+
+enum {
+    SCENE_NAME_SIZE = 201,          ///< bytes of a scenario's name with its terminator
+    SCENE_ID_SIZE = 65,             ///< bytes of an id with its terminator
+    SCENE_BELTS_MAX = 256,          ///< belts in a scenario
+    SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
+    SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
+    SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape
+    SCENE_COUNTERS_MAX = 32,        ///< counters in a scenario
+    SCENE_PARTS_MAX = 1000000,      ///< parts in a scenario
+    SCENE_CELLS_MAX = 100000000,    ///< cells of the macroscopic grid
+    SCENE_CELLS_SIDE_MAX = 1 << 24, ///< cells of it along one side
+    SCENE_SAMPLES_MAX = 1000000,    ///< samples of the outflow curve
+    SCENE_SNAPSHOTS_MAX = 20000,    ///< density snapshots of a run
+    SCENE_REACH_MAX = 64,           ///< cells that a mollifier may reach over
+};
+
+/// Most steps of a run.
+#define SCENE_STEPS_MAX 1e9
+
+/// Most bytes of all density snapshots of a run together, before compression.
+#define SCENE_SNAPSHOT_BYTES_MAX 8e9
+
+/// Borders of bands and of obstacles' ends are taken with this tolerance, m, in favour of the band.
+#define SCENE_TOLERANCE 1e-9
+
+/// Largest coordinate and length, and smallest length of a part, m.
+#define SCENE_LENGTH_MAX 1e5
+#define SCENE_LENGTH_MIN 1e-6
+
+/// Largest speed, m/s.
+#define SCENE_SPEED_MAX 1e3
+
+/// Most values that the density of the parts at the start may take to sum up: parts times cells
+/// within the reach of initial_mollifier.
+#define SCENE_INITIAL_WORK_MAX 1e12

@@ -1,0 +1,419 @@
+// The formats of results: what a reader of CSV, JSON and NumPy files finds in them.
+
+#include "api/results.h"
+
+#include "api/scenario.h"
+#include "core/base/memory.h"
+#include "tests/unit/api/helper_document.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const double times[] = { 0.0, 0.1, 0.30000000000000004 };
+static const double counts[] = { 192.0, 0.0, 191.5, 0.5, 1.0 / 3.0, 1e-300 };
+
+static json_t *parse(const bf_buffer *b)
+{
+    json_t *root = json_loadb(b->bytes, b->n, JSON_REJECT_DUPLICATES, NULL);
+
+    assert_non_null(root);
+    return root;
+}
+
+static double number_at(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+
+    assert_true(json_is_number(value));
+    return json_number_value(value);
+}
+
+static void a_curve_is_lines_of_full_precision(void **unused)
+{
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_curve_csv_header("upstream,left_domain", &b, NULL), BF_OK);
+    assert_int_equal(results_curve_csv_rows(times, counts, 3, 2, &b, NULL), BF_OK);
+    assert_string_equal(b.bytes, "t_s,upstream,left_domain\n0,192,0\n0.1,191.5,0.5\n"
+                                 "0.30000000000000004,0.3333333333333333,1e-300\n");
+    assert_int_equal(b.n, strlen(b.bytes));
+    buffer_fini(&b);
+}
+
+static void a_written_curve_reads_back_to_the_same_bits(void **unused)
+{
+    bf_buffer b = { 0 };
+    bf_buffer t = { 0 };
+    bf_buffer parts = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_curve_csv_header("upstream,left_domain", &b, NULL), BF_OK);
+    assert_int_equal(results_curve_csv_rows(times, counts, 3, 2, &b, NULL), BF_OK);
+    assert_int_equal(results_read_curve_csv(b.bytes, b.n, "left_domain", &t, &parts, NULL), BF_OK);
+    assert_int_equal(t.n, sizeof times);
+    assert_memory_equal(t.bytes, times, sizeof times);
+    const double expected[] = { 0.0, 0.5, 1e-300 };
+    assert_memory_equal(parts.bytes, expected, sizeof expected);
+    buffer_fini(&t);
+    buffer_fini(&parts);
+    assert_int_equal(results_read_curve_csv(b.bytes, b.n, NULL, &t, &parts, NULL), BF_OK);
+    const double first[] = { 192.0, 191.5, 1.0 / 3.0 };
+    assert_memory_equal(parts.bytes, first, sizeof first);
+    buffer_fini(&t);
+    buffer_fini(&parts);
+    buffer_fini(&b);
+}
+
+static void curves_of_others_are_read_too(void **unused)
+{
+    static const char text[] = "t_s , count\r\n 0 , 5\r\n\r\n1e-1,+4.5e0 \r\n2,3,extra\n\n";
+    bf_buffer t = { 0 };
+    bf_buffer parts = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_read_curve_csv(text, strlen(text), "count", &t, &parts, NULL), BF_OK);
+    const double expected_t[] = { 0.0, 0.1, 2.0 };
+    const double expected[] = { 5.0, 4.5, 3.0 };
+    assert_int_equal(t.n, sizeof expected_t);
+    assert_memory_equal(t.bytes, expected_t, sizeof expected_t);
+    assert_memory_equal(parts.bytes, expected, sizeof expected);
+    buffer_fini(&t);
+    buffer_fini(&parts);
+}
+
+static void bad_curves_are_refused_with_their_line(void **unused)
+{
+    static const struct {
+        const char *text;
+        const char *id;
+        const char *said;
+    } bad[] = {
+        { "", NULL, "line 1" },
+        { "time,count\n0,1\n", NULL, "line 1" },
+        { "t_s\n0\n", NULL, "line 1" },
+        { "t_s,a\n0,1\n", "b", "t_s,b" },
+        { "t_s,a\n0,1\n1,x\n", NULL, "line 3" },
+        { "t_s,a\n0,1\n\n1\n", NULL, "line 4" },
+        { "t_s,a\n,1\n", NULL, "line 2: the time" },
+        { "t_s,a\n0,nan\n", NULL, "line 2" },
+        { "t_s,a\n0,1e999\n", NULL, "line 2" },
+        { "t_s,a\n0,0x10\n", NULL, "line 2" },
+        { "t_s,a,b\n0,1\n", "b", "line 2: column 3" },
+        { "t_s,a\n0,1111111111111111111111111111111111111111111111111111111111111111111111\n", NULL,
+          "line 2" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        bf_buffer t = { 0 };
+        bf_buffer parts = { 0 };
+        bf_error err = { 0 };
+        assert_int_equal(buffer_append(&t, "12345678", 8), BF_OK);
+        assert_int_equal(
+            results_read_curve_csv(bad[k].text, strlen(bad[k].text), bad[k].id, &t, &parts, &err),
+            BF_EINPUT);
+        assert_non_null(strstr(err.text, bad[k].said));
+        assert_int_equal(t.n, 8);
+        assert_int_equal(parts.n, 0);
+        buffer_fini(&t);
+        buffer_fini(&parts);
+    }
+}
+
+static api_curve make_curve(void)
+{
+    api_curve curve = { .n = 3, .n_columns = 2 };
+
+    assert_int_equal(buffer_append(&curve.columns, "upstream,left_domain", 20), BF_OK);
+    assert_int_equal(buffer_append(&curve.t, times, sizeof times), BF_OK);
+    assert_int_equal(buffer_append(&curve.values, counts, sizeof counts), BF_OK);
+    return curve;
+}
+
+static void a_curve_is_columns_in_json(void **unused)
+{
+    api_curve curve = make_curve();
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_curve_json(&curve, &b, NULL), BF_OK);
+    assert_string_equal(b.bytes, "{\"t_s\":[0,0.1,0.30000000000000004],"
+                                 "\"upstream\":[192,191.5,0.3333333333333333],"
+                                 "\"left_domain\":[0,0.5,1e-300]}");
+    buffer_fini(&b);
+    api_curve_fini(&curve);
+}
+
+// Read as NumPy's format says: magic, version 1.0, two bytes of length, a dictionary padded with
+// blanks to a multiple of 64 and ended by a newline, then the numbers, little-endian.
+static void a_grid_is_a_numpy_file(void **unused)
+{
+    const float rho[] = { 0.0F, 1.0F, -2.5F, 0.1F, 3e38F, 1e-45F };
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_npy(rho, 3, 2, &b, NULL), BF_OK);
+    const unsigned char *bytes = (const unsigned char *)b.bytes;
+    assert_memory_equal(bytes, "\x93NUMPY\x01\x00", 8);
+    size_t length = bytes[8] + 256U * bytes[9];
+    assert_int_equal((10 + length) % 64, 0);
+    assert_int_equal(bytes[10 + length - 1], '\n');
+    assert_non_null(
+        strstr(b.bytes + 10, "'descr': '<f4', 'fortran_order': False, 'shape': (2, 3)"));
+    assert_int_equal(b.n, 10 + length + sizeof rho);
+    for (size_t k = 0; k < sizeof rho / sizeof *rho; k++) {
+        const unsigned char *at = bytes + 10 + length + 4 * k;
+        uint32_t bits =
+            at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+        assert_memory_equal(&bits, &rho[k], sizeof bits);
+    }
+    buffer_fini(&b);
+}
+
+// NumPy itself, where it is installed.
+static void numpy_reads_the_grid(void **unused)
+{
+    const float rho[] = { 0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.5F };
+    char path[] = "/tmp/beltflow-test-XXXXXX";
+    char command[300];
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    if (system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0)
+        skip();
+    assert_int_equal(results_npy(rho, 3, 2, &b, NULL), BF_OK);
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    FILE *file = fdopen(fd, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(b.bytes, 1, b.n, file), b.n);
+    fclose(file);
+    snprintf(command, sizeof command,
+             "/usr/bin/python3 -c 'import numpy,sys; a=numpy.load(\"%s\"); "
+             "sys.exit(not (a.dtype==\"<f4\" and a.tolist()==[[0,1,2],[3,4,5.5]]))'",
+             path);
+    assert_int_equal(system(command), 0);
+    remove(path);
+    buffer_fini(&b);
+}
+
+static void snapshots_are_listed_with_their_grid(void **unused)
+{
+    const bf_grid grid = { .n1 = 200, .n2 = 120, .lower1 = -0.5, .d1 = 0.005, .d2 = 0.005 };
+    const api_snapshot items[] = { { 0, 0.0, 1.25, 192.0 }, { 12, 0.1, 1.5, 191.5 } };
+    bf_buffer files = { 0 };
+    bf_buffer urls = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_snapshots_json(&grid, items, 2, NULL, &files, NULL), BF_OK);
+    assert_string_equal(
+        files.bytes,
+        "{\"grid\":{\"origin_m\":[-0.5,0],\"cell_m\":[0.005,0.005],\"shape\":[120,200]},"
+        "\"snapshots\":[{\"n\":0,\"t_s\":0,\"file\":\"snapshots/000000.npy\",\"peak\":1.25,"
+        "\"mass\":192},{\"n\":12,\"t_s\":0.1,\"file\":\"snapshots/000012.npy\",\"peak\":1.5,"
+        "\"mass\":191.5}]}");
+    assert_int_equal(results_snapshots_json(&grid, items, 2, "/v1/x/", &urls, NULL), BF_OK);
+    assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/x/12\""));
+    assert_null(strstr(urls.bytes, "file"));
+    buffer_fini(&files);
+    buffer_fini(&urls);
+}
+
+static bf_buffer resolved_document(const char *text)
+{
+    bf_buffer document = document_quote(text);
+    bf_buffer resolved = { 0 };
+    bf_faults faults = { 0 };
+    scene s;
+
+    assert_int_equal(scenario_read(document.bytes, document.n, &s, &faults, NULL), BF_OK);
+    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
+    scene_fini(&s);
+    buffer_fini(&document);
+    return resolved;
+}
+
+static const frame_begin begin = { .model = RUN_MACRO, .dt = 0.00125, .duration = 1.0 };
+static const frame_end end = { .n_steps = 800,
+                               .t = 1.0,
+                               .n_cells = 24000,
+                               .parts_start = 192.0,
+                               .parts_end = 100.5,
+                               .peak = 1.25,
+                               .digest = 0xabc };
+static const results_timing timing = { .wall_s = 0.5, .n_threads = 2 };
+
+static json_t *summarise(const frame_begin *b, const frame_end *e)
+{
+    bf_buffer scenario = resolved_document("{" DOCUMENT_NEEDED "}");
+    bf_buffer out = { 0 };
+
+    assert_int_equal(
+        results_summary(RUN_MACRO, scenario.bytes, scenario.n, b, e, &timing, &out, NULL), BF_OK);
+    json_t *root = parse(&out);
+    json_t *document = json_loadb(scenario.bytes, scenario.n, 0, NULL);
+    assert_true(json_equal(json_object_get(root, "scenario"), document));
+    json_decref(document);
+    buffer_fini(&out);
+    buffer_fini(&scenario);
+    return root;
+}
+
+static void a_summary_has_the_figures_of_the_run(void **unused)
+{
+    json_t *root = summarise(&begin, &end);
+
+    (void)unused;
+    assert_string_equal(json_string_value(json_object_get(root, "model")), "macro");
+    assert_true(json_is_string(json_object_get(root, "solver_version")));
+    assert_true(number_at(root, "steps") == 800);
+    assert_true(number_at(root, "cells") == 24000);
+    assert_true(number_at(root, "step_s") == 0.00125);
+    assert_true(number_at(root, "duration_s") == 1.0);
+    assert_true(number_at(root, "wall_time_s") == 0.5);
+    assert_true(number_at(root, "cell_steps_per_s") == 800.0 * 24000.0 / 0.5);
+    assert_true(number_at(root, "threads") == 2);
+    assert_true(number_at(root, "parts_start") == 192.0);
+    assert_true(number_at(root, "parts_end") == 100.5);
+    assert_true(number_at(root, "parts_left") == 91.5);
+    assert_true(number_at(root, "largest_density") == 1.25);
+    // 1/(2 sqrt(3) r^2) of the default cylinder, r = 0.012 m: the paper's 2004 parts/m2.
+    assert_true(fabs(number_at(root, "packing_density_per_m2") - 2004.7) < 0.1);
+    assert_string_equal(json_string_value(json_object_get(root, "digest")), "0000000000000abc");
+    assert_int_equal(json_array_size(json_object_get(root, "warnings")), 0);
+    json_decref(root);
+}
+
+// dx/(2 (eps + |v|)) = 0.005/(2 (0.79 + 0.395)) = 2.11 ms bounds the positive step.
+static void a_summary_warns(void **unused)
+{
+    frame_begin long_steps = begin;
+    frame_end dense = end;
+
+    (void)unused;
+    long_steps.dt = 0.00212;
+    dense.peak = 1.41;
+    dense.stopped = 1;
+    json_t *root = summarise(&long_steps, &dense);
+    const json_t *warnings = json_object_get(root, "warnings");
+    assert_int_equal(json_array_size(warnings), 3);
+    assert_true(json_is_true(json_object_get(root, "stopped")));
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "stopped on request"));
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 1)), "1.41"));
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 2)), "0.00212"));
+    json_decref(root);
+}
+
+static void a_damaged_scenario_gives_no_summary(void **unused)
+{
+    bf_buffer out = { 0 };
+    bf_error err = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_summary(RUN_MACRO, "{", 1, &begin, &end, &timing, &out, &err),
+                     BF_ECORRUPT);
+    assert_int_equal(err.code, BF_ECORRUPT);
+    assert_int_equal(out.n, 0);
+    buffer_fini(&out);
+}
+
+static void measures_are_members_and_never_is_null(void **unused)
+{
+    const compare_measures m = { .t_end = 6.0, .l1 = 1.5, .drain_time_a = NAN, .rate_b = -2.0 };
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_compare_json(&m, &b, NULL), BF_OK);
+    json_t *root = parse(&b);
+    assert_true(number_at(root, "l1") == 1.5);
+    assert_true(number_at(root, "t_end_s") == 6.0);
+    assert_true(number_at(root, "rate_b_per_s") == -2.0);
+    assert_true(json_is_null(json_object_get(root, "drain_time_a_s")));
+    json_decref(root);
+    buffer_fini(&b);
+}
+
+// Every function appends; what stood there before survives a failure.
+static bf_status append_all(const api_curve *curve, const bf_buffer *scenario, bf_buffer *out,
+                            size_t which)
+{
+    static const float rho[64];
+    const bf_grid grid = { .n1 = 8, .n2 = 8, .d1 = 1, .d2 = 1 };
+    const api_snapshot item = { 0 };
+    const compare_measures m = { 0 };
+
+    switch (which) {
+    case 0:
+        return results_curve_csv_header("a,b", out, NULL);
+    case 1:
+        return results_curve_csv_rows(times, counts, 3, 2, out, NULL);
+    case 2:
+        return results_curve_json(curve, out, NULL);
+    case 3:
+        return results_npy(rho, 8, 8, out, NULL);
+    case 4:
+        return results_snapshots_json(&grid, &item, 1, NULL, out, NULL);
+    case 5:
+        return results_compare_json(&m, out, NULL);
+    default:
+        return results_summary(RUN_MACRO, scenario->bytes, scenario->n, &begin, &end, &timing, out,
+                               NULL);
+    }
+}
+
+static void no_memory_leaves_what_was_there(void **unused)
+{
+    bf_buffer scenario = resolved_document("{" DOCUMENT_NEEDED "}");
+    api_curve curve = make_curve();
+
+    (void)unused;
+    for (size_t which = 0; which < 7; which++) {
+        bf_status status = BF_ENOMEM;
+        for (size_t n = 1; status != BF_OK; n++) {
+            bf_buffer out = { 0 };
+            assert_int_equal(buffer_append(&out, "0123456789", 10), BF_OK);
+            memory_plan_fault(n, 0);
+            status = append_all(&curve, &scenario, &out, which);
+            memory_plan_fault(0, 0);
+            if (status != BF_OK) {
+                assert_int_equal(status, BF_ENOMEM);
+                assert_int_equal(out.n, 10);
+            }
+            assert_memory_equal(out.bytes, "0123456789", 10);
+            assert_true(n < 2000);
+            buffer_fini(&out);
+        }
+    }
+    api_curve_fini(&curve);
+    buffer_fini(&scenario);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_curve_is_lines_of_full_precision),
+        cmocka_unit_test(a_written_curve_reads_back_to_the_same_bits),
+        cmocka_unit_test(curves_of_others_are_read_too),
+        cmocka_unit_test(bad_curves_are_refused_with_their_line),
+        cmocka_unit_test(a_curve_is_columns_in_json),
+        cmocka_unit_test(a_grid_is_a_numpy_file),
+        cmocka_unit_test(numpy_reads_the_grid),
+        cmocka_unit_test(snapshots_are_listed_with_their_grid),
+        cmocka_unit_test(a_summary_has_the_figures_of_the_run),
+        cmocka_unit_test(a_summary_warns),
+        cmocka_unit_test(a_damaged_scenario_gives_no_summary),
+        cmocka_unit_test(measures_are_members_and_never_is_null),
+        cmocka_unit_test(no_memory_leaves_what_was_there),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,186 @@
+// Bodies of POST /v1/runs: a scenario with what to do with it.
+
+#include "api/submission.h"
+
+#include "api/scenario.h"
+#include "core/base/memory.h"
+#include "tests/unit/api/helper_document.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SCENARIO "'scenario': {'name': 'N', " DOCUMENT_NEEDED "}"
+
+static bf_faults faults;
+
+static bf_status read_text(const char *text, api_submission *ret_submission, bf_error *err)
+{
+    bf_buffer document = document_quote(text);
+
+    faults.n = 0;
+    bf_status status = submission_read(document.bytes, document.n, ret_submission, &faults, err);
+    buffer_fini(&document);
+    return status;
+}
+
+static void a_scenario_alone_suffices(void **unused)
+{
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
+    assert_int_equal(submission.model, RUN_MACRO);
+    assert_int_equal(submission.priority, 0);
+    assert_string_equal(submission.label, "");
+    assert_string_equal(submission.name, "N");
+    assert_string_equal(submission.columns.bytes, "upstream,left_domain");
+    submission_fini(&submission);
+    assert_null(submission.scenario.bytes);
+    submission_fini(NULL);
+}
+
+static void all_members_are_taken_over(void **unused)
+{
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO ", 'model': 'macro', 'label': 'night shift',"
+                               "'priority': -100}",
+                               &submission, NULL),
+                     BF_OK);
+    assert_int_equal(submission.priority, -100);
+    assert_string_equal(submission.label, "night shift");
+    submission_fini(&submission);
+}
+
+// What is stored is what scenario_write() makes of the scenario by itself.
+static void the_document_is_resolved(void **unused)
+{
+    bf_buffer document = document_quote("{'name': 'N', " DOCUMENT_NEEDED "}");
+    bf_buffer resolved = { 0 };
+    api_submission submission;
+    scene s;
+
+    (void)unused;
+    faults.n = 0;
+    assert_int_equal(scenario_read(document.bytes, document.n, &s, &faults, NULL), BF_OK);
+    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
+    assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
+    assert_string_equal(submission.scenario.bytes, resolved.bytes);
+    submission_fini(&submission);
+    scene_fini(&s);
+    buffer_fini(&resolved);
+    buffer_fini(&document);
+}
+
+static void faults_have_pointers_of_the_body(void **unused)
+{
+    static const char *const bad[][2] = {
+        { "", "{" },
+        { "", "[]" },
+        { "/scenario", "{}" },
+        { "/scenario", "{'scenario': 1}" },
+        { "/scenario/duration_s", "{'scenario': {}}" },
+        { "/scenario/macro/cell_m", "{'scenario': " DOCUMENT_WITH("'macro': {'cell_m': 'x'}") "}" },
+        { "/scenario/macro/cell_m", "{'scenario': " DOCUMENT_WITH("'macro': {'cell_m': -1}") "}" },
+        { "/scenario/initial/positions_m/0",
+          "{'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': {},"
+          "'initial': {'positions_m': [[3, 3]]}}}" },
+        { "/scenario/name", "{'scenario': {'name': 'a', 'name': 'b'}}" },
+        { "/model", "{" SCENARIO ", 'model': 'nano'}" },
+        { "/label", "{" SCENARIO ", 'label': 7}" },
+        { "/priority", "{" SCENARIO ", 'priority': 101}" },
+        { "/priority", "{" SCENARIO ", 'priority': 0.5}" },
+        { "/priorities", "{" SCENARIO ", 'priorities': 1}" },
+        { "/duration_s", "{'duration_s': 1, " SCENARIO "}" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        api_submission submission;
+        api_submission before;
+        bf_error err = { 0 };
+        memset(&submission, 0x5a, sizeof submission);
+        before = submission;
+        bf_status status = read_text(bad[k][1], &submission, &err);
+        assert_int_equal(status, BF_EINPUT);
+        assert_string_equal(err.pointer, bad[k][0]);
+        assert_memory_equal(&submission, &before, sizeof submission);
+    }
+}
+
+static void a_long_label_is_refused(void **unused)
+{
+    char text[800];
+    char label[API_LABEL_SIZE + 1];
+    api_submission submission;
+    bf_error err = { 0 };
+
+    (void)unused;
+    memset(label, 'l', sizeof label);
+    label[API_LABEL_SIZE] = '\0';
+    snprintf(text, sizeof text, "{" SCENARIO ", 'label': '%s'}", label);
+    assert_int_equal(read_text(text, &submission, &err), BF_ELIMIT);
+    assert_string_equal(err.pointer, "/label");
+}
+
+static void a_model_that_is_not_built_in_is_refused(void **unused)
+{
+    (void)unused;
+    for (unsigned model = 0; model < RUN_MODEL_COUNT; model++) {
+        char text[600];
+        api_submission submission;
+        bf_error err = { 0 };
+        snprintf(text, sizeof text, "{" SCENARIO ", 'model': '%s'}", run_model_words[model]);
+        bf_status status = read_text(text, &submission, &err);
+        if (run_model_is_available((run_model)model)) {
+            assert_int_equal(status, BF_OK);
+            assert_int_equal(submission.model, model);
+            submission_fini(&submission);
+        } else {
+            assert_int_equal(status, BF_EINPUT);
+            assert_string_equal(err.pointer, "/model");
+        }
+    }
+}
+
+static void no_memory_is_reported(void **unused)
+{
+    bf_status status = BF_ENOMEM;
+
+    (void)unused;
+    for (size_t n = 1; status != BF_OK; n++) {
+        bf_buffer document = document_quote("{" SCENARIO "}");
+        api_submission submission;
+        faults.n = 0;
+        memory_plan_fault(n, 0);
+        status = submission_read(document.bytes, document.n, &submission, &faults, NULL);
+        memory_plan_fault(0, 0);
+        if (status == BF_OK)
+            submission_fini(&submission);
+        else
+            assert_int_equal(status, BF_ENOMEM);
+        assert_true(n < 2000);
+        buffer_fini(&document);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scenario_alone_suffices),
+        cmocka_unit_test(all_members_are_taken_over),
+        cmocka_unit_test(the_document_is_resolved),
+        cmocka_unit_test(faults_have_pointers_of_the_body),
+        cmocka_unit_test(a_long_label_is_refused),
+        cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
+        cmocka_unit_test(no_memory_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

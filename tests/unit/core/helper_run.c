@@ -1,0 +1,82 @@
+#include "tests/unit/core/helper_run.h"
+
+#include "core/base/check.h"
+#include "core/base/digest.h"
+
+#include <math.h>
+#include <string.h>
+
+static void keep_curve(helper_run_log *log, const frame_curve *c)
+{
+    BF_CHECK(c->first == log->n_samples && c->n_columns <= HELPER_RUN_COLUMNS);
+    BF_CHECK(log->n_samples + c->n <= HELPER_RUN_SAMPLES);
+    for (size_t k = 0; k < c->n; k++) {
+        log->t[log->n_samples] = c->t[k];
+        memcpy(log->values[log->n_samples++], c->values + k * c->n_columns,
+               c->n_columns * sizeof(double));
+    }
+}
+
+static void keep_snapshot(helper_run_log *log, const frame_snapshot *s)
+{
+    BF_CHECK(s->index == log->n_snapshots && s->index < HELPER_RUN_SAMPLES);
+    log->peaks[log->n_snapshots++] = s->peak;
+    log->snapshot_digest = digest_add(log->snapshot_digest, &s->t, sizeof s->t);
+    log->snapshot_digest =
+        digest_add(log->snapshot_digest, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho);
+}
+
+static bf_status take(void *context, const frame *f, bf_error *err)
+{
+    helper_run_log *log = context;
+
+    (void)err;
+    log->n_frames[f->type]++;
+    if (f->type == FRAME_BEGIN)
+        log->begin = f->begin;
+    if (f->type == FRAME_CURVE)
+        keep_curve(log, &f->curve);
+    if (f->type == FRAME_SNAPSHOT)
+        keep_snapshot(log, &f->snapshot);
+    if (f->type == FRAME_END)
+        log->end = f->end;
+    if (f->type == FRAME_CHECKPOINT) {
+        log->checkpoint.n = 0;
+        return buffer_append(&log->checkpoint, f->bytes.bytes, f->bytes.n);
+    }
+    return BF_OK;
+}
+
+static unsigned wish(void *context)
+{
+    helper_run_log *log = context;
+
+    log->n_wishes++;
+    if (log->stop_at != 0 && log->n_wishes == log->stop_at)
+        return RUN_CHECKPOINT | RUN_STOP;
+    return log->report_every != 0 && log->n_wishes % log->report_every == 0 ? RUN_REPORT
+                                                                            : RUN_GO_ON;
+}
+
+bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *log)
+{
+    const run_sink sink = { log, take, wish };
+    run *r = NULL;
+    bf_status status = run_create(s, RUN_MACRO, n_threads, &r, NULL);
+
+    if (status == BF_OK && resume != 0)
+        status = run_resume(r, log->checkpoint.bytes, log->checkpoint.n, NULL);
+    if (status == BF_OK)
+        status = run_execute(r, &sink, NULL);
+    run_destroy(r);
+    return status;
+}
+
+const double *helper_run_at(const helper_run_log *log, double t)
+{
+    for (size_t k = 0; k < log->n_samples; k++)
+        if (fabs(log->t[k] - t) < 1e-9)
+            return log->values[k];
+    BF_CHECK(!"a sample at that time");
+    return NULL;
+}

@@ -1,0 +1,33 @@
+/// A sink that keeps what a run tells.
+
+#pragma once
+
+#include "core/run/run.h"
+
+#include <stddef.h>
+
+enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 4 };
+
+/// Everything a run told, and what is wished of it. Zero-initialise.
+typedef struct helper_run_log {
+    size_t n_frames[FRAME_TYPE_COUNT];                     ///< frames of each type
+    size_t n_samples;                                      ///< samples, in order and without gap
+    double t[HELPER_RUN_SAMPLES];                          ///< their times
+    double values[HELPER_RUN_SAMPLES][HELPER_RUN_COLUMNS]; ///< their columns
+    size_t n_snapshots;                                    ///< snapshots, in order and without gap
+    uint64_t snapshot_digest;                              ///< of all their times and grids
+    double peaks[HELPER_RUN_SAMPLES];                      ///< of the snapshots
+    frame_begin begin;                                     ///< the last one
+    frame_end end;                                         ///< the last one
+    bf_buffer checkpoint;                                  ///< the last one
+    uint64_t n_wishes;                                     ///< how often the run asked
+    uint64_t stop_at;      ///< wish a checkpoint and a stop at this asking; 0: never
+    uint64_t report_every; ///< wish a report every so many askings; 0: never
+} helper_run_log;
+
+/// Run a scenario to its end or stop, on n_threads threads, into *log, from log->checkpoint if resume
+/// is not 0.
+bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *log);
+
+/// The sample at time t, which must be there.
+const double *helper_run_at(const helper_run_log *log, double t);

@@ -1,0 +1,142 @@
+// Unit tests of plane geometry.
+
+#include "core/scene/geometry.h"
+
+#include "core/base/random.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static scene_point draw(bf_random *random)
+{
+    scene_point at = { random_unit(random), random_unit(random) };
+    return at;
+}
+
+static void a_vector_along_an_axis_has_its_length_exactly(void **state)
+{
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 1);
+    assert_true(geometry_length((scene_point){ 0.395, 0.0 }) == 0.395);
+    for (int k = 0; k < 1000; k++) {
+        double x = 2.0 * random_unit(&random) - 1.0;
+        assert_true(geometry_length((scene_point){ 0.0, x }) == fabs(x));
+    }
+}
+
+static void the_distance_to_a_segment_is_to_its_nearest_point(void **state)
+{
+    scene_point a = { 1.0, 1.0 }, b = { 3.0, 1.0 };
+
+    (void)state;
+    assert_near(geometry_distance((scene_point){ 2.0, 4.0 }, a, b), 3.0, 1e-15);
+    assert_near(geometry_distance((scene_point){ 0.0, 1.0 }, a, b), 1.0, 1e-15);
+    assert_near(geometry_distance((scene_point){ 6.0, 5.0 }, a, b), 5.0, 1e-15);
+    assert_near(geometry_distance((scene_point){ 4.0, 5.0 }, a, a), 5.0, 1e-15);
+}
+
+static void segments_touch_where_they_cross_or_come_near(void **state)
+{
+    static const struct {
+        scene_point a, b, c, d;
+        bool touch;
+    } cases[] = {
+        { { 0, 0 }, { 2, 2 }, { 0, 2 }, { 2, 0 }, true },        // they cross
+        { { 0, 0 }, { 1, 1 }, { 0, 3 }, { 3, 0 }, false },       // one ends before
+        { { 0, 0 }, { 1, 1 }, { 1, 1 }, { 2, 0 }, true },        // an end in common
+        { { 0, 0 }, { 2, 0 }, { 1, 0 }, { 1, 1 }, true },        // an end on the other
+        { { 0, 0 }, { 2, 0 }, { 1, 1e-4 }, { 1, 1 }, true },     // within the tolerance
+        { { 0, 0 }, { 2, 0 }, { 1, 1e-2 }, { 1, 1 }, false },    // not within it
+        { { 0, 0 }, { 1, 0 }, { 2, 0 }, { 3, 0 }, false },       // on one line, apart
+        { { 0, 0 }, { 2, 0 }, { 1, 0 }, { 3, 0 }, true },        // on one line, overlapping
+        { { 0, 0 }, { 1, 0 }, { 2, 1e-9 }, { 2, -1 }, false },   // an end on the line, far off
+        { { 0, 0 }, { 3, 0 }, { 0, 1e-2 }, { 3, 1e-2 }, false }, // parallel
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene_point a = cases[k].a, b = cases[k].b, c = cases[k].c, d = cases[k].d;
+        assert_int_equal(geometry_segments_touch(a, b, c, d, 1e-3), cases[k].touch);
+        assert_int_equal(geometry_segments_touch(d, c, a, b, 1e-3), cases[k].touch);
+    }
+}
+
+static void a_polygon_holds_what_is_inside_or_on_its_border(void **state)
+{
+    // An L of three unit squares.
+    static const scene_point corners[] = { { 0, 0 }, { 2, 0 }, { 2, 1 },
+                                           { 1, 1 }, { 1, 2 }, { 0, 2 } };
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 2);
+    for (int k = 0; k < 10000; k++) {
+        scene_point at =
+            geometry_add(geometry_scale(draw(&random), 3.0), (scene_point){ -0.5, -0.5 });
+        bool is_in = at.x >= 0 && at.y >= 0 && at.x <= 2 && at.y <= 2 && (at.x <= 1 || at.y <= 1);
+        assert_int_equal(geometry_polygon_holds(corners, 6, at, 1e-12), is_in);
+    }
+    for (size_t k = 0; k < 6; k++)
+        assert_true(geometry_polygon_holds(corners, 6, corners[k], 1e-12));
+    assert_true(geometry_polygon_holds(corners, 6, (scene_point){ 1.5, 1.0 }, 1e-12));
+    assert_near(geometry_polygon_area(corners, 6), 3.0, 1e-15);
+    assert_true(geometry_polygon_is_simple(corners, 6, 1e-9));
+    assert_false(geometry_polygon_is_convex(corners, 6, 1e-9));
+}
+
+static void a_convex_hull_is_convex_and_has_all_points(void **state)
+{
+    enum { N = 40 };
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 3);
+    for (int trial = 0; trial < 300; trial++) {
+        scene_point points[N], sorted[N], hull[N + 1];
+        size_t n = 3 + (size_t)trial % (N - 2);
+        for (size_t k = 0; k < n; k++) {
+            points[k] = draw(&random);
+            if (trial % 2 == 0) // many on one line, many the same
+                points[k] = (scene_point){ round(4.0 * points[k].x), round(4.0 * points[k].y) };
+        }
+        memcpy(sorted, points, n * sizeof *points);
+        size_t n_hull = geometry_convex_hull(sorted, n, hull);
+        assert_in_range(n_hull, 1, n);
+        if (n_hull < 3)
+            continue;
+        assert_true(geometry_polygon_is_convex(hull, n_hull, 1e-12));
+        for (size_t k = 0; k < n; k++)
+            assert_true(geometry_polygon_holds(hull, n_hull, points[k], 1e-12));
+    }
+}
+
+static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void **state)
+{
+    scene_point line[] = { { 2, 2 }, { 0, 0 }, { 1, 1 }, { 0, 0 } }, hull[5];
+    scene_point equal[] = { { 7, 7 }, { 7, 7 }, { 7, 7 } };
+
+    (void)state;
+    assert_int_equal(geometry_convex_hull(line, 4, hull), 2);
+    assert_true(hull[0].x == 0.0 && hull[1].x == 2.0);
+    assert_int_equal(geometry_convex_hull(equal, 3, hull), 1);
+    assert_int_equal(geometry_convex_hull(equal, 0, hull), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_vector_along_an_axis_has_its_length_exactly),
+        cmocka_unit_test(the_distance_to_a_segment_is_to_its_nearest_point),
+        cmocka_unit_test(segments_touch_where_they_cross_or_come_near),
+        cmocka_unit_test(a_polygon_holds_what_is_inside_or_on_its_border),
+        cmocka_unit_test(a_convex_hull_is_convex_and_has_all_points),
+        cmocka_unit_test(points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
