@@ -261,7 +261,7 @@ static const member macro_members[] = {
     NUMBER("mollifier_per_m2", AT(mollifier), "1/m2", &positive, "10000", "sigma"),
     NUMBER("initial_mollifier_per_m2", AT(initial_mollifier), "1/m2", &positive, "2500",
            "sigma_0 of the density at the start"),
-    NUMBER("packing_per_m2", AT(packing), "1/m2", &positive,
+    NUMBER("packing_density_per_m2", AT(packing), "1/m2", &positive,
            "close packing of the shape, cut to four digits", "rho_max, parts/m2 at density 1"),
 };
 static const member_table macro_table = { TABLE("macro", macro_members) };

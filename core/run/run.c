@@ -82,7 +82,7 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     r->n_columns = (uint32_t)s->n_counters + 1;
     r->samples.every = s->output.curve_every;
     r->snapshots.every = s->output.snapshot_every;
-    bf_status status = r->backend->open(s, n_threads, &r->solver, &r->plan, err);
+    bf_status status = r->backend->create(s, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
         r->parts_start = r->backend->measure(r->solver).parts;
         r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
@@ -102,7 +102,7 @@ run *run_destroy(run *r)
     if (r == NULL)
         return NULL;
     if (r->solver != NULL)
-        r->backend->close(r->solver);
+        r->backend->destroy(r->solver);
     buffer_fini(&r->checkpoint);
     memory_free(r->rho);
     memory_free(r);

@@ -76,7 +76,7 @@ static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_par
     return status;
 }
 
-static void close_run(void *solver)
+static void destroy_run(void *solver)
 {
     macro_run *run = solver;
 
@@ -85,8 +85,8 @@ static void close_run(void *solver)
     memory_free(run);
 }
 
-static bf_status open_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                          bf_error *err)
+static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
+                            bf_error *err)
 {
     macro_run *run = memory_alloc(1, sizeof *run);
     bf_status status;
@@ -101,7 +101,7 @@ static bf_status open_run(const scene *s, int n_threads, void **ret_solver, run_
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
     if ((status = create_solver(s, n_threads, &run->solver, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
-        close_run(run);
+        destroy_run(run);
         return status;
     }
     const double dt = scene_macro_step(s);
@@ -175,8 +175,8 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__macro = {
-    .open = open_run,
-    .close = close_run,
+    .create = create_run,
+    .destroy = destroy_run,
     .step = step_run,
     .check = check_run,
     .count = count_parts,

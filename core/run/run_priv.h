@@ -23,12 +23,12 @@ typedef struct run_load {
     double peak;  ///< largest density
 } run_load;
 
-/// A model. solver is what open() made.
+/// A model. solver is what create() made.
 typedef struct run_backend {
-    /// Build the solver at t = 0. The caller owns *ret_solver: close().
-    bf_status (*open)(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                      bf_error *err);
-    void (*close)(void *solver);
+    /// Build the solver at t = 0. The caller owns *ret_solver: destroy().
+    bf_status (*create)(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
+                        bf_error *err);
+    void (*destroy)(void *solver);
     /// Advance by dt.
     void (*step)(void *solver);
     /// BF_ENUMERIC with step, time and place if something is not finite.

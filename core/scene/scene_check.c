@@ -53,7 +53,7 @@ static const number_rule number_rules[] = {
     FROM("/macro/dispersion_m_s", macro.dispersion, 0.0, 2.0 * SCENE_SPEED_MAX),
     ABOVE_0("/macro/mollifier_per_m2", macro.mollifier, 1e18),
     ABOVE_0("/macro/initial_mollifier_per_m2", macro.initial_mollifier, 1e18),
-    ABOVE_0("/macro/packing_per_m2", macro.packing, 1e18),
+    ABOVE_0("/macro/packing_density_per_m2", macro.packing, 1e18),
     ABOVE_0("/micro/step_s", micro.step, 1.0),
     FROM("/micro/modulus_reduction", micro.modulus_reduction, 1.0, 1e15),
     FROM("/micro/damping_per_s", micro.damping, 0.0, 1e9),
