@@ -183,7 +183,9 @@ void http__watch_stop(http *h)
     lock_give(&h->lock);
     BF_CHECK(pthread_join(h->watch, NULL) == 0);
     h->has_watch = false;
+    lock_take(&h->lock);
     for (unsigned i = 0; i < h->n_lingering; i++)
         (void)close(h->linger_fds[i]);
     h->n_lingering = 0;
+    lock_give(&h->lock);
 }

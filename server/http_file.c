@@ -31,6 +31,7 @@ static const struct {
     { ".txt", "text/plain; charset=utf-8" },
 };
 
+// NULL: it is of no type that a page has, and therefore none of its files.
 static const char *type_of(const char *path)
 {
     size_t n = strlen(path);
@@ -40,7 +41,7 @@ static const char *type_of(const char *path)
         if (n > n_ending && strcasecmp(path + n - n_ending, types[i].ending) == 0)
             return types[i].type;
     }
-    return "application/octet-stream";
+    return NULL;
 }
 
 // Copies the first component of *path and moves *path behind it. False: it is none that the page
@@ -84,7 +85,8 @@ bool http__file_open(int web_fd, const char *path, http_file *ret_file)
 
     if (strcmp(path, "/") == 0)
         path = "/index.html";
-    int fd = *path == '/' ? open_below(web_fd, path + 1) : -1;
+    const char *type = type_of(path);
+    int fd = *path == '/' && type != NULL ? open_below(web_fd, path + 1) : -1;
     if (fd < 0)
         return false;
     if (fstat(fd, &facts) != 0 || !S_ISREG(facts.st_mode)) {
@@ -93,7 +95,7 @@ bool http__file_open(int web_fd, const char *path, http_file *ret_file)
     }
     ret_file->fd = fd;
     ret_file->n = (uint64_t)facts.st_size;
-    ret_file->type = type_of(path);
+    ret_file->type = type;
     (void)snprintf(ret_file->etag, sizeof ret_file->etag, "\"%llx-%llx.%lx\"",
                    (unsigned long long)facts.st_size, (unsigned long long)facts.st_mtim.tv_sec,
                    (unsigned long)facts.st_mtim.tv_nsec);

@@ -51,11 +51,17 @@ void http__respond_refuse(http_request *r, int status, const bf_error *err)
     api_problem(&r->response, status, r->path, err);
 }
 
+// HEAD must not be answered by a reader: MHD would end even its empty answer with a chunk.
+static bool is_streamed(const http_request *r)
+{
+    return r->response.is_stream && strcmp(r->method, "HEAD") != 0;
+}
+
 static struct MHD_Response *make_response(http_request *r)
 {
     bf_buffer *body = &r->response.body;
 
-    if (r->response.is_stream)
+    if (is_streamed(r))
         return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r,
                                                  NULL);
     if (r->file.fd >= 0)
@@ -65,7 +71,7 @@ static struct MHD_Response *make_response(http_request *r)
 
 static void admit_stream(http_request *r)
 {
-    if (!r->response.is_stream || strcmp(r->method, "HEAD") == 0 || http__stream_begin(r))
+    if (!is_streamed(r) || http__stream_begin(r))
         return;
     bf_error err = { 0 };
     (void)bf_fail(&err, BF_EBUSY, "", "there are %u event streams, which is the limit",

@@ -2,6 +2,7 @@
 
 const PERIOD_MS = 1000;
 const LIMIT = 50;
+const clock = new Intl.DateTimeFormat(undefined, { dateStyle: "short", timeStyle: "medium" });
 
 const find = (id) => document.getElementById(id);
 
@@ -35,7 +36,7 @@ function results(run) {
   add("curve", `${links.curve}?format=csv`);
   add("snapshots", links.snapshots);
   add("scenario", links.scenario);
-  if (run.finished_at !== null && run.error === null) add("summary", links.summary);
+  if (run.finished_at && run.started_at && !run.error) add("summary", links.summary);
   return cell;
 }
 
@@ -50,7 +51,7 @@ function row(run) {
   const share = `${Math.floor(run.progress * 100)} %`;
   const bar = make("progress", { value: run.progress, max: 1 });
   bar.setAttribute("aria-label", `Progress of ${name}`);
-  const time = make("time", { dateTime: run.created_at }, new Date(run.created_at).toLocaleString());
+  const time = make("time", { dateTime: run.created_at }, clock.format(new Date(run.created_at)));
   return make(
     "tr",
     {},

@@ -104,85 +104,83 @@ static void upwind_add(const double *v, const double *near, const double *far, p
                                                        lanes_load_any(far + i)));
 }
 
-static void upwind_add_packed(const double *v, const double *near, const double *far,
-                              ptrdiff_t b_min, ptrdiff_t b_max, double *flux)
+static void upwind_sharp(const double *v, const double *push, const double *near, const double *far,
+                         ptrdiff_t b_min, ptrdiff_t b_max, double *flux)
 {
-    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES)
+    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES) {
+        lanes rho = lanes_load_any(near + i), next = lanes_load_any(far + i);
         lanes_store(flux + i,
-                    lanes_load(flux + i) + upwind_flux(lanes_load(v + i),
-                                                       lanes_packed(lanes_load_any(near + i)),
-                                                       lanes_packed(lanes_load_any(far + i))));
-}
-
-static void upwind_uniform(double v, const double *rho, ptrdiff_t b_min, ptrdiff_t b_max,
-                           double *flux)
-{
-    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES)
-        lanes_store(flux + i, v * lanes_load(rho + i));
-}
-
-static double largest_lane(lanes x)
-{
-    double largest = x[0];
-
-    for (int k = 1; k < LANES; k++)
-        largest = x[k] > largest ? x[k] : largest;
-    return largest;
-}
-
-static double update(const double *rho, double lambda, const double *after, const double *before,
-                     ptrdiff_t b_min, ptrdiff_t b_max, double *out)
-{
-    lanes largest = lanes_all(0.0);
-
-    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES) {
-        lanes flux = lanes_load_any(after + i) - lanes_load_any(before + i);
-        lanes updated = lanes_load(rho + i) - lambda * flux;
-        largest = lanes_max(updated, largest);
-        lanes_store(out + i, updated);
+                    upwind_flux(lanes_load(v + i), rho, next) +
+                        upwind_flux(lanes_load(push + i), lanes_packed(rho), lanes_packed(next)));
     }
-    return largest_lane(largest);
 }
 
-static double update_uniform(const double *rho, double lambda, double v, ptrdiff_t b_min,
-                             ptrdiff_t b_max, double *out)
-{
-    lanes largest = lanes_all(0.0);
+// What is found out about blocks that share a word of a set.
+typedef struct marks {
+    uint64_t any, first;
+} marks;
 
-    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES) {
-        lanes here = lanes_load(rho + i);
-        lanes updated = here - lambda * (v * here - v * lanes_load_any(rho + i - 1));
-        largest = lanes_max(updated, largest);
-        lanes_store(out + i, updated);
-    }
-    return largest_lane(largest);
+// Adds what a register of new densities at cell i tells about its block.
+static inline marks mark(marks m, lanes rho, ptrdiff_t i)
+{
+    const uint64_t bits = lanes_packed_bits(rho);
+    const ptrdiff_t place = (i / BLOCK_CELLS + 1) % 64;
+
+    m.any |= (uint64_t)(bits != 0) << place;
+    if (i % BLOCK_CELLS == 0)
+        m.first |= (bits & 1) << place;
+    return m;
 }
 
-// Bit k is set where cell k of a block is packed.
-static inline unsigned packed_bits(const double *block)
+// Puts the marks of the blocks from low to high, which share a word, into the sets.
+static inline void put_marks(marks m, ptrdiff_t low, ptrdiff_t high, uint64_t *packed,
+                             uint64_t *packed_first)
 {
-    unsigned bits = 0;
+    const ptrdiff_t w = (low + 1) / 64;
+    const uint64_t range = block_set_span_word((block_span){ low, high }, (size_t)w);
 
-    for (int k = 0; k < BLOCK_CELLS; k += LANES)
-        bits |= lanes_packed_bits(lanes_load(block + k)) << k;
-    return bits;
+    packed[w] = (packed[w] & ~range) | m.any;
+    packed_first[w] = (packed_first[w] & ~range) | m.first;
 }
 
-static void find_packed(const double *rho, ptrdiff_t b_min, ptrdiff_t b_max, uint64_t *any,
-                        uint64_t *first)
+// The end of the blocks from low on that share a word of a set.
+static inline ptrdiff_t end_of_word(ptrdiff_t low, ptrdiff_t b_max)
 {
-    for (ptrdiff_t w = (b_min + 1) / 64; w <= b_max / 64; w++) {
-        const ptrdiff_t low = w * 64 - 1 > b_min ? w * 64 - 1 : b_min;
-        const ptrdiff_t high = w * 64 + 63 < b_max ? w * 64 + 63 : b_max;
-        uint64_t any_word = any[w], first_word = first[w];
-        for (ptrdiff_t b = low; b < high; b++) {
-            uint64_t bit = UINT64_C(1) << (b + 1) % 64;
-            uint64_t bits = packed_bits(rho + b * BLOCK_CELLS);
-            any_word = bits != 0 ? any_word | bit : any_word & ~bit;
-            first_word = (bits & 1) != 0 ? first_word | bit : first_word & ~bit;
+    const ptrdiff_t end = (low + 1) / 64 * 64 + 63;
+
+    return end < b_max ? end : b_max;
+}
+
+static void update(const double *rho, double lambda, const double *after, const double *before,
+                   ptrdiff_t b_min, ptrdiff_t b_max, double *out, uint64_t *packed,
+                   uint64_t *packed_first)
+{
+    for (ptrdiff_t low = b_min, high; low < b_max; low = high) {
+        marks m = { 0, 0 };
+        high = end_of_word(low, b_max);
+        for (ptrdiff_t i = low * BLOCK_CELLS; i < high * BLOCK_CELLS; i += LANES) {
+            lanes flux = lanes_load_any(after + i) - lanes_load_any(before + i);
+            lanes updated = lanes_load(rho + i) - lambda * flux;
+            m = mark(m, updated, i);
+            lanes_store(out + i, updated);
         }
-        any[w] = any_word;
-        first[w] = first_word;
+        put_marks(m, low, high, packed, packed_first);
+    }
+}
+
+static void update_uniform(const double *rho, double lambda, double v, ptrdiff_t b_min,
+                           ptrdiff_t b_max, double *out, uint64_t *packed, uint64_t *packed_first)
+{
+    for (ptrdiff_t low = b_min, high; low < b_max; low = high) {
+        marks m = { 0, 0 };
+        high = end_of_word(low, b_max);
+        for (ptrdiff_t i = low * BLOCK_CELLS; i < high * BLOCK_CELLS; i += LANES) {
+            lanes here = lanes_load(rho + i);
+            lanes updated = here - lambda * (v * here - v * lanes_load_any(rho + i - 1));
+            m = mark(m, updated, i);
+            lanes_store(out + i, updated);
+        }
+        put_marks(m, low, high, packed, packed_first);
     }
 }
 
@@ -194,9 +192,7 @@ const kernels KERNELS_TABLE = {
     .push = push,
     .upwind = upwind,
     .upwind_add = upwind_add,
-    .upwind_add_packed = upwind_add_packed,
-    .upwind_uniform = upwind_uniform,
+    .upwind_sharp = upwind_sharp,
     .update = update,
     .update_uniform = update_uniform,
-    .find_packed = find_packed,
 };

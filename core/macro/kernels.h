@@ -38,27 +38,20 @@ typedef struct kernels {
     void (*upwind_add)(const double *v, const double *near, const double *far, ptrdiff_t b_min,
                        ptrdiff_t b_max, double *flux);
 
-    /// The same with H(rho - 1) rho instead of rho, added to flux.
-    void (*upwind_add_packed)(const double *v, const double *near, const double *far,
-                              ptrdiff_t b_min, ptrdiff_t b_max, double *flux);
-
-    /// flux = rho v for one velocity v >= 0.
-    void (*upwind_uniform)(double v, const double *rho, ptrdiff_t b_min, ptrdiff_t b_max,
-                           double *flux);
+    /// Static and pushed flux with a sharp gate: upwind() of v and rho, and of push and H(rho - 1) rho.
+    void (*upwind_sharp)(const double *v, const double *push, const double *near, const double *far,
+                         ptrdiff_t b_min, ptrdiff_t b_max, double *flux);
 
     /// out = rho - lambda (after - before): fluxes through the faces after and before each cell; out
-    /// may be rho. Returns the largest new density.
-    double (*update)(const double *rho, double lambda, const double *after, const double *before,
-                     ptrdiff_t b_min, ptrdiff_t b_max, double *out);
+    /// may be rho. Marks the blocks of the range in two sets (block_set.h): those with a new density
+    /// >= 1, and those whose first cell has one. Other blocks of the sets stay as they are.
+    void (*update)(const double *rho, double lambda, const double *after, const double *before,
+                   ptrdiff_t b_min, ptrdiff_t b_max, double *out, uint64_t *packed,
+                   uint64_t *packed_first);
 
-    /// upwind_uniform() and update() along x1 in one pass: out = rho - lambda (v rho_i - v rho_{i-1}).
-    double (*update_uniform)(const double *rho, double lambda, double v, ptrdiff_t b_min,
-                             ptrdiff_t b_max, double *out);
-
-    /// Mark the blocks of the range in two sets (block_set.h): those with a cell rho >= 1, and those
-    /// whose first cell is one. Other blocks of the sets stay as they are.
-    void (*find_packed)(const double *rho, ptrdiff_t b_min, ptrdiff_t b_max, uint64_t *any,
-                        uint64_t *first);
+    /// update() along x1 with the fluxes v rho of one velocity v >= 0, in one pass.
+    void (*update_uniform)(const double *rho, double lambda, double v, ptrdiff_t b_min,
+                           ptrdiff_t b_max, double *out, uint64_t *packed, uint64_t *packed_first);
 } kernels;
 
 /// The fastest variant that this processor can run.

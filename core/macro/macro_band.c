@@ -63,10 +63,12 @@ bf_status macro__band_init(const macro_solver *s, macro_band *band)
     band->sets = memory_alloc(n_sets * s->n_words, sizeof *band->sets);
     band->ring = memory_alloc(n_ring, sizeof *band->ring);
     band->expected = memory_alloc((size_t)s->n2 * s->n_words, sizeof *band->expected);
+    band->near =
+        memory_alloc((size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
     band->slope_rows = memory_alloc(n_ring, sizeof *band->slope_rows);
     band->share_rows = memory_alloc(n_ring, sizeof *band->share_rows);
     if (band->rows == NULL || band->sets == NULL || band->ring == NULL || band->expected == NULL ||
-        band->slope_rows == NULL || band->share_rows == NULL)
+        band->near == NULL || band->slope_rows == NULL || band->share_rows == NULL)
         return BF_ENOMEM;
     cutter c = { s, band->rows, band->sets };
     cut_ring(band, &c);
@@ -89,6 +91,7 @@ void macro__band_fini(macro_band *band)
     memory_free(band->sets);
     memory_free(band->ring);
     memory_free(band->expected);
+    memory_free(band->near);
     memory_free(band->slope_rows);
     memory_free(band->share_rows);
     *band = (macro_band){ 0 };

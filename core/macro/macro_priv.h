@@ -75,6 +75,7 @@ typedef struct macro_band {
     double *rows;               ///< storage of all rows below
     uint64_t *sets;             ///< storage of all sets below
     uint64_t *expected;         ///< per row of the grid: blocks whose I this step will want
+    uint64_t *near;             ///< at j + S: blocks that the rows within reach of row j expect
     macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
     ptrdiff_t ring_end;         ///< rows below have been through the ring
     const double **slope_rows;  ///< scratch: the 2 S + 1 rows of a convolution along x2
@@ -157,11 +158,6 @@ void macro__fill_margins(const macro_solver *s, double *row);
 
 /// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
-
-/// Set where the gate may be open in a row, over the blocks of range, of which no density is larger
-/// than peak.
-void macro__find_open(const macro_solver *s, const double *rho, block_span range, double peak,
-                      uint64_t *open, uint64_t *open_first);
 
 /// A new step begins: nothing of I is made, and band->expected is worked out for its rows.
 void macro__push_begin(macro_band *band);

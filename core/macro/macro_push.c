@@ -41,16 +41,9 @@ static void fill_ring(macro_band *band, ptrdiff_t r)
     const ptrdiff_t end = r + 1 < s->n2 ? r + 1 : s->n2;
 
     for (; band->ring_end < end; band->ring_end++) {
-        const ptrdiff_t row = band->ring_end, reach = s->across.reach;
-        const ptrdiff_t low = row - reach > band->first - 1 ? row - reach : band->first - 1;
-        const ptrdiff_t high = row + reach < band->last ? row + reach : band->last;
-        uint64_t *wanted = band->todo;
-        memset(ring_place(band, row)->done, 0, s->n_words * sizeof *wanted);
-        memset(wanted, 0, s->n_words * sizeof *wanted);
-        for (ptrdiff_t k = low < 0 ? 0 : low; k <= high && k < s->n2; k++)
-            for (size_t w = 0; w < s->n_words; w++)
-                wanted[w] |= macro__set(s, band->expected, k)[w];
-        convolve_row(band, row, wanted);
+        memset(ring_place(band, band->ring_end)->done, 0, s->n_words * sizeof(uint64_t));
+        convolve_row(band, band->ring_end,
+                     macro__set(s, band->near, band->ring_end + s->across.reach));
     }
 }
 
@@ -64,12 +57,33 @@ static ptrdiff_t seen_row(const macro_solver *s, ptrdiff_t r)
     return is_mirror && mirrored >= 0 && mirrored < s->n2 ? mirrored : NO_ROW;
 }
 
+// Makes near from expected: the union over windows of 2 S + 1 rows, in windows that double in length.
+static void spread_expected(macro_band *band, ptrdiff_t first, ptrdiff_t last)
+{
+    const macro_solver *s = band->solver;
+    const size_t reach = (size_t)s->across.reach, window = 2 * reach + 1, n_words = s->n_words;
+    // Row j of the grid is put at j + 2 S, so that the window j - S .. j + S begins at j + S.
+    uint64_t *rows = band->near;
+    const size_t from = (size_t)first * n_words, to = ((size_t)last + 2 * reach) * n_words;
+    size_t length = 1;
+
+    memset(rows + from, 0, (to - from + 2 * reach * n_words) * sizeof *rows);
+    memcpy(rows + ((size_t)first + 2 * reach) * n_words, band->expected + from,
+           (size_t)(last - first) * n_words * sizeof *rows);
+    for (; 2 * length <= window; length *= 2)
+        for (size_t k = from; k < to; k++)
+            rows[k] |= rows[k + length * n_words];
+    for (size_t k = from; k < to; k++)
+        rows[k] |= rows[k + (window - length) * n_words];
+}
+
 void macro__push_begin(macro_band *band)
 {
     const macro_solver *s = band->solver;
     const ptrdiff_t first = band->first > 0 ? band->first - 1 : 0;
+    const ptrdiff_t last = band->last < s->n2 ? band->last + 1 : s->n2;
 
-    for (ptrdiff_t r = first; r <= band->last && r < s->n2; r++) {
+    for (ptrdiff_t r = first; r < last; r++) {
         const uint64_t *open = macro__set(s, s->now.open, r);
         const uint64_t *first_open = macro__set(s, s->now.open_first, r);
         const uint64_t *north = r + 1 < s->n2 ? macro__set(s, s->now.open, r + 1) : band->empty;
@@ -77,6 +91,7 @@ void macro__push_begin(macro_band *band)
         for (size_t w = 0; w < s->n_words; w++)
             expected[w] = open[w] | block_set_shifted_down(first_open, s->n_words, w) | north[w];
     }
+    spread_expected(band, first, last);
     for (int k = 0; k < 2; k++)
         band->push[k].row = NO_ROW;
     band->ring_end = first > s->across.reach ? first - s->across.reach : 0;

@@ -34,8 +34,10 @@ void macro__fill_margins(const macro_solver *s, double *row)
 void macro__measure_row(macro_solver *s, ptrdiff_t j)
 {
     double *row = macro__row(s, s->now.rho, j);
+    uint64_t *open = macro__set(s, s->now.open, j);
+    uint64_t *open_first = macro__set(s, s->now.open_first, j);
+    const double threshold = s->def.gate == MACRO_GATE_SHARP ? 1.0 : 0.0;
     block_span span = { 0, 0 };
-    double peak = 0.0;
 
     for (ptrdiff_t i = 0; i < s->n1; i++) {
         if (row[i] == 0.0)
@@ -43,13 +45,13 @@ void macro__measure_row(macro_solver *s, ptrdiff_t j)
         if (span.last == 0)
             span.first = i / BLOCK_CELLS;
         span.last = i / BLOCK_CELLS + 1;
-        peak = fmax(peak, row[i]);
+        if (row[i] >= threshold)
+            block_set_add(open, i / BLOCK_CELLS);
+        if (row[i] >= threshold && i % BLOCK_CELLS == 0)
+            block_set_add(open_first, i / BLOCK_CELLS);
     }
     macro__fill_margins(s, row);
     s->now.span[j] = span;
-    macro__find_open(s, row,
-                     s->def.gate == MACRO_GATE_SHARP ? (block_span){ 0, s->n_blocks } : span, peak,
-                     macro__set(s, s->now.open, j), macro__set(s, s->now.open_first, j));
     s->cost[j] = 1.0 + (double)s->n_blocks;
 }
 

@@ -31,19 +31,15 @@ static const double *gate_row(const macro_solver *s, const double *rho, block_sp
     return storage;
 }
 
-void macro__find_open(const macro_solver *s, const double *rho, block_span range, double peak,
-                      uint64_t *open, uint64_t *open_first)
+// Marks where the gate is open in what was just updated. Kernels marked what is packed; in its other
+// forms H has no zero, so there the gate is open wherever there is mass.
+static void mark_open(const macro_solver *s, block_span range, uint64_t *open, uint64_t *open_first)
 {
-    if (s->def.gate == MACRO_GATE_SHARP && peak >= 1.0) {
-        s->kernel->find_packed(rho, range.first, range.last, open, open_first);
+    if (s->def.gate == MACRO_GATE_SHARP)
         return;
-    }
-    // H has no zero in its other forms, so there the gate is open wherever there is mass.
     for (size_t w = 0; w < s->n_words; w++) {
-        uint64_t word = block_set_span_word(range, w);
-        open[w] = s->def.gate == MACRO_GATE_SHARP ? open[w] & ~word : open[w] | word;
-        open_first[w] =
-            s->def.gate == MACRO_GATE_SHARP ? open_first[w] & ~word : open_first[w] | word;
+        open[w] |= block_set_span_word(range, w);
+        open_first[w] |= block_set_span_word(range, w);
     }
 }
 
@@ -68,23 +64,27 @@ static void prepare_push(macro_band *band, ptrdiff_t r)
                      (any == 0 ? 0.0 : cost_of_push * block_set_count(expected, s->n_words));
 }
 
-// x1 fluxes through the faces of the blocks of run, of row r.
-static void flux_x1(macro_band *band, ptrdiff_t r, const double *rho, const double *gated,
-                    block_span run)
+// The flux through the faces of the blocks of range, between the rows (or the shifted row) near and
+// far: static everywhere, pushed in the blocks of open.
+static void make_flux(const macro_solver *s, const double *v, const double *push,
+                      const macro_swept *near, const macro_swept *far, block_span range,
+                      const uint64_t *open, double *flux)
 {
-    const macro_solver *s = band->solver;
-    const double *push = band->push[r & 1].i1;
-    ptrdiff_t b = run.first;
-    block_span open;
+    ptrdiff_t b = range.first, done = range.first;
+    block_span run;
 
-    s->kernel->upwind(macro__row(s, s->faces1.v, r), rho, rho + 1, run.first, run.last,
-                      band->flux1);
-    while (block_set_next_run(band->open_faces, s->n_words, &b, &open) && open.first < run.last) {
-        open.last = open.last < run.last ? open.last : run.last;
-        if (s->def.gate == MACRO_GATE_SHARP)
-            s->kernel->upwind_add_packed(push, rho, rho + 1, open.first, open.last, band->flux1);
-        else
-            s->kernel->upwind_add(push, gated, gated + 1, open.first, open.last, band->flux1);
+    while (done < range.last) {
+        if (!block_set_next_run(open, s->n_words, &b, &run) || run.first > range.last)
+            run = (block_span){ range.last, range.last };
+        run.last = run.last < range.last ? run.last : range.last;
+        s->kernel->upwind(v, near->rho, far->rho, done, run.first, flux);
+        if (s->def.gate == MACRO_GATE_SHARP) {
+            s->kernel->upwind_sharp(v, push, near->rho, far->rho, run.first, run.last, flux);
+        } else {
+            s->kernel->upwind(v, near->rho, far->rho, run.first, run.last, flux);
+            s->kernel->upwind_add(push, near->gated, far->gated, run.first, run.last, flux);
+        }
+        done = run.last;
     }
 }
 
@@ -120,28 +120,27 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_swept *swept, doub
     const macro_solver *s = band->solver;
     const double *rho = macro__row(s, s->now.rho, r);
     const double *gated = gate_row(s, rho, s->now.span[r], band->gated);
+    const macro_swept near = { .rho = rho, .gated = gated };
+    const macro_swept far = { .rho = rho + 1, .gated = gated + 1 };
     ptrdiff_t b = -1, done = swept->span.first;
-    block_span run, plain;
-    double peak;
+    block_span run;
 
     find_special(band, r, swept->span);
     while (done < swept->span.last) {
         if (!block_set_next_run(band->special, s->n_words, &b, &run))
             run = (block_span){ swept->span.last, swept->span.last };
-        plain = (block_span){ done, run.first };
-        if (plain.first < plain.last) {
-            peak =
-                s->kernel->update_uniform(rho, s->lambda1, s->plain1, plain.first, plain.last, out);
-            macro__find_open(s, out, plain, peak, swept->open, swept->open_first);
-        }
+        if (done < run.first)
+            s->kernel->update_uniform(rho, s->lambda1, s->plain1, done, run.first, out, swept->open,
+                                      swept->open_first);
         if (run.first < run.last) {
-            flux_x1(band, r, rho, gated, (block_span){ run.first - 1, run.last });
-            peak = s->kernel->update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first,
-                                     run.last, out);
-            macro__find_open(s, out, run, peak, swept->open, swept->open_first);
+            make_flux(s, macro__row(s, s->faces1.v, r), band->push[r & 1].i1, &near, &far,
+                      (block_span){ run.first - 1, run.last }, band->open_faces, band->flux1);
+            s->kernel->update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first, run.last,
+                              out, swept->open, swept->open_first);
         }
         done = run.last;
     }
+    mark_open(s, swept->span, swept->open, swept->open_first);
 }
 
 // Where the x1 sweep of row r goes: into `next` inside the band, aside for its neighbours.
@@ -213,26 +212,16 @@ static void find_flux_x2(macro_band *band, ptrdiff_t r)
 static void flux_x2(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
-    const macro_swept *south = &band->swept[(r - 1) & 1], *north = &band->swept[r & 1];
-    const double *v = macro__row(s, s->faces2.v, r);
-    const double *push = band->push[(r - 1) & 1].i2;
-    double *flux = band->flux2[r & 1];
     ptrdiff_t b = -1;
     block_span run;
 
     find_flux_x2(band, r);
+    if (!block_set_is_empty(band->wanted, s->n_words))
+        macro__push_make(band, r - 1);
     while (block_set_next_run(band->flux2_set[r & 1], s->n_words, &b, &run))
-        s->kernel->upwind(v, south->rho, north->rho, run.first, run.last, flux);
-    if (block_set_is_empty(band->wanted, s->n_words))
-        return;
-    macro__push_make(band, r - 1);
-    b = -1;
-    while (block_set_next_run(band->wanted, s->n_words, &b, &run)) {
-        if (s->def.gate == MACRO_GATE_SHARP)
-            s->kernel->upwind_add_packed(push, south->rho, north->rho, run.first, run.last, flux);
-        else
-            s->kernel->upwind_add(push, south->gated, north->gated, run.first, run.last, flux);
-    }
+        make_flux(s, macro__row(s, s->faces2.v, r), band->push[(r - 1) & 1].i2,
+                  &band->swept[(r - 1) & 1], &band->swept[r & 1], run, band->wanted,
+                  band->flux2[r & 1]);
 }
 
 // The x2 sweep of row r, in place, with the fluxes on both its sides.
@@ -248,9 +237,9 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     for (size_t w = 0; w < s->n_words; w++)
         band->todo[w] = south[w] | north[w];
     while (block_set_next_run(band->todo, s->n_words, &b, &run)) {
-        double peak = s->kernel->update(rho, s->lambda2, band->flux2[(r + 1) & 1],
-                                        band->flux2[r & 1], run.first, run.last, rho);
-        macro__find_open(s, rho, run, peak, swept->open, swept->open_first);
+        s->kernel->update(rho, s->lambda2, band->flux2[(r + 1) & 1], band->flux2[r & 1], run.first,
+                          run.last, rho, swept->open, swept->open_first);
+        mark_open(s, run, swept->open, swept->open_first);
         span = span_hull(span, run);
     }
     macro__fill_margins(s, rho);

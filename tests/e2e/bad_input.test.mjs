@@ -65,10 +65,14 @@ test("the command line names the same places and leaves with 2", async (t) => {
   }
 });
 
-test("text that is no document is a 400, and nothing is stored", async (t) => {
+test("text that is no document is a 400, or a 422 where it has a place; nothing is stored", async (t) => {
   const d = await daemon(t);
-  for (const [what, text] of badTexts) {
-    await t.test(what, async () => assertProblem(await d.post("/v1/runs", text), 400));
+  for (const [what, text, pointer] of badTexts) {
+    await t.test(what, async () => {
+      const answer = await d.post("/v1/runs", text);
+      const problem = assertProblem(answer, pointer === undefined ? 400 : 422);
+      if (pointer !== undefined) assertNames(problem, pointer);
+    });
   }
   await assertNothingIsStored(d);
 });
@@ -86,12 +90,22 @@ test("an envelope at fault is named, and nothing is stored", async (t) => {
 
 test("several faults are told at once", async (t) => {
   const d = await daemon(t);
-  const scenario = { ...goodScenario(), duration_s: -1, unknown: 1 };
+  const scenario = { ...goodScenario(), duration_s: "long", unknown: 1 };
   scenario.macro.cell_m = "small";
   const problem = assertProblem(await d.post("/v1/runs", { scenario }), 422);
   assertNames(problem, "/scenario/duration_s");
   assertNames(problem, "/scenario/unknown");
   assertNames(problem, "/scenario/macro/cell_m");
+});
+
+test("several faults of what the numbers mean are told at once", async (t) => {
+  const d = await daemon(t);
+  const scenario = { ...goodScenario(), duration_s: -1 };
+  scenario.cargo.mass_kg = -1;
+  scenario.macro.step_s = 0.1;
+  const problem = assertProblem(await d.post("/v1/runs", { scenario }), 422);
+  assertNames(problem, "/scenario/duration_s");
+  assertNames(problem, "/scenario/cargo/mass_kg");
 });
 
 test("a text that says what is too much gives the figure and the limit", async (t) => {

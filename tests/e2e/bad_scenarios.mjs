@@ -169,7 +169,10 @@ export const badScenarios = [
     "/counters"],
 ];
 
-// Texts that are no document of ours at all: 400 at "". {good} is the good scenario.
+const nested = (n) => `/scenario/belts${"/0".repeat(n)}`;
+
+// Texts that are no JSON, or not the strict kind that is read here. Where the place of the fault has
+// a pointer, it is named (422); else the text is no document at all (400).
 export const badTexts = [
   ["nothing", ""],
   ["blanks", "  \n"],
@@ -177,23 +180,25 @@ export const badTexts = [
   ["a comma too many", '{"scenario": {},}'],
   ["two documents", "{} {}"],
   ["a word", "scenario"],
-  ["a number that is not one", '{"scenario": {"duration_s": NaN}}'],
-  ["an infinite number", '{"scenario": {"duration_s": Infinity}}'],
-  ["a number beyond all doubles", '{"scenario": {"duration_s": 1e999}}'],
+  ["a number that is not one", '{"scenario": {"duration_s": NaN}}', "/scenario/duration_s"],
+  ["an infinite number", '{"scenario": {"duration_s": Infinity}}', "/scenario/duration_s"],
+  ["a number beyond all doubles", '{"scenario": {"duration_s": 1e999}}', "/scenario/duration_s"],
   ["a hexadecimal number", '{"scenario": {"duration_s": 0x10}}'],
   ["a number with a leading zero", '{"scenario": {"duration_s": 06}}'],
   ["single quotes", "{'scenario': {}}"],
   ["a comment", '{"scenario": {} /* good */}'],
-  ["a key given twice", '{"scenario": {"duration_s": 1, "duration_s": 2}}'],
+  ["a key given twice", '{"scenario": {"duration_s": 1, "duration_s": 2}}', "/scenario/duration_s"],
   ["a broken escape", '{"scenario": {"name": "\\q"}}'],
   ["half a surrogate pair", '{"scenario": {"name": "\\ud800"}}'],
   ["a NUL in a text", '{"scenario": {"name": "a\\u0000b"}}'],
   ["bytes that are not UTF-8", Buffer.from([0x7b, 0x22, 0xff, 0xfe, 0x22, 0x3a, 0x31, 0x7d])],
   ["a NUL byte", Buffer.from('{"scenario": {}}\0')],
-  ["100,000 nested arrays", "[".repeat(100_000)],
-  ["100,000 nested arrays, closed", "[".repeat(100_000) + "]".repeat(100_000)],
-  ["33 nested arrays in a member", `{"scenario": {"belts": ${"[".repeat(33)}${"]".repeat(33)}}}`],
-  ["nested objects", '{"scenario":'.repeat(50_000)],
+  ["100,000 nested arrays", "[".repeat(100_000), "/0".repeat(32)],
+  ["100,000 nested arrays, closed", "[".repeat(100_000) + "]".repeat(100_000),
+    "/0".repeat(32)],
+  ["33 nested arrays in a member", `{"scenario": {"belts": ${"[".repeat(33)}${"]".repeat(33)}}}`,
+    nested(30)],
+  ["nested objects", '{"a":'.repeat(50_000), "/a".repeat(32)],
 ];
 
 // Bodies whose envelope is at fault: [what, body, pointer].

@@ -59,7 +59,9 @@ class Daemon {
   async firstLine(child) {
     let text = "";
     child.stdout.on("data", (chunk) => (text += chunk));
-    await Promise.race([until(() => text.includes("\n"), "a line"), this.exited]);
+    let isOver = false;
+    this.exited.then(() => (isOver = true));
+    await until(() => isOver || text.includes("\n"), "a line");
     return text.split("\n")[0];
   }
 

@@ -6,6 +6,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
+import { runProgram } from "./processes.mjs";
 import { root, temporaryFolder } from "./setup.mjs";
 
 test("the page and what it needs come from the daemon, with their types", async (t) => {
@@ -35,14 +36,22 @@ test("the page runs nothing inline and loads nothing from elsewhere", async (t) 
 
 test("no file outside the page's folder is given", async (t) => {
   const d = await daemon(t);
-  for (const target of ["/../README.md", "/%2e%2e/README.md", "/..%2fREADME.md", "//etc/passwd", "/README.md"]) {
+  for (const target of ["/../README.md", "/%2e%2e/README.md", "/..%2fREADME.md", "//etc/passwd", "/CMakeLists.txt"]) {
     assert.notEqual((await d.get(target)).status, 200, target);
   }
 });
 
-test("a daemon without a page says why there is none", async (t) => {
-  const d = await daemon(t, { web: path.join(temporaryFolder(t), "none") });
+test("a daemon whose folder holds no page says so at its address, and serves the rest", async (t) => {
+  const d = await daemon(t, { web: temporaryFolder(t) });
   const answer = await d.get("/");
-  assert.equal(answer.status, 404);
+  assert.deepEqual([answer.status, answer.headers["content-type"]], [404, "application/problem+json"]);
   assert.equal((await d.get("/livez")).status, 200);
+});
+
+test("a daemon that is told of a folder that is not there does not start", async (t) => {
+  const data = temporaryFolder(t);
+  const web = path.join(data, "none");
+  const done = await runProgram("beltflowd", ["--data", data, "--web", web, "--listen", "127.0.0.1:0"]);
+  assert.equal(done.status, 1);
+  assert.match(done.stderr, /none/);
 });

@@ -73,7 +73,7 @@ test("SIGINT stops a daemon as SIGTERM does", async (t) => {
 test("check says yes, or names the places and leaves with 2", async () => {
   const good = await beltflow(["check", "-"], { input: JSON.stringify(tiny()) });
   assert.deepEqual([good.status, good.stderr], [0, ""]);
-  const bad = await beltflow(["check", "-"], { input: JSON.stringify(tiny({ duration_s: -1, a: 1 })) });
+  const bad = await beltflow(["check", "-"], { input: JSON.stringify(tiny({ duration_s: "1", a: 1 })) });
   assert.equal(bad.status, 2);
   assert.match(bad.stderr, /^\/duration_s: .+$/m);
   assert.match(bad.stderr, /^\/a: .+$/m);
@@ -95,7 +95,7 @@ test("solve writes every result, the list of them, and a summary", async (t) => 
   assert.equal(summary.scenario.duration_s, 0.1);
 });
 
-test("solve leaves with 2 for a bad scenario and 1 for what it cannot read or write", async (t) => {
+test("solve leaves with 2 for input at fault and 1 for what it cannot write", async (t) => {
   const folder = temporaryFolder(t);
   const out = path.join(folder, "out");
   const solveWith = (args, input = JSON.stringify(tiny())) => beltflow(["solve", ...args], { input });
@@ -104,7 +104,7 @@ test("solve leaves with 2 for a bad scenario and 1 for what it cannot read or wr
   assert.match(bad.stderr, /^\/domain: /m);
   assert.ok(!existsSync(path.join(out, "curve.csv")));
   const missing = await solveWith([path.join(folder, "none.json"), "--model", "macro", "--out", out]);
-  assert.equal(missing.status, 1);
+  assert.equal(missing.status, 2);
   assert.match(missing.stderr, /none\.json/);
   const nowhere = await solveWith(["-", "--model", "macro", "--out", "/proc/nowhere/out"]);
   assert.equal(nowhere.status, 1);
@@ -122,7 +122,7 @@ test("compare reads folders and files, and leaves with 2 for what is no curve", 
   const bad = await beltflow(["compare", out, measured]);
   assert.equal(bad.status, 2);
   assert.match(bad.stderr, /line 3|:3/);
-  assert.equal((await beltflow(["compare", out, path.join(folder, "none.csv")])).status, 1);
+  assert.equal((await beltflow(["compare", out, path.join(folder, "none.csv")])).status, 2);
 });
 
 test("words that the program does not know are told, with status 2", async () => {

@@ -3,7 +3,7 @@
 
 #include "server/http.h"
 
-#include "server/clock.h"
+#include "core/base/memory.h"
 #include "tests/unit/server/helper_client.h"
 #include "tests/unit/server/helper_fake.h"
 
@@ -11,9 +11,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -311,6 +309,27 @@ static void what_is_no_address_is_refused(void **state)
     }
 }
 
+static void a_server_without_memory_does_not_start(void **state)
+{
+    const api_services table = fake_services(&services);
+    const http_options options = { .listen = "127.0.0.1:0",
+                                   .services = &table,
+                                   .n_threads = 1,
+                                   .n_request_threads = 2,
+                                   .connection_limit = 10 };
+    bf_status status = BF_ENOMEM;
+
+    (void)state;
+    for (size_t n = 1; status != BF_OK; n++) {
+        memory_plan_fault(n, 0);
+        status = http_start(&options, &server, NULL);
+        bool has_struck = memory_faults() > 0;
+        memory_plan_fault(0, 0);
+        assert_int_equal(status, has_struck ? BF_ENOMEM : BF_OK);
+        assert_int_equal(server == NULL, has_struck);
+    }
+}
+
 static void a_server_that_was_never_asked_stops(void **state)
 {
     (void)state;
@@ -335,6 +354,7 @@ int main(void)
         CASE(one_address_gets_no_more_than_its_share),
         CASE(a_taken_port_is_named),
         CASE(what_is_no_address_is_refused),
+        CASE(a_server_without_memory_does_not_start),
         CASE(a_server_that_was_never_asked_stops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -108,7 +108,6 @@ static void a_file_is_served_with_its_type_and_a_strict_policy(void **state)
         { "GET /index.html" REST "\r\n", "text/html; charset=utf-8", "\r\n\r\n" PAGE },
         { "GET /assets/app.js?v=1" REST "\r\n", "text/javascript; charset=utf-8", "export {};" },
         { "GET /a%20b.txt" REST "\r\n", "text/plain; charset=utf-8", "blank" },
-        { "GET /strange.xyz" REST "\r\n", "application/octet-stream", "\r\n\r\n?" },
     };
 
     (void)state;
@@ -129,15 +128,25 @@ static void a_file_is_served_with_its_type_and_a_strict_policy(void **state)
 static void nothing_else_is_served(void **state)
 {
     static const char *const paths[] = {
-        "/secret",        "/../secret",
-        "/%2e%2e/secret", "/assets/../../secret",
-        "/link.txt",      "/up/secret",
-        "/.git/config",   "/assets",
-        "/assets/",       "//index.html",
-        "/./index.html",  "/index.html/",
-        "/index.html/x",  "/assets//app.js",
-        "/none",          "/..%2fsecret",
-        "/v1/index.html", "/*",
+        "/secret",
+        "/../secret",
+        "/%2e%2e/secret",
+        "/assets/../../secret",
+        "/link.txt",
+        "/up/secret",
+        "/.git/config",
+        "/assets",
+        "/assets/",
+        "//index.html",
+        "/./index.html",
+        "/index.html/",
+        "/index.html/x",
+        "/assets//app.js",
+        "/none",
+        "/..%2fsecret",
+        "/v1/index.html",
+        "/strange.xyz",
+        "/*",
     };
 
     (void)state;

@@ -6,13 +6,10 @@
 #include "tests/unit/server/helper_client.h"
 #include "tests/unit/server/helper_fake.h"
 
-#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
