@@ -6,6 +6,10 @@
 // late; MHD notices and closes. Between requests the deadline is that of the next header and the
 // time that a connection may idle, together.
 //
+// A client that sends something and hangs up at once is not noticed by MHD: it is told of both by one
+// event, reads the bytes and waits for the next event, which never comes. The same thread looks for
+// such sockets: hung up, nothing left to be read, and something still owed, twice in a row.
+//
 // A socket of the list is open: MHD tells us of a connection's end before it closes the socket, and
 // the list is only looked at under http.lock.
 //
@@ -21,12 +25,15 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 enum {
     WATCH_TICK_MS = 100,       // between two looks while there are connections
     WATCH_TICK_LINGER_MS = 10, // while sockets linger
+    WATCH_LEFT_MS = 500,       // between two looks for clients that left
     WATCH_DRAIN_READS = 8,     // reads of one lingering socket at one look
     RESERVE_MAX = 16,          // connections kept for the daemon's health
 };
@@ -114,6 +121,28 @@ static void cut_off_the_late(http *h, int64_t now_ms)
     }
 }
 
+static bool has_hung_up(int fd)
+{
+    struct pollfd p = { .fd = fd, .events = POLLRDHUP };
+    int n_unread = 0;
+
+    return poll(&p, 1, 0) > 0 && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
+}
+
+static void cut_off_the_gone(http *h, int64_t now_ms)
+{
+    lock_assert_held(&h->lock);
+    if (now_ms < h->looked_ms + WATCH_LEFT_MS)
+        return;
+    h->looked_ms = now_ms;
+    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        bool has_left = c->deadline_ms >= 0 && has_hung_up(c->fd);
+        if (has_left && c->seems_left)
+            (void)shutdown(c->fd, SHUT_RDWR);
+        c->seems_left = has_left;
+    }
+}
+
 // Throws away what came in. False: the client is done, or failed.
 static bool drain(int fd)
 {
@@ -153,6 +182,7 @@ static void *watch(void *context)
     while (!h->watch_ends) {
         int64_t now_ms = clock_monotonic_ms();
         cut_off_the_late(h, now_ms);
+        cut_off_the_gone(h, now_ms);
         drain_the_lingering(h, now_ms);
         http__stream_watch(h, now_ms);
         if (h->n_lingering > 0)

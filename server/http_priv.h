@@ -44,6 +44,7 @@ typedef struct http_connection {
     int fd;                           ///< MHD's socket; valid while in the list
     int64_t deadline_ms;              ///< shut down then (clock_monotonic_ms()); -1: never
     bool lingers;                     ///< was refused while its client may still be sending
+    bool seems_left;                  ///< its client had hung up at the last look
 } http_connection;
 
 /// Where a request is in its life.
@@ -126,6 +127,7 @@ struct http {
     bool is_stopping;                      ///< streams end, nothing suspends any more
     bool has_watch;                        ///< watch runs
     bool watch_ends;                       ///< it shall not
+    int64_t looked_ms;                     ///< when it last looked for clients that left
     pthread_t watch;                       ///< deadlines, heartbeats, clients that left
     unsigned n_lingering;                  ///< sockets in linger
     int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained

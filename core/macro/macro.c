@@ -90,7 +90,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->def = *def;
     s->def.v1 = s->def.v2 = NULL;
     s->def.closed1 = s->def.closed2 = NULL;
-    s->kernel = kernels_best();
+    s->variant = variant_best();
     mollifier_init(&s->along, def->mollifier, def->grid.d1);
     mollifier_init(&s->across, def->mollifier, def->grid.d2);
     s->lambda1 = def->dt / def->grid.d1;
@@ -204,7 +204,7 @@ static void sweep_band(void *context, size_t k)
 {
     macro_solver *s = context;
 
-    macro__sweep_band(&s->bands[k]);
+    s->variant->sweep_band(&s->bands[k]);
 }
 
 void macro_step(macro_solver *s)

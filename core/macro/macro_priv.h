@@ -22,8 +22,9 @@
 #pragma once
 
 #include "core/macro/block_set.h"
-#include "core/macro/kernels.h"
 #include "core/macro/macro.h"
+#include "core/macro/mollifier.h"
+#include "core/macro/variant.h"
 
 /// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
 /// r holds the faces (i, r - 1/2), 0 <= r <= n2.
@@ -101,29 +102,29 @@ typedef struct macro_band {
 
 /// The solver.
 struct macro_solver {
-    macro_def def;         ///< without its arrays
-    const kernels *kernel; ///< inner loops
-    mollifier along;       ///< weights along x1
-    mollifier across;      ///< weights along x2
-    double lambda1;        ///< dt/dx1
-    double lambda2;        ///< dt/dx2
-    double plain1;         ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
-    ptrdiff_t n1;          ///< cells of a row
-    ptrdiff_t n2;          ///< rows
-    ptrdiff_t n_blocks;    ///< blocks of a row
-    size_t n_words;        ///< words of a set of blocks
-    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of BLOCK_CELLS
-    ptrdiff_t stride;      ///< doubles from row to row, a multiple of BLOCK_CELLS
-    ptrdiff_t n_ring;      ///< places of a ring
-    macro_faces faces1;    ///< n2 rows
-    macro_faces faces2;    ///< n2 + 1 rows
-    macro_state now;       ///< at the present time
-    macro_state next;      ///< what a step writes
-    double *zero_row;      ///< a row of zeros
-    double *cost;          ///< per row: estimated work in the step before
-    int n_bands;           ///< bands, one per thread
-    macro_band *bands;     ///< n_bands of them
-    uint64_t steps;        ///< made since t = 0
+    macro_def def;          ///< without its arrays
+    const variant *variant; ///< of the step
+    mollifier along;        ///< weights along x1
+    mollifier across;       ///< weights along x2
+    double lambda1;         ///< dt/dx1
+    double lambda2;         ///< dt/dx2
+    double plain1;          ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
+    ptrdiff_t n1;           ///< cells of a row
+    ptrdiff_t n2;           ///< rows
+    ptrdiff_t n_blocks;     ///< blocks of a row
+    size_t n_words;         ///< words of a set of blocks
+    ptrdiff_t margin;       ///< doubles before cell 0, a multiple of BLOCK_CELLS
+    ptrdiff_t stride;       ///< doubles from row to row, a multiple of BLOCK_CELLS
+    ptrdiff_t n_ring;       ///< places of a ring
+    macro_faces faces1;     ///< n2 rows
+    macro_faces faces2;     ///< n2 + 1 rows
+    macro_state now;        ///< at the present time
+    macro_state next;       ///< what a step writes
+    double *zero_row;       ///< a row of zeros
+    double *cost;           ///< per row: estimated work in the step before
+    int n_bands;            ///< bands, one per thread
+    macro_band *bands;      ///< n_bands of them
+    uint64_t steps;         ///< made since t = 0
 };
 
 /// Cell 0 of row j of rows.
@@ -159,11 +160,18 @@ void macro__fill_margins(const macro_solver *s, double *row);
 /// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
 
+#ifdef MACRO_VARIANT
+/// For the files that are compiled once per instruction set, whose name MACRO_VARIANT then is: each
+/// variant's functions have names of their own.
+#define MACRO_JOIN(name, variant)          name##_##variant
+#define MACRO_JOIN_EXPANDED(name, variant) MACRO_JOIN(name, variant)
+#define MACRO_NAME(name)                   MACRO_JOIN_EXPANDED(name, MACRO_VARIANT)
+#define macro__push_begin                  MACRO_NAME(macro__push_begin)
+#define macro__push_make                   MACRO_NAME(macro__push_make)
+
 /// A new step begins: nothing of I is made, and band->expected is worked out for its rows.
 void macro__push_begin(macro_band *band);
 
 /// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.
 void macro__push_make(macro_band *band, ptrdiff_t r);
-
-/// Advance the band's rows by one step.
-void macro__sweep_band(macro_band *band);
+#endif

@@ -5,6 +5,7 @@
 // the x1 part of a row is made once, for all rows that will read it, when the row enters the ring. A
 // cell that opens only by the x1 sweep is the exception, and its blocks are made when it turns up.
 
+#include "core/macro/kernels.h"
 #include "core/macro/macro_priv.h"
 
 #include <string.h>
@@ -30,8 +31,8 @@ static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
         place->done[w] |= todo[w];
     }
     while (block_set_next_run(todo, s->n_words, &b, &run))
-        s->kernel->convolve_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
-                               place->slope1, place->share1);
+        kernels_convolve_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
+                            place->slope1, place->share1);
 }
 
 // Lets the rows up to r enter the ring, each with the blocks that the rows within reach expect.
@@ -164,8 +165,8 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
         band->share_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->share1;
     }
     while (block_set_next_run(missing, s->n_words, &b, &run))
-        s->kernel->push(band->slope_rows, band->share_rows, &s->across, s->def.dispersion,
-                        run.first, run.last, place->i1, place->i2);
+        kernels_push(band->slope_rows, band->share_rows, &s->across, s->def.dispersion, run.first,
+                     run.last, place->i1, place->i2);
     if (r >= 0)
         close_faces(s, &s->faces1, r, missing, place->i1);
     close_faces(s, &s->faces2, r + 1, missing, place->i2);

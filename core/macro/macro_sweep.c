@@ -1,5 +1,6 @@
 // The sweeps along x1 and x2 over a band of rows.
 
+#include "core/macro/kernels.h"
 #include "core/macro/macro_priv.h"
 
 #include <math.h>
@@ -77,12 +78,12 @@ static void make_flux(const macro_solver *s, const double *v, const double *push
         if (!block_set_next_run(open, s->n_words, &b, &run) || run.first > range.last)
             run = (block_span){ range.last, range.last };
         run.last = run.last < range.last ? run.last : range.last;
-        s->kernel->upwind(v, near->rho, far->rho, done, run.first, flux);
+        kernels_upwind(v, near->rho, far->rho, done, run.first, flux);
         if (s->def.gate == MACRO_GATE_SHARP) {
-            s->kernel->upwind_sharp(v, push, near->rho, far->rho, run.first, run.last, flux);
+            kernels_upwind_sharp(v, push, near->rho, far->rho, run.first, run.last, flux);
         } else {
-            s->kernel->upwind(v, near->rho, far->rho, run.first, run.last, flux);
-            s->kernel->upwind_add(push, near->gated, far->gated, run.first, run.last, flux);
+            kernels_upwind(v, near->rho, far->rho, run.first, run.last, flux);
+            kernels_upwind_add(push, near->gated, far->gated, run.first, run.last, flux);
         }
         done = run.last;
     }
@@ -130,13 +131,13 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_swept *swept, doub
         if (!block_set_next_run(band->special, s->n_words, &b, &run))
             run = (block_span){ swept->span.last, swept->span.last };
         if (done < run.first)
-            s->kernel->update_uniform(rho, s->lambda1, s->plain1, done, run.first, out, swept->open,
-                                      swept->open_first);
+            kernels_update_uniform(rho, s->lambda1, s->plain1, done, run.first, out, swept->open,
+                                   swept->open_first);
         if (run.first < run.last) {
             make_flux(s, macro__row(s, s->faces1.v, r), band->push[r & 1].i1, &near, &far,
                       (block_span){ run.first - 1, run.last }, band->open_faces, band->flux1);
-            s->kernel->update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first, run.last,
-                              out, swept->open, swept->open_first);
+            kernels_update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first, run.last, out,
+                           swept->open, swept->open_first);
         }
         done = run.last;
     }
@@ -237,8 +238,8 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     for (size_t w = 0; w < s->n_words; w++)
         band->todo[w] = south[w] | north[w];
     while (block_set_next_run(band->todo, s->n_words, &b, &run)) {
-        s->kernel->update(rho, s->lambda2, band->flux2[(r + 1) & 1], band->flux2[r & 1], run.first,
-                          run.last, rho, swept->open, swept->open_first);
+        kernels_update(rho, s->lambda2, band->flux2[(r + 1) & 1], band->flux2[r & 1], run.first,
+                       run.last, rho, swept->open, swept->open_first);
         mark_open(s, run, swept->open, swept->open_first);
         span = span_hull(span, run);
     }
@@ -246,7 +247,7 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     s->next.span[r] = span;
 }
 
-void macro__sweep_band(macro_band *band)
+static void sweep_band(macro_band *band)
 {
     macro__push_begin(band);
     sweep_x1(band, band->first - 1);
@@ -257,3 +258,10 @@ void macro__sweep_band(macro_band *band)
             finish_row(band, r - 1);
     }
 }
+
+#define TEXT(word)          #word
+#define TEXT_EXPANDED(word) TEXT(word)
+
+extern const variant MACRO_NAME(variant);
+
+const variant MACRO_NAME(variant) = { TEXT_EXPANDED(MACRO_VARIANT), sweep_band };

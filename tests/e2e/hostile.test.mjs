@@ -1,26 +1,27 @@
 // Bytes that no honest client sends: each is answered or cut off, and the daemon goes on.
 
 import assert from "node:assert/strict";
+import { once } from "node:events";
 import net from "node:net";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { residentBytes } from "./processes.mjs";
 import { tiny } from "./scenarios.mjs";
-import { isSanitized, within } from "./setup.mjs";
+import { isSanitized, until, within } from "./setup.mjs";
 
 const GiB = 1024 ** 3;
 
 // Send bytes as they are; resolves with all that came back when the daemon closed the connection
-// (or, with until, when that was seen).
-function exchange(d, text, { until } = {}) {
+// (or, with stopAt, when that was seen).
+function exchange(d, text, { stopAt } = {}) {
   const answer = new Promise((resolve) => {
     const socket = net.connect(d.port, "127.0.0.1");
     let received = "";
     socket.setEncoding("latin1");
     socket.on("data", (chunk) => {
       received += chunk;
-      if (until?.test(received)) socket.destroy();
+      if (stopAt?.test(received)) socket.destroy();
     });
     socket.on("error", () => {});
     socket.on("close", () => resolve(received));
@@ -221,9 +222,19 @@ test("noise is no request", async (t) => {
   const d = await daemon(t);
   const noise = Array.from({ length: 4096 }, (_, k) => String.fromCharCode((k * 7919 + 13) % 256));
   for (const text of ["\r\n\r\n\r\n", "\x16\x03\x01\x02\x00\x01\x00", "GET\r\n\r\n", noise.join("")]) {
-    const answer = exchange(d, `${text}\r\n\r\n`, { until: /\r\n\r\n/ });
+    const answer = exchange(d, `${text}\r\n\r\n`, { stopAt: /\r\n\r\n/ });
     await Promise.race([answer, new Promise((resolve) => setTimeout(resolve, 300))]);
   }
+  await assertUnharmed(d);
+});
+
+test("a crowd of connections that say nothing does not shut out the question whether it lives", async (t) => {
+  const d = await daemon(t, { connections: 16 });
+  const crowd = Array.from({ length: 14 }, () => net.connect(d.port, "127.0.0.1"));
+  await Promise.all(crowd.map((socket) => once(socket, "connect")));
+  assert.equal((await d.get("/livez")).status, 200);
+  for (const socket of crowd) socket.destroy();
+  await until(async () => (await d.get("/readyz")).status === 200, "room for others");
   await assertUnharmed(d);
 });
 

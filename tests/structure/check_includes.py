@@ -28,7 +28,7 @@ STANDARD = {
 # Beyond that: instruction sets, the choice between them, and the calendar (not the clock).
 ALSO = {
     "core/macro/lanes.h": {"immintrin.h"},
-    "core/macro/kernels_select.c": {"pthread.h"},
+    "core/macro/variant.c": {"pthread.h"},
     "api/run_json.c": {"time.h"},
 }
 

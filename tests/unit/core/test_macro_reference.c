@@ -2,7 +2,6 @@
 // random scenes with everything in them: packed cargo, closed faces, velocities in both directions,
 // open and mirrored edges, cells that are not square, grids that fill no whole block.
 
-#include "core/macro/kernels.h"
 #include "core/macro/macro.h"
 #include "core/macro/macro_priv.h"
 #include "tests/reference/direct.h"
@@ -135,12 +134,12 @@ static void the_other_gates_agree_with_the_direct_sum(void **state)
     }
 }
 
-static uint64_t digest_with(const scene *s, const kernels *kernel)
+static uint64_t digest_with(const scene *s, const variant *chosen)
 {
     macro_solver *solver = NULL;
 
     assert_int_equal(macro_create(&s->def, &solver, NULL), BF_OK);
-    solver->kernel = kernel;
+    solver->variant = chosen;
     assert_int_equal(macro_set_density(solver, s->rho, grid_cells(&s->def.grid), NULL), BF_OK);
     for (int step = 0; step < 60; step++)
         macro_step(solver);
@@ -154,8 +153,8 @@ static void every_instruction_set_gives_the_same_bits(void **state)
     (void)state;
     for (unsigned seed = 31; seed <= 34; seed++) {
         scene *s = random_scene(seed, MACRO_GATE_SHARP);
-        uint64_t digest = digest_with(s, kernels_best());
-        for (const kernels *const *k = kernels_available(); *k != NULL; k++)
+        uint64_t digest = digest_with(s, variant_best());
+        for (const variant *const *k = variant_available(); *k != NULL; k++)
             assert_true(digest_with(s, *k) == digest);
         free(s);
     }

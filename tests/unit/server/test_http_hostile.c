@@ -195,6 +195,36 @@ static void a_client_that_drips_its_body_is_cut_off(void **state)
                     350, 3000);
 }
 
+static void sixteen_connections(http_options *options)
+{
+    options->connection_limit = 16;
+    options->n_threads = 1;
+}
+
+// Each of these would hold a connection until its deadline of ten seconds.
+static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **state)
+{
+    static const char *const beginnings[] = {
+        "GET /livez HT",
+        "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 1000\r\n\r\nabc",
+        "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n5\r\nab",
+    };
+    int64_t start_ms = clock_monotonic_ms();
+    int status = 503;
+
+    (void)state;
+    server = fake_serve(&services, sixteen_connections);
+    for (int i = 0; i < 60; i++) {
+        int fd = client_connect(http_port(server));
+        (void)client_send(fd, beginnings[i % 3]);
+        assert_int_equal(close(fd), 0);
+    }
+    while (status != 200 && clock_monotonic_ms() - start_ms < 8000)
+        status = client_ask(http_port(server), "GET /version HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL);
+    assert_int_equal(status, 200);
+    assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
+}
+
 static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
 {
     bf_buffer rest = { 0 }, answer = { 0 };
@@ -330,6 +360,7 @@ int main(void)
         CASE(too_long_a_target_is_refused),
         CASE(a_client_that_drips_its_header_is_cut_off),
         CASE(a_client_that_drips_its_body_is_cut_off),
+        CASE(clients_that_send_a_little_and_hang_up_hold_no_connection),
         CASE(deadlines_do_not_hit_a_request_that_is_being_handled),
         CASE(a_body_that_is_announced_too_long_is_refused_at_once),
         CASE(a_client_that_sends_its_long_body_anyway_reads_the_refusal),
