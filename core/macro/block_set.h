@@ -32,6 +32,13 @@ static inline bool block_set_has(const uint64_t *set, ptrdiff_t b)
     return (set[(b + 1) / 64] >> ((b + 1) % 64) & 1) != 0;
 }
 
+/// Take all blocks out.
+static inline void block_set_clear(uint64_t *set, size_t n_words)
+{
+    for (size_t w = 0; w < n_words; w++)
+        set[w] = 0;
+}
+
 /// True if nothing is in the set.
 static inline bool block_set_is_empty(const uint64_t *set, size_t n_words)
 {

@@ -136,19 +136,23 @@ static inline void kernels_upwind_sharp(const double *v, const double *push, con
 
 /// What is found out about blocks that share a word of a set.
 typedef struct kernels_marks {
+    uint64_t bit;   ///< of the block at hand
     uint64_t any;   ///< blocks with a cell rho >= 1
     uint64_t first; ///< blocks whose first cell is one
 } kernels_marks;
 
-/// Adds what a register of new densities at cell i tells about its block.
-static inline kernels_marks kernels_mark(kernels_marks m, lanes rho, ptrdiff_t i)
+/// No marks yet; block b comes first.
+static inline kernels_marks kernels_marks_from(ptrdiff_t b)
 {
-    const uint64_t bits = lanes_packed_bits(rho);
-    const ptrdiff_t place = (i / BLOCK_CELLS + 1) % 64;
+    return (kernels_marks){ UINT64_C(1) << (b + 1) % 64, 0, 0 };
+}
 
-    m.any |= (uint64_t)(bits != 0) << place;
-    if (i % BLOCK_CELLS == 0)
-        m.first |= (bits & 1) << place;
+/// Adds what is known of the block at hand (bit k: cell k is packed) and moves on to the next.
+static inline kernels_marks kernels_mark(kernels_marks m, unsigned packed_cells)
+{
+    m.any |= packed_cells != 0 ? m.bit : 0;
+    m.first |= (packed_cells & 1) != 0 ? m.bit : 0;
+    m.bit <<= 1;
     return m;
 }
 
@@ -179,13 +183,18 @@ static inline void kernels_update(const double *rho, double lambda, const double
                                   double *out, uint64_t *packed, uint64_t *packed_first)
 {
     for (ptrdiff_t low = b_min, high; low < b_max; low = high) {
-        kernels_marks m = { 0, 0 };
+        kernels_marks m = kernels_marks_from(low);
         high = kernels_end_of_word(low, b_max);
-        for (ptrdiff_t i = low * BLOCK_CELLS; i < high * BLOCK_CELLS; i += LANES) {
-            lanes flux = lanes_load_any(after + i) - lanes_load_any(before + i);
-            lanes updated = lanes_load(rho + i) - lambda * flux;
-            m = kernels_mark(m, updated, i);
-            lanes_store(out + i, updated);
+        for (ptrdiff_t b = low; b < high; b++) {
+            unsigned packed_cells = 0;
+            for (int k = 0; k < BLOCK_CELLS; k += LANES) {
+                ptrdiff_t i = b * BLOCK_CELLS + k;
+                lanes flux = lanes_load_any(after + i) - lanes_load_any(before + i);
+                lanes updated = lanes_load(rho + i) - lambda * flux;
+                packed_cells |= lanes_packed_bits(updated) << k;
+                lanes_store(out + i, updated);
+            }
+            m = kernels_mark(m, packed_cells);
         }
         kernels_put_marks(m, low, high, packed, packed_first);
     }
@@ -196,10 +205,14 @@ static inline void kernels_mark_range(const double *rho, ptrdiff_t b_min, ptrdif
                                       uint64_t *packed, uint64_t *packed_first)
 {
     for (ptrdiff_t low = b_min, high; low < b_max; low = high) {
-        kernels_marks m = { 0, 0 };
+        kernels_marks m = kernels_marks_from(low);
         high = kernels_end_of_word(low, b_max);
-        for (ptrdiff_t i = low * BLOCK_CELLS; i < high * BLOCK_CELLS; i += LANES)
-            m = kernels_mark(m, lanes_load(rho + i), i);
+        for (ptrdiff_t b = low; b < high; b++) {
+            unsigned packed_cells = 0;
+            for (int k = 0; k < BLOCK_CELLS; k += LANES)
+                packed_cells |= lanes_packed_bits(lanes_load(rho + b * BLOCK_CELLS + k)) << k;
+            m = kernels_mark(m, packed_cells);
+        }
         kernels_put_marks(m, low, high, packed, packed_first);
     }
 }

@@ -32,6 +32,8 @@ static void cut_ring(macro_band *band, cutter *c)
         band->ring[k].slope1 = cut_row(c);
         band->ring[k].share1 = cut_row(c);
         band->ring[k].done = cut_set(c);
+        band->slope_ring[k] = band->slope_ring[k + c->solver->n_ring] = band->ring[k].slope1;
+        band->share_ring[k] = band->share_ring[k + c->solver->n_ring] = band->ring[k].share1;
     }
 }
 
@@ -65,10 +67,13 @@ bf_status macro__band_init(const macro_solver *s, macro_band *band)
     band->expected = memory_alloc((size_t)s->n2 * s->n_words, sizeof *band->expected);
     band->near =
         memory_alloc((size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
+    band->slope_ring = memory_alloc(2 * n_ring, sizeof *band->slope_ring);
+    band->share_ring = memory_alloc(2 * n_ring, sizeof *band->share_ring);
     band->slope_rows = memory_alloc(n_ring, sizeof *band->slope_rows);
     band->share_rows = memory_alloc(n_ring, sizeof *band->share_rows);
     if (band->rows == NULL || band->sets == NULL || band->ring == NULL || band->expected == NULL ||
-        band->near == NULL || band->slope_rows == NULL || band->share_rows == NULL)
+        band->near == NULL || band->slope_ring == NULL || band->share_ring == NULL ||
+        band->slope_rows == NULL || band->share_rows == NULL)
         return BF_ENOMEM;
     cutter c = { s, band->rows, band->sets };
     cut_ring(band, &c);
@@ -92,6 +97,8 @@ void macro__band_fini(macro_band *band)
     memory_free(band->ring);
     memory_free(band->expected);
     memory_free(band->near);
+    memory_free(band->slope_ring);
+    memory_free(band->share_ring);
     memory_free(band->slope_rows);
     memory_free(band->share_rows);
     *band = (macro_band){ 0 };

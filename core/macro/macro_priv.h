@@ -79,13 +79,16 @@ typedef struct macro_band {
     uint64_t *near;             ///< at j + S: blocks that the rows within reach of row j expect
     macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
     ptrdiff_t ring_end;         ///< rows below have been through the ring
-    const double **slope_rows;  ///< scratch: the 2 S + 1 rows of a convolution along x2
-    const double **share_rows;  ///< same
-    macro_push_row push[2];     ///< I of the row at hand and of the one before
-    macro_swept swept[2];       ///< the row at hand and the one before after their x1 sweep
-    double *swept_gated[2];     ///< storage for macro_swept.gated
-    double *outside[2];         ///< x1 sweeps of the rows before and after the band
-    uint64_t *outside_open[2];  ///< their sets
+    const double **slope_ring; ///< slope1 of all places of the ring, twice over, so that any window
+                               ///< of consecutive rows stands together
+    const double **share_ring; ///< same for share1
+    const double **slope_rows; ///< scratch: such a window where rows are mirrored or missing
+    const double **share_rows; ///< same
+    macro_push_row push[2];    ///< I of the row at hand and of the one before
+    macro_swept swept[2];      ///< the row at hand and the one before after their x1 sweep
+    double *swept_gated[2];    ///< storage for macro_swept.gated
+    double *outside[2];        ///< x1 sweeps of the rows before and after the band
+    uint64_t *outside_open[2]; ///< their sets
     uint64_t *outside_first[2]; ///< same
     double *gated;              ///< H(rho - 1) rho of a row of `now`
     double *flux1;              ///< x1 fluxes of the row at hand

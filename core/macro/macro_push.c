@@ -42,7 +42,7 @@ static void fill_ring(macro_band *band, ptrdiff_t r)
     const ptrdiff_t end = r + 1 < s->n2 ? r + 1 : s->n2;
 
     for (; band->ring_end < end; band->ring_end++) {
-        memset(ring_place(band, band->ring_end)->done, 0, s->n_words * sizeof(uint64_t));
+        block_set_clear(ring_place(band, band->ring_end)->done, s->n_words);
         convolve_row(band, band->ring_end,
                      macro__set(s, band->near, band->ring_end + s->across.reach));
     }
@@ -104,7 +104,7 @@ static macro_push_row *push_place(macro_band *band, ptrdiff_t r)
 
     if (place->row != r) {
         place->row = r;
-        memset(place->done, 0, band->solver->n_words * sizeof *place->done);
+        block_set_clear(place->done, band->solver->n_words);
     }
     return place;
 }
@@ -141,6 +141,30 @@ static void make_unexpected(macro_band *band, ptrdiff_t r)
     }
 }
 
+// The rows r - S .. r + S as the convolution sees them.
+typedef struct window {
+    const double *const *slope_rows;
+    const double *const *share_rows;
+} window;
+
+static window window_of(macro_band *band, ptrdiff_t r)
+{
+    const macro_solver *s = band->solver;
+    const ptrdiff_t first = r - s->across.reach;
+
+    if (first >= 0 && r + s->across.reach < s->n2) {
+        const ptrdiff_t place = first & (s->n_ring - 1);
+        return (window){ band->slope_ring + place, band->share_ring + place };
+    }
+    for (int m = 0; m <= 2 * s->across.reach; m++) {
+        ptrdiff_t seen = seen_row(s, first + m);
+        const macro_ring_row *row = ring_place(band, seen);
+        band->slope_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->slope1;
+        band->share_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->share1;
+    }
+    return (window){ band->slope_rows, band->share_rows };
+}
+
 void macro__push_make(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
@@ -158,14 +182,9 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
         return;
     fill_ring(band, r + s->across.reach);
     make_unexpected(band, r);
-    for (int m = 0; m <= 2 * s->across.reach; m++) {
-        ptrdiff_t seen = seen_row(s, r - s->across.reach + m);
-        const macro_ring_row *row = ring_place(band, seen);
-        band->slope_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->slope1;
-        band->share_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->share1;
-    }
+    const window seen = window_of(band, r);
     while (block_set_next_run(missing, s->n_words, &b, &run))
-        kernels_push(band->slope_rows, band->share_rows, &s->across, s->def.dispersion, run.first,
+        kernels_push(seen.slope_rows, seen.share_rows, &s->across, s->def.dispersion, run.first,
                      run.last, place->i1, place->i2);
     if (r >= 0)
         close_faces(s, &s->faces1, r, missing, place->i1);

@@ -160,8 +160,8 @@ static double *open_swept(macro_band *band, ptrdiff_t r, macro_swept *swept)
     } else {
         memset(out - s->margin, 0, (size_t)s->stride * sizeof *out);
     }
-    memset(swept->open, 0, s->n_words * sizeof *swept->open);
-    memset(swept->open_first, 0, s->n_words * sizeof *swept->open_first);
+    block_set_clear(swept->open, s->n_words);
+    block_set_clear(swept->open_first, s->n_words);
     return out;
 }
 

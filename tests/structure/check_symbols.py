@@ -6,8 +6,9 @@ import subprocess
 
 import tree
 
-# Prefixes beside the file's own name, by folder.
-ALSO = {"core/base": {"bf"}, "api": {"api"}}
+# Prefixes beside the file's own name, by folder or file. The solver's step is compiled once for each
+# instruction set, and each time defines the table that variant.h declares.
+ALSO = {"core/base": {"bf"}, "api": {"api"}, "core/macro/macro_sweep.c": {"variant"}}
 # Written by tools, not by us.
 FOREIGN = re.compile(r"__|_init$|_fini$")
 
@@ -17,7 +18,7 @@ def prefixes(source):
     path = pathlib.PurePosixPath(source)
     words = path.stem.split("_")
     own = {"_".join(words[:n]) for n in range(1, len(words) + 1)}
-    return own | ALSO.get(path.parent.as_posix(), set())
+    return own | ALSO.get(path.parent.as_posix(), set()) | ALSO.get(source, set())
 
 
 def is_named_well(symbol, source):
