@@ -238,6 +238,83 @@ static void a_deflector_across_the_belt_leaves_a_plateau(void **state)
     free(log);
 }
 
+// How often a density rises and falls again by a hundredth of its maximum along n cells.
+static int count_lanes(const float *rho, size_t n, size_t stride)
+{
+    float highest = 0.0F, turn = rho[0];
+    bool is_rising = false;
+    int n_lanes = 0;
+
+    for (size_t k = 0; k < n; k++)
+        highest = fmaxf(highest, rho[k * stride]);
+    for (size_t k = 0; k < n; k++) {
+        float value = rho[k * stride];
+        bool has_turned =
+            is_rising ? value < turn - 0.01F * highest : value > turn + 0.01F * highest;
+        n_lanes += has_turned && is_rising;
+        if (has_turned)
+            is_rising = !is_rising;
+        if (has_turned || (is_rising ? value > turn : value < turn))
+            turn = value;
+    }
+    return n_lanes;
+}
+
+// Lanes along and across the belt in the last snapshot but one.
+typedef struct lane_count {
+    bf_grid grid;
+    int along, across;
+} lane_count;
+
+static bf_status count_in_snapshot(void *context, const frame *f, bf_error *err)
+{
+    lane_count *lanes = context;
+
+    (void)err;
+    if (f->type == FRAME_BEGIN)
+        lanes->grid = f->begin.grid;
+    // At 0.1 s the middle of the cargo has moved to x = 0.28 m; its middle row is at y = 0.27 m.
+    if (f->type == FRAME_SNAPSHOT && f->snapshot.index == 1) {
+        lanes->along = count_lanes(f->snapshot.rho + 54 * lanes->grid.n1, lanes->grid.n1, 1);
+        lanes->across = count_lanes(f->snapshot.rho + 56, lanes->grid.n2, lanes->grid.n1);
+    }
+    return BF_OK;
+}
+
+static lane_count lanes_of(scene_heaviside heaviside, double mollifier)
+{
+    lane_count lanes = { 0 };
+    const run_sink sink = { &lanes, count_in_snapshot, NULL };
+    run *r = NULL;
+    scene s;
+
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.duration = 0.11;
+    s.macro.heaviside = heaviside;
+    s.macro.mollifier = mollifier;
+    s.n_obstacles = 0;
+    assert_int_equal(run_create(&s, RUN_MACRO, 1, &r, NULL), BF_OK);
+    assert_int_equal(run_execute(r, &sink, NULL), BF_OK);
+    run_destroy(r);
+    s.n_obstacles = 1;
+    scene_fini(&s);
+    return lanes;
+}
+
+// The paper's Example 3: without H the push acts on loose cargo too and draws it into lanes, the
+// farther apart the wider the mollifier is; with H a loose block stays one block.
+static void without_the_gate_loose_cargo_falls_into_lanes(void **state)
+{
+    (void)state;
+    lane_count narrow = lanes_of(SCENE_HEAVISIDE_NONE, 1e4);
+    lane_count wide = lanes_of(SCENE_HEAVISIDE_NONE, 1e3);
+    lane_count gated = lanes_of(SCENE_HEAVISIDE_SHARP, 1e4);
+    assert_true(wide.along >= 4 && wide.across >= 4);
+    assert_true(narrow.along > wide.along && narrow.across > wide.across);
+    assert_int_equal(gated.along, 1);
+    assert_int_equal(gated.across, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -246,6 +323,7 @@ int main(void)
         cmocka_unit_test(a_part_slides_along_an_obstacle_at_belt_speed_times_cosine),
         cmocka_unit_test(nothing_leaks_through_a_closed_barrier),
         cmocka_unit_test(a_deflector_across_the_belt_leaves_a_plateau),
+        cmocka_unit_test(without_the_gate_loose_cargo_falls_into_lanes),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
