@@ -204,7 +204,10 @@ static void sweep_band(void *context, size_t k)
 {
     macro_solver *s = context;
 
-    s->variant->sweep_band(&s->bands[k]);
+    if (s->n_words == 1)
+        s->variant->sweep_narrow_band(&s->bands[k]);
+    else
+        s->variant->sweep_band(&s->bands[k]);
 }
 
 void macro_step(macro_solver *s)

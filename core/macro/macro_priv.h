@@ -164,17 +164,27 @@ void macro__fill_margins(const macro_solver *s, double *row);
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
 
 #ifdef MACRO_VARIANT
-/// For the files that are compiled once per instruction set, whose name MACRO_VARIANT then is: each
-/// variant's functions have names of their own.
-#define MACRO_JOIN(name, variant)          name##_##variant
-#define MACRO_JOIN_EXPANDED(name, variant) MACRO_JOIN(name, variant)
-#define MACRO_NAME(name)                   MACRO_JOIN_EXPANDED(name, MACRO_VARIANT)
-#define macro__push_begin                  MACRO_NAME(macro__push_begin)
-#define macro__push_make                   MACRO_NAME(macro__push_make)
+/// For the files that are compiled several times: MACRO_VARIANT is the instruction set, MACRO_WIDTH is
+/// `narrow` where a set is one word, else `wide`. Each build's functions have names of their own.
+#define MACRO_JOIN(name, width, variant)          name##_##width##_##variant
+#define MACRO_JOIN_EXPANDED(name, width, variant) MACRO_JOIN(name, width, variant)
+#define MACRO_NAME(name)                          MACRO_JOIN_EXPANDED(name, MACRO_WIDTH, MACRO_VARIANT)
+#define macro__push_begin                         MACRO_NAME(macro__push_begin)
+#define macro__push_make                          MACRO_NAME(macro__push_make)
+#define macro__sweep_band                         MACRO_NAME(macro__sweep_band)
+
+/// Words of a set of blocks, known to the compiler where it is one.
+static inline size_t macro__words(const macro_solver *s)
+{
+    return MACRO_IS_NARROW ? 1 : s->n_words;
+}
 
 /// A new step begins: nothing of I is made, and band->expected is worked out for its rows.
 void macro__push_begin(macro_band *band);
 
 /// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.
 void macro__push_make(macro_band *band, ptrdiff_t r);
+
+/// Advance the band's rows by one step.
+void macro__sweep_band(macro_band *band);
 #endif

@@ -26,11 +26,11 @@ static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
     ptrdiff_t b = -1;
     block_span run;
 
-    for (size_t w = 0; w < s->n_words; w++) {
+    for (size_t w = 0; w < macro__words(s); w++) {
         todo[w] = wanted[w] & ~place->done[w];
         place->done[w] |= todo[w];
     }
-    while (block_set_next_run(todo, s->n_words, &b, &run))
+    while (block_set_next_run(todo, macro__words(s), &b, &run))
         kernels_convolve_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
                             place->slope1, place->share1);
 }
@@ -42,7 +42,7 @@ static void fill_ring(macro_band *band, ptrdiff_t r)
     const ptrdiff_t end = r + 1 < s->n2 ? r + 1 : s->n2;
 
     for (; band->ring_end < end; band->ring_end++) {
-        block_set_clear(ring_place(band, band->ring_end)->done, s->n_words);
+        block_set_clear(ring_place(band, band->ring_end)->done, macro__words(s));
         convolve_row(band, band->ring_end,
                      macro__set(s, band->near, band->ring_end + s->across.reach));
     }
@@ -62,7 +62,7 @@ static ptrdiff_t seen_row(const macro_solver *s, ptrdiff_t r)
 static void spread_expected(macro_band *band, ptrdiff_t first, ptrdiff_t last)
 {
     const macro_solver *s = band->solver;
-    const size_t reach = (size_t)s->across.reach, window = 2 * reach + 1, n_words = s->n_words;
+    const size_t reach = (size_t)s->across.reach, window = 2 * reach + 1, n_words = macro__words(s);
     // Row j of the grid is put at j + 2 S, so that the window j - S .. j + S begins at j + S.
     uint64_t *rows = band->near;
     const size_t from = (size_t)first * n_words, to = ((size_t)last + 2 * reach) * n_words;
@@ -89,8 +89,9 @@ void macro__push_begin(macro_band *band)
         const uint64_t *first_open = macro__set(s, s->now.open_first, r);
         const uint64_t *north = r + 1 < s->n2 ? macro__set(s, s->now.open, r + 1) : band->empty;
         uint64_t *expected = macro__set(s, band->expected, r);
-        for (size_t w = 0; w < s->n_words; w++)
-            expected[w] = open[w] | block_set_shifted_down(first_open, s->n_words, w) | north[w];
+        for (size_t w = 0; w < macro__words(s); w++)
+            expected[w] =
+                open[w] | block_set_shifted_down(first_open, macro__words(s), w) | north[w];
     }
     spread_expected(band, first, last);
     for (int k = 0; k < 2; k++)
@@ -104,7 +105,7 @@ static macro_push_row *push_place(macro_band *band, ptrdiff_t r)
 
     if (place->row != r) {
         place->row = r;
-        block_set_clear(place->done, band->solver->n_words);
+        block_set_clear(place->done, macro__words(band->solver));
     }
     return place;
 }
@@ -116,7 +117,7 @@ static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff
     const uint8_t *closed = macro__closed(s, faces, row);
     const uint64_t *closable = macro__set(s, faces->closable, row);
 
-    for (size_t w = 0; w < s->n_words; w++)
+    for (size_t w = 0; w < macro__words(s); w++)
         for (uint64_t word = blocks[w] & closable[w]; word != 0; word &= word - 1) {
             ptrdiff_t b = (ptrdiff_t)(w * 64) + __builtin_ctzll(word) - 1;
             for (unsigned mask = closed[b]; mask != 0; mask &= mask - 1)
@@ -132,7 +133,7 @@ static void make_unexpected(macro_band *band, ptrdiff_t r)
     uint64_t *unexpected = band->unexpected;
     uint64_t any = 0;
 
-    for (size_t w = 0; w < s->n_words; w++)
+    for (size_t w = 0; w < macro__words(s); w++)
         any |= unexpected[w] = band->missing[w] & ~expected[w];
     for (int m = 0; any != 0 && m <= 2 * s->across.reach; m++) {
         ptrdiff_t row = r - s->across.reach + m;
@@ -174,7 +175,7 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
     ptrdiff_t b = -1;
     block_span run;
 
-    for (size_t w = 0; w < s->n_words; w++) {
+    for (size_t w = 0; w < macro__words(s); w++) {
         any |= missing[w] = band->wanted[w] & ~place->done[w];
         place->done[w] |= missing[w];
     }
@@ -183,7 +184,7 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
     fill_ring(band, r + s->across.reach);
     make_unexpected(band, r);
     const window seen = window_of(band, r);
-    while (block_set_next_run(missing, s->n_words, &b, &run))
+    while (block_set_next_run(missing, macro__words(s), &b, &run))
         kernels_push(seen.slope_rows, seen.share_rows, &s->across, s->def.dispersion, run.first,
                      run.last, place->i1, place->i2);
     if (r >= 0)

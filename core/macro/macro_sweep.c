@@ -38,7 +38,7 @@ static void mark_open(const macro_solver *s, block_span range, uint64_t *open, u
 {
     if (s->def.gate == MACRO_GATE_SHARP)
         return;
-    for (size_t w = 0; w < s->n_words; w++) {
+    for (size_t w = 0; w < macro__words(s); w++) {
         open[w] |= block_set_span_word(range, w);
         open_first[w] |= block_set_span_word(range, w);
     }
@@ -54,15 +54,15 @@ static void prepare_push(macro_band *band, ptrdiff_t r)
     const uint64_t *expected = macro__set(s, band->expected, r);
     uint64_t any = 0;
 
-    for (size_t w = 0; w < s->n_words; w++) {
-        band->open_faces[w] = open[w] | block_set_shifted_down(first, s->n_words, w);
+    for (size_t w = 0; w < macro__words(s); w++) {
+        band->open_faces[w] = open[w] | block_set_shifted_down(first, macro__words(s), w);
         any |= band->wanted[w] = expected[w];
     }
     if (any != 0)
         macro__push_make(band, r);
     if (r >= band->first && r < band->last)
         s->cost[r] = 1.0 + (double)s->n_blocks +
-                     (any == 0 ? 0.0 : cost_of_push * block_set_count(expected, s->n_words));
+                     (any == 0 ? 0.0 : cost_of_push * block_set_count(expected, macro__words(s)));
 }
 
 // The flux through the faces of the blocks of range, between the rows (or the shifted row) near and
@@ -75,7 +75,7 @@ static void make_flux(const macro_solver *s, const double *v, const double *push
     block_span run;
 
     while (done < range.last) {
-        if (!block_set_next_run(open, s->n_words, &b, &run) || run.first > range.last)
+        if (!block_set_next_run(open, macro__words(s), &b, &run) || run.first > range.last)
             run = (block_span){ range.last, range.last };
         run.last = run.last < range.last ? run.last : range.last;
         kernels_upwind(v, near->rho, far->rho, done, run.first, flux);
@@ -108,7 +108,7 @@ static void find_special(macro_band *band, ptrdiff_t r, block_span span)
     const uint64_t *mixed = macro__set(s, s->faces1.mixed, r);
     uint64_t carry = 0; // the face at the end of the word before
 
-    for (size_t w = 0; w < s->n_words; w++) {
+    for (size_t w = 0; w < macro__words(s); w++) {
         uint64_t faces = mixed[w] | band->open_faces[w];
         band->special[w] = (faces | faces << 1 | carry) & block_set_span_word(span, w);
         carry = faces >> 63;
@@ -128,7 +128,7 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_swept *swept, doub
 
     find_special(band, r, swept->span);
     while (done < swept->span.last) {
-        if (!block_set_next_run(band->special, s->n_words, &b, &run))
+        if (!block_set_next_run(band->special, macro__words(s), &b, &run))
             run = (block_span){ swept->span.last, swept->span.last };
         if (done < run.first)
             kernels_update_uniform(rho, s->lambda1, s->plain1, done, run.first, out, swept->open,
@@ -160,8 +160,8 @@ static double *open_swept(macro_band *band, ptrdiff_t r, macro_swept *swept)
     } else {
         memset(out - s->margin, 0, (size_t)s->stride * sizeof *out);
     }
-    block_set_clear(swept->open, s->n_words);
-    block_set_clear(swept->open_first, s->n_words);
+    block_set_clear(swept->open, macro__words(s));
+    block_set_clear(swept->open_first, macro__words(s));
     return out;
 }
 
@@ -197,14 +197,14 @@ static void find_flux_x2(macro_band *band, ptrdiff_t r)
     ptrdiff_t b = -1;
     block_span run;
 
-    for (size_t w = 0; w < s->n_words; w++) {
+    for (size_t w = 0; w < macro__words(s); w++) {
         band->wanted[w] = (south->open[w] | north->open[w]) & ~shut[w];
         uint64_t carried = mixed[w] & ~shut[w] & block_set_span_word(span, w);
         band->todo[w] = set[w];
         set[w] = band->wanted[w] | carried;
         band->todo[w] &= ~set[w];
     }
-    while (block_set_next_run(band->todo, s->n_words, &b, &run))
+    while (block_set_next_run(band->todo, macro__words(s), &b, &run))
         memset(band->flux2[r & 1] + run.first * BLOCK_CELLS, 0,
                (size_t)(run.last - run.first) * BLOCK_CELLS * sizeof(double));
 }
@@ -217,9 +217,9 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
     block_span run;
 
     find_flux_x2(band, r);
-    if (!block_set_is_empty(band->wanted, s->n_words))
+    if (!block_set_is_empty(band->wanted, macro__words(s)))
         macro__push_make(band, r - 1);
-    while (block_set_next_run(band->flux2_set[r & 1], s->n_words, &b, &run))
+    while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
         make_flux(s, macro__row(s, s->faces2.v, r), band->push[(r - 1) & 1].i2,
                   &band->swept[(r - 1) & 1], &band->swept[r & 1], run, band->wanted,
                   band->flux2[r & 1]);
@@ -235,9 +235,9 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     block_span span = swept->span, run;
     ptrdiff_t b = -1;
 
-    for (size_t w = 0; w < s->n_words; w++)
+    for (size_t w = 0; w < macro__words(s); w++)
         band->todo[w] = south[w] | north[w];
-    while (block_set_next_run(band->todo, s->n_words, &b, &run)) {
+    while (block_set_next_run(band->todo, macro__words(s), &b, &run)) {
         kernels_update(rho, s->lambda2, band->flux2[(r + 1) & 1], band->flux2[r & 1], run.first,
                        run.last, rho, swept->open, swept->open_first);
         mark_open(s, run, swept->open, swept->open_first);
@@ -247,7 +247,7 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     s->next.span[r] = span;
 }
 
-static void sweep_band(macro_band *band)
+void macro__sweep_band(macro_band *band)
 {
     macro__push_begin(band);
     sweep_x1(band, band->first - 1);
@@ -258,10 +258,3 @@ static void sweep_band(macro_band *band)
             finish_row(band, r - 1);
     }
 }
-
-#define TEXT(word)          #word
-#define TEXT_EXPANDED(word) TEXT(word)
-
-extern const variant MACRO_NAME(variant);
-
-const variant MACRO_NAME(variant) = { TEXT_EXPANDED(MACRO_VARIANT), sweep_band };

@@ -3,12 +3,19 @@
 #include <pthread.h>
 #include <stddef.h>
 
-extern const variant variant_base;
+// The build of an instruction set: declarations of its two functions, and its table.
+#define VARIANT(name)                                                                              \
+    void macro__sweep_band_wide_##name(struct macro_band *band);                                   \
+    void macro__sweep_band_narrow_##name(struct macro_band *band);                                 \
+    static const variant name = { #name, macro__sweep_band_wide_##name,                            \
+                                  macro__sweep_band_narrow_##name };
+
+VARIANT(base)
 
 #if defined(__x86_64__)
 
-extern const variant variant_avx2;
-extern const variant variant_avx512;
+VARIANT(avx2)
+VARIANT(avx512)
 
 enum { VARIANTS = 3 };
 
@@ -20,10 +27,10 @@ static void find_available(void)
 
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f"))
-        available[n++] = &variant_avx512;
+        available[n++] = &avx512;
     if (__builtin_cpu_supports("avx2"))
-        available[n++] = &variant_avx2;
-    available[n++] = &variant_base;
+        available[n++] = &avx2;
+    available[n++] = &base;
 }
 
 const variant *const *variant_available(void)
@@ -38,7 +45,7 @@ const variant *const *variant_available(void)
 
 const variant *const *variant_available(void)
 {
-    static const variant *const only[] = { &variant_base, NULL };
+    static const variant *const only[] = { &base, NULL };
 
     return only;
 }

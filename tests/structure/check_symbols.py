@@ -6,9 +6,8 @@ import subprocess
 
 import tree
 
-# Prefixes beside the file's own name, by folder or file. The solver's step is compiled once for each
-# instruction set, and each time defines the table that variant.h declares.
-ALSO = {"core/base": {"bf"}, "api": {"api"}, "core/macro/macro_sweep.c": {"variant"}}
+# Prefixes beside the file's own name, by folder or file.
+ALSO = {"core/base": {"bf"}, "api": {"api"}}
 # Written by tools, not by us.
 FOREIGN = re.compile(r"__|_init$|_fini$")
 
