@@ -182,9 +182,6 @@ static void complete(exchange *x)
         api_response_header(response, "Vary", "Accept");
     if (!has_header(response, "Cache-Control"))
         api_response_header(response, "Cache-Control", "no-store");
-    // A stream has no length, and HEAD wants its headers only.
-    if (response->is_stream && strcmp(x->request->method, "HEAD") == 0)
-        response->is_stream = false;
 }
 
 // A document that is at fault is understood but cannot be processed, unless it is none at all.
@@ -209,15 +206,18 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
         api_response_header(x->response, "Accept", "application/json");
 }
 
-// OPTIONS of a path that exists. False: it does not.
+// OPTIONS of a path that exists, or of the service as a whole ("*"). False: it is neither.
 static bool answer_options(const api_request *request, api_response *response)
 {
     char allow[ROUTES_ALLOW_SIZE];
+    bool is_whole = strcmp(request->path, "*") == 0;
 
-    if (strcmp(request->method, "OPTIONS") != 0 || !routes_allow(request->path, allow))
+    if (strcmp(request->method, "OPTIONS") != 0 ||
+        (!is_whole && !routes_allow(request->path, allow)))
         return false;
     response->status = 204;
-    api_response_header(response, "Allow", "%s", allow);
+    if (!is_whole)
+        api_response_header(response, "Allow", "%s", allow);
     return true;
 }
 

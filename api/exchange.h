@@ -56,8 +56,8 @@ typedef struct api_response {
 /// True if handling this request can wait for the disk, so that an event loop hands it to a thread.
 bool api_route_blocks(const char *method, const char *path);
 
-/// Handle a request. Always fills *response; HEAD is handled as GET with the body left in (the
-/// transport leaves it out). BF_ENOMEM becomes a 503.
+/// Handle a request. Always fills *response; HEAD is handled as GET with body or stream left in (the
+/// transport leaves them out). BF_ENOMEM becomes a 503.
 void api_handle(const api_services *services, const api_request *request, api_response *response);
 
 /// Make *response a problem document, replacing what was there: status, and the error's text as

@@ -112,15 +112,6 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     return status;
 }
 
-static void write_pair(json_out *w, const char *key, double first, double second)
-{
-    json_out_key(w, key);
-    json_out_array(w);
-    json_out_number(w, first);
-    json_out_number(w, second);
-    json_out_array_end(w);
-}
-
 static void write_rows(json_out *w, const bf_grid *grid, const float *rho)
 {
     char text[NUMBER_SIZE];
@@ -151,9 +142,9 @@ static bf_status write_snapshot_json(const api_snapshot *snapshot, const bf_grid
     json_out_key_number(&w, "t_s", snapshot->t);
     json_out_key_number(&w, "peak", snapshot->peak);
     json_out_key_number(&w, "mass", snapshot->mass);
-    write_pair(&w, "origin_m", grid->lower1, grid->lower2);
-    write_pair(&w, "cell_m", grid->d1, grid->d2);
-    write_pair(&w, "shape", (double)grid->n2, (double)grid->n1);
+    json_out_key_pair(&w, "origin_m", grid->lower1, grid->lower2);
+    json_out_key_pair(&w, "cell_m", grid->d1, grid->d2);
+    json_out_key_pair(&w, "shape", (double)grid->n2, (double)grid->n1);
     write_rows(&w, grid, rho);
     json_out_object_end(&w);
     return json_out_status(&w, err);

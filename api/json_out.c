@@ -209,3 +209,12 @@ void json_out_key_bool(json_out *w, const char *key, bool value)
     json_out_key(w, key);
     json_out_bool(w, value);
 }
+
+void json_out_key_pair(json_out *w, const char *key, double first, double second)
+{
+    json_out_key(w, key);
+    json_out_array(w);
+    json_out_number(w, first);
+    json_out_number(w, second);
+    json_out_array_end(w);
+}

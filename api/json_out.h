@@ -45,3 +45,6 @@ void json_out_key_string(json_out *w, const char *key, const char *text);
 void json_out_key_number(json_out *w, const char *key, double value);
 void json_out_key_integer(json_out *w, const char *key, int64_t value);
 void json_out_key_bool(json_out *w, const char *key, bool value);
+
+/// A key and an array of two numbers.
+void json_out_key_pair(json_out *w, const char *key, double first, double second);

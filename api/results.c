@@ -125,20 +125,11 @@ bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out, bf
     return BF_OK;
 }
 
-static void write_pair(json_out *w, const char *key, double first, double second)
-{
-    json_out_key(w, key);
-    json_out_array(w);
-    json_out_number(w, first);
-    json_out_number(w, second);
-    json_out_array_end(w);
-}
-
 static void write_grid(json_out *w, const bf_grid *grid)
 {
     json_out_object(w);
-    write_pair(w, "origin_m", grid->lower1, grid->lower2);
-    write_pair(w, "cell_m", grid->d1, grid->d2);
+    json_out_key_pair(w, "origin_m", grid->lower1, grid->lower2);
+    json_out_key_pair(w, "cell_m", grid->d1, grid->d2);
     json_out_key(w, "shape");
     json_out_array(w);
     json_out_integer(w, (int64_t)grid->n2);

@@ -12,6 +12,7 @@
 #include "server/service.h"
 
 #include <argp.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -158,12 +159,24 @@ static int print_sample(void)
     return is_good ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+// A descriptor below 3 that is closed would become that of a file or a client, and the log go there.
+static void occupy_standard_descriptors(void)
+{
+    int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+    while (fd >= 0 && fd <= STDERR_FILENO)
+        fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (fd >= 0)
+        (void)close(fd);
+}
+
 // Blocks the signals that main waits for, in this and all later threads.
 static sigset_t prepare_process(void)
 {
     struct rlimit files;
     sigset_t signals;
 
+    occupy_standard_descriptors();
     (void)umask(077);
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&signals);

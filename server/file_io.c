@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -113,4 +114,46 @@ bf_status file_io_replace(int directory, const char *name, const void *bytes, si
     int error = errno;
     unlinkat(directory, temporary, 0);
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(error));
+}
+
+// A new name in a directory survives a power loss once the directory is synced.
+static bool sync_parent(const char *path)
+{
+    int fd = open(path, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    int parent = fd < 0 ? -1 : openat(fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool ok = parent >= 0 && fsync(parent) == 0;
+    int error = errno;
+
+    if (fd >= 0)
+        close(fd);
+    if (parent >= 0)
+        close(parent);
+    errno = error;
+    return ok;
+}
+
+static bool make_directory(const char *path, mode_t mode, file_io_sync sync)
+{
+    if (mkdir(path, mode) != 0)
+        return errno == EEXIST;
+    return sync != FILE_IO_NOW || sync_parent(path);
+}
+
+bool file_io_make_directories(const char *path, mode_t mode, file_io_sync sync)
+{
+    char *part = strdup(path);
+
+    if (part == NULL)
+        return false;
+    bool ok = true;
+    for (char *slash = part; ok && slash != NULL;) {
+        slash = strchr(slash + 1, '/');
+        if (slash != NULL)
+            *slash = '\0';
+        ok = make_directory(part, mode, sync);
+        if (slash != NULL)
+            *slash = '/';
+    }
+    free(part);
+    return ok;
 }

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <sys/types.h>
 
 /// Append what path holds to *out; "-" is standard input, a directory stands for `inside` in it
 /// (NULL: directories are refused). BF_EINPUT: cannot be opened or read; BF_ELIMIT: more than limit
@@ -31,3 +32,7 @@ typedef enum file_io_sync {
 /// or the new one, never a part. BF_ESYSTEM: the old one is still there.
 BF_MUST_CHECK bf_status file_io_replace(int directory, const char *name, const void *bytes,
                                         size_t n, file_io_sync sync, bf_error *err);
+
+/// Make a directory and what is above it, like mkdir -p. What is there already is left as it is, and
+/// may be something else than a directory. False: errno.
+bool file_io_make_directories(const char *path, mode_t mode, file_io_sync sync);

@@ -109,6 +109,7 @@ static void explain_absence(http_request *r)
         "The API is under /v1: try /v1/runs, /v1/examples and /version.\n"
         "To have the page, give its directory by --web.\n";
 
+    api_response_fini(&r->response);
     if (buffer_append(&r->response.body, text, sizeof text - 1) != BF_OK) {
         http__respond_refuse(r, 503, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
         return;
@@ -124,30 +125,45 @@ static bool has_it_already(http_request *r, const char *etag)
     return known != NULL && (strcmp(known, "*") == 0 || strstr(known, etag) != NULL);
 }
 
-void http__file_answer(http_request *r)
+static void refuse_method(http_request *r)
 {
-    int web_fd = r->server->web_fd;
-    http_file file = { .fd = -1 };
+    const bf_error err = { .code = BF_EINPUT, .text = "this path knows: GET, HEAD" };
 
-    if (web_fd < 0 ? strcmp(r->path, "/") != 0 : !http__file_open(web_fd, r->path, &file))
-        return;
+    http__respond_refuse(r, 405, &err);
+    api_response_header(&r->response, "Allow", "GET, HEAD");
+}
+
+static void answer_file(http_request *r, const http_file *file)
+{
     api_response_fini(&r->response);
-    if (web_fd < 0) {
-        explain_absence(r);
-        return;
-    }
     r->response.status = 200;
-    api_response_header(&r->response, "ETag", "%s", file.etag);
+    api_response_header(&r->response, "ETag", "%s", file->etag);
     api_response_header(&r->response, "Cache-Control", "no-cache");
     api_response_header(&r->response, "Content-Security-Policy",
                         "default-src 'self'; base-uri 'none'; form-action 'self'; "
                         "frame-ancestors 'none'; object-src 'none'");
     api_response_header(&r->response, "Referrer-Policy", "no-referrer");
-    if (has_it_already(r, file.etag)) {
-        (void)close(file.fd);
+    // MHD sends no body with a 304, but the length of what it is given.
+    r->file = *file;
+    if (has_it_already(r, file->etag))
         r->response.status = 304;
-        return;
-    }
-    api_response_header(&r->response, "Content-Type", "%s", file.type);
-    r->file = file;
+    else
+        api_response_header(&r->response, "Content-Type", "%s", file->type);
+}
+
+void http__file_answer(http_request *r)
+{
+    bool is_read = strcmp(r->method, "GET") == 0 || strcmp(r->method, "HEAD") == 0;
+    http_file file = { .fd = -1 };
+    bool is_there = r->server->web_fd < 0 ? strcmp(r->path, "/") == 0
+                                          : http__file_open(r->server->web_fd, r->path, &file);
+
+    if (is_there && !is_read)
+        refuse_method(r);
+    else if (file.fd >= 0)
+        answer_file(r, &file);
+    else if (is_there)
+        explain_absence(r);
+    if (file.fd >= 0 && r->file.fd < 0)
+        (void)close(file.fd);
 }

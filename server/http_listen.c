@@ -75,6 +75,19 @@ static int open_socket(const struct addrinfo *where)
     return -1;
 }
 
+// A name can have addresses that this machine cannot use, such as ::1 of localhost without IPv6: then
+// the next one counts. -1 with errno.
+static int open_first(const struct addrinfo *where)
+{
+    int fd = open_socket(where);
+
+    while (fd < 0 && where->ai_next != NULL && (errno == EADDRNOTAVAIL || errno == EAFNOSUPPORT)) {
+        where = where->ai_next;
+        fd = open_socket(where);
+    }
+    return fd;
+}
+
 static unsigned port_of(int fd)
 {
     struct sockaddr_storage address = { 0 };
@@ -100,7 +113,7 @@ bf_status http__listen(const char *address, int *ret_fd, unsigned *ret_port, bf_
     if (failure != 0)
         return bf_fail(err, BF_EINPUT, "", "'%s' is not an address to listen on: %s", parts.host,
                        gai_strerror(failure));
-    int fd = open_socket(found);
+    int fd = open_first(found);
     int error = errno;
     freeaddrinfo(found);
     if (fd < 0)

@@ -195,8 +195,8 @@ http_pool *http__pool_free(http_pool *p);
 /// Open the file of the page for a path, if there is one.
 bool http__file_open(int web_fd, const char *path, http_file *ret_file);
 
-/// Make the response that of r->path in the page, if it has one: a file, a 304, or without a page a
-/// word about it for "/".
+/// Make the response that of r->path in the page, if it has one: a file, a 304, a 405, or without a
+/// page a word about it for "/".
 void http__file_answer(http_request *r);
 
 // http_request.c: what MHD's callbacks for requests come to.

@@ -172,8 +172,7 @@ static bool take_body(http_request *r, const char *bytes, size_t *n)
 
 static bool is_for_page(const http_request *r)
 {
-    return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0 &&
-           (strcmp(r->method, "GET") == 0 || strcmp(r->method, "HEAD") == 0);
+    return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0;
 }
 
 void http__request_handle(http_request *r)

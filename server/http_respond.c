@@ -11,14 +11,8 @@ static const api_header standard[] = {
     { "X-Content-Type-Options", "nosniff" },
     { "Cache-Control", "no-store" },
 };
-static const api_header of_streams[] = {
-    { "X-Accel-Buffering", "no" },
-};
 
-enum {
-    N_STANDARD = sizeof standard / sizeof *standard,
-    N_OF_STREAMS = sizeof of_streams / sizeof *of_streams,
-};
+enum { N_STANDARD = sizeof standard / sizeof *standard };
 
 static bool has_header(const api_response *response, const char *name)
 {
@@ -29,19 +23,17 @@ static bool has_header(const api_response *response, const char *name)
     return false;
 }
 
-static void add_missing(api_response *response, const api_header *headers, size_t n)
+static void add_missing(api_response *response)
 {
-    for (size_t i = 0; i < n; i++) {
-        if (!has_header(response, headers[i].name))
-            api_response_header(response, headers[i].name, "%s", headers[i].value);
+    for (size_t i = 0; i < N_STANDARD; i++) {
+        if (!has_header(response, standard[i].name))
+            api_response_header(response, standard[i].name, "%s", standard[i].value);
     }
 }
 
 static void complete_headers(http_request *r)
 {
-    add_missing(&r->response, standard, N_STANDARD);
-    if (r->response.is_stream)
-        add_missing(&r->response, of_streams, N_OF_STREAMS);
+    add_missing(&r->response);
     if (r->refusal != 0)
         api_response_header(&r->response, "Connection", "close");
 }
@@ -51,19 +43,29 @@ void http__respond_refuse(http_request *r, int status, const bf_error *err)
     api_problem(&r->response, status, r->path, err);
 }
 
-// HEAD must not be answered by a reader: MHD would end even its empty answer with a chunk.
 static bool is_streamed(const http_request *r)
 {
     return r->response.is_stream && strcmp(r->method, "HEAD") != 0;
+}
+
+// HEAD of a stream reads nothing. MHD would still end its answer with an empty chunk, unless it may
+// not use chunks; then the connection closes.
+static struct MHD_Response *make_stream(http_request *r)
+{
+    struct MHD_Response *response =
+        MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r, NULL);
+
+    if (response != NULL && !is_streamed(r))
+        (void)MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
+    return response;
 }
 
 static struct MHD_Response *make_response(http_request *r)
 {
     bf_buffer *body = &r->response.body;
 
-    if (is_streamed(r))
-        return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r,
-                                                 NULL);
+    if (r->response.is_stream)
+        return make_stream(r);
     if (r->file.fd >= 0)
         return MHD_create_response_from_fd64(r->file.n, r->file.fd);
     return MHD_create_response_from_buffer(body->n, body->bytes, MHD_RESPMEM_PERSISTENT);

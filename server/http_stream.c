@@ -184,7 +184,8 @@ static bool suspend(http *h, http_stream *s, uint64_t seen)
     return is_quiet;
 }
 
-static void read_batch(http_request *r, bool owes_heartbeat, stream_state *ret_state)
+// False: the store failed. The client must not take the end of its stream for the end of the runs.
+static bool read_batch(http_request *r, bool owes_heartbeat, stream_state *ret_state)
 {
     http_stream *s = &r->stream;
     stream_state state = STREAM_DONE;
@@ -196,12 +197,14 @@ static void read_batch(http_request *r, bool owes_heartbeat, stream_state *ret_s
         const char *beat = stream_heartbeat(r->response.cursor.format);
         status = buffer_append(&s->batch, beat, strlen(beat));
     }
-    if (status != BF_OK && status != BF_ENOTFOUND) {
+    if (status != BF_OK) {
         char quoted[LOG_QUOTED_SIZE];
         log_event(LOG_LEVEL_WARN, "stream_failed", "run=%s error=%s", s->runs[0],
                   log_quote(err.text, quoted));
+        return false;
     }
-    *ret_state = status == BF_OK ? state : STREAM_DONE;
+    *ret_state = state;
+    return true;
 }
 
 static ssize_t hand_out(http *h, http_stream *s, char *bytes, size_t n)
@@ -235,7 +238,8 @@ ssize_t http__stream_read(void *context, uint64_t position, char *bytes, size_t 
         if (seen.is_stopping)
             return MHD_CONTENT_READER_END_OF_STREAM;
         stream_state state = STREAM_DONE;
-        read_batch(r, seen.owes_heartbeat, &state);
+        if (!read_batch(r, seen.owes_heartbeat, &state))
+            return MHD_CONTENT_READER_END_WITH_ERROR;
         s->is_over = state == STREAM_DONE;
         if (state == STREAM_WAIT && s->batch.n == 0 && suspend(r->server, s, seen.seen))
             return 0;

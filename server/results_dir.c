@@ -37,31 +37,11 @@ static void name_snapshot(uint64_t index, char *ret_name)
     snprintf(ret_name, NAME_SIZE, "%06llu.npy", (unsigned long long)index);
 }
 
-// Make path and what is above it, like mkdir -p. False: errno.
-static bool make_directories(const char *path)
-{
-    char *part = strdup(path);
-
-    if (part == NULL)
-        return false;
-    bool ok = true;
-    for (char *slash = part; ok && slash != NULL;) {
-        slash = strchr(slash + 1, '/');
-        if (slash != NULL)
-            *slash = '\0';
-        ok = mkdir(part, 0777) == 0 || errno == EEXIST;
-        if (slash != NULL)
-            *slash = '/';
-    }
-    free(part);
-    return ok;
-}
-
 static bf_status open_directories(results_dir *d, const char *path, bf_error *err)
 {
     if (*path == '\0')
         errno = ENOENT;
-    if (*path == '\0' || !make_directories(path))
+    if (*path == '\0' || !file_io_make_directories(path, 0777, FILE_IO_LATER))
         return fail_on(path, err);
     d->directory = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (d->directory < 0)

@@ -3,6 +3,8 @@
 
 #include "server/store_priv.h"
 
+#include "server/log.h"
+
 #include <string.h>
 
 void store_job_fini(store_job *job)
@@ -48,6 +50,19 @@ static bf_status read_next(store__connection *reader, store_job *job, bf_buffer 
     return status;
 }
 
+// A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
+// again from t = 0.
+static bf_status unpack_checkpoint(const bf_buffer *packed, store_job *job, bf_error *err)
+{
+    bf_status status = store__unpack(packed, &job->checkpoint, err);
+
+    if (status != BF_ECORRUPT)
+        return status;
+    log_event(LOG_LEVEL_WARN, "checkpoint_damaged", "run=%s", job->run.id);
+    job->step = 0;
+    return BF_OK;
+}
+
 static bf_status peek_next(store *s, store_job *job, bf_error *err)
 {
     store__connection *reader = NULL;
@@ -59,7 +74,7 @@ static bf_status peek_next(store *s, store_job *job, bf_error *err)
     status = read_next(reader, job, &packed, err);
     store__give_reader(s, reader);
     if (status == BF_OK && packed.n > 0)
-        status = store__unpack(&packed, &job->checkpoint, err);
+        status = unpack_checkpoint(&packed, job, err);
     buffer_fini(&packed);
     return status;
 }

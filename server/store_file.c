@@ -1,5 +1,7 @@
 #include "server/store_priv.h"
 
+#include "server/file_io.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -89,13 +91,9 @@ static bf_status sync_directory(const char *path, bf_error *err)
 
 static bf_status make_directory(const store *s, bf_error *err)
 {
-    char parent[STORE__PATH_SIZE + 16];
-
-    if (mkdir(s->directory, 0700) != 0)
-        return errno == EEXIST ? BF_OK
-                               : fail_errno("cannot make the data directory", s->directory, err);
-    snprintf(parent, sizeof parent, "%s/..", s->directory);
-    return sync_directory(parent, err);
+    if (file_io_make_directories(s->directory, 0700, FILE_IO_NOW))
+        return BF_OK;
+    return fail_errno("cannot make the data directory", s->directory, err);
 }
 
 bf_status store__take_directory(store *s, bf_error *err)

@@ -87,8 +87,11 @@ static void end_task(supervisor *s, supervisor__task *task, int status)
     store_ending ending = supervisor__judge(task, status, asked, &s->options);
     bool is_back_unasked = ending.state == RUN_QUEUED && asked == SUPERVISOR_GO_ON;
     bool is_stored = supervisor__finish(task, s->options.store, &ending, s->options.n_threads);
+    if (!is_stored)
+        supervisor__owe(s, task->job.run.id,
+                        asked >= SUPERVISOR_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
     // The store's trouble, or somebody else's signals, would make the next one end the same way.
-    if (!is_stored || is_back_unasked || (task->is_doomed && task->error.code == BF_ESYSTEM))
+    else if (is_back_unasked || (task->is_doomed && task->error.code == BF_ESYSTEM))
         supervisor__pause(s);
     remove_task(s, task);
 }
@@ -203,6 +206,7 @@ static void free_supervisor(supervisor *s)
     lock_condition_fini(&s->changed);
     lock_fini(&s->lock);
     memory_free(s->tasks);
+    memory_free(s->debts);
     memory_free(s);
 }
 
@@ -211,15 +215,18 @@ bf_status supervisor_start(const supervisor_options *options, supervisor **ret_s
 {
     supervisor *s = memory_alloc(1, sizeof *s);
     supervisor__task **tasks = memory_alloc(options->n_workers, sizeof(supervisor__task *));
+    supervisor__debt *debts = memory_alloc(options->n_workers, sizeof *debts);
 
     BF_CHECK(options->n_workers >= 1 && options->n_threads >= 1);
-    if (s == NULL || tasks == NULL) {
+    if (s == NULL || tasks == NULL || debts == NULL) {
         memory_free(s);
         memory_free(tasks);
+        memory_free(debts);
         return bf_fail(err, BF_ENOMEM, "", "no memory for the supervisor");
     }
     s->options = *options;
     s->tasks = tasks;
+    s->debts = debts;
     s->may_claim = true;
     s->pause_ms = SUPERVISOR_PAUSE_FIRST_MS;
     lock_init(&s->lock);

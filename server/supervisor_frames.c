@@ -14,6 +14,10 @@ enum { LINES_LOGGED_MAX = 100 };
 // The rate follows changes of the last few seconds, not of single reports.
 static const double rate_memory_s = 2.0;
 
+// Progress is told again after this share of the time so far: some thousand events at most, since the
+// store keeps them, however long a run takes.
+static const double progress_share = 1e-3;
+
 void supervisor__free_items(supervisor__task *task)
 {
     for (size_t i = 0; i < task->n_items; i++) {
@@ -88,6 +92,10 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
         task->rate_s = now_s;
         task->rate_step = task->progress.step;
     }
+    double pause_s = progress_share * supervisor__wall_s(task);
+    if (task->told_s > 0.0 && now_s < task->told_s + pause_s && !task->has_ended)
+        return BF_OK;
+    task->told_s = now_s;
     task->has_progress = false;
     store_item *item = add_item(task, API_EVENT_PROGRESS);
     return item == NULL

@@ -59,6 +59,7 @@ struct supervisor__task {
     bf_error error;          ///< why it fails: told by the child, or found here
     bool has_progress;       ///< progress is not stored yet
     frame_progress progress; ///< the newest
+    double told_s;           ///< when progress was last told, clock_monotonic_s(); 0: never
     double rate;             ///< steps/s, smoothed; 0: not known yet
     double rate_s;           ///< when rate was last brought up to date
     uint64_t rate_step;      ///< the step then
@@ -68,6 +69,12 @@ struct supervisor__task {
     unsigned n_logged;       ///< lines of stderr that went to the log
     supervisor__watch watches[SUPERVISOR_SOURCE_COUNT]; ///< what epoll events point at
 };
+
+/// A run that has ended here and that the store could not be told of.
+typedef struct supervisor__debt {
+    char run_id[API_ID_SIZE]; ///< still `running` in the store
+    run_state state;          ///< what it shall be
+} supervisor__debt;
 
 /// The supervisor.
 ///
@@ -90,10 +97,12 @@ struct supervisor {
     int64_t grace_ms;             ///< with this
     int64_t claim_at_ms;          ///< the thread's: no claiming before; 0: at once
     int64_t pause_ms;             ///< the thread's: how long the next pause is
+    size_t n_debts;               ///< the thread's: debts; nothing is claimed while there are any
+    supervisor__debt *debts;      ///< the thread's: room for n_workers
 };
 
 /// Start the child of a claimed job, which is taken over: *job is then empty. On failure *job is as
-/// before: BF_EBUSY passes, BF_ESYSTEM does not; BF_ENOMEM.
+/// before: BF_EBUSY and BF_ENOMEM pass, others do not.
 BF_MUST_CHECK bf_status supervisor__task_start(const supervisor_options *options, store_job *job,
                                                supervisor__task **ret_task, bf_error *err);
 
@@ -123,6 +132,9 @@ void supervisor__task_free(supervisor__task *task);
 
 /// Take one run from the queue and start it. False: there is none, no room, or this is not the time.
 bool supervisor__claim(supervisor *s);
+
+/// Tell the store later that the run is in this state, and claim nothing before that.
+void supervisor__owe(supervisor *s, const char *run_id, run_state state);
 
 /// Claim nothing for a while: something is wrong that the next run would meet too.
 void supervisor__pause(supervisor *s);

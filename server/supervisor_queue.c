@@ -1,10 +1,12 @@
 #include "server/supervisor_priv.h"
 
+#include "core/base/check.h"
 #include "server/clock.h"
 #include "server/log.h"
 
 #include <errno.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
 
@@ -17,6 +19,36 @@ void supervisor__pause(supervisor *s)
     lock_take(&s->lock);
     s->may_claim = true;
     lock_give(&s->lock);
+}
+
+// Each debt is of a run that had a place, and no place is given away while there are debts, so there
+// is room.
+void supervisor__owe(supervisor *s, const char *run_id, run_state state)
+{
+    BF_CHECK(s->n_debts < s->options.n_workers);
+    supervisor__debt *debt = &s->debts[s->n_debts++];
+    debt->state = state;
+    snprintf(debt->run_id, sizeof debt->run_id, "%s", run_id);
+    supervisor__pause(s);
+}
+
+// False: the store cannot be told yet.
+static bool settle(supervisor *s)
+{
+    while (s->n_debts > 0) {
+        const supervisor__debt *debt = &s->debts[s->n_debts - 1];
+        store_ending ending = { .run_id = debt->run_id, .state = debt->state };
+        api_run after;
+        bf_status status = store_finish(s->options.store, &ending, &after, NULL);
+        if (status != BF_OK && status != BF_ENOTFOUND && status != BF_ECONFLICT) {
+            supervisor__pause(s);
+            return false;
+        }
+        log_event(LOG_LEVEL_INFO, "run_stored_late", "run=%s state=%s", debt->run_id,
+                  run_state_word(debt->state));
+        s->n_debts--;
+    }
+    return true;
 }
 
 bool supervisor__watch_fd(supervisor *s, int fd, uint32_t events, supervisor__watch *w)
@@ -48,11 +80,13 @@ static void end_claiming(supervisor *s, supervisor__task *task)
     lock_give(&s->lock);
 }
 
-// A claimed run that cannot be started: back to the queue if that can pass, else it has failed.
+// A claimed run that cannot be started: back to the queue if that can pass, else it has failed, so
+// that it does not come first again and again.
 static void give_up(supervisor *s, const store_job *job, const bf_error *err)
 {
+    bool can_pass = err->code == BF_EBUSY || err->code == BF_ENOMEM;
     store_ending ending = { .run_id = job->run.id,
-                            .state = err->code == BF_ESYSTEM ? RUN_FAILED : RUN_QUEUED,
+                            .state = can_pass ? RUN_QUEUED : RUN_FAILED,
                             .error = *err };
     api_run after;
     bf_error why = { 0 };
@@ -60,10 +94,13 @@ static void give_up(supervisor *s, const store_job *job, const bf_error *err)
 
     log_event(LOG_LEVEL_ERROR, "run_not_started", "run=%s error=%s", job->run.id,
               log_quote(err->text, quoted));
-    if (store_finish(s->options.store, &ending, &after, &why) != BF_OK)
-        log_event(LOG_LEVEL_ERROR, "run_not_stored", "run=%s error=%s", job->run.id,
-                  log_quote(why.text, quoted));
-    supervisor__pause(s);
+    if (store_finish(s->options.store, &ending, &after, &why) == BF_OK) {
+        supervisor__pause(s);
+        return;
+    }
+    log_event(LOG_LEVEL_ERROR, "run_not_stored", "run=%s error=%s", job->run.id,
+              log_quote(why.text, quoted));
+    supervisor__owe(s, job->run.id, RUN_QUEUED);
 }
 
 static void start_task(supervisor *s, store_job *job)
@@ -100,6 +137,8 @@ bool supervisor__claim(supervisor *s)
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
         return false;
     s->claim_at_ms = 0;
+    if (!settle(s))
+        return false;
     lock_take(&s->lock);
     bool is_time = s->may_claim && !s->is_stopping && s->n_tasks < s->options.n_workers;
     if (is_time) {

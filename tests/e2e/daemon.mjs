@@ -12,19 +12,21 @@ import { EventStream } from "./event_stream.mjs";
 import { childrenOf, isAlive } from "./processes.mjs";
 import { binaries, isSanitized, root, until, within } from "./setup.mjs";
 
-// A daemon of this story. settings: flags without their dashes, e.g. { workers: 2 }.
-export async function daemon(t, settings = {}) {
-  const d = new Daemon(settings);
+// A daemon of this story. settings: flags without their dashes, e.g. { workers: 2 }; environment:
+// what is added to ours.
+export async function daemon(t, settings = {}, environment = {}) {
+  const d = new Daemon(settings, environment);
   t.after(() => d.dispose());
   await d.start();
   return d;
 }
 
 class Daemon {
-  constructor(settings) {
+  constructor(settings, environment) {
     this.folder = mkdtempSync(path.join(tmpdir(), "beltflow-e2e-"));
     this.data = path.join(this.folder, "data");
     this.settings = settings;
+    this.environment = environment;
     this.log = "";
     this.process = null;
     this.agent = new http.Agent({ keepAlive: false });
@@ -42,6 +44,7 @@ class Daemon {
   async start() {
     const child = spawn(path.join(binaries, "beltflowd"), this.flags(), {
       stdio: ["ignore", "pipe", "pipe"],
+      env: { ...process.env, ...this.environment },
     });
     this.process = child;
     this.pid = child.pid;

@@ -1,15 +1,17 @@
 // The two programs as a user of a terminal meets them: words, exit codes, refusals.
 
 import assert from "node:assert/strict";
-import { existsSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { existsSync, readdirSync, readFileSync, readlinkSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { beltflow, runProgram } from "./processes.mjs";
 import { solve } from "./results.mjs";
-import { tiny } from "./scenarios.mjs";
-import { temporaryFolder } from "./setup.mjs";
+import { endless, tiny } from "./scenarios.mjs";
+import { binaries, temporaryFolder, within } from "./setup.mjs";
 
 test("both programs tell their version and how to use them", async () => {
   for (const program of ["beltflow", "beltflowd"]) {
@@ -42,25 +44,54 @@ test("a daemon that is told nonsense says which word and leaves with 2", async (
     [["surplus"], /surplus/],
   ]) {
     const done = await runProgram("beltflowd", ["--data", data, ...flags]);
-    assert.ok([1, 2].includes(done.status), `${flags}: ${done.status}`);
+    assert.equal(done.status, 2, `${flags}`);
     assert.match(done.stderr, word);
   }
 });
 
 test("a configuration file counts, the environment more, a flag most", async (t) => {
   const folder = temporaryFolder(t);
-  const file = path.join(folder, "beltflowd.conf");
-  writeFileSync(file, "# a comment\nqueue_limit = 1\nworkers = 1\n");
-  const d = await daemon(t, { config: file });
-  const statuses = [];
-  for (let k = 0; k < 4; k++) {
-    statuses.push((await d.post("/v1/runs", { scenario: tiny({ duration_s: 60, macro: { cell_m: 0.01, step_s: 1e-5 } }) })).status);
+  const config = path.join(folder, "beltflowd.conf");
+  writeFileSync(config, "# a comment\nqueue_limit = 1\nworkers = 1\n");
+  const env = { BELTFLOW_QUEUE_LIMIT: "2" };
+  for (const [settings, environment, limit] of [
+    [{ config }, {}, 1],
+    [{ config }, env, 2],
+    [{ config, queue_limit: 3 }, env, 3],
+  ]) {
+    const d = await daemon(t, settings, environment);
+    await d.reached((await d.submit(endless())).id, "running");
+    for (let k = 0; k < limit; k++) await d.submit(tiny());
+    assert.equal((await d.post("/v1/runs", { scenario: tiny() })).status, 503, `limit ${limit}`);
+    await d.stop();
   }
-  assert.ok(statuses.includes(503), `${statuses}`);
+});
+
+test("a setting that is not known is told with its line or its variable", async (t) => {
+  const folder = temporaryFolder(t);
+  const file = path.join(folder, "beltflowd.conf");
   writeFileSync(file, "workers = 1\nnonsense = 3\n");
   const refused = await runProgram("beltflowd", ["--config", file, "--data", folder]);
-  assert.ok([1, 2].includes(refused.status));
+  assert.equal(refused.status, 2);
   assert.match(refused.stderr, /:2/);
+  const env = { BELTFLOW_WORKERS: "many" };
+  const confused = await runProgram("beltflowd", ["--data", folder], { env });
+  assert.equal(confused.status, 2);
+  assert.match(confused.stderr, /BELTFLOW_WORKERS/);
+});
+
+test("a daemon without standard streams logs to nobody, not into a file or to a client", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const command = 'exec "$0" --listen 127.0.0.1:0 --data "$1" <&- 2>&-';
+  const child = spawn("/bin/sh", ["-c", command, path.join(binaries, "beltflowd"), data], {
+    stdio: ["ignore", "pipe", "ignore"],
+  });
+  const exited = once(child, "close");
+  t.after(() => child.kill("SIGKILL"));
+  await within(once(child.stdout, "data"), "the daemon's first line");
+  for (const fd of [0, 2]) assert.equal(readlinkSync(`/proc/${child.pid}/fd/${fd}`), "/dev/null");
+  child.kill("SIGTERM");
+  assert.deepEqual(await within(exited, "the daemon's end"), [0, null]);
 });
 
 test("SIGINT stops a daemon as SIGTERM does", async (t) => {

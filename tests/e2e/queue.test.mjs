@@ -133,14 +133,17 @@ test("a run whose process is killed fails and says so; the daemon lives on", asy
   await d.reached((await d.submit(tiny())).id, "succeeded");
 });
 
-test("a stopped process does not hold up a cancel for ever", async (t) => {
-  const d = await daemon(t, { stop_grace_ms: 500 });
-  const run = await d.submit(endless());
-  await d.progressed(run.id, 1e-6);
-  const children = childrenOf(d.pid);
-  process.kill(children[0], "SIGSTOP");
-  assert.equal((await d.request("DELETE", `/v1/runs/${run.id}`)).status, 204);
-  await d.assertGone(children);
+test("a stopped process holds up neither a cancel nor a removal for ever", async (t) => {
+  const d = await daemon(t);
+  for (const [method, target, status] of [["POST", "/cancel", 202], ["DELETE", "", 204]]) {
+    const run = await d.submit(endless());
+    await d.progressed(run.id, 1e-6);
+    const children = childrenOf(d.pid);
+    process.kill(children[0], "SIGSTOP");
+    assert.equal((await d.request(method, `/v1/runs/${run.id}${target}`)).status, status);
+    await d.assertGone(children);
+    if (method === "POST") await d.reached(run.id, "cancelled");
+  }
 });
 
 test("many runs submitted at once are all accepted and all solved", async (t) => {

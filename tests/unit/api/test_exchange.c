@@ -108,7 +108,9 @@ static void options_and_405_list_the_methods(void **state)
     (void)state;
     ask("OPTIONS", "/v1/runs", NULL, NULL, NULL, 204);
     ask_assert_header("Allow", "POST, GET, HEAD, OPTIONS");
+    ask("OPTIONS", "*", NULL, NULL, NULL, 204);
     ask("OPTIONS", "/nowhere", NULL, NULL, NULL, 404);
+    ask_get("*", NULL, NULL, 404);
     ask("PUT", "/v1/runs", NULL, NULL, NULL, 405);
     ask_assert_header("Allow", "POST, GET, HEAD, OPTIONS");
     ask("BREW", "/livez", NULL, NULL, NULL, 405);

@@ -26,7 +26,7 @@ static void a_stream_is_handed_to_the_transport(void **state)
     assert_int_equal(ask_response.cursor.format, STREAM_NDJSON);
     assert_true(ask_response.cursor.is_inline);
     ask("HEAD", RUN_1 "/events", NULL, NULL, NULL, 200);
-    assert_false(ask_response.is_stream);
+    assert_true(ask_response.is_stream);
     ask_assert_header("Content-Type", "text/event-stream");
 }
 

@@ -66,8 +66,11 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
     lock_take(&f->lock);
     uint64_t n_events = f->n_events;
     bool has_ended = f->has_ended;
+    bool is_broken = f->is_broken;
     f->n_reads++;
     lock_give(&f->lock);
+    if (is_broken)
+        return bf_fail(err, BF_ESYSTEM, "", "the store failed");
     for (uint64_t id = after + 1; status == BF_OK && id <= n_events && n < limit_bytes; id++) {
         char data[64];
         api_event event = { .id = id, .data = data };

@@ -19,6 +19,7 @@ typedef struct fake {
     uint64_t n_events;        ///< events of the log, ids from 1
     bool has_ended;           ///< the last of them is `end`
     bool is_held;             ///< ready() waits until it is not
+    bool is_broken;           ///< read_events() fails
     unsigned n_waiting;       ///< calls of ready() that wait
     unsigned n_reads;         ///< calls of read_events()
     void (*after_find)(void); ///< called by find() when it has its answer; NULL: nothing

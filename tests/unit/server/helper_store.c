@@ -36,7 +36,7 @@ int helper_store_setup(void **state)
     return 0;
 }
 
-static void remove_directory(const char *path)
+void helper_store_remove_directory(const char *path)
 {
     char name[512];
     DIR *directory = opendir(path);
@@ -56,7 +56,7 @@ int helper_store_teardown(void **state)
     helper_store *h = *state;
 
     helper_store_close(h);
-    remove_directory(h->directory);
+    helper_store_remove_directory(h->directory);
     free(h);
     return 0;
 }

@@ -28,6 +28,9 @@ typedef struct helper_store {
 int helper_store_setup(void **state);
 int helper_store_teardown(void **state);
 
+/// Remove a directory of files.
+void helper_store_remove_directory(const char *path);
+
 /// Open the store again after the test closed it, or for the first time.
 void helper_store_open(helper_store *h);
 void helper_store_close(helper_store *h);

@@ -4,62 +4,30 @@
 #include "server/http.h"
 
 #include "core/base/memory.h"
-#include "tests/unit/server/helper_client.h"
-#include "tests/unit/server/helper_fake.h"
+#include "tests/unit/server/helper_server.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #define HOST  "Host: a\r\n"
 #define CLOSE "Connection: close\r\n"
-
-static fake services;
-static http *server;
-
-static int set_up(void **state)
-{
-    (void)state;
-    fake_init(&services);
-    server = NULL;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    fake_hold(&services, false);
-    server = http_stop(server);
-    fake_fini(&services);
-    return 0;
-}
-
-static void assert_holds(const bf_buffer *answer, const char *text)
-{
-    if (answer->n == 0 || strstr(answer->bytes, text) == NULL)
-        print_error("no '%s' in: %s\n", text, answer->n == 0 ? "" : answer->bytes);
-    assert_true(answer->n > 0 && strstr(answer->bytes, text) != NULL);
-}
 
 static void an_answer_carries_the_standard_headers(void **state)
 {
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 200);
-    assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
-    assert_holds(&answer, "\r\nCache-Control: no-store\r\n");
+    server_assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
+    server_assert_holds(&answer, "\r\nCache-Control: no-store\r\n");
     assert_int_equal(
         client_ask(http_port(server), "GET /nothing HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 404);
-    assert_holds(&answer, "\r\nContent-Type: application/problem+json\r\n");
-    assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
+    server_assert_holds(&answer, "\r\nContent-Type: application/problem+json\r\n");
+    server_assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
     buffer_fini(&answer);
 }
 
@@ -68,7 +36,7 @@ static void head_is_answered_without_a_body(void **state)
     bf_buffer get = { 0 }, head = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &get), 200);
     assert_int_equal(
@@ -78,7 +46,7 @@ static void head_is_answered_without_a_body(void **state)
     assert_non_null(length);
     char line[64] = { 0 };
     memcpy(line, length, strcspn(length, "\r"));
-    assert_holds(&head, line);
+    server_assert_holds(&head, line);
     buffer_fini(&get);
     buffer_fini(&head);
 }
@@ -88,7 +56,7 @@ static void a_connection_serves_one_request_after_the_other(void **state)
     bf_buffer rest = { 0 }, answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     for (int i = 0; i < 50; i++) {
         bool is_head = i % 5 == 4;
@@ -119,7 +87,7 @@ static void requests_sent_at_once_are_answered_in_order(void **state)
     bf_buffer rest = { 0 }, answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, requests));
     for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++) {
@@ -145,19 +113,19 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
     int fds[N], n_refused = 0, n_answered = 0;
 
     (void)state;
-    server = fake_serve(&services, one_request_thread);
-    fake_hold(&services, true);
+    server = fake_serve(&server_services, one_request_thread);
+    fake_hold(&server_services, true);
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST CLOSE "\r\n"));
-        lock_take(&services.lock);
-        bool has_begun = services.n_waiting > 0;
-        lock_give(&services.lock);
+        lock_take(&server_services.lock);
+        bool has_begun = server_services.n_waiting > 0;
+        lock_give(&server_services.lock);
         for (int k = 0; i == 0 && !has_begun && k < 500; k++) {
             assert_int_equal(usleep(10000), 0);
-            lock_take(&services.lock);
-            has_begun = services.n_waiting > 0;
-            lock_give(&services.lock);
+            lock_take(&server_services.lock);
+            has_begun = server_services.n_waiting > 0;
+            lock_give(&server_services.lock);
         }
         assert_true(has_begun);
     }
@@ -165,14 +133,14 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
         bf_buffer answer = { 0 };
         if (client_read_all(fds[i], &answer, i == 0 ? 500 : 0)) {
             assert_int_equal(client_status(&answer), 503);
-            assert_holds(&answer, "\r\nRetry-After: ");
+            server_assert_holds(&answer, "\r\nRetry-After: ");
             assert_int_equal(close(fds[i]), 0);
             fds[i] = -1;
             n_refused++;
         }
         buffer_fini(&answer);
     }
-    fake_hold(&services, false);
+    fake_hold(&server_services, false);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
         if (fds[i] < 0)
@@ -201,14 +169,14 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
     int fds[N];
 
     (void)state;
-    server = fake_serve(&services, one_request_thread);
-    fake_hold(&services, true);
+    server = fake_serve(&server_services, one_request_thread);
+    fake_hold(&server_services, true);
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
     }
     (void)usleep(200000);
-    assert_int_equal(pthread_create(&releaser, NULL, release_later, &services), 0);
+    assert_int_equal(pthread_create(&releaser, NULL, release_later, &server_services), 0);
     server = http_stop(server);
     assert_int_equal(pthread_join(releaser, NULL), 0);
     for (int i = 0; i < N; i++) {
@@ -232,7 +200,7 @@ static void the_last_connections_are_for_the_health_of_the_daemon(void **state)
     int fds[14];
 
     (void)state;
-    server = fake_serve(&services, sixteen_connections);
+    server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < 14; i++)
         fds[i] = client_connect(http_port(server));
     assert_int_equal(
@@ -255,7 +223,7 @@ static void one_address_gets_no_more_than_its_share(void **state)
     int fds[4];
 
     (void)state;
-    server = fake_serve(&services, three_per_address);
+    server = fake_serve(&server_services, three_per_address);
     for (int i = 0; i < 4; i++)
         fds[i] = client_connect(http_port(server));
     (void)client_send(fds[3], "GET /livez HTTP/1.1\r\n" HOST "\r\n");
@@ -268,13 +236,13 @@ static void one_address_gets_no_more_than_its_share(void **state)
 
 static void a_taken_port_is_named(void **state)
 {
-    const api_services table = fake_services(&services);
+    const api_services table = fake_services(&server_services);
     char address[32], expected[128];
     http *second = NULL;
     bf_error err = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     (void)snprintf(address, sizeof address, "127.0.0.1:%u", http_port(server));
     (void)snprintf(expected, sizeof expected, "port %u of 127.0.0.1 is taken by another program",
                    http_port(server));
@@ -293,7 +261,7 @@ static void what_is_no_address_is_refused(void **state)
     static const char *const cases[] = { "",           "8080",        ":8080",     "127.0.0.1",
                                          "127.0.0.1:", "127.0.0.1:x", "::1:8080",  "[]:1",
                                          "a:65536",    "a:-1",        "a:8080:1 ", "a:999999" };
-    const api_services table = fake_services(&services);
+    const api_services table = fake_services(&server_services);
 
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -311,7 +279,7 @@ static void what_is_no_address_is_refused(void **state)
 
 static void a_server_without_memory_does_not_start(void **state)
 {
-    const api_services table = fake_services(&services);
+    const api_services table = fake_services(&server_services);
     const http_options options = { .listen = "127.0.0.1:0",
                                    .services = &table,
                                    .n_threads = 1,
@@ -335,14 +303,14 @@ static void a_server_that_was_never_asked_stops(void **state)
     (void)state;
     assert_null(http_stop(NULL));
     for (int i = 0; i < 10; i++) {
-        server = fake_serve(&services, NULL);
+        server = fake_serve(&server_services, NULL);
         server = http_stop(server);
     }
 }
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(an_answer_carries_the_standard_headers),
         CASE(head_is_answered_without_a_body),

@@ -2,26 +2,19 @@
 
 #include "server/http_priv.h"
 
-#include "tests/unit/server/helper_client.h"
-#include "tests/unit/server/helper_fake.h"
+#include "tests/unit/server/helper_server.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #define REST " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n"
 #define PAGE "<!doctype html><title>page</title>"
 
 static char folder[] = "/tmp/test_http_file_XXXXXX";
 static char web[64];
-static fake services;
-static http *server;
 
 static void write_file(const char *name, const char *text)
 {
@@ -78,22 +71,6 @@ static int remove_web(void **state)
     return system(command);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    fake_init(&services);
-    server = NULL;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    server = http_stop(server);
-    fake_fini(&services);
-    return 0;
-}
-
 static void with_web(http_options *options)
 {
     options->web_directory = web;
@@ -111,7 +88,7 @@ static void a_file_is_served_with_its_type_and_a_strict_policy(void **state)
     };
 
     (void)state;
-    server = fake_serve(&services, with_web);
+    server = fake_serve(&server_services, with_web);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_buffer answer = { 0 };
         char type[80];
@@ -150,7 +127,7 @@ static void nothing_else_is_served(void **state)
     };
 
     (void)state;
-    server = fake_serve(&services, with_web);
+    server = fake_serve(&server_services, with_web);
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
         char request[256];
         bf_buffer answer = { 0 };
@@ -167,10 +144,11 @@ static void nothing_else_is_served(void **state)
 static void a_file_that_the_client_has_is_not_sent_again(void **state)
 {
     bf_buffer answer = { 0 };
+    char length[64];
     char request[256];
 
     (void)state;
-    server = fake_serve(&services, with_web);
+    server = fake_serve(&server_services, with_web);
     assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
     const char *tag = strstr(answer.bytes, "\r\nETag: ");
     assert_non_null(tag);
@@ -179,6 +157,9 @@ static void a_file_that_the_client_has_is_not_sent_again(void **state)
                    (int)strcspn(tag, "\r"), tag);
     assert_int_equal(client_ask(http_port(server), request, &answer), 304);
     assert_memory_equal(answer.bytes + answer.n - 4, "\r\n\r\n", 4);
+    // A length in a 304 is that of what a 200 would send (RFC 9110, 8.6).
+    (void)snprintf(length, sizeof length, "\r\nContent-Length: %zu\r\n", strlen(PAGE));
+    server_assert_holds(&answer, length);
     assert_int_equal(
         client_ask(http_port(server), "GET /" REST "If-None-Match: \"x\"\r\n\r\n", &answer), 200);
     buffer_fini(&answer);
@@ -190,12 +171,23 @@ static void head_of_a_file_has_its_length_only(void **state)
     char length[64];
 
     (void)state;
-    server = fake_serve(&services, with_web);
+    server = fake_serve(&server_services, with_web);
     assert_int_equal(client_ask(http_port(server), "HEAD /" REST "\r\n", &answer), 200);
     (void)snprintf(length, sizeof length, "\r\nContent-Length: %zu\r\n", strlen(PAGE));
     assert_non_null(strstr(answer.bytes, length));
     assert_null(strstr(answer.bytes, PAGE));
-    assert_int_equal(client_ask(http_port(server), "POST /index.html" REST "\r\n", &answer), 404);
+    buffer_fini(&answer);
+}
+
+static void a_file_is_only_read(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, with_web);
+    assert_int_equal(client_ask(http_port(server), "POST /index.html" REST "\r\n", &answer), 405);
+    server_assert_holds(&answer, "\r\nAllow: GET, HEAD\r\n");
+    assert_int_equal(client_ask(http_port(server), "POST /nothing.html" REST "\r\n", &answer), 404);
     buffer_fini(&answer);
 }
 
@@ -204,7 +196,7 @@ static void without_a_page_the_root_says_so(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
     assert_non_null(strstr(answer.bytes, "\r\nContent-Type: text/plain; charset=utf-8\r\n"));
     assert_non_null(strstr(answer.bytes, "without a page"));
@@ -214,7 +206,7 @@ static void without_a_page_the_root_says_so(void **state)
 
 static void a_page_that_is_not_there_is_an_error(void **state)
 {
-    const api_services table = fake_services(&services);
+    const api_services table = fake_services(&server_services);
     const http_options options = { .listen = "127.0.0.1:0",
                                    .services = &table,
                                    .web_directory = "/nowhere/web",
@@ -238,7 +230,7 @@ static void what_is_no_regular_file_is_not_opened(void **state)
     (void)state;
     (void)snprintf(path, sizeof path, "%s/fifo.txt", web);
     assert_int_equal(mkfifo(path, 0600), 0);
-    server = fake_serve(&services, with_web);
+    server = fake_serve(&server_services, with_web);
     assert_false(http__file_open(server->web_fd, "/fifo.txt", &file));
     assert_int_equal(file.fd, -1);
     assert_int_equal(unlink(path), 0);
@@ -246,12 +238,13 @@ static void what_is_no_regular_file_is_not_opened(void **state)
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(a_file_is_served_with_its_type_and_a_strict_policy),
         CASE(nothing_else_is_served),
         CASE(a_file_that_the_client_has_is_not_sent_again),
         CASE(head_of_a_file_has_its_length_only),
+        CASE(a_file_is_only_read),
         CASE(without_a_page_the_root_says_so),
         CASE(a_page_that_is_not_there_is_an_error),
         CASE(what_is_no_regular_file_is_not_opened),

@@ -3,46 +3,14 @@
 #include "server/http.h"
 
 #include "server/clock.h"
-#include "tests/unit/server/helper_client.h"
-#include "tests/unit/server/helper_fake.h"
+#include "tests/unit/server/helper_server.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #define HOST  "Host: a\r\n"
 #define CLOSE "Connection: close\r\n"
-
-static fake services;
-static http *server;
-
-static int set_up(void **state)
-{
-    (void)state;
-    fake_init(&services);
-    server = NULL;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    fake_hold(&services, false);
-    server = http_stop(server);
-    fake_fini(&services);
-    return 0;
-}
-
-static void assert_holds(const bf_buffer *answer, const char *text)
-{
-    if (answer->n == 0 || strstr(answer->bytes, text) == NULL)
-        print_error("no '%s' in: %s\n", text, answer->n == 0 ? "" : answer->bytes);
-    assert_true(answer->n > 0 && strstr(answer->bytes, text) != NULL);
-}
 
 // The connection must be closed, so what follows a bad request is never taken for a request. (Some
 // refusals are MHD's own, before we are asked; it writes the head of those twice.)
@@ -104,7 +72,7 @@ static void a_bad_request_is_refused_and_its_connection_closed(void **state)
     };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bf_buffer answer = { 0 };
         int fd = client_connect(http_port(server));
@@ -129,7 +97,7 @@ static void long_headers_are_fine(void **state)
     bf_buffer request = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request, "GET /livez?a=%01000d HTTP/1.1\r\n" HOST CLOSE, 0),
                      BF_OK);
     for (int i = 0; i < 80; i++)
@@ -146,7 +114,7 @@ static void too_long_a_target_is_refused(void **state)
     bf_buffer request = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request, "GET /%05000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
     assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 414);
     buffer_fini(&request);
@@ -182,14 +150,14 @@ static int64_t drip(unsigned port, const char *head, char byte)
 static void a_client_that_drips_its_header_is_cut_off(void **state)
 {
     (void)state;
-    server = fake_serve(&services, shorten_deadlines);
+    server = fake_serve(&server_services, shorten_deadlines);
     assert_in_range(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x'), 350, 3000);
 }
 
 static void a_client_that_drips_its_body_is_cut_off(void **state)
 {
     (void)state;
-    server = fake_serve(&services, shorten_deadlines);
+    server = fake_serve(&server_services, shorten_deadlines);
     assert_in_range(drip(http_port(server),
                          "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' '),
                     350, 3000);
@@ -213,7 +181,7 @@ static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **sta
     int status = 503;
 
     (void)state;
-    server = fake_serve(&services, sixteen_connections);
+    server = fake_serve(&server_services, sixteen_connections);
     for (int i = 0; i < 60; i++) {
         int fd = client_connect(http_port(server));
         (void)client_send(fd, beginnings[i % 3]);
@@ -230,12 +198,12 @@ static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
     bf_buffer rest = { 0 }, answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, shorten_deadlines);
-    fake_hold(&services, true);
+    server = fake_serve(&server_services, shorten_deadlines);
+    fake_hold(&server_services, true);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
     assert_false(client_read_until(fd, &rest, "\r\n\r\n", 1000));
-    fake_hold(&services, false);
+    fake_hold(&server_services, false);
     assert_true(client_read_response(fd, &rest, true, &answer));
     assert_int_equal(client_status(&answer), 200);
     assert_int_equal(close(fd), 0);
@@ -248,7 +216,7 @@ static void a_body_that_is_announced_too_long_is_refused_at_once(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(
         client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 1073741824\r\n\r\n"));
@@ -271,7 +239,7 @@ static void a_client_that_sends_its_long_body_anyway_reads_the_refusal(void **st
 
     (void)state;
     assert_non_null(body);
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     for (int i = 0; i < 10; i++) {
         bf_buffer answer = { 0 };
         int fd = client_connect(http_port(server));
@@ -294,7 +262,7 @@ static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
     (void)state;
     memset(chunk + 6, ' ', 10000);
     memcpy(chunk + 10006, "\r\n", 2);
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(
         client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n"));
@@ -302,8 +270,8 @@ static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
         assert_true(client_send_bytes(fd, chunk, sizeof chunk));
     assert_true(client_read_all(fd, &answer, 5000));
     assert_int_equal(client_status(&answer), 413);
-    assert_holds(&answer, "application/problem+json");
-    assert_holds(&answer, "\r\nConnection: close\r\n");
+    server_assert_holds(&answer, "application/problem+json");
+    server_assert_holds(&answer, "\r\nConnection: close\r\n");
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -313,7 +281,7 @@ static void a_body_may_be_as_long_as_the_limit(void **state)
     bf_buffer request = { 0 }, answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     assert_int_equal(buffer_printf(&request,
                                    "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
                                    "Content-Type: application/json\r\n"
@@ -321,7 +289,7 @@ static void a_body_may_be_as_long_as_the_limit(void **state)
                                    "{,}"),
                      BF_OK);
     assert_int_equal(client_ask(http_port(server), request.bytes, &answer), 400);
-    assert_holds(&answer, "application/problem+json");
+    server_assert_holds(&answer, "application/problem+json");
     buffer_fini(&request);
     buffer_fini(&answer);
 }
@@ -331,7 +299,7 @@ static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
                                 "Content-Type: application/json\r\n"
@@ -353,7 +321,7 @@ static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(a_bad_request_is_refused_and_its_connection_closed),
         CASE(long_headers_are_fine),

@@ -3,46 +3,22 @@
 #include "server/http.h"
 
 #include "server/clock.h"
-#include "tests/unit/server/helper_client.h"
-#include "tests/unit/server/helper_fake.h"
+#include "tests/unit/server/helper_server.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #define HOST   "Host: a\r\n"
 #define EVENTS "/v1/runs/" FAKE_RUN "/events"
 #define STREAM "GET " EVENTS " HTTP/1.1\r\n" HOST "\r\n"
 
-static fake services;
-static http *server;
-
-static int set_up(void **state)
-{
-    (void)state;
-    fake_init(&services);
-    server = NULL;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    server = http_stop(server);
-    fake_fini(&services);
-    return 0;
-}
-
 static void append_and_notify(bool is_end)
 {
-    fake_append(&services, is_end);
+    fake_append(&server_services, is_end);
     http_notify(server, FAKE_RUN);
 }
 
@@ -64,9 +40,9 @@ static void wait_until_quiet(void)
     while (before != now) {
         before = now;
         (void)usleep(50000);
-        lock_take(&services.lock);
-        now = services.n_reads;
-        lock_give(&services.lock);
+        lock_take(&server_services.lock);
+        now = server_services.n_reads;
+        lock_give(&server_services.lock);
     }
 }
 
@@ -75,7 +51,7 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     assert_non_null(strstr(answer.bytes, "\r\nContent-Type: text/event-stream"));
     assert_non_null(strstr(answer.bytes, "\r\nCache-Control: no-store\r\n"));
@@ -95,23 +71,57 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
     buffer_fini(&answer);
 }
 
+// What GET would send has no length, so 0 would be a lie.
+static void head_of_a_stream_has_its_headers_and_no_length(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    assert_int_equal(
+        client_ask(http_port(server), "HEAD " EVENTS " HTTP/1.1\r\n" HOST "\r\n", &answer), 200);
+    server_assert_holds(&answer, "\r\nContent-Type: text/event-stream");
+    assert_null(strstr(answer.bytes, "Content-Length"));
+    assert_memory_equal(answer.bytes + answer.n - 4, "\r\n\r\n", 4);
+    assert_ptr_equal(strstr(answer.bytes, "\r\n\r\n"), answer.bytes + answer.n - 4);
+    buffer_fini(&answer);
+}
+
+// Without the last chunk the client knows that this is not the end.
+static void a_stream_that_the_store_fails_is_torn_off(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    int fd = open_stream(&answer);
+    lock_take(&server_services.lock);
+    server_services.is_broken = true;
+    lock_give(&server_services.lock);
+    append_and_notify(false);
+    assert_true(client_read_all(fd, &answer, 5000));
+    assert_null(strstr(answer.bytes, "\r\n0\r\n\r\n"));
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
+}
+
 static void a_notice_of_another_run_wakes_nobody(void **state)
 {
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_quiet();
-    lock_take(&services.lock);
-    unsigned n_reads = services.n_reads;
-    lock_give(&services.lock);
+    lock_take(&server_services.lock);
+    unsigned n_reads = server_services.n_reads;
+    lock_give(&server_services.lock);
     for (int i = 0; i < 100; i++)
         http_notify(server, "ffffffff-89ab-7cde-8f01-23456789abcd");
     (void)usleep(100000);
-    lock_take(&services.lock);
-    assert_int_equal(services.n_reads, n_reads);
-    lock_give(&services.lock);
+    lock_take(&server_services.lock);
+    assert_int_equal(server_services.n_reads, n_reads);
+    lock_give(&server_services.lock);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -166,7 +176,7 @@ static void a_stream_that_is_notified_at_any_moment_misses_nothing(void **state)
     void *good;
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     for (int i = 0; i < N_READERS; i++) {
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET " EVENTS " HTTP/1.0\r\n\r\n"));
@@ -191,9 +201,9 @@ enum { N_LATE = 1000 };
 // and is about to sleep.
 static void append_late(void)
 {
-    lock_take(&services.lock);
-    uint64_t n = services.n_events;
-    lock_give(&services.lock);
+    lock_take(&server_services.lock);
+    uint64_t n = server_services.n_events;
+    lock_give(&server_services.lock);
     if (n <= N_LATE)
         append_and_notify(n == N_LATE);
 }
@@ -204,12 +214,12 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     char event[64];
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_quiet();
-    lock_take(&services.lock);
-    services.after_find = append_late;
-    lock_give(&services.lock);
+    lock_take(&server_services.lock);
+    server_services.after_find = append_late;
+    lock_give(&server_services.lock);
     append_and_notify(false);
     (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
     assert_true(client_read_until(fd, &answer, event, 20000));
@@ -224,7 +234,7 @@ static void a_stream_that_sleeps_is_woken_every_time(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     for (int k = 1; k <= ROUNDS; k++) {
         char event[64];
@@ -243,7 +253,7 @@ static void two_hundred_sleeping_streams_stop_at_once(void **state)
     int fds[N];
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
         fds[i] = open_stream(&answer);
@@ -285,7 +295,7 @@ static void streams_under_way_stop_too(void **state)
         bool goes_on = true;
         pthread_t writer;
         int fds[N];
-        server = fake_serve(&services, NULL);
+        server = fake_serve(&server_services, NULL);
         for (int i = 0; i < N; i++) {
             fds[i] = client_connect(http_port(server));
             assert_true(client_send(fds[i], STREAM));
@@ -310,7 +320,7 @@ static void beyond_the_limit_a_stream_is_refused(void **state)
     bf_buffer answer = { 0 }, refusal = { 0 };
 
     (void)state;
-    server = fake_serve(&services, one_stream);
+    server = fake_serve(&server_services, one_stream);
     int fd = open_stream(&answer);
     assert_int_equal(client_ask(http_port(server),
                                 "GET " EVENTS " HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n",
@@ -331,7 +341,7 @@ static void beyond_the_limit_a_stream_is_refused(void **state)
 static void a_client_that_leaves_is_noticed(void **state)
 {
     (void)state;
-    server = fake_serve(&services, one_stream);
+    server = fake_serve(&server_services, one_stream);
     for (int i = 0; i < 3; i++) {
         bf_buffer answer = { 0 };
         int64_t start_ms = clock_monotonic_ms();
@@ -360,7 +370,7 @@ static void an_idle_stream_has_a_heartbeat(void **state)
     bf_buffer answer = { 0 };
 
     (void)state;
-    server = fake_serve(&services, quick_heart);
+    server = fake_serve(&server_services, quick_heart);
     int64_t start_ms = clock_monotonic_ms();
     int fd = open_stream(&answer);
     for (int i = 0; i < 3; i++) {
@@ -382,12 +392,12 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     char event[64];
 
     (void)state;
-    server = fake_serve(&services, NULL);
+    server = fake_serve(&server_services, NULL);
     int lazy_fd = open_stream(&lazy);
     int fd = open_stream(&answer);
-    lock_take(&services.lock);
-    services.n_events = N;
-    lock_give(&services.lock);
+    lock_take(&server_services.lock);
+    server_services.n_events = N;
+    lock_give(&server_services.lock);
     http_notify(server, FAKE_RUN);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N);
     assert_true(client_read_until(fd, &answer, event, 30000));
@@ -404,9 +414,11 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(a_stream_tells_what_happens_when_it_happens),
+        CASE(head_of_a_stream_has_its_headers_and_no_length),
+        CASE(a_stream_that_the_store_fails_is_torn_off),
         CASE(a_notice_of_another_run_wakes_nobody),
         CASE(a_stream_that_is_notified_at_any_moment_misses_nothing),
         CASE(an_event_between_the_last_look_and_the_sleep_is_not_missed),

@@ -71,6 +71,29 @@ static void a_claim_brings_all_that_solving_needs(void **state)
     assert_int_equal(job.step, 77);
 }
 
+// The samples that the run has told already are stored; only the state to go on from is lost.
+static void a_damaged_checkpoint_costs_no_more_than_itself(void **state)
+{
+    helper_store *h = *state;
+    store_job job = { 0 };
+    api_run record = helper_start(h->store);
+    store_batch batch = {
+        .run_id = record.id, .step = 5, .checkpoint = "checkpoint", .n_checkpoint = 10
+    };
+    store_ending ending = { .run_id = record.id, .state = RUN_QUEUED };
+
+    assert_int_equal(store_append(h->store, &batch, NULL), BF_OK);
+    assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_OK);
+    helper_store_close(h);
+    helper_store_sql(h, "UPDATE chunks SET data = zeroblob(8)");
+    helper_store_open(h);
+    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_string_equal(job.run.id, record.id);
+    assert_int_equal(job.checkpoint.n, 0);
+    assert_int_equal(job.step, 0);
+    store_job_fini(&job);
+}
+
 static void a_full_queue_is_busy(void **state)
 {
     helper_store *h = *state;
@@ -315,6 +338,7 @@ int main(void)
         STORE_TEST(a_submitted_run_is_queued_and_says_so),
         STORE_TEST(the_highest_priority_is_claimed_first_then_the_oldest),
         STORE_TEST(a_claim_brings_all_that_solving_needs),
+        STORE_TEST(a_damaged_checkpoint_costs_no_more_than_itself),
         STORE_TEST(a_full_queue_is_busy),
         STORE_TEST(a_run_that_ends_tells_its_end_last),
         STORE_TEST(a_failure_keeps_its_reason),

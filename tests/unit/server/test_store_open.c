@@ -141,12 +141,30 @@ static void a_damaged_page_is_refused(void **state)
     expect_refusal(h->directory, "damaged");
 }
 
+static void a_directory_is_made_with_those_above_it(void **state)
+{
+    helper_store *h = *state;
+    char path[128];
+    store_options options = { .directory = path, .queue_limit = 1 };
+    store *s = NULL;
+    struct stat facts;
+
+    snprintf(path, sizeof path, "%s/missing/inner", h->directory);
+    assert_int_equal(store_open(&options, &s, NULL), BF_OK);
+    store_close(s);
+    helper_store_remove_directory(path);
+    snprintf(path, sizeof path, "%s/missing", h->directory);
+    assert_int_equal(stat(path, &facts), 0);
+    assert_int_equal(facts.st_mode & 0777, 0700);
+    helper_store_remove_directory(path);
+}
+
 static void a_directory_that_cannot_be_made_is_refused(void **state)
 {
     helper_store *h = *state;
     char path[2000];
 
-    snprintf(path, sizeof path, "%s/missing/inner", h->directory);
+    snprintf(path, sizeof path, "%s/beltflow.db/inner", h->directory);
     expect_refusal(path, "cannot make the data directory");
     snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
     expect_refusal(path, "Not a directory");
@@ -259,6 +277,7 @@ int main(void)
         STORE_TEST(a_database_of_another_program_is_refused),
         STORE_TEST(a_damaged_file_is_refused),
         STORE_TEST(a_damaged_page_is_refused),
+        STORE_TEST(a_directory_is_made_with_those_above_it),
         STORE_TEST(a_directory_that_cannot_be_made_is_refused),
         STORE_TEST(one_connection_can_write),
         STORE_TEST(commits_are_synced_and_readers_only_read),

@@ -146,6 +146,38 @@ static void what_is_queued_before_the_start_is_solved_too(void **state)
         helper_await_state(w, runs[i].id, RUN_SUCCEEDED);
 }
 
+static bf_status count_progress(void *context, const api_event *event, bf_error *err)
+{
+    size_t *n = context;
+
+    (void)err;
+    *n += event->type == API_EVENT_PROGRESS;
+    return BF_OK;
+}
+
+// After a million seconds the next pause is a thousand: only the first and the last word of progress
+// are stored. (The worker reports every 50 ms of the second or so that this takes.)
+static void a_long_run_tells_its_progress_seldom(void **state)
+{
+    helper_world *w = *state;
+    store_job job = { .step = 0 };
+    size_t n = 0;
+
+    api_run record = helper_world_submit(w, medium_jam);
+    assert_int_equal(store_claim(w->store, &job, NULL), BF_OK);
+    store_job_fini(&job);
+    store_batch batch = { .run_id = record.id, .wall_s = 1e6 };
+    assert_int_equal(store_append(w->store, &batch, NULL), BF_OK);
+    store_ending ending = { .run_id = record.id, .state = RUN_QUEUED };
+    assert_int_equal(store_finish(w->store, &ending, &record, NULL), BF_OK);
+    helper_supervise(w);
+    helper_await_state(w, record.id, RUN_SUCCEEDED);
+    assert_int_equal(store_read_events(w->store, (const char(*)[API_ID_SIZE])record.id, 1, 0,
+                                       SIZE_MAX, count_progress, &n, NULL),
+                     BF_OK);
+    assert_int_equal(n, 2);
+}
+
 // ------------------------------------------------------------------------ stopping
 
 static void a_cancelled_run_keeps_what_it_has(void **state)
@@ -485,6 +517,31 @@ static void a_full_disk_ends_the_run_and_hangs_nothing(void **state)
     assert_true(record.state == RUN_FAILED || record.state == RUN_QUEUED);
 }
 
+// With room for nothing the store can be told neither results nor how the run ends; with room again
+// the run must not stay `running` without a child.
+static void a_run_whose_end_could_not_be_stored_goes_on_later(void **state)
+{
+    helper_world *w = *state;
+    struct rlimit before, limit;
+
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    helper_supervise(w);
+    api_run record = helper_world_submit(w, long_jam);
+    helper_await_samples(w, record.id, 1);
+    limit = before;
+    limit.rlim_cur = 1;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    for (int i = 0; i < 6000 && !helper_is_childless(); i++)
+        usleep(10000);
+    assert_true(helper_is_childless());
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_int_equal(store_find(w->store, record.id, &record, NULL), BF_OK);
+    assert_int_equal(record.state, RUN_RUNNING);
+    helper_await_samples(w, record.id, record.n_samples + 1);
+    assert_false(helper_is_childless());
+}
+
 int main(void)
 {
 #define TEST(function)                                                                             \
@@ -492,6 +549,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(a_queued_run_is_solved_and_stored),
         TEST(what_is_queued_before_the_start_is_solved_too),
+        TEST(a_long_run_tells_its_progress_seldom),
         TEST(a_cancelled_run_keeps_what_it_has),
         TEST(a_run_that_is_not_running_cannot_be_cancelled),
         TEST(a_killed_run_has_stopped_when_the_call_returns),
@@ -509,6 +567,7 @@ int main(void)
         TEST(a_run_beyond_its_processor_time_fails_alone),
         TEST(a_worker_without_its_parent_ends_at_once),
         TEST(a_full_disk_ends_the_run_and_hangs_nothing),
+        TEST(a_run_whose_end_could_not_be_stored_goes_on_later),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

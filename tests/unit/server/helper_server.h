@@ -1,0 +1,24 @@
+/// A server of made-up services, one a test, with the fixtures that start from nothing and stop it.
+
+#pragma once
+
+#include "tests/unit/server/helper_client.h"
+#include "tests/unit/server/helper_fake.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+extern fake server_services; ///< of the present test
+extern http *server;         ///< what the present test started; NULL: nothing
+
+/// Fixtures of cmocka: services without events and no server yet; whatever runs is stopped.
+int server_set_up(void **state);
+int server_tear_down(void **state);
+
+/// Fail the test unless the answer has the text.
+void server_assert_holds(const bf_buffer *answer, const char *text);
