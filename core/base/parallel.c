@@ -1,8 +1,13 @@
 #include "core/base/parallel.h"
 
+#include <sched.h>
+#include <stdatomic.h>
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
+
+enum { SPINS = 2000 }; // before a waiting thread lets others run
 
 void parallel_for(int n_threads, size_t n_items, parallel_body *body, void *context)
 {
@@ -25,4 +30,54 @@ int parallel_processors(void)
 #else
     return 1;
 #endif
+}
+
+struct parallel_gate {
+    int n_members;
+    _Alignas(64) atomic_int n_here;
+    _Alignas(64) atomic_uint round;
+};
+
+void parallel_team(int n_threads, parallel_member *body, void *context)
+{
+    parallel_gate gate = { .n_members = 1 };
+
+    if (n_threads <= 1) {
+        body(context, 0, 1, &gate);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel num_threads(n_threads)
+    {
+#pragma omp single
+        gate.n_members = omp_get_num_threads();
+        body(context, omp_get_thread_num(), gate.n_members, &gate);
+    }
+#else
+    body(context, 0, 1, &gate);
+#endif
+}
+
+static void relax(void)
+{
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+void parallel_wait(parallel_gate *gate)
+{
+    if (gate->n_members == 1)
+        return;
+    unsigned round = atomic_load_explicit(&gate->round, memory_order_relaxed);
+    if (atomic_fetch_add_explicit(&gate->n_here, 1, memory_order_acq_rel) + 1 == gate->n_members) {
+        atomic_store_explicit(&gate->n_here, 0, memory_order_relaxed);
+        atomic_store_explicit(&gate->round, round + 1, memory_order_release);
+        return;
+    }
+    for (int k = 0; atomic_load_explicit(&gate->round, memory_order_acquire) == round; k++) {
+        relax();
+        if (k >= SPINS)
+            (void)sched_yield();
+    }
 }

@@ -2,17 +2,20 @@
 
 #include "core/base/memory.h"
 #include "core/scene/geometry.h"
+#include "core/scene/mix.h"
 
 #include <math.h>
 #include <string.h>
 
 #define NOBODY UINT32_MAX
 
-bf_status crowd_init(crowd *ret_crowd, const shape_footprint *footprint, const scene_pose *poses,
-                     size_t n, bf_error *err)
+bf_status crowd_init(crowd *ret_crowd, const shape_footprint *footprints, size_t n_kinds,
+                     const uint32_t *kinds, const scene_pose *poses, size_t n, bf_error *err)
 {
-    crowd c = { .footprint = footprint, .poses = poses, .cell = 2.0 * footprint->reach };
+    crowd c = { .footprints = footprints, .kinds = kinds, .poses = poses };
 
+    for (size_t k = 0; k < n_kinds; k++)
+        c.cell = fmax(c.cell, 2.0 * footprints[k].reach);
     c.n_buckets = 16;
     while (c.n_buckets < 2 * n)
         c.n_buckets *= 2;
@@ -43,30 +46,43 @@ static size_t find_bucket(const crowd *c, int64_t column, int64_t row)
     return (size_t)(mixed ^ mixed >> 32) & (c->n_buckets - 1);
 }
 
-static bool is_overlapping(const shape_footprint *footprint, scene_pose a, scene_pose b)
+static const shape_footprint *footprint_of(const crowd *c, size_t k)
+{
+    return &c->footprints[mix_kind(c->kinds, k)];
+}
+
+static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
+                           scene_pose b)
 {
     scene_point corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
     double distance = geometry_length((scene_point){ b.x - a.x, b.y - a.y });
-    size_t n = footprint->n_corners;
 
-    if (distance >= 2.0 * footprint->reach - SCENE_TOLERANCE)
+    if (distance >= of_a->reach + of_b->reach - SCENE_TOLERANCE)
         return false;
-    if (n == 0)
+    if (of_a->n_corners == 0 && of_b->n_corners == 0)
         return true;
-    shape_place(footprint, a, corners_a);
-    shape_place(footprint, b, corners_b);
-    return geometry_convex_overlap(corners_a, n, corners_b, n, SCENE_TOLERANCE);
+    shape_place(of_a, a, corners_a);
+    shape_place(of_b, b, corners_b);
+    if (of_a->n_corners == 0)
+        return geometry_disk_overlaps((scene_point){ a.x, a.y }, of_a->reach, corners_b,
+                                      of_b->n_corners, SCENE_TOLERANCE);
+    if (of_b->n_corners == 0)
+        return geometry_disk_overlaps((scene_point){ b.x, b.y }, of_b->reach, corners_a,
+                                      of_a->n_corners, SCENE_TOLERANCE);
+    return geometry_convex_overlap(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
+                                   SCENE_TOLERANCE);
 }
 
-bool crowd_overlaps(const crowd *c, scene_pose pose, size_t *ret_other)
+bool crowd_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other)
 {
+    const shape_footprint *own = footprint_of(c, part);
     int64_t column = (int64_t)floor(pose.x / c->cell), row = (int64_t)floor(pose.y / c->cell);
 
     for (int64_t i = column - 1; i <= column + 1; i++) {
         for (int64_t j = row - 1; j <= row + 1; j++) {
             uint32_t k = c->heads[find_bucket(c, i, j)];
             for (; k != NOBODY; k = c->next[k]) {
-                if (is_overlapping(c->footprint, pose, c->poses[k])) {
+                if (is_overlapping(own, pose, footprint_of(c, k), c->poses[k])) {
                     *ret_other = k;
                     return true;
                 }

@@ -12,24 +12,27 @@
 
 /// The parts. Free with crowd_fini().
 typedef struct crowd {
-    const shape_footprint *footprint; ///< of every part; borrowed
-    const scene_pose *poses;          ///< places of parts 0, 1, ...; borrowed
-    double cell;                      ///< edge of a grid cell, m
-    size_t n_buckets;                 ///< a power of two
-    uint32_t *heads;                  ///< first part of each bucket
-    uint32_t *next;                   ///< next part of the same bucket
+    const shape_footprint *footprints; ///< of every kind; borrowed
+    const uint32_t *kinds;             ///< of parts 0, 1, ..., NULL: all are of kind 0; borrowed
+    const scene_pose *poses;           ///< places of parts 0, 1, ...; borrowed
+    double cell;                       ///< edge of a grid cell, m
+    size_t n_buckets;                  ///< a power of two
+    uint32_t *heads;                   ///< first part of each bucket
+    uint32_t *next;                    ///< next part of the same bucket
 } crowd;
 
-/// An empty crowd with room for n parts, whose places will stand in poses. BF_ENOMEM.
-BF_MUST_CHECK bf_status crowd_init(crowd *ret_crowd, const shape_footprint *footprint,
-                                   const scene_pose *poses, size_t n, bf_error *err);
+/// An empty crowd with room for n parts of n_kinds kinds, whose places will stand in poses.
+/// BF_ENOMEM.
+BF_MUST_CHECK bf_status crowd_init(crowd *ret_crowd, const shape_footprint *footprints,
+                                   size_t n_kinds, const uint32_t *kinds, const scene_pose *poses,
+                                   size_t n, bf_error *err);
 
 /// Free the crowd; NULL is fine.
 void crowd_fini(crowd *c);
 
-/// True if a part at pose would overlap one of the crowd by more than SCENE_TOLERANCE; *ret_other
-/// is then which one.
-bool crowd_overlaps(const crowd *c, scene_pose pose, size_t *ret_other);
+/// True if the part of that number, put at pose, would overlap one of the crowd by more than
+/// SCENE_TOLERANCE; *ret_other is then which one.
+bool crowd_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other);
 
 /// Put part k, with its place in poses, into the crowd.
 void crowd_add(crowd *c, size_t k);

@@ -37,5 +37,9 @@ field *field_destroy(field *f);
 /// v_stat at one point by the rules above, for the whole scene; m/s.
 scene_point field_velocity(const scene *s, scene_point at);
 
+/// Unit normal of piece k (from 0) of an obstacle on its upstream side, by the belt under the piece's
+/// middle.
+scene_point field_upstream(const scene *s, const scene_obstacle *obstacle, size_t k);
+
 /// True if the link between two neighbouring cell centres crosses a shut line (`wall`, `sealed`).
 bool field_is_shut(const scene *s, scene_point from, scene_point to);

@@ -57,6 +57,15 @@ static scene_point find_belt_velocity(const scene *s, scene_point at)
     return (scene_point){ 0.0, 0.0 };
 }
 
+scene_point field_upstream(const scene *s, const scene_obstacle *obstacle, size_t k)
+{
+    field__segment segment = field__segment_of(obstacle, k);
+    scene_point middle =
+        geometry_add(segment.start, geometry_scale(segment.along, 0.5 * segment.length));
+
+    return find_upstream(&segment, find_belt_velocity(s, middle));
+}
+
 field__verdict field__begin(const scene *s, scene_point at)
 {
     scene_point belt = find_belt_velocity(s, at);
@@ -115,9 +124,7 @@ scene_point field__shift(const scene *s, const scene_obstacle *obstacle)
 
     for (size_t k = 0; k + 1 < obstacle->n_points; k++) {
         field__segment segment = field__segment_of(obstacle, k);
-        scene_point middle =
-            geometry_add(segment.start, geometry_scale(segment.along, 0.5 * segment.length));
-        scene_point upstream = find_upstream(&segment, find_belt_velocity(s, middle));
+        scene_point upstream = field_upstream(s, obstacle, k);
         first = k == 0 ? upstream : first;
         sum = geometry_add(sum, geometry_scale(upstream, segment.length));
         length += segment.length;

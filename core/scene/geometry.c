@@ -207,3 +207,17 @@ bool geometry_convex_overlap(const scene_point *a, size_t n_a, const scene_point
     return !has_separating_side(a, n_a, b, n_b, tolerance) &&
            !has_separating_side(b, n_b, a, n_a, tolerance);
 }
+
+bool geometry_disk_overlaps(scene_point centre, double radius, const scene_point *polygon, size_t n,
+                            double tolerance)
+{
+    bool is_inside = true, is_near = false;
+
+    for (size_t k = 0; k < n; k++) {
+        scene_point start = polygon[k], end = polygon[(k + 1) % n];
+        is_inside = is_inside && geometry_cross(geometry_subtract(end, start),
+                                                geometry_subtract(centre, start)) > 0.0;
+        is_near = is_near || geometry_distance(centre, start, end) < radius - tolerance;
+    }
+    return is_inside || is_near;
+}

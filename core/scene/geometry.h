@@ -50,6 +50,11 @@ bool geometry_polygon_is_convex(const scene_point *polygon, size_t n, double tol
 /// Returns how many: at least 1 (all points equal) for n >= 1. Sorts points.
 size_t geometry_convex_hull(scene_point *points, size_t n, scene_point *ret_hull);
 
+/// True if a disk overlaps a convex counter-clockwise polygon by more than tolerance: its centre lies
+/// inside, or nearer to a side than radius - tolerance.
+bool geometry_disk_overlaps(scene_point centre, double radius, const scene_point *polygon, size_t n,
+                            double tolerance);
+
 /// True if two convex counter-clockwise polygons overlap by more than tolerance: no side of either
 /// has the other one beyond it (separating axes).
 bool geometry_convex_overlap(const scene_point *a, size_t n_a, const scene_point *b, size_t n_b,

@@ -4,6 +4,7 @@
 #include "core/base/random.h"
 #include "core/scene/crowd.h"
 #include "core/scene/geometry.h"
+#include "core/scene/mix.h"
 #include "core/scene/placement_priv.h"
 
 #include <math.h>
@@ -58,15 +59,20 @@ static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)
     }
 }
 
-static bool has_room(const scene *s, const crowd *c, scene_pose pose)
+static const shape_footprint *footprint_of(const crowd *c, size_t k)
+{
+    return &c->footprints[mix_kind(c->kinds, k)];
+}
+
+static bool has_room(const scene *s, const crowd *c, size_t k, scene_pose pose)
 {
     size_t other;
 
     for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (placement__excess(s, c->footprint, pose, side) > 0.0)
+        if (placement__excess(s, footprint_of(c, k), pose, side) > 0.0)
             return false;
     }
-    return !crowd_overlaps(c, pose, &other);
+    return !crowd_overlaps(c, k, pose, &other);
 }
 
 static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random *random)
@@ -89,8 +95,9 @@ static size_t fill_crowd(const scene *s, crowd *c, scene_pose *ret_poses)
     random_init(&random, s->initial.seed);
     for (size_t left = limit_attempts(s->initial.n_random); left > 0 && n < s->initial.n_random;
          left--) {
-        scene_pose pose = draw_pose(&s->initial.region, c->footprint->n_corners > 0, &random);
-        if (has_room(s, c, pose)) {
+        bool is_turned = footprint_of(c, n)->n_corners > 0;
+        scene_pose pose = draw_pose(&s->initial.region, is_turned, &random);
+        if (has_room(s, c, n, pose)) {
             ret_poses[n] = pose;
             crowd_add(c, n++);
         }
@@ -105,22 +112,38 @@ static double limit_cover(size_t n)
     return n < 10000 ? 1.0 : 0.6;
 }
 
-static bf_status place_random(const scene *s, scene_pose *ret_poses, bf_error *err)
+/// Share of the region, with the margin that parts may reach over its border, that the parts cover.
+static double measure_cover(const scene *s, const shape_footprint *footprints)
 {
     const scene_rect *region = &s->initial.region;
-    shape_footprint footprint = shape_footprint_of(&s->cargo.shape);
+    size_t counts[SCENE_KINDS_MAX];
+    double reach = 0.0, area = 0.0;
+
+    mix_count(s, s->initial.n_random, counts);
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        reach = fmax(reach, 2.0 * footprints[k].reach);
+        area += (double)counts[k] * footprints[k].area;
+    }
+    return area /
+           ((region->x_max - region->x_min + reach) * (region->y_max - region->y_min + reach));
+}
+
+static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose *ret_poses,
+                              bf_error *err)
+{
+    shape_footprint footprints[SCENE_KINDS_MAX];
     size_t wanted = s->initial.n_random;
-    double reach = 2.0 * footprint.reach;
-    double room = (region->x_max - region->x_min + reach) * (region->y_max - region->y_min + reach);
-    double cover = (double)wanted * footprint.area / room;
     crowd c;
+
+    mix_footprints(s, footprints);
+    double cover = measure_cover(s, footprints);
 
     if (cover > limit_cover(wanted))
         return bf_fail(err, BF_EINPUT, "/initial/random",
                        "%zu parts would cover %.0f %% of the region, and random places without "
                        "overlap fill about half of it",
                        wanted, 100.0 * cover);
-    bf_status status = crowd_init(&c, &footprint, ret_poses, wanted, err);
+    bf_status status = crowd_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
     size_t n = fill_crowd(s, &c, ret_poses);
@@ -136,17 +159,21 @@ static bf_status place_random(const scene *s, scene_pose *ret_poses, bf_error *e
 bf_status placement_make(const scene *s, placement *ret_placement, bf_error *err)
 {
     placement p = { .n = scene_parts(s) };
-    bf_status status = BF_OK;
 
     p.poses = memory_alloc(p.n, sizeof *p.poses);
     if (p.poses == NULL)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", p.n);
+    bf_status status = mix_draw(s, p.n, &p.kinds, err);
+    if (status != BF_OK) {
+        placement_fini(&p);
+        return status;
+    }
     if (s->initial.type == SCENE_INITIAL_POSITIONS && p.n > 0)
         memcpy(p.poses, s->initial.poses, p.n * sizeof *p.poses);
     else if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
         place_hexagonal(&s->initial, p.poses);
     else if (s->initial.type == SCENE_INITIAL_RANDOM)
-        status = place_random(s, p.poses, err);
+        status = place_random(s, p.kinds, p.poses, err);
     if (status != BF_OK) {
         placement_fini(&p);
         return status;
@@ -160,5 +187,6 @@ void placement_fini(placement *p)
     if (p == NULL)
         return;
     memory_free(p->poses);
+    memory_free(p->kinds);
     *p = (placement){ 0 };
 }

@@ -8,6 +8,7 @@
 typedef struct placement {
     size_t n;          ///< parts
     scene_pose *poses; ///< n of them
+    uint32_t *kinds;   ///< kind of each; NULL: all are of kind 0
 } placement;
 
 /// Place the parts of a scenario. Random places are drawn by a generator of our own from
@@ -22,3 +23,8 @@ void placement_fini(placement *p);
 /// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part.
 /// O(n) by a cell grid. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check(const scene *s, const placement *p, bf_faults *faults);
+
+/// Note parts that overlap the plate of an obstacle by more than SCENE_TOLERANCE, for the microscopic
+/// model, where a plate is solid. BF_ENOMEM.
+BF_MUST_CHECK bf_status placement_check_plates(const scene *s, const placement *p,
+                                               bf_faults *faults);

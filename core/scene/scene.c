@@ -15,6 +15,9 @@
 static const double paper_speed = 0.395;
 static const double paper_mollifier = 10000.0;
 
+/// Step of the paper's integration, s.
+static const double paper_micro_step = 1e-5;
+
 static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
     [SCENE_CARGO_CARGO] = { 0.008, 119.0, 0.15, 10.0, 1.0 },
     [SCENE_CONVEYOR_CARGO] = { 0.008, 230.0, 1.0, 10.0, 1.0 },
@@ -38,7 +41,7 @@ static scene_macro default_macro(void)
 
 static scene_micro default_micro(void)
 {
-    scene_micro micro = { .step = 1e-5,
+    scene_micro micro = { .step = NAN,
                           .modulus_reduction = 1e6,
                           .damping = 0.1,
                           .gravity = 9.81,
@@ -56,11 +59,9 @@ void scene_init(scene *s)
     s->edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
     s->edges[SCENE_SOUTH] = SCENE_EDGE_WALL;
     s->edges[SCENE_NORTH] = SCENE_EDGE_WALL;
-    s->cargo.shape = (scene_shape){
-        .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008, .length = NAN, .width = NAN
-    };
-    s->cargo.mass = NAN;
-    s->cargo.material = (scene_material){ 210e9, 0.28 };
+    s->n_cargo = 1;
+    s->cargo_seed = 1;
+    scene_cargo_init(&s->cargo[0]);
     s->initial = (scene_initial){ .type = SCENE_INITIAL_COUNT,
                                   .first = { NAN, NAN },
                                   .spacing = NAN,
@@ -69,6 +70,19 @@ void scene_init(scene *s)
     s->output = (scene_output){ .curve_every = 0.01, .snapshot_every = 0.1 };
     s->macro = default_macro();
     s->micro = default_micro();
+}
+
+void scene_cargo_init(scene_cargo *k)
+{
+    *k = (scene_cargo){ .share = 1.0,
+                        .shape = { .type = SCENE_CYLINDER,
+                                   .radius = 0.012,
+                                   .height = 0.008,
+                                   .length = NAN,
+                                   .width = NAN },
+                        .mass = NAN,
+                        .material = { 210e9, 0.28 },
+                        .spin_friction_radius = NAN };
 }
 
 void scene_belt_init(scene_belt *b)
@@ -129,23 +143,63 @@ static double cut_to_four_digits(double value)
                        : floor(value * round(1.0 / unit) * (1.0 + 1e-12)) / round(1.0 / unit);
 }
 
+// 2/3 of the radius: a disk that presses evenly.
+static double spin_radius_of(const scene_shape *shape)
+{
+    double radius =
+        shape->type == SCENE_CYLINDER ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
+    return 2.0 * radius / 3.0;
+}
+
+static bool is_sound(const scene_cargo *kind)
+{
+    bf_faults faults = { 0 };
+
+    shape_check(&kind->shape, "", &faults);
+    return faults.n == 0 && kind->share > 0.0;
+}
+
+// Area is shared out in proportion: 1/rho_max is that of a part.
+static double mean_packing(const scene *s)
+{
+    double sum = 0.0, area = 0.0;
+
+    if (s->n_cargo == 1)
+        return shape_packing_density(&s->cargo[0].shape);
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        sum += s->cargo[k].share;
+        area += s->cargo[k].share / shape_packing_density(&s->cargo[k].shape);
+    }
+    return sum / area;
+}
+
+static void resolve_cargo(scene *s)
+{
+    bool are_sound = true;
+
+    s->is_mix = s->is_mix || s->n_cargo > 1;
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        scene_cargo *kind = &s->cargo[k];
+        bool has_shape = is_sound(kind);
+        are_sound = are_sound && has_shape;
+        fill_in(&kind->mass, has_shape ? STEEL * shape_volume(&kind->shape) : 1.0);
+        if (s->micro.spin_friction_radius >= 0.0)
+            fill_in(&kind->spin_friction_radius, s->micro.spin_friction_radius);
+        fill_in(&kind->spin_friction_radius, has_shape ? spin_radius_of(&kind->shape) : 0.0);
+    }
+    fill_in(&s->micro.spin_friction_radius, s->cargo[0].spin_friction_radius);
+    fill_in(&s->macro.packing, are_sound ? cut_to_four_digits(mean_packing(s)) : 1.0);
+}
+
 // A member at fault is told of once, at its own place: what is derived from it must then be sound.
 static void resolve_derived(scene *s)
 {
-    bf_faults faults = { 0 };
     double speed = scene_belt_speed(s);
     double mollifier = s->macro.mollifier > 0.0 ? s->macro.mollifier : paper_mollifier;
 
-    shape_check(&s->cargo.shape, &faults);
-    bool has_shape = faults.n == 0;
-    fill_in(&s->cargo.mass, has_shape ? STEEL * shape_volume(&s->cargo.shape) : 1.0);
-    double area = has_shape ? shape_footprint_of(&s->cargo.shape).area : 1.0;
-    double radius = s->cargo.shape.type == SCENE_CYLINDER && has_shape ? s->cargo.shape.radius
-                                                                       : sqrt(area / M_PI);
-    fill_in(&s->micro.spin_friction_radius, 2.0 * radius / 3.0);
+    resolve_cargo(s);
+    fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : paper_micro_step);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
-    fill_in(&s->macro.packing,
-            has_shape ? cut_to_four_digits(shape_packing_density(&s->cargo.shape)) : 1.0);
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
     for (size_t k = 0; k < s->n_obstacles; k++) {
@@ -196,7 +250,8 @@ void scene_fini(scene *s)
     memory_free(s->belts);
     memory_free(s->obstacles);
     memory_free(s->counters);
-    memory_free(s->cargo.shape.vertices);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        memory_free(s->cargo[k].shape.vertices);
     memory_free(s->initial.poses);
     *s = (scene){ 0 };
 }

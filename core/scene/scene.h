@@ -3,7 +3,7 @@
 /// The document that users write is JSON; api/scenario.h turns it into this struct and back. Here it
 /// has its defaults (scene_init) and its complete checks (scene_check); what the solvers need is
 /// derived from it by field.h (carrying velocity), placement.h (where the parts are), density.h
-/// and counter.h.
+/// and counter.h; mix.h says which part is of which kind of cargo.
 ///
 /// Units    SI: m, s, kg, m/s, Pa. Angles are radians in structs, degrees in documents.
 /// Source   Goettlich et al. 2014, sections 2 to 4; defaults are the paper's or this project's choice.
@@ -12,8 +12,9 @@
 ///          of the struct members with their unit: cargo/shape/outline_m (prism) and vertices_m
 ///          (hull), contacts/cargo_cargo/{length_m, damping_n_s_m, friction, tanh_linear_s_m,
 ///          tanh_spin_s}, micro/{damping_per_s, gravity_m_s2, spin_friction_radius_m},
-///          initial/random/{count, region/x_m, region/y_m, seed}. An obstacle of two points is
-///          pointed at as a whole, a longer path at its point.
+///          initial/random/{count, region/x_m, region/y_m, seed}. Members of a kind of a mix stand
+///          below cargo/<n> instead of cargo. An obstacle of two points is pointed at as a whole, a
+///          longer path at its point.
 
 #pragma once
 
@@ -25,13 +26,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Fill *s with the defaults that depend on nothing else: no belts, obstacles, counters or parts
-/// yet. Numbers whose default is derived are NAN until scene_resolve(); what has no default is NAN
+/// Fill *s with the defaults that depend on nothing else: one kind of cargo, no belts, obstacles,
+/// counters or parts yet. Numbers whose default is derived are NAN until scene_resolve(); what has no default is NAN
 /// or, the type of the source of cargo, SCENE_INITIAL_COUNT. Arrays that the caller adds come from
 /// memory.h.
 void scene_init(scene *s);
 
-/// Fill *b, *o or *c with its defaults; derived ones are NAN, and ids "", until scene_resolve().
+/// Fill *k, *b, *o or *c with its defaults; derived ones are NAN, and ids "", until scene_resolve().
+void scene_cargo_init(scene_cargo *k);
 void scene_belt_init(scene_belt *b);
 void scene_obstacle_init(scene_obstacle *o);
 void scene_counter_init(scene_counter *c);
@@ -53,8 +55,8 @@ bf_grid scene_grid(const scene *s);
 
 /// Density of close packing rho_max, parts/m2: macro.packing. By default it is the packing of the
 /// shape (cylinder: 1/(2 sqrt(3) r^2); box: 1/(length width); prism and hull: pi/(2 sqrt(3)) divided by
-/// the area of the footprint) cut to four digits: the paper calculates with 2004 parts/m2 for the
-/// 2004.69 of its cylinders, and its results depend on it.
+/// the area of the footprint; a mix: 1/(sum of share_i/packing_i)) cut to four digits: the paper
+/// calculates with 2004 parts/m2 for the 2004.69 of its cylinders, and its results depend on it.
 double scene_packing_density(const scene *s);
 
 /// Speed |v_T| of the fastest belt, m/s.

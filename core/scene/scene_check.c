@@ -2,37 +2,15 @@
 
 #include "core/scene/placement.h"
 #include "core/scene/scene_check_priv.h"
-#include "core/scene/shape.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum { TOLD_MAX = 4 }; ///< bad positions that are told of
 
-/// Which ends of a range do not belong to it.
-enum { OPEN_LOW = 1, OPEN_HIGH = 2 };
-
-/// A number of the scenario and the range it must keep to.
-typedef struct number_rule {
-    const char *pointer;
-    size_t offset; ///< of the double in struct scene
-    double low;
-    double high;
-    unsigned open;
-} number_rule;
-
-#define ABOVE_0(pointer, member, high)                                                             \
-    {                                                                                              \
-        pointer, offsetof(scene, member), 0.0, high, OPEN_LOW                                      \
-    }
-#define FROM(pointer, member, low, high)                                                           \
-    {                                                                                              \
-        pointer, offsetof(scene, member), low, high, 0                                             \
-    }
-#define BELOW_HALF(pointer, member)                                                                \
-    {                                                                                              \
-        pointer, offsetof(scene, member), 0.0, 0.5, OPEN_HIGH                                      \
-    }
+#define ABOVE_0(pointer, member, high)   SCENE_CHECK__ABOVE_0(pointer, scene, member, high)
+#define FROM(pointer, member, low, high) SCENE_CHECK__FROM(pointer, scene, member, low, high)
+#define BELOW_HALF(pointer, member)      SCENE_CHECK__BELOW_HALF(pointer, scene, member)
 #define CONTACT(word, pair)                                                                        \
     ABOVE_0("/contacts/" word "/length_m", micro.contact[pair].length, SCENE_LENGTH_MAX),          \
         FROM("/contacts/" word "/damping_n_s_m", micro.contact[pair].damping, 0.0, 1e12),          \
@@ -40,13 +18,10 @@ typedef struct number_rule {
         ABOVE_0("/contacts/" word "/tanh_linear_s_m", micro.contact[pair].tanh_linear, 1e12),      \
         ABOVE_0("/contacts/" word "/tanh_spin_s", micro.contact[pair].tanh_spin, 1e12)
 
-static const number_rule number_rules[] = {
+static const scene_check__rule number_rules[] = {
     ABOVE_0("/duration_s", duration, 1e9),
     ABOVE_0("/output/curve_every_s", output.curve_every, 1e9),
     ABOVE_0("/output/snapshot_every_s", output.snapshot_every, 1e9),
-    ABOVE_0("/cargo/mass_kg", cargo.mass, 1e9),
-    ABOVE_0("/cargo/material/young_modulus_pa", cargo.material.young_modulus, 1e15),
-    BELOW_HALF("/cargo/material/poisson_ratio", cargo.material.poisson_ratio),
     ABOVE_0("/macro/cell_m", macro.cell, SCENE_LENGTH_MAX),
     FROM("/macro/step_s", macro.step, 0.0, 1e9),
     ABOVE_0("/macro/heaviside_width", macro.heaviside_width, 1e6),
@@ -54,7 +29,7 @@ static const number_rule number_rules[] = {
     ABOVE_0("/macro/mollifier_per_m2", macro.mollifier, 1e18),
     ABOVE_0("/macro/initial_mollifier_per_m2", macro.initial_mollifier, 1e18),
     ABOVE_0("/macro/packing_density_per_m2", macro.packing, 1e18),
-    ABOVE_0("/micro/step_s", micro.step, 1.0),
+    FROM("/micro/step_s", micro.step, 0.0, 1.0),
     FROM("/micro/modulus_reduction", micro.modulus_reduction, 1.0, 1e15),
     FROM("/micro/damping_per_s", micro.damping, 0.0, 1e9),
     FROM("/micro/gravity_m_s2", micro.gravity, 0.0, 1e6),
@@ -68,22 +43,37 @@ static const number_rule number_rules[] = {
     CONTACT("handling_cargo", SCENE_HANDLING_CARGO),
 };
 
-static void check_numbers(const scene *s, bf_faults *faults)
+void scene_check__numbers(const void *item, const char *pointer, const scene_check__rule *rules,
+                          size_t n, bf_faults *faults)
 {
-    for (size_t k = 0; k < sizeof number_rules / sizeof *number_rules; k++) {
-        const number_rule *rule = &number_rules[k];
-        double value = *(const double *)((const char *)s + rule->offset);
-        bool is_low = rule->open & OPEN_LOW ? !(value > rule->low) : !(value >= rule->low);
-        bool is_high = rule->open & OPEN_HIGH ? !(value < rule->high) : !(value <= rule->high);
-        if (is_low || is_high)
-            faults_add(faults, rule->pointer, "must be %s %g and %s %g, not %g",
-                       rule->open & OPEN_LOW ? "above" : "at least", rule->low,
-                       rule->open & OPEN_HIGH ? "below" : "at most", rule->high, value);
+    char at[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < n; k++) {
+        const scene_check__rule *rule = &rules[k];
+        double value = *(const double *)((const char *)item + rule->offset);
+        bool is_low =
+            rule->open & SCENE_CHECK__OPEN_LOW ? !(value > rule->low) : !(value >= rule->low);
+        bool is_high =
+            rule->open & SCENE_CHECK__OPEN_HIGH ? !(value < rule->high) : !(value <= rule->high);
+        if (!is_low && !is_high)
+            continue;
+        snprintf(at, sizeof at, "%s%s", pointer, rule->pointer);
+        faults_add(faults, at, "must be %s %g and %s %g, not %g",
+                   rule->open & SCENE_CHECK__OPEN_LOW ? "above" : "at least", rule->low,
+                   rule->open & SCENE_CHECK__OPEN_HIGH ? "below" : "at most", rule->high, value);
     }
+}
+
+static void check_words(const scene *s, bf_faults *faults)
+{
     if ((unsigned)s->macro.scheme >= SCENE_SCHEME_COUNT)
         faults_add(faults, "/macro/scheme", "is not a scheme");
     if ((unsigned)s->macro.heaviside >= SCENE_HEAVISIDE_COUNT)
         faults_add(faults, "/macro/heaviside", "is not a form of H");
+    if ((unsigned)s->micro.integrator >= SCENE_INTEGRATOR_COUNT)
+        faults_add(faults, "/micro/integrator", "is not an integrator");
+    if ((unsigned)s->micro.path >= SCENE_PATH_COUNT)
+        faults_add(faults, "/micro/path", "is not a path");
 }
 
 static bool is_interval(double low, double high)
@@ -209,12 +199,14 @@ void scene_check(const scene *s, bf_faults *faults)
 
     check_domain(s, faults);
     size_t n_domain = faults->n;
-    check_numbers(s, faults);
+    scene_check__numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
+    check_words(s, faults);
+    scene_check__cargo(s, faults);
     scene_check__items(s, faults);
     if (faults->n == n_before)
         scene_check__sizes(s, faults);
     size_t n_others = faults->n;
-    shape_check(&s->cargo.shape, faults);
+    scene_check__shapes(s, faults);
     check_initial(s, faults);
     if (n_domain == n_before && faults->n == n_others)
         check_placement(s, faults);

@@ -9,6 +9,7 @@ enum {
     SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
     SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
     SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape
+    SCENE_KINDS_MAX = 32,           ///< kinds of cargo in a scenario
     SCENE_COUNTERS_MAX = 32,        ///< counters in a scenario
     SCENE_PARTS_MAX = 1000000,      ///< parts in a scenario
     SCENE_CELLS_MAX = 100000000,    ///< cells of the macroscopic grid
@@ -21,7 +22,8 @@ enum {
 /// Most steps of a run.
 #define SCENE_STEPS_MAX 1e9
 
-/// Most bytes of all density snapshots of a run together, before compression.
+/// Most bytes of all density snapshots of a run together, before compression; of all rows of parts
+/// too.
 #define SCENE_SNAPSHOT_BYTES_MAX 8e9
 
 /// Borders of bands and of obstacles' ends are taken with this tolerance, m, in favour of the band.
@@ -37,3 +39,6 @@ enum {
 /// Most values that the density of the parts at the start may take to sum up: parts times cells
 /// within the reach of initial_mollifier.
 #define SCENE_INITIAL_WORK_MAX 1e12
+
+/// The same for the density of the parts in all snapshots of a microscopic run.
+#define SCENE_DENSITY_WORK_MAX 1e13

@@ -112,11 +112,15 @@ typedef struct scene_contact {
     double tanh_spin;   ///< lambda_ang, s, > 0 (default 1)
 } scene_contact;
 
-/// What is transported.
+/// A kind of parts that are transported.
 typedef struct scene_cargo {
-    scene_shape shape;       ///< see there
-    double mass;             ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
-    scene_material material; ///< (default 210e9 Pa, 0.28)
+    double share;      ///< how many parts are of it, in proportion to the sum of all shares, > 0
+                       ///< (default 1)
+    scene_shape shape; ///< see there
+    double mass;       ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    scene_material material;     ///< (default 210e9 Pa, 0.28)
+    double spin_friction_radius; ///< m, >= 0 (default that of micro if given, else 2/3 of the
+                                 ///< footprint's radius)
 } scene_cargo;
 
 /// Where the parts are at the start.
@@ -189,14 +193,33 @@ typedef struct scene_macro {
                     ///< the shape cut to four digits, see scene_packing_density())
 } scene_macro;
 
+/// Time integration of the microscopic model.
+typedef enum scene_integrator {
+    SCENE_VERLET,   ///< (12)-(13), the paper's
+    SCENE_IMPLICIT, ///< dashpots and frictions implicitly, for steps of 0.2 to 2 ms
+    SCENE_INTEGRATOR_COUNT
+} scene_integrator;
+
+/// Equations of motion of the microscopic model.
+typedef enum scene_path {
+    SCENE_PATH_AUTO,    ///< in the plane where all parts are cylinders, else in space
+    SCENE_PATH_PLANAR,  ///< in the plane: upright cylinders only
+    SCENE_PATH_SPATIAL, ///< in space: any shape, parts may tip
+    SCENE_PATH_COUNT
+} scene_path;
+
 /// Parameters of the microscopic model (1)-(9).
 typedef struct scene_micro {
-    double step;                             ///< dt, s, > 0 (default 1e-5)
+    scene_integrator integrator;             ///< (default SCENE_VERLET)
+    scene_path path;                         ///< (default SCENE_PATH_AUTO)
+    double step;                             ///< dt, s, > 0; 0 means "auto" (default 1e-5 for
+                                             ///< SCENE_VERLET, "auto" for SCENE_IMPLICIT)
     double modulus_reduction;                ///< all moduli are divided by it, >= 1 (default 1e6)
     bool tension;                            ///< contacts may pull (default false)
     double damping;                          ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
     double gravity;                          ///< m/s2, >= 0 (default 9.81)
-    double spin_friction_radius;             ///< m, >= 0 (default 2/3 of the footprint's radius)
+    double spin_friction_radius;             ///< m, >= 0 (default 2/3 of the radius of the first
+                                             ///< kind's footprint)
     scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
     scene_material handling;                 ///< (default 70e9 Pa, 0.34)
     scene_contact contact[SCENE_PAIR_COUNT]; ///< see there
@@ -212,7 +235,11 @@ typedef struct scene {
     scene_belt *belts;                  ///< see there
     size_t n_obstacles;                 ///< (default none)
     scene_obstacle *obstacles;          ///< see there
-    scene_cargo cargo;                  ///< see there
+    size_t n_cargo;                     ///< kinds of cargo, >= 1 (default 1)
+    scene_cargo cargo[SCENE_KINDS_MAX]; ///< see there
+    bool is_mix;                        ///< the document lists kinds; true where n_cargo > 1
+    uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53
+                                        ///< (default 1)
     scene_initial initial;              ///< see there
     size_t n_counters;                  ///< (default one)
     scene_counter *counters;            ///< (default "upstream": the domain)

@@ -178,31 +178,47 @@ double shape_packing_density(const scene_shape *shape)
     return M_PI / (2.0 * sqrt(3.0)) / shape_footprint_of(shape).area;
 }
 
-static void check_length(double value, const char *pointer, bf_faults *faults)
+/// A shape that is being checked, and where its faults go.
+typedef struct checking {
+    const scene_shape *shape;
+    const char *pointer; ///< of the shape
+    bf_faults *faults;
+} checking;
+
+/// The pointer of a member of the shape.
+static const char *point_at(const checking *c, const char *member, char *room, size_t size)
 {
-    if (!(value >= SCENE_LENGTH_MIN && value <= SCENE_LENGTH_MAX))
-        faults_add(faults, pointer, "must be a length from %g to %g m, not %g", SCENE_LENGTH_MIN,
-                   SCENE_LENGTH_MAX, value);
+    snprintf(room, size, "%s/%s", c->pointer, member);
+    return room;
 }
 
-static void check_finite(const scene_shape *shape, const char *pointer, int n_axes,
-                         bf_faults *faults)
+static void check_length(const checking *c, double value, const char *member)
 {
     char at[BF_POINTER_SIZE];
 
-    for (size_t k = 0; k < shape->n_vertices; k++) {
+    if (!(value >= SCENE_LENGTH_MIN && value <= SCENE_LENGTH_MAX))
+        faults_add(c->faults, point_at(c, member, at, sizeof at),
+                   "must be a length from %g to %g m, not %g", SCENE_LENGTH_MIN, SCENE_LENGTH_MAX,
+                   value);
+}
+
+static void check_finite(const checking *c, const char *pointer, int n_axes)
+{
+    char at[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < c->shape->n_vertices; k++) {
         bool is_good = true;
         for (int axis = 0; axis < n_axes; axis++)
-            is_good = is_good && fabs(shape->vertices[k][axis]) <= SCENE_LENGTH_MAX;
-        snprintf(at, sizeof at, "%s/%zu", pointer, k);
+            is_good = is_good && fabs(c->shape->vertices[k][axis]) <= SCENE_LENGTH_MAX;
+        snprintf(at, sizeof at, "%.100s/%zu", pointer, k);
         if (!is_good)
-            faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+            faults_add(c->faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
     }
 }
 
-static void check_repeats(const scene_shape *shape, const char *pointer, int n_axes,
-                          bf_faults *faults)
+static void check_repeats(const checking *c, const char *pointer, int n_axes)
 {
+    const scene_shape *shape = c->shape;
     double least = FLAT * measure_extent(shape, n_axes);
     char at[BF_POINTER_SIZE];
 
@@ -212,8 +228,8 @@ static void check_repeats(const scene_shape *shape, const char *pointer, int n_a
             if (n_axes == 2)
                 to.z = 0.0;
             if (!(sqrt(vector_dot(to, to)) > least)) {
-                snprintf(at, sizeof at, "%s/%zu", pointer, k);
-                faults_add(faults, at, "repeats point %zu", m);
+                snprintf(at, sizeof at, "%.100s/%zu", pointer, k);
+                faults_add(c->faults, at, "repeats point %zu", m);
                 break;
             }
         }
@@ -222,94 +238,100 @@ static void check_repeats(const scene_shape *shape, const char *pointer, int n_a
 
 /// Note too few or too many vertices, ones that are no numbers and ones that are given twice.
 /// Returns true if there are none of them.
-static bool check_vertices(const scene_shape *shape, const char *pointer, int n_axes, size_t n_min,
-                           bf_faults *faults)
+static bool check_vertices(const checking *c, const char *pointer, int n_axes, size_t n_min)
 {
-    size_t n_before = faults->n;
+    size_t n_before = c->faults->n, n = c->shape->n_vertices;
 
-    if (shape->n_vertices < n_min || shape->n_vertices > SCENE_VERTICES_MAX)
-        faults_add(faults, pointer, "must have %zu to %d points, not %zu", n_min,
-                   SCENE_VERTICES_MAX, shape->n_vertices);
-    if (faults->n == n_before)
-        check_finite(shape, pointer, n_axes, faults);
-    if (faults->n == n_before)
-        check_repeats(shape, pointer, n_axes, faults);
-    return faults->n == n_before;
+    if (n < n_min || n > SCENE_VERTICES_MAX)
+        faults_add(c->faults, pointer, "must have %zu to %d points, not %zu", n_min,
+                   SCENE_VERTICES_MAX, n);
+    if (c->faults->n == n_before)
+        check_finite(c, pointer, n_axes);
+    if (c->faults->n == n_before)
+        check_repeats(c, pointer, n_axes);
+    return c->faults->n == n_before;
 }
 
-static void check_prism(const scene_shape *shape, bf_faults *faults)
+static void check_prism(const checking *c)
 {
-    const char *pointer = "/cargo/shape/outline_m";
+    const scene_shape *shape = c->shape;
     scene_point outline[SCENE_VERTICES_MAX];
+    char room[BF_POINTER_SIZE];
+    const char *pointer = point_at(c, "outline_m", room, sizeof room);
 
-    if (!check_vertices(shape, pointer, 2, 3, faults))
+    if (!check_vertices(c, pointer, 2, 3))
         return;
     copy_outline(shape, outline);
     double extent = measure_extent(shape, 2);
     double area = geometry_polygon_area(outline, shape->n_vertices);
     if (!(fabs(area) > FLAT * extent * extent))
-        faults_add(faults, pointer, "encloses no area");
+        faults_add(c->faults, pointer, "encloses no area");
     else if (area < 0.0)
-        faults_add(faults, pointer, "must run counter-clockwise");
+        faults_add(c->faults, pointer, "must run counter-clockwise");
     else if (!geometry_polygon_is_convex(outline, shape->n_vertices, FLAT * extent))
-        faults_add(faults, pointer, "must be convex");
+        faults_add(c->faults, pointer, "must be convex");
 }
 
-static void check_hull(const scene_shape *shape, bf_faults *faults)
+static void check_hull(const checking *c)
 {
-    const char *pointer = "/cargo/shape/vertices_m";
+    char room[BF_POINTER_SIZE];
+    const char *pointer = point_at(c, "vertices_m", room, sizeof room);
 
-    if (!check_vertices(shape, pointer, 3, 4, faults))
+    if (!check_vertices(c, pointer, 3, 4))
         return;
-    double extent = measure_extent(shape, 3);
-    if (!(measure_hull(shape) > HULL_FLAT * extent * extent * extent))
-        faults_add(faults, pointer, "is degenerate: the points enclose no volume");
+    double extent = measure_extent(c->shape, 3);
+    if (!(measure_hull(c->shape) > HULL_FLAT * extent * extent * extent))
+        faults_add(c->faults, pointer, "is degenerate: the points enclose no volume");
 }
 
 /// Note a footprint that is too small, or too small for how far it reaches from the origin.
-static void check_footprint(const scene_shape *shape, bf_faults *faults)
+static void check_footprint(const checking *c)
 {
-    const char *pointer = shape->type == SCENE_PRISM  ? "/cargo/shape/outline_m"
-                          : shape->type == SCENE_HULL ? "/cargo/shape/vertices_m"
-                                                      : "/cargo/shape";
-    shape_footprint f = shape_footprint_of(shape);
+    char room[BF_POINTER_SIZE];
+    const char *pointer =
+        c->shape->type == SCENE_PRISM  ? point_at(c, "outline_m", room, sizeof room)
+        : c->shape->type == SCENE_HULL ? point_at(c, "vertices_m", room, sizeof room)
+                                       : c->pointer;
+    shape_footprint f = shape_footprint_of(c->shape);
     double ratio = M_PI * f.reach * f.reach / f.area;
 
     if (f.area < SCENE_LENGTH_MIN * SCENE_LENGTH_MIN)
-        faults_add(faults, pointer, "is too small: %g m2 seen from above", f.area);
+        faults_add(c->faults, pointer, "is too small: %g m2 seen from above", f.area);
     else if (!(ratio <= SLENDER_MAX))
-        faults_add_limit(faults, pointer,
+        faults_add_limit(c->faults, pointer,
                          "is too slender or too far from its origin: the disk about the origin "
                          "has %g times its area, the limit is %g",
                          ratio, SLENDER_MAX);
 }
 
-void shape_check(const scene_shape *shape, bf_faults *faults)
+void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults)
 {
+    const checking c = { shape, pointer, faults };
+    char at[BF_POINTER_SIZE];
     size_t n_before = faults->n;
 
     switch (shape->type) {
     case SCENE_CYLINDER:
-        check_length(shape->radius, "/cargo/shape/radius_m", faults);
+        check_length(&c, shape->radius, "radius_m");
         break;
     case SCENE_BOX:
-        check_length(shape->length, "/cargo/shape/length_m", faults);
-        check_length(shape->width, "/cargo/shape/width_m", faults);
+        check_length(&c, shape->length, "length_m");
+        check_length(&c, shape->width, "width_m");
         break;
     case SCENE_PRISM:
-        check_prism(shape, faults);
+        check_prism(&c);
         break;
     case SCENE_HULL:
-        check_hull(shape, faults);
+        check_hull(&c);
         break;
     default:
-        faults_add(faults, "/cargo/shape/type", "is not a type of shape");
+        faults_add(faults, point_at(&c, "type", at, sizeof at), "is not a type of shape");
         return;
     }
     if (shape->type != SCENE_HULL)
-        check_length(shape->height, "/cargo/shape/height_m", faults);
+        check_length(&c, shape->height, "height_m");
     if (faults->n == n_before)
-        check_footprint(shape, faults);
+        check_footprint(&c);
 }
 
 void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners)

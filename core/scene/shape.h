@@ -21,11 +21,11 @@ shape_footprint shape_footprint_of(const scene_shape *shape);
 /// Volume of a checked shape, m3; of a hull by its facets.
 double shape_volume(const scene_shape *shape);
 
-/// Density of close packing, see scene_packing_density().
+/// Density of close packing of one shape, see scene_packing_density().
 double shape_packing_density(const scene_shape *shape);
 
-/// Note every fault of a shape; pointers begin with /cargo/shape.
-void shape_check(const scene_shape *shape, bf_faults *faults);
+/// Note every fault of a shape; pointers begin with that of the shape ("/cargo/shape").
+void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults);
 
 /// Corners of the footprint of a part in its place, into ret_corners.
 void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners);

@@ -98,9 +98,9 @@ void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
 void helper_scene_set_vertices(scene *s, scene_shape_type type, const double (*vertices)[3],
                                size_t n)
 {
-    s->cargo.shape.type = type;
-    s->cargo.shape.vertices = memory_alloc(n, sizeof *vertices);
-    s->cargo.shape.n_vertices = n;
-    BF_CHECK(s->cargo.shape.vertices != NULL);
-    memcpy(s->cargo.shape.vertices, vertices, n * sizeof *vertices);
+    s->cargo[0].shape.type = type;
+    s->cargo[0].shape.vertices = memory_alloc(n, sizeof *vertices);
+    s->cargo[0].shape.n_vertices = n;
+    BF_CHECK(s->cargo[0].shape.vertices != NULL);
+    memcpy(s->cargo[0].shape.vertices, vertices, n * sizeof *vertices);
 }

@@ -45,9 +45,9 @@ static void lay_out(scene *s, const scene_pose *poses, size_t n)
 
 static void turn_into_boxes(scene *s, double length, double width)
 {
-    s->cargo.shape.type = SCENE_BOX;
-    s->cargo.shape.length = length;
-    s->cargo.shape.width = width;
+    s->cargo[0].shape.type = SCENE_BOX;
+    s->cargo[0].shape.length = length;
+    s->cargo[0].shape.width = width;
 }
 
 static void lay_out_random(scene *s, uint32_t n, scene_rect region)
@@ -242,7 +242,7 @@ static void the_search_by_cells_finds_what_a_search_of_all_pairs_finds(void **st
         lay_out(&s, poses, N);
         if (round % 2 == 1)
             turn_into_boxes(&s, 0.05, 0.01);
-        shape_footprint f = shape_footprint_of(&s.cargo.shape);
+        shape_footprint f = shape_footprint_of(&s.cargo[0].shape);
         for (size_t k = N; k-- > 0;) {
             for (size_t m = 0; m < k; m++)
                 first = is_overlapping(&f, poses[k], poses[m]) ? k : first;

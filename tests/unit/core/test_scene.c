@@ -25,8 +25,8 @@ static void defaults_are_those_of_the_paper(void **state)
     assert_string_equal(s.counters[0].id, "upstream");
     assert_true(s.macro.dispersion == 0.79); // 2 |v_T|
     // Steel, pi r^2 h * 7850 kg/m3 = 0.02841 kg.
-    assert_near(s.cargo.mass, 7850.0 * M_PI * 0.012 * 0.012 * 0.008, 1e-15);
-    assert_near(s.cargo.mass, 0.02841, 5e-6);
+    assert_near(s.cargo[0].mass, 7850.0 * M_PI * 0.012 * 0.012 * 0.008, 1e-15);
+    assert_near(s.cargo[0].mass, 0.02841, 5e-6);
     assert_near(s.micro.spin_friction_radius, 0.008, 1e-17); // 2/3 r
     assert_near(s.obstacles[0].band, 0.08, 1e-16);           // 8/sqrt(sigma)
     assert_near(s.obstacles[0].slide_width, 0.03, 1e-16);    // 3/sqrt(sigma)
@@ -144,11 +144,11 @@ static void close_packing_has_the_density_of_its_shape(void **state)
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     // 1/(2 sqrt(3) 0.012^2) = 2004.69, of which the paper keeps four digits.
     assert_true(scene_packing_density(&s) == 2004.0);
-    s.cargo.shape.type = SCENE_BOX;
-    s.cargo.shape.length = 0.05;
-    s.cargo.shape.width = 0.02;
+    s.cargo[0].shape.type = SCENE_BOX;
+    s.cargo[0].shape.length = 0.05;
+    s.cargo[0].shape.width = 0.02;
     assert_true(resolved_packing(&s) == 1000.0);
-    s.cargo.shape.length = 0.7; // 1/0.014 = 71.428...
+    s.cargo[0].shape.length = 0.7; // 1/0.014 = 71.428...
     assert_near(resolved_packing(&s), 71.42, 1e-12);
     for (int k = 0; k < 6; k++) {
         hexagon[k][0] = 0.01 * cos(k * M_PI / 3.0);
@@ -217,9 +217,9 @@ static void an_auto_step_is_no_longer_than_the_run(void **state)
 
 static double mass_of(scene *s)
 {
-    s->cargo.mass = NAN;
+    s->cargo[0].mass = NAN;
     helper_scene_resolve(s);
-    double mass = s->cargo.mass;
+    double mass = s->cargo[0].mass;
     scene_fini(s);
     return mass;
 }
@@ -244,15 +244,15 @@ static void the_mass_of_a_solid_is_steel_times_its_volume(void **state)
     helper_scene_set_vertices(&s, SCENE_HULL, octahedron, 6);
     assert_near(mass_of(&s), 7850.0 * 4.0 / 3.0, 1e-8);
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.cargo.shape.type = SCENE_BOX;
-    s.cargo.shape.length = 0.03;
-    s.cargo.shape.width = 0.02;
-    s.cargo.shape.height = 0.01;
+    s.cargo[0].shape.type = SCENE_BOX;
+    s.cargo[0].shape.length = 0.03;
+    s.cargo[0].shape.width = 0.02;
+    s.cargo[0].shape.height = 0.01;
     assert_near(mass_of(&s), 7850.0 * 6e-6, 1e-15);
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     static const double triangle[3][3] = { { 0, 0, 0 }, { 2, 0, 0 }, { 0, 1, 0 } };
     helper_scene_set_vertices(&s, SCENE_PRISM, triangle, 3);
-    s.cargo.shape.height = 3.0;
+    s.cargo[0].shape.height = 3.0;
     assert_near(mass_of(&s), 7850.0 * 3.0, 1e-8);
 }
 

@@ -110,11 +110,11 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, domain.x_min), "/domain/x_m", 1.0 },
         { offsetof(scene, domain.x_max), "/domain/x_m", 1e300 },
         { offsetof(scene, domain.y_max), "/domain/y_m", -1.0 },
-        { offsetof(scene, cargo.mass), "/cargo/mass_kg", 0.0 },
-        { offsetof(scene, cargo.shape.radius), "/cargo/shape/radius_m", -0.01 },
-        { offsetof(scene, cargo.shape.height), "/cargo/shape/height_m", 0.0 },
-        { offsetof(scene, cargo.material.young_modulus), "/cargo/material/young_modulus_pa", 0 },
-        { offsetof(scene, cargo.material.poisson_ratio), "/cargo/material/poisson_ratio", 0.5 },
+        { offsetof(scene, cargo[0].mass), "/cargo/mass_kg", 0.0 },
+        { offsetof(scene, cargo[0].shape.radius), "/cargo/shape/radius_m", -0.01 },
+        { offsetof(scene, cargo[0].shape.height), "/cargo/shape/height_m", 0.0 },
+        { offsetof(scene, cargo[0].material.young_modulus), "/cargo/material/young_modulus_pa", 0 },
+        { offsetof(scene, cargo[0].material.poisson_ratio), "/cargo/material/poisson_ratio", 0.5 },
         { offsetof(scene, initial.first.y), "/initial/hexagonal/first_m", 1e9 },
         { offsetof(scene, initial.spacing), "/initial/hexagonal/spacing_m", 0.0 },
         { offsetof(scene, macro.cell), "/macro/cell_m", 0.0 },
@@ -123,7 +123,7 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, macro.dispersion), "/macro/dispersion_m_s", -0.1 },
         { offsetof(scene, macro.mollifier), "/macro/mollifier_per_m2", 0.0 },
         { offsetof(scene, macro.initial_mollifier), "/macro/initial_mollifier_per_m2", -1.0 },
-        { offsetof(scene, micro.step), "/micro/step_s", 0.0 },
+        { offsetof(scene, micro.step), "/micro/step_s", -1e-5 },
         { offsetof(scene, micro.modulus_reduction), "/micro/modulus_reduction", 0.5 },
         { offsetof(scene, micro.damping), "/micro/damping_per_s", -1.0 },
         { offsetof(scene, micro.gravity), "/micro/gravity_m_s2", -1.0 },
@@ -197,7 +197,7 @@ static void words_out_of_range_are_refused(void **state)
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.edges[SCENE_NORTH] = SCENE_EDGE_COUNT;
     s.obstacles[0].treatment = SCENE_TREATMENT_COUNT;
-    s.cargo.shape.type = SCENE_SHAPE_COUNT;
+    s.cargo[0].shape.type = SCENE_SHAPE_COUNT;
     s.initial.type = SCENE_INITIAL_COUNT;
     s.macro.scheme = SCENE_SCHEME_COUNT;
     s.macro.heaviside = SCENE_HEAVISIDE_COUNT;
@@ -233,7 +233,7 @@ static void a_wrong_member_is_told_of_once_not_again_through_what_is_derived(voi
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
     helper_scene_add_obstacle(&s, (scene_point[]){ { 0.5, 0.0 }, { 0.5, 0.2 } }, 2, SCENE_SEALED);
     s.macro.mollifier = -1.0;
-    s.cargo.shape.radius = NAN;
+    s.cargo[0].shape.radius = NAN;
     helper_scene_add_belt(&s, (scene_point){ INFINITY, 0.0 }, NULL, 0);
     helper_scene_resolve(&s);
     const bf_faults *faults = faults_of(&s);
@@ -395,9 +395,9 @@ static void slender_shapes_are_beyond_the_limit(void **state)
 
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.cargo.shape.type = SCENE_BOX;
-    s.cargo.shape.length = 1.0;
-    s.cargo.shape.width = 1e-4;
+    s.cargo[0].shape.type = SCENE_BOX;
+    s.cargo[0].shape.length = 1.0;
+    s.cargo[0].shape.width = 1e-4;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/cargo/shape", "1000"));
 }
 

@@ -2,7 +2,7 @@
 ///
 /// Every operation acts on each lane alone and is exact or correctly rounded, so a kernel written
 /// with lanes gives the same bits on every processor, whatever their number. Kernels are compiled
-/// once per instruction set (see kernels.h).
+/// once per instruction set (core/CMakeLists.txt).
 
 #pragma once
 

@@ -1,0 +1,69 @@
+#include "core/scene/mix.h"
+
+#include "core/base/memory.h"
+#include "core/base/random.h"
+
+#include <math.h>
+
+void mix_count(const scene *s, size_t n, size_t ret_counts[SCENE_KINDS_MAX])
+{
+    double sum = 0.0, remainders[SCENE_KINDS_MAX];
+    size_t left = n;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        sum += s->cargo[k].share;
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        double quota = fmin((double)n * (s->cargo[k].share / sum), (double)left);
+        ret_counts[k] = (size_t)quota;
+        remainders[k] = quota - floor(quota);
+        left -= ret_counts[k];
+    }
+    for (; left > 0; left--) {
+        size_t most = 0;
+        for (size_t k = 1; k < s->n_cargo; k++)
+            most = remainders[k] > remainders[most] ? k : most;
+        ret_counts[most]++;
+        remainders[most] -= 1.0;
+    }
+}
+
+// Fisher and Yates: every order is as likely as any other.
+static void shuffle(uint32_t *kinds, size_t n, uint64_t seed)
+{
+    bf_random random;
+
+    random_init(&random, seed);
+    for (size_t left = n; left > 1; left--) {
+        size_t k = (size_t)(random_unit(&random) * (double)left);
+        uint32_t last = kinds[left - 1];
+        kinds[left - 1] = kinds[k];
+        kinds[k] = last;
+    }
+}
+
+bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds, bf_error *err)
+{
+    size_t counts[SCENE_KINDS_MAX], at = 0;
+
+    if (s->n_cargo == 1) {
+        *ret_kinds = NULL;
+        return BF_OK;
+    }
+    uint32_t *kinds = memory_alloc(n, sizeof *kinds);
+    if (kinds == NULL)
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
+    mix_count(s, n, counts);
+    for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
+        for (size_t k = 0; k < counts[kind]; k++)
+            kinds[at++] = kind;
+    }
+    shuffle(kinds, n, s->cargo_seed);
+    *ret_kinds = kinds;
+    return BF_OK;
+}
+
+void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_MAX])
+{
+    for (size_t k = 0; k < s->n_cargo; k++)
+        ret_footprints[k] = shape_footprint_of(&s->cargo[k].shape);
+}

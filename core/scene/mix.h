@@ -1,0 +1,24 @@
+/// Mixes: which part is of which kind of cargo.
+
+#pragma once
+
+#include "core/scene/scene.h"
+#include "core/scene/shape.h"
+
+/// How many of n parts are of each kind: n in proportion to the shares, rounded down, and the rest
+/// one by one to the kinds with the largest remainders, the first listed of equal ones.
+void mix_count(const scene *s, size_t n, size_t ret_counts[SCENE_KINDS_MAX]);
+
+/// The kinds of n parts: as many of each as mix_count() says, in an order drawn from cargo_seed, the
+/// same on every machine. *ret_kinds is the caller's, memory_free(); NULL if there is one kind.
+/// BF_ENOMEM.
+BF_MUST_CHECK bf_status mix_draw(const scene *s, size_t n, uint32_t **ret_kinds, bf_error *err);
+
+/// The footprint of each kind.
+void mix_footprints(const scene *s, shape_footprint ret_footprints[SCENE_KINDS_MAX]);
+
+/// The kind of part k by what mix_draw() gave.
+static inline uint32_t mix_kind(const uint32_t *kinds, size_t k)
+{
+    return kinds == NULL ? 0 : kinds[k];
+}
