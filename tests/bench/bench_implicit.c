@@ -1,0 +1,150 @@
+// How fast and how near to explicit steps the implicit ones are.
+//
+//     bench_implicit
+//
+// Examples 1 and 2 by the explicit method at 1e-5 s and by implicit steps: wall time of the 6 s on one
+// thread and the mean distance of the outflow curves, which is checked; then part-steps per second of
+// jams in a box, on one thread and on all. Each time is the best of several.
+
+#include "core/base/memory.h"
+#include "core/base/parallel.h"
+#include "tests/unit/core/helper_outflow.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { REPETITIONS = 7 };
+
+static const double duration = 6.0; // s
+static const double most_gap =
+    0.02; // of the parts: twice what one chaotic run may stray from another
+
+static double seconds(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "bench_implicit: %s\n", what);
+    exit(1);
+}
+
+static double time_curve(const micro_def *def, int n_repetitions, double *ret_u)
+{
+    double best = INFINITY;
+
+    for (int k = 0; k < n_repetitions; k++) {
+        double begin = seconds();
+        helper_outflow_curve(def, duration, ret_u);
+        best = fmin(best, seconds() - begin);
+    }
+    return best;
+}
+
+static void show_example(double angle_deg, double modulus_reduction)
+{
+    const double steps[] = { 0.0, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3 };
+    double expected[HELPER_OUTFLOW_SAMPLES], u[HELPER_OUTFLOW_SAMPLES];
+    helper_outflow *e = malloc(sizeof *e);
+
+    if (e == NULL)
+        fail("no memory");
+    helper_outflow_example(e, angle_deg, modulus_reduction);
+    double time = time_curve(&e->def, 2, expected);
+    printf("%2.0f deg, reduction %g: explicit, 0.01 ms    %7.4f s\n", angle_deg, modulus_reduction,
+           time);
+    e->def.integrator = MICRO_IMPLICIT;
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+        e->def.dt = steps[k];
+        time = time_curve(&e->def, REPETITIONS, u);
+        double gap = helper_outflow_gap(u, expected);
+        printf("                          implicit, %-8s   %7.4f s, gap %.2f %% of N\n",
+               (const char *[]){ "chosen", "0.2 ms", "0.5 ms", "1 ms", "2 ms", "4 ms" }[k], time,
+               100.0 * gap);
+        if (gap > most_gap)
+            fail("the curve is not that of the explicit method");
+    }
+    free(e);
+}
+
+// Parts in hexagonal order in a box, pushed east by the belt: about 6 contacts each.
+static void place_jam(helper_outflow *e, scene_pose *poses, size_t n)
+{
+    const double spacing = 0.024;
+    const size_t columns = (size_t)ceil(sqrt((double)n)), rows = (n + columns - 1) / columns;
+
+    helper_outflow_example(e, 60.0, 1e4);
+    for (size_t k = 0; k < n; k++) {
+        size_t row = k / columns, column = k % columns;
+        poses[k].x = 0.013 + spacing * ((double)column + 0.5 * (double)(row % 2));
+        poses[k].y = 0.013 + spacing * sqrt(0.75) * (double)row;
+        poses[k].heading = 0.0;
+    }
+    e->def.domain = (scene_rect){ 0.0, spacing * ((double)columns + 0.5) + 2e-3, 0.0,
+                                  spacing * sqrt(0.75) * (double)rows + 5e-3 };
+    for (int k = 0; k < SCENE_SIDE_COUNT; k++)
+        e->def.edges[k] = SCENE_EDGE_WALL;
+    e->def.n_obstacles = 0;
+    e->def.n_parts = n;
+    e->def.poses = poses;
+    e->def.integrator = MICRO_IMPLICIT;
+}
+
+static double time_jam(const micro_def *def, uint64_t n_steps, double *ret_contacts)
+{
+    micro_solver *s = NULL;
+    double best = INFINITY;
+
+    if (micro_create(def, &s, NULL) != BF_OK || micro_advance(s, 50, NULL) != BF_OK)
+        fail("the jam does not start");
+    for (int k = 0; k < REPETITIONS; k++) {
+        double begin = seconds();
+        if (micro_advance(s, n_steps, NULL) != BF_OK)
+            fail("the jam fails");
+        best = fmin(best, seconds() - begin);
+    }
+    *ret_contacts = 2.0 * (double)micro_measure(s).n_contacts / (double)def->n_parts;
+    micro_destroy(s);
+    return best;
+}
+
+static void show_jam(size_t n, double dt, int n_threads)
+{
+    const uint64_t n_steps = 4000000 / n < 1000 ? 4000000 / n : 1000;
+    scene_pose *poses = memory_alloc(n, sizeof *poses);
+    helper_outflow *e = malloc(sizeof *e);
+    double contacts;
+
+    if (poses == NULL || e == NULL)
+        fail("no memory");
+    place_jam(e, poses, n);
+    e->def.dt = dt;
+    e->def.n_threads = n_threads;
+    double time = time_jam(&e->def, n_steps, &contacts);
+    printf("%7zu parts, %.1f contacts each, %g ms, %d threads: %6.2f M part-steps/s\n", n, contacts,
+           dt * 1e3, n_threads, (double)(n * n_steps) / time * 1e-6);
+    memory_free(poses);
+    free(e);
+}
+
+int main(void)
+{
+    const size_t sizes[] = { 192, 10000, 100000 };
+
+    show_example(60.0, 1e6);
+    show_example(60.0, 1e4);
+    show_example(90.0, 1e6);
+    show_example(90.0, 1e4);
+    for (size_t k = 0; k < 3; k++) {
+        show_jam(sizes[k], 5e-4, 1);
+        show_jam(sizes[k], 2e-3, 1);
+        show_jam(sizes[k], 2e-3, parallel_processors());
+    }
+    return 0;
+}
