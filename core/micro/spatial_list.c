@@ -1,0 +1,96 @@
+// The list of neighbours, and each pair of it once, with what is remembered of it.
+
+#include "core/micro/spatial_priv.h"
+
+#include "core/base/memory.h"
+
+#include <string.h>
+
+/// Find the first pair of each part and make room for all.
+static bf_status count_pairs(spatial_state *s)
+{
+    const pairs *list = &s->list;
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n; k++) {
+        s->first_pair[k] = n;
+        for (size_t at = list->start[k]; at < list->start[k + 1]; at++)
+            n += list->neighbour[at] > k;
+    }
+    s->first_pair[s->n] = n;
+    if (memory_reserve(&s->spare, &s->spare_capacity, n, sizeof *s->spare) != 0 ||
+        memory_reserve(&s->links, &s->links_capacity, 2 * n, sizeof *s->links) != 0)
+        return BF_ENOMEM;
+    return BF_OK;
+}
+
+static bool is_before(const spatial_pair *left, const spatial_pair *right)
+{
+    return left->a != right->a ? left->a < right->a : left->b < right->b;
+}
+
+/// Write the new pairs into the spare storage; both lists are sorted, so that one walk along the
+/// old one finds what is remembered.
+static void write_pairs(spatial_state *s)
+{
+    const pairs *list = &s->list;
+    size_t old = 0, n = 0;
+
+    for (size_t k = 0; k < s->n; k++) {
+        for (size_t at = list->start[k]; at < list->start[k + 1]; at++) {
+            if (list->neighbour[at] <= k)
+                continue;
+            spatial_pair pair = { .a = (uint32_t)k, .b = list->neighbour[at] };
+            while (old < s->n_pairs && is_before(&s->pairs[old], &pair))
+                old++;
+            if (old < s->n_pairs && !is_before(&pair, &s->pairs[old]))
+                pair.memory = s->pairs[old].memory;
+            s->links[at] = (uint32_t)n;
+            s->spare[n++] = pair;
+        }
+    }
+}
+
+/// Link the places of neighbours with smaller numbers: those of a part stand in the order in which
+/// its pairs come up.
+static void link_back(spatial_state *s, size_t *cursor)
+{
+    const pairs *list = &s->list;
+
+    memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
+    for (size_t k = 0; k < s->n; k++)
+        for (size_t at = list->start[k]; at < list->start[k + 1]; at++)
+            if (list->neighbour[at] < k)
+                s->links[at] = (uint32_t)cursor[list->neighbour[at]]++;
+}
+
+bf_status spatial__list(spatial_state *s, bf_error *err)
+{
+    size_t *cursor;
+
+    s->is_listed = false;
+    for (size_t k = 0; k < s->n; k++) {
+        s->x[k] = s->bodies[k].x.x;
+        s->y[k] = s->bodies[k].x.y;
+    }
+    bf_status status = pairs_build(&s->list, s->n, s->x, s->y, s->reach, 0.0, s->is_gone, err);
+    if (status != BF_OK)
+        return status;
+    cursor = memory_alloc(s->n, sizeof *cursor);
+    if (cursor == NULL || count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX) {
+        memory_free(cursor);
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the pairs of neighbours");
+    }
+    write_pairs(s);
+    link_back(s, cursor);
+    memory_free(cursor);
+    spatial_pair *swap = s->pairs;
+    size_t swap_capacity = s->pairs_capacity;
+    s->pairs = s->spare;
+    s->pairs_capacity = s->spare_capacity;
+    s->spare = swap;
+    s->spare_capacity = swap_capacity;
+    s->n_pairs = s->first_pair[s->n];
+    s->is_listed = true;
+    return BF_OK;
+}

@@ -1,0 +1,160 @@
+/// Inside of the spatial path: rigid bodies in space.
+///
+///     step      v+ = (1 - D dt) v + dt F/m, x+ = x + dt v+: (12) with v = (x - x-)/dt, the
+///               velocity of the last half step, which contacts see; the first step, forward Euler,
+///               is the one without forces
+///     spin      w+ = (1 - D)^dt w + dt Theta^-1 torque - dt Theta^-1 (w+ x Theta w+) in the axes
+///               of the body, the last term by one step of Newton's method: so it never adds
+///               energy, as it would if it were taken at w; q+ = q + dt/2 [w+, 0] q, renormalised
+///               (13)
+///     points    in each contact point f = share max(k depth - d v_n, 0), v_n of the point itself
+///               (no clamp with tension), and friction (7) of its own velocity; shares: manifold.h
+///     belt      the same points carry the weight, but friction acts once, in their centre of
+///               pressure c: (7) with the velocity of the body in c, and (8) about the vertical
+///               with r_spin g/g_0, where g is the radius of gyration of the pressure and g_0 that
+///               of the body lying flat. So an upright cylinder is braked as on the planar path,
+///               and a body on its corner turns freely. (8) is implicit: it never turns the spin
+///               around
+///     cylinders standing side by side or near a plate, or lying, in closed form: spatial_round.c
+///
+/// The body frame is that of the principal axes with its origin in the centre of mass.
+///
+/// Memory   the direction that separates two bodies, or the feature that carries their contact, is
+///          kept from step to step while the balls around them touch, and forgotten when they do
+///          not, so that it does not depend on when the list of neighbours was made. A feature is
+///          kept as long as no other one close by has less depth: contacts do not jump through thin
+///          bodies.
+/// Sums     over neighbours by their numbers, then plates by theirs, then walls, then the belt;
+///          each pair is worked out once. Blocks of SPATIAL_BLOCK parts are shared out to threads.
+
+#pragma once
+
+#include "core/micro/spatial_types_priv.h"
+
+/// What acts on a body: sums about its centre of mass.
+typedef struct spatial_load {
+    vec3 force;  ///< N
+    vec3 torque; ///< N m
+} spatial_load;
+
+/// A contact point that has a normal of its own.
+typedef struct spatial_spot {
+    vec3 at;      ///< in the middle of the overlap, m
+    vec3 normal;  ///< from a to b, or out of the solid
+    double depth; ///< m
+    double share; ///< of stiffness and dashpot
+} spatial_spot;
+
+/// Velocity of the point `at` of a body.
+static inline vec3 spatial__velocity(const spatial_body *body, vec3 at)
+{
+    return vec3_add(body->v, vec3_cross(body->w, vec3_sub(at, body->x)));
+}
+
+/// Add a force that acts in a point.
+static inline void spatial__push(spatial_load *load, const spatial_body *body, vec3 at, vec3 force)
+{
+    load->force = vec3_add(load->force, force);
+    load->torque = vec3_add(load->torque, vec3_cross(vec3_sub(at, body->x), force));
+}
+
+/// The law of two parts.
+static inline micro_law spatial__law(const spatial_state *s, const spatial_kind *a,
+                                     const spatial_kind *b)
+{
+    micro_law law = s->cargo;
+
+    law.stiffness /= a->softness + b->softness;
+    return law;
+}
+
+/// Normal force in a contact point, N; approach is the velocity of b against a along the normal.
+static inline double spatial__press(const spatial_state *s, const micro_law *law, double depth,
+                                    double share, double approach)
+{
+    double force = share * (law->stiffness * depth - law->damping * approach);
+
+    return s->def.tension || force > 0.0 ? force : 0.0;
+}
+
+/// tanh(z)/z for z >= 0: Lambert's continued fraction at z/8, doubled three times, with a relative
+/// error within 1e-12; by arithmetic alone, so that every machine gives the same bits.
+static inline double spatial__theta(double z)
+{
+    double y2 = z * z / 64.0;
+    double up = (y2 * 21.0 + 1260.0) * y2 + 10395.0;
+    double down = ((y2 + 210.0) * y2 + 4725.0) * y2 + 10395.0;
+
+    // tanh 2y = 2 tanh y / (1 + tanh^2 y); at 18 tanh is 1 to the last bit.
+    if (z >= 18.0)
+        return 1.0 / z;
+    for (int k = 0; k < 3; k++) {
+        double twice = up * down;
+        down = y2 * (up * up) + down * down;
+        up = twice;
+        y2 *= 4.0;
+    }
+    return up / down;
+}
+
+/// Friction (7) on b for a normal force, by the velocity of b against a at right angles to the
+/// normal.
+vec3 spatial__rub(const micro_law *law, double force, vec3 slip);
+
+/// Fill in a kind. BF_EINPUT: its hull is degenerate.
+BF_MUST_CHECK bf_status spatial__kind_init(const micro_def *def, const micro_kind *from,
+                                           spatial_kind *ret_kind, bf_error *err);
+
+/// Copy plates and belts and map them. BF_ENOMEM.
+BF_MUST_CHECK bf_status spatial__plates_init(spatial_state *s, const micro_def *def, bf_error *err);
+BF_MUST_CHECK bf_status spatial__floor_init(spatial_state *s, const micro_def *def, bf_error *err);
+
+/// Free them.
+void spatial__plates_fini(spatial_state *s);
+void spatial__floor_fini(spatial_state *s);
+
+/// Velocity of the belt under a point; 0 off every belt. True if there is one.
+bool spatial__belt_at(const spatial_state *s, double x, double y, vec3 *ret_velocity);
+
+/// Make the list of neighbours and the pairs, which keep their memories. BF_ENOMEM: the list is
+/// made anew by the next call.
+BF_MUST_CHECK bf_status spatial__list(spatial_state *s, bf_error *err);
+
+/// Work out what acts in a pair.
+void spatial__meet(const spatial_state *s, spatial_pair *pair, spatial_report *report);
+
+/// The contact of two hulls from what is remembered of them, in the frame of a. Returns false if
+/// they are apart.
+bool spatial__find_manifold(const gjk_pair *pair, spatial_memory *memory, manifold *ret_manifold);
+
+/// Contact points of two cylinders that stand side by side; *ret_n is how many, 0 to 2. Returns
+/// false, with no output, if they stand otherwise.
+bool spatial__round_pair(const spatial_state *s, const spatial_body *a, const spatial_body *b,
+                         spatial_spot *ret_spots, size_t *ret_n);
+
+/// The same of a cylinder on its side against a plane, and of one that stands against a plate.
+bool spatial__round_plane(const spatial_state *s, const spatial_body *body,
+                          const manifold_plane *plane, spatial_spot *ret_spots, size_t *ret_n);
+bool spatial__round_plate(const spatial_state *s, const spatial_body *body,
+                          const spatial_plate *plate, spatial_spot *ret_spots, size_t *ret_n);
+
+/// Add what plates and walls do to part k.
+void spatial__plates_push(spatial_state *s, size_t k, spatial_load *load, spatial_report *report);
+void spatial__walls_push(const spatial_state *s, size_t k, spatial_load *load,
+                         spatial_report *report);
+
+/// Note a contact that presses.
+void spatial__note(spatial_report *report, double overlap, double radius);
+
+/// Add what the belt does to part k.
+void spatial__floor_push(spatial_state *s, size_t k, spatial_load *load);
+
+/// Largest stable step for a checked definition, s; see spatial_kind.c.
+double spatial__dt_stable(const micro_def *def);
+
+/// The table's functions that are not in spatial.c.
+bf_status spatial__advance(void *state, uint64_t n, bf_error *err);
+micro_part spatial__part(const void *state, size_t k);
+micro_totals spatial__measure(const void *state);
+bf_status spatial__save(const void *state, bf_buffer *out, bf_error *err);
+bf_status spatial__load(void *state, const void *bytes, size_t n, bf_error *err);

@@ -1,0 +1,45 @@
+/// Small worlds for the spatial path, whose inside tests may change: gravity, places, velocities.
+
+#pragma once
+
+#include "core/micro/backend.h"
+#include "core/micro/spatial_priv.h"
+
+enum { HELPER_SPATIAL_PARTS = 64, HELPER_SPATIAL_KINDS = 4 };
+
+/// A definition with what it points to. Do not move it once it was made.
+typedef struct helper_spatial {
+    micro_def def;                             ///< to be changed at will
+    scene_belt belts[2];                       ///< see def.n_belts
+    scene_obstacle obstacle;                   ///< see def.n_obstacles
+    scene_point path[3];                       ///< of the obstacle
+    micro_kind kinds[HELPER_SPATIAL_KINDS];    ///< see def.n_kinds
+    scene_pose poses[HELPER_SPATIAL_PARTS];    ///< see def.n_parts
+    uint32_t part_kinds[HELPER_SPATIAL_PARTS]; ///< all 0
+} helper_spatial;
+
+/// A world of 2 m x 2 m about the origin, open on all sides, without belts, with one part of a
+/// shape and of steel's stiffness and 0.03 kg at the origin; moduli are divided by 1e4, steps are
+/// 1e-5 s, D = 0.
+void helper_spatial_init(helper_spatial *h, scene_shape shape);
+
+/// Shapes.
+scene_shape helper_spatial_box(double length, double width, double height);
+scene_shape helper_spatial_cylinder(double radius, double height);
+
+/// The solver of the world; free it with micro__spatial.destroy(). Asserts that all goes well.
+spatial_state *helper_spatial_start(const helper_spatial *h);
+
+/// Steps for a time. Asserts that all goes well.
+void helper_spatial_run(spatial_state *s, double time);
+
+/// Turn a part about an axis by an angle, and lift it so that its lowest point is at a height.
+void helper_spatial_tilt(spatial_state *s, size_t k, vec3 axis, double angle, double height);
+
+/// Kinetic energy and that of height, J; momentum, N s; angular momentum about the origin, N m s.
+double helper_spatial_energy(const spatial_state *s);
+vec3 helper_spatial_momentum(const spatial_state *s);
+vec3 helper_spatial_angular_momentum(const spatial_state *s);
+
+/// Digest of all parts.
+uint64_t helper_spatial_digest(const spatial_state *s);
