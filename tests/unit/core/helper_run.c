@@ -4,6 +4,7 @@
 #include "core/base/digest.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void keep_curve(helper_run_log *log, const frame_curve *c)
@@ -26,6 +27,23 @@ static void keep_snapshot(helper_run_log *log, const frame_snapshot *s)
         digest_add(log->snapshot_digest, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho);
 }
 
+static void keep_parts(helper_run_log *log, const frame_parts *p)
+{
+    size_t n = (size_t)p->n_parts * p->n_values;
+
+    // Parts come right after their snapshot.
+    BF_CHECK(p->index + 1 == log->n_snapshots);
+    log->parts_digest = digest_add(log->parts_digest, &p->t, sizeof p->t);
+    log->parts_digest = digest_add(log->parts_digest, p->rows, n * sizeof *p->rows);
+    free(log->parts);
+    log->parts = malloc(n * sizeof *p->rows + 1);
+    BF_CHECK(log->parts != NULL);
+    memcpy(log->parts, p->rows, n * sizeof *p->rows);
+    log->n_present = 0;
+    for (uint64_t k = 0; k < p->n_parts; k++)
+        log->n_present += isnan(p->rows[k * p->n_values]) ? 0 : 1;
+}
+
 static bf_status take(void *context, const frame *f, bf_error *err)
 {
     helper_run_log *log = context;
@@ -38,6 +56,8 @@ static bf_status take(void *context, const frame *f, bf_error *err)
         keep_curve(log, &f->curve);
     if (f->type == FRAME_SNAPSHOT)
         keep_snapshot(log, &f->snapshot);
+    if (f->type == FRAME_PARTS)
+        keep_parts(log, &f->parts);
     if (f->type == FRAME_END)
         log->end = f->end;
     if (f->type == FRAME_CHECKPOINT) {
@@ -62,7 +82,7 @@ bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *
 {
     const run_sink sink = { log, take, wish };
     run *r = NULL;
-    bf_status status = run_create(s, RUN_MACRO, n_threads, &r, NULL);
+    bf_status status = run_create(s, log->model, n_threads, &r, NULL);
 
     if (status == BF_OK && resume != 0)
         status = run_resume(r, log->checkpoint.bytes, log->checkpoint.n, NULL);

@@ -20,6 +20,10 @@ typedef struct helper_run_log {
     frame_begin begin;                                     ///< the last one
     frame_end end;                                         ///< the last one
     bf_buffer checkpoint;                                  ///< the last one
+    run_model model;                                       ///< to run with (RUN_MACRO where zeroed)
+    uint64_t parts_digest;                                 ///< of all times and rows of parts
+    double *parts;                                         ///< rows of the last ones; free()
+    size_t n_present;                                      ///< parts in the domain in those
     uint64_t n_wishes;                                     ///< how often the run asked
     uint64_t stop_at;      ///< wish a checkpoint and a stop at this asking; 0: never
     uint64_t report_every; ///< wish a report every so many askings; 0: never

@@ -1,5 +1,6 @@
 // Unit tests of the frame format.
 
+#include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/run/frame.h"
 
@@ -25,15 +26,16 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
     frames[n++] = (frame){ .type = FRAME_JOB, .job = { 1, 4, 13, "{\"name\":\"x\"} " } };
     frames[n++] = (frame){ .type = FRAME_RESUME, .bytes = { 77, 5, "state" } };
     frames[n++] =
-        (frame){ .type = FRAME_BEGIN, .begin = { 0, 2, 4800, 1.25e-3, 6.0, 192, 77, grid } };
+        (frame){ .type = FRAME_BEGIN, .begin = { 0, 2, 4800, 1.25e-3, 6.0, 192, 77, 6, grid } };
     frames[n++] = (frame){ .type = FRAME_CURVE, .curve = { 10, 3, 2, times, values } };
     frames[n++] =
         (frame){ .type = FRAME_SNAPSHOT, .snapshot = { 4, 0.4, 1.5, 191.0, 3, 2, cells } };
     frames[n++] = (frame){ .type = FRAME_PROGRESS, .progress = { 99, 4800, 0.12375 } };
     frames[n++] = (frame){ .type = FRAME_CHECKPOINT, .bytes = { 78, 0, "" } };
-    frames[n++] =
-        (frame){ .type = FRAME_END,
-                 .end = { 1, 4800, 6.0, 6, 192.0, 19.75, 1.43, 0xdeadbeefcafe, 601, 61 } };
+    frames[n++] = (frame){ .type = FRAME_END,
+                           .end = { 1, 4800, 6.0, 6, 192.0, 19.75, 1.43, 0xdeadbeefcafe, 601, 61,
+                                    172, 5, 0.25, 6e-4, 0.05 } };
+    frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values } };
     frames[n] = (frame){ .type = FRAME_ERROR };
     frames[n].error.error.code = BF_ENUMERIC;
     strcpy(frames[n].error.error.pointer, "/macro/step_s");
@@ -166,6 +168,33 @@ static void a_frame_that_lies_about_its_arrays_is_refused(void **state)
     buffer_fini(&lying);
 }
 
+// Rows of no values would let any number of parts pass; so would a product that overflows.
+static void parts_that_lie_about_their_number_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        uint64_t n_parts;
+        uint32_t n_values;
+    } lies[] = {
+        { UINT64_MAX, 0 }, { 5, 1 }, { UINT64_C(1) << 61, 8 }, { 1, UINT32_MAX }, { 1, 0 }
+    };
+    for (size_t k = 0; k < sizeof lies / sizeof *lies; k++) {
+        uint64_t payload[4 + 4] = { 4, 0, lies[k].n_parts, lies[k].n_values };
+        frame f = { .type = FRAME_CHECKPOINT,
+                    .bytes = { payload[0], sizeof payload - sizeof *payload, payload + 1 } };
+        bf_buffer lying = { 0 };
+        frame decoded;
+        size_t used;
+        assert_int_equal(frame_encode(&f, &lying, NULL), BF_OK);
+        // The same bytes with their digest, as a frame of parts.
+        lying.bytes[4] = FRAME_PARTS;
+        uint64_t digest = digest_add(DIGEST_START, lying.bytes, lying.n - sizeof digest);
+        memcpy(lying.bytes + lying.n - sizeof digest, &digest, sizeof digest);
+        assert_int_equal(frame_decode(lying.bytes, lying.n, &decoded, &used, NULL), BF_ECORRUPT);
+        buffer_fini(&lying);
+    }
+}
+
 static void an_endless_frame_is_refused_before_it_comes(void **state)
 {
     (void)state;
@@ -204,6 +233,7 @@ int main(void)
         cmocka_unit_test(a_torn_end_asks_for_more_at_every_cut),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_frame),
         cmocka_unit_test(a_frame_that_lies_about_its_arrays_is_refused),
+        cmocka_unit_test(parts_that_lie_about_their_number_are_refused),
         cmocka_unit_test(an_endless_frame_is_refused_before_it_comes),
         cmocka_unit_test(out_of_memory_leaves_the_buffer_as_it_was),
     };

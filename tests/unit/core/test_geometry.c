@@ -5,6 +5,7 @@
 #include "core/base/random.h"
 #include "tests/unit/core/helper_scene.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <string.h>
@@ -128,6 +129,24 @@ static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void 
     assert_int_equal(geometry_convex_hull(equal, 0, hull), 0);
 }
 
+// A square of side 2 around the origin, and disks of radius 1: touching a side, a corner, overlapping
+// either by less and by more than the tolerance, and inside.
+static void a_disk_overlaps_a_polygon_that_it_enters(void **state)
+{
+    (void)state;
+    static const scene_point square[] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
+    const double diagonal = 1.0 + sqrt(0.5);
+    static const double tolerance = 1e-3;
+    assert_false(geometry_disk_overlaps((scene_point){ 2.0, 0.3 }, 1.0, square, 4, tolerance));
+    assert_false(geometry_disk_overlaps((scene_point){ 1.9995, 0.3 }, 1.0, square, 4, tolerance));
+    assert_true(geometry_disk_overlaps((scene_point){ 1.998, 0.3 }, 1.0, square, 4, tolerance));
+    assert_false(
+        geometry_disk_overlaps((scene_point){ diagonal, -diagonal }, 1.0, square, 4, tolerance));
+    assert_true(geometry_disk_overlaps((scene_point){ diagonal - 0.002, 0.002 - diagonal }, 1.0,
+                                       square, 4, tolerance));
+    assert_true(geometry_disk_overlaps((scene_point){ 0.1, 0.2 }, 0.01, square, 4, tolerance));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -137,6 +156,7 @@ int main(void)
         cmocka_unit_test(a_polygon_holds_what_is_inside_or_on_its_border),
         cmocka_unit_test(a_convex_hull_is_convex_and_has_all_points),
         cmocka_unit_test(points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one),
+        cmocka_unit_test(a_disk_overlaps_a_polygon_that_it_enters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

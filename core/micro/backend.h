@@ -1,0 +1,33 @@
+/// What a path of the microscopic solver gives to micro.c: one table for planar, one for spatial.
+
+#pragma once
+
+#include "core/micro/micro.h"
+
+/// The functions of a path; state is what create() made. Meanings as in micro.h.
+typedef struct micro_backend {
+    double (*dt_stable)(const micro_def *def); ///< def is checked but for dt
+    double (*dt_chosen)(const micro_def *def); ///< for dt = 0; at most dt_stable
+    /// micro_create()
+    bf_status (*create)(const micro_def *def, void **ret_state, bf_error *err);
+    /// micro_destroy()
+    void (*destroy)(void *state);
+    /// micro_advance()
+    bf_status (*advance)(void *state, uint64_t n, bf_error *err);
+    /// micro_part_of()
+    micro_part (*part)(const void *state, size_t k);
+    /// micro_measure()
+    micro_totals (*measure)(const void *state);
+    /// micro_steps()
+    uint64_t (*steps)(const void *state);
+    /// micro_save()
+    bf_status (*save)(const void *state, bf_buffer *out, bf_error *err);
+    /// micro_load()
+    bf_status (*load)(void *state, const void *bytes, size_t n, bf_error *err);
+} micro_backend;
+
+/// Upright cylinders on belts; planar.c and planar_*.c.
+extern const micro_backend micro__planar;
+
+/// Rigid bodies in 3-D; spatial.c and spatial_*.c.
+extern const micro_backend micro__spatial;

@@ -1,0 +1,165 @@
+#include "core/micro/micro.h"
+
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+#include "core/micro/backend.h"
+#include "core/micro/micro_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double step_slack = 1e-9; // for steps that meet the bound in decimal
+
+struct micro_solver {
+    const micro_backend *backend;
+    void *state;
+    size_t n_parts;
+    double dt;
+};
+
+micro_def micro_def_default(void)
+{
+    micro_def def = { .modulus_reduction = 1e6,
+                      .damping = 0.1,
+                      .gravity = 9.81,
+                      .dt = 1e-5,
+                      .n_threads = 1,
+                      .cookie = MICRO__COOKIE };
+    scene s;
+
+    scene_init(&s);
+    memcpy(def.edges, s.edges, sizeof def.edges);
+    memcpy(def.contact, s.micro.contact, sizeof def.contact);
+    def.conveyor = s.micro.conveyor;
+    def.handling = s.micro.handling;
+    scene_fini(&s);
+    return def;
+}
+
+static const micro_backend *choose_backend(const micro_def *def)
+{
+    bool are_cylinders = true;
+
+    for (size_t k = 0; k < def->n_kinds; k++)
+        are_cylinders = are_cylinders && def->kinds[k].shape.type == SCENE_CYLINDER;
+    return are_cylinders && def->path != MICRO_PATH_SPATIAL ? &micro__planar : &micro__spatial;
+}
+
+double micro_dt_stable(const micro_def *def)
+{
+    return choose_backend(def)->dt_stable(def);
+}
+
+static bf_status check_step(const micro_def *def, bf_error *err)
+{
+    const double stable = micro_dt_stable(def);
+
+    if (isfinite(def->dt) && def->dt > 0.0 && def->dt <= stable * (1.0 + step_slack))
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "/micro/step_s",
+                   "a step of %.9g s is not possible; the largest stable one is %.9g s", def->dt,
+                   stable);
+}
+
+bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
+{
+    bf_status status = micro__check(def, err);
+    if (status != BF_OK)
+        return status;
+    micro_def own = *def;
+    const micro_backend *backend = choose_backend(def);
+    if (own.dt == 0.0)
+        own.dt = backend->dt_chosen(def);
+    if ((status = check_step(&own, err)) != BF_OK)
+        return status;
+    micro_solver *s = memory_alloc(1, sizeof *s);
+    if (s == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
+    *s = (micro_solver){ .backend = backend, .n_parts = def->n_parts, .dt = own.dt };
+    if ((status = backend->create(&own, &s->state, err)) != BF_OK) {
+        memory_free(s);
+        return status;
+    }
+    *ret_solver = s;
+    return BF_OK;
+}
+
+micro_solver *micro_destroy(micro_solver *s)
+{
+    if (s != NULL)
+        s->backend->destroy(s->state);
+    memory_free(s);
+    return NULL;
+}
+
+bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
+{
+    return s->backend->advance(s->state, n, err);
+}
+
+micro_part micro_part_of(const micro_solver *s, size_t k)
+{
+    return s->backend->part(s->state, k);
+}
+
+bool micro_is_gone(const micro_solver *s, size_t k)
+{
+    return s->backend->part(s->state, k).is_gone;
+}
+
+bool micro_is_planar(const micro_solver *s)
+{
+    return s->backend == &micro__planar;
+}
+
+size_t micro_parts(const micro_solver *s)
+{
+    return s->n_parts;
+}
+
+micro_totals micro_measure(const micro_solver *s)
+{
+    return s->backend->measure(s->state);
+}
+
+double micro_dt(const micro_solver *s)
+{
+    return s->dt;
+}
+
+uint64_t micro_steps(const micro_solver *s)
+{
+    return s->backend->steps(s->state);
+}
+
+uint64_t micro_digest(const micro_solver *s)
+{
+    const uint64_t steps = micro_steps(s);
+    const bool is_planar = micro_is_planar(s);
+    uint64_t digest = digest_add(DIGEST_START, &steps, sizeof steps);
+
+    for (size_t k = 0; k < s->n_parts; k++) {
+        const micro_part part = micro_part_of(s, k);
+        const double is_gone = part.is_gone ? 1.0 : 0.0;
+        digest = digest_add(digest, part.x, sizeof part.x);
+        digest = digest_add(digest, part.v, sizeof part.v);
+        digest = digest_add(digest, part.w, sizeof part.w);
+        // Of the heading q is made by sines, which differ from machine to machine.
+        if (is_planar)
+            digest = digest_add(digest, &part.heading, sizeof part.heading);
+        else
+            digest = digest_add(digest, part.q, sizeof part.q);
+        digest = digest_add(digest, &is_gone, sizeof is_gone);
+    }
+    return digest;
+}
+
+bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
+{
+    return s->backend->save(s->state, out, err);
+}
+
+bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err)
+{
+    return s->backend->load(s->state, bytes, n, err);
+}

@@ -1,0 +1,162 @@
+/// Microscopic belt model: every part is a rigid body that moves by Newton's and Euler's laws with
+/// contact, friction and gravity (section 2, (1)-(9), (12)-(13)).
+///
+///     normal    f_c = (k delta + d delta') n, clamped at 0 unless tension is on           (4a)
+///     stiffness cargo-cargo, cargo-handling: k = pi/4 E* l; cargo-conveyor: k = 2 E* r   (4b), (5)
+///               1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, E divided by modulus_reduction
+///     sliding   f_s = -mu |f_c| tanh(lambda_lin |v_tan|) v_tan/|v_tan|                        (7)
+///     spin      t_s = -mu r_spin |f_c| tanh(lambda_ang |w_n|) sgn(w_n) n, on the belt         (8)
+///     verlet    x+ = (2 - D dt) x - (1 - D dt) x- + dt^2 F/m, v = (x+ - x-)/(2 dt);
+///               w+ = (1 - D)^dt w + dt Theta^-1 (torque)                                  (12), (13)
+///
+/// Two paths behind one face. Planar: upright cylinders that stay on belts keep their axes vertical, so
+/// position, heading, velocity and spin in the plane are exact for them. Spatial: everything else, as
+/// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
+/// solid boxes; contact points by GJK/EPA or in closed form.
+///
+/// A part whose centre leaves the domain over an edge that is not a wall is gone: it keeps its place in
+/// the arrays of parts, and micro_is_gone() tells.
+///
+/// Units    SI. The belt surface is z = 0; heights count from there.
+/// Order    parts are numbered as they were given, whatever the solver's own order.
+/// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the same
+///          bits for any number of them.
+/// Errors   as in core/macro/macro.h; pointers are those of a scenario.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// Time integration.
+typedef enum micro_integrator {
+    MICRO_VERLET,   ///< (12)-(13), the paper's
+    MICRO_IMPLICIT, ///< dashpot and frictions implicitly per contact; steps of 0.2 to 2 ms
+    MICRO_INTEGRATOR_COUNT
+} micro_integrator;
+
+/// Which equations of motion.
+typedef enum micro_path {
+    MICRO_PATH_AUTO,   ///< planar if every part is an upright cylinder that lies flat, else spatial
+    MICRO_PATH_PLANAR, ///< planar; parts must be cylinders
+    MICRO_PATH_SPATIAL, ///< spatial for any shape
+    MICRO_PATH_COUNT
+} micro_path;
+
+/// A kind of part.
+typedef struct micro_kind {
+    scene_shape shape;       ///< checked; arrays are read during micro_create() only
+    scene_material material; ///< of its surface
+    double mass;             ///< kg, > 0
+    double spin_radius;      ///< r_spin of (8), m, >= 0
+} micro_kind;
+
+/// How to build a solver. Begin with micro_def_default(). Arrays are read during micro_create() only
+/// and stay the caller's.
+typedef struct micro_def {
+    scene_rect domain;                  ///< m (no default)
+    scene_edge edges[SCENE_SIDE_COUNT]; ///< walls are solid (default inflow, outflow, wall, wall)
+    size_t n_belts;                     ///< (default 0)
+    const scene_belt *belts;            ///< what they carry moves with them; later ones win
+    size_t n_obstacles;                 ///< (default 0)
+    const scene_obstacle *obstacles;    ///< plates: path, thickness; solid
+    size_t n_kinds;                     ///< >= 1 (no default)
+    const micro_kind *kinds;            ///< kinds of parts
+    size_t n_parts;                     ///< (no default)
+    const scene_pose *poses;            ///< of the parts' centres at the start; they lie flat
+    const uint32_t *part_kinds;         ///< kind of each part; NULL: all of kind 0
+    scene_point start_velocity;         ///< of parts off every belt, m/s (default 0, 0); parts on
+                                        ///< a belt start with its velocity
+    scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
+    scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
+    scene_material handling;                 ///< obstacles and walls (default 70e9 Pa, 0.34)
+    double modulus_reduction;                ///< >= 1 (default 1e6)
+    double damping;                          ///< D, 1/s, >= 0 (default 0.1)
+    double gravity;                          ///< m/s2, >= 0 (default 9.81)
+    double dt;                               ///< s, > 0; 0: chosen (default 1e-5)
+    bool tension;                            ///< contacts may pull (default false)
+    micro_integrator integrator;             ///< (default MICRO_VERLET)
+    micro_path path;                         ///< (default MICRO_PATH_AUTO)
+    int n_threads;                           ///< >= 1 (default 1)
+    uint32_t cookie;                         ///< set by micro_def_default(); leave alone
+} micro_def;
+
+/// A running solver; opaque, on the heap.
+typedef struct micro_solver micro_solver;
+
+/// The state of a part.
+typedef struct micro_part {
+    double x[3]; ///< centre of mass, m; x[2] is half its height for one that lies flat
+    double q[4]; ///< orientation, unit quaternion w, x, y, z
+    double v[3]; ///< velocity, m/s
+    double w[3]; ///< angular velocity, rad/s
+    double
+        heading; ///< rad, planar path: the angle itself, not reduced; spatial: of the body's x axis
+    bool is_gone; ///< left the domain
+} micro_part;
+
+/// Figures of the present state and of the run so far.
+typedef struct micro_totals {
+    size_t n_parts;         ///< parts in the domain
+    size_t n_contacts;      ///< contacts of part with part, obstacle or wall that press now
+    double kinetic_energy;  ///< of all parts in the domain, J
+    double largest_overlap; ///< of any such contact since the start, m
+    double overlap_share;   ///< the largest of overlap divided by the smaller part's radius
+} micro_totals;
+
+/// The defaults above.
+micro_def micro_def_default(void);
+
+/// Largest step, s, for which the integrator is stable with this definition (contact stiffness and
+/// dashpot, frictions); what dt = 0 chooses is at most this.
+double micro_dt_stable(const micro_def *def);
+
+/// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
+/// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond
+/// micro_dt_stable(), which the text names; BF_ENOMEM.
+BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_solver,
+                                     bf_error *err);
+
+/// Free a solver and what it owns. NULL is fine. Always returns NULL.
+micro_solver *micro_destroy(micro_solver *s);
+
+/// Make n steps of dt. BF_ENUMERIC: a value is not finite, or a part moved impossibly far in a step;
+/// the text has step, time and part. BF_ENOMEM: the neighbour list had to grow and could not.
+BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err);
+
+/// The state of part k, 0 <= k < n_parts.
+micro_part micro_part_of(const micro_solver *s, size_t k);
+
+/// True if part k has left the domain.
+bool micro_is_gone(const micro_solver *s, size_t k);
+
+/// True on the planar path.
+bool micro_is_planar(const micro_solver *s);
+
+/// Number of parts, gone ones included.
+size_t micro_parts(const micro_solver *s);
+
+/// Figures; O(n).
+micro_totals micro_measure(const micro_solver *s);
+
+/// The step in use, s.
+double micro_dt(const micro_solver *s);
+
+/// Steps made since t = 0.
+uint64_t micro_steps(const micro_solver *s);
+
+/// Digest of step count and state, in the order in which parts were given.
+uint64_t micro_digest(const micro_solver *s);
+
+/// Append the state to *out, so that micro_load() into a solver of the same def goes on with the same
+/// bits. BF_ENOMEM.
+BF_MUST_CHECK bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err);
+
+/// Take a state that micro_save() wrote. BF_ECORRUPT: damaged or of another definition; s is as
+/// before.
+BF_MUST_CHECK bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err);

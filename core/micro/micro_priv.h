@@ -1,0 +1,10 @@
+/// What the files of the solver's face share.
+
+#pragma once
+
+#include "core/micro/micro.h"
+
+enum { MICRO__COOKIE = 0x62656c75 }; ///< what micro_def_default() leaves in a definition
+
+/// Check all members of a definition but dt.
+BF_MUST_CHECK bf_status micro__check(const micro_def *def, bf_error *err);
