@@ -22,7 +22,8 @@
 #include <stdint.h>
 
 /// Frames in the order in which a run emits them: job (to the run), begin, then any number of
-/// curve, snapshot, progress and checkpoint, then one end or error.
+/// curve, snapshot, progress and checkpoint, then one end or error. Where begin announces rows of
+/// parts, a parts frame follows each snapshot at once. The values stand in files: never renumber.
 typedef enum frame_type {
     FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
     FRAME_RESUME,     ///< to the run: a checkpoint's bytes to go on from
@@ -33,6 +34,7 @@ typedef enum frame_type {
     FRAME_CHECKPOINT, ///< bytes to resume from; everything before it has been emitted
     FRAME_END,        ///< the run is over: done, or stopped on request
     FRAME_ERROR,      ///< the run failed
+    FRAME_PARTS,      ///< the parts at the time of the snapshot before it
     FRAME_TYPE_COUNT
 } frame_type;
 
@@ -63,6 +65,7 @@ typedef struct frame_begin {
     double duration;     ///< n_steps * dt, s
     uint64_t n_parts;    ///< parts at the start
     uint64_t first_step; ///< 0, or the step of the checkpoint that the run resumes from
+    uint32_t n_values;   ///< values of a part in FRAME_PARTS; 0: the model has no parts
     bf_grid grid;        ///< of the snapshots
 } frame_begin;
 
@@ -86,6 +89,20 @@ typedef struct frame_snapshot {
     const float *rho; ///< n2 rows of n1, normalised
 } frame_snapshot;
 
+/// Values of a part, by the equations of motion: x, y, heading, vx, vy, spin, or position (3),
+/// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad.
+enum { FRAME_VALUES_PLANAR = 6, FRAME_VALUES_SPATIAL = 13 };
+
+/// The parts at one time, in the order in which they were placed. A part that has left the domain
+/// keeps its row, of NANs, so that row k is part k in every frame.
+typedef struct frame_parts {
+    uint64_t index;     ///< of the snapshot
+    double t;           ///< s
+    uint64_t n_parts;   ///< rows
+    uint32_t n_values;  ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL
+    const double *rows; ///< n_parts rows of n_values
+} frame_parts;
+
 /// How far the run is.
 typedef struct frame_progress {
     uint64_t step;    ///< steps made
@@ -105,6 +122,12 @@ typedef struct frame_end {
     uint64_t digest;      ///< of the final state
     uint64_t n_samples;   ///< samples of the curve since t = 0
     uint64_t n_snapshots; ///< snapshots since t = 0
+    // Of models with parts, else 0:
+    uint64_t n_parts_left;  ///< parts that left the domain since t = 0
+    uint64_t n_contacts;    ///< contacts of parts that press at the end
+    double kinetic_energy;  ///< of the parts in the domain at the end, J
+    double largest_overlap; ///< of any contact since t = 0, m
+    double overlap_share;   ///< largest overlap divided by the smaller part's radius, since t = 0
 } frame_end;
 
 /// Why a run failed.
@@ -124,6 +147,7 @@ typedef struct frame {
         frame_progress progress; ///< FRAME_PROGRESS
         frame_end end;           ///< FRAME_END
         frame_error error;       ///< FRAME_ERROR
+        frame_parts parts;       ///< FRAME_PARTS
     };
 } frame;
 

@@ -88,6 +88,8 @@ static void take_begin(reader *r, frame_begin *b)
     b->duration = take_f64(r);
     b->n_parts = take_u64(r);
     b->first_step = take_u64(r);
+    b->n_values = take_u32(r);
+    take_u32(r);
     take_grid(r, &b->grid);
 }
 
@@ -111,6 +113,20 @@ static void take_snapshot(reader *r, frame_snapshot *s)
     s->rho = take_array(r, (uint64_t)s->n1 * s->n2, sizeof *s->rho);
 }
 
+static void take_parts(reader *r, frame_parts *p)
+{
+    p->index = take_u64(r);
+    p->t = take_f64(r);
+    p->n_parts = take_u64(r);
+    p->n_values = take_u32(r);
+    take_u32(r);
+    // A row of no values would let any number of rows pass.
+    if (p->n_values == 0 || p->n_parts > r->left)
+        r->has_failed = true;
+    else
+        p->rows = take_array(r, p->n_parts * p->n_values, sizeof *p->rows);
+}
+
 static void take_end(reader *r, frame_end *e)
 {
     e->stopped = take_u32(r);
@@ -124,6 +140,11 @@ static void take_end(reader *r, frame_end *e)
     e->digest = take_u64(r);
     e->n_samples = take_u64(r);
     e->n_snapshots = take_u64(r);
+    e->n_parts_left = take_u64(r);
+    e->n_contacts = take_u64(r);
+    e->kinetic_energy = take_f64(r);
+    e->largest_overlap = take_f64(r);
+    e->overlap_share = take_f64(r);
 }
 
 static void take_error(reader *r, bf_error *e)
@@ -171,6 +192,9 @@ static void take_payload(reader *r, frame *f)
         break;
     case FRAME_ERROR:
         take_error(r, &f->error.error);
+        break;
+    case FRAME_PARTS:
+        take_parts(r, &f->parts);
         break;
     case FRAME_TYPE_COUNT:
         r->has_failed = true;

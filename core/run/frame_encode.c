@@ -52,6 +52,8 @@ static void put_begin(writer *w, const frame_begin *b)
     put_f64(w, b->duration);
     put_u64(w, b->n_parts);
     put_u64(w, b->first_step);
+    put_u32(w, b->n_values);
+    put_u32(w, 0);
     put_grid(w, &b->grid);
 }
 
@@ -75,6 +77,16 @@ static void put_snapshot(writer *w, const frame_snapshot *s)
     put(w, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho);
 }
 
+static void put_parts(writer *w, const frame_parts *p)
+{
+    put_u64(w, p->index);
+    put_f64(w, p->t);
+    put_u64(w, p->n_parts);
+    put_u32(w, p->n_values);
+    put_u32(w, 0);
+    put(w, p->rows, (size_t)p->n_parts * p->n_values * sizeof *p->rows);
+}
+
 static void put_end(writer *w, const frame_end *e)
 {
     put_u32(w, e->stopped);
@@ -88,6 +100,11 @@ static void put_end(writer *w, const frame_end *e)
     put_u64(w, e->digest);
     put_u64(w, e->n_samples);
     put_u64(w, e->n_snapshots);
+    put_u64(w, e->n_parts_left);
+    put_u64(w, e->n_contacts);
+    put_f64(w, e->kinetic_energy);
+    put_f64(w, e->largest_overlap);
+    put_f64(w, e->overlap_share);
 }
 
 static void put_error(writer *w, const bf_error *e)
@@ -129,6 +146,9 @@ static void put_payload(writer *w, const frame *f)
         break;
     case FRAME_ERROR:
         put_error(w, &f->error.error);
+        break;
+    case FRAME_PARTS:
+        put_parts(w, &f->parts);
         break;
     case FRAME_TYPE_COUNT:
         BF_CHECK(f->type != FRAME_TYPE_COUNT);

@@ -48,12 +48,15 @@ struct run {
     double t[BATCH];
     double values[BATCH * COLUMNS_MAX];
     float *rho;
+    double *parts; // rows of FRAME_PARTS
     bf_buffer checkpoint;
 };
 
 const char *const run_model_words[] = { "macro", "micro", NULL };
 
-static const run_backend *const backends[RUN_MODEL_COUNT] = { [RUN_MACRO] = &run__macro };
+static const run_backend *const backends[RUN_MODEL_COUNT] = {
+    [RUN_MACRO] = &run__macro, [RUN_MICRO] = &run__micro
+};
 
 bool run_model_is_available(run_model model)
 {
@@ -67,6 +70,21 @@ uint64_t run__steps_until(double t, double dt)
     bool is_whole = fabs(steps - nearest) <= 1e-9 + 1e-12 * steps;
 
     return (uint64_t)(is_whole ? nearest : ceil(steps));
+}
+
+void run_check(const scene *s, run_model model, bf_faults *faults)
+{
+    if (model == RUN_MICRO)
+        run__check_micro(s, faults);
+}
+
+static bf_status allocate_results(run *r, bf_error *err)
+{
+    r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
+    r->parts = memory_alloc(r->plan.n_parts * r->plan.n_values, sizeof *r->parts);
+    if (r->rho == NULL || r->parts == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
+    return BF_OK;
 }
 
 bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run, bf_error *err)
@@ -85,9 +103,7 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     bf_status status = r->backend->create(s, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
         r->parts_start = r->backend->measure(r->solver).parts;
-        r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
-        if (r->rho == NULL)
-            status = bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
+        status = allocate_results(r, err);
     }
     if (status != BF_OK) {
         run_destroy(r);
@@ -105,6 +121,7 @@ run *run_destroy(run *r)
         r->backend->destroy(r->solver);
     buffer_fini(&r->checkpoint);
     memory_free(r->rho);
+    memory_free(r->parts);
     memory_free(r);
     return NULL;
 }
@@ -166,6 +183,7 @@ static bf_status emit_begin(run *r, const run_sink *sink, bf_error *err)
                                  .duration = (double)r->plan.n_steps * r->plan.dt,
                                  .n_parts = r->plan.n_parts,
                                  .first_step = r->first_step,
+                                 .n_values = r->plan.n_values,
                                  .grid = r->plan.grid } };
 
     return sink->take(sink->context, &f, err);
@@ -223,18 +241,20 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_error *err)
 {
     const run_load load = r->backend->measure(r->solver);
-    const frame f = { .type = FRAME_END,
-                      .end = { .stopped = is_stopped,
-                               .n_steps = r->step,
-                               .t = time_now(r),
-                               .n_cells = grid_cells(&r->plan.grid),
-                               .parts_start = r->parts_start,
-                               .parts_end = load.parts,
-                               .peak = fmax(r->peak, load.peak),
-                               .digest = r->backend->digest(r->solver),
-                               .n_samples = r->samples.n,
-                               .n_snapshots = r->snapshots.n } };
+    frame f = { .type = FRAME_END,
+                .end = { .stopped = is_stopped,
+                         .n_steps = r->step,
+                         .t = time_now(r),
+                         .n_cells = grid_cells(&r->plan.grid),
+                         .parts_start = r->parts_start,
+                         .parts_end = load.parts,
+                         .peak = fmax(r->peak, load.peak),
+                         .digest = r->backend->digest(r->solver),
+                         .n_samples = r->samples.n,
+                         .n_snapshots = r->snapshots.n } };
 
+    if (r->backend->tell_end != NULL)
+        r->backend->tell_end(r->solver, &f.end);
     return sink->take(sink->context, &f, err);
 }
 
@@ -242,7 +262,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
 static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 {
     double *values = &r->values[r->n_waiting * r->n_columns];
-    bf_status status = r->backend->check(r->solver, err);
+    bf_status status = r->backend->check == NULL ? BF_OK : r->backend->check(r->solver, err);
 
     if (status != BF_OK)
         return status;
@@ -256,14 +276,30 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }
 
+static bf_status emit_parts(run *r, const run_sink *sink, bf_error *err)
+{
+    const frame f = { .type = FRAME_PARTS,
+                      .parts = { .index = r->snapshots.n,
+                                 .t = time_now(r),
+                                 .n_parts = r->plan.n_parts,
+                                 .n_values = r->plan.n_values,
+                                 .rows = r->parts } };
+
+    if (r->backend->parts == NULL)
+        return BF_OK;
+    r->backend->parts(r->solver, r->parts);
+    return sink->take(sink->context, &f, err);
+}
+
 static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
 {
-    const run_load load = r->backend->measure(r->solver);
     bf_status status = emit_curve(r, sink, err);
+    run_load load = { 0 };
 
+    if (status == BF_OK)
+        status = r->backend->snapshot(r->solver, r->rho, &load, err);
     if (status != BF_OK)
         return status;
-    r->backend->snapshot(r->solver, r->rho);
     r->peak = fmax(r->peak, load.peak);
     const frame f = { .type = FRAME_SNAPSHOT,
                       .snapshot = { .index = r->snapshots.n,
@@ -273,9 +309,12 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
                                     .n1 = (uint32_t)r->plan.grid.n1,
                                     .n2 = (uint32_t)r->plan.grid.n2,
                                     .rho = r->rho } };
+    status = sink->take(sink->context, &f, err);
+    if (status == BF_OK)
+        status = emit_parts(r, sink, err);
     r->snapshots.n++;
     move_past(&r->snapshots, r->step, r->plan.dt);
-    return sink->take(sink->context, &f, err);
+    return status;
 }
 
 // Takes what is due at the present step.
@@ -305,6 +344,15 @@ static bf_status serve_wish(run *r, unsigned wish, const run_sink *sink, bf_erro
     return status;
 }
 
+// Steps up to the next that something is due at, but not so many that a wish waits for long.
+static uint64_t count_steps(const run *r)
+{
+    uint64_t next = r->samples.step < r->snapshots.step ? r->samples.step : r->snapshots.step;
+    uint64_t n = (next < r->plan.n_steps ? next : r->plan.n_steps) - r->step;
+
+    return n < r->plan.n_advance ? n : r->plan.n_advance;
+}
+
 bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
 {
     bf_status status = emit_begin(r, sink, err);
@@ -318,9 +366,11 @@ bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
             if (status != BF_OK || (wish & RUN_STOP) != 0)
                 return status;
         }
-        r->backend->step(r->solver);
-        r->step++;
-        status = take_results(r, sink, err);
+        const uint64_t n = count_steps(r);
+        status = r->backend->advance(r->solver, n, err);
+        r->step += n;
+        if (status == BF_OK)
+            status = take_results(r, sink, err);
     }
     if (status == BF_OK)
         status = emit_progress(r, sink, err);

@@ -1,6 +1,6 @@
 /// One scenario from its start to its end: the solver is stepped, results come out as frames.
 ///
-/// Samples of the curve and snapshots are taken at the first step at or past each multiple of their
+/// Samples of the curve and snapshots (of density and, where the model has them, parts) are taken at the first step at or past each multiple of their
 /// period, at t = 0 and at the end. The same scenario gives the same samples, snapshots and final
 /// digest for any number of threads, and also when the run was stopped and resumed in between. Only
 /// how samples are grouped into frames, and when progress and checkpoints come, follows the caller's
@@ -10,6 +10,7 @@
 
 #pragma once
 
+#include "core/base/faults.h"
 #include "core/base/status.h"
 #include "core/run/frame.h"
 #include "core/scene/scene.h"
@@ -37,7 +38,8 @@ typedef struct run_sink {
     void *context; ///< given to both functions
     /// Take a frame; pointers in it are valid during the call. A failure ends the run with it.
     bf_status (*take)(void *context, const frame *f, bf_error *err);
-    /// Called before every step (cheaply): what is wanted, run_wish flags. NULL: nothing.
+    /// Called every few milliseconds of work or more often (cheaply): what is wanted, run_wish flags.
+    /// NULL: nothing.
     unsigned (*wish)(void *context);
 } run_sink;
 
@@ -50,8 +52,13 @@ extern const char *const run_model_words[];
 /// True if this build can solve scenarios with the model.
 bool run_model_is_available(run_model model);
 
+/// Note what speaks against solving a resolved and checked scenario with one of the models that are
+/// available, beyond what scene_check() finds whatever the model: steps that would be unstable or too
+/// many, parts inside obstacles, results too large. No memory is noted like a fault, with BF_ENOMEM.
+void run_check(const scene *s, run_model model, bf_faults *faults);
+
 /// Prepare a run of a resolved and checked scenario, which must outlive it.
-/// BF_EINPUT, BF_ELIMIT: the scenario is at fault; BF_ENOMEM.
+/// BF_EINPUT, BF_ELIMIT: the scenario is at fault, see run_check(); BF_ENOMEM.
 BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run,
                                    bf_error *err);
 

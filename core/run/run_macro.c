@@ -108,16 +108,20 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     *ret_plan = (run_plan){ .dt = dt,
                             .n_steps = run__steps_until(s->duration, dt),
                             .grid = run->grid,
-                            .n_parts = n_parts };
+                            .n_parts = n_parts,
+                            .n_advance = 1 };
     *ret_solver = run;
     return BF_OK;
 }
 
-static void step_run(void *solver)
+static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     macro_run *run = solver;
 
-    macro_step(run->solver);
+    (void)err;
+    for (uint64_t k = 0; k < n; k++)
+        macro_step(run->solver);
+    return BF_OK;
 }
 
 static bf_status check_run(const void *solver, bf_error *err)
@@ -146,11 +150,14 @@ static run_load measure_run(const void *solver)
     return (run_load){ .parts = run->packing * totals.mass, .peak = totals.peak };
 }
 
-static void take_snapshot(const void *solver, float *ret_rho)
+static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
 {
     const macro_run *run = solver;
 
+    (void)err;
     macro_copy_density_float(run->solver, ret_rho);
+    *ret_load = measure_run(run);
+    return BF_OK;
 }
 
 static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
@@ -177,7 +184,7 @@ static uint64_t digest_run(const void *solver)
 const run_backend run__macro = {
     .create = create_run,
     .destroy = destroy_run,
-    .step = step_run,
+    .advance = advance_run,
     .check = check_run,
     .count = count_parts,
     .measure = measure_run,
