@@ -86,8 +86,8 @@ bf_status events_curve(const char *run_id, const frame_curve *c, const char *col
     return finish(&w, start, err);
 }
 
-bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bf_buffer *out,
-                          bf_error *err)
+bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool has_parts,
+                          bf_buffer *out, bf_error *err)
 {
     size_t start = out->n;
     char url[API_ID_SIZE + 64];
@@ -104,6 +104,10 @@ bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bf_buffer
     json_out_integer(&w, s->n1);
     json_out_array_end(&w);
     json_out_key_string(&w, "url", url);
+    if (has_parts) {
+        snprintf(url, sizeof url, "/v1/runs/%s/parts/%" PRIu64, run_id, s->index);
+        json_out_key_string(&w, "parts_url", url);
+    }
     return finish(&w, start, err);
 }
 

@@ -9,6 +9,8 @@
 #include "core/base/buffer.h"
 #include "core/run/frame.h"
 
+#include <stdbool.h>
+
 /// {"run", "id", "status", "progress", ...}: the run as GET /v1/runs/{id} shows it.
 BF_MUST_CHECK bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err);
 
@@ -21,9 +23,10 @@ BF_MUST_CHECK bf_status events_progress(const char *run_id, const frame_progress
 BF_MUST_CHECK bf_status events_curve(const char *run_id, const frame_curve *c, const char *columns,
                                      bf_buffer *out, bf_error *err);
 
-/// {"run", "n", "t_s", "peak", "mass", "shape": [rows, columns], "url"}.
-BF_MUST_CHECK bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bf_buffer *out,
-                                        bf_error *err);
+/// {"run", "n", "t_s", "peak", "mass", "shape": [rows, columns], "url"}, and "parts_url" where the
+/// parts come with the snapshot.
+BF_MUST_CHECK bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool has_parts,
+                                        bf_buffer *out, bf_error *err);
 
 /// {"run", "status", "progress", "finished_at", "n_samples", "n_snapshots", "error"}: the last event
 /// of a run.

@@ -20,6 +20,9 @@ route_handler handlers_results_curve;
 route_handler handlers_results_snapshots;
 route_handler handlers_results_snapshot;
 
+/// The parts of a microscopic run.
+route_handler handlers_parts_show;
+
 /// Event streams of one run and of several.
 route_handler handlers_events_of_run;
 route_handler handlers_events_of_runs;

@@ -92,7 +92,7 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
 bf_status handlers_results_snapshots(exchange *x, bf_error *err)
 {
     api_snapshot_list list = { 0 };
-    char prefix[API_ID_SIZE + 32];
+    char url[API_ID_SIZE + 32];
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
@@ -104,10 +104,8 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     status = x->services->list_snapshots(x->services->context, record.id, &list, err);
     if (status != BF_OK)
         return status;
-    snprintf(prefix, sizeof prefix, "/v1/runs/%s/snapshots/", record.id);
-    status =
-        results_snapshots_json(&list.grid, (const api_snapshot *)(const void *)list.items.bytes,
-                               list.n, prefix, &x->response->body, err);
+    snprintf(url, sizeof url, "/v1/runs/%s", record.id);
+    status = results_snapshots_json(&list, url, &x->response->body, err);
     buffer_fini(&list.items);
     return status;
 }

@@ -28,6 +28,8 @@ typedef enum member_kind {
     MEMBER_POSES,    ///< list of [x, y] or [x, y, degrees]: pointer to scene_pose, and a count
     MEMBER_OBJECT,   ///< object: a struct described by table
     MEMBER_LIST,     ///< list of objects: pointer to structs described by table, and a count
+    MEMBER_MIX,      ///< object, or list of objects: structs in place, described by table where
+                     ///< there is one object and by items where there is a list, and a count
     MEMBER_KIND_COUNT
 } member_kind;
 
@@ -57,13 +59,15 @@ typedef struct member {
     unsigned tags;             ///< objects with a tag: bit k: is a member under tag k; 0: always
     size_t offset;             ///< of its place in the struct, bytes
     size_t offset_n;           ///< lists: of the size_t count
+    size_t offset_list;        ///< MEMBER_MIX: of the bool that tells a list from one object
     size_t least;              ///< lists: fewest items; texts: fewest bytes
     size_t limit;              ///< lists: most items; texts: bytes with the terminator
     const char *unit;          ///< "m", or NULL
     const member_range *range; ///< or NULL: any
     const char *standard;      ///< the default as text; NULL: none, a fault if it is missing
     const char *const *words;  ///< MEMBER_WORD: the words, NULL-terminated
-    const member_table *table; ///< MEMBER_OBJECT, MEMBER_LIST
+    const member_table *table; ///< MEMBER_OBJECT, MEMBER_LIST, MEMBER_MIX
+    const member_table *items; ///< MEMBER_MIX: of an item of the list
     const char *help;          ///< one phrase for people
 } member;
 

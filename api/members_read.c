@@ -119,20 +119,38 @@ static void read_tuples(json_in *in, const json_t *value, const member *m, void 
     }
 }
 
-static void read_objects(json_in *in, const json_t *value, const member *m, void *item)
+// All items have their defaults before the first is read, so that the struct can be freed anyhow.
+static void read_items(json_in *in, const json_t *value, const member_table *table, char *items)
 {
-    const member_table *table = m->table;
     size_t n = json_array_size(value);
 
-    char *items = allocate_items(in, m, n, table->size, item);
-    for (size_t k = 0; k < n && items != NULL; k++) {
-        if (table->begin != NULL)
-            table->begin(items + k * table->size);
-    }
-    for (size_t k = 0; k < n && items != NULL; k++) {
+    for (size_t k = 0; k < n && table->begin != NULL; k++)
+        table->begin(items + k * table->size);
+    for (size_t k = 0; k < n; k++) {
         size_t mark = json_pointer_enter_index(&in->pointer, k);
         members_read(in, json_array_get(value, k), table, items + k * table->size);
         json_pointer_leave(&in->pointer, mark);
+    }
+}
+
+static void read_objects(json_in *in, const json_t *value, const member *m, void *item)
+{
+    char *items = allocate_items(in, m, json_array_size(value), m->table->size, item);
+
+    if (items != NULL)
+        read_items(in, value, m->table, items);
+}
+
+static void read_mix(json_in *in, const json_t *value, const member *m, void *item)
+{
+    if (json_is_object(value)) {
+        members_read(in, value, m->table, place_of(item, m->offset));
+    } else if (!json_is_array(value)) {
+        json_in_fault(in, "must be an object or a list of objects");
+    } else if (check_count(in, m, json_array_size(value))) {
+        *(size_t *)place_of(item, m->offset_n) = json_array_size(value);
+        *(bool *)place_of(item, m->offset_list) = true;
+        read_items(in, value, m->items, place_of(item, m->offset));
     }
 }
 
@@ -185,6 +203,9 @@ void members_read_value(json_in *in, const struct json_t *value, const member *m
         break;
     case MEMBER_OBJECT:
         members_read(in, value, m->table, place);
+        break;
+    case MEMBER_MIX:
+        read_mix(in, value, m, item);
         break;
     default:
         read_list(in, value, m, item);

@@ -93,6 +93,14 @@ static void write_list(json_out *w, const member *m, const void *item)
         write_objects(w, m->table, items, n);
 }
 
+static void write_mix(json_out *w, const member *m, const void *item)
+{
+    if (*(const bool *)place_of(item, m->offset_list))
+        write_objects(w, m->items, place_of(item, m->offset), count_items(m, item));
+    else
+        members_write(w, m->table, place_of(item, m->offset));
+}
+
 static void write_value(json_out *w, const member *m, const void *item)
 {
     const void *place = place_of(item, m->offset);
@@ -128,6 +136,9 @@ static void write_value(json_out *w, const member *m, const void *item)
         break;
     case MEMBER_OBJECT:
         members_write(w, m->table, place);
+        break;
+    case MEMBER_MIX:
+        write_mix(w, m, item);
         break;
     default:
         write_list(w, m, item);

@@ -2,15 +2,15 @@
 
 #include "api/json_out.h"
 #include "api/number.h"
+#include "api/results_priv.h"
 
-#include <endian.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
-// Ends a function that appends: on failure *out is again as it was, n bytes long.
-static bf_status finish(bf_status status, bf_buffer *out, size_t n, bf_error *err)
+bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *err)
 {
     if (status == BF_OK)
         return BF_OK;
@@ -20,11 +20,10 @@ static bf_status finish(bf_status status, bf_buffer *out, size_t n, bf_error *er
 
 bf_status results_curve_csv_header(const char *columns, bf_buffer *out, bf_error *err)
 {
-    return finish(buffer_printf(out, "t_s,%s\n", columns), out, out->n, err);
+    return results__finish(buffer_printf(out, "t_s,%s\n", columns), out, out->n, err);
 }
 
-// Writes the number and a separator at text; returns where the next one goes.
-static char *put_number(char *text, double value, char separator)
+char *results__put_number(char *text, double value, char separator)
 {
     text += isfinite(value) ? number_format(value, text) : snprintf(text, NUMBER_SIZE, "nan");
     *text++ = separator;
@@ -39,10 +38,11 @@ bf_status results_curve_csv_rows(const double *t, const double *values, size_t n
     for (size_t k = 0; k < n; k++) {
         char *from = buffer_reserve(out, (n_columns + 1) * NUMBER_SIZE);
         if (from == NULL)
-            return finish(BF_ENOMEM, out, n_before, err);
-        char *at = put_number(from, t[k], n_columns == 0 ? '\n' : ',');
+            return results__finish(BF_ENOMEM, out, n_before, err);
+        char *at = results__put_number(from, t[k], n_columns == 0 ? '\n' : ',');
         for (size_t c = 0; c < n_columns; c++)
-            at = put_number(at, values[k * n_columns + c], c + 1 == n_columns ? '\n' : ',');
+            at =
+                results__put_number(at, values[k * n_columns + c], c + 1 == n_columns ? '\n' : ',');
         *at = '\0';
         out->n += (size_t)(at - from);
     }
@@ -80,49 +80,7 @@ bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *e
         write_column(&w, doubles_of(&curve->values) + c, curve->n, curve->n_columns);
     }
     json_out_object_end(&w);
-    return finish(json_out_status(&w, err), out, n_before, err);
-}
-
-// Magic and version, length of the rest of the header, and the description that ends in a newline
-// and pads all of it to a multiple of 64 bytes (NumPy's format 1.0).
-static bf_status append_npy_header(size_t n1, size_t n2, bf_buffer *out)
-{
-    enum { START = 10, MULTIPLE = 64 };
-    char description[160];
-    int n = snprintf(description, sizeof description,
-                     "{'descr': '<f4', 'fortran_order': False, 'shape': (%zu, %zu), }", n2, n1);
-    int padding = MULTIPLE - (START + n + 1) % MULTIPLE;
-
-    padding %= MULTIPLE;
-    int length = n + padding + 1;
-    const char start[START] = {
-        '\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, (char)(length & 0xff), (char)(length >> 8)
-    };
-    bf_status status = buffer_append(out, start, sizeof start);
-    if (status == BF_OK)
-        status = buffer_printf(out, "%s%*s\n", description, padding, "");
-    return status;
-}
-
-bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out, bf_error *err)
-{
-    size_t n_before = out->n;
-    size_t n = n1 * n2;
-
-    if (append_npy_header(n1, n2, out) != BF_OK)
-        return finish(BF_ENOMEM, out, n_before, err);
-    char *at = buffer_reserve(out, n * sizeof *rho);
-    if (at == NULL)
-        return finish(BF_ENOMEM, out, n_before, err);
-    for (size_t k = 0; k < n; k++) {
-        uint32_t bits;
-        memcpy(&bits, &rho[k], sizeof bits);
-        bits = htole32(bits);
-        memcpy(at + k * sizeof bits, &bits, sizeof bits);
-    }
-    out->n += n * sizeof *rho;
-    out->bytes[out->n] = '\0';
-    return BF_OK;
+    return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 
 static void write_grid(json_out *w, const bf_grid *grid)
@@ -138,40 +96,69 @@ static void write_grid(json_out *w, const bf_grid *grid)
     json_out_object_end(w);
 }
 
-static void write_place(json_out *w, uint64_t index, const char *url_prefix)
+// Where a result of a snapshot is: "<key>file" in a directory, "<key>url" below the run.
+static void write_place(json_out *w, const char *key, const char *folder, uint64_t index,
+                        const char *run_url)
 {
-    char text[512];
+    char name[32], text[512];
 
-    if (url_prefix == NULL)
-        snprintf(text, sizeof text, "snapshots/%06" PRIu64 ".npy", index);
+    snprintf(name, sizeof name, "%s%s", key, run_url == NULL ? "file" : "url");
+    if (run_url == NULL)
+        snprintf(text, sizeof text, "%s/%06" PRIu64 ".npy", folder, index);
     else
-        snprintf(text, sizeof text, "%s%" PRIu64, url_prefix, index);
-    json_out_key_string(w, url_prefix == NULL ? "file" : "url", text);
+        snprintf(text, sizeof text, "%s/%s/%" PRIu64, run_url, folder, index);
+    json_out_key_string(w, name, text);
 }
 
-bf_status results_snapshots_json(const bf_grid *grid, const api_snapshot *items, size_t n,
-                                 const char *url_prefix, bf_buffer *out, bf_error *err)
+static void write_parts(json_out *w, const api_parts *parts)
 {
+    const char *const *columns = results_parts_columns(parts->n_values);
+
+    json_out_key(w, "parts");
+    json_out_object(w);
+    json_out_key_integer(w, "rows", (int64_t)parts->n_parts);
+    json_out_key(w, "columns");
+    json_out_array(w);
+    for (uint32_t k = 0; k < parts->n_values; k++)
+        json_out_string(w, columns[k]);
+    json_out_array_end(w);
+    json_out_object_end(w);
+}
+
+static void write_snapshot(json_out *w, const api_snapshot *item, bool has_parts,
+                           const char *run_url)
+{
+    json_out_object(w);
+    json_out_key_integer(w, "n", (int64_t)item->index);
+    json_out_key_number(w, "t_s", item->t);
+    write_place(w, "", "snapshots", item->index, run_url);
+    json_out_key_number(w, "peak", item->peak);
+    json_out_key_number(w, "mass", item->mass);
+    if (has_parts)
+        write_place(w, "parts_", "parts", item->index, run_url);
+    json_out_object_end(w);
+}
+
+bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_url, bf_buffer *out,
+                                 bf_error *err)
+{
+    const api_snapshot *items = (const api_snapshot *)(const void *)list->items.bytes;
+    bool has_parts = list->parts.n_values > 0;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
     json_out_object(&w);
     json_out_key(&w, "grid");
-    write_grid(&w, grid);
+    write_grid(&w, &list->grid);
+    if (has_parts)
+        write_parts(&w, &list->parts);
     json_out_key(&w, "snapshots");
     json_out_array(&w);
-    for (size_t k = 0; k < n; k++) {
-        json_out_object(&w);
-        json_out_key_integer(&w, "n", (int64_t)items[k].index);
-        json_out_key_number(&w, "t_s", items[k].t);
-        write_place(&w, items[k].index, url_prefix);
-        json_out_key_number(&w, "peak", items[k].peak);
-        json_out_key_number(&w, "mass", items[k].mass);
-        json_out_object_end(&w);
-    }
+    for (size_t k = 0; k < list->n; k++)
+        write_snapshot(&w, &items[k], has_parts, run_url);
     json_out_array_end(&w);
     json_out_object_end(&w);
-    return finish(json_out_status(&w, err), out, n_before, err);
+    return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 
 bf_status results_compare_json(const compare_measures *m, bf_buffer *out, bf_error *err)
@@ -198,5 +185,5 @@ bf_status results_compare_json(const compare_measures *m, bf_buffer *out, bf_err
     for (size_t k = 0; k < sizeof members / sizeof *members; k++)
         json_out_key_number(&w, members[k].key, members[k].value);
     json_out_object_end(&w);
-    return finish(json_out_status(&w, err), out, n_before, err);
+    return results__finish(json_out_status(&w, err), out, n_before, err);
 }

@@ -31,11 +31,27 @@ BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *ou
 BF_MUST_CHECK bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out,
                                     bf_error *err);
 
-/// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}.
-/// url_prefix NULL: "file" names snapshots/NNNNNN.npy; else "url" is the prefix and the index.
-BF_MUST_CHECK bf_status results_snapshots_json(const bf_grid *grid, const api_snapshot *items,
-                                               size_t n, const char *url_prefix, bf_buffer *out,
-                                               bf_error *err);
+/// Names of the values of a part, n_values of them, e.g. "x_m". n_values is one that frame_parts can
+/// have.
+const char *const *results_parts_columns(uint32_t n_values);
+
+/// Append the rows of parts as a NumPy file of doubles, as CSV ("part,x_m,..."; a part that has left
+/// the domain is a line of nan), or as JSON: {"n", "t_s", "columns": [...], "parts": [[...], null]}
+/// (null: left the domain).
+BF_MUST_CHECK bf_status results_parts_npy(const double *rows, const api_parts *parts,
+                                          bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status results_parts_csv(const double *rows, const api_parts *parts,
+                                          bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status results_parts_json(const double *rows, const api_parts *parts,
+                                           const api_snapshot *snapshot, bf_buffer *out,
+                                           bf_error *err);
+
+/// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}; with
+/// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_url NULL:
+/// files are named snapshots/NNNNNN.npy and parts/NNNNNN.npy; else "url" and "parts_url" lead to what
+/// is below run_url.
+BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_url,
+                                               bf_buffer *out, bf_error *err);
 
 /// Append summary.json. scenario is the resolved document.
 BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,

@@ -6,11 +6,15 @@
 
 #include <inttypes.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 // Above this density (1 is close packing) the macroscopic model is further from the microscopic one
 // than it need be.
 static const double density_trusted = 1.4;
+
+// Parts that overlap by a larger share of their radius are too soft: the outflow depends on it.
+static const double overlap_trusted = 0.05;
 
 // The document was checked when it was accepted, so it is only read here.
 static bf_status read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
@@ -52,34 +56,53 @@ static void warn(json_out *w, const char *format, ...)
 static void write_warnings(json_out *w, const scene *s, const frame_begin *begin,
                            const frame_end *end)
 {
+    bool is_macro = begin->model == RUN_MACRO;
     double positive = scene_step_positive(s);
 
     json_out_key(w, "warnings");
     json_out_array(w);
     if (end->stopped != 0)
         warn(w, "stopped on request at t = %.6g s of %.6g s", end->t, begin->duration);
-    if (end->peak > density_trusted)
+    if (is_macro && end->peak > density_trusted)
         warn(w, "the largest density, %.4g, is above %.4g of close packing", end->peak,
              density_trusted);
-    if (begin->model == RUN_MACRO && begin->dt >= positive)
+    if (is_macro && begin->dt >= positive)
         warn(w, "the step, %.6g s, is not below %.6g s: densities may become negative", begin->dt,
              positive);
+    if (end->overlap_share > overlap_trusted)
+        warn(w,
+             "parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
+             "/micro/modulus_reduction makes them harder",
+             end->largest_overlap, 100.0 * end->overlap_share, 100.0 * overlap_trusted);
     json_out_array_end(w);
+}
+
+// How much work it was, in the model's own measure.
+static void write_work(json_out *w, const frame_begin *begin, const frame_end *end,
+                       const results_timing *timing)
+{
+    bool has_parts = begin->n_values > 0;
+    double n = has_parts ? (double)begin->n_parts : (double)end->n_cells;
+
+    json_out_key_integer(w, "steps", (int64_t)end->n_steps);
+    if (has_parts)
+        json_out_key_string(w, "path",
+                            begin->n_values == FRAME_VALUES_PLANAR ? "planar" : "spatial");
+    json_out_key_integer(w, has_parts ? "parts" : "cells", (int64_t)n);
+    json_out_key_number(w, "step_s", begin->dt);
+    json_out_key_number(w, "duration_s", end->t);
+    json_out_key_number(w, "wall_time_s", timing->wall_s);
+    json_out_key_number(w, has_parts ? "particle_steps_per_s" : "cell_steps_per_s",
+                        n * (double)end->n_steps / timing->wall_s);
 }
 
 static void write_figures(json_out *w, const frame_begin *begin, const frame_end *end,
                           const results_timing *timing)
 {
     char digest[20];
-    double cell_steps = (double)end->n_cells * (double)end->n_steps;
 
     json_out_key_bool(w, "stopped", end->stopped != 0);
-    json_out_key_integer(w, "steps", (int64_t)end->n_steps);
-    json_out_key_integer(w, "cells", (int64_t)end->n_cells);
-    json_out_key_number(w, "step_s", begin->dt);
-    json_out_key_number(w, "duration_s", end->t);
-    json_out_key_number(w, "wall_time_s", timing->wall_s);
-    json_out_key_number(w, "cell_steps_per_s", cell_steps / timing->wall_s);
+    write_work(w, begin, end, timing);
     json_out_key_integer(w, "threads", timing->n_threads);
     json_out_key_integer(w, "samples", (int64_t)end->n_samples);
     json_out_key_integer(w, "snapshots", (int64_t)end->n_snapshots);
@@ -87,6 +110,12 @@ static void write_figures(json_out *w, const frame_begin *begin, const frame_end
     json_out_key_number(w, "parts_end", end->parts_end);
     json_out_key_number(w, "parts_left", end->parts_start - end->parts_end);
     json_out_key_number(w, "largest_density", end->peak);
+    if (begin->n_values > 0) {
+        json_out_key_number(w, "largest_overlap_m", end->largest_overlap);
+        json_out_key_number(w, "largest_overlap_share", end->overlap_share);
+        json_out_key_integer(w, "contacts", (int64_t)end->n_contacts);
+        json_out_key_number(w, "kinetic_energy_j", end->kinetic_energy);
+    }
     snprintf(digest, sizeof digest, "%016" PRIx64, end->digest);
     json_out_key_string(w, "digest", digest);
 }

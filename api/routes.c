@@ -27,6 +27,8 @@ static const route table[] = {
       "List the density snapshots so far" },
     { "GET", "/v1/runs/{id}/snapshots/{n}", handlers_results_snapshot, true, "format", "npy json",
       "One density snapshot" },
+    { "GET", "/v1/runs/{id}/parts/{n}", handlers_parts_show, true, "format", "npy json csv",
+      "The parts at the time of a snapshot (micro)" },
     { "GET", "/v1/runs/{id}/events", handlers_events_of_run, true, "format inline last_event_id",
       "sse ndjson", "Follow a run: its events from the first one on, until it has ended" },
     { "GET", "/v1/events", handlers_events_of_runs, true, "runs format inline last_event_id",

@@ -72,6 +72,8 @@ static const char *const treatment_words[] = { "sealed", "field", "wall", NULL }
 static const char *const shape_words[] = { "cylinder", "box", "prism", "hull", NULL };
 static const char *const scheme_words[] = { "roe", NULL };
 static const char *const heaviside_words[] = { "sharp", "smooth", "none", NULL };
+static const char *const integrator_words[] = { "verlet", "implicit", NULL };
+static const char *const path_words[] = { "auto", "planar", "spatial", NULL };
 
 #define HAS_WORDS(words, n)                                                                        \
     _Static_assert(sizeof(words) / sizeof *(words) == (n) + 1, "a word each")
@@ -80,6 +82,8 @@ HAS_WORDS(treatment_words, SCENE_TREATMENT_COUNT);
 HAS_WORDS(shape_words, SCENE_SHAPE_COUNT);
 HAS_WORDS(scheme_words, SCENE_SCHEME_COUNT);
 HAS_WORDS(heaviside_words, SCENE_HEAVISIDE_COUNT);
+HAS_WORDS(integrator_words, SCENE_INTEGRATOR_COUNT);
+HAS_WORDS(path_words, SCENE_PATH_COUNT);
 _Static_assert(sizeof(scene_edge) == sizeof(unsigned), "words are read into unsigned");
 
 #define AT(place) offsetof(scene_rect, place)
@@ -174,12 +178,27 @@ static const member_table material_table = { TABLE("material", material_members)
 #undef AT
 
 #define AT(place) offsetof(scene_cargo, place)
-static const member cargo_members[] = {
-    OBJECT("shape", AT(shape), shape_table, "{}", "of every part"),
-    NUMBER("mass_kg", AT(mass), "kg", &positive, "7850 kg/m3 times the volume", "of a part"),
-    OBJECT("material", AT(material), material_table, "210e9 Pa, 0.28", "steel"),
-};
+#define CARGO_MEMBERS                                                                              \
+    OBJECT("shape", AT(shape), shape_table, "{}", "of every part"),                                \
+        NUMBER("mass_kg", AT(mass), "kg", &positive, "7850 kg/m3 times the volume", "of a part"),  \
+        OBJECT("material", AT(material), material_table, "210e9 Pa, 0.28", "steel")
+static const member cargo_members[] = { CARGO_MEMBERS };
 static const member_table cargo_table = { TABLE("cargo", cargo_members) };
+
+static const member kind_members[] = {
+    NUMBER("share", AT(share), NULL, &positive, "1",
+           "how many parts are of the kind, in proportion to all shares"),
+    CARGO_MEMBERS,
+    NUMBER("spin_friction_radius_m", AT(spin_friction_radius), "m", &not_negative,
+           "that of micro if given, else 2/3 of the footprint's radius",
+           "lever of the spin friction"),
+};
+static void begin_kind(void *item)
+{
+    scene_cargo_init(item);
+}
+static const member_table kind_table = { TABLE("kind", kind_members), .size = sizeof(scene_cargo),
+                                         .begin = begin_kind };
 #undef AT
 
 #define AT(place) offsetof(scene_initial, place)
@@ -269,7 +288,11 @@ static const member_table macro_table = { TABLE("macro", macro_members) };
 
 #define AT(place) offsetof(scene_micro, place)
 static const member micro_members[] = {
-    NUMBER("step_s", AT(step), "s", &positive, "1e-05", "time step"),
+    WORD("integrator", AT(integrator), integrator_words, "verlet", "time integration"),
+    WORD("path", AT(path), path_words, "auto",
+         "equations of motion; auto: planar where all parts are cylinders"),
+    STEP("step_s", AT(step), "1e-05; auto if implicit",
+         "time step; auto: chosen by the integrator, and stable"),
     NUMBER("modulus_reduction", AT(modulus_reduction), NULL, &from_one, "1000000",
            "all moduli are divided by it"),
     BOOL("tension", AT(tension), "false", "contacts may pull"),
@@ -323,7 +346,11 @@ static const member top_members[] = {
          "conveyors; where they overlap the later one wins"),
     LIST("obstacles", obstacles, n_obstacles, scenario_members_obstacle, 0, SCENE_OBSTACLES_MAX,
          "[]", "deflectors standing on the belts"),
-    OBJECT("cargo", AT(cargo), cargo_table, NULL, "what is transported"),
+    { LINE("cargo", MEMBER_MIX, AT(cargo), NULL, NULL,
+           "what is transported; a list is a mix of kinds"),
+      .offset_n = AT(n_cargo), .offset_list = AT(is_mix), .table = &cargo_table,
+      .items = &kind_table, .least = 1, .limit = SCENE_KINDS_MAX },
+    SEED("cargo_seed", AT(cargo_seed), "1", "of the order in which parts of a mix get their kinds"),
     OBJECT("initial", AT(initial), initial_table, NULL, "where it is at the start; one member"),
     LIST("counters", counters, n_counters, counter_table, 1, SCENE_COUNTERS_MAX, "[{}]",
          "parts in a rectangle over time"),

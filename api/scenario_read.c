@@ -17,6 +17,12 @@ static void prefix_pointer(bf_error *fault, const char *prefix)
     snprintf(fault->pointer + n, sizeof fault->pointer - n, "%s", pointer);
 }
 
+static void prefix_pointers(json_in *in, size_t n_kept)
+{
+    for (size_t k = n_kept; k < faults_kept(in->faults); k++)
+        prefix_pointer(&in->faults->items[k], in->pointer.text);
+}
+
 bool scenario__complete(json_in *in, scene *s)
 {
     size_t n_kept = faults_kept(in->faults);
@@ -27,9 +33,16 @@ bool scenario__complete(json_in *in, scene *s)
         return false;
     }
     scene_check(s, in->faults);
-    for (size_t k = n_kept; k < faults_kept(in->faults); k++)
-        prefix_pointer(&in->faults->items[k], in->pointer.text);
+    prefix_pointers(in, n_kept);
     return in->faults->n == n_faults;
+}
+
+void scenario__check_model(json_in *in, const scene *s, run_model model)
+{
+    size_t n_kept = faults_kept(in->faults);
+
+    run_check(s, model, in->faults);
+    prefix_pointers(in, n_kept);
 }
 
 bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults *faults,

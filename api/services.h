@@ -90,9 +90,16 @@ typedef struct api_snapshot {
     double mass;    ///< parts in the domain
 } api_snapshot;
 
+/// The rows of parts that come with each snapshot of a run; see frame_parts.
+typedef struct api_parts {
+    uint64_t n_parts;  ///< rows
+    uint32_t n_values; ///< doubles of a row; 0: the model has no parts
+} api_parts;
+
 /// The stored snapshots of a run. Zero-initialise; free with buffer_fini(&items).
 typedef struct api_snapshot_list {
     bf_grid grid;    ///< of all of them
+    api_parts parts; ///< of all of them
     size_t n;        ///< how many
     bf_buffer items; ///< n api_snapshot
 } api_snapshot_list;
@@ -152,6 +159,10 @@ typedef struct api_services {
     bf_status (*read_snapshot)(void *context, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
                                bf_error *err);
+    /// Append a snapshot's rows of parts to *out. BF_ENOTFOUND: no such snapshot, or no parts.
+    bf_status (*read_parts)(void *context, const char *id, uint64_t index,
+                            api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
+                            bf_error *err);
     /// Give events of the runs with id > after, rising, to take; at most about limit_bytes of data
     /// (at least one event, if there is one).
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,

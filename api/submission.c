@@ -50,13 +50,14 @@ const member_table submission_members = { .title = "submission",
                                           .n = sizeof members / sizeof *members,
                                           .members = members };
 
-static void check_model(json_in *in, run_model model)
+static bool check_model(json_in *in, run_model model)
 {
     if (run_model_is_available(model))
-        return;
+        return true;
     size_t mark = json_pointer_enter(&in->pointer, "model", strlen("model"));
     json_in_fault(in, "this build does not have the model \"%s\"", run_model_words[model]);
     json_pointer_leave(&in->pointer, mark);
+    return false;
 }
 
 static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_error *err)
@@ -64,9 +65,10 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_e
     members_read(in, root, &submission_members, b);
     if (in->has_failed || in->faults->n > 0)
         return json_in_status(in, err);
-    check_model(in, b->model);
+    bool has_model = check_model(in, b->model);
     size_t mark = json_pointer_enter(&in->pointer, "scenario", strlen("scenario"));
-    scenario__complete(in, &b->scenario);
+    if (scenario__complete(in, &b->scenario) && has_model)
+        scenario__check_model(in, &b->scenario, b->model);
     json_pointer_leave(&in->pointer, mark);
     return json_in_status(in, err);
 }

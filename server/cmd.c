@@ -4,7 +4,9 @@
 #include "api/scenario.h"
 #include "server/file_io.h"
 
+#include <argp.h>
 #include <stdio.h>
+#include <string.h>
 
 cmd_exit cmd_fail(const char *command, const bf_error *err)
 {
@@ -23,17 +25,34 @@ static void print_faults(const char *command, const bf_faults *faults)
                 faults->n - faults_kept(faults));
 }
 
-cmd_exit cmd_read_scenario(const char *command, const char *path, scene *ret_scene)
+static bf_status read_scenario(const char *path, run_model model, scene *ret_scene,
+                               bf_faults *faults, bf_error *err)
 {
     bf_buffer document = { 0 };
+    scene s;
+
+    bf_status status = file_io_read(path, NULL, SCENARIO_BYTES_MAX, &document, err);
+    if (status == BF_OK)
+        status = scenario_read(document.bytes, document.n, &s, faults, err);
+    buffer_fini(&document);
+    if (status != BF_OK)
+        return status;
+    run_check(&s, model, faults);
+    status = faults_status(faults, err);
+    if (status == BF_OK)
+        *ret_scene = s;
+    else
+        scene_fini(&s);
+    return status;
+}
+
+cmd_exit cmd_read_scenario(const char *command, const char *path, run_model model, scene *ret_scene)
+{
     bf_faults faults = { 0 };
     bf_error err = { 0 };
     cmd_exit code = CMD_DONE;
 
-    bf_status status = file_io_read(path, NULL, SCENARIO_BYTES_MAX, &document, &err);
-    if (status == BF_OK)
-        status = scenario_read(document.bytes, document.n, ret_scene, &faults, &err);
-    buffer_fini(&document);
+    bf_status status = read_scenario(path, model, ret_scene, &faults, &err);
     if (faults.n > 0) {
         print_faults(command, &faults);
         code = CMD_BAD_INPUT;
@@ -41,6 +60,17 @@ cmd_exit cmd_read_scenario(const char *command, const char *path, scene *ret_sce
         code = cmd_fail(command, &err);
     }
     return code;
+}
+
+run_model cmd_take_model(const char *word, const struct argp_state *state)
+{
+    for (int model = 0; run_model_words[model] != NULL; model++) {
+        if (strcmp(word, run_model_words[model]) == 0 && run_model_is_available((run_model)model))
+            return (run_model)model;
+    }
+    argp_failure(state, CMD_BAD_INPUT, 0, "there is no model '%s'; there are macro and micro",
+                 word);
+    return RUN_MACRO;
 }
 
 bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_curve, bf_error *err)

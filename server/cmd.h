@@ -8,7 +8,10 @@
 #include "core/base/buffer.h"
 #include "core/base/faults.h"
 #include "core/base/status.h"
+#include "core/run/run.h"
 #include "core/scene/scene.h"
+
+struct argp_state;
 
 /// Exit codes of the program.
 typedef enum cmd_exit {
@@ -31,9 +34,13 @@ int cmd_worker(int argc, char **argv);
 /// "<command>: <text>". Returns the exit code for it.
 cmd_exit cmd_fail(const char *command, const bf_error *err);
 
-/// Read the scenario at path ("-": standard input). CMD_DONE: *ret_scene is the caller's,
-/// scene_fini(). Else its faults were printed, one "<pointer>: <text>" a line.
-cmd_exit cmd_read_scenario(const char *command, const char *path, scene *ret_scene);
+/// Read the scenario at path ("-": standard input) and check it for the model. CMD_DONE: *ret_scene is
+/// the caller's, scene_fini(). Else its faults were printed, one "<pointer>: <text>" a line.
+cmd_exit cmd_read_scenario(const char *command, const char *path, run_model model,
+                           scene *ret_scene);
+
+/// The model of a word given on the command line; what is none ends the program with usage.
+run_model cmd_take_model(const char *word, const struct argp_state *state);
 
 /// A curve read from a CSV file or from curve.csv of a results directory.
 typedef struct cmd_curve {

@@ -110,10 +110,24 @@ static bf_status finish(solving *s, bf_error *err)
     return status;
 }
 
+// Work in the model's own measure.
+static void print_work(const solving *s)
+{
+    bool has_parts = s->begin.n_values > 0;
+    double n = has_parts ? (double)s->begin.n_parts : (double)s->end.n_cells;
+    double work = n * (double)s->end.n_steps;
+
+    printf("  time         %.3f s with %d thread%s, %.3g %s-steps/s\n", s->wall_s,
+           s->arguments->n_threads, s->arguments->n_threads == 1 ? "" : "s",
+           s->wall_s > 0.0 ? work / s->wall_s : 0.0, has_parts ? "particle" : "cell");
+    if (has_parts)
+        printf("  overlap      at most %.3g mm, %.3g %% of a radius\n",
+               1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
+}
+
 static void print_result(const solving *s)
 {
     const frame_end *e = &s->end;
-    double cell_steps = (double)e->n_cells * (double)e->n_steps;
     size_t n_id = strcspn(s->columns.bytes, ",");
 
     printf("%s%s%s model, %g s in %llu steps%s\n", s->scene.name, s->scene.name[0] ? ": " : "",
@@ -121,9 +135,7 @@ static void print_result(const solving *s)
            e->stopped ? " (interrupted)" : "");
     printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
            s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
-    printf("  time         %.3f s with %d thread%s, %.3g cell-steps/s\n", s->wall_s,
-           s->arguments->n_threads, s->arguments->n_threads == 1 ? "" : "s",
-           s->wall_s > 0.0 ? cell_steps / s->wall_s : 0.0);
+    print_work(s);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);
 }
@@ -159,20 +171,6 @@ static cmd_exit solve(solving *s, const char *command)
     return s->end.stopped ? CMD_INTERRUPTED : CMD_DONE;
 }
 
-static void take_model(solve_arguments *a, const char *word, struct argp_state *state)
-{
-    for (int model = 0; run_model_words[model] != NULL; model++) {
-        if (strcmp(word, run_model_words[model]) != 0)
-            continue;
-        if (!run_model_is_available((run_model)model))
-            argp_failure(state, CMD_BAD_INPUT, 0, "this build has no %s model", word);
-        a->model = (run_model)model;
-        return;
-    }
-    argp_failure(state, CMD_BAD_INPUT, 0, "there is no model '%s'; there are macro and micro",
-                 word);
-}
-
 static void take_threads(solve_arguments *a, const char *text, struct argp_state *state)
 {
     char *end = NULL;
@@ -189,7 +187,7 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
 
     switch (key) {
     case KEY_MODEL:
-        take_model(a, argument, state);
+        a->model = cmd_take_model(argument, state);
         return 0;
     case KEY_OUT:
         a->out = argument;
@@ -234,7 +232,7 @@ int cmd_solve(int argc, char **argv)
     solving s = { .arguments = &arguments };
 
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);
-    cmd_exit code = cmd_read_scenario(argv[0], arguments.scenario, &s.scene);
+    cmd_exit code = cmd_read_scenario(argv[0], arguments.scenario, arguments.model, &s.scene);
     if (code != CMD_DONE)
         return code;
     pace_catch(SIGINT, PACE_CATCH_FIRST);

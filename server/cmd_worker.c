@@ -59,7 +59,7 @@ static bool flush_frames(working *w)
 static bf_status take_frame(void *context, const frame *f, bf_error *err)
 {
     working *w = context;
-    bool is_awaited = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT;
+    bool is_awaited = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
 
     bf_status status = frame_encode(f, &w->out, err);
     if (status != BF_OK)

@@ -19,12 +19,11 @@ enum { NAME_SIZE = 32 };
 struct results_dir {
     int directory;     // locked
     int snapshots;     // directory/snapshots
+    int parts;         // directory/parts; -1 where no parts came
     int curve;         // curve.csv, appended to
     off_t curve_bytes; // whole lines in it
-    bf_grid grid;      // of the snapshots
-    size_t n_items;
-    bf_buffer items; // api_snapshot each
-    bf_buffer text;  // room for what is written next
+    api_snapshot_list list;
+    bf_buffer text; // room for what is written next
 };
 
 static bf_status fail_on(const char *name, bf_error *err)
@@ -32,9 +31,17 @@ static bf_status fail_on(const char *name, bf_error *err)
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(errno));
 }
 
-static void name_snapshot(uint64_t index, char *ret_name)
+static void name_file(uint64_t index, char *ret_name)
 {
     snprintf(ret_name, NAME_SIZE, "%06llu.npy", (unsigned long long)index);
+}
+
+static bf_status open_folder(const results_dir *d, const char *name, int *ret_folder, bf_error *err)
+{
+    if (mkdirat(d->directory, name, 0777) != 0 && errno != EEXIST)
+        return fail_on(name, err);
+    *ret_folder = openat(d->directory, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return *ret_folder < 0 ? fail_on(name, err) : BF_OK;
 }
 
 static bf_status open_directories(results_dir *d, const char *path, bf_error *err)
@@ -48,10 +55,7 @@ static bf_status open_directories(results_dir *d, const char *path, bf_error *er
         return fail_on(path, err);
     if (flock(d->directory, LOCK_EX | LOCK_NB) != 0)
         return bf_fail(err, BF_ESYSTEM, "", "%s is being written by another program", path);
-    if (mkdirat(d->directory, "snapshots", 0777) != 0 && errno != EEXIST)
-        return fail_on("snapshots", err);
-    d->snapshots = openat(d->directory, "snapshots", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    return d->snapshots < 0 ? fail_on("snapshots", err) : BF_OK;
+    return open_folder(d, "snapshots", &d->snapshots, err);
 }
 
 // Append whole lines; what the disk does not take completely is taken back.
@@ -86,7 +90,7 @@ bf_status results_dir_open(const char *path, const char *columns, results_dir **
 
     if (d == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the results");
-    *d = (results_dir){ .directory = -1, .snapshots = -1, .curve = -1 };
+    *d = (results_dir){ .directory = -1, .snapshots = -1, .parts = -1, .curve = -1 };
     bf_status status = open_directories(d, path, err);
     if (status == BF_OK)
         status = begin_results(d, columns, err);
@@ -105,64 +109,88 @@ static bf_status take_curve(results_dir *d, const frame_curve *c, bf_error *err)
     return status != BF_OK ? status : append_to_curve(d, err);
 }
 
+static bf_status take_begin(results_dir *d, const frame_begin *begin, bf_error *err)
+{
+    d->list.grid = begin->grid;
+    d->list.parts = (api_parts){ .n_parts = begin->n_parts, .n_values = begin->n_values };
+    return begin->n_values == 0 ? BF_OK : open_folder(d, "parts", &d->parts, err);
+}
+
+// Make the text a file of the folder.
+static bf_status write_file(const results_dir *d, int folder, uint64_t index, bf_error *err)
+{
+    char name[NAME_SIZE];
+
+    name_file(index, name);
+    return file_io_replace(folder, name, d->text.bytes, d->text.n, FILE_IO_LATER, err);
+}
+
 static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error *err)
 {
     api_snapshot item = { .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
-    char name[NAME_SIZE];
 
     d->text.n = 0;
     bf_status status = results_npy(s->rho, s->n1, s->n2, &d->text, err);
+    if (status == BF_OK)
+        status = write_file(d, d->snapshots, s->index, err);
     if (status != BF_OK)
         return status;
-    name_snapshot(s->index, name);
-    status = file_io_replace(d->snapshots, name, d->text.bytes, d->text.n, FILE_IO_LATER, err);
-    if (status != BF_OK)
-        return status;
-    if (buffer_append(&d->items, &item, sizeof item) != BF_OK)
+    if (buffer_append(&d->list.items, &item, sizeof item) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the list of snapshots");
-    d->n_items++;
+    d->list.n++;
     return BF_OK;
+}
+
+static bf_status take_parts(results_dir *d, const frame_parts *p, bf_error *err)
+{
+    d->text.n = 0;
+    bf_status status = results_parts_npy(p->rows, &d->list.parts, &d->text, err);
+    return status == BF_OK ? write_file(d, d->parts, p->index, err) : status;
 }
 
 bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
 {
     switch (f->type) {
     case FRAME_BEGIN:
-        d->grid = f->begin.grid;
-        return BF_OK;
+        return take_begin(d, &f->begin, err);
     case FRAME_CURVE:
         return take_curve(d, &f->curve, err);
     case FRAME_SNAPSHOT:
         return take_snapshot(d, &f->snapshot, err);
+    case FRAME_PARTS:
+        return take_parts(d, &f->parts, err);
     default:
         return BF_OK;
     }
 }
 
-// True for the name of a snapshot that the run did not write (an earlier one did).
-static bool is_stale(const results_dir *d, const char *name)
+// True for the name of a file that the run, which wrote n of them, did not write (an earlier one did).
+static bool is_stale(const char *name, uint64_t n)
 {
     char own[NAME_SIZE];
     unsigned long long index = strtoull(name, NULL, 10);
 
-    name_snapshot(index, own);
-    return strcmp(name, own) == 0 && index >= d->n_items;
+    name_file(index, own);
+    return strcmp(name, own) == 0 && index >= n;
 }
 
-static bf_status remove_stale_snapshots(results_dir *d, bf_error *err)
+// Remove what is stale from a folder; there may be none.
+static bf_status remove_stale(const results_dir *d, const char *folder, uint64_t n, bf_error *err)
 {
-    int fd = openat(d->snapshots, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd = openat(d->directory, folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *listing = fd < 0 ? NULL : fdopendir(fd);
 
+    if (fd < 0 && errno == ENOENT)
+        return BF_OK;
     if (listing == NULL) {
         if (fd >= 0)
             close(fd);
-        return fail_on("snapshots", err);
+        return fail_on(folder, err);
     }
     bf_status status = BF_OK;
     for (struct dirent *entry; status == BF_OK && (entry = readdir(listing)) != NULL;) {
-        if (is_stale(d, entry->d_name) && unlinkat(d->snapshots, entry->d_name, 0) != 0)
-            status = fail_on("snapshots", err);
+        if (is_stale(entry->d_name, n) && unlinkat(fd, entry->d_name, 0) != 0)
+            status = fail_on(folder, err);
     }
     closedir(listing);
     return status;
@@ -171,10 +199,13 @@ static bf_status remove_stale_snapshots(results_dir *d, bf_error *err)
 bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summary, bf_error *err)
 {
     d->text.n = 0;
-    bf_status status = results_snapshots_json(
-        &d->grid, (const api_snapshot *)(void *)d->items.bytes, d->n_items, NULL, &d->text, err);
+    bf_status status = results_snapshots_json(&d->list, NULL, &d->text, err);
     if (status == BF_OK)
-        status = remove_stale_snapshots(d, err);
+        status = remove_stale(d, "snapshots", d->list.n, err);
+    if (status == BF_OK)
+        status = remove_stale(d, "parts", d->parts < 0 ? 0 : d->list.n, err);
+    if (status == BF_OK && d->parts < 0)
+        unlinkat(d->directory, "parts", AT_REMOVEDIR); // unless others put something there
     if (status == BF_OK)
         status = file_io_replace(d->directory, "snapshots.json", d->text.bytes, d->text.n,
                                  FILE_IO_LATER, err);
@@ -190,12 +221,12 @@ results_dir *results_dir_close(results_dir *d)
 {
     if (d == NULL)
         return NULL;
-    int descriptors[] = { d->curve, d->snapshots, d->directory };
+    int descriptors[] = { d->curve, d->parts, d->snapshots, d->directory };
     for (size_t i = 0; i < sizeof descriptors / sizeof *descriptors; i++) {
         if (descriptors[i] >= 0)
             close(descriptors[i]);
     }
-    buffer_fini(&d->items);
+    buffer_fini(&d->list.items);
     buffer_fini(&d->text);
     memory_free(d);
     return NULL;

@@ -2,12 +2,13 @@
 ///
 ///     curve.csv               whole lines, appended while the run goes on
 ///     snapshots/NNNNNN.npy    each complete from the moment it has its name
+///     parts/NNNNNN.npy        same, of models with parts
 ///     snapshots.json          written at the end
 ///     summary.json            written last, and on the disk only after all the rest: where it is,
 ///                             the results are complete
 ///
-/// Results of an earlier run in the same directory are replaced: its summary goes first, snapshots
-/// beyond those of the new run last. A second writer of the same directory is refused.
+/// Results of an earlier run in the same directory are replaced: its summary goes first, snapshots and
+/// parts beyond those of the new run last. A second writer of the same directory is refused.
 
 #pragma once
 
@@ -24,7 +25,7 @@ typedef struct results_dir results_dir;
 BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
                                          results_dir **ret_dir, bf_error *err);
 
-/// Write what a frame tells: begin, curve, snapshot; others are none of this directory's business.
+/// Write what a frame tells: begin, curve, snapshot, parts; others are none of this directory's business.
 /// BF_ESYSTEM: the disk refused; nothing half-written is left.
 BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
 

@@ -104,6 +104,14 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
                                err);
 }
 
+static bf_status read_parts(void *context, const char *id, uint64_t index,
+                            api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
+                            bf_error *err)
+{
+    return store_read_parts(((service *)context)->store, id, index, ret_snapshot, ret_parts, out,
+                            err);
+}
+
 static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_take *take,
                              void *take_context, bf_error *err)
@@ -133,6 +141,7 @@ api_services service_table(service *s)
                            .read_curve = read_curve,
                            .list_snapshots = list_snapshots,
                            .read_snapshot = read_snapshot,
+                           .read_parts = read_parts,
                            .read_events = read_events,
                            .ready = ready };
 }

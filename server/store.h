@@ -5,7 +5,7 @@
 ///   I2  There is one read-write connection in the whole system; the store's thread owns it, and it
 ///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
 ///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
-///   I4  Samples are stored without gap from 0; snapshots without gap from 0. Storing one again
+///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0. Storing one again
 ///       (a run resumed before it) changes nothing and tells nothing twice.
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
@@ -80,6 +80,7 @@ typedef struct store_item {
     bf_buffer values;      ///< curve: n rows of doubles
     api_snapshot snapshot; ///< snapshot
     bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
+    bf_buffer parts;       ///< snapshot: rows of doubles, uncompressed; empty if there are none
 } store_item;
 
 /// A batch of what one running run told, in order.
@@ -91,13 +92,14 @@ typedef struct store_batch {
     double eta_s;           ///< NAN: unknown
     double wall_s;          ///< solving time so far, all attempts
     const bf_grid *grid;    ///< of the snapshots; NULL: as before
+    api_parts parts;        ///< of the snapshots, where grid is given
     uint64_t step;          ///< of checkpoint
     const void *checkpoint; ///< n_checkpoint bytes; NULL: keep the one before
     size_t n_checkpoint;    ///< bytes
 } store_batch;
 
 /// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
-/// not fit the run's columns and grid; then nothing of the batch is stored. Samples and snapshots
+/// not fit the run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots
 /// that are stored already are left out, and their events with them; of a curve item that is stored
 /// in part the rest is stored, and its event not told again for the part that was (I4): the store
 /// cuts t, values and event data by events_curve().
@@ -137,6 +139,9 @@ BF_MUST_CHECK bf_status store_list_snapshots(store *s, const char *id, api_snaps
 BF_MUST_CHECK bf_status store_read_snapshot(store *s, const char *id, uint64_t index,
                                             api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                             bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status store_read_parts(store *s, const char *id, uint64_t index,
+                                         api_snapshot *ret_snapshot, api_parts *ret_parts,
+                                         bf_buffer *out, bf_error *err);
 /// A run that was removed has no events any more; that is no failure. No reader is held while take
 /// runs, so it may call the store.
 BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,

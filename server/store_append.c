@@ -10,17 +10,38 @@
 /// A batch on its way into the store.
 typedef struct append_context {
     const store_batch *batch;
-    bf_buffer *packed; ///< one for each item, empty but for snapshots, and one for the checkpoint
+    bf_buffer *packed; ///< two for each item, empty but for snapshots, and one for the checkpoint
     store__row row;
     bf_buffer columns; ///< of the curve; empty until it is needed
     size_t n_columns;  ///< of them
 } append_context;
 
-static bf_status pack_item(const store_item *item, bf_buffer *out, bf_error *err)
+// Which of the packed ones: grid and parts of item i, and the checkpoint.
+static bf_buffer *packed_grid(const append_context *context, size_t i)
 {
+    return &context->packed[2 * i];
+}
+
+static bf_buffer *packed_parts(const append_context *context, size_t i)
+{
+    return &context->packed[2 * i + 1];
+}
+
+static bf_buffer *packed_checkpoint(const append_context *context)
+{
+    return &context->packed[2 * context->batch->n];
+}
+
+static bf_status pack_item(const append_context *context, size_t i, bf_error *err)
+{
+    const store_item *item = &context->batch->items[i];
+
     if (item->type != API_EVENT_SNAPSHOT)
         return BF_OK;
-    return store__pack(item->rho.bytes, item->rho.n, out, err);
+    bf_status status = store__pack(item->rho.bytes, item->rho.n, packed_grid(context, i), err);
+    if (status == BF_OK && item->parts.n > 0)
+        status = store__pack(item->parts.bytes, item->parts.n, packed_parts(context, i), err);
+    return status;
 }
 
 // Compressing takes longer than writing, so it is done on the caller's thread.
@@ -30,22 +51,29 @@ static bf_status pack_all(append_context *context, bf_error *err)
     bf_status status = BF_OK;
 
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
-        status = pack_item(&batch->items[i], &context->packed[i], err);
+        status = pack_item(context, i, err);
     if (status == BF_OK && batch->checkpoint != NULL)
         status =
-            store__pack(batch->checkpoint, batch->n_checkpoint, &context->packed[batch->n], err);
+            store__pack(batch->checkpoint, batch->n_checkpoint, packed_checkpoint(context), err);
     return status;
 }
 
-static bf_status note_grid(store__row *row, const bf_grid *grid, bf_error *err)
+static bf_status note_sizes(store__row *row, const bf_grid *grid, const api_parts *parts,
+                            bf_error *err)
 {
     if (grid == NULL)
         return BF_OK;
+    if (row->run.n_snapshots > 0 &&
+        (parts->n_parts != row->parts.n_parts || parts->n_values != row->parts.n_values))
+        return bf_fail(err, BF_ECORRUPT, "", "the run's parts changed from %llu x %u to %llu x %u",
+                       (unsigned long long)row->parts.n_parts, row->parts.n_values,
+                       (unsigned long long)parts->n_parts, parts->n_values);
     if (row->run.n_snapshots > 0 && (grid->n1 != row->grid.n1 || grid->n2 != row->grid.n2))
         return bf_fail(err, BF_ECORRUPT, "",
                        "the run's grid changed from %zu x %zu to %zu x %zu cells", row->grid.n1,
                        row->grid.n2, grid->n1, grid->n2);
     row->grid = *grid;
+    row->parts = *parts;
     return BF_OK;
 }
 
@@ -132,6 +160,17 @@ static bf_status append_curve(store__connection *writer, append_context *context
     return store__insert_event(writer, &context->row, API_EVENT_CURVE, 0, &item->event, err);
 }
 
+static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
+{
+    uint64_t bytes = 0;
+
+    if (__builtin_mul_overflow(parts->n_parts, parts->n_values * sizeof(double), &bytes) ||
+        bytes != item->parts.n)
+        return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %zu bytes",
+                       (unsigned long long)parts->n_parts, parts->n_values, item->parts.n);
+    return BF_OK;
+}
+
 static bf_status check_snapshot(const store__row *row, const store_item *item, bf_error *err)
 {
     size_t cells = 0;
@@ -145,7 +184,7 @@ static bf_status check_snapshot(const store__row *row, const store_item *item, b
         __builtin_mul_overflow(cells, sizeof(float), &bytes) || bytes != item->rho.n)
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %zu bytes",
                        row->grid.n1, row->grid.n2, item->rho.n);
-    return BF_OK;
+    return check_parts(&row->parts, item, err);
 }
 
 static bf_status insert_snapshot(store__connection *writer, int64_t number,
@@ -160,9 +199,10 @@ static bf_status insert_snapshot(store__connection *writer, int64_t number,
     return store__run(&q, err);
 }
 
-static bf_status append_snapshot(store__connection *writer, append_context *context,
-                                 const store_item *item, const bf_buffer *packed, bf_error *err)
+static bf_status append_snapshot(store__connection *writer, append_context *context, size_t i,
+                                 bf_error *err)
 {
+    const store_item *item = &context->batch->items[i];
     store__row *row = &context->row;
     uint64_t index = item->snapshot.index;
 
@@ -171,8 +211,11 @@ static bf_status append_snapshot(store__connection *writer, append_context *cont
         return status;
     status = insert_snapshot(writer, row->number, &item->snapshot, err);
     if (status == BF_OK)
-        status =
-            store__insert_chunks(writer, row->number, STORE__BLOB_SNAPSHOT, index, packed, err);
+        status = store__insert_chunks(writer, row->number, STORE__BLOB_SNAPSHOT, index,
+                                      packed_grid(context, i), err);
+    if (status == BF_OK)
+        status = store__insert_chunks(writer, row->number, STORE__BLOB_PARTS, index,
+                                      packed_parts(context, i), err);
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
     if (status == BF_OK)
@@ -188,7 +231,7 @@ static bf_status append_item(store__connection *writer, append_context *context,
     if (item->type == API_EVENT_CURVE)
         return append_curve(writer, context, item, err);
     if (item->type == API_EVENT_SNAPSHOT)
-        return append_snapshot(writer, context, item, &context->packed[i], err);
+        return append_snapshot(writer, context, i, err);
     BF_CHECK(item->type == API_EVENT_PROGRESS);
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
 }
@@ -206,7 +249,7 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     bf_status status = store__delete_chunks(writer, row->number, STORE__BLOB_CHECKPOINT, 0, err);
     if (status == BF_OK)
         status = store__insert_chunks(writer, row->number, STORE__BLOB_CHECKPOINT, 0,
-                                      &context->packed[batch->n], err);
+                                      packed_checkpoint(context), err);
     return status;
 }
 
@@ -232,7 +275,7 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
                        run_state_word(row->run.state));
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
-    status = note_grid(row, batch->grid, err);
+    status = note_sizes(row, batch->grid, &batch->parts, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
@@ -245,13 +288,13 @@ bf_status store_append(store *s, const store_batch *batch, bf_error *err)
 {
     append_context context = { .batch = batch };
 
-    context.packed = memory_alloc(batch->n + 1, sizeof *context.packed);
+    context.packed = memory_alloc(2 * batch->n + 1, sizeof *context.packed);
     if (context.packed == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = pack_all(&context, err);
     if (status == BF_OK)
         status = store__write(s, apply_append, &context, err);
-    for (size_t i = 0; i <= batch->n; i++)
+    for (size_t i = 0; i <= 2 * batch->n; i++)
         buffer_fini(&context.packed[i]);
     memory_free(context.packed);
     buffer_fini(&context.columns);

@@ -41,6 +41,7 @@ typedef enum store__text {
 typedef enum store__blob {
     STORE__BLOB_SNAPSHOT,   ///< item: index of the snapshot
     STORE__BLOB_CHECKPOINT, ///< item: 0
+    STORE__BLOB_PARTS,      ///< item: index of the snapshot that they belong to
 } store__blob;
 
 /// A connection with its prepared statements. Zero-initialise.
@@ -119,6 +120,7 @@ typedef struct store__row {
     double wall_s;            ///< solving time of all attempts, s
     uint64_t checkpoint_step; ///< 0 if there is none
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
+    api_parts parts;          ///< of the snapshots; n_values = 0: none
 } store__row;
 
 /// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM:

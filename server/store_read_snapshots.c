@@ -43,6 +43,7 @@ static bf_status read_list(store__connection *reader, const char *id, api_snapsh
     if (status != BF_OK)
         return status;
     list->grid = row.grid;
+    list->parts = row.parts;
     return read_items(reader, row.number, list, err);
 }
 
@@ -81,54 +82,83 @@ static bf_status find_snapshot(store__connection *reader, int64_t number, uint64
     return status;
 }
 
-static bf_status read_packed(store__connection *reader, const char *id, uint64_t index,
-                             api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *packed,
-                             bf_error *err)
-{
+// What is read of a snapshot: its row, the run's, and one of its blobs.
+typedef struct reading {
+    store__blob kind;
+    uint64_t index;
+    api_snapshot snapshot;
     store__row row;
+    bf_buffer packed;
+} reading;
 
-    bf_status status = store__find_row(reader, id, &row, err);
+static bf_status read_packed(store__connection *reader, const char *id, reading *r, bf_error *err)
+{
+    bf_status status = store__find_row(reader, id, &r->row, err);
+    if (status == BF_OK && r->kind == STORE__BLOB_PARTS && r->row.parts.n_values == 0)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
+                       run_model_words[r->row.run.model]);
     if (status == BF_OK)
-        status = find_snapshot(reader, row.number, index, ret_snapshot, err);
+        status = find_snapshot(reader, r->row.number, r->index, &r->snapshot, err);
     if (status == BF_OK)
-        status = store__get_chunks(reader, row.number, STORE__BLOB_SNAPSHOT, index, packed, err);
-    if (status == BF_OK)
-        *ret_grid = row.grid;
+        status = store__get_chunks(reader, r->row.number, r->kind, r->index, &r->packed, err);
     return status;
 }
 
-static bf_status unpack_grid(const bf_buffer *packed, const bf_grid *grid, bf_buffer *out,
-                             bf_error *err)
+// Append what should be n bytes.
+static bf_status unpack(const bf_buffer *packed, size_t n, bf_buffer *out, bf_error *err)
 {
     size_t before = out->n;
 
     bf_status status = store__unpack(packed, out, err);
-    if (status == BF_OK && out->n - before != grid_cells(grid) * sizeof(float)) {
+    if (status == BF_OK && out->n - before != n) {
         out->n = before;
-        status = bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not fit its grid");
+        status = bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not have its size");
     }
+    return status;
+}
+
+// Reads a blob and appends it unpacked; the reader is given back before that.
+static bf_status read_blob(store *s, const char *id, reading *r, bf_buffer *out, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_packed(reader, id, r, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        status = unpack(&r->packed,
+                        r->kind == STORE__BLOB_PARTS
+                            ? r->row.parts.n_parts * r->row.parts.n_values * sizeof(double)
+                            : grid_cells(&r->row.grid) * sizeof(float),
+                        out, err);
+    buffer_fini(&r->packed);
     return status;
 }
 
 bf_status store_read_snapshot(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
                               bf_grid *ret_grid, bf_buffer *out, bf_error *err)
 {
-    store__connection *reader = NULL;
-    bf_buffer packed = { 0 };
-    api_snapshot snapshot = { 0 };
-    bf_grid grid = { 0 };
+    reading r = { .kind = STORE__BLOB_SNAPSHOT, .index = index };
 
-    bf_status status = store__take_reader(s, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = read_packed(reader, id, index, &snapshot, &grid, &packed, err);
-    store__give_reader(s, reader);
-    if (status == BF_OK)
-        status = unpack_grid(&packed, &grid, out, err);
-    buffer_fini(&packed);
+    bf_status status = read_blob(s, id, &r, out, err);
     if (status == BF_OK) {
-        *ret_snapshot = snapshot;
-        *ret_grid = grid;
+        *ret_snapshot = r.snapshot;
+        *ret_grid = r.row.grid;
+    }
+    return status;
+}
+
+bf_status store_read_parts(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
+                           api_parts *ret_parts, bf_buffer *out, bf_error *err)
+{
+    reading r = { .kind = STORE__BLOB_PARTS, .index = index };
+
+    bf_status status = read_blob(s, id, &r, out, err);
+    if (status == BF_OK) {
+        *ret_snapshot = r.snapshot;
+        *ret_parts = r.row.parts;
     }
     return status;
 }

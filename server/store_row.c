@@ -68,6 +68,8 @@ void store__read_row(const store__query *q, store__row *ret_row)
     read_error(statement, 18, &row.run.error);
     row.checkpoint_step = (uint64_t)sqlite3_column_int64(statement, 21);
     read_grid(statement, 22, &row.grid);
+    row.parts.n_parts = (uint64_t)sqlite3_column_int64(statement, 28);
+    row.parts.n_values = (uint32_t)sqlite3_column_int64(statement, 29);
     *ret_row = row;
 }
 
@@ -125,6 +127,8 @@ static bf_status update_row(store__connection *writer, const store__row *row, bf
     bind_error(&q, &record->error);
     store__bind_integer(&q, (int64_t)row->checkpoint_step);
     bind_grid(&q, &row->grid);
+    store__bind_integer(&q, (int64_t)row->parts.n_parts);
+    store__bind_integer(&q, row->parts.n_values);
     return store__run(&q, err);
 }
 

@@ -92,8 +92,12 @@ static const char schema_1[] =
     "  at_ms INTEGER NOT NULL"
     ") STRICT;";
 
+// The parts of snapshots are chunks of a kind of their own.
+static const char schema_2[] = "ALTER TABLE runs ADD COLUMN n_parts INTEGER NOT NULL DEFAULT 0;"
+                               "ALTER TABLE runs ADD COLUMN n_values INTEGER NOT NULL DEFAULT 0;";
+
 // Text i brings the tables from version i to i + 1.
-static const char *const migrations[] = { schema_1 };
+static const char *const migrations[] = { schema_1, schema_2 };
 
 enum { VERSION = sizeof migrations / sizeof *migrations };
 

@@ -7,7 +7,8 @@
 #define STORE__RUN_COLUMNS                                                                         \
     "number, id, state, model, priority, label, name, revision, progress, created_ms, "            \
     "started_ms, finished_ms, eta_s, wall_s, n_samples, n_snapshots, last_event, has_summary, "    \
-    "error_code, error_pointer, error_text, checkpoint_step, n1, n2, lower1, lower2, d1, d2"
+    "error_code, error_pointer, error_text, checkpoint_step, n1, n2, lower1, lower2, d1, d2, "     \
+    "n_parts, n_values"
 
 /// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1.
 #define STORE__LIST(condition)                                                                     \
@@ -29,7 +30,8 @@
                   "finished_ms = ?6, eta_s = ?7, wall_s = ?8, n_samples = ?9, "                    \
                   "n_snapshots = ?10, last_event = ?11, has_summary = ?12, error_code = ?13, "     \
                   "error_pointer = ?14, error_text = ?15, checkpoint_step = ?16, n1 = ?17, "       \
-                  "n2 = ?18, lower1 = ?19, lower2 = ?20, d1 = ?21, d2 = ?22 "                      \
+                  "n2 = ?18, lower1 = ?19, lower2 = ?20, d1 = ?21, d2 = ?22, n_parts = ?23, "      \
+                  "n_values = ?24 "                                                                \
                   "WHERE number = ?1")                                                             \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \

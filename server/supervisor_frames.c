@@ -18,15 +18,27 @@ static const double rate_memory_s = 2.0;
 // store keeps them, however long a run takes.
 static const double progress_share = 1e-3;
 
+static void free_item(store_item *item)
+{
+    buffer_fini(&item->event);
+    buffer_fini(&item->t);
+    buffer_fini(&item->values);
+    buffer_fini(&item->rho);
+    buffer_fini(&item->parts);
+}
+
+static void free_gathered(supervisor__task *task)
+{
+    for (size_t i = 0; i < task->n_items; i++)
+        free_item(&task->items[i]);
+    task->n_items = 0;
+}
+
 void supervisor__free_items(supervisor__task *task)
 {
-    for (size_t i = 0; i < task->n_items; i++) {
-        buffer_fini(&task->items[i].event);
-        buffer_fini(&task->items[i].t);
-        buffer_fini(&task->items[i].values);
-        buffer_fini(&task->items[i].rho);
-    }
-    task->n_items = 0;
+    free_gathered(task);
+    free_item(&task->snapshot);
+    task->has_snapshot = false;
 }
 
 // Room for one more item, zeroed and counted; NULL: no memory.
@@ -62,19 +74,46 @@ static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_erro
     return events_curve(task->job.run.id, c, task->job.columns.bytes, &item->event, err);
 }
 
-static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
+// The snapshot that waits joins the batch, which takes it over.
+static bf_status add_waiting(supervisor__task *task, bf_error *err)
 {
-    if (s->n1 != task->begin.grid.n1 || s->n2 != task->begin.grid.n2)
-        return bf_fail(err, BF_ECORRUPT, "", "the solver sent a snapshot of another size");
     store_item *item = add_item(task, API_EVENT_SNAPSHOT);
+
     if (item == NULL)
         return fail_memory(err);
-    item->first = s->index;
+    *item = task->snapshot;
+    task->snapshot = (store_item){ .type = API_EVENT_SNAPSHOT };
+    task->has_snapshot = false;
+    return BF_OK;
+}
+
+// A snapshot and its parts are one item, so that they are stored and told together.
+static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
+{
+    bool has_parts = task->begin.n_values > 0;
+    store_item *item = &task->snapshot;
+
+    if (s->n1 != task->begin.grid.n1 || s->n2 != task->begin.grid.n2)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent a snapshot of another size");
+    *item = (store_item){ .type = API_EVENT_SNAPSHOT, .first = s->index };
     item->snapshot =
         (api_snapshot){ .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
+    task->has_snapshot = true;
     if (buffer_append(&item->rho, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho) != BF_OK)
         return fail_memory(err);
-    return events_snapshot(task->job.run.id, s, &item->event, err);
+    bf_status status = events_snapshot(task->job.run.id, s, has_parts, &item->event, err);
+    return status == BF_OK && !has_parts ? add_waiting(task, err) : status;
+}
+
+static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_error *err)
+{
+    if (p->n_parts != task->begin.n_parts || p->n_values != task->begin.n_values ||
+        p->index != task->snapshot.first)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
+    if (buffer_append(&task->snapshot.parts, p->rows,
+                      (size_t)p->n_parts * p->n_values * sizeof *p->rows) != BF_OK)
+        return fail_memory(err);
+    return add_waiting(task, err);
 }
 
 // Bring the rate up to date and make the event of the newest progress; older ones in the same batch
@@ -120,12 +159,14 @@ static bf_status flush(supervisor__task *task, store *s, const frame_bytes *chec
         .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
         .wall_s = supervisor__wall_s(task),
         .grid = &task->begin.grid,
+        .parts = { .n_parts = task->begin.n_values == 0 ? 0 : task->begin.n_parts,
+                   .n_values = task->begin.n_values },
         .step = checkpoint == NULL ? 0 : checkpoint->step,
         .checkpoint = checkpoint == NULL ? NULL : checkpoint->bytes,
         .n_checkpoint = checkpoint == NULL ? 0 : checkpoint->n,
     };
     status = store_append(s, &batch, err);
-    supervisor__free_items(task);
+    free_gathered(task);
     return status;
 }
 
@@ -151,12 +192,19 @@ static bf_status take_progress(supervisor__task *task, const frame_progress *p, 
     return BF_OK;
 }
 
+// An error may come at any time; parts come right after their snapshot, and nothing else does.
+static bool is_in_order(const supervisor__task *task, frame_type type)
+{
+    if (task->has_ended || type == FRAME_JOB || type == FRAME_RESUME)
+        return false;
+    if (type == FRAME_ERROR)
+        return true;
+    return (type == FRAME_BEGIN) != task->has_begun && (type == FRAME_PARTS) == task->has_snapshot;
+}
+
 static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf_error *err)
 {
-    bool is_first = f->type == FRAME_BEGIN || f->type == FRAME_ERROR;
-
-    if (task->has_ended || f->type == FRAME_JOB || f->type == FRAME_RESUME ||
-        (!task->has_begun && !is_first) || (task->has_begun && f->type == FRAME_BEGIN))
+    if (!is_in_order(task, f->type))
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
     switch (f->type) {
     case FRAME_BEGIN:
@@ -165,6 +213,8 @@ static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf
         return add_curve(task, &f->curve, err);
     case FRAME_SNAPSHOT:
         return add_snapshot(task, &f->snapshot, err);
+    case FRAME_PARTS:
+        return add_parts(task, &f->parts, err);
     case FRAME_PROGRESS:
         return take_progress(task, &f->progress, err);
     case FRAME_CHECKPOINT:

@@ -66,6 +66,8 @@ struct supervisor__task {
     store_item *items;       ///< what is not stored yet
     size_t n_items;          ///< of them
     size_t items_capacity;   ///< room
+    bool has_snapshot;       ///< a snapshot came whose parts have not come yet:
+    store_item snapshot;     ///< that one
     unsigned n_logged;       ///< lines of stderr that went to the log
     supervisor__watch watches[SUPERVISOR_SOURCE_COUNT]; ///< what epoll events point at
 };

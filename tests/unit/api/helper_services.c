@@ -161,7 +161,9 @@ static bf_status do_list_snapshots(void *context, const char *id, api_snapshot_l
 
     if (item == NULL)
         return no_run(err);
-    api_snapshot_list list = { .grid = item->grid, .n = (size_t)item->record.n_snapshots };
+    api_snapshot_list list = { .grid = item->grid,
+                               .parts = item->parts,
+                               .n = (size_t)item->record.n_snapshots };
     if (buffer_append(&list.items, item->snapshots, list.n * sizeof *item->snapshots) != BF_OK)
         return no_memory(err);
     *ret_list = list;
@@ -180,6 +182,22 @@ static bf_status do_read_snapshot(void *context, const char *id, uint64_t index,
         return no_memory(err);
     *ret_snapshot = item->snapshots[index];
     *ret_grid = item->grid;
+    return BF_OK;
+}
+
+static bf_status do_read_parts(void *context, const char *id, uint64_t index,
+                               api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
+                               bf_error *err)
+{
+    const helper_run *item = lookup(context, id);
+    size_t n = item == NULL ? 0 : (size_t)item->parts.n_parts * item->parts.n_values;
+
+    if (n == 0 || index >= item->record.n_snapshots)
+        return bf_fail(err, BF_ENOTFOUND, "", "there are no such parts");
+    if (n <= HELPER_VALUES && buffer_append(out, item->rows, n * sizeof *item->rows) != BF_OK)
+        return no_memory(err);
+    *ret_snapshot = item->snapshots[index];
+    *ret_parts = item->parts;
     return BF_OK;
 }
 
@@ -229,6 +247,7 @@ api_services helper_services(helper_daemon *d)
                            .read_curve = do_read_curve,
                            .list_snapshots = do_list_snapshots,
                            .read_snapshot = do_read_snapshot,
+                           .read_parts = do_read_parts,
                            .read_events = do_read_events,
                            .ready = do_ready };
 }

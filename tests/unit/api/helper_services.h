@@ -7,7 +7,13 @@
 
 #include <jansson.h>
 
-enum { HELPER_RUNS_MAX = 8, HELPER_EVENTS_MAX = 64, HELPER_SNAPSHOTS_MAX = 401, HELPER_CELLS = 6 };
+enum {
+    HELPER_RUNS_MAX = 8,
+    HELPER_EVENTS_MAX = 64,
+    HELPER_SNAPSHOTS_MAX = 401,
+    HELPER_CELLS = 6,
+    HELPER_VALUES = 12
+};
 
 /// A run with its results.
 typedef struct helper_run {
@@ -20,6 +26,8 @@ typedef struct helper_run {
     api_snapshot snapshots[HELPER_SNAPSHOTS_MAX];  ///< n_snapshots of the record
     float rho[HELPER_SNAPSHOTS_MAX][HELPER_CELLS]; ///< their grids: 2 rows of 3
     bf_grid grid;                                  ///< of the snapshots
+    api_parts parts;                               ///< of the snapshots; all have the same rows
+    double rows[HELPER_VALUES];                    ///< of the parts
 } helper_run;
 
 /// The daemon.

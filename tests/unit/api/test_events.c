@@ -120,10 +120,23 @@ static void a_snapshot_event_says_where_its_grid_is(void **state)
     bf_buffer out = { 0 };
 
     (void)state;
-    assert_int_equal(events_snapshot(id, &s, &out, NULL), BF_OK);
+    assert_int_equal(events_snapshot(id, &s, false, &out, NULL), BF_OK);
     assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"n\":7,\"t_s\":0.7,"
                       "\"peak\":1.25,\"mass\":192,\"shape\":[120,200],"
                       "\"url\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots/7\"}");
+}
+
+static void a_snapshot_event_says_where_its_parts_are(void **state)
+{
+    frame_snapshot s = { .index = 7, .t = 0.7, .peak = 1.25, .mass = 192, .n1 = 2, .n2 = 1 };
+    bf_buffer out = { 0 };
+
+    (void)state;
+    assert_int_equal(events_snapshot(id, &s, true, &out, NULL), BF_OK);
+    assert_text(&out, "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\",\"n\":7,\"t_s\":0.7,"
+                      "\"peak\":1.25,\"mass\":192,\"shape\":[1,2],"
+                      "\"url\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots/7\","
+                      "\"parts_url\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/parts/7\"}");
 }
 
 static void the_end_tells_the_error_of_a_run_that_failed(void **state)
@@ -158,7 +171,7 @@ static bf_status write_event(unsigned which, bf_buffer *out, bf_error *err)
     case 2:
         return events_curve(id, &c, "a,left_domain", out, err);
     case 3:
-        return events_snapshot(id, &s, out, err);
+        return events_snapshot(id, &s, true, out, err);
     default:
         return events_end(&record, out, err);
     }
@@ -199,6 +212,7 @@ int main(void)
         cmocka_unit_test(a_speed_that_is_not_known_yet_is_null),
         cmocka_unit_test(a_curve_event_has_an_array_for_every_column),
         cmocka_unit_test(a_snapshot_event_says_where_its_grid_is),
+        cmocka_unit_test(a_snapshot_event_says_where_its_parts_are),
         cmocka_unit_test(the_end_tells_the_error_of_a_run_that_failed),
         cmocka_unit_test(out_of_memory_leaves_the_buffer_as_it_was),
     };

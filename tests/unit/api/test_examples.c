@@ -3,6 +3,7 @@
 #include "api/examples.h"
 
 #include "api/scenario.h"
+#include "core/run/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -32,7 +33,7 @@ static void all_examples_are_sound_and_sorted(void **unused)
     const example *items = examples_list(&n);
 
     (void)unused;
-    assert_true(n >= 5);
+    assert_true(n >= 7);
     for (size_t k = 0; k < n; k++) {
         scene s = read_example(items[k].name);
         assert_true(s.name[0] != '\0');
@@ -94,6 +95,52 @@ static void example_3_disperses_at_every_density(void **unused)
     scene_fini(&lanes);
 }
 
+// The same scene as Example 1, solved in longer steps.
+static void one_example_chooses_its_own_step(void **unused)
+{
+    scene s = read_example("example-1-implicit");
+    scene paper = read_example("example-1");
+
+    (void)unused;
+    assert_int_equal(s.micro.integrator, SCENE_IMPLICIT);
+    assert_true(s.micro.step == 0.0);
+    assert_true(paper.micro.integrator == SCENE_VERLET && paper.micro.step == 1e-5);
+    assert_memory_equal(s.obstacles[0].path, paper.obstacles[0].path,
+                        2 * sizeof *s.obstacles[0].path);
+    assert_int_equal(scene_parts(&s), scene_parts(&paper));
+    scene_fini(&s);
+    scene_fini(&paper);
+}
+
+static void mixed_cargo_is_cylinders_and_boxes(void **unused)
+{
+    scene s = read_example("mixed-cargo");
+
+    (void)unused;
+    assert_int_equal(s.n_cargo, 2);
+    assert_int_equal(s.cargo[0].shape.type, SCENE_CYLINDER);
+    assert_int_equal(s.cargo[1].shape.type, SCENE_BOX);
+    assert_true(s.cargo[0].share == 2.0 * s.cargo[1].share);
+    scene_fini(&s);
+}
+
+static void every_example_can_be_solved_by_both_models(void **unused)
+{
+    size_t n;
+    const example *items = examples_list(&n);
+
+    (void)unused;
+    for (size_t k = 0; k < n; k++) {
+        bf_faults faults = { 0 };
+        scene s = read_example(items[k].name);
+        run_check(&s, RUN_MACRO, &faults);
+        run_check(&s, RUN_MICRO, &faults);
+        if (faults.n > 0)
+            fail_msg("%s: %s: %s", items[k].name, faults.items[0].pointer, faults.items[0].text);
+        scene_fini(&s);
+    }
+}
+
 static void the_free_belt_has_no_obstacle(void **unused)
 {
     scene s = read_example("free-belt");
@@ -112,6 +159,9 @@ int main(void)
         cmocka_unit_test(example_2_stands_across_the_belt),
         cmocka_unit_test(example_3_disperses_at_every_density),
         cmocka_unit_test(the_free_belt_has_no_obstacle),
+        cmocka_unit_test(one_example_chooses_its_own_step),
+        cmocka_unit_test(mixed_cargo_is_cylinders_and_boxes),
+        cmocka_unit_test(every_example_can_be_solved_by_both_models),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

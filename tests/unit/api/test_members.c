@@ -60,12 +60,13 @@ static void check_ranges(json_t *root, json_t *object, const member_table *table
         char at[BF_POINTER_SIZE];
         snprintf(at, sizeof at, "%s/%s", pointer, m->name);
         check_range(root, object, m, at);
-        if (m->kind == MEMBER_OBJECT && value != NULL)
+        if (m->table != NULL && json_is_object(value))
             check_ranges(root, value, m->table, at);
-        for (size_t i = 0; m->kind == MEMBER_LIST && i < json_array_size(value); i++) {
+        for (size_t i = 0; m->table != NULL && i < json_array_size(value); i++) {
             char item[BF_POINTER_SIZE + 24];
             snprintf(item, sizeof item, "%s/%zu", at, i);
-            check_ranges(root, json_array_get(value, i), m->table, item);
+            check_ranges(root, json_array_get(value, i), m->items != NULL ? m->items : m->table,
+                         item);
         }
     }
 }
@@ -79,6 +80,10 @@ static void what_is_out_of_the_tables_ranges_is_refused(void **unused)
         "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': {},"
         "'initial': {'random': {'count': 2, 'seed': 3, 'region': {'x_m': [0.1, 0.9], 'y_m':"
         "[0.1, 0.9]}}}}",
+        "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': [{'share': 2,"
+        "'mass_kg': 0.1, 'spin_friction_radius_m': 0.01, 'material': {'young_modulus_pa': 1e9,"
+        "'poisson_ratio': 0.3}}, {'shape': {'type': 'box', 'length_m': 0.02, 'width_m': 0.03,"
+        "'height_m': 0.01}}], 'cargo_seed': 5, 'initial': {'positions_m': [[0.5, 0.5]]}}",
     };
 
     (void)unused;

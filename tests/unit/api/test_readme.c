@@ -32,6 +32,7 @@ static const char *const kind_words[MEMBER_KIND_COUNT] = {
     [MEMBER_POSES] = "list of [x, y] or [x, y, heading]",
     [MEMBER_OBJECT] = "object",
     [MEMBER_LIST] = "list of objects",
+    [MEMBER_MIX] = "object, or list of objects",
 };
 
 static void describe_kind(const member *m, char *text, size_t size)
@@ -75,6 +76,9 @@ static void check_lines(const member_table *table, const char *pointer)
         snprintf(at, sizeof at, "%s/%s%s", pointer, m->name, m->kind == MEMBER_LIST ? "/n" : "");
         if (m->table != NULL && m->table != &scenario_members)
             check_lines(m->table, at);
+        snprintf(at, sizeof at, "%s/%s/n", pointer, m->name);
+        if (m->items != NULL)
+            check_lines(m->items, at);
     }
 }
 

@@ -207,26 +207,109 @@ static void numpy_reads_the_grid(void **unused)
     buffer_fini(&b);
 }
 
+// Two snapshots, borrowed: nothing to be freed.
+static api_snapshot_list make_list(void)
+{
+    static api_snapshot items[] = { { 0, 0.0, 1.25, 192.0 }, { 12, 0.1, 1.5, 191.5 } };
+
+    return (api_snapshot_list){
+        .grid = { .n1 = 200, .n2 = 120, .lower1 = -0.5, .d1 = 0.005, .d2 = 0.005 },
+        .n = 2,
+        .items = { .bytes = (char *)items, .n = sizeof items },
+    };
+}
+
 static void snapshots_are_listed_with_their_grid(void **unused)
 {
-    const bf_grid grid = { .n1 = 200, .n2 = 120, .lower1 = -0.5, .d1 = 0.005, .d2 = 0.005 };
-    const api_snapshot items[] = { { 0, 0.0, 1.25, 192.0 }, { 12, 0.1, 1.5, 191.5 } };
+    api_snapshot_list list = make_list();
     bf_buffer files = { 0 };
     bf_buffer urls = { 0 };
 
     (void)unused;
-    assert_int_equal(results_snapshots_json(&grid, items, 2, NULL, &files, NULL), BF_OK);
+    assert_int_equal(results_snapshots_json(&list, NULL, &files, NULL), BF_OK);
     assert_string_equal(
         files.bytes,
         "{\"grid\":{\"origin_m\":[-0.5,0],\"cell_m\":[0.005,0.005],\"shape\":[120,200]},"
         "\"snapshots\":[{\"n\":0,\"t_s\":0,\"file\":\"snapshots/000000.npy\",\"peak\":1.25,"
         "\"mass\":192},{\"n\":12,\"t_s\":0.1,\"file\":\"snapshots/000012.npy\",\"peak\":1.5,"
         "\"mass\":191.5}]}");
-    assert_int_equal(results_snapshots_json(&grid, items, 2, "/v1/x/", &urls, NULL), BF_OK);
-    assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/x/12\""));
+    assert_int_equal(results_snapshots_json(&list, "/v1/x", &urls, NULL), BF_OK);
+    assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/x/snapshots/12\""));
     assert_null(strstr(urls.bytes, "file"));
+    assert_null(strstr(urls.bytes, "parts"));
     buffer_fini(&files);
     buffer_fini(&urls);
+}
+
+static void snapshots_with_parts_say_where_they_are_and_what_their_columns_mean(void **unused)
+{
+    api_snapshot_list list = make_list();
+    bf_buffer files = { 0 };
+    bf_buffer urls = { 0 };
+
+    (void)unused;
+    list.parts = (api_parts){ .n_parts = 192, .n_values = FRAME_VALUES_PLANAR };
+    assert_int_equal(results_snapshots_json(&list, NULL, &files, NULL), BF_OK);
+    assert_non_null(strstr(files.bytes, "\"shape\":[120,200]},\"parts\":{\"rows\":192,\"columns\":["
+                                        "\"x_m\",\"y_m\",\"heading_rad\",\"vx_m_s\",\"vy_m_s\","
+                                        "\"spin_rad_s\"]},\"snapshots\":["));
+    assert_non_null(strstr(files.bytes, "\"mass\":191.5,\"parts_file\":\"parts/000012.npy\"}]}"));
+    list.parts.n_values = FRAME_VALUES_SPATIAL;
+    assert_int_equal(results_snapshots_json(&list, "/v1/x", &urls, NULL), BF_OK);
+    assert_non_null(strstr(urls.bytes, "\"parts_url\":\"/v1/x/parts/12\""));
+    assert_non_null(strstr(urls.bytes, "[\"x_m\",\"y_m\",\"z_m\",\"q_w\",\"q_x\",\"q_y\",\"q_z\","
+                                       "\"vx_m_s\",\"vy_m_s\",\"vz_m_s\",\"wx_rad_s\","
+                                       "\"wy_rad_s\",\"wz_rad_s\"]"));
+    buffer_fini(&files);
+    buffer_fini(&urls);
+}
+
+// Part 1 has left the domain.
+static const double planar_rows[3 * FRAME_VALUES_PLANAR] = {
+    0.5, 0.25, 0.125, 1.0, 2.0, -0.0625, NAN, NAN, NAN, NAN, NAN, NAN, 0.1, 0.2, 0, 0, 0, 3,
+};
+static const api_parts three_parts = { .n_parts = 3, .n_values = FRAME_VALUES_PLANAR };
+
+static void parts_are_lines_with_their_numbers(void **unused)
+{
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_parts_csv(planar_rows, &three_parts, &b, NULL), BF_OK);
+    assert_string_equal(b.bytes, "part,x_m,y_m,heading_rad,vx_m_s,vy_m_s,spin_rad_s\n"
+                                 "0,0.5,0.25,0.125,1,2,-0.0625\n"
+                                 "1,nan,nan,nan,nan,nan,nan\n"
+                                 "2,0.1,0.2,0,0,0,3\n");
+    buffer_fini(&b);
+}
+
+static void a_part_that_has_left_is_null_in_json(void **unused)
+{
+    const api_snapshot snapshot = { .index = 4, .t = 0.5 };
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_parts_json(planar_rows, &three_parts, &snapshot, &b, NULL), BF_OK);
+    assert_string_equal(b.bytes,
+                        "{\"n\":4,\"t_s\":0.5,\"columns\":[\"x_m\",\"y_m\",\"heading_rad\","
+                        "\"vx_m_s\",\"vy_m_s\",\"spin_rad_s\"],\"parts\":[[0.5,0.25,0.125,1,2,"
+                        "-0.0625],null,[0.1,0.2,0,0,0,3]]}");
+    buffer_fini(&b);
+}
+
+// Magic, version, a header that ends at a multiple of 64, and the doubles as they are.
+static void parts_are_a_numpy_file_of_doubles(void **unused)
+{
+    bf_buffer b = { 0 };
+
+    (void)unused;
+    assert_int_equal(results_parts_npy(planar_rows, &three_parts, &b, NULL), BF_OK);
+    assert_memory_equal(b.bytes, "\x93NUMPY\x01\x00", 8);
+    assert_int_equal((b.n - sizeof planar_rows) % 64, 0);
+    assert_non_null(strstr(b.bytes + 10, "'descr': '<f8', 'fortran_order': False, "
+                                         "'shape': (3, 6)"));
+    assert_memory_equal(b.bytes + b.n - sizeof planar_rows, planar_rows, sizeof planar_rows);
+    buffer_fini(&b);
 }
 
 static bf_buffer resolved_document(const char *text)
@@ -314,6 +397,56 @@ static void a_summary_warns(void **unused)
     json_decref(root);
 }
 
+static const frame_begin micro_begin = {
+    .model = RUN_MICRO, .dt = 1e-5, .duration = 1.0, .n_parts = 192, .n_values = FRAME_VALUES_PLANAR
+};
+static const frame_end micro_end = { .n_steps = 100000,
+                                     .t = 1.0,
+                                     .n_cells = 24000,
+                                     .parts_start = 192.0,
+                                     .parts_end = 190.0,
+                                     .n_parts_left = 2,
+                                     .peak = 1.5,
+                                     .n_contacts = 17,
+                                     .kinetic_energy = 0.25,
+                                     .largest_overlap = 0.0005,
+                                     .overlap_share = 0.0625 };
+
+static void a_microscopic_summary_counts_parts(void **unused)
+{
+    json_t *root = summarise(&micro_begin, &micro_end);
+
+    (void)unused;
+    assert_string_equal(json_string_value(json_object_get(root, "path")), "planar");
+    assert_true(number_at(root, "parts") == 192);
+    assert_true(number_at(root, "particle_steps_per_s") == 192.0 * 100000.0 / 0.5);
+    assert_null(json_object_get(root, "cells"));
+    assert_null(json_object_get(root, "cell_steps_per_s"));
+    assert_true(number_at(root, "parts_left") == 2.0);
+    assert_true(number_at(root, "largest_overlap_m") == 0.0005);
+    assert_true(number_at(root, "largest_overlap_share") == 0.0625);
+    assert_true(number_at(root, "contacts") == 17);
+    assert_true(number_at(root, "kinetic_energy_j") == 0.25);
+    json_decref(root);
+}
+
+// 6.25 % of a radius are more than 5 %; a density of 1.5 means nothing where parts are counted.
+static void a_microscopic_summary_warns_of_soft_parts_only(void **unused)
+{
+    frame_end hard = micro_end;
+    json_t *soft_root = summarise(&micro_begin, &micro_end);
+    json_t *warnings = json_object_get(soft_root, "warnings");
+
+    (void)unused;
+    assert_int_equal(json_array_size(warnings), 1);
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "6.25 % of a radius"));
+    json_decref(soft_root);
+    hard.overlap_share = 0.05;
+    json_t *hard_root = summarise(&micro_begin, &hard);
+    assert_int_equal(json_array_size(json_object_get(hard_root, "warnings")), 0);
+    json_decref(hard_root);
+}
+
 static void a_damaged_scenario_gives_no_summary(void **unused)
 {
     bf_buffer out = { 0 };
@@ -348,9 +481,11 @@ static bf_status append_all(const api_curve *curve, const bf_buffer *scenario, b
                             size_t which)
 {
     static const float rho[64];
-    const bf_grid grid = { .n1 = 8, .n2 = 8, .d1 = 1, .d2 = 1 };
-    const api_snapshot item = { 0 };
+    api_snapshot_list list = make_list();
     const compare_measures m = { 0 };
+    const api_snapshot snapshot = { 0 };
+
+    list.parts = (api_parts){ .n_parts = 1, .n_values = FRAME_VALUES_PLANAR };
 
     switch (which) {
     case 0:
@@ -362,9 +497,15 @@ static bf_status append_all(const api_curve *curve, const bf_buffer *scenario, b
     case 3:
         return results_npy(rho, 8, 8, out, NULL);
     case 4:
-        return results_snapshots_json(&grid, &item, 1, NULL, out, NULL);
+        return results_snapshots_json(&list, NULL, out, NULL);
     case 5:
         return results_compare_json(&m, out, NULL);
+    case 6:
+        return results_parts_npy(planar_rows, &three_parts, out, NULL);
+    case 7:
+        return results_parts_csv(planar_rows, &three_parts, out, NULL);
+    case 8:
+        return results_parts_json(planar_rows, &three_parts, &snapshot, out, NULL);
     default:
         return results_summary(RUN_MACRO, scenario->bytes, scenario->n, &begin, &end, &timing, out,
                                NULL);
@@ -377,7 +518,7 @@ static void no_memory_leaves_what_was_there(void **unused)
     api_curve curve = make_curve();
 
     (void)unused;
-    for (size_t which = 0; which < 7; which++) {
+    for (size_t which = 0; which < 10; which++) {
         bf_status status = BF_ENOMEM;
         for (size_t n = 1; status != BF_OK; n++) {
             bf_buffer out = { 0 };
@@ -409,6 +550,12 @@ int main(void)
         cmocka_unit_test(a_grid_is_a_numpy_file),
         cmocka_unit_test(numpy_reads_the_grid),
         cmocka_unit_test(snapshots_are_listed_with_their_grid),
+        cmocka_unit_test(snapshots_with_parts_say_where_they_are_and_what_their_columns_mean),
+        cmocka_unit_test(parts_are_lines_with_their_numbers),
+        cmocka_unit_test(a_part_that_has_left_is_null_in_json),
+        cmocka_unit_test(parts_are_a_numpy_file_of_doubles),
+        cmocka_unit_test(a_microscopic_summary_counts_parts),
+        cmocka_unit_test(a_microscopic_summary_warns_of_soft_parts_only),
         cmocka_unit_test(a_summary_has_the_figures_of_the_run),
         cmocka_unit_test(a_summary_warns),
         cmocka_unit_test(a_damaged_scenario_gives_no_summary),

@@ -98,19 +98,76 @@ static void every_member_finds_its_place(void **unused)
     assert_int_equal(s.obstacles[0].n_points, 3);
     assert_true(s.obstacles[0].path[2].x == 0.9 && s.obstacles[0].slide_width == 0.025);
     assert_int_equal(s.obstacles[0].treatment, SCENE_FIELD);
-    assert_int_equal(s.cargo.shape.type, SCENE_BOX);
-    assert_true(s.cargo.shape.width == 0.03 && s.cargo.mass == 0.5);
+    assert_int_equal(s.cargo[0].shape.type, SCENE_BOX);
+    assert_true(s.cargo[0].shape.width == 0.03 && s.cargo[0].mass == 0.5);
     assert_true(fabs(s.initial.poses[2].heading + 2.0 * M_PI / 3.0) < 1e-15);
     assert_true(s.counters[0].rect.y_min == 0.2 && s.counters[1].rect.x_min == -0.5);
     assert_true(s.output.snapshot_every == 0.25);
     assert_true(s.macro.step == 0.0 && s.macro.initial_mollifier == 3000);
     assert_int_equal(s.macro.heaviside, SCENE_HEAVISIDE_SMOOTH);
     assert_true(s.micro.tension && s.micro.spin_friction_radius == 0.01);
+    assert_int_equal(s.micro.integrator, SCENE_IMPLICIT);
+    assert_int_equal(s.micro.path, SCENE_PATH_SPATIAL);
+    assert_true(s.micro.step == 2e-5 && s.cargo_seed == 7);
+    assert_false(s.is_mix);
     assert_true(s.micro.handling.young_modulus == 6e10);
     assert_true(s.micro.contact[SCENE_HANDLING_CARGO].tanh_spin == 4);
     assert_true(s.micro.contact[SCENE_CONVEYOR_CARGO].damping == 200);
     scene_fini(&s);
     buffer_fini(&document);
+}
+
+static void cargo_may_be_a_list_of_kinds(void **unused)
+{
+    scene s = read_text(
+        "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': [{'share': 3},"
+        "{'shape': {'type': 'prism', 'outline_m': [[0, 0], [0.02, 0], [0, 0.02]]},"
+        " 'spin_friction_radius_m': 0.5}], 'initial': {'positions_m': [[0.2, 0.3]]}}");
+
+    (void)unused;
+    assert_int_equal(s.n_cargo, 2);
+    assert_true(s.is_mix && s.cargo_seed == 1);
+    assert_true(s.cargo[0].share == 3.0 && s.cargo[1].share == 1.0);
+    assert_int_equal(s.cargo[0].shape.type, SCENE_CYLINDER);
+    assert_int_equal(s.cargo[1].shape.n_vertices, 3);
+    // 2/3 of the first kind's radius, and the second kind's own.
+    assert_true(fabs(s.cargo[0].spin_friction_radius - 0.008) < 1e-17);
+    assert_true(s.cargo[1].spin_friction_radius == 0.5);
+    scene_fini(&s);
+}
+
+// What a document says of one kind is one object again, without a share.
+static void one_kind_is_written_as_one_object(void **unused)
+{
+    bf_buffer one = document_quote("{" DOCUMENT_NEEDED "}");
+    bf_buffer list = document_quote("{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]},"
+                                    "'cargo': [{}], 'initial': {'positions_m': [[0.2, 0.3]]}}");
+    bf_buffer of_one = resolve(&one), of_list = resolve(&list);
+
+    (void)unused;
+    assert_non_null(strstr(of_one.bytes, "\"cargo\":{\"shape\":{\"type\":\"cylinder\""));
+    assert_null(strstr(of_one.bytes, "share"));
+    assert_non_null(strstr(of_list.bytes, "\"cargo\":[{\"share\":1,\"shape\":"));
+    buffer_fini(&one);
+    buffer_fini(&list);
+    buffer_fini(&of_one);
+    buffer_fini(&of_list);
+}
+
+// The integrator says which step is the default: the paper's, or its own choice.
+static void the_default_step_follows_the_integrator(void **unused)
+{
+    scene verlet = read_text("{" DOCUMENT_NEEDED "}");
+    scene implicit = read_text(DOCUMENT_WITH("'micro': {'integrator': 'implicit'}"));
+    scene automatic = read_text(DOCUMENT_WITH("'micro': {'step_s': 'auto'}"));
+
+    (void)unused;
+    assert_true(verlet.micro.step == 1e-5);
+    assert_true(implicit.micro.step == 0.0);
+    assert_true(automatic.micro.step == 0.0);
+    scene_fini(&verlet);
+    scene_fini(&implicit);
+    scene_fini(&automatic);
 }
 
 // Value by value, as a JSON library sees both; numbers may be written differently.
@@ -143,6 +200,10 @@ static void what_was_written_reads_back_to_the_same_bytes(void **unused)
         "'prism', 'height_m': 0.1, 'outline_m': [[0, 0], [0.03, 0], [0.01, 0.02]]}},"
         "'initial': {'random': {'count': 5, 'seed': 9007199254740991,"
         "'region': {'x_m': [0.1, 0.9], 'y_m': [0.2, 0.8]}}}}",
+        "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo_seed': 3, 'cargo': ["
+        "{'share': 0.1}, {'share': 0.2, 'shape': {'type': 'prism', 'outline_m': [[0, 0], [0.03, 0],"
+        "[0.01, 0.02]]}}, {'share': 0.3, 'mass_kg': 2}], 'micro': {'integrator': 'implicit'},"
+        "'initial': {'random': {'count': 9, 'region': {'x_m': [0.1, 0.9], 'y_m': [0.2, 0.8]}}}}",
         "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': {'shape': {'type':"
         "'hull', 'vertices_m': [[0, 0, 0], [0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]]}},"
         "'initial': {'hexagonal': {'rows': 2, 'columns': 3, 'first_m': [0.3, 0.3],"
@@ -340,6 +401,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_needed_members_suffice),
         cmocka_unit_test(every_member_finds_its_place),
+        cmocka_unit_test(cargo_may_be_a_list_of_kinds),
+        cmocka_unit_test(one_kind_is_written_as_one_object),
+        cmocka_unit_test(the_default_step_follows_the_integrator),
         cmocka_unit_test(a_complete_document_is_written_as_it_was_read),
         cmocka_unit_test(what_was_written_reads_back_to_the_same_bytes),
         cmocka_unit_test(numbers_keep_their_bits),

@@ -115,6 +115,21 @@ static void lists_have_limits(void **unused)
                 "/obstacles/0/path_m");
 }
 
+static void mixes_have_a_limit(void **unused)
+{
+    bf_buffer text = { 0 };
+    bf_error err;
+
+    (void)unused;
+    assert_int_equal(buffer_printf(&text, "{\"cargo\": [{}"), BF_OK);
+    for (int k = 0; k < SCENE_KINDS_MAX; k++)
+        assert_int_equal(buffer_printf(&text, ", {}"), BF_OK);
+    assert_int_equal(buffer_printf(&text, "]}"), BF_OK);
+    document_refuse(text.bytes, text.n, &faults, &err);
+    assert_true(document_has_fault(&faults, "/cargo"));
+    buffer_fini(&text);
+}
+
 static void texts_have_limits(void **unused)
 {
     char text[1000];
@@ -274,6 +289,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_member_refuses_other_types_and_every_object_other_members),
         cmocka_unit_test(lists_have_limits),
+        cmocka_unit_test(mixes_have_a_limit),
         cmocka_unit_test(texts_have_limits),
         cmocka_unit_test(nesting_has_a_limit),
         cmocka_unit_test(long_names_of_members_are_cut),

@@ -19,7 +19,11 @@
     "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {'shape': " shape "}," \
     "'initial': {'positions_m': [[0.5, 0.3]]}}"
 #define OBSTACLE(members) DOCUMENT_WITH("'obstacles': [{" members "}]")
-#define LINE              "'from_m': [0.5, 0], 'to_m': [0.6, 0.5]"
+#define CARGO(cargo)                                                                               \
+    "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': " cargo ","            \
+    "'initial': {'positions_m': [[0.5, 0.3]]}}"
+#define FLAT_HULL "'type': 'hull', 'vertices_m': [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]"
+#define LINE      "'from_m': [0.5, 0], 'to_m': [0.6, 0.5]"
 
 // ' stands for " in the documents. text, if any, must stand in the fault's text.
 typedef struct bad_document {
@@ -80,6 +84,31 @@ static const bad_document wrong_documents[] = {
     { "/macro/cell_m", DOCUMENT_WITH("'macro': {'cell_m': 0}"), NULL },
     { "/macro/cell_m", DOCUMENT_WITH("'macro': {'cell_m': 1e-6}"), NULL },
     { "/micro/tension", DOCUMENT_WITH("'micro': {'tension': 'no'}"), "true or false" },
+    { "/micro/integrator", DOCUMENT_WITH("'micro': {'integrator': 'euler'}"), "\"implicit\"" },
+    { "/micro/path", DOCUMENT_WITH("'micro': {'path': 'flat'}"), "\"planar\"" },
+    { "/micro/path",
+      "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {'shape': {'type':"
+      "'box', 'length_m': 0.02, 'width_m': 0.02}}, 'micro': {'path': 'planar'},"
+      "'initial': {'positions_m': [[0.5, 0.3]]}}",
+      "cylinders" },
+    { "/micro/step_s", DOCUMENT_WITH("'micro': {'step_s': 0}"), "\"auto\"" },
+    { "/micro/step_s", DOCUMENT_WITH("'micro': {'step_s': 2}"), NULL },
+    { "/cargo", CARGO("7"), "an object or a list" },
+    { "/cargo", CARGO("[]"), "at least 1" },
+    { "/cargo/share", CARGO("{'share': 2}"), "unknown member" },
+    { "/cargo/mass_kg", CARGO("{'mass_kg': 0}"), "above 0" },
+    { "/cargo/0", CARGO("[7]"), "must be an object" },
+    { "/cargo/0/share", CARGO("[{'share': 0}]"), "above 0" },
+    { "/cargo/1/share", CARGO("[{}, {'share': -1}]"), NULL },
+    { "/cargo/1/mass_kg", CARGO("[{}, {'mass_kg': 0}]"), NULL },
+    { "/cargo/1/shape/radius_m", CARGO("[{}, {'shape': {'radius_m': 0}}]"), NULL },
+    { "/cargo/1/shape/vertices_m", CARGO("[{}, {'shape': {" FLAT_HULL "}}]"), "degenerate" },
+    { "/cargo/1/shape/outline_m",
+      CARGO("[{}, {'shape': {'type': 'prism', 'outline_m': [[0, 0], [2, 0], [1, 0.1], [0, 2]]}}]"),
+      "convex" },
+    { "/cargo/1/spin_friction_radius_m", CARGO("[{}, {'spin_friction_radius_m': -1}]"), NULL },
+    { "/cargo", CARGO("[{}, {'shape': {'radius_m': 0.4}}]"), "too unlike" },
+    { "/cargo_seed", DOCUMENT_WITH("'cargo_seed': 9007199254740992"), NULL },
     { "/edges/west", DOCUMENT_WITH("'edges': {'west': 'open'}"), NULL },
     { "/edges/middle", DOCUMENT_WITH("'edges': {'middle': 'wall'}"), NULL },
     { "/belts", DOCUMENT_WITH("'belts': []"), "at least 1" },

@@ -115,6 +115,53 @@ static void faults_have_pointers_of_the_body(void **unused)
     }
 }
 
+#define MICRO(members)                                                                             \
+    "{'model': 'micro', 'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}," \
+    "'initial': {'positions_m': [[0.5, 0.3], [0.6, 0.3]]}, " members "}}"
+#define PLATE "'obstacles': [{'id': 'bar', 'from_m': [0.6, 0.1], 'to_m': [0.6, 0.5]}]"
+
+// What only the microscopic model objects to is found when a run is submitted, not when it starts.
+static void the_model_has_its_own_faults(void **unused)
+{
+    static const char *const bad[][3] = {
+        { "/scenario/micro/step_s", MICRO("'cargo': {}, 'micro': {'step_s': 0.5}"),
+          "the largest stable one is" },
+        { "/scenario/micro/step_s", MICRO("'cargo': {'mass_kg': 1e-9}"), "unstable" },
+        { "/scenario/micro/step_s", MICRO("'cargo': {}, 'micro': {'step_s': 1e-12}"), "limit" },
+        { "/scenario/output/snapshot_every_s",
+          "{'model': 'micro', 'scenario': {'duration_s': 10, 'domain': {'x_m': [0, 40], 'y_m': "
+          "[0, 25]}, 'cargo': {}, 'macro': {'cell_m': 1}, 'output': {'snapshot_every_s': 0.001},"
+          "'initial': {'hexagonal': {'rows': 500, 'columns': 500, 'first_m': [1, 1], 'spacing_m':"
+          "0.025}}}}",
+          "bytes of parts" },
+        { "/scenario/initial/positions_m/1", MICRO("'cargo': {}, " PLATE), "'bar'" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        api_submission submission = { 0 };
+        bf_error err = { 0 };
+        bf_status status = read_text(bad[k][1], &submission, &err);
+        assert_true(status == BF_EINPUT || status == BF_ELIMIT);
+        assert_string_equal(err.pointer, bad[k][0]);
+        assert_non_null(strstr(err.text, bad[k][2]));
+    }
+}
+
+// The same scenarios are none of the macroscopic model's business.
+static void another_model_does_not_mind(void **unused)
+{
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': "
+                               "[0, 0.6]}, 'initial': {'positions_m': [[0.5, 0.3], [0.6, 0.3]]},"
+                               "'cargo': {}, 'micro': {'step_s': 0.5}, " PLATE "}}",
+                               &submission, NULL),
+                     BF_OK);
+    submission_fini(&submission);
+}
+
 static void a_long_label_is_refused(void **unused)
 {
     char text[800];
@@ -156,7 +203,7 @@ static void no_memory_is_reported(void **unused)
 
     (void)unused;
     for (size_t n = 1; status != BF_OK; n++) {
-        bf_buffer document = document_quote("{" SCENARIO "}");
+        bf_buffer document = document_quote("{" SCENARIO ", 'model': 'micro'}");
         api_submission submission;
         faults.n = 0;
         memory_plan_fault(n, 0);
@@ -178,6 +225,8 @@ int main(void)
         cmocka_unit_test(all_members_are_taken_over),
         cmocka_unit_test(the_document_is_resolved),
         cmocka_unit_test(faults_have_pointers_of_the_body),
+        cmocka_unit_test(the_model_has_its_own_faults),
+        cmocka_unit_test(another_model_does_not_mind),
         cmocka_unit_test(a_long_label_is_refused),
         cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
         cmocka_unit_test(no_memory_is_reported),

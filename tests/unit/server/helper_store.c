@@ -178,7 +178,7 @@ void helper_snapshot_item(const char *id, uint64_t index, store_item *item)
         uint32_t bits = next_noise(&noise);
         assert_int_equal(buffer_append(&item->rho, &bits, sizeof bits), BF_OK);
     }
-    assert_int_equal(events_snapshot(id, &told, &item->event, NULL), BF_OK);
+    assert_int_equal(events_snapshot(id, &told, false, &item->event, NULL), BF_OK);
 }
 
 bool helper_snapshot_is(const bf_buffer *rho, uint64_t index)
@@ -226,6 +226,7 @@ void helper_item_fini(store_item *item)
     buffer_fini(&item->t);
     buffer_fini(&item->values);
     buffer_fini(&item->rho);
+    buffer_fini(&item->parts);
 }
 
 bf_status helper_append(store *s, const char *id, store_item *item, bf_error *err)

@@ -112,7 +112,7 @@ void helper_supervise(helper_world *w)
 
 api_run helper_world_submit(helper_world *w, const char *json)
 {
-    api_submission submission = { .model = RUN_MACRO };
+    api_submission submission = { .model = w->model };
     api_run record = { 0 };
     bf_faults faults = { 0 };
     bf_error err = { 0 };

@@ -21,6 +21,7 @@ typedef struct helper_world {
     char directory[HELPER_PATH_SIZE]; ///< of the test, removed at the end
     char program[HELPER_PATH_SIZE];   ///< that is started for each run
     supervisor_options options;       ///< for helper_supervise()
+    run_model model;                  ///< of what is submitted (RUN_MACRO)
     store *store;                     ///< open
     supervisor *supervisor;           ///< NULL: not started
     lock lock;                        ///< of n_commits

@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -119,6 +120,46 @@ static bf_status give_snapshot(results_dir *d, uint64_t index, bf_error *err)
     return results_dir_take(d, &f, err);
 }
 
+// Two parts of six values; the second has left.
+static bf_status give_parts(results_dir *d, uint64_t index, bf_error *err)
+{
+    const double rows[2 * FRAME_VALUES_PLANAR] = { 0.5, 0.25, 0.125, 1.0, 2.0, (double)index,
+                                                   NAN, NAN,  NAN,   NAN, NAN, NAN };
+    frame f = { .type = FRAME_PARTS,
+                .parts = { .index = index,
+                           .t = 1.0,
+                           .n_parts = 2,
+                           .n_values = FRAME_VALUES_PLANAR,
+                           .rows = rows } };
+
+    return results_dir_take(d, &f, err);
+}
+
+static bf_status give_begin_with_parts(results_dir *d)
+{
+    frame f = { .type = FRAME_BEGIN,
+                .begin = { .n_columns = 2,
+                           .n_parts = 2,
+                           .n_values = FRAME_VALUES_PLANAR,
+                           .grid = { .n1 = N1, .n2 = N2, .d1 = 0.5, .d2 = 0.5 } } };
+
+    return results_dir_take(d, &f, NULL);
+}
+
+// A run of a model with parts: n snapshots, each followed by them.
+static void write_run_with_parts(const char *name, uint64_t n)
+{
+    results_dir *d = open_results(name);
+
+    assert_int_equal(give_begin_with_parts(d), BF_OK);
+    for (uint64_t i = 0; i < n; i++) {
+        assert_int_equal(give_snapshot(d, i, NULL), BF_OK);
+        assert_int_equal(give_parts(d, i, NULL), BF_OK);
+    }
+    assert_int_equal(results_dir_finish(d, "{}", 2, NULL), BF_OK);
+    results_dir_close(d);
+}
+
 // A whole run with n snapshots and two samples.
 static void write_run(const char *name, uint64_t n, const char *summary)
 {
@@ -175,6 +216,49 @@ static void a_new_run_leaves_nothing_of_the_one_before(void **state)
     write_run("out", 2, "{}");
     assert_int_equal(count_files("out/snapshots"), 3); // two, and what is not a snapshot of ours
     assert_true(has_file("out/snapshots/notes.npy"));
+}
+
+static void parts_have_a_folder_of_their_own(void **state)
+{
+    (void)state;
+    write_run_with_parts("out", 3);
+    assert_int_equal(count_files("out"), 5);
+    assert_int_equal(count_files("out/parts"), 3);
+    bf_buffer npy = read_text("out/parts/000002.npy"), list = read_text("out/snapshots.json");
+    double spin;
+    assert_memory_equal(npy.bytes, "\x93NUMPY", 6);
+    memcpy(&spin, npy.bytes + npy.n - (FRAME_VALUES_PLANAR + 1) * sizeof spin, sizeof spin);
+    assert_true(spin == 2.0); // its index, by give_parts()
+    assert_non_null(strstr(list.bytes, "\"parts\":{\"rows\":2,\"columns\":[\"x_m\","));
+    assert_non_null(strstr(list.bytes, "\"parts_file\":\"parts/000002.npy\""));
+    buffer_fini(&npy);
+    buffer_fini(&list);
+}
+
+static void no_parts_of_an_earlier_run_are_left(void **state)
+{
+    (void)state;
+    write_run_with_parts("out", 5);
+    write_run_with_parts("out", 2);
+    assert_int_equal(count_files("out/parts"), 2);
+    write_run("out", 2, "{}");
+    assert_false(has_file("out/parts"));
+    bf_buffer list = read_text("out/snapshots.json");
+    assert_null(strstr(list.bytes, "parts"));
+    buffer_fini(&list);
+}
+
+// What somebody else put there stays, and the folder with it.
+static void files_of_others_among_the_parts_stay(void **state)
+{
+    (void)state;
+    write_run_with_parts("out", 2);
+    int fd = open(path_in_root("out/parts"), O_RDONLY | O_DIRECTORY);
+    assert_int_equal(file_io_replace(fd, "notes.txt", "x", 1, FILE_IO_LATER, NULL), BF_OK);
+    close(fd);
+    write_run("out", 1, "{}");
+    assert_int_equal(count_files("out/parts"), 1);
+    assert_true(has_file("out/parts/notes.txt"));
 }
 
 static void lines_can_be_read_while_the_run_goes_on(void **state)
@@ -249,11 +333,13 @@ static bf_status write_short_run(results_dir **ret_d)
     bf_status status = results_dir_open(path_in_root("out"), "upstream,left_domain", ret_d, NULL);
 
     if (status == BF_OK)
-        status = give_begin(*ret_d);
+        status = give_begin_with_parts(*ret_d);
     if (status == BF_OK)
         status = give_sample(*ret_d, 0, NULL);
     if (status == BF_OK)
         status = give_snapshot(*ret_d, 0, NULL);
+    if (status == BF_OK)
+        status = give_parts(*ret_d, 0, NULL);
     return status == BF_OK ? results_dir_finish(*ret_d, "{}", 2, NULL) : status;
 }
 
@@ -280,6 +366,9 @@ int main(void)
         TEST(a_finished_run_leaves_its_four_kinds_of_files),
         TEST(a_stopped_run_has_no_summary),
         TEST(a_new_run_leaves_nothing_of_the_one_before),
+        TEST(parts_have_a_folder_of_their_own),
+        TEST(no_parts_of_an_earlier_run_are_left),
+        TEST(files_of_others_among_the_parts_stay),
         TEST(lines_can_be_read_while_the_run_goes_on),
         TEST(a_second_writer_is_refused),
         TEST(a_path_that_cannot_be_a_directory_is_an_error),

@@ -50,6 +50,7 @@ typedef struct solution {
     bf_buffer t;
     bf_buffer values;
     bf_buffer last_rho;
+    bf_buffer last_parts;
     uint64_t n_snapshots;
 } solution;
 
@@ -72,10 +73,15 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
                          BF_OK);
         s->n_snapshots = f->snapshot.index + 1;
     }
+    if (f->type == FRAME_PARTS) {
+        size_t n = (size_t)f->parts.n_parts * f->parts.n_values * sizeof(double);
+        s->last_parts.n = 0;
+        assert_int_equal(buffer_append(&s->last_parts, f->parts.rows, n), BF_OK);
+    }
     return BF_OK;
 }
 
-static solution solve_here(const char *json)
+static solution solve_here(const char *json, run_model model)
 {
     solution s = { .n_snapshots = 0 };
     run_sink sink = { .context = &s, .take = take_frame };
@@ -84,7 +90,7 @@ static solution solve_here(const char *json)
     scene resolved;
 
     assert_int_equal(scenario_read(json, strlen(json), &resolved, &faults, NULL), BF_OK);
-    assert_int_equal(run_create(&resolved, RUN_MACRO, 1, &r, NULL), BF_OK);
+    assert_int_equal(run_create(&resolved, model, 1, &r, NULL), BF_OK);
     assert_int_equal(run_execute(r, &sink, NULL), BF_OK);
     run_destroy(r);
     scene_fini(&resolved);
@@ -93,7 +99,7 @@ static solution solve_here(const char *json)
 
 static void assert_same_results(helper_world *w, const char *id, const char *json)
 {
-    solution s = solve_here(json);
+    solution s = solve_here(json, w->model);
     api_curve curve = { 0 };
     api_snapshot snapshot;
     bf_grid grid;
@@ -108,8 +114,18 @@ static void assert_same_results(helper_world *w, const char *id, const char *jso
         store_read_snapshot(w->store, id, s.n_snapshots - 1, &snapshot, &grid, &rho, NULL), BF_OK);
     assert_int_equal(rho.n, s.last_rho.n);
     assert_memory_equal(rho.bytes, s.last_rho.bytes, rho.n);
+    rho.n = 0;
+    if (w->model == RUN_MICRO) {
+        api_parts parts;
+        assert_int_equal(
+            store_read_parts(w->store, id, s.n_snapshots - 1, &snapshot, &parts, &rho, NULL),
+            BF_OK);
+        assert_int_equal(rho.n, s.last_parts.n);
+        assert_memory_equal(rho.bytes, s.last_parts.bytes, rho.n);
+    }
     api_curve_fini(&curve);
     buffer_fini(&rho);
+    buffer_fini(&s.last_parts);
     buffer_fini(&s.t);
     buffer_fini(&s.values);
     buffer_fini(&s.last_rho);
@@ -131,6 +147,23 @@ static void a_queued_run_is_solved_and_stored(void **state)
     assert_non_null(strstr(summary.bytes, "\"model\":\"macro\""));
     buffer_fini(&summary);
     assert_same_results(w, ended.id, short_belt);
+}
+
+static void a_microscopic_run_is_stored_with_its_parts(void **state)
+{
+    helper_world *w = *state;
+    api_snapshot_list list = { 0 };
+
+    w->model = RUN_MICRO;
+    helper_supervise(w);
+    api_run submitted = helper_world_submit(w, short_belt);
+    api_run ended = helper_await_state(w, submitted.id, RUN_SUCCEEDED);
+    assert_int_equal(ended.n_snapshots, 11);
+    assert_int_equal(store_list_snapshots(w->store, ended.id, &list, NULL), BF_OK);
+    assert_int_equal(list.parts.n_parts, 1);
+    assert_int_equal(list.parts.n_values, FRAME_VALUES_PLANAR);
+    assert_same_results(w, ended.id, short_belt);
+    buffer_fini(&list.items);
 }
 
 static void what_is_queued_before_the_start_is_solved_too(void **state)
@@ -392,6 +425,8 @@ static void frames_that_make_no_sense_fail_the_run(void **state)
           { .type = FRAME_SNAPSHOT, .snapshot = { .n1 = 4, .n2 = 2, .rho = rho } } },
         { { .type = FRAME_BEGIN, .begin = { .n_columns = 2, .n_steps = 10 } },
           { .type = FRAME_PROGRESS, .progress = { .step = 11, .n_steps = 10 } } },
+        { { .type = FRAME_BEGIN, .begin = { .n_columns = 2, .n_parts = 1, .n_values = 6 } },
+          { .type = FRAME_PARTS, .parts = { .n_parts = 1, .n_values = 6, .rows = numbers } } },
     };
     helper_world *w = *state;
     char path[HELPER_PATH_SIZE], lines[1024];
@@ -402,6 +437,64 @@ static void frames_that_make_no_sense_fail_the_run(void **state)
         bf_error err = fail_with(w, lines);
         assert_says(&err, BF_ECORRUPT, "the solver ");
     }
+}
+
+// Parts of another snapshot, of another number, none at all, and of a model without any.
+static void parts_that_do_not_follow_their_snapshot_fail_the_run(void **state)
+{
+    static const double rows[12] = { 0 };
+    static const float rho[8] = { 0 };
+    static const frame third[] = {
+        { .type = FRAME_PARTS, .parts = { .index = 1, .n_parts = 2, .n_values = 6, .rows = rows } },
+        { .type = FRAME_PARTS, .parts = { .n_parts = 1, .n_values = 6, .rows = rows } },
+        { .type = FRAME_CHECKPOINT, .bytes = { .n = 0, .bytes = "" } },
+        { .type = FRAME_PARTS, .parts = { .n_parts = 2, .n_values = 6, .rows = rows } },
+    };
+    helper_world *w = *state;
+    char path[HELPER_PATH_SIZE], lines[1024];
+
+    for (size_t i = 0; i < sizeof third / sizeof *third; i++) {
+        frame frames[] = { begin_frame,
+                           { .type = FRAME_SNAPSHOT, .snapshot = { .n1 = 4, .n2 = 2, .rho = rho } },
+                           third[i] };
+        frames[0].begin.n_parts = 2;
+        frames[0].begin.n_values = i < 3 ? 6 : 0;
+        encode_to_file(w, frames, 3, path);
+        snprintf(lines, sizeof lines, "cat '%s'", path);
+        bf_error err = fail_with(w, lines);
+        assert_says(&err, BF_ECORRUPT, "the solver ");
+    }
+}
+
+// A snapshot is not told of before its parts are there, so that who is told can fetch them.
+static void a_snapshot_without_its_parts_is_not_kept(void **state)
+{
+    static const double rows[12] = { 0 };
+    static const float rho[8] = { 0 };
+    const frame frames[] = {
+        { .type = FRAME_BEGIN,
+          .begin = { .n_columns = 2,
+                     .n_steps = 10,
+                     .n_parts = 2,
+                     .n_values = 6,
+                     .grid = { .n1 = 4, .n2 = 2, .d1 = 1, .d2 = 1 } } },
+        { .type = FRAME_SNAPSHOT, .snapshot = { .n1 = 4, .n2 = 2, .rho = rho } },
+        { .type = FRAME_PARTS, .parts = { .n_parts = 2, .n_values = 6, .rows = rows } },
+        { .type = FRAME_SNAPSHOT, .snapshot = { .index = 1, .n1 = 4, .n2 = 2, .rho = rho } },
+        { .type = FRAME_ERROR,
+          .error = { .error = { .code = BF_ENUMERIC, .text = "part 3 flew off" } } },
+    };
+    helper_world *w = *state;
+    char path[HELPER_PATH_SIZE], lines[1024];
+
+    encode_to_file(w, frames, 5, path);
+    snprintf(lines, sizeof lines, "cat '%s'; exit 1", path);
+    helper_world_fake(w, lines);
+    helper_supervise(w);
+    api_run record = helper_world_submit(w, short_belt);
+    record = helper_await_state(w, record.id, RUN_FAILED);
+    assert_says(&record.error, BF_ENUMERIC, "part 3 flew off");
+    assert_int_equal(record.n_snapshots, 1);
 }
 
 static void what_came_before_the_solver_failed_is_kept(void **state)
@@ -548,6 +641,7 @@ int main(void)
     cmocka_unit_test_setup_teardown(function, helper_world_setup, helper_world_teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_queued_run_is_solved_and_stored),
+        TEST(a_microscopic_run_is_stored_with_its_parts),
         TEST(what_is_queued_before_the_start_is_solved_too),
         TEST(a_long_run_tells_its_progress_seldom),
         TEST(a_cancelled_run_keeps_what_it_has),
@@ -560,6 +654,8 @@ int main(void)
         TEST(what_is_no_frame_fails_the_run),
         TEST(a_torn_or_damaged_frame_fails_the_run),
         TEST(frames_that_make_no_sense_fail_the_run),
+        TEST(parts_that_do_not_follow_their_snapshot_fail_the_run),
+        TEST(a_snapshot_without_its_parts_is_not_kept),
         TEST(what_came_before_the_solver_failed_is_kept),
         TEST(a_worker_that_only_talks_costs_nothing),
         TEST(a_program_that_cannot_be_started_fails_the_run),

@@ -1,0 +1,52 @@
+// The parts of a microscopic run at the time of a snapshot.
+
+#include "api/exchange_priv.h"
+#include "api/handlers.h"
+#include "api/results.h"
+
+#include <inttypes.h>
+
+// Largest table that is written as text, values.
+#define TEXT_VALUES_MAX 4000000
+
+static bf_status write_rows(exchange *x, const api_parts *parts, const api_snapshot *snapshot,
+                            const double *rows, bf_error *err)
+{
+    bf_buffer *body = &x->response->body;
+
+    if (x->media->format == MEDIA_NPY)
+        return results_parts_npy(rows, parts, body, err);
+    if (parts->n_parts * parts->n_values > TEXT_VALUES_MAX)
+        return exchange__refuse(x, 406, err,
+                                "%" PRIu64 " parts of %" PRIu32 " values are too many for text "
+                                "(limit %d values); use npy",
+                                parts->n_parts, parts->n_values, TEXT_VALUES_MAX);
+    return x->media->format == MEDIA_CSV ? results_parts_csv(rows, parts, body, err)
+                                         : results_parts_json(rows, parts, snapshot, body, err);
+}
+
+bf_status handlers_parts_show(exchange *x, bf_error *err)
+{
+    const char *number = x->params.values[1];
+    bf_buffer rows = { 0 };
+    uint64_t index = 0;
+    api_snapshot snapshot;
+    api_parts parts;
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    if (query_read_number(number, &index) != 0 || index >= record.n_snapshots)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot '%s'; it has %" PRIu64,
+                       number, record.n_snapshots);
+    status = x->services->read_parts(x->services->context, record.id, index, &snapshot, &parts,
+                                     &rows, err);
+    if (status != BF_OK)
+        return status;
+    api_response_header(x->response, "Cache-Control", "private, max-age=31536000, immutable");
+    if (!exchange__is_unchanged(x, "%s-parts-%" PRIu64 "-%s", record.id, index, x->media->word))
+        status = write_rows(x, &parts, &snapshot, (const double *)(const void *)rows.bytes, err);
+    buffer_fini(&rows);
+    return status;
+}

@@ -1,0 +1,14 @@
+/// What results.c and results_*.c share.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+
+#include <stddef.h>
+
+/// End of a function that appends: on failure *out is again as it was, n bytes long.
+bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *err);
+
+/// Write a number ("nan" if it is none) and a separator at text; returns where the next one goes.
+char *results__put_number(char *text, double value, char separator);
