@@ -93,14 +93,14 @@ async function refresh() {
   }
 }
 
-async function submit(example, button) {
+async function submit(example, model, button) {
   button.disabled = true;
   try {
     const scenario = await ask(example.url);
     const run = await ask("v1/runs", {
       method: "POST",
       headers: { "content-type": "application/json" },
-      body: JSON.stringify({ scenario }),
+      body: JSON.stringify({ scenario, model }),
     });
     tell(`Submitted “${run.name}”.`);
     await refresh();
@@ -114,9 +114,14 @@ async function submit(example, button) {
 async function showExamples() {
   const { examples } = await ask("v1/examples");
   const items = examples.map((example) => {
-    const button = make("button", { type: "button" }, example.title ?? example.name);
-    button.addEventListener("click", () => submit(example, button));
-    return make("li", {}, button);
+    const title = example.title ?? example.name;
+    const add = (model, text) => {
+      const button = make("button", { type: "button" }, text);
+      button.setAttribute("aria-label", `${title}, ${model} model`);
+      button.addEventListener("click", () => submit(example, model, button));
+      return button;
+    };
+    return make("li", {}, add("macro", title), " ", add("micro", "as parts"));
   });
   find("examples").replaceChildren(...items);
 }

@@ -27,7 +27,8 @@ STANDARD = {
 
 # Beyond that: instruction sets, the choice between them, and the calendar (not the clock).
 ALSO = {
-    "core/macro/lanes.h": {"immintrin.h"},
+    "core/base/lanes.h": {"immintrin.h"},
+    "core/base/parallel.c": {"sched.h"},
     "core/macro/variant.c": {"pthread.h"},
     "api/run_json.c": {"time.h"},
 }

@@ -7,7 +7,7 @@ import subprocess
 import tree
 
 # Prefixes beside the file's own name, by folder or file.
-ALSO = {"core/base": {"bf"}, "api": {"api"}}
+ALSO = {"core/base": {"bf"}, "core/micro": {"micro"}, "api": {"api"}}
 # Written by tools, not by us.
 FOREIGN = re.compile(r"__|_init$|_fini$")
 
