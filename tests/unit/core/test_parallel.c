@@ -33,6 +33,46 @@ static void every_item_is_done_once_for_any_number_of_threads(void **state)
     }
 }
 
+enum { ROUNDS = 300, MEMBERS_MAX = 16 };
+
+// What each member of a team wrote in a round, in turns.
+typedef struct meeting {
+    long written[2][MEMBERS_MAX];
+    int n_members;
+    int n_wrong[MEMBERS_MAX];
+} meeting;
+
+// Between two rounds each member sees what all others wrote in the one before.
+static void meet(void *context, int member, int n_members, parallel_gate *gate)
+{
+    meeting *m = context;
+
+    for (long round = 0; round < ROUNDS; round++) {
+        m->written[round % 2][member] = 1000 * round + member;
+        parallel_wait(gate);
+        for (int k = 0; k < n_members; k++)
+            m->n_wrong[member] += m->written[round % 2][k] != 1000 * round + k;
+    }
+    if (member == 0)
+        m->n_members = n_members;
+}
+
+static void members_of_a_team_wait_for_each_other(void **state)
+{
+    static const int n_threads[] = { -1, 0, 1, 2, 3, 5 };
+
+    (void)state;
+    for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
+        meeting m = { 0 };
+        parallel_team(n_threads[t], meet, &m);
+        assert_in_range(m.n_members, 1, n_threads[t] > 1 ? n_threads[t] : 1);
+        for (int k = 0; k < MEMBERS_MAX; k++)
+            assert_int_equal(m.n_wrong[k], 0);
+        for (int k = 0; k < m.n_members; k++)
+            assert_int_equal(m.written[(ROUNDS - 1) % 2][k], 1000 * (ROUNDS - 1) + k);
+    }
+}
+
 static void there_is_at_least_one_processor(void **state)
 {
     (void)state;
@@ -43,6 +83,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_number_of_threads),
+        cmocka_unit_test(members_of_a_team_wait_for_each_other),
         cmocka_unit_test(there_is_at_least_one_processor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
