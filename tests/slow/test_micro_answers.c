@@ -1,0 +1,101 @@
+// The microscopic reference answers of the Examples: parts upstream, U(t), by explicit steps of 1e-5 s,
+// as another implementation gave them once.
+//
+// Contacts are chaotic: a reference is one outcome of many, and so is a run of ours. Two outcomes agree
+// when they are within 3 parts; the solver agrees with a reference when more of its outcomes do than do
+// not. Outcomes begin from places that are spread at random, by so little that nothing but chance is
+// in them; what they are does not depend on rounding, as the outcome of a perfect lattice does, in
+// which whole rows touch at once. Run with -V, the test prints how its outcomes lie.
+
+#include "core/base/random.h"
+#include "tests/unit/core/helper_outflow.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+enum { N_TIMES = 6, N_OUTCOMES = 16 };
+
+static const double times[N_TIMES] = { 1.5, 2.0, 3.0, 4.0, 5.0, 6.0 };
+static const double t_end = 6.0;
+static const double agreement = 3.0; // parts
+static const double spread = 1e-6;   // of the places at the start, m
+
+typedef struct answer {
+    double angle_deg;
+    double modulus_reduction;
+    double u[N_TIMES]; // at those times
+} answer;
+
+static const answer answers[] = {
+    { 60.0, 1e6, { 172, 139, 87, 50, 25, 9 } },
+    { 60.0, 1e4, { 171, 146, 91, 49, 25, 9 } },
+    { 90.0, 1e6, { 186, 173, 147, 133, 122, 114 } },
+    { 90.0, 1e4, { 185, 174, 149, 131, 120, 111 } },
+};
+
+static double shift(bf_random *random)
+{
+    return spread * (2.0 * random_unit(random) - 1.0);
+}
+
+// One outcome: U at the times.
+static void find_outcome(const answer *a, bf_random *random, double *ret_u)
+{
+    double u[HELPER_OUTFLOW_SAMPLES];
+    helper_outflow example;
+
+    helper_outflow_example(&example, a->angle_deg, a->modulus_reduction);
+    for (int k = 0; k < HELPER_OUTFLOW_PARTS; k++) {
+        example.poses[k].x += shift(random);
+        example.poses[k].y += shift(random);
+    }
+    helper_outflow_curve(&example.def, t_end, u);
+    for (int m = 0; m < N_TIMES; m++)
+        ret_u[m] = u[lround(times[m] / t_end * (HELPER_OUTFLOW_SAMPLES - 1))];
+}
+
+static void check_answer(const answer *a)
+{
+    double u[N_OUTCOMES][N_TIMES];
+    bf_random random;
+
+    random_init(&random, 1);
+    for (int k = 0; k < N_OUTCOMES; k++)
+        find_outcome(a, &random, u[k]);
+    print_message("%g degrees, reduction %g\n", a->angle_deg, a->modulus_reduction);
+    for (int m = 0; m < N_TIMES; m++) {
+        double least = INFINITY, most = -INFINITY, sum = 0.0;
+        int n_agree = 0;
+        for (int k = 0; k < N_OUTCOMES; k++) {
+            least = fmin(least, u[k][m]);
+            most = fmax(most, u[k][m]);
+            sum += u[k][m];
+            n_agree += fabs(u[k][m] - a->u[m]) <= agreement;
+        }
+        print_message("  U(%.1f s): reference %3.0f, mean %5.1f, %.0f to %.0f, %d of %d agree\n",
+                      times[m], a->u[m], sum / N_OUTCOMES, least, most, n_agree, N_OUTCOMES);
+        assert_true(2 * n_agree > N_OUTCOMES);
+    }
+}
+
+static void most_outcomes_of_the_examples_agree_with_the_reference(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof answers / sizeof *answers; k++)
+        check_answer(&answers[k]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(most_outcomes_of_the_examples_agree_with_the_reference),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
