@@ -74,8 +74,7 @@ uint64_t run__steps_until(double t, double dt)
 
 void run_check(const scene *s, run_model model, bf_faults *faults)
 {
-    if (model == RUN_MICRO)
-        run__check_micro(s, faults);
+    backends[model]->check_scenario(s, faults);
 }
 
 static bf_status allocate_results(run *r, bf_error *err)

@@ -182,6 +182,7 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__macro = {
+    .check_scenario = run__check_macro,
     .create = create_run,
     .destroy = destroy_run,
     .advance = advance_run,

@@ -229,6 +229,7 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__micro = {
+    .check_scenario = run__check_micro,
     .create = create_run,
     .destroy = destroy_run,
     .advance = advance_run,

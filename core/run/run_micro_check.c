@@ -3,9 +3,6 @@
 
 #include <math.h>
 
-/// Rounding that a step at the bound of stability is forgiven.
-#define STABLE_SLACK 1e-12
-
 // Let the solver itself refuse what it cannot take, with the first part alone: that costs little and
 // tells the step that it chooses.
 static bf_status probe(const scene *s, const micro_def *def, double *ret_dt, bf_error *err)
@@ -27,7 +24,7 @@ static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
     double stable = micro_dt_stable(def), dt = 0.0;
     bf_error err;
 
-    if (def->dt > stable * (1.0 + STABLE_SLACK))
+    if (def->dt > stable * (1.0 + RUN__STABLE_SLACK))
         faults_add(faults, "/micro/step_s",
                    "a step of %.10g s is unstable: the largest stable one is %.10g s", def->dt,
                    stable);

@@ -11,6 +11,9 @@
 
 #include <stdint.h>
 
+/// Rounding that a step at the bound of stability is forgiven.
+#define RUN__STABLE_SLACK 1e-12
+
 /// The sizes of a run.
 typedef struct run_plan {
     double dt;          ///< s
@@ -29,6 +32,8 @@ typedef struct run_load {
 
 /// A model. solver is what create() made.
 typedef struct run_backend {
+    /// Note what speaks against solving a checked scenario.
+    void (*check_scenario)(const scene *s, bf_faults *faults);
     /// Build the solver at t = 0. The caller owns *ret_solver: destroy().
     bf_status (*create)(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
                         bf_error *err);
@@ -58,7 +63,8 @@ extern const run_backend run__macro;
 /// The microscopic model.
 extern const run_backend run__micro;
 
-/// Note what speaks against solving a checked scenario with the microscopic model.
+/// Note what speaks against solving a checked scenario with one of the models.
+void run__check_macro(const scene *s, bf_faults *faults);
 void run__check_micro(const scene *s, bf_faults *faults);
 
 /// Steps until the first one at or past time t; a hair of rounding does not add a step.

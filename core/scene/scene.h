@@ -1,7 +1,7 @@
 /// A scenario as plain data: belts, walls, obstacles and cargo, and how to solve it.
 ///
 /// The document that users write is JSON; api/scenario.h turns it into this struct and back. Here it
-/// has its defaults (scene_init) and its complete checks (scene_check); what the solvers need is
+/// has its defaults (scene_init) and its checks (scene_check); what the solvers need is
 /// derived from it by field.h (carrying velocity), placement.h (where the parts are), density.h
 /// and counter.h; mix.h says which part is of which kind of cargo.
 ///
@@ -42,8 +42,8 @@ void scene_counter_init(scene_counter *c);
 /// empty ids, the belt and the counter if there are none. BF_ENOMEM: *s is as before.
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 
-/// Check a resolved scenario completely, for the macroscopic model too: ranges, ids, geometry,
-/// sizes, stability (CFL), cargo outside or overlapping. Notes every fault it can find, of one kind
+/// Check a resolved scenario, whatever the model: ranges, ids, geometry, sizes, cargo outside or
+/// overlapping. What one model cannot take is run_check()'s (core/run/run.h). Notes every fault it can find, of one kind
 /// of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM.
 void scene_check(const scene *s, bf_faults *faults);
 

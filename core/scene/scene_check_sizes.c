@@ -7,9 +7,6 @@
 #define WHOLE     1e-6
 #define WHOLE_MAX 0.01
 
-/// Rounding that a step at the bound of stability is forgiven.
-#define STABLE_SLACK 1e-12
-
 /// Note a length that is no whole number of cells, with the nearest cell edges that divide it.
 static void check_whole(double length, double cell, const char *axis, bf_faults *faults)
 {
@@ -36,23 +33,6 @@ static void check_limit(double figure, double limit, const char *what, const cha
 {
     if (!(figure <= limit))
         faults_add_limit(faults, pointer, "%.10g %s, the limit is %.10g", figure, what, limit);
-}
-
-static void check_steps(const scene *s, bf_faults *faults)
-{
-    double step = s->macro.step, stable = scene_step_stable(s);
-
-    if (step > stable * (1.0 + STABLE_SLACK)) {
-        faults_add(faults, "/macro/step_s",
-                   "a step of %.10g s is unstable (CFL): the largest stable one is %.10g s", step,
-                   stable);
-        return;
-    }
-    if (s->duration < step)
-        faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
-                   step);
-    check_limit(ceil(s->duration / scene_macro_step(s)), SCENE_STEPS_MAX, "steps",
-                step > 0.0 ? "/macro/step_s" : "/duration_s", faults);
 }
 
 static void check_work(const scene *s, double n_cells, bf_faults *faults)
@@ -86,7 +66,6 @@ void scene_check__sizes(const scene *s, bf_faults *faults)
     double cell = s->macro.cell;
     double n1 = fmax(round((s->domain.x_max - s->domain.x_min) / cell), 1.0);
     double n2 = fmax(round((s->domain.y_max - s->domain.y_min) / cell), 1.0);
-    double reach = ceil(4.0 / (sqrt(s->macro.mollifier) * cell) * (1.0 - 1e-12));
     double n_snapshots = floor(s->duration / s->output.snapshot_every) + 2.0;
 
     check_limit(floor(s->duration / s->output.curve_every) + 2.0, SCENE_SAMPLES_MAX,
@@ -97,7 +76,5 @@ void scene_check__sizes(const scene *s, bf_faults *faults)
         return;
     check_limit(n_snapshots * n1 * n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
                 "bytes of snapshots", "/output/snapshot_every_s", faults);
-    check_limit(reach, SCENE_REACH_MAX, "cells to reach over", "/macro/mollifier_per_m2", faults);
-    check_steps(s, faults);
     check_work(s, n1 * n2, faults);
 }

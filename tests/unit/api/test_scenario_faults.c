@@ -78,7 +78,6 @@ static const bad_document wrong_documents[] = {
     { "/macro/step_s", DOCUMENT_WITH("'macro': {'step_s': 0}"), "\"auto\"" },
     { "/macro/step_s", DOCUMENT_WITH("'macro': {'step_s': -0.0}"), NULL },
     { "/macro/step_s", DOCUMENT_WITH("'macro': {'step_s': -1}"), NULL },
-    { "/macro/step_s", DOCUMENT_WITH("'macro': {'step_s': 0.1}"), NULL },
     { "/macro/scheme", DOCUMENT_WITH("'macro': {'scheme': 'upwind'}"), "\"roe\", not \"upwind\"" },
     { "/macro/heaviside", DOCUMENT_WITH("'macro': {'heaviside': 'Sharp'}"), NULL },
     { "/macro/cell_m", DOCUMENT_WITH("'macro': {'cell_m': 0}"), NULL },

@@ -83,20 +83,6 @@ static void the_check_tells_of_no_memory(void **state)
     scene_fini(&s);
 }
 
-static void steps_beyond_cfl_are_refused_with_the_largest_stable_one(void **state)
-{
-    scene s;
-
-    (void)state;
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.macro.step = 0.005;
-    assert_true(is_only_fault(&s, BF_EINPUT, "/macro/step_s", "0.0042194"));
-    // Stable but perhaps not positive is the user's choice.
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.macro.step = scene_step_stable(&s);
-    assert_int_equal(faults_of(&s)->n, 0);
-}
-
 static void numbers_out_of_range_are_refused_where_they_stand(void **state)
 {
     static const struct {
@@ -437,9 +423,6 @@ static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **sta
     s.macro.cell = 1e-6;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/macro/cell_m", "6e+11 cells, the limit is 1000000"));
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.macro.step = 1e-9;
-    assert_true(is_only_fault(&s, BF_ELIMIT, "/macro/step_s", "6000000000 steps, the limit is 1"));
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.output.curve_every = 1e-6;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/output/curve_every_s", "samples"));
     helper_scene_example(&s, 60.0, SCENE_SEALED);
@@ -452,10 +435,6 @@ static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **sta
     s.macro.mollifier = 1e6;
     s.output.snapshot_every = 1e-3;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/output/snapshot_every_s", "bytes of snapshots"));
-    // ceil(4 / (sqrt(100) 0.005)) = 80 cells.
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.macro.mollifier = 100.0;
-    assert_true(is_only_fault(&s, BF_ELIMIT, "/macro/mollifier_per_m2", "80 cells"));
     // A Gaussian that covers all of 6.4e7 cells would be summed up for each part.
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.domain = (scene_rect){ 0.0, 40.0, 0.0, 40.0 };
@@ -487,16 +466,6 @@ static void numbers_of_items_are_limited(void **state)
     helper_scene_belt(&s, 1.0, 0.5, 0.005, NULL, 0);
     helper_scene_resolve(&s);
     assert_true(is_only_fault(&s, BF_EINPUT, "/initial/positions_m", "at least 1"));
-}
-
-static void a_run_shorter_than_a_step_is_refused(void **state)
-{
-    scene s;
-
-    (void)state;
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    s.duration = 0.001;
-    assert_true(is_only_fault(&s, BF_EINPUT, "/duration_s", "0.00125"));
 }
 
 static void cargo_faults_point_at_their_source(void **state)
@@ -561,7 +530,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_examples_have_no_fault),
         cmocka_unit_test(the_check_tells_of_no_memory),
-        cmocka_unit_test(steps_beyond_cfl_are_refused_with_the_largest_stable_one),
         cmocka_unit_test(numbers_out_of_range_are_refused_where_they_stand),
         cmocka_unit_test(numbers_of_items_are_refused_where_they_stand),
         cmocka_unit_test(words_out_of_range_are_refused),
@@ -576,7 +544,6 @@ int main(void)
         cmocka_unit_test(a_domain_of_part_cells_is_refused_with_the_nearest_cells),
         cmocka_unit_test(sizes_beyond_the_limits_are_refused_with_figure_and_limit),
         cmocka_unit_test(numbers_of_items_are_limited),
-        cmocka_unit_test(a_run_shorter_than_a_step_is_refused),
         cmocka_unit_test(cargo_faults_point_at_their_source),
         cmocka_unit_test(random_cargo_needs_a_sound_region),
     };
