@@ -142,6 +142,21 @@ test("the implicit integrator chooses its step, and samples come at their times"
   for (const [k, line] of times.entries()) assert.ok(Math.abs(parseFloat(line) - k / 100) < 1e-12, line);
 });
 
+// 999 m/s for 1e-5 s are 10 mm, and half a radius is 6 mm.
+test("a run whose numbers fail says in which step, when, which part and where", async (t) => {
+  const d = await daemon(t);
+  const belts = [{ id: "main", velocity_m_s: [999, 0] }];
+  const run = await d.submit(smallJam({ belts, duration_s: 0.01 }), micro);
+  await d.reached(run.id, "failed");
+  const { status, error } = (await d.get(`/v1/runs/${run.id}`)).json;
+  assert.equal(status, "failed");
+  assert.equal(error.code, "numeric");
+  assert.match(error.detail, /part \d+ moved by more than half a radius in step 1 \(t = 1e-05 s\), at \(/);
+  // What it had before stays: the start.
+  const { t_s } = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+  assert.deepEqual(t_s, [0]);
+});
+
 test("each bad microscopic scenario is a 422 that names its place, and nothing is stored", async (t) => {
   const d = await daemon(t);
   assert.ok(badMicroScenarios.length >= 15);
