@@ -58,11 +58,13 @@ void parallel_team(int n_threads, parallel_member *body, void *context)
 #endif
 }
 
-static void relax(void)
+void parallel_relax(int n_waits)
 {
 #if defined(__x86_64__)
     __builtin_ia32_pause();
 #endif
+    if (n_waits > SPINS)
+        (void)sched_yield();
 }
 
 void parallel_wait(parallel_gate *gate)
@@ -75,9 +77,6 @@ void parallel_wait(parallel_gate *gate)
         atomic_store_explicit(&gate->round, round + 1, memory_order_release);
         return;
     }
-    for (int k = 0; atomic_load_explicit(&gate->round, memory_order_acquire) == round; k++) {
-        relax();
-        if (k >= SPINS)
-            (void)sched_yield();
-    }
+    for (int k = 1; atomic_load_explicit(&gate->round, memory_order_acquire) == round; k++)
+        parallel_relax(k);
 }

@@ -18,6 +18,9 @@ int parallel_processors(void);
 /// Where the members of a team wait for each other.
 typedef struct parallel_gate parallel_gate;
 
+/// For a thread that waits: let others run, the longer the more often in a row it has waited.
+void parallel_relax(int n_waits);
+
 /// The work of one member of a team of n_members, 0 <= member < n_members.
 typedef void parallel_member(void *context, int member, int n_members, parallel_gate *gate);
 

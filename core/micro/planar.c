@@ -8,7 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-static const double skin_share = 0.25;   // of the radius
+static const double skin_share = 0.25; // of the radius
+enum { TILED_PARTS = 150000 };         // from here on parts are too many for caches
+
 static const double chosen_share = 0.25; // of the stable step: keeps U(t) within about 1 % of N
 
 static void destroy(void *state)
@@ -19,6 +21,7 @@ static void destroy(void *state)
         return;
     planar__implicit_fini(s);
     planar__solids_fini(s);
+    planar__tiles_fini(s);
     for (size_t k = 0; s->grounds != NULL && k < s->n_grounds; k++)
         memory_free(s->grounds[k].polygon);
     memory_free(s->grounds);
@@ -27,9 +30,7 @@ static void destroy(void *state)
     memory_free(s->heading);
     memory_free(s->brake);
     memory_free(s->belt_under);
-    memory_free(s->push_x);
-    memory_free(s->push_y);
-    memory_free(s->push_spin);
+    memory_free(s->scratch);
     memory_free(s->is_touched);
     memory_free(s->number);
     memory_free(s->place);
@@ -81,7 +82,7 @@ static void set_constants(planar_state *s, const micro_def *def)
     s->n = def->n_parts;
     s->void_place = (uint32_t)((s->n / PLANAR_GROUP + 2) * PLANAR_GROUP);
     s->n_shares = 1;
-    s->travel = INFINITY;
+    s->travel = s->move = INFINITY;
 }
 
 static planar_kind make_kind(const planar_state *s, const micro_kind *kind)
@@ -146,9 +147,7 @@ static bf_status make_arrays(planar_state *s)
     s->now = memory_alloc(n, sizeof *s->now);
     s->next = memory_alloc(n, sizeof *s->next);
     s->heading = memory_alloc(n, sizeof *s->heading);
-    s->push_x = memory_alloc(n, sizeof *s->push_x);
-    s->push_y = memory_alloc(n, sizeof *s->push_y);
-    s->push_spin = memory_alloc(n, sizeof *s->push_spin);
+    s->scratch = memory_alloc(n, sizeof *s->scratch);
     s->is_touched = memory_alloc(n_groups, sizeof *s->is_touched);
     s->number = memory_alloc(n, sizeof *s->number);
     s->list.scratch = memory_alloc(n, sizeof *s->list.scratch);
@@ -156,10 +155,9 @@ static bf_status make_arrays(planar_state *s)
     s->is_gone = memory_alloc(s->n, sizeof *s->is_gone);
     s->list.first = memory_alloc(n_groups + 1, sizeof *s->list.first);
     s->cells = memory_alloc(1, sizeof *s->cells);
-    if (s->now == NULL || s->next == NULL || s->heading == NULL || s->push_x == NULL ||
-        s->push_y == NULL || s->push_spin == NULL || s->is_touched == NULL || s->number == NULL ||
-        s->list.scratch == NULL || s->place == NULL || s->is_gone == NULL ||
-        s->list.first == NULL || s->cells == NULL)
+    if (s->now == NULL || s->next == NULL || s->heading == NULL || s->scratch == NULL ||
+        s->is_touched == NULL || s->number == NULL || s->list.scratch == NULL || s->place == NULL ||
+        s->is_gone == NULL || s->list.first == NULL || s->cells == NULL)
         return BF_ENOMEM;
     if (s->is_plain)
         return BF_OK;
@@ -173,7 +171,7 @@ void planar__place_parts(planar_state *s)
     s->n_live = s->n;
     s->n_padded = (s->n + PLANAR_GROUP - 1) / PLANAR_GROUP * PLANAR_GROUP;
     s->n_watches = 0;
-    s->travel = INFINITY;
+    s->travel = s->move = INFINITY;
     for (uint32_t k = 0; k <= s->void_place; k++) {
         const planar_kind *kind = &s->kinds[k < s->n && s->kind_of != NULL ? s->kind_of[k] : 0];
         s->now[k] = k < s->n ? kind->row : planar__pad(s, k);
@@ -200,10 +198,16 @@ static void start_parts(planar_state *s, const micro_def *def)
     }
 }
 
+static bool is_tiled(const micro_def *def)
+{
+    return def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS;
+}
+
 static bf_status fill(planar_state *s, const micro_def *def, bf_error *err)
 {
     set_constants(s, def);
-    if (copy_kinds(s, def) != BF_OK || copy_belts(s, def) != BF_OK || make_arrays(s) != BF_OK)
+    if (copy_kinds(s, def) != BF_OK || copy_belts(s, def) != BF_OK || make_arrays(s) != BF_OK ||
+        (is_tiled(def) && planar__tiles_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     bf_status status = planar__solids_init(s, def, err);
     if (status != BF_OK)

@@ -25,6 +25,7 @@ typedef struct burst {
     uint64_t n_wanted;
     uint64_t n_made; // by every member alike; written by the first
     double travel;   // the same
+    double move;     // the same, of the last step
     bool is_suspect; // the same
     planar_extremes largest;
     share_extremes extremes[TURNS][PLANAR_SHARES_MAX];
@@ -35,13 +36,27 @@ static double larger(double a, double b)
     return a > b ? a : b;
 }
 
-static planar_extremes join_extremes(planar_extremes a, const planar_extremes *b)
+void planar__join_extremes(planar_extremes *all, const planar_extremes *more)
 {
-    a.speed2 = larger(a.speed2, b->speed2);
-    a.overlap = larger(a.overlap, b->overlap);
-    a.overlap_share = larger(a.overlap_share, b->overlap_share);
-    a.sum += b->sum;
-    return a;
+    all->speed2 = larger(all->speed2, more->speed2);
+    all->overlap = larger(all->overlap, more->overlap);
+    all->overlap_share = larger(all->overlap_share, more->overlap_share);
+    all->sum += more->sum;
+}
+
+bool planar__is_suspect(const planar_state *s, const planar_extremes *of_step, double move)
+{
+    return !isfinite(of_step->sum) || move > 0.5 * s->radius_min;
+}
+
+void planar__count_steps(planar_state *s, uint64_t n, double travel, double move,
+                         const planar_extremes *largest)
+{
+    s->steps += n;
+    s->travel = travel;
+    s->move = move;
+    s->largest_overlap = larger(s->largest_overlap, largest->overlap);
+    s->overlap_share = larger(s->overlap_share, largest->overlap_share);
 }
 
 static void make_share(const burst *b, const planar_step *step, int k, planar_extremes *extremes)
@@ -51,7 +66,7 @@ static void make_share(const burst *b, const planar_step *step, int k, planar_ex
     *extremes = (planar_extremes){ 0 };
     b->kernels->touch(step, share->touch_first, share->touch_last, extremes);
     b->kernels->advance(step, share->group_first, share->group_last, extremes);
-    planar__look(b->s, step->next, share->watch_first, share->watch_last);
+    planar__look(b->s, step->next, share->watch_first, share->watch_last, PLANAR_GONE);
 }
 
 // A member's part of a burst: until it has made all steps, the list is stale or something is wrong.
@@ -62,7 +77,7 @@ static void make_burst(void *context, int member, int n_members, parallel_gate *
     planar_step step = b->step;
     planar_row *rows[TURNS] = { b->s->now, b->s->next };
     planar_extremes largest = { 0 };
-    double travel = b->s->travel;
+    double travel = b->s->travel, move = 0.0;
     bool is_suspect = false;
     uint64_t k = 0;
 
@@ -75,43 +90,60 @@ static void make_burst(void *context, int member, int n_members, parallel_gate *
         parallel_wait(gate);
         planar_extremes of_step = { 0 };
         for (int share = 0; share < n_shares; share++)
-            of_step = join_extremes(of_step, &extremes[share].of);
-        largest = join_extremes(largest, &of_step);
-        double moved = sqrt(of_step.speed2) * step.dt;
-        travel += moved;
-        is_suspect = !isfinite(of_step.sum) || moved > 0.5 * b->s->radius_min;
+            planar__join_extremes(&of_step, &extremes[share].of);
+        planar__join_extremes(&largest, &of_step);
+        move = sqrt(of_step.speed2) * step.dt;
+        travel += move;
+        is_suspect = planar__is_suspect(b->s, &of_step, move);
         k++;
     }
     if (member != 0)
         return;
     b->n_made = k;
     b->travel = travel;
+    b->move = move;
     b->is_suspect = is_suspect;
     b->largest = largest;
 }
 
-// Makes up to n steps, at least one, on a list that is good. Returns how many.
-static uint64_t advance_burst(planar_state *s, uint64_t n, bool *ret_suspect)
+static planar_step make_step(const planar_state *s)
 {
     const bool is_first = s->steps == 0;
     const double dt = s->def.dt;
-    burst b = { .s = s, .kernels = planar_kernels_available()[0], .n_wanted = is_first ? 1 : n };
 
-    b.step = (planar_step){ .state = s,
-                            .heading = s->heading,
-                            .dt = dt,
-                            .dt_force = is_first ? 0.0 : dt,
-                            .keep = is_first ? 1.0 : 1.0 - s->def.damping * dt,
-                            .keep_spin = is_first ? 1.0 : s->spin_damping };
+    return (planar_step){ .state = s,
+                          .heading = s->heading,
+                          .dt = dt,
+                          .dt_force = is_first ? 0.0 : dt,
+                          .keep = is_first ? 1.0 : 1.0 - s->def.damping * dt,
+                          .keep_spin = is_first ? 1.0 : s->spin_damping };
+}
+
+// Makes up to n steps one by one, at least one. Returns how many.
+static uint64_t advance_burst(planar_state *s, const planar_step *step, uint64_t n,
+                              bool *ret_suspect)
+{
+    burst b = { .s = s,
+                .kernels = planar_kernels_available()[0],
+                .step = *step,
+                .n_wanted = s->steps == 0 ? 1 : n };
+
     parallel_team(s->n_shares, make_burst, &b);
     if (b.n_made % TURNS != 0)
         planar__swap(s);
-    s->steps += b.n_made;
-    s->travel = b.travel;
-    s->largest_overlap = larger(s->largest_overlap, b.largest.overlap);
-    s->overlap_share = larger(s->overlap_share, b.largest.overlap_share);
+    planar__count_steps(s, b.n_made, b.travel, b.move, &b.largest);
     *ret_suspect = b.is_suspect;
     return b.n_made;
+}
+
+// Makes up to n steps, at least one, on a list that is good. Returns how many.
+static uint64_t advance_some(planar_state *s, uint64_t n, bool *ret_suspect)
+{
+    const planar_step step = make_step(s);
+    const uint64_t n_tile = s->tiles.n_steps >= 2 ? (uint64_t)s->tiles.n_steps : n;
+    uint64_t n_made = planar__advance_tile(s, &step, n, ret_suspect);
+
+    return n_made > 0 ? n_made : advance_burst(s, &step, n < n_tile ? n : n_tile, ret_suspect);
 }
 
 bf_status planar__advance_verlet(planar_state *s, uint64_t n, bf_error *err)
@@ -122,7 +154,7 @@ bf_status planar__advance_verlet(planar_state *s, uint64_t n, bf_error *err)
         bool is_suspect = false;
         if (s->travel > 0.5 * s->skin && (status = planar__rebuild(s, err)) != BF_OK)
             return status;
-        n -= advance_burst(s, n, &is_suspect);
+        n -= advance_some(s, n, &is_suspect);
         if (is_suspect && (status = planar__check(s, err)) != BF_OK)
             return status;
     }

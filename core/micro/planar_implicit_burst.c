@@ -121,7 +121,7 @@ static void look_share(const worker *w, size_t k)
 {
     const planar_share *of = &w->s->shares[k];
 
-    planar__look(w->s, w->s->now, of->watch_first, of->watch_last);
+    planar__look(w->s, w->s->now, of->watch_first, of->watch_last, PLANAR_GONE);
 }
 
 // A member's part of a step.

@@ -299,9 +299,10 @@ INLINED loaded load_lanes(const planar_step *step, const pair_law *law, size_t p
     loads sum = { zero, zero, zero, of_all->overlap, of_all->overlap_share };
 
     if (s->is_touched[group] != 0) {
-        sum.x = lanes_load(s->push_x + place);
-        sum.y = lanes_load(s->push_y + place);
-        sum.torque = lanes_load(s->push_spin + place);
+        lanes_quad pushes = lanes_quad_load(&step->next[place].x, in_a_row);
+        sum.x = pushes.column[0];
+        sum.y = pushes.column[1];
+        sum.torque = lanes_quad_load(&step->next[place].spin, in_a_row).column[0];
     }
     add_neighbours(step, law, &own, group, lane, plain, &sum);
     of_all->overlap = sum.overlap;
@@ -480,17 +481,25 @@ INLINED void push_lanes(const planar_step *step, const pair_law *law, const touc
         sum->overlap_share = lanes_max(overlap / radius, sum->overlap_share);
 }
 
-// Adds what LANES touches, of which n count, do to their parts. *place is the part of the touch before.
-INLINED void keep_pushes(const planar_state *s, const touch_lanes *t, size_t n, const loads *sum,
-                         uint32_t *place)
+static void clear_pushes(planar_row *rows)
+{
+    for (size_t k = 0; k < PLANAR_GROUP; k++)
+        rows[k].x = rows[k].y = rows[k].spin = 0.0;
+}
+
+// Adds what LANES touches, of which n count, do to their parts. *group is that of the touch before.
+INLINED void keep_pushes(const planar_step *step, const touch_lanes *t, size_t n, const loads *sum,
+                         uint32_t *group)
 {
     for (size_t k = 0; k < LANES && k < n; k++) {
-        const uint32_t to = t->place[k];
-        const double had = to != *place ? 0.0 : 1.0;
-        s->push_x[to] = sum->x[k] + had * s->push_x[to];
-        s->push_y[to] = sum->y[k] + had * s->push_y[to];
-        s->push_spin[to] = sum->torque[k] + had * s->push_spin[to];
-        *place = to;
+        planar_row *to = &step->next[t->place[k]];
+        if (t->place[k] / PLANAR_GROUP != *group) {
+            *group = t->place[k] / PLANAR_GROUP;
+            clear_pushes(&step->next[*group * PLANAR_GROUP]);
+        }
+        to->x += sum->x[k];
+        to->y += sum->y[k];
+        to->spin += sum->torque[k];
     }
 }
 
@@ -501,13 +510,13 @@ INLINED void touch_solids(const planar_step *step, size_t first, size_t last, bo
     const pair_law law = make_law(s, &s->handling, s->handling_softness);
     const lanes zero = lanes_all(0.0);
     loads sum = { zero, zero, zero, zero, zero };
-    uint32_t place = s->void_place;
+    uint32_t group = UINT32_MAX;
 
     for (size_t from = first; from < last; from += LANES) {
         touch_lanes t = load_touches(s, from, last);
         sum.x = sum.y = sum.torque = zero;
         push_lanes(step, &law, &t, plain, &sum);
-        keep_pushes(s, &t, last - from, &sum, &place);
+        keep_pushes(step, &t, last - from, &sum, &group);
     }
     raise_overlaps(s, sum.overlap, sum.overlap_share, plain, extremes);
 }

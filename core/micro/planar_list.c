@@ -19,7 +19,7 @@ static void find_gone(planar_state *s)
 {
     for (size_t k = 0; k < s->n_watches; k++) {
         const planar_watch *w = &s->watches[k];
-        if (w->gone == 0)
+        if (w->gone == PLANAR_HERE)
             continue;
         s->now[w->place] = w->row;
         s->heading[w->place] = w->heading;
@@ -34,44 +34,36 @@ static void find_gone(planar_state *s)
 static void move_part(planar_state *s, size_t from, size_t to)
 {
     s->next[to] = s->now[from];
-    s->push_x[to] = s->heading[from];
+    s->scratch[to] = s->heading[from];
     s->list.scratch[to] = s->number[from];
-    if (s->brake != NULL)
-        s->push_y[to] = s->brake[from];
 }
 
 static void fill_pad(planar_state *s, size_t to)
 {
     s->next[to] = planar__pad(s, to);
-    s->push_x[to] = s->push_y[to] = 0.0;
+    s->scratch[to] = 0.0;
     s->list.scratch[to] = UINT32_MAX;
-}
-
-static void swap_doubles(double **a, double **b)
-{
-    double *swap = *a;
-    *a = *b;
-    *b = swap;
 }
 
 // What move_part() put aside becomes the state.
 static void take_moved(planar_state *s)
 {
     uint32_t *numbers = s->number;
+    double *headings = s->heading;
 
     planar__swap(s);
     s->number = s->list.scratch;
     s->list.scratch = numbers;
-    swap_doubles(&s->heading, &s->push_x);
-    if (s->brake != NULL)
-        swap_doubles(&s->brake, &s->push_y);
+    s->heading = s->scratch;
+    s->scratch = headings;
     memcpy(s->next, s->now, (s->void_place + 1) * sizeof *s->now);
-    for (size_t place = 0; place < s->void_place; place++)
-        if (s->number[place] != UINT32_MAX)
-            s->place[s->number[place]] = (uint32_t)place;
-    memset(s->push_x, 0, s->void_place * sizeof *s->push_x);
-    memset(s->push_y, 0, s->void_place * sizeof *s->push_y);
-    memset(s->push_spin, 0, s->void_place * sizeof *s->push_spin);
+    for (size_t place = 0; place < s->void_place; place++) {
+        const uint32_t number = s->number[place];
+        if (number != UINT32_MAX)
+            s->place[number] = (uint32_t)place;
+        if (s->brake != NULL)
+            s->brake[place] = number != UINT32_MAX ? planar__kind_of(s, number)->brake : 0.0;
+    }
 }
 
 // Sorts live parts by cell to the front, gone ones behind the pads.
@@ -321,6 +313,7 @@ bf_status planar__rebuild(planar_state *s, bf_error *err)
         planar__find_watches(s) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", s->n_live);
     cut_shares(s);
+    planar__cut_tiles(s);
     s->travel = 0.0;
     s->n_builds++;
     return BF_OK;

@@ -212,15 +212,16 @@ bf_status planar__find_watches(planar_state *s)
     return BF_OK;
 }
 
-void planar__look(planar_state *s, planar_row *rows, size_t watch_first, size_t watch_last)
+void planar__look(planar_state *s, planar_row *rows, size_t watch_first, size_t watch_last,
+                  planar_presence left)
 {
     for (size_t k = watch_first; k < watch_last; k++) {
         planar_watch *w = &s->watches[k];
         planar_row *part = &rows[w->place];
-        if (w->gone != 0)
+        if (w->gone != PLANAR_HERE)
             continue;
         if (planar__is_outside(s, part->x, part->y)) {
-            *w = (planar_watch){ w->place, 1, s->heading[w->place], *part };
+            *w = (planar_watch){ w->place, left, s->heading[w->place], *part };
             s->is_gone[s->number[w->place]] = 1;
             *part = planar__pad(s, w->place);
         } else if (!s->is_plain) {

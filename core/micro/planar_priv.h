@@ -19,6 +19,8 @@
 ///          up to n_padded (far away, of no effect); then the rows of parts that are gone, as they left.
 /// List     valid while travel <= skin/2. Everything that depends on where parts are (neighbours,
 ///          touches, watches, belts) is made together by planar__rebuild().
+/// Pushes   of solids on parts, N and N m, wait in x, y and spin of the parts' own rows of `next` until a
+///          step writes these.
 /// Sums     over features of solids first, in their order, then over neighbours by their numbers, so
 ///          that results depend neither on the order of places nor on when a list was made.
 
@@ -47,9 +49,7 @@ typedef struct planar_state {
     double *heading;           ///< rad, by place
     double *brake;             ///< A of (8), rad/s2, by place; NULL if is_plain
     planar_belt *belt_under;   ///< by place; NULL if is_plain
-    double *push_x;            ///< N, by place: scratch of a step, forces of solids
-    double *push_y;            ///< same
-    double *push_spin;         ///< N m, same
+    double *scratch;           ///< by place: of a rebuild, or headings before a tile
     uint8_t *is_touched;       ///< by group: nonzero where the list has touches of its parts
     uint32_t *number;          ///< number of the part in each place; UINT32_MAX in pads
     uint32_t *place;           ///< place of each part
@@ -60,6 +60,7 @@ typedef struct planar_state {
     planar_list list;          ///< neighbours
     double skin;               ///< m
     double travel;             ///< m, no part has moved farther since the list was made
+    double move;               ///< m, the farthest in the last explicit step; INFINITY: not known
     double radius_max;         ///< m, of any kind
     double radius_min;         ///< m, of any kind
     size_t n_faces;            ///< faces of solids
@@ -77,6 +78,7 @@ typedef struct planar_state {
     struct pairs_cells *cells; ///< storage of the cell grid
     int n_shares;              ///< threads that take part
     planar_share shares[PLANAR_SHARES_MAX]; ///< one each
+    planar_tiles tiles;                     ///< of explicit steps
     uint64_t steps;                         ///< made since t = 0
     double largest_overlap;                 ///< m, of any contact since the start
     double overlap_share;                   ///< see micro_totals
@@ -91,12 +93,19 @@ typedef struct planar_state {
 BF_MUST_CHECK bf_status planar__rebuild(planar_state *s, bf_error *err);
 
 /// After a step was written into rows (and headings): look at the watches watch_first .. watch_last - 1;
-/// parts that left are frozen in their watch and moved far away and to rest in rows, parts at the border
-/// of a belt learn what is under them. Touches nothing of other parts.
-void planar__look(planar_state *s, planar_row *rows, size_t watch_first, size_t watch_last);
+/// parts that left are frozen in their watch, which then says `left`, and moved far away and to rest in
+/// rows, parts at the border of a belt learn what is under them. Touches nothing of other parts.
+void planar__look(planar_state *s, planar_row *rows, size_t watch_first, size_t watch_last,
+                  planar_presence left);
 
 /// Belt under a point.
 planar_belt planar__belt_at(const planar_state *s, double x, double y);
+
+/// Kind of the part with a number.
+static inline const planar_kind *planar__kind_of(const planar_state *s, size_t number)
+{
+    return &s->kinds[s->kind_of != NULL ? s->kind_of[number] : 0];
+}
 
 /// Belt under the part in a place as of the last rebuild or look.
 static inline planar_belt planar__belt_under(const planar_state *s, size_t place)
@@ -164,6 +173,13 @@ BF_MUST_CHECK bf_status planar__load(void *state, const void *bytes, size_t n, b
 
 /// A row far away and at rest, of its own for each place, in touch with nothing.
 planar_row planar__pad(const planar_state *s, size_t place);
+
+/// Have what tiles need, from the next rebuild on. BF_ENOMEM: steps will be made one by one.
+BF_MUST_CHECK bf_status planar__tiles_init(planar_state *s);
+void planar__tiles_fini(planar_state *s);
+
+/// Lay tiles over the present list, if planar__tiles_init() was called.
+void planar__cut_tiles(planar_state *s);
 
 /// BF_ENUMERIC with step, time and part, if a live part of `now` is not finite or moves by more than
 /// half the smallest radius in a step; else BF_OK. To be called when the largest speed of a step, which

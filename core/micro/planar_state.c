@@ -37,7 +37,7 @@ static const planar_watch *find_left(const planar_state *s, uint32_t place)
             last = middle;
     }
     bool is_there = first < s->n_watches && s->watches[first].place == place;
-    return is_there && s->watches[first].gone != 0 ? &s->watches[first] : NULL;
+    return is_there && s->watches[first].gone != PLANAR_HERE ? &s->watches[first] : NULL;
 }
 
 static saved_part read_part(const planar_state *s, size_t k)
@@ -59,7 +59,7 @@ micro_part planar__part(const void *state, size_t k)
 {
     const planar_state *s = state;
     const saved_part p = read_part(s, k);
-    const double height = s->kinds[s->kind_of != NULL ? s->kind_of[k] : 0].height;
+    const double height = planar__kind_of(s, k)->height;
 
     return (micro_part){ .x = { p.x, p.y, 0.5 * height },
                          .q = { cos(0.5 * p.heading), 0.0, 0.0, sin(0.5 * p.heading) },

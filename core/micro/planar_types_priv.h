@@ -76,12 +76,19 @@ typedef struct planar_touch {
     uint32_t feature; ///< face, or n_faces + arc
 } planar_touch;
 
+/// Where a watched part is.
+typedef enum planar_presence {
+    PLANAR_HERE,  ///< in the domain
+    PLANAR_GONE,  ///< it left
+    PLANAR_GOING, ///< it left in a step that may be taken back
+} planar_presence;
+
 /// A part near an open edge or the border of a belt: looked at after each step.
 typedef struct planar_watch {
-    uint32_t place; ///< of the part
-    uint32_t gone;  ///< nonzero: it left; row and heading are what it left with
-    double heading; ///< rad
-    planar_row row; ///< see gone
+    uint32_t place;       ///< of the part
+    planar_presence gone; ///< unless PLANAR_HERE, row and heading are what it left with
+    double heading;       ///< rad
+    planar_row row;       ///< see gone
 } planar_watch;
 
 /// The part of the places that one thread advances.
@@ -93,6 +100,35 @@ typedef struct planar_share {
     size_t watch_first; ///< watches of its parts
     size_t watch_last;  ///< see there
 } planar_share;
+
+/// Groups that make a step together when several steps are under way, and where their touches and
+/// watches begin; all end where those of the next block begin.
+typedef struct planar_block {
+    size_t group_first; ///< groups
+    size_t touch_first; ///< touches of its parts
+    size_t watch_first; ///< watches of its parts
+    size_t reach;       ///< the last block with neighbours of its parts
+} planar_block;
+
+/// A part before a tile's first step; its heading is in planar_state.scratch.
+typedef struct planar_kept {
+    double x;    ///< m
+    double y;    ///< m
+    double vx;   ///< m/s
+    double vy;   ///< m/s
+    double spin; ///< rad/s
+} planar_kept;
+
+/// What several steps in one pass need, see planar_tiles.c.
+typedef struct planar_tiles {
+    planar_kept *kept;    ///< by place; NULL: steps are made one by one
+    planar_block *blocks; ///< n_blocks of the present list, and one more
+    size_t n_blocks;      ///< see there
+    size_t lead;          ///< how far a step may be ahead of the next one, blocks
+    int n_steps;          ///< of a tile; fewer than 2: none fits
+    uint64_t n_made;      ///< tiles that counted
+    uint64_t n_put_back;  ///< tiles that did not
+} planar_tiles;
 
 /// A copy of what belts_under() needs of a belt.
 typedef struct planar_ground {
