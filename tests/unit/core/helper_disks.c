@@ -32,6 +32,15 @@ helper_disks *helper_disks_make(double length, double width, double speed)
     return d;
 }
 
+helper_disks *helper_disks_make_bare(void)
+{
+    helper_disks *d = helper_disks_make(1.0, 1.0, 0.0);
+
+    d->def.n_belts = 0;
+    d->def.damping = 0.0;
+    return d;
+}
+
 void helper_disks_free(helper_disks *d)
 {
     free(d);

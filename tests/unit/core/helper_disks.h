@@ -24,6 +24,9 @@ typedef struct helper_disks {
 /// m/s, no parts and no obstacle. Freed by helper_disks_free().
 helper_disks *helper_disks_make(double length, double width, double speed);
 
+/// The same, 1 m x 1 m, where nothing but contacts acts: no belt, no damping.
+helper_disks *helper_disks_make_bare(void);
+
 /// NULL is fine.
 void helper_disks_free(helper_disks *d);
 

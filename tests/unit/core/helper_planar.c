@@ -95,9 +95,14 @@ void helper_planar_end(planar_state *s)
     micro__planar.destroy(s);
 }
 
+planar_row *helper_planar_row(planar_state *s, size_t number)
+{
+    return &s->now[s->place[number]];
+}
+
 void helper_planar_push(planar_state *s, size_t k, double vx, double vy, double spin)
 {
-    planar_row *row = &s->now[s->place[k]];
+    planar_row *row = helper_planar_row(s, k);
 
     row->vx = vx;
     row->vy = vy;

@@ -38,6 +38,9 @@ void helper_planar_jam(helper_outflow *e, double angle_deg);
 planar_state *helper_planar_start(const micro_def *def);
 void helper_planar_end(planar_state *s);
 
+/// The part with a number.
+planar_row *helper_planar_row(planar_state *s, size_t number);
+
 /// Give a part a velocity, m/s, and a spin, rad/s.
 void helper_planar_push(planar_state *s, size_t k, double vx, double vy, double spin);
 
