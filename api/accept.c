@@ -161,3 +161,26 @@ int accept_choose(const char *header, const char *const *offers, size_t n_offers
     }
     return chosen;
 }
+
+int accept_token_quality(const char *header, const char *token)
+{
+    size_t n_token = strlen(token);
+    int quality = -1;
+
+    for (const char *p = header; *p != '\0';) {
+        media_range member;
+        p += strspn(p, ", \t");
+        const char *name = p;
+        size_t n = token_length(p);
+        p += n;
+        if (n == 0 || !read_params(&p, &member)) {
+            p += strcspn(p, ",");
+            continue;
+        }
+        if (n == n_token && strncasecmp(name, token, n) == 0)
+            return member.quality;
+        if (n == 1 && *name == '*' && quality < 0)
+            quality = member.quality;
+    }
+    return quality;
+}

@@ -3,8 +3,11 @@
 #include "api/exchange.h"
 
 #include "api/exchange_priv.h"
+#include "api/precondition.h"
 #include "core/base/check.h"
+#include "core/base/digest.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +17,21 @@ bool api_route_blocks(const char *method, const char *path)
     const route *found = routes_find(method, path, NULL);
 
     return found != NULL && found->blocks;
+}
+
+bool api_route_makes_work(const char *method, const char *path)
+{
+    route_params params = { 0 };
+
+    return strcmp(method, "POST") == 0 && routes_find(method, path, &params) != NULL &&
+           params.n == 0;
+}
+
+bool api_route_exists(const char *path)
+{
+    char allow[ROUTES_ALLOW_SIZE];
+
+    return routes_allow(path, allow);
 }
 
 void api_response_header(api_response *response, const char *name, const char *format, ...)
@@ -77,44 +95,68 @@ bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
     return x->services->find(x->services->context, id, ret_run, err);
 }
 
-// True if a list of entity tags ("\"a\", W/\"b\"" or "*") has the tag, by weak comparison.
-static bool has_tag(const char *list, const char *tag)
+// Sets ETag, and the status if the client has this state. ret_form is the tag that it knows it by.
+static bool tag_state(exchange *x, const char *tag, char *ret_form)
 {
-    size_t n = strlen(tag);
+    const char *known = exchange__header(x, "If-None-Match");
+    bool is_known =
+        known != NULL &&
+        precondition_is_known(known, tag, exchange__header(x, "Accept-Encoding"), ret_form);
 
-    while (*list != '\0') {
-        list += strspn(list, ", \t");
-        if (*list == '*')
-            return true;
-        if (strncmp(list, "W/", 2) == 0)
-            list += 2;
-        if (*list != '"')
-            return false;
-        size_t length = strcspn(list + 1, "\"");
-        if (list[1 + length] == '\0')
-            return false;
-        if (length == n && memcmp(list + 1, tag, n) == 0)
-            return true;
-        list += length + 2;
-    }
-    return false;
+    api_response_header(x->response, "ETag", "\"%s\"", tag);
+    if (is_known)
+        x->response->status = 304;
+    return is_known;
+}
+
+static void write_tag(char *tag, const char *format, va_list args)
+{
+    int n = vsnprintf(tag, EXCHANGE_ETAG_SIZE, format, args);
+
+    BF_CHECK(n >= 0 && n < EXCHANGE_ETAG_SIZE);
+}
+
+bool exchange__is_known(exchange *x, const char *format, ...)
+{
+    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    write_tag(tag, format, args);
+    va_end(args);
+    return tag_state(x, tag, form);
 }
 
 bool exchange__is_unchanged(exchange *x, const char *format, ...)
 {
-    const char *known = exchange__header(x, "If-None-Match");
-    char tag[EXCHANGE_ETAG_SIZE];
+    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE], quoted[CODING_TAG_SIZE + 2];
     va_list args;
 
     va_start(args, format);
-    int n = vsnprintf(tag, sizeof tag, format, args);
+    write_tag(tag, format, args);
     va_end(args);
-    BF_CHECK(n >= 0 && (size_t)n < sizeof tag);
-    api_response_header(x->response, "ETag", "\"%s\"", tag);
-    if (known == NULL || !has_tag(known, tag))
+    if (!tag_state(x, tag, form))
         return false;
-    x->response->status = 304;
+    snprintf(quoted, sizeof quoted, "\"%s\"", form);
+    api_response_set(x->response, "ETag", quoted);
     return true;
+}
+
+void exchange__let_revalidate(exchange *x)
+{
+    api_response_header(x->response, "Cache-Control", "private, no-cache");
+}
+
+bf_status exchange__check_match(exchange *x, const api_run *record, bf_error *err)
+{
+    const char *wanted = exchange__header(x, "If-Match");
+    char tag[EXCHANGE_ETAG_SIZE];
+
+    snprintf(tag, sizeof tag, "r%" PRIu64, record->revision);
+    if (wanted == NULL || precondition_holds(wanted, tag))
+        return BF_OK;
+    return exchange__refuse(x, 412, err,
+                            "the run is not in the state that If-Match names: it is \"%s\"", tag);
 }
 
 static bf_status find_route(exchange *x, bf_error *err)
@@ -159,13 +201,17 @@ static bf_status dispatch(exchange *x, bf_error *err)
     return status;
 }
 
-static bool has_header(const api_response *response, const char *name)
+// An answer that may be kept but has no entity tag yet gets one of its bytes.
+static void tag_by_bytes(exchange *x)
 {
-    for (size_t i = 0; i < response->n_headers; i++) {
-        if (strcmp(response->headers[i].name, name) == 0)
-            return true;
-    }
-    return false;
+    api_response *response = x->response;
+    const char *caching = api_response_find(response, "Cache-Control");
+
+    if (response->status != 200 || response->is_stream || x->route->method[0] != 'G' ||
+        caching == NULL || api_response_find(response, "ETag") != NULL)
+        return;
+    uint64_t digest = digest_add(DIGEST_START, response->body.bytes, response->body.n);
+    (void)exchange__is_known(x, "%016" PRIx64, digest);
 }
 
 // What every answer that is not a problem carries.
@@ -175,12 +221,11 @@ static void complete(exchange *x)
 
     if (response->status == 0)
         response->status = 200;
+    tag_by_bytes(x);
     bool has_body = response->status != 204 && response->status != 304;
-    if (has_body)
+    if (has_body || response->body.n > 0)
         api_response_header(response, "Content-Type", "%s", x->media->content_type);
-    if (strchr(x->route->formats, ' ') != NULL)
-        api_response_header(response, "Vary", "Accept");
-    if (!has_header(response, "Cache-Control"))
+    if (api_response_find(response, "Cache-Control") == NULL)
         api_response_header(response, "Cache-Control", "no-store");
 }
 
@@ -204,6 +249,12 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
         api_response_header(x->response, "Allow", "%s", allow);
     if (status == 415)
         api_response_header(x->response, "Accept", "application/json");
+}
+
+static void vary(exchange *x)
+{
+    if (x->route != NULL && strchr(x->route->formats, ' ') != NULL)
+        api_response_vary(x->response, "Accept");
 }
 
 // OPTIONS of a path that exists, or of the service as a whole ("*"). False: it is neither.
@@ -233,6 +284,7 @@ void api_handle(const api_services *services, const api_request *request, api_re
             complete(&x);
         else
             refuse(&x, status, &error);
+        vary(&x);
     }
     api_response_header(response, "X-Content-Type-Options", "nosniff");
 }

@@ -43,6 +43,24 @@ BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, 
 bool exchange__is_unchanged(exchange *x, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/// The same for what is cheap to write: the handler goes on and writes what a 200 has, so that the
+/// transport knows its length.
+bool exchange__is_known(exchange *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/// Let the answer be kept and asked for again by its entity tag: that of exchange__is_unchanged(), or
+/// one of its bytes.
+void exchange__let_revalidate(exchange *x);
+
+/// BF_EINPUT, as a 412, if the request wants another state of the run to be changed (If-Match).
+BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record, bf_error *err);
+
+/// Let the answer wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
+/// is_for_change, for another revision. Does nothing when it has waited, or the run has ended.
+void exchange__wait(exchange *x, const api_run *record, unsigned seconds, bool is_for_change);
+
+/// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
+void exchange__prefer_wait(exchange *x, const api_run *record);
+
 /// Make the response a problem document with the errors of faults (NULL: none).
 void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
                     const bf_faults *faults);

@@ -36,6 +36,7 @@ bf_status handlers_meta_examples(exchange *x, bf_error *err)
     const example *items = examples_list(&n);
     bf_status status = BF_OK;
 
+    exchange__let_revalidate(x);
     json_out_object(&w);
     json_out_key(&w, "examples");
     json_out_array(&w);
@@ -52,6 +53,7 @@ bf_status handlers_meta_example(exchange *x, bf_error *err)
 
     if (item == NULL)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no example '%s'", x->params.values[0]);
+    exchange__let_revalidate(x);
     json_out w = json_out_to(&x->response->body);
     json_out_raw(&w, item->document, item->n);
     return json_out_status(&w, err);
@@ -87,6 +89,7 @@ bf_status handlers_meta_version(exchange *x, bf_error *err)
 {
     json_out w = json_out_to(&x->response->body);
 
+    exchange__let_revalidate(x);
     json_out_object(&w);
     json_out_key_string(&w, "name", "beltflow");
     json_out_key_string(&w, "version", BELTFLOW_VERSION);

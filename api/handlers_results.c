@@ -18,11 +18,6 @@ static void let_cache_forever(exchange *x)
     api_response_header(x->response, "Cache-Control", "private, max-age=31536000, immutable");
 }
 
-static void let_cache_while_unchanged(exchange *x)
-{
-    api_response_header(x->response, "Cache-Control", "private, no-cache");
-}
-
 bf_status handlers_results_scenario(exchange *x, bf_error *err)
 {
     api_run record;
@@ -50,7 +45,7 @@ bf_status handlers_results_summary(exchange *x, bf_error *err)
                            ? "the run is %s and has left no summary"
                            : "the run is %s: the summary comes at its end",
                        run_state_word(record.state));
-    let_cache_while_unchanged(x);
+    exchange__let_revalidate(x);
     if (exchange__is_unchanged(x, "%s-summary", record.id))
         return BF_OK;
     return x->services->read_text(x->services->context, record.id, API_TEXT_SUMMARY,
@@ -77,7 +72,7 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
     bf_status status = exchange__find_run(x, &record, err);
     if (status != BF_OK)
         return status;
-    let_cache_while_unchanged(x);
+    exchange__let_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-%s", record.revision, x->media->word))
         return BF_OK;
     status = x->services->read_curve(x->services->context, record.id, 0, &curve, err);
@@ -98,7 +93,7 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
     bf_status status = exchange__find_run(x, &record, err);
     if (status != BF_OK)
         return status;
-    let_cache_while_unchanged(x);
+    exchange__let_revalidate(x);
     if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots", record.revision))
         return BF_OK;
     status = x->services->list_snapshots(x->services->context, record.id, &list, err);

@@ -54,26 +54,46 @@ static bf_status write_run(exchange *x, const api_run *record, bf_error *err)
     return json_out_status(&w, err);
 }
 
+// The answer to a submission: the run as it is now, which may still be waited for.
+static bf_status answer_accepted(exchange *x, const api_run *record, bf_error *err)
+{
+    x->response->status = 201;
+    api_response_header(x->response, "Location", "/v1/runs/%s", record->id);
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record->revision);
+    exchange__prefer_wait(x, record);
+    return write_run(x, record, err);
+}
+
+static bf_status answer_waited(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status =
+        x->services->find(x->services->context, x->request->waited->run, &record, err);
+    return status == BF_OK ? answer_accepted(x, &record, err) : status;
+}
+
 bf_status handlers_runs_submit(exchange *x, bf_error *err)
 {
     api_submission submission = { 0 };
     api_run record;
 
+    if (x->request->waited != NULL)
+        return answer_waited(x, err);
     bf_status status = read_submission(x, &submission, err);
     if (status != BF_OK)
         return status;
+    if (x->request->client != NULL)
+        snprintf(submission.client, sizeof submission.client, "%s", x->request->client);
     // Room for the answer comes first: a run that was accepted must not be answered with a failure.
     if (buffer_reserve(&x->response->body, RUN_JSON_MAX) == NULL)
         status = bf_fail(err, BF_ENOMEM, "", "out of memory");
     else
         status = x->services->submit(x->services->context, &submission, &record, err);
     submission_fini(&submission);
-    if (status != BF_OK)
-        return status;
-    x->response->status = 201;
-    api_response_header(x->response, "Location", "/v1/runs/%s", record.id);
-    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record.revision);
-    return write_run(x, &record, err);
+    if (status == BF_ELIMIT)
+        x->refusal = 429;
+    return status == BF_OK ? answer_accepted(x, &record, err) : status;
 }
 
 bf_status handlers_runs_validate(exchange *x, bf_error *err)
@@ -189,22 +209,29 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     status = x->services->list(x->services->context, &list_query, list, err);
     if (status == BF_OK && list->has_more && list->n > 0)
         add_next_link(x, &list_query, list->runs[list->n - 1].id);
+    exchange__let_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);
     memory_free(list);
     return status;
 }
 
+// With `wait` a client that has this state is answered when there is another one, and a client that
+// has none, when the run has ended.
 bf_status handlers_runs_show(exchange *x, bf_error *err)
 {
+    bool has_state = exchange__header(x, "If-None-Match") != NULL;
+    uint64_t seconds = 0;
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
+    bf_status status = query_number(&x->query, "wait", 0, API_WAIT_MAX_S, &seconds, err);
+    if (status == BF_OK)
+        status = exchange__find_run(x, &record, err);
     if (status != BF_OK)
         return status;
-    api_response_header(x->response, "Cache-Control", "private, no-cache");
-    if (exchange__is_unchanged(x, "r%" PRIu64, record.revision))
-        return BF_OK;
+    exchange__let_revalidate(x);
+    if (exchange__is_known(x, "r%" PRIu64, record.revision) || !has_state)
+        exchange__wait(x, &record, (unsigned)seconds, has_state);
     return write_run(x, &record, err);
 }
 
@@ -213,6 +240,8 @@ bf_status handlers_runs_cancel(exchange *x, bf_error *err)
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = exchange__check_match(x, &record, err);
     if (status == BF_OK)
         status = x->services->cancel(x->services->context, x->params.values[0], &record, err);
     if (status != BF_OK)
@@ -226,6 +255,8 @@ bf_status handlers_runs_remove(exchange *x, bf_error *err)
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = exchange__check_match(x, &record, err);
     if (status == BF_OK)
         status = x->services->remove(x->services->context, record.id, err);
     if (status == BF_OK)

@@ -23,9 +23,11 @@ static const struct {
     { 408, "request-timeout", "Request Timeout" },
     { 409, "conflict", "Conflict" },
     { 411, "length-required", "Length Required" },
+    { 412, "precondition-failed", "Precondition Failed" },
     { 413, "content-too-large", "Content Too Large" },
     { 414, "uri-too-long", "URI Too Long" },
     { 415, "unsupported-media-type", "Unsupported Media Type" },
+    { 416, "range-not-satisfiable", "Range Not Satisfiable" },
     { 417, "expectation-failed", "Expectation Failed" },
     { 422, "bad-document", "Unprocessable Content" },
     { 429, "too-many-requests", "Too Many Requests" },
@@ -147,4 +149,25 @@ void problem__write(api_response *response, int status, const char *instance, co
 void api_problem(api_response *response, int status, const char *instance, const bf_error *error)
 {
     problem__write(response, status, instance, error, NULL);
+}
+
+void api_problem_identify(api_response *response, const char *request_id)
+{
+    static const char type[] = "application/problem+json";
+    const char *is = api_response_find(response, "Content-Type");
+    bf_buffer *body = &response->body;
+    size_t n = body->n;
+
+    if (is == NULL || strcmp(is, type) != 0 || n == 0 || body->bytes[n - 1] != '}')
+        return;
+    buffer_truncate(body, n - 1);
+    json_out w = json_out_to(body);
+    w.needs_comma = true;
+    json_out_key_string(&w, "request_id", request_id);
+    json_out_object_end(&w);
+    if (json_out_status(&w, NULL) == BF_OK)
+        return;
+    // Room for the bracket that stood there before needs no memory.
+    buffer_truncate(body, n - 1);
+    BF_CHECK(buffer_append(body, "}", 1) == BF_OK);
 }

@@ -11,7 +11,7 @@ static const route table[] = {
       "Accept a run; it is on disk before the answer leaves" },
     { "GET", "/v1/runs", handlers_runs_list, true, "status model label limit cursor", "json",
       "List runs, newest first" },
-    { "GET", "/v1/runs/{id}", handlers_runs_show, true, "", "json",
+    { "GET", "/v1/runs/{id}", handlers_runs_show, true, "wait", "json",
       "Show a run: state, progress, times, links" },
     { "DELETE", "/v1/runs/{id}", handlers_runs_remove, true, "", "json",
       "Stop a run if need be and remove it with its results" },

@@ -17,6 +17,7 @@
 
 enum {
     API_ID_SIZE = 37,         ///< bytes of a run id (UUIDv7, lower case) with its terminator
+    API_CLIENT_SIZE = 64,     ///< bytes of a client's address with its terminator
     API_LABEL_SIZE = 101,     ///< bytes of a label with its terminator
     API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
     API_LIST_MAX = 200,       ///< runs a page of a list
@@ -46,12 +47,13 @@ typedef struct api_run {
 
 /// A run to be accepted.
 typedef struct api_submission {
-    run_model model;            ///< which solver
-    int priority;               ///< see API_PRIORITY_MAX
-    char label[API_LABEL_SIZE]; ///< "" if none
-    char name[SCENE_NAME_SIZE]; ///< of the scenario
-    bf_buffer scenario;         ///< the resolved document
-    bf_buffer columns;          ///< of the curve, from scenario_columns()
+    run_model model;              ///< which solver
+    int priority;                 ///< see API_PRIORITY_MAX
+    char label[API_LABEL_SIZE];   ///< "" if none
+    char name[SCENE_NAME_SIZE];   ///< of the scenario
+    bf_buffer scenario;           ///< the resolved document
+    bf_buffer columns;            ///< of the curve, from scenario_columns()
+    char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
 } api_submission;
 
 /// Which runs a list shows; newest first.
@@ -136,7 +138,8 @@ typedef bf_status api_event_take(void *context, const api_event *event, bf_error
 /// The table. context is given to every function.
 typedef struct api_services {
     void *context; ///< first argument of every function
-    /// Accept a run: durable when this returns. BF_EBUSY: the queue is full.
+    /// Accept a run: durable when this returns. BF_EBUSY: the queue is full; BF_ELIMIT: the client's
+    /// share of it is.
     bf_status (*submit)(void *context, const api_submission *submission, api_run *ret_run,
                         bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);

@@ -287,10 +287,11 @@ uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type,
     return id;
 }
 
-// Header lines with the value that was asked for last.
+// Header lines with the values that were asked for last.
 typedef struct header_lines {
     const char *lines;
-    char value[256];
+    size_t n_asked;
+    char values[4][256];
 } header_lines;
 
 static const char *find_header(void *context, const char *name)
@@ -302,8 +303,9 @@ static const char *find_header(void *context, const char *name)
          line = strchr(line, '\n') + 1) {
         if (strncasecmp(line, name, n) != 0 || strncmp(line + n, ": ", 2) != 0)
             continue;
-        snprintf(h->value, sizeof h->value, "%.*s", (int)strcspn(line + n + 2, "\n"), line + n + 2);
-        return h->value;
+        char *value = h->values[h->n_asked++ % 4];
+        snprintf(value, sizeof *h->values, "%.*s", (int)strcspn(line + n + 2, "\n"), line + n + 2);
+        return value;
     }
     return NULL;
 }

@@ -28,11 +28,115 @@ static void what_a_client_has_is_not_sent_again(void **state)
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
         ask_get(RUN_1, NULL, same[i], 304);
         ask_assert_header("ETag", "\"r42\"");
-        assert_int_equal(ask_response.body.n, 0);
-        assert_null(helper_header(&ask_response, "Content-Type"));
     }
     for (size_t i = 0; i < sizeof other / sizeof *other; i++)
         ask_get(RUN_1, NULL, other[i], 200);
+}
+
+// What is dear to make is not made; what is cheap is left to the transport, for its length.
+static void what_is_dear_is_not_made_for_a_client_that_has_it(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING)->record.revision = 42;
+    ask_get(RUN_1 "/curve", NULL, "If-None-Match: \"r42-json\"\n", 304);
+    assert_int_equal(ask_response.body.n, 0);
+    assert_null(helper_header(&ask_response, "Content-Type"));
+    ask_get(RUN_1, NULL, "If-None-Match: \"r42\"\n", 304);
+    assert_true(ask_body_has("\"status\":\"running\""));
+}
+
+// An encoded form has a tag of its own, which counts where the client takes that form.
+static void an_encoded_form_is_known_by_its_own_tag(void **state)
+{
+    static const char known[] = "If-None-Match: \"r42-json-gzip\"\n";
+    char headers[128];
+
+    (void)state;
+    ask_add_run(RUN_RUNNING)->record.revision = 42;
+    snprintf(headers, sizeof headers, "%sAccept-Encoding: gzip\n", known);
+    ask_get(RUN_1 "/curve", NULL, headers, 304);
+    ask_assert_header("ETag", "\"r42-json-gzip\"");
+    ask_get(RUN_1 "/curve", NULL, known, 200);
+    ask_assert_header("ETag", "\"r42-json\"");
+}
+
+// Documents without a revision are named by their bytes: while these stay, the client has them.
+static void documents_are_known_by_their_bytes(void **state)
+{
+    static const char *const paths[] = { "/v1/runs", "/v1/examples", "/v1/examples/example-1",
+                                         "/version" };
+
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        char headers[128];
+        ask_get(paths[i], NULL, NULL, 200);
+        ask_assert_header("Cache-Control", "private, no-cache");
+        snprintf(headers, sizeof headers, "If-None-Match: %s\n",
+                 helper_header(&ask_response, "ETag"));
+        ask_get(paths[i], NULL, headers, 304);
+        ask_add_run(RUN_QUEUED);
+        ask_get(paths[i], NULL, headers, i == 0 ? 200 : 304);
+    }
+    ask_get("/livez", NULL, NULL, 200);
+    assert_null(helper_header(&ask_response, "ETag"));
+}
+
+static void a_run_is_changed_only_in_the_state_that_the_client_means(void **state)
+{
+    static const char *const other[] = { "If-Match: \"r41\"\n", "If-Match: W/\"r42\"\n",
+                                         "If-Match: r42\n" };
+
+    (void)state;
+    ask_add_run(RUN_QUEUED)->record.revision = 42;
+    for (size_t i = 0; i < sizeof other / sizeof *other; i++) {
+        ask("POST", RUN_1 "/cancel", NULL, other[i], NULL, 412);
+        assert_true(ask_body_has("\\\"r42\\\""));
+        ask("DELETE", RUN_1, NULL, other[i], NULL, 412);
+    }
+    assert_int_equal(ask_daemon.runs[0].record.state, RUN_QUEUED);
+    ask("POST", RUN_1 "/cancel", NULL, "If-Match: \"x\", \"r42-gzip\"\n", NULL, 200);
+    ask("DELETE", RUN_1, NULL, "If-Match: *\n", NULL, 204);
+}
+
+static void a_problem_can_be_given_the_id_of_its_request(void **state)
+{
+    (void)state;
+    ask_get("/nowhere", NULL, NULL, 404);
+    api_problem_identify(&ask_response, "a\"b");
+    assert_true(ask_body_has("\"instance\":\"/nowhere\",\"request_id\":\"a\\\"b\"}"));
+    ask_get("/livez", NULL, NULL, 200);
+    api_problem_identify(&ask_response, "a");
+    assert_false(ask_body_has("request_id"));
+    // Without memory it stays a whole document.
+    ask_get("/nowhere", NULL, NULL, 404);
+    char id[4097];
+    memset(id, 'i', sizeof id - 1);
+    id[sizeof id - 1] = '\0';
+    memory_plan_fault(1, 1);
+    api_problem_identify(&ask_response, id);
+    memory_plan_fault(0, 0);
+    assert_true(ask_body_has("\"instance\":\"/nowhere\"}"));
+}
+
+static void a_full_share_of_the_queue_is_a_429(void **state)
+{
+    (void)state;
+    ask_daemon.refusal = BF_ELIMIT;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 429);
+    assert_non_null(helper_header(&ask_response, "Retry-After"));
+}
+
+static void what_depends_on_accept_says_so(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/curve", NULL, NULL, 200);
+    ask_assert_header("Vary", "Accept");
+    ask_get(RUN_1 "/curve", NULL, "Accept: image/png\n", 406);
+    ask_assert_header("Vary", "Accept");
+    ask_get(RUN_1, NULL, NULL, 200);
+    assert_null(helper_header(&ask_response, "Vary"));
 }
 
 static void unknown_runs_are_not_found(void **state)
@@ -227,6 +331,13 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         ASK_TEST(what_a_client_has_is_not_sent_again),
+        ASK_TEST(what_is_dear_is_not_made_for_a_client_that_has_it),
+        ASK_TEST(an_encoded_form_is_known_by_its_own_tag),
+        ASK_TEST(documents_are_known_by_their_bytes),
+        ASK_TEST(a_run_is_changed_only_in_the_state_that_the_client_means),
+        ASK_TEST(a_problem_can_be_given_the_id_of_its_request),
+        ASK_TEST(a_full_share_of_the_queue_is_a_429),
+        ASK_TEST(what_depends_on_accept_says_so),
         ASK_TEST(unknown_runs_are_not_found),
         ASK_TEST(formats_that_do_not_exist_are_refused_with_those_that_do),
         ASK_TEST(the_service_tells_of_itself),
