@@ -216,6 +216,13 @@ static bf_status start_store(const config *c, parts *p, bf_error *err)
     return store_open(&options, &p->service.store, err);
 }
 
+static bf_status start_share(const config *c, parts *p, bf_error *err)
+{
+    if (c->queue_share == 0)
+        return BF_OK;
+    return queue_share_create(c->queue_share, c->queue_limit, &p->service.share, err);
+}
+
 static bf_status start_supervisor(const config *c, parts *p, bf_error *err)
 {
     const supervisor_options options = { .store = p->service.store,
@@ -239,6 +246,11 @@ static bf_status start_http(const config *c, parts *p, bf_error *err)
                                    .connection_limit = (unsigned)c->connections,
                                    .per_address_limit = (unsigned)c->connections_per_address,
                                    .stream_limit = (unsigned)c->streams,
+                                   .wait_limit = (unsigned)c->waits,
+                                   .cors_origins = c->cors_origins,
+                                   .trusted_proxies = c->trusted_proxies,
+                                   .requests_per_minute = c->requests_per_minute,
+                                   .work_per_minute = c->work_per_minute,
                                    .body_limit = c->body_bytes,
                                    .header_deadline_ms = (int64_t)c->header_deadline_ms,
                                    .body_deadline_ms = (int64_t)c->body_deadline_ms,
@@ -256,6 +268,7 @@ static void stop(const config *c, parts *p)
     p->http = http_stop(p->http);
     p->service.supervisor = supervisor_stop(p->service.supervisor, (int64_t)c->stop_grace_ms);
     p->service.store = store_close(p->service.store);
+    p->service.share = queue_share_destroy(p->service.share);
 }
 
 // The line that scripts wait for.
@@ -276,6 +289,8 @@ static bf_status serve(const config *c, const sigset_t *signals, bf_error *err)
 
     lock_init(&p.gate.lock);
     bf_status status = start_store(c, &p, err);
+    if (status == BF_OK)
+        status = start_share(c, &p, err);
     if (status == BF_OK)
         status = start_supervisor(c, &p, err);
     if (status == BF_OK)

@@ -29,6 +29,12 @@
     X(connections, NUMBER, "1200", 8, 100000, "connections at once")                               \
     X(connections_per_address, NUMBER, "0", 0, 100000, "of them from one address; 0: no limit")    \
     X(streams, NUMBER, "1000", 1, 100000, "event streams at once")                                 \
+    X(waits, NUMBER, "1000", 0, 100000, "requests that wait for a run at once")                    \
+    X(queue_share, NUMBER, "250", 0, 1000000, "runs of one client that may wait; 0: no limit")     \
+    X(requests_per_minute, NUMBER, "6000", 0, 1000000, "of one client; 0: no limit")               \
+    X(work_per_minute, NUMBER, "600", 0, 1000000, "requests that make work; 0: no limit")          \
+    X(trusted_proxies, TEXT, "", 0, 0, "addresses whose X-Forwarded-For is believed")              \
+    X(cors_origins, TEXT, "", 0, 0, "pages elsewhere that may read answers: origins, or *")        \
     X(body_bytes, NUMBER, "1048576", 1024, 1073741824, "largest body of a request")                \
     X(header_deadline_ms, NUMBER, "5000", 100, 600000, "for a complete request header")            \
     X(body_deadline_ms, NUMBER, "20000", 100, 600000, "for a complete request body")               \

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "server/clock.h"
+#include "server/http_cors.h"
 #include "server/log.h"
 
 #include <errno.h>
@@ -90,6 +91,30 @@ static bf_status open_web(http *h, bf_error *err)
     return BF_OK;
 }
 
+// What is made of the settings about other origins, proxies and limits.
+static bf_status prepare_policies(http *h, bf_error *err)
+{
+    const char *origins = h->options.cors_origins == NULL ? "" : h->options.cors_origins;
+    const char *proxies = h->options.trusted_proxies == NULL ? "" : h->options.trusted_proxies;
+    const uint64_t quotas[HTTP_LIMIT_COUNT] = { [HTTP_LIMIT_REQUESTS] =
+                                                    h->options.requests_per_minute,
+                                                [HTTP_LIMIT_WORK] = h->options.work_per_minute };
+    bf_status status = http_cors_check(origins, err);
+
+    if (status == BF_OK)
+        status = http_client_read_proxies(proxies, &h->proxies, err);
+    if (status == BF_OK)
+        status = http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err);
+    if (status != BF_OK)
+        return status;
+    h->cache = http__cache_create();
+    h->cors_origins = memory_alloc(strlen(origins) + 1, 1);
+    if (h->cache == NULL || h->cors_origins == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
+    memcpy(h->cors_origins, origins, strlen(origins) + 1);
+    return BF_OK;
+}
+
 static void add_option(struct MHD_OptionItem *items, enum MHD_OPTION option, uint64_t value)
 {
     size_t n = 0;
@@ -138,6 +163,8 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     lock_condition_init(&h->changed);
     bf_status status = open_web(h, err);
     if (status == BF_OK)
+        status = prepare_policies(h, err);
+    if (status == BF_OK)
         status = http__listen(options->listen, &h->listen_fd, &h->port, err);
     if (status == BF_OK)
         status = http__pool_start(options->n_request_threads, &h->pool, err);
@@ -146,6 +173,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     if (status == BF_OK)
         status = start_daemon(h, err);
     h->options.listen = h->options.web_directory = NULL;
+    h->options.cors_origins = h->options.trusted_proxies = NULL;
     if (status != BF_OK) {
         (void)http_stop(h);
         return status;
@@ -177,6 +205,7 @@ http *http_stop(http *h)
     if (h->daemon != NULL)
         (void)MHD_quiesce_daemon(h->daemon);
     http__stream_end_all(h);
+    http__wait_end_all(h);
     http__pool_end(h->pool);
     if (h->daemon != NULL)
         wait_for_requests(h);
@@ -188,6 +217,9 @@ http *http_stop(http *h)
         (void)close(h->listen_fd);
     if (h->web_fd >= 0)
         (void)close(h->web_fd);
+    h->cache = http__cache_destroy(h->cache);
+    h->limit = http_limit_destroy(h->limit);
+    memory_free(h->cors_origins);
     lock_condition_fini(&h->changed);
     lock_fini(&h->lock);
     memory_free(h);

@@ -4,8 +4,11 @@
 /// Threads  libmicrohttpd runs a small pool of epoll threads. Requests that may wait for the disk
 ///          (api_route_blocks) suspend their connection and are handled by a pool of request
 ///          threads; all others are answered on the epoll thread. Event streams suspend while they
-///          have nothing to send; http_notify() wakes those that follow the run.
-/// Order of stopping  http_stop(): quiesce, mark streams as ending, resume all, stop.
+///          have nothing to send; http_notify() wakes those that follow the run. An answer that waits
+///          for a run (`Prefer: wait`, `?wait=`) holds no thread either: its connection stays
+///          suspended, and http_notify() has a request thread look again.
+/// Order of stopping  http_stop(): quiesce, mark streams and waiting answers as ending, resume all,
+///          stop.
 
 #pragma once
 
@@ -24,6 +27,11 @@ typedef struct http_options {
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     unsigned stream_limit;        ///< event streams at once
+    unsigned wait_limit;          ///< requests whose answers wait for a run at once
+    const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
+    const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's
+    uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
+    uint64_t work_per_minute;     ///< of them such that create work; 0: no limit
     uint64_t body_limit;          ///< bytes of a request's body
     int64_t header_deadline_ms;   ///< for a complete request header
     int64_t body_deadline_ms;     ///< for a complete body, after the header
@@ -40,7 +48,7 @@ BF_MUST_CHECK bf_status http_start(const http_options *options, http **ret_http,
 /// The port that is listened on.
 unsigned http_port(const http *h);
 
-/// A run has changed: wake the streams that follow it. Never blocks; any thread.
+/// A run has changed: wake the streams that follow it and the answers that wait for it. Never blocks; any thread.
 void http_notify(http *h, const char *run_id);
 
 /// Stop and free. NULL is fine. Always returns NULL.

@@ -121,22 +121,26 @@ static void cut_off_the_late(http *h, int64_t now_ms)
     }
 }
 
-static bool has_hung_up(int fd)
+bool http__connection_has_hung_up(int fd)
 {
     struct pollfd p = { .fd = fd, .events = POLLRDHUP };
-    int n_unread = 0;
 
-    return poll(&p, 1, 0) > 0 && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
+    return poll(&p, 1, 0) > 0 && (p.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
-static void cut_off_the_gone(http *h, int64_t now_ms)
+// It hung up, and nothing of it is left to be read.
+static bool has_gone(int fd)
+{
+    int n_unread = 0;
+
+    return http__connection_has_hung_up(fd) && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
+}
+
+static void cut_off_the_gone(http *h)
 {
     lock_assert_held(&h->lock);
-    if (now_ms < h->looked_ms + WATCH_LEFT_MS)
-        return;
-    h->looked_ms = now_ms;
     for (http_connection *c = h->connections; c != NULL; c = c->next) {
-        bool has_left = c->deadline_ms >= 0 && has_hung_up(c->fd);
+        bool has_left = c->deadline_ms >= 0 && has_gone(c->fd);
         if (has_left && c->seems_left)
             (void)shutdown(c->fd, SHUT_RDWR);
         c->seems_left = has_left;
@@ -174,23 +178,33 @@ static void drain_the_lingering(http *h, int64_t now_ms)
     h->n_lingering = n_left;
 }
 
+// One look at everything; returns when the next one is due, or -1.
+static int64_t look(http *h, int64_t now_ms)
+{
+    bool looks_for_the_gone = now_ms >= h->looked_ms + WATCH_LEFT_MS;
+
+    lock_assert_held(&h->lock);
+    cut_off_the_late(h, now_ms);
+    if (looks_for_the_gone) {
+        h->looked_ms = now_ms;
+        cut_off_the_gone(h);
+    }
+    drain_the_lingering(h, now_ms);
+    http__stream_watch(h, now_ms);
+    int64_t due_ms = http__wait_watch(h, now_ms, looks_for_the_gone);
+    if (h->n_lingering == 0 && h->connections == NULL)
+        return -1;
+    int64_t next_ms = now_ms + (h->n_lingering > 0 ? WATCH_TICK_LINGER_MS : WATCH_TICK_MS);
+    return due_ms < next_ms ? due_ms : next_ms;
+}
+
 static void *watch(void *context)
 {
     http *h = context;
 
     lock_take(&h->lock);
-    while (!h->watch_ends) {
-        int64_t now_ms = clock_monotonic_ms();
-        cut_off_the_late(h, now_ms);
-        cut_off_the_gone(h, now_ms);
-        drain_the_lingering(h, now_ms);
-        http__stream_watch(h, now_ms);
-        if (h->n_lingering > 0)
-            (void)lock_wait(&h->changed, &h->lock, now_ms + WATCH_TICK_LINGER_MS);
-        else
-            (void)lock_wait(&h->changed, &h->lock,
-                            h->connections == NULL ? -1 : now_ms + WATCH_TICK_MS);
-    }
+    while (!h->watch_ends)
+        (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
     lock_give(&h->lock);
     return NULL;
 }

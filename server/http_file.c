@@ -1,7 +1,11 @@
 // The page's files: regular files below the web directory, each path component opened by itself
-// without following links, so that no path leads out of it.
+// without following links, so that no path leads out of it. They are sent encoded to clients that take
+// that: from files beside them that the page's build made, else encoded once and kept in memory.
 
 #include "server/http_priv.h"
+
+#include "api/precondition.h"
+#include "server/http_encoding.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,7 +14,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FILE_NAME_SIZE = 256 };
+enum {
+    FILE_NAME_SIZE = 256,
+    FILE_ENCODE_MAX = 16 * 1024 * 1024, // larger files are sent as they are
+};
 
 static const struct {
     const char *ending;
@@ -79,27 +86,71 @@ static int open_below(int directory, const char *path)
     return -1;
 }
 
-bool http__file_open(int web_fd, const char *path, http_file *ret_file)
+// Facts of an open regular file. False: it is none.
+static bool look_at(int fd, struct stat *ret_facts)
+{
+    return fd >= 0 && fstat(fd, ret_facts) == 0 && S_ISREG(ret_facts->st_mode);
+}
+
+static bool is_older(const struct stat *a, const struct stat *b)
+{
+    return a->st_mtim.tv_sec < b->st_mtim.tv_sec ||
+           (a->st_mtim.tv_sec == b->st_mtim.tv_sec && a->st_mtim.tv_nsec < b->st_mtim.tv_nsec);
+}
+
+// Replaces an open plain file by the encoded one beside it. False: there is none of its age.
+static bool open_beside(int web_fd, const char *path, coding form, const struct stat *plain,
+                        http_file *file)
+{
+    static const char *const endings[CODING_COUNT] = {
+        [CODING_GZIP] = ".gz", [CODING_ZSTD] = ".zst"
+    };
+    char name[API_PATH_MAX + 8];
+    struct stat facts;
+
+    (void)snprintf(name, sizeof name, "%s%s", path, endings[form]);
+    int fd = open_below(web_fd, name + 1);
+    bool is_good = look_at(fd, &facts) && !is_older(&facts, plain);
+    int unused = is_good ? file->fd : fd;
+    if (unused >= 0)
+        (void)close(unused);
+    if (!is_good)
+        return false;
+    file->fd = fd;
+    file->n = (uint64_t)facts.st_size;
+    return true;
+}
+
+bool http__file_open(int web_fd, const char *path, coding form, http_file *ret_file)
 {
     struct stat facts;
 
     if (strcmp(path, "/") == 0)
         path = "/index.html";
     const char *type = type_of(path);
-    int fd = *path == '/' && type != NULL ? open_below(web_fd, path + 1) : -1;
-    if (fd < 0)
-        return false;
-    if (fstat(fd, &facts) != 0 || !S_ISREG(facts.st_mode)) {
-        (void)close(fd);
-        return false;
+    http_file file = { .fd = -1, .type = type };
+    if (*path == '/' && type != NULL)
+        file.fd = open_below(web_fd, path + 1);
+    bool is_there = look_at(file.fd, &facts);
+    if (is_there) {
+        file.n = (uint64_t)facts.st_size;
+        (void)snprintf(file.etag, sizeof file.etag, "%llx-%llx.%lx",
+                       (unsigned long long)facts.st_size, (unsigned long long)facts.st_mtim.tv_sec,
+                       (unsigned long)facts.st_mtim.tv_nsec);
+        if (form == CODING_IDENTITY || open_beside(web_fd, path, form, &facts, &file)) {
+            *ret_file = file;
+            return true;
+        }
     }
-    ret_file->fd = fd;
-    ret_file->n = (uint64_t)facts.st_size;
-    ret_file->type = type;
-    (void)snprintf(ret_file->etag, sizeof ret_file->etag, "\"%llx-%llx.%lx\"",
-                   (unsigned long long)facts.st_size, (unsigned long long)facts.st_mtim.tv_sec,
-                   (unsigned long)facts.st_mtim.tv_nsec);
-    return true;
+    // open_beside() leaves the plain file open when it finds nothing.
+    if (file.fd >= 0)
+        (void)close(file.fd);
+    return false;
+}
+
+bool http__file_may_be(const http *h, const char *path)
+{
+    return h->web_fd >= 0 && strncmp(path, "/v1/", 4) != 0 && !api_route_exists(path);
 }
 
 static void explain_absence(http_request *r)
@@ -118,47 +169,121 @@ static void explain_absence(http_request *r)
     api_response_header(&r->response, "Content-Type", "text/plain; charset=utf-8");
 }
 
-// True if the client's If-None-Match names the tag.
-static bool has_it_already(http_request *r, const char *etag)
-{
-    const char *known = http__request_header(r, "If-None-Match");
-    return known != NULL && (strcmp(known, "*") == 0 || strstr(known, etag) != NULL);
-}
-
 static void refuse_method(http_request *r)
 {
-    const bf_error err = { .code = BF_EINPUT, .text = "this path knows: GET, HEAD" };
+    const bf_error err = { .code = BF_EINPUT, .text = "this path knows: GET, HEAD, OPTIONS" };
 
     http__respond_refuse(r, 405, &err);
-    api_response_header(&r->response, "Allow", "GET, HEAD");
+    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
 }
 
-static void answer_file(http_request *r, const http_file *file)
+static void answer_options(http_request *r)
 {
     api_response_fini(&r->response);
+    r->response.status = 204;
+    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
+}
+
+// Reads all of an open file, from its start.
+static bool read_all(const http_file *file, bf_buffer *out)
+{
+    char *to = file->n > FILE_ENCODE_MAX ? NULL : buffer_reserve(out, (size_t)file->n);
+
+    if (to == NULL || pread(file->fd, to, (size_t)file->n, 0) != (ssize_t)file->n)
+        return false;
+    out->n += (size_t)file->n;
+    return true;
+}
+
+// The encoded form of an open file as the body of the response: from the cache, or made now.
+static bool encode_file(http_request *r, const http_file *file, coding form)
+{
+    bf_buffer plain = { 0 };
+    bf_buffer *body = &r->response.body;
+    http_cache *cache = r->server->cache;
+
+    if (http__cache_find(cache, r->path, file->etag, form, body))
+        return true;
+    bool is_made =
+        read_all(file, &plain) && http_encoding_pack(form, plain.bytes, plain.n, body) == BF_OK;
+    buffer_fini(&plain);
+    if (is_made)
+        http__cache_put(cache, r->path, file->etag, form, body);
+    return is_made;
+}
+
+// A range is one of the plain form, so a client that asks for one gets that, if it takes it.
+static bool wants_plain(http_request *r, const http_file *file)
+{
+    const char *accepted = http__request_header(r, "Accept-Encoding");
+    bool pays = http_encoding_is_text(file->type) && file->n >= HTTP_ENCODING_MIN &&
+                http__request_header(r, "Range") == NULL;
+
+    return !pays && coding_quality(accepted, CODING_IDENTITY) > 0;
+}
+
+// Chooses the form in which the file is sent: one that lies beside it, else one that is made. The
+// body of the response has it if r->file does not.
+static coding choose_form(http_request *r, http_file *file)
+{
+    static const coding offers[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
+    const char *accepted = http__request_header(r, "Accept-Encoding");
+    int chosen = coding_choose(accepted, offers, CODING_COUNT);
+
+    if (chosen < 0 || offers[chosen] == CODING_IDENTITY || wants_plain(r, file))
+        return CODING_IDENTITY;
+    for (int c = chosen; c < CODING_IDENTITY; c++) {
+        http_file beside;
+        if (coding_quality(accepted, offers[c]) < coding_quality(accepted, offers[chosen]) ||
+            !http__file_open(r->server->web_fd, r->path, offers[c], &beside))
+            continue;
+        (void)close(file->fd);
+        *file = beside;
+        return offers[c];
+    }
+    return encode_file(r, file, offers[chosen]) ? offers[chosen] : CODING_IDENTITY;
+}
+
+static void answer_file(http_request *r, http_file *file)
+{
+    const char *known = http__request_header(r, "If-None-Match");
+    char tag[CODING_TAG_SIZE];
+
+    api_response_fini(&r->response);
+    coding form = choose_form(r, file);
     r->response.status = 200;
-    api_response_header(&r->response, "ETag", "%s", file->etag);
+    api_response_header(&r->response, "ETag", "\"%s\"", file->etag);
     api_response_header(&r->response, "Cache-Control", "no-cache");
     api_response_header(&r->response, "Content-Security-Policy",
                         "default-src 'self'; base-uri 'none'; form-action 'self'; "
                         "frame-ancestors 'none'; object-src 'none'");
     api_response_header(&r->response, "Referrer-Policy", "no-referrer");
-    // MHD sends no body with a 304, but the length of what it is given.
-    r->file = *file;
-    if (has_it_already(r, file->etag))
+    api_response_header(&r->response, "Content-Type", "%s", file->type);
+    if (form != CODING_IDENTITY)
+        http__finish_encoded(&r->response, form);
+    if (known != NULL &&
+        precondition_is_known(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
         r->response.status = 304;
-    else
-        api_response_header(&r->response, "Content-Type", "%s", file->type);
+    if (r->response.body.n == 0)
+        r->file = *file;
+}
+
+static bool is_method(const http_request *r, const char *method)
+{
+    return strcmp(r->method, method) == 0;
 }
 
 void http__file_answer(http_request *r)
 {
-    bool is_read = strcmp(r->method, "GET") == 0 || strcmp(r->method, "HEAD") == 0;
+    bool is_read = is_method(r, "GET") || is_method(r, "HEAD");
     http_file file = { .fd = -1 };
-    bool is_there = r->server->web_fd < 0 ? strcmp(r->path, "/") == 0
-                                          : http__file_open(r->server->web_fd, r->path, &file);
+    bool is_there = r->server->web_fd < 0
+                        ? strcmp(r->path, "/") == 0
+                        : http__file_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
 
-    if (is_there && !is_read)
+    if (is_there && is_method(r, "OPTIONS"))
+        answer_options(r);
+    else if (is_there && !is_read)
         refuse_method(r);
     else if (file.fd >= 0)
         answer_file(r, &file);

@@ -1,7 +1,8 @@
 // Request threads: requests that may wait for the disk are handled here, so that the epoll threads
 // never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
 // nothing for it, until MHD_resume_connection(), after which the pool does not touch it any more.
-// The queue is bounded: what does not fit is refused at once.
+// The queue is bounded: what does not fit is refused at once. Requests that waited come back to it
+// beyond that bound; they have a limit of their own.
 
 #include "server/http_priv.h"
 
@@ -31,7 +32,7 @@ static http_request *take(http_pool *p)
     http_request *r = p->first;
     if (r != NULL) {
         p->first = r->next;
-        p->n_waiting--;
+        p->n_waiting -= r->stage == HTTP_STAGE_WORKING;
     }
     lock_give(&p->lock);
     return r;
@@ -43,7 +44,11 @@ static void *work(void *context)
 
     while ((r = take(context)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
-        http__request_handle(r);
+        if (r->stage == HTTP_STAGE_WORKING)
+            http__request_handle(r);
+        if (http__wait_goes_on(r))
+            continue;
+        http__finish(r);
         r->stage = HTTP_STAGE_READY;
         MHD_resume_connection(mhd);
     }
@@ -70,6 +75,18 @@ bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *e
     return BF_OK;
 }
 
+static void append(http_pool *p, http_request *r)
+{
+    lock_assert_held(&p->lock);
+    r->next = NULL;
+    if (p->first == NULL)
+        p->first = r;
+    else
+        p->last->next = r;
+    p->last = r;
+    lock_wake_all(&p->changed);
+}
+
 bool http__pool_give(http_pool *p, http_request *r)
 {
     lock_take(&p->lock);
@@ -77,17 +94,19 @@ bool http__pool_give(http_pool *p, http_request *r)
     if (has_room) {
         MHD_suspend_connection(r->mhd);
         r->stage = HTTP_STAGE_WORKING;
-        r->next = NULL;
-        if (p->first == NULL)
-            p->first = r;
-        else
-            p->last->next = r;
-        p->last = r;
+        append(p, r);
         p->n_waiting++;
-        lock_wake_all(&p->changed);
     }
     lock_give(&p->lock);
     return has_room;
+}
+
+void http__pool_take_back(http_pool *p, http_request *r)
+{
+    lock_take(&p->lock);
+    BF_CHECK(!p->is_stopping && r->stage == HTTP_STAGE_WAITING);
+    append(p, r);
+    lock_give(&p->lock);
 }
 
 void http__pool_end(http_pool *p)

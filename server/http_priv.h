@@ -4,15 +4,24 @@
 /// that it is completed):
 ///
 ///     HEADER --guard--> BODY --complete--> WORKING (suspended, in the pool) --> READY --> SENT
-///                                    '------- does not block ---------------------^
+///                         |                   |                                   ^
+///                         |                   '--> WAITING (suspended, parked) ---|
+///                         '------- does not block --------------------------------'
 ///
-/// Everything that more than one thread touches is under http.lock; the order of locks is
-/// http_pool's lock, http.lock, MHD's own. No callback of MHD holds MHD's lock when it calls us.
+/// Everything that more than one thread touches is under http.lock; the order of locks is http.lock,
+/// http_pool's lock, MHD's own. No callback of MHD holds MHD's lock when it calls us.
 
 #pragma once
 
+#include "api/coding.h"
 #include "api/exchange.h"
 #include "server/http.h"
+#include "server/http_client.h"
+#include "server/http_limit.h"
+#include "server/http_page_priv.h"
+#include "server/http_stream_priv.h"
+#include "server/http_trace.h"
+#include "server/http_wait_priv.h"
 #include "server/lock.h"
 
 #include <pthread.h>
@@ -52,38 +61,13 @@ typedef enum http_stage {
     HTTP_STAGE_HEADER,  ///< the header is not checked yet
     HTTP_STAGE_BODY,    ///< the body is being received
     HTTP_STAGE_WORKING, ///< suspended, a request thread has it
+    HTTP_STAGE_WAITING, ///< suspended, its answer waits for a run
     HTTP_STAGE_READY,   ///< the response is there
     HTTP_STAGE_SENT,    ///< the response was given to MHD
 } http_stage;
 
-/// The stream of a request whose response is one.
-typedef struct http_stream {
-    struct http_stream *previous;                ///< in http.streams
-    struct http_stream *next;                    ///< in http.streams
-    struct MHD_Connection *mhd;                  ///< to be suspended and resumed
-    int fd;                                      ///< of its connection
-    size_t n_runs;                               ///< runs that it follows
-    char runs[API_STREAM_RUNS_MAX][API_ID_SIZE]; ///< their ids
-    uint64_t n_notified;                         ///< wake-ups so far
-    bool is_suspended;                           ///< MHD was told to suspend, and not to resume
-    bool has_left;                               ///< the client hung up
-    bool owes_heartbeat;                         ///< nothing was sent for heartbeat_ms
-    int64_t sent_ms;                             ///< when something was last given to MHD
-    bool is_over;                                ///< epoll thread: no further event will come
-    bf_buffer batch;                             ///< epoll thread: what was read from the store
-    size_t n_taken;                              ///< epoll thread: bytes of it given to MHD
-} http_stream;
-
-/// A file of the page that is to be sent.
-typedef struct http_file {
-    int fd;           ///< open for reading; -1: none
-    uint64_t n;       ///< its bytes
-    const char *type; ///< Content-Type
-    char etag[64];    ///< entity tag, quoted
-} http_file;
-
 /// One request.
-typedef struct http_request {
+struct http_request {
     http *server;                  ///< whose
     http_connection *connection;   ///< its socket
     struct MHD_Connection *mhd;    ///< its connection
@@ -99,11 +83,19 @@ typedef struct http_request {
     bf_buffer body;                ///< as received
     api_response response;         ///< what to answer
     http_file file;                ///< or a file instead of its body
+    bool is_finished;              ///< the transport has added what it adds
+    bool is_cut;                   ///< only a range of body or file is sent:
+    uint64_t first;                ///< from this byte on
+    uint64_t n_sent;               ///< so many
+    http_trace trace;              ///< what identifies it
+    http_client client;            ///< who sent it
+    http_limit_verdict verdict;    ///< what the limits say of it
+    http_wait wait;                ///< of an answer that waits
     bool is_counted;               ///< in http.n_requests
     bool is_stream;                ///< stream is in http.streams
     http_stream stream;            ///< of a response that is one
     int64_t begun_ms;              ///< when its header was complete
-} http_request;
+};
 
 /// The request threads; opaque.
 typedef struct http_pool http_pool;
@@ -117,12 +109,18 @@ struct http {
     unsigned port;                         ///< listened on
     struct MHD_Daemon *daemon;             ///< NULL until it runs
     http_pool *pool;                       ///< request threads
+    char *cors_origins;                    ///< as given; "": none
+    http_proxies proxies;                  ///< whose X-Forwarded-For is believed
+    http_limit *limit;                     ///< rates of clients
+    http_cache *cache;                     ///< encoded files of the page
     lock lock;                             ///< guards all that follows
     lock_condition changed;                ///< a connection came, a request went, or is_stopping
     http_connection *connections;          ///< open ones
     unsigned n_connections;                ///< how many
     http_stream *streams;                  ///< under way
     unsigned n_streams;                    ///< how many
+    http_request *waits;                   ///< requests whose answers wait
+    unsigned n_waits;                      ///< how many
     unsigned n_requests;                   ///< requests past their header
     bool is_stopping;                      ///< streams end, nothing suspends any more
     bool has_watch;                        ///< watch runs
@@ -154,26 +152,12 @@ void http__connection_deadline(http_connection *c, int64_t ms);
 /// True if only requests about the daemon's health are still answered.
 bool http__connection_is_reserved(const http_connection *c);
 
+/// True if the client has closed its side, or the connection is broken.
+bool http__connection_has_hung_up(int fd);
+
 /// Start and stop the thread that watches deadlines and streams.
 BF_MUST_CHECK bf_status http__watch_start(http *h, bf_error *err);
 void http__watch_stop(http *h);
-
-// http_stream.c
-
-/// Begin the stream of r->response. False: there are too many.
-bool http__stream_begin(http_request *r);
-
-/// End it, if there is one.
-void http__stream_end(http_request *r);
-
-/// MHD's content reader of a stream; context is the http_request.
-ssize_t http__stream_read(void *context, uint64_t position, char *bytes, size_t n);
-
-/// Under http.lock: wake what owes a heartbeat or has left.
-void http__stream_watch(http *h, int64_t now_ms);
-
-/// Mark all streams as ending and resume them.
-void http__stream_end_all(http *h);
 
 // http_pool.c
 
@@ -184,20 +168,24 @@ BF_MUST_CHECK bf_status http__pool_start(unsigned n_threads, http_pool **ret_poo
 /// nothing was done.
 bool http__pool_give(http_pool *p, http_request *r);
 
+/// Queue a request that waited, in spite of the limit of the queue. Under http.lock, and before
+/// http__pool_end().
+void http__pool_take_back(http_pool *p, http_request *r);
+
 /// Handle what is queued and end the threads. NULL is fine.
 void http__pool_end(http_pool *p);
 
 /// Free a pool that has ended. NULL is fine. Always returns NULL.
 http_pool *http__pool_free(http_pool *p);
 
-// http_file.c
+// http_finish.c
 
-/// Open the file of the page for a path, if there is one.
-bool http__file_open(int web_fd, const char *path, http_file *ret_file);
+/// Add what the transport adds to an answer: encoding, range, and the headers of limits, origins and
+/// traces. Does nothing the second time.
+void http__finish(http_request *r);
 
-/// Make the response that of r->path in the page, if it has one: a file, a 304, a 405, or without a
-/// page a word about it for "/".
-void http__file_answer(http_request *r);
+/// Say that the body is encoded; the entity tag becomes that of the encoded form.
+void http__finish_encoded(api_response *response, coding c);
 
 // http_request.c: what MHD's callbacks for requests come to.
 
@@ -215,6 +203,9 @@ void http__request_close(http_request *r);
 
 /// Handle the request by the API, and by the page where the API knows no such path.
 void http__request_handle(http_request *r);
+
+/// Make the answer anew after it has waited.
+void http__request_handle_again(http_request *r);
 
 /// A request header's value by its name, or NULL; context is the http_request.
 const char *http__request_header(void *context, const char *name);

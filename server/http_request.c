@@ -8,6 +8,7 @@
 #include <microhttpd.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 enum { ID_LENGTH = API_ID_SIZE - 1 };
@@ -90,15 +91,46 @@ static void check_header(http_request *r, const char *method, const char *versio
     r->refusal = http_guard_verdict(&guard, method, version, &r->fault);
 }
 
-static void check_reserve(http_request *r)
+static bool is_about_health(const http_request *r)
 {
-    if (!http__connection_is_reserved(r->connection))
-        return;
     for (size_t i = 0; i < sizeof health_paths / sizeof *health_paths; i++) {
         if (strcmp(r->path, health_paths[i]) == 0)
-            return;
+            return true;
     }
-    refuse(r, 503, BF_EBUSY, "too many connections are open");
+    return false;
+}
+
+static void check_reserve(http_request *r)
+{
+    if (http__connection_is_reserved(r->connection) && !is_about_health(r))
+        refuse(r, 503, BF_EBUSY, "too many connections are open");
+}
+
+// One value of X-Forwarded-For is added behind those before; context is a bf_buffer.
+static enum MHD_Result gather_forwarded(void *context, enum MHD_ValueKind kind, const char *name,
+                                        size_t n_name, const char *value, size_t n_value)
+{
+    static const char wanted[] = "X-Forwarded-For";
+
+    (void)kind;
+    (void)n_value;
+    if (n_name != sizeof wanted - 1 || strncasecmp(name, wanted, n_name) != 0)
+        return MHD_YES;
+    return buffer_printf(context, ",%s", value) == BF_OK ? MHD_YES : MHD_NO;
+}
+
+static void identify(http_request *r)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    bf_buffer forwarded = { 0 };
+
+    r->trace = http_trace_read(http__request_header(r, "X-Request-Id"),
+                               http__request_header(r, "traceparent"));
+    if (r->server->proxies.n > 0)
+        (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, gather_forwarded, &forwarded);
+    r->client = http_client_find(info->client_addr, forwarded.bytes, &r->server->proxies);
+    buffer_fini(&forwarded);
 }
 
 static void refuse_body(http_request *r)
@@ -140,6 +172,7 @@ static bool begin(http_request *r, const char *method, const char *version)
     r->begun_ms = clock_monotonic_ms();
     count(r, 1);
     check_header(r, method, version);
+    identify(r);
     if (r->refusal == 0)
         check_reserve(r);
     if (r->refusal == 0)
@@ -175,25 +208,57 @@ static bool is_for_page(const http_request *r)
     return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0;
 }
 
+static api_request view(http_request *r)
+{
+    return (api_request){ .method = r->method,
+                          .path = r->path,
+                          .query = r->query,
+                          .header = http__request_header,
+                          .header_context = r,
+                          .body = r->body.bytes,
+                          .n_body = r->body.n,
+                          .client = r->client.is_local ? NULL : r->client.text };
+}
+
 void http__request_handle(http_request *r)
 {
-    const api_request request = { .method = r->method,
-                                  .path = r->path,
-                                  .query = r->query,
-                                  .header = http__request_header,
-                                  .header_context = r,
-                                  .body = r->body.bytes,
-                                  .n_body = r->body.n };
+    const api_request request = view(r);
 
     api_handle(&r->server->services, &request, &r->response);
     if (is_for_page(r))
         http__file_answer(r);
 }
 
+void http__request_handle_again(http_request *r)
+{
+    const api_request request = view(r);
+
+    api_handle_again(&r->server->services, &request, &r->response);
+}
+
+// False: the client has asked too often, and was told so. Who is on this machine may.
+static bool check_rate(http_request *r)
+{
+    bf_error err = { 0 };
+
+    if (r->client.is_local || is_about_health(r))
+        return true;
+    r->verdict = http_limit_take(r->server->limit, r->client.key,
+                                 api_route_makes_work(r->method, r->path), clock_monotonic_ms());
+    if (!r->verdict.is_refused)
+        return true;
+    (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
+                  r->client.text, r->verdict.retry_after_s);
+    http__respond_refuse(r, 429, &err);
+    return false;
+}
+
 static bool dispatch(http_request *r)
 {
     http__connection_deadline(r->connection, -1);
-    if (!api_route_blocks(r->method, r->path)) {
+    if (!check_rate(r))
+        return http__respond(r);
+    if (!api_route_blocks(r->method, r->path) && !http__file_may_be(r->server, r->path)) {
         http__request_handle(r);
         return http__respond(r);
     }
@@ -216,6 +281,7 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
     case HTTP_STAGE_READY:
         return http__respond(r);
     case HTTP_STAGE_WORKING:
+    case HTTP_STAGE_WAITING:
     case HTTP_STAGE_SENT:
         break;
     }
@@ -226,12 +292,8 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
 static const char *run_of(const http_request *r, char *storage)
 {
     static const char prefix[] = "/v1/runs/";
-    const char *place = r->path;
-
-    for (size_t i = 0; i < r->response.n_headers; i++) {
-        if (strcmp(r->response.headers[i].name, "Location") == 0)
-            place = r->response.headers[i].value;
-    }
+    const char *location = api_response_find(&r->response, "Location");
+    const char *place = location == NULL ? r->path : location;
     const char *id = strstr(place, prefix);
     if (id == NULL || strspn(id + sizeof prefix - 1, "0123456789abcdef-") < ID_LENGTH)
         return "-";
@@ -246,9 +308,10 @@ static void log_request(const http_request *r)
     bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
 
     log_event(is_write ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
-              "method=%s path=%s status=%d ms=%lld run=%s", log_quote(r->method, method),
-              log_quote(r->path, path), r->response.status,
-              (long long)(clock_monotonic_ms() - r->begun_ms), run_of(r, id));
+              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s",
+              log_quote(r->method, method), log_quote(r->path, path), r->response.status,
+              (long long)(clock_monotonic_ms() - r->begun_ms), run_of(r, id), r->trace.id,
+              r->trace.parent[0] == '\0' ? "-" : r->trace.parent);
 }
 
 void http__request_close(http_request *r)
@@ -256,6 +319,7 @@ void http__request_close(http_request *r)
     if (r == NULL)
         return;
     http__stream_end(r);
+    http__wait_end(r);
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
     if (r->is_counted) {

@@ -3,43 +3,14 @@
 #include <microhttpd.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
-
-// Headers that every response carries, unless the API set them otherwise.
-static const api_header standard[] = {
-    { "X-Content-Type-Options", "nosniff" },
-    { "Cache-Control", "no-store" },
-};
-
-enum { N_STANDARD = sizeof standard / sizeof *standard };
-
-static bool has_header(const api_response *response, const char *name)
-{
-    for (size_t i = 0; i < response->n_headers; i++) {
-        if (strcasecmp(response->headers[i].name, name) == 0)
-            return true;
-    }
-    return false;
-}
-
-static void add_missing(api_response *response)
-{
-    for (size_t i = 0; i < N_STANDARD; i++) {
-        if (!has_header(response, standard[i].name))
-            api_response_header(response, standard[i].name, "%s", standard[i].value);
-    }
-}
-
-static void complete_headers(http_request *r)
-{
-    add_missing(&r->response);
-    if (r->refusal != 0)
-        api_response_header(&r->response, "Connection", "close");
-}
+#include <unistd.h>
 
 void http__respond_refuse(http_request *r, int status, const bf_error *err)
 {
+    if (r->file.fd >= 0)
+        (void)close(r->file.fd);
+    r->file.fd = -1;
     api_problem(&r->response, status, r->path, err);
 }
 
@@ -48,14 +19,19 @@ static bool is_streamed(const http_request *r)
     return r->response.is_stream && strcmp(r->method, "HEAD") != 0;
 }
 
-// HEAD of a stream reads nothing. MHD would still end its answer with an empty chunk, unless it may
-// not use chunks; then the connection closes.
 static struct MHD_Response *make_stream(http_request *r)
 {
-    struct MHD_Response *response =
-        MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r, NULL);
+    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r, NULL);
+}
 
-    if (response != NULL && !is_streamed(r))
+// An answer without a body whose length, if it had one, is not known: HEAD of a stream, and a 304, whose
+// length would be that of the 200 (RFC 9110, 8.6). MHD ends such an answer with an empty chunk,
+// unless it may not use chunks; then the connection closes.
+static struct MHD_Response *make_without_length(http_request *r)
+{
+    struct MHD_Response *response = make_stream(r);
+
+    if (response != NULL)
         (void)MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
     return response;
 }
@@ -65,9 +41,15 @@ static struct MHD_Response *make_response(http_request *r)
     bf_buffer *body = &r->response.body;
 
     if (r->response.is_stream)
-        return make_stream(r);
+        return is_streamed(r) ? make_stream(r) : make_without_length(r);
+    if (r->response.status == 304 && r->file.fd < 0 && body->n == 0)
+        return make_without_length(r);
     if (r->file.fd >= 0)
-        return MHD_create_response_from_fd64(r->file.n, r->file.fd);
+        return MHD_create_response_from_fd_at_offset64(r->is_cut ? r->n_sent : r->file.n,
+                                                       r->file.fd, r->is_cut ? r->first : 0);
+    if (r->is_cut)
+        return MHD_create_response_from_buffer((size_t)r->n_sent, body->bytes + r->first,
+                                               MHD_RESPMEM_PERSISTENT);
     return MHD_create_response_from_buffer(body->n, body->bytes, MHD_RESPMEM_PERSISTENT);
 }
 
@@ -79,12 +61,13 @@ static void admit_stream(http_request *r)
     (void)bf_fail(&err, BF_EBUSY, "", "there are %u event streams, which is the limit",
                   r->server->options.stream_limit);
     http__respond_refuse(r, 503, &err);
+    r->is_finished = false;
 }
 
 bool http__respond(http_request *r)
 {
     admit_stream(r);
-    complete_headers(r);
+    http__finish(r);
     struct MHD_Response *response = make_response(r);
     if (response == NULL)
         return false;
@@ -116,7 +99,7 @@ void http__respond_past_body(http_request *r)
 {
     bf_buffer bytes = { 0 };
 
-    complete_headers(r);
+    http__finish(r);
     r->stage = HTTP_STAGE_SENT;
     // What does not fit into the socket's buffer is lost: nothing was sent before, so it fits.
     if (write_head(&r->response, &bytes) == BF_OK &&

@@ -36,7 +36,6 @@
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
 
@@ -135,6 +134,7 @@ void http_notify(http *h, const char *run_id)
         if (follows(s, run_id))
             wake(h, s);
     }
+    http__wait_notify(h, run_id);
     lock_give(&h->lock);
 }
 
@@ -142,10 +142,9 @@ void http__stream_watch(http *h, int64_t now_ms)
 {
     lock_assert_held(&h->lock);
     for (http_stream *s = h->streams; s != NULL; s = s->next) {
-        struct pollfd p = { .fd = s->fd, .events = POLLRDHUP };
         if (!s->is_suspended)
             continue;
-        s->has_left = poll(&p, 1, 0) > 0 && (p.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+        s->has_left = http__connection_has_hung_up(s->fd);
         s->owes_heartbeat = now_ms - s->sent_ms >= h->options.heartbeat_ms;
         if (s->has_left || s->owes_heartbeat)
             wake(h, s);

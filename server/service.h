@@ -5,6 +5,7 @@
 #pragma once
 
 #include "api/services.h"
+#include "server/queue_share.h"
 #include "server/store.h"
 #include "server/supervisor.h"
 
@@ -15,6 +16,7 @@
 typedef struct service {
     store *store;            ///< open
     supervisor *supervisor;  ///< running
+    queue_share *share;      ///< what each client may fill of the queue; NULL: all of it
     atomic_bool is_draining; ///< the daemon stops: nothing new is accepted
 } service;
 

@@ -101,7 +101,7 @@ bool client_read_response(int fd, bf_buffer *rest, bool has_body, bf_buffer *ans
     if (!client_read_until(fd, rest, "\r\n\r\n", 5000))
         return false;
     size_t n = (size_t)(strstr(rest->bytes, "\r\n\r\n") + 4 - rest->bytes);
-    if (has_body)
+    if (has_body && client_status(rest) != 304)
         n += content_length(rest);
     while (rest->n < n) {
         if (read_some(fd, rest, deadline_ms) != GOT_BYTES)

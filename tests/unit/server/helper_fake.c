@@ -45,7 +45,8 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     memset(ret_run, 0, sizeof *ret_run);
     (void)snprintf(ret_run->id, sizeof ret_run->id, "%s", id);
     lock_take(&f->lock);
-    ret_run->last_event = f->n_events;
+    ret_run->last_event = ret_run->revision = f->n_events;
+    f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
     void (*after_find)(void) = f->after_find;
     lock_give(&f->lock);
@@ -120,6 +121,7 @@ http *fake_serve(fake *f, void (*change)(http_options *options))
                              .n_request_threads = 4,
                              .connection_limit = 600,
                              .stream_limit = 500,
+                             .wait_limit = 500,
                              .body_limit = 100000,
                              .header_deadline_ms = 10000,
                              .body_deadline_ms = 10000,

@@ -21,6 +21,7 @@ typedef struct fake {
     bool is_held;             ///< ready() waits until it is not
     bool is_broken;           ///< read_events() fails
     unsigned n_waiting;       ///< calls of ready() that wait
+    unsigned n_finds;         ///< calls of find()
     unsigned n_reads;         ///< calls of read_events()
     void (*after_find)(void); ///< called by find() when it has its answer; NULL: nothing
 } fake;

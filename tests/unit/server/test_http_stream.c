@@ -16,12 +16,6 @@
 #define EVENTS "/v1/runs/" FAKE_RUN "/events"
 #define STREAM "GET " EVENTS " HTTP/1.1\r\n" HOST "\r\n"
 
-static void append_and_notify(bool is_end)
-{
-    fake_append(&server_services, is_end);
-    http_notify(server, FAKE_RUN);
-}
-
 // Opens a stream and waits for its first bytes.
 static int open_stream(bf_buffer *answer)
 {
@@ -61,7 +55,7 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
         char event[64];
         if (k % 4 == 0)
             wait_until_quiet();
-        append_and_notify(k == 20);
+        server_append(k == 20);
         (void)snprintf(event, sizeof event, "id: %d\nevent: %s\ndata: {\"k\":%d}\n\n", k,
                        k == 20 ? "end" : "progress", k);
         assert_true(client_read_until(fd, &answer, event, 5000));
@@ -98,7 +92,7 @@ static void a_stream_that_the_store_fails_is_torn_off(void **state)
     lock_take(&server_services.lock);
     server_services.is_broken = true;
     lock_give(&server_services.lock);
-    append_and_notify(false);
+    server_append(false);
     assert_true(client_read_all(fd, &answer, 5000));
     assert_null(strstr(answer.bytes, "\r\n0\r\n\r\n"));
     assert_int_equal(close(fd), 0);
@@ -134,7 +128,7 @@ static void *write_log(void *context)
     unsigned seed = *(const unsigned *)context;
 
     for (int k = 0; k < N_EVENTS / N_WRITERS; k++) {
-        append_and_notify(false);
+        server_append(false);
         int pause = rand_r(&seed) % 64;
         if (pause == 0)
             (void)usleep(100);
@@ -186,7 +180,7 @@ static void a_stream_that_is_notified_at_any_moment_misses_nothing(void **state)
         assert_int_equal(pthread_create(&writers[i], NULL, write_log, &seeds[i]), 0);
     for (int i = 0; i < N_WRITERS; i++)
         assert_int_equal(pthread_join(writers[i], NULL), 0);
-    append_and_notify(true);
+    server_append(true);
     for (int i = 0; i < N_READERS; i++) {
         assert_int_equal(pthread_join(readers[i], &good), 0);
         n_good += good != NULL;
@@ -205,7 +199,7 @@ static void append_late(void)
     uint64_t n = server_services.n_events;
     lock_give(&server_services.lock);
     if (n <= N_LATE)
-        append_and_notify(n == N_LATE);
+        server_append(n == N_LATE);
 }
 
 static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **state)
@@ -220,7 +214,7 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     lock_take(&server_services.lock);
     server_services.after_find = append_late;
     lock_give(&server_services.lock);
-    append_and_notify(false);
+    server_append(false);
     (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
     assert_true(client_read_until(fd, &answer, event, 20000));
     assert_int_equal(close(fd), 0);
@@ -238,7 +232,7 @@ static void a_stream_that_sleeps_is_woken_every_time(void **state)
     int fd = open_stream(&answer);
     for (int k = 1; k <= ROUNDS; k++) {
         char event[64];
-        append_and_notify(false);
+        server_append(false);
         (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", k);
         answer.n = 0;
         assert_true(client_read_until(fd, &answer, event, 5000));
@@ -273,17 +267,6 @@ static void two_hundred_sleeping_streams_stop_at_once(void **state)
     }
 }
 
-static void *keep_appending(void *context)
-{
-    const bool *goes_on = context;
-
-    while (__atomic_load_n(goes_on, __ATOMIC_ACQUIRE)) {
-        append_and_notify(false);
-        (void)usleep(200);
-    }
-    return NULL;
-}
-
 // The server is stopped while its streams are written, woken and put to sleep; the notices must end
 // before, as the daemon sees to.
 static void streams_under_way_stop_too(void **state)
@@ -292,18 +275,16 @@ static void streams_under_way_stop_too(void **state)
 
     (void)state;
     for (int round = 0; round < ROUNDS; round++) {
-        bool goes_on = true;
-        pthread_t writer;
+        server_writer writer;
         int fds[N];
         server = fake_serve(&server_services, NULL);
         for (int i = 0; i < N; i++) {
             fds[i] = client_connect(http_port(server));
             assert_true(client_send(fds[i], STREAM));
         }
-        assert_int_equal(pthread_create(&writer, NULL, keep_appending, &goes_on), 0);
+        server_writer_start(&writer);
         (void)usleep(1000U * (unsigned)(round * 5));
-        __atomic_store_n(&goes_on, false, __ATOMIC_RELEASE);
-        assert_int_equal(pthread_join(writer, NULL), 0);
+        server_writer_end(&writer);
         server = http_stop(server);
         for (int i = 0; i < N; i++)
             assert_int_equal(close(fds[i]), 0);
@@ -378,7 +359,7 @@ static void an_idle_stream_has_a_heartbeat(void **state)
         assert_true(client_read_until(fd, &answer, "\r\n:\n\n\r\n", 5000));
     }
     assert_in_range(clock_monotonic_ms() - start_ms, 550, 5000);
-    append_and_notify(false);
+    server_append(false);
     assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", 5000));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
@@ -401,7 +382,7 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     http_notify(server, FAKE_RUN);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N);
     assert_true(client_read_until(fd, &answer, event, 30000));
-    append_and_notify(false);
+    server_append(false);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N + 1);
     answer.n = 0;
     assert_true(client_read_until(fd, &answer, event, 5000));

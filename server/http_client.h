@@ -1,0 +1,44 @@
+/// Who sent a request: the address that limits hold for.
+///
+/// Behind a proxy every connection comes from the proxy; it says in X-Forwarded-For whom it asks for.
+/// That is believed of configured proxies only, read from the right as far as they go: what stands
+/// left of the first address that is no proxy of ours, anybody can have written.
+
+#pragma once
+
+#include "api/services.h"
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/socket.h>
+
+enum {
+    HTTP_CLIENT_KEY_SIZE = 16, ///< bytes of an address, IPv6 or IPv4 mapped into it
+    HTTP_PROXIES_MAX = 32,     ///< configured proxies
+};
+
+/// Networks whose X-Forwarded-For is believed. Zero-initialise: none.
+typedef struct http_proxies {
+    size_t n;                                             ///< networks
+    uint8_t keys[HTTP_PROXIES_MAX][HTTP_CLIENT_KEY_SIZE]; ///< their addresses
+    unsigned bits[HTTP_PROXIES_MAX];                      ///< of which so many count
+} http_proxies;
+
+/// A client. Of IPv6 only the network's 64 bits count, since one host has all the rest of them.
+typedef struct http_client {
+    uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< for comparison
+    char text[API_CLIENT_SIZE];        ///< for people
+    bool is_local;                     ///< of this machine: the loopback network
+} http_client;
+
+/// Read a list of addresses and networks ("10.0.0.0/8 ::1"), separated by spaces or commas.
+/// BF_EINPUT names what is none; BF_ELIMIT.
+BF_MUST_CHECK bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies,
+                                                 bf_error *err);
+
+/// The client behind a connection from peer whose request has this X-Forwarded-For (NULL: none). A
+/// peer of another family than IPv4 and IPv6 is local.
+http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
+                             const http_proxies *proxies);
