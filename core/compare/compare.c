@@ -1,8 +1,13 @@
 #include "core/compare/compare.h"
 
+#include "core/compare/compare_priv.h"
+
 #include <math.h>
 
 static const double drained_share = 0.01; // of the first value
+
+// Throughput counts between these shares of what leaves.
+static const double ramp_share = 0.1, tail_share = 0.9;
 
 static bf_status check_curve(const compare_curve *c, const char *pointer, bf_error *err)
 {
@@ -68,17 +73,53 @@ static double mean_rate(const compare_curve *c, double t_start, double t_end)
     return t_end > t_start ? (first - last) / (t_end - t_start) : 0.0;
 }
 
-// Adds the interval from t to next, on which the gap goes linearly from gap to next_gap: the integral
-// of |gap|, with its zero crossing, and of gap^2 are exact for such a line.
-static void add_interval(double width, double gap, double next_gap, double *area, double *square)
+// What a curve does on an interval.
+typedef struct passage {
+    double t10, t90, throughput; // NAN: nothing leaves
+} passage;
+
+// The first time from t on at which the curve has gone this share of its way from first to last,
+// which differ. *at stays at or before it, to be read on from there.
+static double find_share(cursor *at, double t, double t_end, double first, double last,
+                         double share)
+{
+    double gone = (read_at(at, t) - first) / (last - first);
+
+    while (gone < share && t < t_end) {
+        cursor ahead = *at;
+        double next = next_time(at, at, t, t_end);
+        double next_gone = (read_at(&ahead, next) - first) / (last - first);
+        if (next_gone >= share)
+            return t + (share - gone) / (next_gone - gone) * (next - t);
+        *at = ahead;
+        t = next;
+        gone = next_gone;
+    }
+    return t;
+}
+
+static passage measure_passage(const compare_curve *c, double t_start, double t_end)
+{
+    cursor at = { .curve = c }, end = { .curve = c };
+    double first = read_at(&at, t_start), last = read_at(&end, t_end);
+    passage p = { NAN, NAN, NAN };
+
+    if (first == last)
+        return p;
+    p.t10 = find_share(&at, t_start, t_end, first, last, ramp_share);
+    p.t90 = find_share(&at, p.t10, t_end, first, last, tail_share);
+    if (p.t90 > p.t10)
+        p.throughput = (tail_share - ramp_share) * fabs(last - first) / (p.t90 - p.t10);
+    return p;
+}
+
+double compare__area(double width, double gap, double next_gap)
 {
     double low = fabs(gap), high = fabs(next_gap);
 
     if (gap * next_gap < 0.0)
-        *area += 0.5 * width * (low * low + high * high) / (low + high);
-    else
-        *area += 0.5 * width * (low + high);
-    *square += width * (gap * gap + gap * next_gap + next_gap * next_gap) / 3.0;
+        return 0.5 * width * (low * low + high * high) / (low + high);
+    return 0.5 * width * (low + high);
 }
 
 static void measure_gap(cursor a, cursor b, compare_measures *m)
@@ -91,7 +132,9 @@ static void measure_gap(cursor a, cursor b, compare_measures *m)
     while (t < m->t_end) {
         double next = next_time(&a, &b, t, m->t_end);
         double next_gap = read_at(&a, next) - read_at(&b, next);
-        add_interval(next - t, gap, next_gap, &area, &square);
+        area += compare__area(next - t, gap, next_gap);
+        // The integral of the square of a line, exact.
+        square += (next - t) * (gap * gap + gap * next_gap + next_gap * next_gap) / 3.0;
         if (fabs(next_gap) > m->largest) {
             m->largest = fabs(next_gap);
             m->largest_at = next;
@@ -102,6 +145,38 @@ static void measure_gap(cursor a, cursor b, compare_measures *m)
     double width = m->t_end - m->t_start;
     m->l1 = width > 0.0 ? area / width : fabs(gap);
     m->l2 = width > 0.0 ? sqrt(square / width) : fabs(gap);
+}
+
+bf_status compare_figures_of(const compare_curve *curve, compare_figures *ret_figures,
+                             bf_error *err)
+{
+    bf_status status = check_curve(curve, "", err);
+
+    if (status != BF_OK)
+        return status;
+    compare_figures f = { .t_start = curve->t[0],
+                          .t_end = curve->t[curve->n - 1],
+                          .parts_start = curve->parts[0],
+                          .parts_end = curve->parts[curve->n - 1],
+                          .drain_time = drain_time(curve) };
+    passage p = measure_passage(curve, f.t_start, f.t_end);
+    f.t10 = p.t10;
+    f.t90 = p.t90;
+    f.throughput = p.throughput;
+    *ret_figures = f;
+    return BF_OK;
+}
+
+static void measure_sides(const compare_curve *a, const compare_curve *b, compare_measures *m)
+{
+    m->drain_time_a = drain_time(a);
+    m->drain_time_b = drain_time(b);
+    m->drain_gap = m->drain_time_b - m->drain_time_a;
+    m->rate_a = mean_rate(a, m->t_start, m->t_end);
+    m->rate_b = mean_rate(b, m->t_start, m->t_end);
+    m->throughput_a = measure_passage(a, m->t_start, m->t_end).throughput;
+    m->throughput_b = measure_passage(b, m->t_start, m->t_end).throughput;
+    m->throughput_gap = m->throughput_b - m->throughput_a;
 }
 
 bf_status compare_curves(const compare_curve *a, const compare_curve *b,
@@ -120,10 +195,7 @@ bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                        "and %.9g s to %.9g s",
                        a->t[0], a->t[a->n - 1], b->t[0], b->t[b->n - 1]);
     measure_gap((cursor){ .curve = a }, (cursor){ .curve = b }, &m);
-    m.drain_time_a = drain_time(a);
-    m.drain_time_b = drain_time(b);
-    m.rate_a = mean_rate(a, m.t_start, m.t_end);
-    m.rate_b = mean_rate(b, m.t_start, m.t_end);
+    measure_sides(a, b, &m);
     *ret_measures = m;
     return BF_OK;
 }

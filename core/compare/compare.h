@@ -1,10 +1,19 @@
-/// How far two outflow curves are apart.
+/// How far outflow curves are apart, and densities on the same grid.
 ///
-/// Between samples a curve is linear; where two curves have different times, both are read on the
-/// union of their times within the common interval. Integrals are exact for such lines.
+/// Curve       Between samples it is linear; where two curves have different times, both are read
+///             on the union of their times within the common interval. Integrals are exact for such
+///             lines.
+/// Throughput  On an interval from t0 to t1, with U the curve and what left |U(t1) - U(t0)|,
+///
+///                 0.8 |U(t1) - U(t0)| / (t90 - t10),   parts/s,
+///
+///             t10 and t90 being the first times at which the curve has gone 10 % and 90 % of the
+///             way from U(t0) to U(t1): the ramp at the start and the last stragglers do not count.
+/// Gaps        of figures are b minus a.
 
 #pragma once
 
+#include "core/base/grid.h"
 #include "core/base/status.h"
 
 #include <stddef.h>
@@ -16,6 +25,18 @@ typedef struct compare_curve {
     const double *parts; ///< U(t)
 } compare_curve;
 
+/// Figures of one curve over all its samples.
+typedef struct compare_figures {
+    double t_start;     ///< first time, s
+    double t_end;       ///< last time, s
+    double parts_start; ///< first value
+    double parts_end;   ///< last value
+    double drain_time;  ///< first t at which it is <= 1 % of its first value; NAN: never, s
+    double t10;         ///< see above; NAN: nothing left, s
+    double t90;         ///< see above; NAN: nothing left, s
+    double throughput;  ///< see above; NAN: nothing left, parts/s
+} compare_figures;
+
 /// Measures between two curves a and b.
 typedef struct compare_measures {
     double t_start;      ///< start of the common interval, s
@@ -26,11 +47,37 @@ typedef struct compare_measures {
     double largest_at;   ///< first time at which it is reached, s
     double drain_time_a; ///< first t at which a <= 1 % of its first value; NAN: never, s
     double drain_time_b; ///< same of b
+    double drain_gap;    ///< drain_time_b - drain_time_a, s; NAN where one is
     double rate_a;       ///< mean outflow (first - last)/duration over the common interval, parts/s
     double rate_b;       ///< same of b
+    double throughput_a; ///< over the common interval, parts/s; NAN: nothing left
+    double throughput_b; ///< same of b
+    double throughput_gap; ///< throughput_b - throughput_a, parts/s; NAN where one is
 } compare_measures;
+
+/// The figures of a curve. BF_EINPUT: it is empty, has times that do not rise, or values that are not
+/// finite.
+BF_MUST_CHECK bf_status compare_figures_of(const compare_curve *curve, compare_figures *ret_figures,
+                                           bf_error *err);
 
 /// Compare two curves. BF_EINPUT: one is empty, has times that do not rise, values that are not
 /// finite, or they have no common interval; err->pointer is "/a" or "/b".
 BF_MUST_CHECK bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                                        compare_measures *ret_measures, bf_error *err);
+
+/// How far two densities are apart.
+typedef struct compare_distance {
+    double mean_abs; ///< mean |a - b| over the cells
+    double l1; ///< sum |a - b| / sum (|a| + |b|): 0 the same, 1 nothing in common; NAN: both empty
+    double emd_x; ///< earth mover's distance of the marginals along x, m; NAN: one has no mass
+    double emd_y; ///< same along y
+} compare_distance;
+
+/// Compare two densities on the same grid, cell (i, j) at j * n1 + i.
+///
+/// The earth mover's distance is the integral of |F_a - F_b| along an axis, F the share of the mass
+/// up to there, with the density constant within a cell: how far the cargo of the one would have to
+/// be carried along this axis to lie as that of the other. Each density counts by its own mass, so
+/// that unequal masses are not seen by it; they are by l1. BF_ENOMEM.
+BF_MUST_CHECK bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
+                                          compare_distance *ret_distance, bf_error *err);

@@ -71,6 +71,84 @@ static void only_the_common_interval_counts(void **state)
     assert_true(isnan(m.drain_time_a));
 }
 
+// 100 parts leave on [1, 3] at 50 parts/s, with nothing before and after: 10 % are gone at 1.2 s, 90 %
+// at 2.8 s. Seen through [1, 2] alone 50 parts leave, at the same rate.
+static void throughput_is_taken_from_ten_to_ninety_percent_of_what_left(void **state)
+{
+    (void)state;
+    static const double t[] = { 0.0, 1.0, 3.0, 6.0 }, parts[] = { 120.0, 120.0, 20.0, 20.0 };
+    static const double flat_t[] = { 1.0, 2.0 }, flat[] = { 7.0, 7.0 };
+    const compare_curve c = { 4, t, parts }, still = { 2, flat_t, flat };
+    compare_figures f;
+    compare_measures m;
+    assert_int_equal(compare_figures_of(&c, &f, NULL), BF_OK);
+    assert_near(f.t_start, 0.0, 0.0);
+    assert_near(f.t_end, 6.0, 0.0);
+    assert_near(f.parts_start, 120.0, 0.0);
+    assert_near(f.parts_end, 20.0, 0.0);
+    assert_near(f.t10, 1.2, 1e-15);
+    assert_near(f.t90, 2.8, 1e-15);
+    assert_near(f.throughput, 50.0, 1e-12);
+    assert_true(isnan(f.drain_time));
+    assert_int_equal(compare_curves(&c, &still, &m, NULL), BF_OK);
+    assert_near(m.throughput_a, 50.0, 1e-12);
+    assert_true(isnan(m.throughput_b) && isnan(m.throughput_gap) && isnan(m.drain_gap));
+}
+
+// A ramp of 1 part/s on [0, 10], a rush of 40 parts/s on [10, 12], a trickle of 1 part/s on [12, 22]:
+// the first and last 10 of 100 parts are cut off, so that the rush alone counts, sample by sample
+// or not, and so it does for a counter that fills instead.
+static void the_ramp_and_the_tail_do_not_count(void **state)
+{
+    (void)state;
+    static const double t[] = { 0.0, 10.0, 12.0, 22.0 }, out[] = { 100.0, 90.0, 10.0, 0.0 };
+    static const double in[] = { 0.0, 10.0, 90.0, 100.0 };
+    static double fine_t[221], fine[221];
+    const compare_curve coarse = { 4, t, out }, filling = { 4, t, in };
+    const compare_curve many = { 221, fine_t, fine };
+    compare_figures f;
+    for (int k = 0; k <= 220; k++) {
+        fine_t[k] = 0.1 * k;
+        fine[k] = k < 100 ? 100.0 - 0.1 * k : k < 120 ? 90.0 - 4.0 * (k - 100) : 22.0 - 0.1 * k;
+    }
+    const compare_curve *const all[] = { &coarse, &filling, &many };
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        assert_int_equal(compare_figures_of(all[k], &f, NULL), BF_OK);
+        assert_near(f.t10, 10.0, 1e-9);
+        assert_near(f.t90, 12.0, 1e-9);
+        assert_near(f.throughput, 40.0, 1e-9);
+    }
+}
+
+// Curves with the same shape, b 1 s later and twice as slow: drained 2 s later.
+static void gaps_of_figures_are_b_minus_a(void **state)
+{
+    (void)state;
+    static const double ta[] = { 0.0, 1.0, 4.0 }, tb[] = { 0.0, 1.0, 3.0, 4.0 };
+    static const double pa[] = { 10.0, 0.0, 0.0 }, pb[] = { 10.0, 10.0, 0.0, 0.0 };
+    const compare_curve a = { 3, ta, pa }, b = { 4, tb, pb };
+    compare_measures m;
+    assert_int_equal(compare_curves(&a, &b, &m, NULL), BF_OK);
+    assert_near(m.drain_gap, 2.0, 0.0);
+    assert_near(m.throughput_a, 10.0, 1e-12);
+    assert_near(m.throughput_b, 5.0, 1e-12);
+    assert_near(m.throughput_gap, -5.0, 1e-12);
+}
+
+static void a_single_sample_has_figures_but_no_throughput(void **state)
+{
+    (void)state;
+    static const double t[] = { 2.0 }, parts[] = { 5.0 };
+    const compare_curve c = { 1, t, parts }, none = { 0, t, parts };
+    compare_figures f = { .t_start = -1.0 };
+    bf_error err;
+    assert_int_equal(compare_figures_of(&none, &f, &err), BF_EINPUT);
+    assert_near(f.t_start, -1.0, 0.0);
+    assert_int_equal(compare_figures_of(&c, &f, NULL), BF_OK);
+    assert_near(f.t_end, 2.0, 0.0);
+    assert_true(isnan(f.throughput) && isnan(f.t10) && isnan(f.t90));
+}
+
 static void curves_that_are_none_are_refused_by_name(void **state)
 {
     (void)state;
@@ -100,6 +178,10 @@ int main(void)
         cmocka_unit_test(curves_are_read_linearly_between_their_samples),
         cmocka_unit_test(a_crossing_counts_on_both_its_sides),
         cmocka_unit_test(only_the_common_interval_counts),
+        cmocka_unit_test(throughput_is_taken_from_ten_to_ninety_percent_of_what_left),
+        cmocka_unit_test(the_ramp_and_the_tail_do_not_count),
+        cmocka_unit_test(gaps_of_figures_are_b_minus_a),
+        cmocka_unit_test(a_single_sample_has_figures_but_no_throughput),
         cmocka_unit_test(curves_that_are_none_are_refused_by_name),
     };
 
