@@ -55,14 +55,6 @@ bf_status events_progress(const char *run_id, const frame_progress *p, double st
     return finish(&w, start, err);
 }
 
-static void write_column(json_out *w, const double *values, size_t n, size_t stride)
-{
-    json_out_array(w);
-    for (size_t i = 0; i < n; i++)
-        json_out_number(w, values[i * stride]);
-    json_out_array_end(w);
-}
-
 bf_status events_curve(const char *run_id, const frame_curve *c, const char *columns,
                        bf_buffer *out, bf_error *err)
 {
@@ -72,15 +64,12 @@ bf_status events_curve(const char *run_id, const frame_curve *c, const char *col
     json_out w = begin(run_id, out);
     json_out_key_integer(&w, "first", (int64_t)c->first);
     json_out_key(&w, "t_s");
-    write_column(&w, c->t, c->n, 1);
+    json_out_numbers(&w, c->t, c->n, 1);
     for (size_t column = 0; column < c->n_columns; column++) {
-        size_t length = strcspn(columns, ",");
-        BF_CHECK(length > 0 && length < sizeof name);
-        memcpy(name, columns, length);
-        name[length] = '\0';
-        columns += length + (columns[length] == ',');
+        bool has_name = api_take_column(&columns, name);
+        BF_CHECK(has_name);
         json_out_key(&w, name);
-        write_column(&w, c->values + column, c->n, c->n_columns);
+        json_out_numbers(&w, c->values + column, c->n, c->n_columns);
     }
     BF_CHECK(*columns == '\0');
     return finish(&w, start, err);

@@ -72,19 +72,6 @@ const char *exchange__header(const exchange *x, const char *name)
     return x->request->header(x->request->header_context, name);
 }
 
-bool exchange__is_id(const char *text)
-{
-    static const char form[] = "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx";
-
-    for (size_t i = 0; i < sizeof form - 1; i++) {
-        bool fits = form[i] == '-' ? text[i] == '-'
-                                   : text[i] != '\0' && strchr("0123456789abcdef", text[i]) != NULL;
-        if (!fits)
-            return false;
-    }
-    return text[sizeof form - 1] == '\0';
-}
-
 bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
 {
     const char *id = x->params.values[0];
@@ -248,7 +235,7 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
     if (status == 405 && routes_allow(x->request->path, allow))
         api_response_header(x->response, "Allow", "%s", allow);
     if (status == 415)
-        api_response_header(x->response, "Accept", "application/json");
+        api_response_header(x->response, "Accept", "%s", x->accepts);
 }
 
 static void vary(exchange *x)

@@ -23,17 +23,50 @@ struct exchange {
     const media *media;           ///< the representation that was chosen
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
+    char accepts[64];             ///< media types of bodies, for a 415
 };
 
 /// Fail with an HTTP status that no bf_status stands for. Returns BF_EINPUT.
 bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/// Same with the place at fault: "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON
+/// pointer.
+bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
+                              const char *format, ...) __attribute__((format(printf, 5, 6)));
+
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
 
-/// True if text has the form of a run id.
+/// True if text has the form of an id.
 bool exchange__is_id(const char *text);
+
+/// Read the query parameter name as "id,id,...": 1 to most different ids. *ret_n is how many.
+BF_MUST_CHECK bf_status exchange__read_ids(exchange *x, const char *name, size_t most,
+                                           char (*ret_ids)[API_ID_SIZE], size_t *ret_n,
+                                           bf_error *err);
+
+/// Which page of a list is asked for, by the parameters label, cursor and limit.
+typedef struct exchange_page {
+    char label[API_LABEL_SIZE]; ///< "": any
+    char before[API_ID_SIZE];   ///< only what is older than this id; "": from the newest
+    size_t limit;               ///< 1 .. API_LIST_MAX
+} exchange_page;
+
+/// Read the page that is asked for.
+BF_MUST_CHECK bf_status exchange__read_page(const exchange *x, exchange_page *ret_page,
+                                            bf_error *err);
+
+/// Add the Link to the page that follows last_id. filters stands for further parameters:
+/// "&status=failed".
+void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
+                         const char *last_id);
+
+/// Find which of the media types the body has, as its Content-Type says; types is NULL-terminated.
+/// Only these are taken, and no content coding, so that no page of another origin can post unasked:
+/// 415.
+BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *types,
+                                             size_t *ret_type, bf_error *err);
 
 /// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);

@@ -3,8 +3,6 @@
 #include "api/exchange_priv.h"
 #include "api/handlers.h"
 
-#include <string.h>
-
 static bf_status read_flag(const exchange *x, const char *name, bool *ret_value, bf_error *err)
 {
     uint64_t value = 0;
@@ -62,45 +60,12 @@ bf_status handlers_events_of_run(exchange *x, bf_error *err)
     return status;
 }
 
-// Reads "id,id,..." of different runs.
-static bf_status read_runs(exchange *x, char (*ret_runs)[API_ID_SIZE], size_t *ret_n, bf_error *err)
-{
-    const char *text = query_value(&x->query, "runs");
-    size_t n = 0;
-
-    if (text == NULL || *text == '\0')
-        return exchange__refuse(x, 400, err, "query parameter 'runs' is missing: ids with commas");
-    for (;; text++) {
-        size_t length = strcspn(text, ",");
-        if (n == API_STREAM_RUNS_MAX)
-            return exchange__refuse(x, 400, err, "query parameter 'runs' has more than %d runs",
-                                    API_STREAM_RUNS_MAX);
-        if (length >= API_ID_SIZE)
-            return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%.64s'", text);
-        memcpy(ret_runs[n], text, length);
-        ret_runs[n][length] = '\0';
-        if (!exchange__is_id(ret_runs[n]))
-            return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", ret_runs[n]);
-        for (size_t i = 0; i < n; i++) {
-            if (strcmp(ret_runs[i], ret_runs[n]) == 0)
-                return exchange__refuse(x, 400, err, "query parameter 'runs' has '%s' twice",
-                                        ret_runs[n]);
-        }
-        n++;
-        text += length;
-        if (*text == '\0')
-            break;
-    }
-    *ret_n = n;
-    return BF_OK;
-}
-
 bf_status handlers_events_of_runs(exchange *x, bf_error *err)
 {
     char runs[API_STREAM_RUNS_MAX][API_ID_SIZE];
     size_t n = 0;
 
-    bf_status status = read_runs(x, runs, &n, err);
+    bf_status status = exchange__read_ids(x, "runs", API_STREAM_RUNS_MAX, runs, &n, err);
     if (status == BF_OK)
         status = begin_stream(x, runs, n, err);
     return status;

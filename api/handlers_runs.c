@@ -9,36 +9,18 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
-enum {
-    RUN_JSON_MAX = 16384, // bytes that hold any run as JSON
-    LIST_LIMIT = 50,      // runs a page, unless asked for
-};
+enum { RUN_JSON_MAX = 16384 }; // bytes that hold any run as JSON
 
-// The body must say that it is JSON, so that no page of another origin can post it unasked.
-static bf_status check_body_type(exchange *x, bf_error *err)
-{
-    static const char wanted[] = "application/json";
-    const char *type = exchange__header(x, "Content-Type");
-    const char *coding = exchange__header(x, "Content-Encoding");
-
-    if (type == NULL)
-        return exchange__refuse(x, 415, err, "the body needs Content-Type: %s", wanted);
-    size_t n = strcspn(type, "; \t");
-    if (n != sizeof wanted - 1 || strncasecmp(type, wanted, n) != 0)
-        return exchange__refuse(x, 415, err, "the body must be %s, not '%.64s'", wanted, type);
-    if (coding != NULL && strcasecmp(coding, "identity") != 0)
-        return exchange__refuse(x, 415, err, "the body must not be encoded ('%.32s')", coding);
-    return BF_OK;
-}
+static const char *const body_types[] = { "application/json", NULL };
 
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
     const api_request *request = x->request;
     const char *body = request->body == NULL ? "" : request->body;
-    bf_status status = check_body_type(x, err);
+    size_t type;
 
+    bf_status status = exchange__check_body(x, body_types, &type, err);
     if (status == BF_OK)
         status = submission_read(body, request->n_body, ret_submission, &x->faults, err);
     return status;
@@ -125,58 +107,30 @@ static bf_status read_model(const char *word, int *ret_model, bf_error *err)
     return bf_fail(err, BF_EINPUT, "", "query parameter 'model' is no model: '%.32s'", word);
 }
 
-static bf_status read_list_query(const exchange *x, api_list_query *list, bf_error *err)
+static bf_status read_list_query(const exchange *x, const exchange_page *page, api_list_query *list,
+                                 bf_error *err)
 {
     const char *state = query_value(&x->query, "status");
     const char *model = query_value(&x->query, "model");
-    const char *label = query_value(&x->query, "label");
-    const char *cursor = query_value(&x->query, "cursor");
-    uint64_t limit = LIST_LIMIT;
 
-    *list = (api_list_query){ .state = -1, .model = -1 };
+    *list = (api_list_query){ .state = -1, .model = -1, .limit = page->limit };
+    memcpy(list->label, page->label, sizeof list->label);
+    memcpy(list->before, page->before, sizeof list->before);
     if (state != NULL && (list->state = run_state_find(state)) == RUN_STATE_COUNT)
         return bf_fail(err, BF_EINPUT, "", "query parameter 'status' is no status: '%.32s'", state);
-    if (label != NULL && strlen(label) >= sizeof list->label)
-        return bf_fail(err, BF_EINPUT, "", "query parameter 'label' has more than %d bytes",
-                       API_LABEL_SIZE - 1);
-    if (cursor != NULL && !exchange__is_id(cursor))
-        return bf_fail(err, BF_EINPUT, "", "query parameter 'cursor' is not from a `next` link");
-    snprintf(list->label, sizeof list->label, "%s", label == NULL ? "" : label);
-    snprintf(list->before, sizeof list->before, "%s", cursor == NULL ? "" : cursor);
-    bf_status status = query_number(&x->query, "limit", 1, API_LIST_MAX, &limit, err);
-    list->limit = (size_t)limit;
-    if (status == BF_OK && model != NULL)
-        status = read_model(model, &list->model, err);
-    return status;
+    return model == NULL ? BF_OK : read_model(model, &list->model, err);
 }
 
-// Writes a value for a query; text has room for three bytes per byte of value.
-static void encode_value(const char *value, char *text)
+static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *list,
+                          const char *last_id)
 {
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-
-    for (; *value != '\0'; value++) {
-        if (strchr(plain, *value) != NULL)
-            *text++ = *value;
-        else
-            text += sprintf(text, "%%%02X", (unsigned char)*value);
-    }
-    *text = '\0';
-}
-
-static void add_next_link(exchange *x, const api_list_query *list, const char *last_id)
-{
-    char label[API_LABEL_SIZE * 3];
     bool has_state = list->state >= 0, has_model = list->model >= 0;
+    char filters[64];
 
-    encode_value(list->label, label);
-    api_response_header(x->response, "Link",
-                        "</v1/runs?limit=%zu%s%s%s%s%s%s&cursor=%s>; rel=\"next\"", list->limit,
-                        has_state ? "&status=" : "",
-                        has_state ? run_state_word((run_state)list->state) : "",
-                        has_model ? "&model=" : "", has_model ? run_model_words[list->model] : "",
-                        label[0] == '\0' ? "" : "&label=", label, last_id);
+    snprintf(filters, sizeof filters, "%s%s%s%s", has_state ? "&status=" : "",
+             has_state ? run_state_word((run_state)list->state) : "", has_model ? "&model=" : "",
+             has_model ? run_model_words[list->model] : "");
+    exchange__link_next(x, page, filters, last_id);
 }
 
 static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
@@ -199,8 +153,11 @@ static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err
 bf_status handlers_runs_list(exchange *x, bf_error *err)
 {
     api_list_query list_query;
+    exchange_page page;
 
-    bf_status status = read_list_query(x, &list_query, err);
+    bf_status status = exchange__read_page(x, &page, err);
+    if (status == BF_OK)
+        status = read_list_query(x, &page, &list_query, err);
     if (status != BF_OK)
         return status;
     api_run_list *list = memory_alloc(1, sizeof *list);
@@ -208,7 +165,7 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     status = x->services->list(x->services->context, &list_query, list, err);
     if (status == BF_OK && list->has_more && list->n > 0)
-        add_next_link(x, &list_query, list->runs[list->n - 1].id);
+        add_next_link(x, &page, &list_query, list->runs[list->n - 1].id);
     exchange__let_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);

@@ -1,6 +1,7 @@
 #include "api/json_out.h"
 
 #include "api/number.h"
+#include "api/utf8.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -49,33 +50,6 @@ static void put_close(json_out *w, const char *bracket)
     w->needs_comma = true;
 }
 
-// Bytes of the UTF-8 character at text, or 0 if it is none (overlong, surrogate, torn or stray).
-static size_t measure_character(const unsigned char *text)
-{
-    static const struct {
-        unsigned char from, to;          // of the first byte
-        unsigned char second, second_to; // of the second byte
-        size_t n;                        // bytes
-    } forms[] = {
-        { 0x01, 0x7f, 0, 0, 1 },       { 0xc2, 0xdf, 0x80, 0xbf, 2 }, { 0xe0, 0xe0, 0xa0, 0xbf, 3 },
-        { 0xe1, 0xec, 0x80, 0xbf, 3 }, { 0xed, 0xed, 0x80, 0x9f, 3 }, { 0xee, 0xef, 0x80, 0xbf, 3 },
-        { 0xf0, 0xf0, 0x90, 0xbf, 4 }, { 0xf1, 0xf3, 0x80, 0xbf, 4 }, { 0xf4, 0xf4, 0x80, 0x8f, 4 },
-    };
-    for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
-        if (text[0] < forms[k].from || text[0] > forms[k].to)
-            continue;
-        size_t n = forms[k].n;
-        if (n > 1 && (text[1] < forms[k].second || text[1] > forms[k].second_to))
-            return 0;
-        for (size_t i = 2; i < n; i++) {
-            if ((text[i] & 0xc0) != 0x80)
-                return 0;
-        }
-        return n;
-    }
-    return 0;
-}
-
 static void put_escaped(json_out *w, unsigned char c)
 {
     static const char named[] = "\"\"\\\\\bb\ff\nn\rr\tt"; // character, letter, ...
@@ -97,7 +71,7 @@ static void put_text(json_out *w, const char *text)
 
     put(w, "\"", 1);
     while (*at != '\0') {
-        size_t n = measure_character((const unsigned char *)at);
+        size_t n = utf8_size(at);
         bool is_plain =
             n > 1 || (n == 1 && (unsigned char)*at >= 0x20 && *at != '"' && *at != '\\');
         if (is_plain) {
@@ -184,6 +158,14 @@ void json_out_null(json_out *w)
 void json_out_raw(json_out *w, const char *json, size_t n)
 {
     put_value(w, json, n);
+}
+
+void json_out_numbers(json_out *w, const double *values, size_t n, size_t stride)
+{
+    json_out_array(w);
+    for (size_t k = 0; k < n; k++)
+        json_out_number(w, values[k * stride]);
+    json_out_array_end(w);
 }
 
 void json_out_key_string(json_out *w, const char *key, const char *text)

@@ -40,6 +40,9 @@ void json_out_bool(json_out *w, bool value);
 void json_out_null(json_out *w);
 void json_out_raw(json_out *w, const char *json, size_t n);
 
+/// An array of n numbers, each stride doubles after the one before.
+void json_out_numbers(json_out *w, const double *values, size_t n, size_t stride);
+
 /// A key and its value in one call.
 void json_out_key_string(json_out *w, const char *key, const char *text);
 void json_out_key_number(json_out *w, const char *key, double value);

@@ -25,19 +25,11 @@ static size_t count_items(const member *m, const void *item)
     return *(const size_t *)place_of(item, m->offset_n);
 }
 
-static void write_tuple(json_out *w, const double *numbers, size_t n)
-{
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_number(w, numbers[k]);
-    json_out_array_end(w);
-}
-
 static void write_tuples(json_out *w, const double *numbers, size_t n, size_t stride, size_t width)
 {
     json_out_array(w);
     for (size_t k = 0; k < n; k++)
-        write_tuple(w, numbers + k * stride, width);
+        json_out_numbers(w, numbers + k * stride, width, 1);
     json_out_array_end(w);
 }
 
@@ -47,7 +39,7 @@ static void write_poses(json_out *w, const scene_pose *poses, size_t n)
     for (size_t k = 0; k < n; k++) {
         double tuple[3] = { poses[k].x, poses[k].y, angle_to_degrees(poses[k].heading) };
         bool has_heading = poses[k].heading != 0.0 || signbit(poses[k].heading);
-        write_tuple(w, tuple, has_heading ? 3 : 2);
+        json_out_numbers(w, tuple, has_heading ? 3 : 2, 1);
     }
     json_out_array_end(w);
 }
@@ -132,7 +124,7 @@ static void write_value(json_out *w, const member *m, const void *item)
         break;
     case MEMBER_POINT:
     case MEMBER_INTERVAL:
-        write_tuple(w, place, 2);
+        json_out_numbers(w, place, 2, 1);
         break;
     case MEMBER_OBJECT:
         members_write(w, m->table, place);

@@ -3,6 +3,7 @@
 #include "api/json_out.h"
 #include "api/number.h"
 #include "api/results_priv.h"
+#include "core/base/check.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -49,14 +50,6 @@ bf_status results_curve_csv_rows(const double *t, const double *values, size_t n
     return BF_OK;
 }
 
-static void write_column(json_out *w, const double *values, size_t n, size_t stride)
-{
-    json_out_array(w);
-    for (size_t k = 0; k < n; k++)
-        json_out_number(w, values[k * stride]);
-    json_out_array_end(w);
-}
-
 static const double *doubles_of(const bf_buffer *b)
 {
     return (const double *)(const void *)b->bytes;
@@ -64,20 +57,19 @@ static const double *doubles_of(const bf_buffer *b)
 
 bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err)
 {
-    const char *name = curve->columns.bytes;
+    const char *names = curve->columns.bytes;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
     json_out_object(&w);
     json_out_key(&w, "t_s");
-    write_column(&w, doubles_of(&curve->t), curve->n, 1);
+    json_out_numbers(&w, doubles_of(&curve->t), curve->n, 1);
     for (size_t c = 0; c < curve->n_columns; c++) {
         char key[SCENE_ID_SIZE];
-        size_t n = strcspn(name, ",");
-        snprintf(key, sizeof key, "%.*s", (int)n, name);
-        name += n + (name[n] == ',');
+        bool has_name = api_take_column(&names, key);
+        BF_CHECK(has_name);
         json_out_key(&w, key);
-        write_column(&w, doubles_of(&curve->values) + c, curve->n, curve->n_columns);
+        json_out_numbers(&w, doubles_of(&curve->values) + c, curve->n, curve->n_columns);
     }
     json_out_object_end(&w);
     return results__finish(json_out_status(&w, err), out, n_before, err);

@@ -2,6 +2,8 @@
 
 #include "core/base/check.h"
 
+#include <string.h>
+
 const char *api_event_word(api_event_type type)
 {
     static const char *const words[] = {
@@ -11,6 +13,28 @@ const char *api_event_word(api_event_type type)
     };
     BF_CHECK(type < API_EVENT_TYPE_COUNT);
     return words[type];
+}
+
+size_t api_count_columns(const bf_buffer *columns)
+{
+    size_t n = 1;
+
+    for (size_t i = 0; i < columns->n; i++)
+        n += columns->bytes[i] == ',';
+    return n;
+}
+
+bool api_take_column(const char **columns, char *ret_name)
+{
+    size_t n = strcspn(*columns, ",");
+
+    if (n == 0)
+        return false;
+    BF_CHECK(n < SCENE_ID_SIZE);
+    memcpy(ret_name, *columns, n);
+    ret_name[n] = '\0';
+    *columns += n + ((*columns)[n] == ',');
+    return true;
 }
 
 void api_curve_fini(api_curve *curve)

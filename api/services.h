@@ -178,5 +178,12 @@ typedef struct api_services {
 /// The word of an event type. Never NULL.
 const char *api_event_word(api_event_type type);
 
+/// How many columns "a,b,c" has.
+size_t api_count_columns(const bf_buffer *columns);
+
+/// Take the next name off the columns at *columns and move past it. False: none is left (ret_name
+/// untouched). ret_name has SCENE_ID_SIZE bytes; a longer name is a bug.
+bool api_take_column(const char **columns, char *ret_name);
+
 /// Free what the curve owns and zero it. NULL is fine.
 void api_curve_fini(api_curve *curve);

@@ -85,9 +85,7 @@ static bf_status need_columns(store__connection *writer, append_context *context
         store__get_text(writer, context->row.number, STORE__TEXT_COLUMNS, &context->columns, err);
     if (status != BF_OK)
         return status;
-    context->n_columns = 1;
-    for (size_t i = 0; i < context->columns.n; i++)
-        context->n_columns += context->columns.bytes[i] == ',';
+    context->n_columns = api_count_columns(&context->columns);
     return BF_OK;
 }
 

@@ -190,9 +190,7 @@ static bf_status read_curve(store__connection *reader, const char *id, uint64_t 
         status = store__get_text(reader, row.number, STORE__TEXT_COLUMNS, &curve->columns, err);
     if (status != BF_OK)
         return status;
-    curve->n_columns = 1;
-    for (size_t i = 0; i < curve->columns.n; i++)
-        curve->n_columns += curve->columns.bytes[i] == ',';
+    curve->n_columns = api_count_columns(&curve->columns);
     if (first >= row.run.n_samples)
         return BF_OK;
     return read_samples(reader, row.number, first, curve, err);

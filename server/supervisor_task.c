@@ -52,15 +52,6 @@ static bf_status start_child(const supervisor_options *options, bf_buffer *input
     return child_start(options->program, argv, input, ret_child, err);
 }
 
-static size_t count_columns(const bf_buffer *columns)
-{
-    size_t n = 1;
-
-    for (size_t i = 0; i < columns->n; i++)
-        n += columns->bytes[i] == ',';
-    return n;
-}
-
 bf_status supervisor__task_start(const supervisor_options *options, store_job *job,
                                  supervisor__task **ret_task, bf_error *err)
 {
@@ -79,7 +70,7 @@ bf_status supervisor__task_start(const supervisor_options *options, store_job *j
     buffer_fini(&job->checkpoint); // the child's from now on
     task->job = *job;
     *job = (store_job){ .step = 0 };
-    task->n_columns = count_columns(&task->job.columns);
+    task->n_columns = api_count_columns(&task->job.columns);
     task->kill_at_ms = -1;
     task->start_s = clock_monotonic_s();
     for (int source = 0; source < SUPERVISOR_SOURCE_COUNT; source++)

@@ -62,6 +62,10 @@ double scene_packing_density(const scene *s);
 /// Speed |v_T| of the fastest belt, m/s.
 double scene_belt_speed(const scene *s);
 
+/// True if text may be the id of a belt, an obstacle or a counter: 1 to SCENE_ID_SIZE - 1 letters,
+/// digits, '_', '.' and '-'.
+bool scene_is_id(const char *text);
+
 /// How many parts there are at the start.
 size_t scene_parts(const scene *s);
 

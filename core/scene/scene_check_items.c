@@ -26,12 +26,12 @@ static const char *counter_id(const scene *s, size_t k)
     return s->counters[k].id;
 }
 
-static bool is_id(const char *id)
+bool scene_is_id(const char *text)
 {
-    size_t n = strnlen(id, SCENE_ID_SIZE);
+    size_t n = strnlen(text, SCENE_ID_SIZE);
 
     return n >= 1 && n < SCENE_ID_SIZE &&
-           strspn(id, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == n;
+           strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == n;
 }
 
 static void check_id(const scene *s, id_of *get, const char *list, size_t k, bf_faults *faults)
@@ -40,7 +40,7 @@ static void check_id(const scene *s, id_of *get, const char *list, size_t k, bf_
     char pointer[BF_POINTER_SIZE];
 
     snprintf(pointer, sizeof pointer, "/%s/%zu/id", list, k);
-    if (!is_id(id)) {
+    if (!scene_is_id(id)) {
         faults_add(faults, pointer, "must be 1 to %d letters, digits, '_', '.' and '-'",
                    SCENE_ID_SIZE - 1);
         return;
