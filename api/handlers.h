@@ -27,7 +27,13 @@ route_handler handlers_parts_show;
 route_handler handlers_events_of_run;
 route_handler handlers_events_of_runs;
 
-/// Two runs against each other.
+/// Measured curves.
+route_handler handlers_measurements_add;
+route_handler handlers_measurements_list;
+route_handler handlers_measurements_show;
+route_handler handlers_measurements_remove;
+
+/// Runs and measurements against each other.
 route_handler handlers_compare_runs;
 
 /// The service itself.

@@ -1,277 +1,390 @@
-// Two runs against each other: their curves by core/compare, their densities cell by cell.
+// Runs and measurements against a reference among them: their curves and densities by core/compare.
+//
+// Memory  two curves, then two snapshots, are held at a time, however many are compared.
 
+#include "api/handlers_compare_priv.h"
+
+#include "api/compare_json.h"
 #include "api/exchange_priv.h"
 #include "api/handlers.h"
-#include "api/json_out.h"
-#include "api/results.h"
-#include "core/base/check.h"
 #include "core/base/memory.h"
 
-#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // Work of one request: beyond it every second, third, ... common snapshot is compared, and the last.
-enum { SNAPSHOTS_MAX = 200, CELLS_MAX = 20000000 };
+enum { CELLS_MAX = 20000000 };
 
-// One of the two runs.
-typedef struct side {
-    const char *name;           // of its query parameter
-    api_run run;                // found
-    api_curve curve;            // owned
-    char column[SCENE_ID_SIZE]; // name of the column that is compared
-    double *parts;              // that column, owned
-    api_snapshot_list list;     // items owned
-} side;
+typedef handlers_compare__entry entry;
 
-static void fini_side(side *s)
+// What one request compares.
+typedef struct comparison {
+    bool is_pair; // asked by a and b
+    size_t n;
+    size_t reference; // index
+    entry entries[HANDLERS_COMPARE__MAX];
+    char column[SCENE_ID_SIZE]; // that is compared
+} comparison;
+
+// A column of a curve, owned.
+typedef struct column {
+    bf_buffer t;
+    double *parts;
+    size_t n;
+} column;
+
+static void fini_column(column *c)
 {
-    api_curve_fini(&s->curve);
-    memory_free(s->parts);
-    buffer_fini(&s->list.items);
+    buffer_fini(&c->t);
+    memory_free(c->parts);
 }
 
-static const api_snapshot *snapshot_at(const side *s, size_t i)
+static bf_status read_pair(exchange *x, comparison *c, bf_error *err)
 {
-    return (const api_snapshot *)(const void *)s->list.items.bytes + i;
-}
+    static const char *const names[] = { "a", "b" };
 
-static bf_status find_side(exchange *x, side *s, bf_error *err)
-{
-    const char *id = query_value(&x->query, s->name);
-
-    if (id == NULL)
-        return exchange__refuse(x, 400, err, "query parameter '%s' is missing: the id of a run",
-                                s->name);
-    if (!exchange__is_id(id))
-        return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%.64s'", id);
-    return x->services->find(x->services->context, id, &s->run, err);
-}
-
-// Finds the column that is asked for (NULL: the first one) and copies its name. False: none.
-static bool find_column(side *s, const char *wanted, size_t *ret_index)
-{
-    const char *names = s->curve.columns.bytes == NULL ? "" : s->curve.columns.bytes;
-
-    for (size_t index = 0; index < s->curve.n_columns; index++) {
-        size_t n = strcspn(names, ",");
-        BF_CHECK(n < sizeof s->column);
-        if (wanted == NULL || (strlen(wanted) == n && memcmp(names, wanted, n) == 0)) {
-            memcpy(s->column, names, n);
-            s->column[n] = '\0';
-            *ret_index = index;
-            return true;
-        }
-        names += n + (names[n] == ',');
-    }
-    return false;
-}
-
-static bf_status read_side(exchange *x, side *s, bf_error *err)
-{
-    const char *wanted = query_value(&x->query, "column");
-    size_t index = 0;
-
-    bf_status status = x->services->read_curve(x->services->context, s->run.id, 0, &s->curve, err);
-    if (status != BF_OK)
-        return status;
-    if (s->curve.n == 0)
-        return bf_fail(err, BF_ECONFLICT, "", "run '%s' has no samples of its curve yet",
-                       s->run.id);
-    if (!find_column(s, wanted, &index))
-        return exchange__refuse(x, 400, err,
-                                "query parameter 'column': run '%s' has no column '%.64s'",
-                                s->run.id, wanted == NULL ? "" : wanted);
-    s->parts = memory_alloc(s->curve.n, sizeof *s->parts);
-    if (s->parts == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    const double *values = (const double *)(const void *)s->curve.values.bytes;
-    for (size_t i = 0; i < s->curve.n; i++)
-        s->parts[i] = values[i * s->curve.n_columns + index];
-    return x->services->list_snapshots(x->services->context, s->run.id, &s->list, err);
-}
-
-static bf_status measure_curves(exchange *x, const side *a, const side *b,
-                                compare_measures *ret_measures, bf_error *err)
-{
-    compare_curve of_a = { a->curve.n, (const double *)(const void *)a->curve.t.bytes, a->parts };
-    compare_curve of_b = { b->curve.n, (const double *)(const void *)b->curve.t.bytes, b->parts };
-
-    bf_status status = compare_curves(&of_a, &of_b, ret_measures, err);
-    if (status == BF_EINPUT)
-        x->refusal = 409; // the request is right, but these runs cannot be compared
-    return status;
-}
-
-static bool have_same_grid(const bf_grid *a, const bf_grid *b)
-{
-    double near = 1e-9 * (a->d1 + a->d2);
-
-    return a->n1 == b->n1 && a->n2 == b->n2 && fabs(a->lower1 - b->lower1) <= near &&
-           fabs(a->lower2 - b->lower2) <= near && fabs(a->d1 - b->d1) * (double)a->n1 <= near &&
-           fabs(a->d2 - b->d2) * (double)a->n2 <= near;
-}
-
-// Moves to the next snapshots i of a and k of b that have the same time. False: there are none.
-static bool find_common(const side *a, const side *b, size_t *i, size_t *k)
-{
-    while (*i < a->list.n && *k < b->list.n) {
-        double t_a = snapshot_at(a, *i)->t, t_b = snapshot_at(b, *k)->t;
-        if (fabs(t_a - t_b) <= 1e-9 * (1.0 + fabs(t_a)))
-            return true;
-        if (t_a < t_b)
-            (*i)++;
-        else
-            (*k)++;
-    }
-    return false;
-}
-
-static size_t count_common(const side *a, const side *b)
-{
-    size_t n = 0;
-
-    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++)
-        n++;
-    return n;
-}
-
-static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out, bf_error *err)
-{
-    api_snapshot snapshot;
-    bf_grid grid;
-
-    return x->services->read_snapshot(x->services->context, s->run.id, snapshot_at(s, i)->index,
-                                      &snapshot, &grid, out, err);
-}
-
-// Mean |a - b| over the cells of snapshot i of a and k of b.
-static bf_status measure_distance(exchange *x, const side *a, size_t i, const side *b, size_t k,
-                                  double *ret_distance, bf_error *err)
-{
-    size_t n = grid_cells(&a->list.grid);
-    bf_buffer of_a = { 0 }, of_b = { 0 };
-    double sum = 0.0;
-
-    bf_status status = read_grid(x, a, i, &of_a, err);
-    if (status == BF_OK)
-        status = read_grid(x, b, k, &of_b, err);
-    if (status == BF_OK && (of_a.n != n * sizeof(float) || of_b.n != of_a.n))
-        status = bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
-    if (status == BF_OK) {
-        const float *rho_a = (const float *)(const void *)of_a.bytes;
-        const float *rho_b = (const float *)(const void *)of_b.bytes;
-        for (size_t cell = 0; cell < n; cell++)
-            sum += fabs((double)rho_a[cell] - (double)rho_b[cell]);
-        *ret_distance = sum / (double)n;
-    }
-    buffer_fini(&of_a);
-    buffer_fini(&of_b);
-    return status;
-}
-
-static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b, double value)
-{
-    json_out_object(w);
-    json_out_key_number(w, "t_s", a->t);
-    json_out_key_integer(w, "a", (int64_t)a->index);
-    json_out_key_integer(w, "b", (int64_t)b->index);
-    json_out_key_number(w, "mean_abs", value);
-    json_out_object_end(w);
-}
-
-static size_t choose_stride(size_t n_common, size_t n_cells)
-{
-    size_t most = CELLS_MAX / n_cells;
-
-    most = most < 1 ? 1 : most > SNAPSHOTS_MAX ? SNAPSHOTS_MAX : most;
-    return n_common <= most ? 1 : (n_common + most - 1) / most;
-}
-
-static bf_status write_distances(exchange *x, json_out *w, const side *a, const side *b,
-                                 size_t n_common, bf_error *err)
-{
-    size_t stride = choose_stride(n_common, grid_cells(&a->list.grid));
-    size_t at = 0;
-
-    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++, at++) {
-        double distance = 0.0;
-        if (at % stride != 0 && at + 1 != n_common)
-            continue;
-        bf_status status = measure_distance(x, a, i, b, k, &distance, err);
-        if (status != BF_OK)
-            return status;
-        write_distance(w, snapshot_at(a, i), snapshot_at(b, k), distance);
+    c->is_pair = true;
+    c->n = 2;
+    for (size_t i = 0; i < 2; i++) {
+        const char *id = query_value(&x->query, names[i]);
+        entry *e = &c->entries[i];
+        snprintf(e->pointer, sizeof e->pointer, "/%s", names[i]);
+        if (id == NULL)
+            return exchange__refuse(x, 400, err, "query parameter '%s' is missing: the id of a run",
+                                    names[i]);
+        if (!exchange__is_id(id))
+            return exchange__refuse_at(x, 404, e->pointer, err,
+                                       "there is nothing with the id '%.64s'", id);
+        snprintf(e->id, sizeof e->id, "%s", id);
     }
     return BF_OK;
 }
 
-// {"same_grid", "n_common", "snapshots": [...]}; the list is empty where the grids differ.
-static bf_status write_density(exchange *x, json_out *w, const side *a, const side *b,
-                               bf_error *err)
+static bf_status read_reference(exchange *x, comparison *c, bf_error *err)
 {
-    bool is_same = a->list.n > 0 && b->list.n > 0 && have_same_grid(&a->list.grid, &b->list.grid);
-    size_t n_common = count_common(a, b);
-    bf_status status = BF_OK;
+    const char *id = query_value(&x->query, "reference");
 
-    json_out_key(w, "density");
-    json_out_object(w);
-    json_out_key_bool(w, "same_grid", is_same);
-    json_out_key_integer(w, "n_common", (int64_t)n_common);
-    json_out_key(w, "snapshots");
-    json_out_array(w);
-    if (is_same)
-        status = write_distances(x, w, a, b, n_common, err);
-    json_out_array_end(w);
-    json_out_object_end(w);
+    for (size_t i = 0; i < c->n && id != NULL; i++) {
+        if (strcmp(c->entries[i].id, id) == 0) {
+            c->reference = i;
+            return BF_OK;
+        }
+    }
+    if (id == NULL)
+        return BF_OK;
+    return exchange__refuse_at(x, 400, "/reference", err, "'%.64s' is not one of the runs", id);
+}
+
+static bf_status read_runs(exchange *x, comparison *c, bf_error *err)
+{
+    char ids[HANDLERS_COMPARE__MAX][API_ID_SIZE];
+
+    bf_status status = exchange__read_ids(x, "runs", HANDLERS_COMPARE__MAX, ids, &c->n, err);
+    if (status != BF_OK)
+        return status;
+    if (c->n < 2)
+        return exchange__refuse(x, 400, err, "query parameter 'runs' needs two ids at least");
+    for (size_t i = 0; i < c->n; i++) {
+        memcpy(c->entries[i].id, ids[i], sizeof ids[i]);
+        snprintf(c->entries[i].pointer, sizeof c->entries[i].pointer, "/runs/%zu", i);
+    }
+    return read_reference(x, c, err);
+}
+
+static bf_status read_query(exchange *x, comparison *c, bf_error *err)
+{
+    bool has_pair = query_value(&x->query, "a") != NULL || query_value(&x->query, "b") != NULL;
+    bool has_runs =
+        query_value(&x->query, "runs") != NULL || query_value(&x->query, "reference") != NULL;
+
+    if (has_pair && has_runs)
+        return exchange__refuse(x, 400, err,
+                                "either 'a' and 'b', or 'runs' and 'reference', not both");
+    if (!has_pair && !has_runs)
+        return exchange__refuse(x, 400, err,
+                                "query parameter 'runs' is missing: two to %d ids, "
+                                "with commas",
+                                HANDLERS_COMPARE__MAX);
+    return has_pair ? read_pair(x, c, err) : read_runs(x, c, err);
+}
+
+// Finds a run, or else a measurement, and the columns of its curve.
+static bf_status find_entry(exchange *x, entry *e, bf_error *err)
+{
+    const api_services *services = x->services;
+    api_curve curve = { 0 };
+
+    bf_status status = services->find(services->context, e->id, &e->run, err);
+    e->is_run = status == BF_OK;
+    if (status == BF_ENOTFOUND)
+        status = services->find_measurement(services->context, e->id, &e->measurement, err);
+    if (status == BF_ENOTFOUND)
+        return exchange__refuse_at(x, 404, e->pointer, err, "there is nothing with the id '%s'",
+                                   e->id);
+    if (status == BF_OK && e->is_run && e->run.n_samples == 0)
+        return exchange__refuse_at(x, 409, e->pointer, err,
+                                   "run '%s' has no samples of its curve yet", e->id);
+    if (status == BF_OK && !e->is_run &&
+        buffer_printf(&e->columns, "%s", e->measurement.counter) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (status != BF_OK || !e->is_run)
+        return status;
+    // From behind the last sample on: the columns alone.
+    status = services->read_curve(services->context, e->id, e->run.n_samples, &curve, err);
+    if (status != BF_OK)
+        return status;
+    e->columns = curve.columns;
+    curve.columns = (bf_buffer){ 0 };
+    api_curve_fini(&curve);
+    return BF_OK;
+}
+
+static const char *columns_of(const entry *e)
+{
+    return e->columns.bytes == NULL ? "" : e->columns.bytes;
+}
+
+// Where the column stands in the entry's curve. False: it has none of that name.
+static bool find_column(const entry *e, const char *wanted, size_t *ret_index)
+{
+    const char *names = columns_of(e);
+    char name[SCENE_ID_SIZE];
+
+    for (size_t index = 0; api_take_column(&names, name); index++) {
+        if (strcmp(name, wanted) == 0) {
+            if (ret_index != NULL)
+                *ret_index = index;
+            return true;
+        }
+    }
+    return false;
+}
+
+// The entry that lacks the column, or NULL.
+static const entry *find_lack(const comparison *c, const char *name)
+{
+    for (size_t i = 0; i < c->n; i++) {
+        if (!find_column(&c->entries[i], name, NULL))
+            return &c->entries[i];
+    }
+    return NULL;
+}
+
+// The column that is asked for, else the first one of the reference that all have.
+static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
+{
+    const char *wanted = query_value(&x->query, "column");
+    const char *names = columns_of(&c->entries[c->reference]);
+    const entry *lack = NULL;
+
+    if (wanted != NULL) {
+        lack = find_lack(c, wanted);
+        if (lack != NULL)
+            return exchange__refuse_at(x, 422, lack->pointer, err,
+                                       "the curve of '%s' has no column '%.64s'; it has %.120s",
+                                       lack->id, wanted, columns_of(lack));
+        snprintf(c->column, sizeof c->column, "%s", wanted);
+        return BF_OK;
+    }
+    while (api_take_column(&names, c->column)) {
+        lack = find_lack(c, c->column);
+        if (lack == NULL)
+            return BF_OK;
+    }
+    return exchange__refuse_at(x, 422, lack == NULL ? "/column" : lack->pointer, err,
+                               "the curves have no column in common; that of the reference has "
+                               "%.200s",
+                               columns_of(&c->entries[c->reference]));
+}
+
+static bf_status take_column(const comparison *c, const entry *e, api_curve *curve,
+                             column *ret_column, bf_error *err)
+{
+    const double *values = (const double *)(const void *)curve->values.bytes;
+    size_t index = 0;
+
+    double *parts = memory_alloc(curve->n, sizeof *parts);
+    if (parts == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (!find_column(e, c->column, &index) || index >= curve->n_columns) {
+        memory_free(parts);
+        return bf_fail(err, BF_ECORRUPT, "", "the curve of '%s' has changed its columns", e->id);
+    }
+    for (size_t i = 0; i < curve->n; i++)
+        parts[i] = values[i * curve->n_columns + index];
+    *ret_column = (column){ .t = curve->t, .parts = parts, .n = curve->n };
+    curve->t = (bf_buffer){ 0 };
+    return BF_OK;
+}
+
+static bf_status read_column(exchange *x, const comparison *c, const entry *e, column *ret_column,
+                             bf_error *err)
+{
+    const api_services *services = x->services;
+    api_curve curve = { 0 };
+
+    bf_status status = e->is_run
+                           ? services->read_curve(services->context, e->id, 0, &curve, err)
+                           : services->read_measurement(services->context, e->id, &curve, err);
+    if (status == BF_OK)
+        status = take_column(c, e, &curve, ret_column, err);
+    api_curve_fini(&curve);
     return status;
 }
 
-static void write_side(json_out *w, const side *s)
+static compare_curve view_of(const column *c)
 {
-    json_out_key(w, s->name);
+    return (compare_curve){ .n = c->n,
+                            .t = (const double *)(const void *)c->t.bytes,
+                            .parts = c->parts };
+}
+
+// Curves that are right each by itself may still be none that can be compared.
+static bf_status refuse_curves(exchange *x, const entry *e, bf_status status, const bf_error *why,
+                               bf_error *err)
+{
+    if (status == BF_EINPUT)
+        return exchange__refuse_at(x, 422, e->pointer, err, "%s", why->text);
+    return bf_fail(err, status, why->pointer, "%s", why->text);
+}
+
+static bf_status measure_entry(exchange *x, const comparison *c, const compare_curve *reference,
+                               entry *e, bf_error *err)
+{
+    column col = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = read_column(x, c, e, &col, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve curve = view_of(&col);
+    status = compare_figures_of(&curve, &e->figures, &why);
+    if (status == BF_OK)
+        status = compare_curves(reference, &curve, &e->measures, &why);
+    fini_column(&col);
+    return status == BF_OK ? BF_OK : refuse_curves(x, e, status, &why, err);
+}
+
+static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
+{
+    entry *reference = &c->entries[c->reference];
+    column col = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = read_column(x, c, reference, &col, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve curve = view_of(&col);
+    status = compare_figures_of(&curve, &reference->figures, &why);
+    if (status != BF_OK)
+        status = refuse_curves(x, reference, status, &why, err);
+    for (size_t i = 0; i < c->n && status == BF_OK; i++) {
+        if (i != c->reference)
+            status = measure_entry(x, c, &curve, &c->entries[i], err);
+    }
+    fini_column(&col);
+    return status;
+}
+
+static void key_word(json_out *w, const char *key, const char *word)
+{
+    json_out_key(w, key);
+    if (word == NULL)
+        json_out_null(w);
+    else
+        json_out_string(w, word);
+}
+
+static void write_entry(json_out *w, const comparison *c, const entry *e)
+{
     json_out_object(w);
-    json_out_key_string(w, "id", s->run.id);
-    json_out_key_string(w, "status", run_state_word(s->run.state));
-    json_out_key_string(w, "column", s->column);
+    json_out_key_string(w, "id", e->id);
+    json_out_key_string(w, "kind", e->is_run ? "run" : "measurement");
+    json_out_key_string(w, "label", e->is_run ? e->run.label : e->measurement.label);
+    key_word(w, "name", e->is_run ? e->run.name : NULL);
+    key_word(w, "model", e->is_run ? run_model_words[e->run.model] : NULL);
+    key_word(w, "status", e->is_run ? run_state_word(e->run.state) : NULL);
+    json_out_key_string(w, "column", c->column);
+    compare_json_figures(w, &e->figures);
     json_out_object_end(w);
 }
 
-static bf_status write_comparison(exchange *x, const side *a, const side *b,
-                                  const compare_measures *measures, bf_error *err)
+// The members of the comparison of an entry with the reference.
+static bf_status write_measures(exchange *x, json_out *w, const comparison *c, const entry *e,
+                                bf_error *err)
 {
-    json_out w = json_out_to(&x->response->body);
+    size_t n_pairs = c->n - 1;
 
+    json_out_key(w, "curve");
+    compare_json_measures(w, &e->measures);
+    json_out_key(w, "density");
+    return handlers_compare__density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
+}
+
+static bf_status write_pair(exchange *x, json_out *w, const comparison *c, bf_error *err)
+{
+    json_out_key(w, "a");
+    write_entry(w, c, &c->entries[0]);
+    json_out_key(w, "b");
+    write_entry(w, c, &c->entries[1]);
+    return write_measures(x, w, c, &c->entries[1], err);
+}
+
+static bf_status write_all(exchange *x, json_out *w, const comparison *c, bf_error *err)
+{
+    const entry *reference = &c->entries[c->reference];
+    bf_status status = BF_OK;
+
+    json_out_key_string(w, "reference", reference->id);
+    json_out_key(w, "entries");
+    json_out_array(w);
+    for (size_t i = 0; i < c->n; i++)
+        write_entry(w, c, &c->entries[i]);
+    json_out_array_end(w);
+    json_out_key(w, "pairs");
+    json_out_array(w);
+    for (size_t i = 0; i < c->n && status == BF_OK; i++) {
+        if (i == c->reference)
+            continue;
+        json_out_object(w);
+        json_out_key_string(w, "a", reference->id);
+        json_out_key_string(w, "b", c->entries[i].id);
+        status = write_measures(x, w, c, &c->entries[i], err);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+    return status;
+}
+
+static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
+{
+    bf_status status = read_query(x, c, err);
+
+    for (size_t i = 0; i < c->n && status == BF_OK; i++)
+        status = find_entry(x, &c->entries[i], err);
+    if (status == BF_OK)
+        status = choose_column(x, c, err);
+    if (status == BF_OK)
+        status = measure_curves(x, c, err);
+    if (status != BF_OK)
+        return status;
+    exchange__let_revalidate(x);
+    json_out w = json_out_to(&x->response->body);
     json_out_object(&w);
-    write_side(&w, a);
-    write_side(&w, b);
-    json_out_key(&w, "curve");
-    bf_status status = json_out_status(&w, err);
-    if (status == BF_OK)
-        status = results_compare_json(measures, &x->response->body, err);
-    w.needs_comma = true; // the value was written past w
-    if (status == BF_OK)
-        status = write_density(x, &w, a, b, err);
+    status = c->is_pair ? write_pair(x, &w, c, err) : write_all(x, &w, c, err);
     json_out_object_end(&w);
     return status == BF_OK ? json_out_status(&w, err) : status;
 }
 
 bf_status handlers_compare_runs(exchange *x, bf_error *err)
 {
-    side a = { .name = "a" }, b = { .name = "b" };
-    compare_measures measures;
+    comparison *c = memory_alloc(1, sizeof *c);
 
-    bf_status status = find_side(x, &a, err);
-    if (status == BF_OK)
-        status = find_side(x, &b, err);
-    if (status == BF_OK)
-        status = read_side(x, &a, err);
-    if (status == BF_OK)
-        status = read_side(x, &b, err);
-    if (status == BF_OK)
-        status = measure_curves(x, &a, &b, &measures, err);
-    if (status == BF_OK)
-        status = write_comparison(x, &a, &b, &measures, err);
-    fini_side(&a);
-    fini_side(&b);
+    if (c == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = compare_all(x, c, err);
+    for (size_t i = 0; i < c->n; i++)
+        buffer_fini(&c->entries[i].columns);
+    memory_free(c);
     return status;
 }

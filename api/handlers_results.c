@@ -52,18 +52,6 @@ bf_status handlers_results_summary(exchange *x, bf_error *err)
                                   &x->response->body, err);
 }
 
-static bf_status write_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err)
-{
-    const char *columns = curve->columns.bytes == NULL ? "" : curve->columns.bytes;
-
-    bf_status status = results_curve_csv_header(columns, out, err);
-    if (status == BF_OK && curve->n > 0)
-        status = results_curve_csv_rows((const double *)(const void *)curve->t.bytes,
-                                        (const double *)(const void *)curve->values.bytes, curve->n,
-                                        curve->n_columns, out, err);
-    return status;
-}
-
 bf_status handlers_results_curve(exchange *x, bf_error *err)
 {
     api_curve curve = { 0 };
@@ -78,7 +66,7 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
     status = x->services->read_curve(x->services->context, record.id, 0, &curve, err);
     if (status != BF_OK)
         return status;
-    status = x->media->format == MEDIA_CSV ? write_curve_csv(&curve, &x->response->body, err)
+    status = x->media->format == MEDIA_CSV ? results_curve_csv(&curve, &x->response->body, err)
                                            : results_curve_json(&curve, &x->response->body, err);
     api_curve_fini(&curve);
     return status;

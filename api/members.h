@@ -22,6 +22,7 @@ typedef enum member_kind {
     MEMBER_WORD,     ///< one of words: an enum, its index
     MEMBER_POINT,    ///< [x, y]: two doubles
     MEMBER_INTERVAL, ///< [from, to]: two doubles
+    MEMBER_NUMBERS,  ///< list of numbers: pointer to doubles, and a count
     MEMBER_POINTS,   ///< list of [x, y]: pointer to pairs of doubles, and a count
     MEMBER_OUTLINE,  ///< list of [x, y]: pointer to triples of doubles, and a count
     MEMBER_VERTICES, ///< list of [x, y, z]: the same

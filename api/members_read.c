@@ -119,6 +119,18 @@ static void read_tuples(json_in *in, const json_t *value, const member *m, void 
     }
 }
 
+static void read_numbers(json_in *in, const json_t *value, const member *m, void *item)
+{
+    size_t n = json_array_size(value);
+
+    double *numbers = allocate_items(in, m, n, sizeof *numbers, item);
+    for (size_t k = 0; k < n && numbers != NULL; k++) {
+        size_t mark = json_pointer_enter_index(&in->pointer, k);
+        json_in_number(in, json_array_get(value, k), &numbers[k]);
+        json_pointer_leave(&in->pointer, mark);
+    }
+}
+
 // All items have their defaults before the first is read, so that the struct can be freed anyhow.
 static void read_items(json_in *in, const json_t *value, const member_table *table, char *items)
 {
@@ -160,6 +172,8 @@ static void read_list(json_in *in, const json_t *value, const member *m, void *i
         return;
     if (m->kind == MEMBER_LIST)
         read_objects(in, value, m, item);
+    else if (m->kind == MEMBER_NUMBERS)
+        read_numbers(in, value, m, item);
     else
         read_tuples(in, value, m, item);
 }

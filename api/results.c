@@ -55,6 +55,18 @@ static const double *doubles_of(const bf_buffer *b)
     return (const double *)(const void *)b->bytes;
 }
 
+bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err)
+{
+    const char *columns = curve->columns.bytes == NULL ? "" : curve->columns.bytes;
+    size_t n_before = out->n;
+
+    bf_status status = results_curve_csv_header(columns, out, err);
+    if (status == BF_OK)
+        status = results_curve_csv_rows(doubles_of(&curve->t), doubles_of(&curve->values), curve->n,
+                                        curve->n_columns, out, err);
+    return results__finish(status, out, n_before, err);
+}
+
 bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err)
 {
     const char *names = curve->columns.bytes;
@@ -149,33 +161,6 @@ bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_
     for (size_t k = 0; k < list->n; k++)
         write_snapshot(&w, &items[k], has_parts, run_url);
     json_out_array_end(&w);
-    json_out_object_end(&w);
-    return results__finish(json_out_status(&w, err), out, n_before, err);
-}
-
-bf_status results_compare_json(const compare_measures *m, bf_buffer *out, bf_error *err)
-{
-    const struct {
-        const char *key;
-        double value;
-    } members[] = {
-        { "t_start_s", m->t_start },
-        { "t_end_s", m->t_end },
-        { "l1", m->l1 },
-        { "l2", m->l2 },
-        { "largest", m->largest },
-        { "largest_at_s", m->largest_at },
-        { "drain_time_a_s", m->drain_time_a },
-        { "drain_time_b_s", m->drain_time_b },
-        { "rate_a_per_s", m->rate_a },
-        { "rate_b_per_s", m->rate_b },
-    };
-    size_t n_before = out->n;
-    json_out w = json_out_to(out);
-
-    json_out_object(&w);
-    for (size_t k = 0; k < sizeof members / sizeof *members; k++)
-        json_out_key_number(&w, members[k].key, members[k].value);
     json_out_object_end(&w);
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }

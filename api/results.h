@@ -7,7 +7,6 @@
 
 #include "api/services.h"
 #include "core/base/buffer.h"
-#include "core/compare/compare.h"
 #include "core/run/frame.h"
 
 /// Figures of a run that frames do not carry.
@@ -23,6 +22,9 @@ BF_MUST_CHECK bf_status results_curve_csv_header(const char *columns, bf_buffer 
 /// Append n lines "t,value,...\n" in full precision.
 BF_MUST_CHECK bf_status results_curve_csv_rows(const double *t, const double *values, size_t n,
                                                size_t n_columns, bf_buffer *out, bf_error *err);
+
+/// Append the curve as CSV: header and all lines.
+BF_MUST_CHECK bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err);
 
 /// Append the curve as JSON: {"t_s": [...], "<id>": [...], ...}.
 BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err);
@@ -60,11 +62,13 @@ BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, s
                                         bf_error *err);
 
 /// Read a curve from CSV text (header "t_s,<id>,..." or "t_s,count"): the column named id, or the
-/// first one if id is NULL. Arrays are appended to *t and *parts as doubles. BF_EINPUT: the text has
-/// the line.
+/// first one if id is NULL. Arrays are appended to *t and *parts as doubles, and the line of each
+/// sample to *lines (NULL: not wanted) as size_t. BF_EINPUT: err->pointer is "/line/<number>", from 1.
 BF_MUST_CHECK bf_status results_read_curve_csv(const char *text, size_t n, const char *id,
-                                               bf_buffer *t, bf_buffer *parts, bf_error *err);
+                                               bf_buffer *t, bf_buffer *parts, bf_buffer *lines,
+                                               bf_error *err);
 
-/// Append the measures of a comparison as JSON.
-BF_MUST_CHECK bf_status results_compare_json(const compare_measures *m, bf_buffer *out,
-                                             bf_error *err);
+/// Copy the name of the first column of a curve's CSV to ret_name (SCENE_ID_SIZE bytes). BF_EINPUT: as
+/// above.
+BF_MUST_CHECK bf_status results_read_curve_column(const char *text, size_t n, char *ret_name,
+                                                  bf_error *err);

@@ -16,12 +16,14 @@
 #include <stdint.h>
 
 enum {
-    API_ID_SIZE = 37,         ///< bytes of a run id (UUIDv7, lower case) with its terminator
-    API_CLIENT_SIZE = 64,     ///< bytes of a client's address with its terminator
-    API_LABEL_SIZE = 101,     ///< bytes of a label with its terminator
-    API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
-    API_LIST_MAX = 200,       ///< runs a page of a list
-    API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
+    API_ID_SIZE = 37,            ///< bytes of a run id (UUIDv7, lower case) with its terminator
+    API_CLIENT_SIZE = 64,        ///< bytes of a client's address with its terminator
+    API_LABEL_SIZE = 101,        ///< bytes of a label with its terminator
+    API_PRIORITY_MAX = 100,      ///< priorities go from -100 to 100, higher first
+    API_LIST_MAX = 200,          ///< runs a page of a list
+    API_STREAM_RUNS_MAX = 32,    ///< runs one event stream can follow
+    API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
+    API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
 };
 
 /// A run as the store knows it.
@@ -74,6 +76,31 @@ typedef struct api_run_list {
 
 /// A stored text of a run.
 typedef enum api_text { API_TEXT_SCENARIO, API_TEXT_SUMMARY } api_text;
+
+/// A curve that was measured elsewhere, without its samples.
+typedef struct api_measurement {
+    char id[API_ID_SIZE];        ///< UUIDv7, unlike those of all runs
+    char label[API_LABEL_SIZE];  ///< the client's, "" if none
+    char counter[SCENE_ID_SIZE]; ///< what was counted: a column of curves
+    int64_t created_ms;          ///< Unix time, ms
+    uint64_t n_samples;          ///< of its curve
+    double t_start;              ///< first time, s
+    double t_end;                ///< last time, s
+} api_measurement;
+
+/// Which measurements a list shows; newest first.
+typedef struct api_measurement_query {
+    char label[API_LABEL_SIZE]; ///< "": any
+    char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
+    size_t limit;               ///< 1 .. API_LIST_MAX
+} api_measurement_query;
+
+/// A page of a list of measurements.
+typedef struct api_measurement_list {
+    size_t n;                            ///< measurements in this page
+    bool has_more;                       ///< older ones follow
+    api_measurement items[API_LIST_MAX]; ///< the page
+} api_measurement_list;
 
 /// The stored part of a curve. Zero-initialise; api_curve_fini().
 typedef struct api_curve {
@@ -171,6 +198,19 @@ typedef struct api_services {
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_take *take,
                              void *take_context, bf_error *err);
+    /// Store a measured curve of one column, with the label, counter and times of *measurement: durable
+    /// when this returns. BF_ECONFLICT: API_MEASUREMENTS_MAX are stored.
+    bf_status (*add_measurement)(void *context, const api_measurement *measurement,
+                                 const api_curve *curve, api_measurement *ret_measurement,
+                                 bf_error *err);
+    bf_status (*find_measurement)(void *context, const char *id, api_measurement *ret_measurement,
+                                  bf_error *err);
+    bf_status (*list_measurements)(void *context, const api_measurement_query *query,
+                                   api_measurement_list *ret_list, bf_error *err);
+    /// All samples; the column is the counter. *ret_curve is the caller's: api_curve_fini().
+    bf_status (*read_measurement)(void *context, const char *id, api_curve *ret_curve,
+                                  bf_error *err);
+    bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ESYSTEM store).
     bf_status (*ready)(void *context, bf_error *err);
 } api_services;

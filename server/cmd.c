@@ -82,11 +82,14 @@ bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_cu
     bf_status status = file_io_read(path, "curve.csv", CMD_CURVE_BYTES_MAX, &text, err);
     if (status != BF_OK)
         return status;
-    status = results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, &why);
+    status = results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, NULL, &why);
     buffer_fini(&text);
     if (status != BF_OK) {
+        const char *line = strrchr(why.pointer, '/');
         cmd_curve_fini(&curve);
-        return bf_fail(err, status, "", "%.120s: %.180s", path, why.text);
+        if (line == NULL)
+            return bf_fail(err, status, "", "%.120s: %.180s", path, why.text);
+        return bf_fail(err, status, "", "%.120s: line %s: %.160s", path, line + 1, why.text);
     }
     curve.n = curve.t.n / sizeof(double);
     *ret_curve = curve;

@@ -1,17 +1,27 @@
 #include "server/cmd.h"
 
-#include "api/results.h"
+#include "api/compare_json.h"
 #include "core/compare/compare.h"
 
 #include <argp.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+
+enum { CURVES_MIN = 2, CURVES_MAX = 8 };
 
 typedef struct compare_arguments {
-    const char *paths[2];
+    const char *paths[CURVES_MAX]; // the first one is the reference
+    size_t n;
     const char *column; // NULL: the first
     bool is_json;
 } compare_arguments;
+
+// What is told of a curve.
+typedef struct compare_result {
+    compare_figures figures;
+    compare_measures measures; // against the reference; all NAN for itself
+} compare_result;
 
 enum { KEY_COLUMN = 'c', KEY_JSON = 'j' };
 
@@ -27,12 +37,12 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
         a->is_json = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (state->arg_num >= 2)
+        if (a->n == CURVES_MAX)
             argp_usage(state);
-        a->paths[state->arg_num] = argument;
+        a->paths[a->n++] = argument;
         return 0;
     case ARGP_KEY_END:
-        if (state->arg_num < 2)
+        if (a->n < CURVES_MIN)
             argp_usage(state);
         return 0;
     default:
@@ -40,60 +50,155 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
     }
 }
 
-static void print_time(const char *name, double time)
+// The columns of the table: titles, and the figures in their order.
+static const char *const titles[] = { "drain",   "throughput", "l1",        "l2",
+                                      "largest", "largest_at", "drain_gap", "throughput_gap" };
+static const char *const units[] = {
+    "s", "parts/s", "parts", "parts", "parts", "s", "s", "parts/s"
+};
+
+enum { N_TITLES = sizeof titles / sizeof *titles, WIDTH_MIN = 10 };
+
+static int width_of(size_t k)
 {
-    if (isnan(time))
-        printf("%-14s %12s\n", name, "never");
-    else
-        printf("%-14s %12.6g s\n", name, time);
+    int n = (int)strlen(titles[k]);
+
+    return n < WIDTH_MIN ? WIDTH_MIN : n;
 }
 
-static void print_measures(const compare_measures *m)
+static void print_head(const char *const *words, const char *last)
 {
-    printf("%-14s %12.6g s\n", "t_start", m->t_start);
-    printf("%-14s %12.6g s\n", "t_end", m->t_end);
-    printf("%-14s %12.6g parts\n", "l1", m->l1);
-    printf("%-14s %12.6g parts\n", "l2", m->l2);
-    printf("%-14s %12.6g parts\n", "largest", m->largest);
-    printf("%-14s %12.6g s\n", "largest_at", m->largest_at);
-    print_time("drain_time_a", m->drain_time_a);
-    print_time("drain_time_b", m->drain_time_b);
-    printf("%-14s %12.6g parts/s\n", "rate_a", m->rate_a);
-    printf("%-14s %12.6g parts/s\n", "rate_b", m->rate_b);
+    for (size_t k = 0; k < N_TITLES; k++)
+        printf("%*s  ", width_of(k), words[k]);
+    printf("%s\n", last);
 }
 
-static bf_status print_json(const compare_measures *m, bf_error *err)
+static void print_row(const compare_result *r, const char *path)
+{
+    const compare_measures *m = &r->measures;
+    const double values[N_TITLES] = {
+        r->figures.drain_time, r->figures.throughput, m->l1, m->l2, m->largest, m->largest_at,
+        m->drain_gap,          m->throughput_gap,
+    };
+
+    for (size_t k = 0; k < N_TITLES; k++) {
+        if (isnan(values[k]))
+            printf("%*s  ", width_of(k), "-");
+        else
+            printf("%*.6g  ", width_of(k), values[k]);
+    }
+    printf("%s\n", path);
+}
+
+static void print_table(const compare_arguments *a, const compare_result *results)
+{
+    print_head(titles, "curve");
+    print_head(units, "");
+    for (size_t i = 0; i < a->n; i++)
+        print_row(&results[i], a->paths[i]);
+}
+
+static bf_status print_json(const compare_arguments *a, const compare_result *results,
+                            bf_error *err)
 {
     bf_buffer text = { 0 };
-    bf_status status = results_compare_json(m, &text, err);
+    json_out w = json_out_to(&text);
 
+    json_out_object(&w);
+    json_out_key(&w, "entries");
+    json_out_array(&w);
+    for (size_t i = 0; i < a->n; i++) {
+        json_out_object(&w);
+        json_out_key_string(&w, "path", a->paths[i]);
+        compare_json_figures(&w, &results[i].figures);
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
+    json_out_key(&w, "pairs");
+    json_out_array(&w);
+    for (size_t i = 1; i < a->n; i++) {
+        json_out_object(&w);
+        json_out_key_string(&w, "a", a->paths[0]);
+        json_out_key_string(&w, "b", a->paths[i]);
+        json_out_key(&w, "curve");
+        compare_json_measures(&w, &results[i].measures);
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
+    json_out_object_end(&w);
+    bf_status status = json_out_status(&w, err);
     if (status == BF_OK)
         printf("%s\n", text.bytes);
     buffer_fini(&text);
     return status;
 }
 
+static compare_curve view_of(const cmd_curve *curve)
+{
+    return (compare_curve){ .n = curve->n,
+                            .t = (const double *)(const void *)curve->t.bytes,
+                            .parts = (const double *)(const void *)curve->parts.bytes };
+}
+
+// Names the file that an error of a comparison is about.
+static bf_status fail_curve(bf_status status, const bf_error *why, const char *path, bf_error *err)
+{
+    return bf_fail(err, status, "", "%.120s: %.180s", path, why->text);
+}
+
+static bf_status measure(const char *path, const char *column, const compare_curve *reference,
+                         compare_result *ret_result, bf_error *err)
+{
+    cmd_curve curve = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = cmd_read_curve(path, column, &curve, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve view = view_of(&curve);
+    status = compare_figures_of(&view, &ret_result->figures, &why);
+    if (status == BF_OK)
+        status = compare_curves(reference, &view, &ret_result->measures, &why);
+    cmd_curve_fini(&curve);
+    return status == BF_OK ? BF_OK : fail_curve(status, &why, path, err);
+}
+
+static bf_status measure_all(const compare_arguments *a, compare_result *results, bf_error *err)
+{
+    const compare_measures none = {
+        .l1 = NAN,
+        .l2 = NAN,
+        .largest = NAN,
+        .largest_at = NAN,
+        .drain_gap = NAN,
+        .throughput_gap = NAN,
+    };
+    cmd_curve curve = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = cmd_read_curve(a->paths[0], a->column, &curve, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve reference = view_of(&curve);
+    results[0].measures = none;
+    status = compare_figures_of(&reference, &results[0].figures, &why);
+    if (status != BF_OK)
+        status = fail_curve(status, &why, a->paths[0], err);
+    for (size_t i = 1; i < a->n && status == BF_OK; i++)
+        status = measure(a->paths[i], a->column, &reference, &results[i], err);
+    cmd_curve_fini(&curve);
+    return status;
+}
+
 static bf_status compare(const compare_arguments *a, bf_error *err)
 {
-    cmd_curve curves[2] = { { .n = 0 } };
-    compare_curve views[2];
-    compare_measures measures;
-    bf_status status = BF_OK;
+    compare_result results[CURVES_MAX];
 
-    for (int i = 0; i < 2 && status == BF_OK; i++) {
-        status = cmd_read_curve(a->paths[i], a->column, &curves[i], err);
-        views[i] = (compare_curve){ .n = curves[i].n,
-                                    .t = (const double *)(void *)curves[i].t.bytes,
-                                    .parts = (const double *)(void *)curves[i].parts.bytes };
-    }
-    if (status == BF_OK)
-        status = compare_curves(&views[0], &views[1], &measures, err);
+    bf_status status = measure_all(a, results, err);
     if (status == BF_OK && a->is_json)
-        status = print_json(&measures, err);
+        status = print_json(a, results, err);
     else if (status == BF_OK)
-        print_measures(&measures);
-    cmd_curve_fini(&curves[0]);
-    cmd_curve_fini(&curves[1]);
+        print_table(a, results);
     return status;
 }
 
@@ -107,10 +212,12 @@ int cmd_compare(int argc, char **argv)
     static const struct argp parser = {
         .options = options,
         .parser = take_option,
-        .args_doc = "DIR-OR-CSV DIR-OR-CSV",
-        .doc = "Print how far two outflow curves are apart, one 'name value unit' a line.\v"
-               "l1 is the mean, l2 the root mean square, largest the largest distance over the "
-               "common interval; a curve has drained when 1 % of its parts are left.",
+        .args_doc = "DIR-OR-CSV DIR-OR-CSV...",
+        .doc = "Print how far two to eight outflow curves are apart from the first, one a line.\v"
+               "A curve has drained when 1 % of its parts are left; throughput counts from 10 % to "
+               "90 % of what left. l1 is the mean, l2 the root mean square, largest the largest "
+               "distance over the common interval; gaps are of the curve minus the first one. "
+               "What does not exist is '-'.",
     };
     compare_arguments arguments = { .column = NULL };
     bf_error err = { 0 };

@@ -144,6 +144,37 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
                              take_context, err);
 }
 
+static bf_status add_measurement(void *context, const api_measurement *measurement,
+                                 const api_curve *curve, api_measurement *ret_measurement,
+                                 bf_error *err)
+{
+    return store_add_measurement(((service *)context)->store, measurement, curve, ret_measurement,
+                                 err);
+}
+
+static bf_status find_measurement(void *context, const char *id, api_measurement *ret_measurement,
+                                  bf_error *err)
+{
+    return store_find_measurement(((service *)context)->store, id, ret_measurement, err);
+}
+
+static bf_status list_measurements(void *context, const api_measurement_query *query,
+                                   api_measurement_list *ret_list, bf_error *err)
+{
+    return store_list_measurements(((service *)context)->store, query, ret_list, err);
+}
+
+static bf_status read_measurement(void *context, const char *id, api_curve *ret_curve,
+                                  bf_error *err)
+{
+    return store_read_measurement(((service *)context)->store, id, ret_curve, err);
+}
+
+static bf_status remove_measurement(void *context, const char *id, bf_error *err)
+{
+    return store_remove_measurement(((service *)context)->store, id, err);
+}
+
 static bf_status ready(void *context, bf_error *err)
 {
     service *s = context;
@@ -167,6 +198,11 @@ api_services service_table(service *s)
                            .read_snapshot = read_snapshot,
                            .read_parts = read_parts,
                            .read_events = read_events,
+                           .add_measurement = add_measurement,
+                           .find_measurement = find_measurement,
+                           .list_measurements = list_measurements,
+                           .read_measurement = read_measurement,
+                           .remove_measurement = remove_measurement,
                            .ready = ready };
 }
 

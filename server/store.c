@@ -13,6 +13,7 @@
 //     store_blob.c        compression, chunks
 //     store_read.c        runs, texts, curves
 //     store_read_*.c      snapshots, events
+//     store_measurements.c  measured curves
 //     store_ready.c       the write test
 //
 // Where each invariant of store.h is kept:
@@ -26,7 +27,8 @@
 //   I6  store_schema.c: AUTOINCREMENT.
 //   I7  store_append.c, store_row.c: events are inserted by the operation that they tell of.
 //   I8  requeue_all() below.
-//   I9  store_schema.c: every table refers to runs with ON DELETE CASCADE.
+//   I9  store_schema.c: every table of runs refers to them with ON DELETE CASCADE.
+//   I10 store_measurements.c: one row each, with its samples, and no statement that updates it.
 
 #include "server/store.h"
 

@@ -1,4 +1,5 @@
-/// The store: every run, its scenario, curve, snapshots, events and checkpoint, in one SQLite file.
+/// The store: every run, its scenario, curve, snapshots, events and checkpoint, and measured curves,
+/// in one SQLite file.
 ///
 /// Invariants (cited by the tests as I1 ...):
 ///   I1  What a write function returned BF_OK for is on disk and survives kill -9 and power loss.
@@ -12,6 +13,8 @@
 ///   I7  An event becomes visible in the same transaction as what it tells of.
 ///   I8  After store_open() no run is `running`: those of the daemon before are queued again.
 ///   I9  A removed run leaves no row behind.
+///   I10 A measurement is there with all its samples or not at all, never changes, and lives until
+///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.
@@ -125,6 +128,19 @@ BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run,
 
 /// Remove a run that is not running, with all it has (I9). BF_ECONFLICT: it is running.
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, bf_error *err);
+
+/// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and
+/// BF_ECONFLICT when I10 allows no further one.
+BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
+                                              const api_curve *curve,
+                                              api_measurement *ret_measurement, bf_error *err);
+BF_MUST_CHECK bf_status store_remove_measurement(store *s, const char *id, bf_error *err);
+BF_MUST_CHECK bf_status store_find_measurement(store *s, const char *id,
+                                               api_measurement *ret_measurement, bf_error *err);
+BF_MUST_CHECK bf_status store_list_measurements(store *s, const api_measurement_query *query,
+                                                api_measurement_list *ret_list, bf_error *err);
+BF_MUST_CHECK bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
+                                               bf_error *err);
 
 /// Reading; see api_services for the meaning of each.
 BF_MUST_CHECK bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err);

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <sqlite3.h>
+#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -185,6 +186,12 @@ double store__column_real(const store__query *q, int column)
     if (sqlite3_column_type(q->statement, column) == SQLITE_NULL)
         return NAN;
     return sqlite3_column_double(q->statement, column);
+}
+
+void store__column_text(const store__query *q, int column, char *ret_text, size_t size)
+{
+    const unsigned char *text = sqlite3_column_text(q->statement, column);
+    snprintf(ret_text, size, "%s", text == NULL ? "" : (const char *)text);
 }
 
 bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out, bf_error *err)

@@ -163,6 +163,8 @@ BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, b
 
 /// A column of the present row; a NULL is NAN.
 double store__column_real(const store__query *q, int column);
+/// Copy a text column of the present row; NULL is "", too long a text is cut.
+void store__column_text(const store__query *q, int column, char *ret_text, size_t size);
 
 /// Append a text or blob column of the present row.
 BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,

@@ -5,14 +5,7 @@
 
 #include <math.h>
 #include <sqlite3.h>
-#include <stdio.h>
 #include <string.h>
-
-static void copy_text(sqlite3_stmt *statement, int column, char *ret_text, size_t size)
-{
-    const unsigned char *text = sqlite3_column_text(statement, column);
-    snprintf(ret_text, size, "%s", text == NULL ? "" : (const char *)text);
-}
 
 // Codes are stored by their words, so that the list of codes may grow anywhere.
 static bf_status find_code(const char *word)
@@ -23,14 +16,14 @@ static bf_status find_code(const char *word)
     return BF_OK;
 }
 
-static void read_error(sqlite3_stmt *statement, int column, bf_error *ret_error)
+static void read_error(const store__query *q, int column, bf_error *ret_error)
 {
     char word[32];
 
-    copy_text(statement, column, word, sizeof word);
+    store__column_text(q, column, word, sizeof word);
     ret_error->code = find_code(word);
-    copy_text(statement, column + 1, ret_error->pointer, sizeof ret_error->pointer);
-    copy_text(statement, column + 2, ret_error->text, sizeof ret_error->text);
+    store__column_text(q, column + 1, ret_error->pointer, sizeof ret_error->pointer);
+    store__column_text(q, column + 2, ret_error->text, sizeof ret_error->text);
 }
 
 static void read_grid(sqlite3_stmt *statement, int column, bf_grid *ret_grid)
@@ -48,12 +41,12 @@ void store__read_row(const store__query *q, store__row *ret_row)
     sqlite3_stmt *statement = q->statement;
     store__row row = { .number = sqlite3_column_int64(statement, 0) };
 
-    copy_text(statement, 1, row.run.id, sizeof row.run.id);
+    store__column_text(q, 1, row.run.id, sizeof row.run.id);
     row.run.state = (run_state)sqlite3_column_int(statement, 2);
     row.run.model = (run_model)sqlite3_column_int(statement, 3);
     row.run.priority = sqlite3_column_int(statement, 4);
-    copy_text(statement, 5, row.run.label, sizeof row.run.label);
-    copy_text(statement, 6, row.run.name, sizeof row.run.name);
+    store__column_text(q, 5, row.run.label, sizeof row.run.label);
+    store__column_text(q, 6, row.run.name, sizeof row.run.name);
     row.run.revision = (uint64_t)sqlite3_column_int64(statement, 7);
     row.run.progress = sqlite3_column_double(statement, 8);
     row.run.created_ms = sqlite3_column_int64(statement, 9);
@@ -65,7 +58,7 @@ void store__read_row(const store__query *q, store__row *ret_row)
     row.run.n_snapshots = (uint64_t)sqlite3_column_int64(statement, 15);
     row.run.last_event = (uint64_t)sqlite3_column_int64(statement, 16);
     row.run.has_summary = sqlite3_column_int(statement, 17) != 0;
-    read_error(statement, 18, &row.run.error);
+    read_error(q, 18, &row.run.error);
     row.checkpoint_step = (uint64_t)sqlite3_column_int64(statement, 21);
     read_grid(statement, 22, &row.grid);
     row.parts.n_parts = (uint64_t)sqlite3_column_int64(statement, 28);

@@ -96,8 +96,22 @@ static const char schema_1[] =
 static const char schema_2[] = "ALTER TABLE runs ADD COLUMN n_parts INTEGER NOT NULL DEFAULT 0;"
                                "ALTER TABLE runs ADD COLUMN n_values INTEGER NOT NULL DEFAULT 0;";
 
+// Measured curves belong to no run. The samples stand last, so that a list does not read them.
+static const char schema_3[] = "CREATE TABLE measurements ("
+                               "  id TEXT PRIMARY KEY,"
+                               "  label TEXT NOT NULL,"
+                               "  counter TEXT NOT NULL,"
+                               "  created_ms INTEGER NOT NULL,"
+                               "  n INTEGER NOT NULL CHECK (n > 0),"
+                               "  t_start REAL NOT NULL,"
+                               "  t_end REAL NOT NULL,"
+                               "  t BLOB NOT NULL CHECK (length(t) = 8 * n),"
+                               "  counts BLOB NOT NULL CHECK (length(counts) = 8 * n)"
+                               ") STRICT;"
+                               "CREATE INDEX measurements_by_label ON measurements (label, id);";
+
 // Text i brings the tables from version i to i + 1.
-static const char *const migrations[] = { schema_1, schema_2 };
+static const char *const migrations[] = { schema_1, schema_2, schema_3 };
 
 enum { VERSION = sizeof migrations / sizeof *migrations };
 

@@ -15,6 +15,9 @@
     "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id < ?1 AND (?3 < 0 OR model = ?3) "            \
     "AND " condition " ORDER BY id DESC LIMIT ?2"
 
+/// The columns of a measurement without its samples, in the order in which they are read.
+#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end"
+
 /// X(name, text). Parameters are bound in the order ?1, ?2, ...
 #define STORE__SQL_LIST(X)                                                                         \
     X(BEGIN_WRITE, "BEGIN IMMEDIATE")                                                              \
@@ -61,4 +64,14 @@
     X(INSERT_EVENT, "INSERT INTO events (run, type, snapshot, data) VALUES (?1, ?2, ?3, ?4)")      \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
+    X(INSERT_MEASUREMENT, "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts) "  \
+                          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")                           \
+    X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
+    X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
+    X(FIND_MEASUREMENT,                                                                            \
+      "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \
+    X(LIST_MEASUREMENTS, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements WHERE id < ?1 "  \
+                         "ORDER BY id DESC LIMIT ?2")                                              \
+    X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
+                               "WHERE id < ?1 AND label = ?3 ORDER BY id DESC LIMIT ?2")           \
     X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")

@@ -12,8 +12,16 @@ enum {
     HELPER_EVENTS_MAX = 64,
     HELPER_SNAPSHOTS_MAX = 401,
     HELPER_CELLS = 6,
-    HELPER_VALUES = 12
+    HELPER_VALUES = 12,
+    HELPER_MEASUREMENTS_MAX = 8
 };
+
+/// A measured curve.
+typedef struct helper_measurement {
+    api_measurement about; ///< id "" once removed
+    double t[8];           ///< about.n_samples
+    double counts[8];      ///< same
+} helper_measurement;
 
 /// A run with its results.
 typedef struct helper_run {
@@ -32,14 +40,16 @@ typedef struct helper_run {
 
 /// The daemon.
 typedef struct helper_daemon {
-    helper_run runs[HELPER_RUNS_MAX];    ///< oldest first
-    size_t n_runs;                       ///< of them
-    api_event events[HELPER_EVENTS_MAX]; ///< rising ids
-    size_t n_events;                     ///< of them
-    bf_status refusal;                   ///< not BF_OK: submit and ready fail with it
-    api_list_query last_query;           ///< what list() was asked
-    api_submission submitted;            ///< last accepted, without its buffers
-    size_t n_submitted;                  ///< accepted so far
+    helper_run runs[HELPER_RUNS_MAX];                         ///< oldest first
+    size_t n_runs;                                            ///< of them
+    api_event events[HELPER_EVENTS_MAX];                      ///< rising ids
+    size_t n_events;                                          ///< of them
+    helper_measurement measurements[HELPER_MEASUREMENTS_MAX]; ///< oldest first
+    size_t n_measurements;                                    ///< of them
+    bf_status refusal;         ///< not BF_OK: submit, add_measurement, ready fail with it
+    api_list_query last_query; ///< what list() was asked
+    api_submission submitted;  ///< last accepted, without its buffers
+    size_t n_submitted;        ///< accepted so far
 } helper_daemon;
 
 /// The table of *d.
@@ -48,6 +58,9 @@ api_services helper_services(helper_daemon *d);
 /// Add a run in a state with two samples of "upstream,left_domain" and two snapshots on a 3 x 2 grid,
 /// created one second after the one before.
 helper_run *helper_add_run(helper_daemon *d, run_state state);
+
+/// Add a measurement of a counter with two samples, 192 at 0 s and 191 at 0.1 s.
+helper_measurement *helper_add_measurement(helper_daemon *d, const char *counter);
 
 /// Add an event; data must outlive *d. Returns its id.
 uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type, const char *data);

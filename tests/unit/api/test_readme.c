@@ -1,5 +1,6 @@
 // The README of api lists what the tables have: every member of the documents, every route.
 
+#include "api/measurement.h"
 #include "api/members.h"
 #include "api/routes.h"
 #include "api/scenario_members.h"
@@ -26,6 +27,7 @@ static const char *const kind_words[MEMBER_KIND_COUNT] = {
     [MEMBER_TEXT] = "string",
     [MEMBER_POINT] = "[x, y]",
     [MEMBER_INTERVAL] = "[from, to]",
+    [MEMBER_NUMBERS] = "list of numbers",
     [MEMBER_POINTS] = "list of [x, y]",
     [MEMBER_OUTLINE] = "list of [x, y]",
     [MEMBER_VERTICES] = "list of [x, y, z]",
@@ -98,6 +100,7 @@ static void every_member_of_a_document_is_listed(void **unused)
     (void)unused;
     check_lines(&scenario_members, "");
     check_lines(&submission_members, "");
+    check_lines(&measurement_members, "");
 }
 
 static void every_route_is_listed(void **unused)

@@ -98,7 +98,7 @@ static void a_newer_store_is_refused_and_left_alone(void **state)
 {
     helper_store *h = *state;
     static const unsigned char newer[] = { 0, 0, 0, 99 };
-    static const unsigned char ours[] = { 0, 0, 0, 2 };
+    static const unsigned char ours[] = { 0, 0, 0, 3 };
     api_run record = helper_submit(h->store, "", 0);
 
     helper_store_close(h);
