@@ -55,16 +55,37 @@ void api_response_fini(api_response *response)
     *response = (api_response){ 0 };
 }
 
-bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
+__attribute__((format(printf, 5, 0))) static bf_status refuse_with(exchange *x, int http_status,
+                                                                   const char *pointer,
+                                                                   bf_error *err,
+                                                                   const char *format, va_list args)
 {
     char text[BF_TEXT_SIZE];
+
+    vsnprintf(text, sizeof text, format, args);
+    x->refusal = http_status;
+    return bf_fail(err, BF_EINPUT, pointer, "%s", text);
+}
+
+bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
+{
     va_list args;
 
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    bf_status status = refuse_with(x, http_status, "", err, format, args);
     va_end(args);
-    x->refusal = http_status;
-    return bf_fail(err, BF_EINPUT, "", "%s", text);
+    return status;
+}
+
+bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
+                              const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    bf_status status = refuse_with(x, http_status, pointer, err, format, args);
+    va_end(args);
+    return status;
 }
 
 const char *exchange__header(const exchange *x, const char *name)

@@ -2,7 +2,6 @@
 
 #include "api/exchange_priv.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,19 +16,6 @@ bool exchange__is_id(const char *text)
             return false;
     }
     return text[sizeof form - 1] == '\0';
-}
-
-bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
-                              const char *format, ...)
-{
-    char text[BF_TEXT_SIZE];
-    va_list args;
-
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    x->refusal = http_status;
-    return bf_fail(err, BF_EINPUT, pointer, "%s", text);
 }
 
 // Takes one id off the list; what cannot be one is not found.

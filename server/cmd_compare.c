@@ -66,11 +66,10 @@ static int width_of(size_t k)
     return n < WIDTH_MIN ? WIDTH_MIN : n;
 }
 
-static void print_head(const char *const *words, const char *last)
+static void print_head(const char *const *words)
 {
     for (size_t k = 0; k < N_TITLES; k++)
-        printf("%*s  ", width_of(k), words[k]);
-    printf("%s\n", last);
+        printf("%s%*s", k == 0 ? "" : "  ", width_of(k), words[k]);
 }
 
 static void print_row(const compare_result *r, const char *path)
@@ -92,8 +91,10 @@ static void print_row(const compare_result *r, const char *path)
 
 static void print_table(const compare_arguments *a, const compare_result *results)
 {
-    print_head(titles, "curve");
-    print_head(units, "");
+    print_head(titles);
+    printf("  curve\n");
+    print_head(units);
+    printf("\n");
     for (size_t i = 0; i < a->n; i++)
         print_row(&results[i], a->paths[i]);
 }

@@ -114,7 +114,7 @@ test("both models of a scenario compare: their curves, and their densities cell 
   const folders = [await solve(t, smallJam()), await solveMicro(t, smallJam())];
   const done = await beltflow(["compare", "--json", ...folders]);
   assert.equal(done.status, 0, done.stderr);
-  assert.deepEqual(JSON.parse(done.stdout), curve);
+  assert.deepEqual(JSON.parse(done.stdout).pairs[0].curve, curve);
 });
 
 test("a mix of shapes moves in space, and its parts have unit quaternions", async (t) => {

@@ -41,6 +41,7 @@ test("the README's lines submit Example 1, stream it to its end and read its res
   assert.equal(status, 0, output);
   assert.match(output, /event: end/);
   assert.match(output, /t_s,upstream,left_domain/);
+  assert.match(output, /"kind":"measurement"/);
   const { runs } = (await d.get("/v1/runs")).json;
   assert.ok(runs.length >= 1);
 });
