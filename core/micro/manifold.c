@@ -1,5 +1,6 @@
 #include "core/micro/manifold.h"
 
+#include <math.h>
 #include <string.h>
 
 /// Cosine of the angle below which a normal is that of a face.
@@ -11,6 +12,9 @@
 /// What is deepest in the region may lie this share of the depth above the deepest vertex, which
 /// may reach over the side of the reference.
 #define OVERHANG 0.02
+
+/// Of what counts as near: what was cut off there is not coming any more.
+#define COMING 0.999
 
 /// Share of crossing edges.
 #define CROSSING 0.25
@@ -72,44 +76,74 @@ static void clip_by_sides(const hull *h, size_t face, ring *polygon)
     }
 }
 
-/// Points and shares of the polygon, which is cut to what is below a plane; normal points out of
-/// the solid.
-static void take_points(ring *polygon, vec3 normal, double offset, manifold *m)
+/// All corners of a polygon as points below a plane, with their shares; normal points out of the
+/// solid. No depth is less than `least`.
+static void weigh_points(const ring *polygon, vec3 normal, double offset, double least,
+                         manifold_point *ret_points)
 {
-    double outline = 0.0, side_last;
+    const size_t n = polygon->n;
+    double outline = 0.0;
+    double side_last = vec3_length(vec3_sub(polygon->at[0], polygon->at[n - 1]));
 
-    clip(polygon, vec3_scale(normal, -1.0), -offset);
-    m->n = polygon->n;
-    if (m->n == 0)
-        return;
-    side_last = vec3_length(vec3_sub(polygon->at[0], polygon->at[m->n - 1]));
-    for (size_t k = 0; k < m->n; k++) {
-        vec3 at = polygon->at[k], next = polygon->at[k + 1 < m->n ? k + 1 : 0];
+    for (size_t k = 0; k < n; k++) {
+        vec3 at = polygon->at[k], next = polygon->at[k + 1 < n ? k + 1 : 0];
         double depth = offset - vec3_dot(normal, at);
         double side = vec3_length(vec3_sub(next, at));
-        depth = depth > 0.0 ? depth : 0.0;
-        m->point[k] =
+        depth = depth > least ? depth : least;
+        ret_points[k] =
             (manifold_point){ vec3_along(at, 0.5 * depth, normal), depth, side_last + side };
         outline += side_last + side;
         side_last = side;
     }
-    for (size_t k = 0; k < m->n; k++)
-        m->point[k].share = outline > 0.0 ? m->point[k].share / outline : 1.0 / (double)m->n;
+    for (size_t k = 0; k < n; k++)
+        ret_points[k].share = outline > 0.0 ? ret_points[k].share / outline : 1.0 / (double)n;
 }
 
-static double deepest_point(const manifold *m)
+/// Add the corners of the polygon that are above the plane by less than near.
+static void add_coming(ring *polygon, vec3 normal, double offset, double near, manifold *m)
 {
-    double deepest = 0.0;
+    manifold_point points[MANIFOLD_POINTS_MAX];
+
+    clip(polygon, vec3_scale(normal, -1.0), -offset - near);
+    if (polygon->n == 0)
+        return;
+    weigh_points(polygon, normal, offset, -HUGE_VAL, points);
+    for (size_t k = 0; k < polygon->n && m->n < MANIFOLD_POINTS_MAX; k++)
+        if (points[k].depth <= 0.0 && points[k].depth > -COMING * near)
+            m->point[m->n++] = points[k];
+}
+
+/// Points and shares of what of the polygon is below a plane, and of what comes near it.
+static void take_points(ring *polygon, vec3 normal, double offset, double near, manifold *m)
+{
+    m->n = 0;
+    if (m->depth > 0.0) {
+        ring below = { .n = polygon->n };
+        memcpy(below.at, polygon->at, polygon->n * sizeof *below.at);
+        clip(&below, vec3_scale(normal, -1.0), -offset);
+        if (below.n > 0)
+            weigh_points(&below, normal, offset, 0.0, m->point);
+        m->n = below.n;
+    }
+    m->n_below = m->n;
+    if (near > 0.0 && polygon->n > 0)
+        add_coming(polygon, normal, offset, near, m);
+}
+
+/// True if what is deepest in the region is about as deep as the hull.
+static bool is_deepest(const manifold *m, double near)
+{
+    double deepest = m->depth > 0.0 ? 0.0 : -HUGE_VAL;
 
     for (size_t k = 0; k < m->n; k++)
         deepest = m->point[k].depth > deepest ? m->point[k].depth : deepest;
-    return deepest;
+    return deepest >= (m->depth > 0.0 ? (1.0 - OVERHANG) * m->depth : m->depth - OVERHANG * near);
 }
 
 /// The region at a face of one hull, in its frame; the other is at shift with rotation turn. The
 /// normal points out of the face.
 static void find_at_face(const hull *h, size_t face, const hull *other, const mat3 *turn,
-                         vec3 shift, manifold *m)
+                         vec3 shift, double near, manifold *m)
 {
     vec3 normal = h->normal[face];
     vec3 against = mat3_apply_back(turn, vec3_scale(normal, -1.0));
@@ -119,14 +153,14 @@ static void find_at_face(const hull *h, size_t face, const hull *other, const ma
 
     m->normal = normal;
     m->depth = h->offset[face] - vec3_dot(normal, at);
-    m->n = 0;
+    m->n = m->n_below = 0;
     m->is_least = true;
-    if (m->depth <= 0.0)
+    if (m->depth <= -near)
         return;
     take_face(other, hull_facing(other, vertex, against), turn, shift, &polygon);
     clip_by_sides(h, face, &polygon);
-    take_points(&polygon, normal, h->offset[face], m);
-    m->is_least = m->n > 0 && deepest_point(m) >= (1.0 - OVERHANG) * m->depth;
+    take_points(&polygon, normal, h->offset[face], near, m);
+    m->is_least = m->n > 0 && is_deepest(m, near);
 }
 
 /// True if n, at right angles to the edge between two faces, is between their normals.
@@ -138,7 +172,7 @@ static bool is_between(vec3 along, vec3 left, vec3 right, vec3 n)
 }
 
 static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hull_edge *of_b,
-                          manifold *m)
+                          double near, manifold *m)
 {
     const hull *a = pair->a, *b = pair->b;
     vec3 p = hull_vertex(a, of_a->from), u = vec3_sub(hull_vertex(a, of_a->to), p);
@@ -148,8 +182,8 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
     double length = vec3_length(across);
 
     m->normal = a->normal[of_a->left];
-    m->n = 0;
-    m->depth = 0.0;
+    m->n = m->n_below = 0;
+    m->depth = -near;
     m->is_least = false;
     if (length <= PARALLEL * vec3_length(u) * vec3_length(v))
         return;
@@ -165,9 +199,10 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
     m->is_least = s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0 &&
                   is_between(u, a->normal[of_a->left], a->normal[of_a->right], m->normal) &&
                   is_between(v_own, b->normal[of_b->left], b->normal[of_b->right], against);
-    if (m->depth <= 0.0 || !m->is_least)
+    if (m->depth <= -near || !m->is_least)
         return;
     m->n = 1;
+    m->n_below = m->depth > 0.0 ? 1 : 0;
     m->point[0] = (manifold_point){ vec3_along(vec3_along(p, s, u), -0.5 * m->depth, m->normal),
                                     m->depth, CROSSING };
 }
@@ -180,18 +215,19 @@ static void turn_over(const gjk_pair *pair, manifold *m)
         m->point[k].at = vec3_add(mat3_apply(&pair->turn, m->point[k].at), pair->shift);
 }
 
-void manifold_find(const gjk_pair *pair, manifold_feature feature, manifold *ret_manifold)
+void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
+                   manifold *ret_manifold)
 {
     if (feature.kind == MANIFOLD_FACE_A) {
-        find_at_face(pair->a, feature.of_a, pair->b, &pair->turn, pair->shift, ret_manifold);
+        find_at_face(pair->a, feature.of_a, pair->b, &pair->turn, pair->shift, near, ret_manifold);
     } else if (feature.kind == MANIFOLD_FACE_B) {
         static const mat3 still = { { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
         mat3 back = mat3_between(&pair->turn, &still);
         vec3 shift = vec3_scale(mat3_apply(&back, pair->shift), -1.0);
-        find_at_face(pair->b, feature.of_b, pair->a, &back, shift, ret_manifold);
+        find_at_face(pair->b, feature.of_b, pair->a, &back, shift, near, ret_manifold);
         turn_over(pair, ret_manifold);
     } else {
-        find_at_edges(pair, &pair->a->edge[feature.of_a], &pair->b->edge[feature.of_b],
+        find_at_edges(pair, &pair->a->edge[feature.of_a], &pair->b->edge[feature.of_b], near,
                       ret_manifold);
     }
 }
@@ -202,6 +238,7 @@ void manifold_from_touch(const gjk_touch *touch, manifold *ret_manifold)
     ret_manifold->depth = -touch->distance;
     ret_manifold->is_least = true;
     ret_manifold->n = 1;
+    ret_manifold->n_below = touch->distance < 0.0 ? 1 : 0;
     ret_manifold->point[0] = (manifold_point){ vec3_scale(vec3_add(touch->on_a, touch->on_b), 0.5),
                                                -touch->distance, CROSSING };
 }
@@ -257,7 +294,7 @@ manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_touch *touc
 }
 
 void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plane *plane,
-                       manifold *ret_manifold)
+                       double near, manifold *ret_manifold)
 {
     vec3 against = mat3_apply_back(r, vec3_scale(plane->normal, -1.0));
     size_t vertex = hull_support(h, against);
@@ -267,8 +304,8 @@ void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plan
     ret_manifold->normal = plane->normal;
     ret_manifold->depth = plane->offset - vec3_dot(plane->normal, at);
     ret_manifold->is_least = true;
-    ret_manifold->n = 0;
-    if (ret_manifold->depth <= 0.0)
+    ret_manifold->n = ret_manifold->n_below = 0;
+    if (ret_manifold->depth <= -near)
         return;
     take_face(h, hull_facing(h, vertex, against), r, x, &polygon);
     if (plane->half_length > 0.0) {
@@ -276,6 +313,6 @@ void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plan
         clip(&polygon, plane->along, middle - plane->half_length);
         clip(&polygon, vec3_scale(plane->along, -1.0), -middle - plane->half_length);
     }
-    take_points(&polygon, plane->normal, plane->offset, ret_manifold);
-    ret_manifold->is_least = deepest_point(ret_manifold) >= (1.0 - OVERHANG) * ret_manifold->depth;
+    take_points(&polygon, plane->normal, plane->offset, near, ret_manifold);
+    ret_manifold->is_least = is_deepest(ret_manifold, near);
 }

@@ -11,6 +11,9 @@
 ///          points there are and however close some are together, and change smoothly as the bodies
 ///          move. A flat contact thus has stiffness k, an edge that lies in a face k/2, as half of
 ///          its outline is in depth 0, a corner k/4 to 0.3 k; crossing edges are given k/4.
+/// Near     where hulls are apart, but by less than a distance `near`, the corners of the face that
+///          are above the reference by less than that are points too, of depth <= 0: they may come
+///          into touch. They follow those that are below, as if nothing were below; near = 0: none.
 
 #pragma once
 
@@ -36,16 +39,17 @@ typedef struct manifold_feature {
 /// A contact point.
 typedef struct manifold_point {
     vec3 at;      ///< in the middle of the overlap, m
-    double depth; ///< along the normal, m, >= 0
+    double depth; ///< along the normal, m; < 0: apart
     double share; ///< see above
 } manifold_point;
 
 /// The region.
 typedef struct manifold {
-    vec3 normal;   ///< of length 1, from a to b
-    double depth;  ///< by which the hulls overlap along the normal, m; <= 0: they do not
-    bool is_least; ///< no other direction close by has less depth
-    size_t n;      ///< points; 0 if depth <= 0, or where the feature misses the other hull
+    vec3 normal;    ///< of length 1, from a to b
+    double depth;   ///< by which the hulls overlap along the normal, m; <= 0: they do not
+    bool is_least;  ///< no other direction close by has less depth
+    size_t n;       ///< points; 0 if depth <= -near, or where the feature misses the other hull
+    size_t n_below; ///< the first ones, which overlap
     manifold_point point[MANIFOLD_POINTS_MAX]; ///< see there
 } manifold;
 
@@ -63,12 +67,13 @@ manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_touch *touc
 
 /// The region at a feature, in a's frame. While is_least holds the feature still carries the
 /// (locally) least depth, and no search is needed. kind is not MANIFOLD_NONE.
-void manifold_find(const gjk_pair *pair, manifold_feature feature, manifold *ret_manifold);
+void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
+                   manifold *ret_manifold);
 
-/// The single point of a touch that overlaps, in a's frame.
+/// The single point of a touch, in a's frame.
 void manifold_from_touch(const gjk_touch *touch, manifold *ret_manifold);
 
 /// The region of a hull at x with rotation r below the surface of a solid; its normal is the
 /// plane's. All in the world's frame.
 void manifold_on_plane(const hull *h, vec3 x, const mat3 *r, const manifold_plane *plane,
-                       manifold *ret_manifold);
+                       double near, manifold *ret_manifold);

@@ -3,6 +3,7 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
+#include "core/micro/implicit_step.h"
 #include "core/micro/pairs_priv.h"
 
 #include <math.h>
@@ -242,13 +243,13 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
 
 static double dt_stable(const micro_def *def)
 {
-    return def->integrator == MICRO_IMPLICIT ? planar__dt_stable_implicit(def)
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_stable(def)
                                              : planar__dt_stable_verlet(def);
 }
 
 static double dt_chosen(const micro_def *def)
 {
-    return def->integrator == MICRO_IMPLICIT ? planar__dt_auto_implicit(def)
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, true)
                                              : chosen_share * planar__dt_stable_verlet(def);
 }
 

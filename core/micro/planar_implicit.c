@@ -1,5 +1,8 @@
 #include "core/base/memory.h"
+#include "core/micro/implicit_step.h"
 #include "core/micro/planar_implicit_priv.h"
+
+#include <math.h>
 
 static void *alloc_or_fail(size_t n, size_t size, bool *has_failed)
 {
@@ -28,6 +31,23 @@ implicit_state *planar_implicit__destroy(implicit_state *z)
     return NULL;
 }
 
+// Most rounds that the kinds of parts ask for.
+static int find_rounds(const planar_state *s)
+{
+    const double damping = fmax(s->cargo.damping, s->handling.damping);
+    int rounds = 1;
+
+    for (size_t k = 0; k < s->n_kinds; k++) {
+        const planar_row *row = &s->kinds[k].row;
+        double cargo = s->cargo.line / (2.0 * row->softness);
+        double handling = s->handling.line / (row->softness + s->handling_softness);
+        int own = implicit_step_rounds(s->n, s->def.dt, fmax(cargo, handling), damping,
+                                       1.0 / row->inverse_mass);
+        rounds = own > rounds ? own : rounds;
+    }
+    return rounds;
+}
+
 implicit_state *planar_implicit__create(const planar_state *s)
 {
     // The void place is ground too; a group has a part once at most.
@@ -42,7 +62,7 @@ implicit_state *planar_implicit__create(const planar_state *s)
     z->used = alloc_or_fail(n_places, sizeof *z->used, &has_failed);
     z->bodies = alloc_or_fail(n_places + n_ground, sizeof *z->bodies, &has_failed);
     z->extremes = alloc_or_fail(n_places / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
-    z->rounds = planar_implicit__rounds(s);
+    z->rounds = find_rounds(s);
     z->skin = s->radius_min;
     z->kernels = planar_implicit__kernels()[0];
     return has_failed ? planar_implicit__destroy(z) : z;

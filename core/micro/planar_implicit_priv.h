@@ -202,6 +202,3 @@ static inline bool planar_implicit__is_list_stale(const planar_state *s, double 
 {
     return travel + 1.25 * move > 0.5 * s->skin;
 }
-
-/// Rounds of relaxation in a step.
-int planar_implicit__rounds(const planar_state *s);

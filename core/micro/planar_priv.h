@@ -207,9 +207,5 @@ BF_MUST_CHECK bf_status planar__implicit_save(const planar_state *s, bf_buffer *
 BF_MUST_CHECK bf_status planar__implicit_load(planar_state *s, const void *bytes, size_t n,
                                               bf_error *err);
 
-/// Largest stable step of MICRO_VERLET and MICRO_IMPLICIT for a checked definition of cylinders, s.
+/// Largest stable step of MICRO_VERLET for a checked definition of cylinders, s.
 double planar__dt_stable_verlet(const micro_def *def);
-double planar__dt_stable_implicit(const micro_def *def);
-
-/// Step that MICRO_IMPLICIT chooses for dt = 0, s; see planar_implicit_step.c.
-double planar__dt_auto_implicit(const micro_def *def);

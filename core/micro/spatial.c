@@ -1,6 +1,7 @@
 #include "core/micro/backend.h"
 
 #include "core/base/memory.h"
+#include "core/micro/implicit_step.h"
 #include "core/micro/spatial_priv.h"
 
 #include <float.h>
@@ -9,7 +10,7 @@
 /// Of the smallest ball around a body: how far parts may move before the list is made anew, twice.
 #define SKIN 0.25
 
-/// Of the largest stable step: what is chosen where none is given.
+/// Of the largest stable step of MICRO_VERLET: what is chosen where none is given.
 #define CHOSEN 0.25
 
 static bf_status init_kinds(spatial_state *s, const micro_def *def, bf_error *err)
@@ -36,9 +37,10 @@ static bf_status init_arrays(spatial_state *s, size_t n, bf_error *err)
     s->y = memory_alloc(n, sizeof *s->y);
     s->reach = memory_alloc(n, sizeof *s->reach);
     s->first_pair = memory_alloc(n + 1, sizeof *s->first_pair);
+    s->cursor = memory_alloc(n, sizeof *s->cursor);
     s->reports = memory_alloc(s->n_blocks, sizeof *s->reports);
     if (s->bodies == NULL || s->is_gone == NULL || s->x == NULL || s->y == NULL ||
-        s->reach == NULL || s->first_pair == NULL || s->reports == NULL)
+        s->reach == NULL || s->first_pair == NULL || s->cursor == NULL || s->reports == NULL)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
     return BF_OK;
 }
@@ -72,6 +74,7 @@ static void place_parts(spatial_state *s, const micro_def *def)
         s->reach_min = fmin(s->reach_min, s->reach[k]);
     }
     s->list.skin = SKIN * s->reach_min;
+    s->map_range = s->reach_max;
 }
 
 /// What the definition says, without its arrays.
@@ -100,6 +103,7 @@ static void destroy(void *state)
         return;
     spatial__plates_fini(s);
     spatial__floor_fini(s);
+    spatial__implicit_fini(s);
     pairs_fini(&s->list);
     memory_free(s->kinds);
     memory_free(s->bodies);
@@ -108,6 +112,7 @@ static void destroy(void *state)
     memory_free(s->y);
     memory_free(s->reach);
     memory_free(s->first_pair);
+    memory_free(s->cursor);
     memory_free(s->reports);
     memory_free(s->pairs);
     memory_free(s->spare);
@@ -118,10 +123,6 @@ static void destroy(void *state)
 static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
 {
     bf_status status;
-
-    if (def->integrator != MICRO_VERLET)
-        return bf_fail(err, BF_EINPUT, "/micro/integrator",
-                       "only 'verlet' moves bodies in space; 'implicit' is for upright cylinders");
     spatial_state *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
@@ -130,7 +131,10 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
         (status = spatial__floor_init(s, def, err)) == BF_OK) {
         place_parts(s, def);
-        status = spatial__plates_init(s, def, err);
+        if (def->integrator == MICRO_IMPLICIT)
+            status = spatial__implicit_init(s, err);
+        if (status == BF_OK)
+            status = spatial__plates_init(s, def, err);
     }
     if (status != BF_OK) {
         destroy(s);
@@ -142,13 +146,13 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
 
 static double dt_stable(const micro_def *def)
 {
-    // create() says what is wrong with another integrator.
-    return def->integrator == MICRO_VERLET ? spatial__dt_stable(def) : INFINITY;
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_stable(def) : spatial__dt_stable(def);
 }
 
 static double dt_chosen(const micro_def *def)
 {
-    return CHOSEN * spatial__dt_stable(def);
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, false)
+                                             : CHOSEN * spatial__dt_stable(def);
 }
 
 static uint64_t steps(const void *state)

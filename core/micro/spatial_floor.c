@@ -83,8 +83,7 @@ static double distance_to_border(const spatial_state *s, scene_point at)
     return nearest;
 }
 
-/// True if one belt is under all of part k, and its velocity.
-static bool is_on_one_belt(spatial_state *s, size_t k, vec3 *ret_velocity)
+bool spatial__is_on_one_belt(spatial_state *s, size_t k, vec3 *ret_velocity)
 {
     spatial_ground *ground = &s->ground[k];
     scene_point at = { s->bodies[k].x.x, s->bodies[k].x.y };
@@ -127,23 +126,19 @@ static double find_gyration(const patch *p)
 
 static void find_patch(const spatial_state *s, const spatial_body *body, patch *p)
 {
-    const spatial_kind *kind = &s->kinds[body->kind];
-    spatial_spot spots[SPATIAL_SPOTS_MAX];
-    size_t n;
-    manifold m;
+    const micro_law *law = &s->kinds[body->kind].floor;
+    spatial_region region;
 
     p->n = 0;
-    p->sum = 0.0;
+    p->sum = p->gyration = 0.0;
     p->middle = nothing;
-    if (spatial__round_plane(s, body, &floor_plane, spots, &n)) {
-        for (size_t k = 0; k < n; k++)
-            add_point(s, body, &kind->floor,
-                      &(manifold_point){ spots[k].at, spots[k].depth, spots[k].share }, p);
-    } else {
-        manifold_on_plane(&kind->shape, body->x, &body->r, &floor_plane, &m);
-        for (size_t k = 0; k < m.n; k++)
-            add_point(s, body, &kind->floor, &m.point[k], p);
+    spatial__find_at_plane(s, body, &floor_plane, 0.0, &region);
+    for (size_t k = 0; region.is_round && k < region.n_spots; k++) {
+        const spatial_spot *spot = &region.spots[k];
+        add_point(s, body, law, &(manifold_point){ spot->at, spot->depth, spot->share }, p);
     }
+    for (size_t k = 0; !region.is_round && k < region.hull.n; k++)
+        add_point(s, body, law, &region.hull.point[k], p);
     if (p->sum <= 0.0)
         return;
     p->middle = vec3_scale(p->middle, 1.0 / p->sum);
@@ -226,7 +221,7 @@ void spatial__floor_push(spatial_state *s, size_t k, spatial_load *load)
 
     if (body->x.z >= s->reach[k])
         return;
-    bool is_one_belt = is_on_one_belt(s, k, &belt);
+    bool is_one_belt = spatial__is_on_one_belt(s, k, &belt);
     if (is_one_belt && find_flat_patch(s, body, &p))
         spatial__push(load, body, p.middle, (vec3){ 0.0, 0.0, p.sum });
     else

@@ -44,7 +44,7 @@ static void write_pairs(spatial_state *s)
             while (old < s->n_pairs && is_before(&s->pairs[old], &pair))
                 old++;
             if (old < s->n_pairs && !is_before(&pair, &s->pairs[old]))
-                pair.memory = s->pairs[old].memory;
+                pair = s->pairs[old];
             s->links[at] = (uint32_t)n;
             s->spare[n++] = pair;
         }
@@ -53,9 +53,10 @@ static void write_pairs(spatial_state *s)
 
 /// Link the places of neighbours with smaller numbers: those of a part stand in the order in which
 /// its pairs come up.
-static void link_back(spatial_state *s, size_t *cursor)
+static void link_back(spatial_state *s)
 {
     const pairs *list = &s->list;
+    size_t *cursor = s->cursor;
 
     memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
     for (size_t k = 0; k < s->n; k++)
@@ -66,8 +67,6 @@ static void link_back(spatial_state *s, size_t *cursor)
 
 bf_status spatial__list(spatial_state *s, bf_error *err)
 {
-    size_t *cursor;
-
     s->is_listed = false;
     for (size_t k = 0; k < s->n; k++) {
         s->x[k] = s->bodies[k].x.x;
@@ -76,14 +75,10 @@ bf_status spatial__list(spatial_state *s, bf_error *err)
     bf_status status = pairs_build(&s->list, s->n, s->x, s->y, s->reach, 0.0, s->is_gone, err);
     if (status != BF_OK)
         return status;
-    cursor = memory_alloc(s->n, sizeof *cursor);
-    if (cursor == NULL || count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX) {
-        memory_free(cursor);
+    if (count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the pairs of neighbours");
-    }
     write_pairs(s);
-    link_back(s, cursor);
-    memory_free(cursor);
+    link_back(s);
     spatial_pair *swap = s->pairs;
     size_t swap_capacity = s->pairs_capacity;
     s->pairs = s->spare;

@@ -24,30 +24,43 @@ void spatial__note(spatial_report *report, double overlap, double radius)
     report->share = share > report->share ? share : report->share;
 }
 
-bool spatial__find_manifold(const gjk_pair *pair, spatial_memory *memory, manifold *ret_manifold)
+/// Search for the contact from memory->axis. Returns false if the hulls are not near.
+static bool search(const gjk_pair *pair, double near, spatial_memory *memory,
+                   manifold *ret_manifold)
+{
+    memory->feature.kind = MANIFOLD_NONE;
+    memory->gap = gjk_find_gap(pair, &memory->axis);
+    if (memory->gap > near)
+        return false;
+    gjk_touch touch = gjk_measure(pair, memory->axis);
+    memory->axis = touch.normal;
+    memory->gap = touch.distance > near ? touch.distance : 0.0;
+    if (touch.distance > 0.0 && touch.distance >= near)
+        return false;
+    memory->feature = manifold_feature_of(pair, &touch);
+    manifold_find(pair, memory->feature, near, ret_manifold);
+    // What is apart may be nearest in a corner, which no feature carries.
+    bool is_carried = ret_manifold->is_least || touch.distance <= 0.0;
+    if (ret_manifold->n == 0 || !is_carried)
+        manifold_from_touch(&touch, ret_manifold);
+    if (!is_carried)
+        memory->feature.kind = MANIFOLD_NONE;
+    return true;
+}
+
+bool spatial__find_manifold(const gjk_pair *pair, double near, spatial_memory *memory,
+                            manifold *ret_manifold)
 {
     if (vec3_dot(memory->axis, memory->axis) == 0.0)
         memory->axis =
             vec3_dot(pair->shift, pair->shift) > 0.0 ? pair->shift : (vec3){ 1.0, 0.0, 0.0 };
     if (memory->feature.kind != MANIFOLD_NONE) {
-        manifold_find(pair, memory->feature, ret_manifold);
+        manifold_find(pair, memory->feature, near, ret_manifold);
         memory->axis = ret_manifold->normal;
-        if (ret_manifold->depth > 0.0 && ret_manifold->is_least)
+        if (ret_manifold->depth > -near && ret_manifold->is_least)
             return true;
     }
-    memory->feature.kind = MANIFOLD_NONE;
-    memory->gap = gjk_find_gap(pair, &memory->axis);
-    if (memory->gap > 0.0)
-        return false;
-    gjk_touch touch = gjk_measure(pair, memory->axis);
-    memory->axis = touch.normal;
-    if (touch.distance > 0.0)
-        return false;
-    memory->feature = manifold_feature_of(pair, &touch);
-    manifold_find(pair, memory->feature, ret_manifold);
-    if (ret_manifold->n == 0)
-        manifold_from_touch(&touch, ret_manifold);
-    return true;
+    return search(pair, near, memory, ret_manifold);
 }
 
 /// Add what acts in one contact point, a to b along normal. Returns true if it presses.
@@ -69,78 +82,86 @@ static bool add_point(const spatial_state *s, const micro_law *law, spatial_pair
     return true;
 }
 
-/// Returns the depth of the contact, or 0 if nothing presses.
-static double meet_round(const spatial_state *s, const micro_law *law, spatial_pair *pair,
-                         const spatial_spot *spots, size_t n)
-{
-    double depth = 0.0;
-
-    for (size_t k = 0; k < n; k++) {
-        manifold_point point = { spots[k].at, spots[k].depth, spots[k].share };
-        if (add_point(s, law, pair, spots[k].normal, &point))
-            depth = fmax(depth, point.depth);
-    }
-    return depth;
-}
-
-/// The same for hulls.
-static double meet_hulls(const spatial_state *s, const micro_law *law, spatial_pair *pair)
-{
-    const spatial_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
-    gjk_pair hulls =
-        gjk_pair_of(&s->kinds[a->kind].shape, a->x, &a->r, &s->kinds[b->kind].shape, b->x, &b->r);
-    double depth = 0.0;
-    manifold m;
-
-    if (!spatial__find_manifold(&hulls, &pair->memory, &m))
-        return 0.0;
-    vec3 normal = mat3_apply(&a->r, m.normal);
-    for (size_t k = 0; k < m.n; k++) {
-        m.point[k].at = vec3_add(mat3_apply(&a->r, m.point[k].at), a->x);
-        if (add_point(s, law, pair, normal, &m.point[k]))
-            depth = m.depth;
-    }
-    return depth;
-}
-
-/// True if two bodies that were apart cannot have come together: they have moved by their
-/// velocities and turned by their spins, which now are those of the last step.
-static bool is_still_apart(const spatial_state *s, spatial_pair *pair)
+/// True if two bodies that were apart cannot have come near: they have moved by their velocities
+/// and turned by their spins, which now are those of the last step.
+static bool is_still_apart(const spatial_state *s, double near, spatial_pair *pair)
 {
     const spatial_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
 
-    if (pair->memory.gap <= 0.0)
+    if (pair->memory.gap <= near)
         return false;
     double speed = vec3_length(vec3_sub(b->v, a->v)) + vec3_length(a->w) * s->reach[pair->a] +
                    vec3_length(b->w) * s->reach[pair->b];
     pair->memory.gap -= CAREFUL * s->def.dt * speed;
-    return pair->memory.gap > 0.0;
+    return pair->memory.gap > near;
+}
+
+/// The region of two hulls in the world's frame. Returns false if they are apart.
+static bool find_hulls(const spatial_state *s, double near, spatial_pair *pair, manifold *m)
+{
+    const spatial_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
+    gjk_pair hulls =
+        gjk_pair_of(&s->kinds[a->kind].shape, a->x, &a->r, &s->kinds[b->kind].shape, b->x, &b->r);
+
+    if (!spatial__find_manifold(&hulls, near, &pair->memory, m))
+        return false;
+    m->normal = mat3_apply(&a->r, m->normal);
+    for (size_t k = 0; k < m->n; k++)
+        m->point[k].at = vec3_add(mat3_apply(&a->r, m->point[k].at), a->x);
+    return true;
+}
+
+bool spatial__find_pair(const spatial_state *s, double near, spatial_pair *pair,
+                        spatial_region *ret_region)
+{
+    const spatial_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
+    vec3 to = vec3_sub(b->x, a->x);
+    double range = s->reach[pair->a] + s->reach[pair->b] + near;
+
+    if (vec3_dot(to, to) >= range * range || s->is_gone[pair->a] || s->is_gone[pair->b]) {
+        pair->memory = (spatial_memory){ 0 };
+        return false;
+    }
+    if (is_still_apart(s, near, pair))
+        return false;
+    ret_region->is_round =
+        spatial__round_pair(s, a, b, near, ret_region->spots, &ret_region->n_spots);
+    if (!ret_region->is_round)
+        return find_hulls(s, near, pair, &ret_region->hull);
+    pair->memory = (spatial_memory){ 0 };
+    return ret_region->n_spots > 0;
+}
+
+/// Add what acts in all points. Returns the depth of the contact, or 0 if nothing presses.
+static double add_region(const spatial_state *s, const micro_law *law, spatial_pair *pair,
+                         const spatial_region *region)
+{
+    double depth = 0.0;
+
+    for (size_t k = 0; region->is_round && k < region->n_spots; k++) {
+        const spatial_spot *spot = &region->spots[k];
+        manifold_point point = { spot->at, spot->depth, spot->share };
+        if (add_point(s, law, pair, spot->normal, &point))
+            depth = fmax(depth, point.depth);
+    }
+    for (size_t k = 0; !region->is_round && k < region->hull.n; k++)
+        if (add_point(s, law, pair, region->hull.normal, &region->hull.point[k]))
+            depth = region->hull.depth;
+    return depth;
 }
 
 void spatial__meet(const spatial_state *s, spatial_pair *pair, spatial_report *report)
 {
-    const spatial_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
-    const spatial_kind *kind_a = &s->kinds[a->kind], *kind_b = &s->kinds[b->kind];
-    vec3 to = vec3_sub(b->x, a->x);
-    double range = s->reach[pair->a] + s->reach[pair->b], depth;
-    spatial_spot spots[SPATIAL_SPOTS_MAX];
-    size_t n;
+    const spatial_kind *kind_a = &s->kinds[s->bodies[pair->a].kind];
+    const spatial_kind *kind_b = &s->kinds[s->bodies[pair->b].kind];
+    spatial_region region;
 
     pair->is_pressing = false;
-    if (vec3_dot(to, to) >= range * range || s->is_gone[pair->a] || s->is_gone[pair->b]) {
-        pair->memory = (spatial_memory){ 0 };
-        return;
-    }
-    if (is_still_apart(s, pair))
+    if (!spatial__find_pair(s, 0.0, pair, &region))
         return;
     pair->force = pair->torque_a = pair->torque_b = (vec3){ 0.0, 0.0, 0.0 };
     const micro_law law = spatial__law(s, kind_a, kind_b);
-    if (spatial__round_pair(s, a, b, spots, &n)) {
-        pair->memory = (spatial_memory){ 0 };
-        depth = meet_round(s, &law, pair, spots, n);
-    } else {
-        depth = meet_hulls(s, &law, pair);
-    }
+    double depth = add_region(s, &law, pair, &region);
     pair->is_pressing = depth > 0.0;
     if (pair->is_pressing)
         spatial__note(report, depth, fmin(kind_a->radius, kind_b->radius));

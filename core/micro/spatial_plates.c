@@ -64,7 +64,7 @@ static bf_status map_cell(spatial_state *s, size_t i, size_t j, size_t *n)
     spatial_map *map = &s->map;
     double x = map->x_min + ((double)i + 0.5) * map->edge;
     double y = map->y_min + ((double)j + 0.5) * map->edge;
-    double range = s->reach_max + map->edge;
+    double range = s->map_range + map->edge;
 
     map->first[j * map->n_x + i] = *n;
     for (size_t k = 0; k < s->n_plates; k++) {
@@ -131,6 +131,13 @@ void spatial__plates_fini(spatial_state *s)
     memory_free(s->map.plate);
 }
 
+/// What spatial__solids_push() adds to.
+typedef struct solids_push {
+    const spatial_state *s;
+    spatial_load *load;
+    spatial_report *report;
+} solids_push;
+
 /// Push part k in a contact point of something at rest. Returns true if it presses.
 static bool push_point(const spatial_state *s, size_t k, const micro_law *law, vec3 normal,
                        const manifold_point *point, spatial_load *load)
@@ -147,35 +154,40 @@ static bool push_point(const spatial_state *s, size_t k, const micro_law *law, v
     return true;
 }
 
-static void push_spots(const spatial_state *s, size_t k, const micro_law *law,
-                       const spatial_spot *spots, size_t n, spatial_load *load,
-                       spatial_report *report)
+/// Push part k in all points of its region.
+static void push_region(void *context, size_t k, const micro_law *law, uint32_t solid,
+                        const spatial_region *region)
 {
+    const solids_push *push = context;
     double depth = 0.0;
 
-    for (size_t m = 0; m < n; m++) {
-        manifold_point point = { spots[m].at, spots[m].depth, spots[m].share };
-        if (push_point(s, k, law, spots[m].normal, &point, load))
+    (void)solid;
+    for (size_t m = 0; region->is_round && m < region->n_spots; m++) {
+        const spatial_spot *spot = &region->spots[m];
+        manifold_point point = { spot->at, spot->depth, spot->share };
+        if (push_point(push->s, k, law, spot->normal, &point, push->load))
             depth = fmax(depth, point.depth);
     }
+    for (size_t m = 0; !region->is_round && m < region->hull.n; m++)
+        if (push_point(push->s, k, law, region->hull.normal, &region->hull.point[m], push->load))
+            depth = region->hull.depth;
     if (depth > 0.0)
-        spatial__note(report, depth, s->kinds[s->bodies[k].kind].radius);
+        spatial__note(push->report, depth, push->s->kinds[push->s->bodies[k].kind].radius);
 }
 
-static void push_manifold(const spatial_state *s, size_t k, const micro_law *law, const manifold *m,
-                          spatial_load *load, spatial_report *report)
+void spatial__find_at_plane(const spatial_state *s, const spatial_body *body,
+                            const manifold_plane *plane, double near, spatial_region *ret_region)
 {
-    bool is_pressing = false;
-
-    for (size_t n = 0; n < m->n; n++)
-        is_pressing |= push_point(s, k, law, m->normal, &m->point[n], load);
-    if (is_pressing)
-        spatial__note(report, m->depth, s->kinds[s->bodies[k].kind].radius);
+    ret_region->is_round =
+        spatial__round_plane(s, body, plane, near, ret_region->spots, &ret_region->n_spots);
+    if (!ret_region->is_round)
+        manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, plane, near,
+                          &ret_region->hull);
 }
 
 /// Try the side of a plate that a body is on. Returns true if its contact is there.
 static bool find_at_side(const spatial_state *s, const spatial_body *body,
-                         const spatial_plate *plate, manifold *m)
+                         const spatial_plate *plate, double near, manifold *m)
 {
     vec3 to = vec3_sub(body->x, plate->middle);
     double a = vec3_dot(to, plate->along), c = vec3_dot(to, plate->across);
@@ -187,13 +199,14 @@ static bool find_at_side(const spatial_state *s, const spatial_body *body,
     if (fabs(a) > plate->half_length)
         return false;
     side.offset = vec3_dot(side.normal, plate->middle) + plate->half_thickness;
-    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, m);
-    return m->depth <= 0.0 || m->is_least;
+    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, near, m);
+    return m->depth <= -near || m->is_least;
 }
 
 /// The contact with a plate as a cuboid, in the world's frame. Returns false if there is none.
 static bool find_at_cuboid(const spatial_state *s, const spatial_body *body,
-                           const spatial_plate *plate, spatial_memory *memory, manifold *m)
+                           const spatial_plate *plate, double near, spatial_memory *memory,
+                           manifold *m)
 {
     double a = plate->half_length, c = plate->half_thickness;
     double tall = TALL * s->kinds[body->kind].shape.radius;
@@ -207,7 +220,7 @@ static bool find_at_cuboid(const spatial_state *s, const spatial_body *body,
     hull_from_outline(outline, 4, -tall, tall, &cuboid);
     gjk_pair pair =
         gjk_pair_of(&cuboid, origin, &axes, &s->kinds[body->kind].shape, body->x, &body->r);
-    if (!spatial__find_manifold(&pair, memory, m))
+    if (!spatial__find_manifold(&pair, near, memory, m))
         return false;
     m->normal = mat3_apply(&axes, m->normal);
     for (size_t k = 0; k < m->n; k++)
@@ -234,41 +247,37 @@ static void forget(spatial_near *near, uint32_t plate)
             near[k] = (spatial_near){ 0 };
 }
 
-static void meet_plate(spatial_state *s, size_t k, uint32_t number, spatial_load *load,
-                       spatial_report *report)
+/// Returns false if part k is not near the plate.
+static bool find_at_plate(spatial_state *s, size_t k, uint32_t number, double near,
+                          spatial_region *region)
 {
     const spatial_body *body = &s->bodies[k];
     const spatial_plate *plate = &s->plates[number];
-    const micro_law *law = &s->kinds[body->kind].solid;
-    spatial_spot spots[SPATIAL_SPOTS_MAX];
     spatial_memory passing = { 0 };
-    size_t n;
-    manifold m;
 
-    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k]) {
+    region->is_round = false;
+    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k] + near) {
         forget(s->near[k], number);
-        return;
+        return false;
     }
-    if (spatial__round_plate(s, body, plate, spots, &n)) {
+    region->is_round = spatial__round_plate(s, body, plate, near, region->spots, &region->n_spots);
+    if (region->is_round || find_at_side(s, body, plate, near, &region->hull)) {
         forget(s->near[k], number);
-        push_spots(s, k, law, spots, n, load, report);
-        return;
+        return true;
     }
-    if (find_at_side(s, body, plate, &m)) {
-        forget(s->near[k], number);
-        push_manifold(s, k, law, &m, load, report);
-        return;
-    }
-    spatial_near *near = recall(s->near[k], number);
-    if (near != NULL)
-        near->plate = number + 1;
-    if (find_at_cuboid(s, body, plate, near != NULL ? &near->memory : &passing, &m))
-        push_manifold(s, k, law, &m, load, report);
+    spatial_near *place = recall(s->near[k], number);
+    if (place != NULL)
+        place->plate = number + 1;
+    return find_at_cuboid(s, body, plate, near, place != NULL ? &place->memory : &passing,
+                          &region->hull);
 }
 
-void spatial__plates_push(spatial_state *s, size_t k, spatial_load *load, spatial_report *report)
+static void visit_plates(spatial_state *s, size_t k, double near, spatial_visit *visit,
+                         void *context)
 {
     const spatial_map *map = &s->map;
+    const micro_law *law = &s->kinds[s->bodies[k].kind].solid;
+    spatial_region region;
 
     if (s->n_plates == 0)
         return;
@@ -276,36 +285,81 @@ void spatial__plates_push(spatial_state *s, size_t k, spatial_load *load, spatia
     size_t j = find_cell(s->bodies[k].x.y, map->y_min, map->edge, map->n_y);
     size_t cell = j * map->n_x + i;
     for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
-        meet_plate(s, k, map->plate[at], load, report);
+        if (find_at_plate(s, k, map->plate[at], near, &region))
+            visit(context, k, law, SCENE_SIDE_COUNT + map->plate[at], &region);
 }
 
-void spatial__walls_push(const spatial_state *s, size_t k, spatial_load *load,
-                         spatial_report *report)
+/// The wall on a side of the domain.
+static manifold_plane wall_of(const scene_rect *d, int side)
 {
-    const scene_rect *d = &s->def.domain;
-    const manifold_plane walls[SCENE_SIDE_COUNT] = {
-        [SCENE_WEST] = { .normal = { 1.0, 0.0, 0.0 }, .offset = d->x_min },
-        [SCENE_EAST] = { .normal = { -1.0, 0.0, 0.0 }, .offset = -d->x_max },
-        [SCENE_SOUTH] = { .normal = { 0.0, 1.0, 0.0 }, .offset = d->y_min },
-        [SCENE_NORTH] = { .normal = { 0.0, -1.0, 0.0 }, .offset = -d->y_max },
-    };
+    switch (side) {
+    case SCENE_WEST:
+        return (manifold_plane){ .normal = { 1.0, 0.0, 0.0 }, .offset = d->x_min };
+    case SCENE_EAST:
+        return (manifold_plane){ .normal = { -1.0, 0.0, 0.0 }, .offset = -d->x_max };
+    case SCENE_SOUTH:
+        return (manifold_plane){ .normal = { 0.0, 1.0, 0.0 }, .offset = d->y_min };
+    default:
+        return (manifold_plane){ .normal = { 0.0, -1.0, 0.0 }, .offset = -d->y_max };
+    }
+}
+
+/// True if the ball around part k is nearer to a plane than `near`.
+static bool is_near_plane(const spatial_state *s, size_t k, const manifold_plane *plane,
+                          double near)
+{
+    return vec3_dot(plane->normal, s->bodies[k].x) - plane->offset < s->reach[k] + near;
+}
+
+static void visit_walls(const spatial_state *s, size_t k, double near, spatial_visit *visit,
+                        void *context)
+{
     const spatial_body *body = &s->bodies[k];
-    const spatial_kind *kind = &s->kinds[body->kind];
-    micro_law law = kind->solid;
-    spatial_spot spots[SPATIAL_SPOTS_MAX];
-    size_t n;
-    manifold m;
+    micro_law law = s->kinds[body->kind].solid;
+    spatial_region region;
 
     law.friction = 0.0; // walls slip freely
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (s->def.edges[side] != SCENE_EDGE_WALL ||
-            vec3_dot(walls[side].normal, body->x) - walls[side].offset >= s->reach[k])
+        if (s->def.edges[side] != SCENE_EDGE_WALL)
             continue;
-        if (spatial__round_plane(s, body, &walls[side], spots, &n)) {
-            push_spots(s, k, &law, spots, n, load, report);
-        } else {
-            manifold_on_plane(&kind->shape, body->x, &body->r, &walls[side], &m);
-            push_manifold(s, k, &law, &m, load, report);
-        }
+        manifold_plane wall = wall_of(&s->def.domain, side);
+        if (!is_near_plane(s, k, &wall, near))
+            continue;
+        spatial__find_at_plane(s, body, &wall, near, &region);
+        visit(context, k, &law, (uint32_t)side, &region);
     }
+}
+
+void spatial__solids_visit(spatial_state *s, size_t k, double near, spatial_visit *visit,
+                           void *context)
+{
+    visit_plates(s, k, near, visit, context);
+    visit_walls(s, k, near, visit, context);
+}
+
+size_t spatial__solids_count(const spatial_state *s, size_t k, double range)
+{
+    const spatial_map *map = &s->map;
+    const vec3 x = s->bodies[k].x;
+    size_t n = 0;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        manifold_plane wall = wall_of(&s->def.domain, side);
+        n += s->def.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
+    }
+    if (s->n_plates == 0)
+        return n;
+    size_t i = find_cell(x.x, map->x_min, map->edge, map->n_x);
+    size_t j = find_cell(x.y, map->y_min, map->edge, map->n_y);
+    size_t cell = j * map->n_x + i;
+    for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
+        n += distance_to(&s->plates[map->plate[at]], x.x, x.y) < s->reach[k] + range;
+    return n;
+}
+
+void spatial__solids_push(spatial_state *s, size_t k, spatial_load *load, spatial_report *report)
+{
+    solids_push push = { s, load, report };
+
+    spatial__solids_visit(s, k, 0.0, push_region, &push);
 }

@@ -37,14 +37,6 @@ typedef struct spatial_load {
     vec3 torque; ///< N m
 } spatial_load;
 
-/// A contact point that has a normal of its own.
-typedef struct spatial_spot {
-    vec3 at;      ///< in the middle of the overlap, m
-    vec3 normal;  ///< from a to b, or out of the solid
-    double depth; ///< m
-    double share; ///< of stiffness and dashpot
-} spatial_spot;
-
 /// Velocity of the point `at` of a body.
 static inline vec3 spatial__velocity(const spatial_body *body, vec3 at)
 {
@@ -116,32 +108,87 @@ void spatial__floor_fini(spatial_state *s);
 /// Velocity of the belt under a point; 0 off every belt. True if there is one.
 bool spatial__belt_at(const spatial_state *s, double x, double y, vec3 *ret_velocity);
 
+/// True if one belt is under all of part k, and its velocity.
+bool spatial__is_on_one_belt(spatial_state *s, size_t k, vec3 *ret_velocity);
+
 /// Make the list of neighbours and the pairs, which keep their memories. BF_ENOMEM: the list is
 /// made anew by the next call.
 BF_MUST_CHECK bf_status spatial__list(spatial_state *s, bf_error *err);
+
+/// The region of a pair if it touches, or comes nearer than `near`, m. Returns false if not.
+bool spatial__find_pair(const spatial_state *s, double near, spatial_pair *pair,
+                        spatial_region *ret_region);
 
 /// Work out what acts in a pair.
 void spatial__meet(const spatial_state *s, spatial_pair *pair, spatial_report *report);
 
 /// The contact of two hulls from what is remembered of them, in the frame of a. Returns false if
-/// they are apart.
-bool spatial__find_manifold(const gjk_pair *pair, spatial_memory *memory, manifold *ret_manifold);
+/// they are apart by more than `near`, m.
+bool spatial__find_manifold(const gjk_pair *pair, double near, spatial_memory *memory,
+                            manifold *ret_manifold);
 
-/// Contact points of two cylinders that stand side by side; *ret_n is how many, 0 to 2. Returns
-/// false, with no output, if they stand otherwise.
+/// Contact points of two cylinders that stand side by side, where they are not apart by more than
+/// `near`; *ret_n is how many, 0 to 2. Returns false, with no output, if they stand otherwise.
 bool spatial__round_pair(const spatial_state *s, const spatial_body *a, const spatial_body *b,
-                         spatial_spot *ret_spots, size_t *ret_n);
+                         double near, spatial_spot *ret_spots, size_t *ret_n);
 
 /// The same of a cylinder on its side against a plane, and of one that stands against a plate.
 bool spatial__round_plane(const spatial_state *s, const spatial_body *body,
-                          const manifold_plane *plane, spatial_spot *ret_spots, size_t *ret_n);
+                          const manifold_plane *plane, double near, spatial_spot *ret_spots,
+                          size_t *ret_n);
 bool spatial__round_plate(const spatial_state *s, const spatial_body *body,
-                          const spatial_plate *plate, spatial_spot *ret_spots, size_t *ret_n);
+                          const spatial_plate *plate, double near, spatial_spot *ret_spots,
+                          size_t *ret_n);
+
+/// The region of a body at a plane, in closed form or by its hull.
+void spatial__find_at_plane(const spatial_state *s, const spatial_body *body,
+                            const manifold_plane *plane, double near, spatial_region *ret_region);
+
+/// What is done with the region of part k at a solid: 0 to 3 for the walls, then the plates.
+typedef void spatial_visit(void *context, size_t k, const micro_law *law, uint32_t solid,
+                           const spatial_region *region);
+
+/// Visit the plates and walls that part k touches, or comes nearer to than `near`, m.
+void spatial__solids_visit(spatial_state *s, size_t k, double near, spatial_visit *visit,
+                           void *context);
+
+/// How many of them are within `range`, m, of the ball around part k.
+size_t spatial__solids_count(const spatial_state *s, size_t k, double range);
 
 /// Add what plates and walls do to part k.
-void spatial__plates_push(spatial_state *s, size_t k, spatial_load *load, spatial_report *report);
-void spatial__walls_push(const spatial_state *s, size_t k, spatial_load *load,
-                         spatial_report *report);
+void spatial__solids_push(spatial_state *s, size_t k, spatial_load *load, spatial_report *report);
+
+/// The spin of a body after a step in which a torque acts, N m; rad/s.
+vec3 spatial__turn(const spatial_state *s, const spatial_body *body, vec3 torque);
+
+/// Move part k by its velocities, and note if it is gone or flies off.
+void spatial__drift(spatial_state *s, size_t k, spatial_report *report);
+
+/// First part of a block, and the one after its last.
+size_t spatial__first_of(size_t block);
+size_t spatial__last_of(const spatial_state *s, size_t block);
+
+/// BF_ENUMERIC: a part flew off or is not finite; the text names the first one.
+BF_MUST_CHECK bf_status spatial__check(const spatial_state *s, bf_error *err);
+
+/// What MICRO_IMPLICIT needs beside the rest. BF_ENOMEM.
+BF_MUST_CHECK bf_status spatial__implicit_init(spatial_state *s, bf_error *err);
+
+/// Free it.
+void spatial__implicit_fini(spatial_state *s);
+
+/// Append the impulses of the last step, SPATIAL_HOLD_BYTES each, and count them. BF_ENOMEM.
+BF_MUST_CHECK bf_status spatial__implicit_save(const spatial_state *s, bf_buffer *out,
+                                               uint32_t *ret_n);
+
+/// Take n of them back, into the listed pairs and into the places of the parts with solids, which are empty.
+/// Returns false if they are not of these.
+bool spatial__implicit_load(const spatial_state *s, const char *bytes, size_t n,
+                            spatial_pair *listed, size_t n_pairs,
+                            spatial_hold (*holds)[SPATIAL_HOLDS]);
+
+/// Make n implicit steps. Errors as of micro_advance().
+BF_MUST_CHECK bf_status spatial__implicit_advance(spatial_state *s, uint64_t n, bf_error *err);
 
 /// Note a contact that presses.
 void spatial__note(spatial_report *report, double overlap, double radius);

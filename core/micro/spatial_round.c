@@ -16,20 +16,20 @@
 
 /// The contact point of two circles around p and q, or none.
 static size_t touch_circles(vec3 p, double radius_p, vec3 q, double radius_q, vec3 along,
-                            spatial_spot *ret_spot)
+                            double near, spatial_spot *ret_spot)
 {
     vec3 to = vec3_sub(q, p);
     double distance = vec3_length(to), depth = radius_p + radius_q - distance;
     vec3 normal = distance > 0.0 ? vec3_scale(to, 1.0 / distance) : vec3_aside(along);
 
-    if (depth <= 0.0)
+    if (depth <= -near)
         return 0;
     *ret_spot = (spatial_spot){ vec3_along(p, radius_p - 0.5 * depth, normal), normal, depth, 0.5 };
     return 1;
 }
 
 bool spatial__round_pair(const spatial_state *s, const spatial_body *a, const spatial_body *b,
-                         spatial_spot *ret_spots, size_t *ret_n)
+                         double near, spatial_spot *ret_spots, size_t *ret_n)
 {
     const spatial_kind *kind_a = &s->kinds[a->kind], *kind_b = &s->kinds[b->kind];
     vec3 axis_a = mat3_column(&a->r, 2), axis_b = mat3_column(&b->r, 2), to = vec3_sub(b->x, a->x);
@@ -52,13 +52,15 @@ bool spatial__round_pair(const spatial_state *s, const spatial_body *a, const sp
         double at = end == 0 ? low : high;
         vec3 p = vec3_along(a->x, at / vec3_dot(axis_a, along), axis_a);
         vec3 q = vec3_along(b->x, (at - lift) / vec3_dot(axis_b, along), axis_b);
-        *ret_n += touch_circles(p, kind_a->radius, q, kind_b->radius, along, &ret_spots[*ret_n]);
+        *ret_n +=
+            touch_circles(p, kind_a->radius, q, kind_b->radius, along, near, &ret_spots[*ret_n]);
     }
     return true;
 }
 
 bool spatial__round_plane(const spatial_state *s, const spatial_body *body,
-                          const manifold_plane *plane, spatial_spot *ret_spots, size_t *ret_n)
+                          const manifold_plane *plane, double near, spatial_spot *ret_spots,
+                          size_t *ret_n)
 {
     const spatial_kind *kind = &s->kinds[body->kind];
     vec3 axis = mat3_column(&body->r, 2);
@@ -73,7 +75,7 @@ bool spatial__round_plane(const spatial_state *s, const spatial_body *body,
         vec3 rim =
             vec3_along(vec3_along(body->x, end * kind->half_height, axis), kind->radius, down);
         double depth = plane->offset - vec3_dot(plane->normal, rim);
-        if (depth > 0.0)
+        if (depth > -near)
             ret_spots[(*ret_n)++] = (spatial_spot){ vec3_along(rim, 0.5 * depth, plane->normal),
                                                     plane->normal, depth, 0.5 };
     }
@@ -81,7 +83,8 @@ bool spatial__round_plane(const spatial_state *s, const spatial_body *body,
 }
 
 bool spatial__round_plate(const spatial_state *s, const spatial_body *body,
-                          const spatial_plate *plate, spatial_spot *ret_spots, size_t *ret_n)
+                          const spatial_plate *plate, double near, spatial_spot *ret_spots,
+                          size_t *ret_n)
 {
     const spatial_kind *kind = &s->kinds[body->kind];
     vec3 axis = mat3_column(&body->r, 2);
@@ -103,7 +106,7 @@ bool spatial__round_plate(const spatial_state *s, const spatial_body *body,
         else
             distance = fabs(c) - plate->half_thickness;
         double depth = kind->radius - distance;
-        if (depth > 0.0)
+        if (depth > -near)
             ret_spots[(*ret_n)++] = (spatial_spot){ vec3_along(p, -distance - 0.5 * depth, normal),
                                                     normal, depth, 0.5 };
     }

@@ -1,6 +1,6 @@
 // The state from outside: parts, figures, saving and loading.
 
-#include "core/micro/spatial_priv.h"
+#include "core/micro/spatial_implicit_priv.h"
 
 #include "core/base/digest.h"
 #include "core/base/memory.h"
@@ -11,10 +11,10 @@
 enum { STATE_MAGIC = 0x42465331 }; // "BFS1"
 
 /// What stands first in a saved state; then come n saved_part, n_pairs saved_pair, n_near
-/// saved_near.
+/// saved_near, and n_holds impulses of MICRO_IMPLICIT.
 typedef struct saved_header {
     uint32_t magic;
-    uint32_t zero;
+    uint32_t n_holds;
     uint64_t n;
     uint64_t steps;
     uint64_t n_pairs;
@@ -124,7 +124,7 @@ static bf_status save_items(const spatial_state *s, bf_buffer *out, saved_header
     for (size_t k = 0; k < s->n_pairs && status == BF_OK; k++) {
         const spatial_pair *pair = &s->pairs[k];
         const saved_pair saved = save_memory(pair->a, pair->b, &pair->memory);
-        if (is_empty(&pair->memory))
+        if (is_empty(&pair->memory) && pair->hold.key == 0)
             continue;
         header->n_pairs++;
         status = buffer_append(out, &saved, sizeof saved);
@@ -139,6 +139,8 @@ static bf_status save_items(const spatial_state *s, bf_buffer *out, saved_header
             status = buffer_append(out, &saved, sizeof saved);
         }
     }
+    if (s->implicit != NULL && status == BF_OK)
+        status = spatial__implicit_save(s, out, &header->n_holds);
     return status;
 }
 
@@ -178,6 +180,7 @@ typedef struct arrival {
     uint8_t *is_gone;
     spatial_pair *pairs;
     spatial_near (*near)[SPATIAL_PLATES_NEAR];
+    spatial_hold (*holds)[SPATIAL_HOLDS];
 } arrival;
 
 static void drop_arrival(arrival *a)
@@ -186,6 +189,7 @@ static void drop_arrival(arrival *a)
     memory_free(a->is_gone);
     memory_free(a->pairs);
     memory_free(a->near);
+    memory_free(a->holds);
 }
 
 static bool is_whole(const spatial_state *s, const saved_header *header, const char *bytes,
@@ -193,10 +197,12 @@ static bool is_whole(const spatial_state *s, const saved_header *header, const c
 {
     // No count can be larger than the bytes, so the sums below do not overflow.
     if (header->magic != STATE_MAGIC || header->n != s->n || header->dt != s->def.dt ||
-        header->n_pairs > n || header->n_near > n || (header->n_near > 0 && s->near == NULL))
+        header->n_pairs > n || header->n_near > n || (header->n_near > 0 && s->near == NULL) ||
+        (header->n_holds > 0 && s->implicit == NULL))
         return false;
     return n == sizeof *header + header->n * sizeof(saved_part) +
-                    header->n_pairs * sizeof(saved_pair) + header->n_near * sizeof(saved_near) &&
+                    header->n_pairs * sizeof(saved_pair) + header->n_near * sizeof(saved_near) +
+                    (size_t)header->n_holds * SPATIAL_HOLD_BYTES &&
            header->digest == digest_state(*header, bytes + sizeof *header, n - sizeof *header);
 }
 
@@ -290,7 +296,9 @@ static bool load_items(const spatial_state *s, const char *at, arrival *a)
         a->bodies[k] = load_part(&saved, s->bodies[k].kind);
         a->is_gone[k] = saved.is_gone != 0;
     }
-    return load_pairs(s, &at, a) && load_near(s, &at, a);
+    return load_pairs(s, &at, a) && load_near(s, &at, a) &&
+           (s->implicit == NULL || spatial__implicit_load(s, at, a->header.n_holds, a->pairs,
+                                                          a->header.n_pairs, a->holds));
 }
 
 /// Make the arrival the state; what it replaces is left in it.
@@ -300,6 +308,10 @@ static void move_in(spatial_state *s, arrival *a)
         .bodies = s->bodies, .is_gone = s->is_gone, .pairs = s->pairs, .near = s->near
     };
 
+    if (s->implicit != NULL) {
+        old.holds = s->implicit->holds;
+        s->implicit->holds = a->holds;
+    }
     s->bodies = a->bodies;
     s->is_gone = a->is_gone;
     s->pairs = a->pairs;
@@ -329,8 +341,9 @@ bf_status spatial__load(void *state, const void *bytes, size_t n, bf_error *err)
     a.is_gone = memory_alloc(s->n, sizeof *a.is_gone);
     a.pairs = a.header.n_pairs > 0 ? memory_alloc(a.header.n_pairs, sizeof *a.pairs) : NULL;
     a.near = s->near != NULL ? memory_alloc(s->n, sizeof *a.near) : NULL;
+    a.holds = s->implicit != NULL ? memory_alloc(s->n, sizeof *a.holds) : NULL;
     if (a.bodies == NULL || a.is_gone == NULL || (a.header.n_pairs > 0 && a.pairs == NULL) ||
-        (s->near != NULL && a.near == NULL))
+        (s->near != NULL && a.near == NULL) || (s->implicit != NULL && a.holds == NULL))
         status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
     else if (!load_items(s, (const char *)bytes + sizeof a.header, &a))
         status = bf_fail(err, BF_ECORRUPT, "", "the saved state does not fit the scenario");

@@ -9,14 +9,14 @@
 /// Of the smallest ball around a body: farther than this no part moves in a step.
 #define FLIGHT 0.5
 
-static size_t first_of(size_t block)
+size_t spatial__first_of(size_t block)
 {
     return block * SPATIAL_BLOCK;
 }
 
-static size_t last_of(const spatial_state *s, size_t block)
+size_t spatial__last_of(const spatial_state *s, size_t block)
 {
-    size_t last = first_of(block) + SPATIAL_BLOCK;
+    size_t last = spatial__first_of(block) + SPATIAL_BLOCK;
 
     return last < s->n ? last : s->n;
 }
@@ -24,10 +24,10 @@ static size_t last_of(const spatial_state *s, size_t block)
 static void meet_block(void *context, size_t block)
 {
     spatial_state *s = context;
-    size_t last = s->first_pair[last_of(s, block)];
+    size_t last = s->first_pair[spatial__last_of(s, block)];
 
     s->reports[block].n_presses = 0;
-    for (size_t p = s->first_pair[first_of(block)]; p < last; p++)
+    for (size_t p = s->first_pair[spatial__first_of(block)]; p < last; p++)
         spatial__meet(s, &s->pairs[p], &s->reports[block]);
 }
 
@@ -70,7 +70,7 @@ static vec3 turn_freely(vec3 inertia, double dt, vec3 w)
     return vec3_sub(w, solve(&m, residual));
 }
 
-static void turn(const spatial_state *s, spatial_body *body, vec3 torque)
+vec3 spatial__turn(const spatial_state *s, const spatial_body *body, vec3 torque)
 {
     const vec3 inertia = s->kinds[body->kind].inertia;
     const double dt = s->def.dt;
@@ -78,7 +78,7 @@ static void turn(const spatial_state *s, spatial_body *body, vec3 torque)
 
     w = vec3_scale(w, s->spin_damping);
     w = vec3_along(w, dt, (vec3){ t.x / inertia.x, t.y / inertia.y, t.z / inertia.z });
-    body->w = mat3_apply(&body->r, turn_freely(inertia, dt, w));
+    return mat3_apply(&body->r, turn_freely(inertia, dt, w));
 }
 
 /// Move by the velocities. Returns how far, squared.
@@ -110,60 +110,58 @@ static spatial_load load_of(spatial_state *s, size_t k, spatial_report *report)
     spatial_load load = { .torque = { 0.0, 0.0, 0.0 } };
 
     add_pairs(s, k, &load);
-    spatial__plates_push(s, k, &load, report);
-    spatial__walls_push(s, k, &load, report);
+    spatial__solids_push(s, k, &load, report);
     spatial__floor_push(s, k, &load);
     load.force = vec3_along(load.force, mass, s->gravity);
     return load;
 }
 
+void spatial__drift(spatial_state *s, size_t k, spatial_report *report)
+{
+    spatial_body *body = &s->bodies[k];
+    const double flight = FLIGHT * s->reach_min;
+    double way = drift(body, s->def.dt), spin = vec3_dot(body->w, body->w);
+
+    if (!(way <= flight * flight) || !isfinite(spin)) {
+        if (report->bad_part == SIZE_MAX)
+            report->bad_part = k;
+        return;
+    }
+    s->is_gone[k] = is_outside(&s->def, body->x);
+}
+
 static void move_part(spatial_state *s, size_t k, spatial_report *report)
 {
     spatial_body *body = &s->bodies[k];
-    const double dt = s->def.dt, flight = FLIGHT * s->reach_min, skin = 0.5 * s->list.skin;
+    const double dt = s->def.dt, skin = 0.5 * s->list.skin;
 
     // The first step is by forward Euler: with the velocities of the start.
     if (s->steps > 0) {
         spatial_load load = load_of(s, k, report);
         double push = dt / s->kinds[body->kind].mass;
         body->v = vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), push, load.force);
-        turn(s, body, load.torque);
+        body->w = spatial__turn(s, body, load.torque);
     }
-    double way = drift(body, dt), spin = vec3_dot(body->w, body->w);
-    if (!(way <= flight * flight) || !isfinite(spin)) {
-        if (report->bad_part == SIZE_MAX)
-            report->bad_part = k;
-        return;
-    }
+    spatial__drift(s, k, report);
     double dx = body->x.x - s->x[k], dy = body->x.y - s->y[k];
     report->is_stale |= dx * dx + dy * dy > skin * skin;
-    s->is_gone[k] = is_outside(&s->def, body->x);
 }
 
 static void move_block(void *context, size_t block)
 {
     spatial_state *s = context;
 
-    for (size_t k = first_of(block); k < last_of(s, block); k++)
+    for (size_t k = spatial__first_of(block); k < spatial__last_of(s, block); k++)
         if (!s->is_gone[k])
             move_part(s, k, &s->reports[block]);
 }
 
-static bf_status step(spatial_state *s, bf_error *err)
+bf_status spatial__check(const spatial_state *s, bf_error *err)
 {
     size_t bad = SIZE_MAX;
 
-    if (!s->is_listed && spatial__list(s, err) != BF_OK)
-        return BF_ENOMEM;
-    parallel_for(s->def.n_threads, s->n_blocks, meet_block, s);
-    parallel_for(s->def.n_threads, s->n_blocks, move_block, s);
-    s->steps++;
-    for (size_t block = 0; block < s->n_blocks; block++) {
-        spatial_report *report = &s->reports[block];
-        s->is_listed &= !report->is_stale;
-        report->is_stale = false;
-        bad = report->bad_part < bad ? report->bad_part : bad;
-    }
+    for (size_t block = 0; block < s->n_blocks; block++)
+        bad = s->reports[block].bad_part < bad ? s->reports[block].bad_part : bad;
     if (bad == SIZE_MAX)
         return BF_OK;
     const spatial_body *body = &s->bodies[bad];
@@ -174,15 +172,38 @@ static bf_status step(spatial_state *s, bf_error *err)
                    body->x.y, body->x.z, vec3_length(body->v));
 }
 
+static bf_status step(spatial_state *s, bf_error *err)
+{
+    if (!s->is_listed && spatial__list(s, err) != BF_OK)
+        return BF_ENOMEM;
+    parallel_for(s->def.n_threads, s->n_blocks, meet_block, s);
+    parallel_for(s->def.n_threads, s->n_blocks, move_block, s);
+    s->steps++;
+    for (size_t block = 0; block < s->n_blocks; block++) {
+        spatial_report *report = &s->reports[block];
+        s->is_listed &= !report->is_stale;
+        report->is_stale = false;
+    }
+    return spatial__check(s, err);
+}
+
+static bf_status advance_verlet(spatial_state *s, uint64_t n, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    for (uint64_t k = 0; k < n && status == BF_OK; k++)
+        status = step(s, err);
+    return status;
+}
+
 bf_status spatial__advance(void *state, uint64_t n, bf_error *err)
 {
     spatial_state *s = state;
-    bf_status status = BF_OK;
 
     for (size_t block = 0; block < s->n_blocks; block++)
         s->reports[block] = (spatial_report){ .bad_part = SIZE_MAX };
-    for (uint64_t k = 0; k < n && status == BF_OK; k++)
-        status = step(s, err);
+    bf_status status =
+        s->implicit != NULL ? spatial__implicit_advance(s, n, err) : advance_verlet(s, n, err);
     if (n > 0)
         s->n_presses = 0;
     for (size_t block = 0; block < s->n_blocks; block++) {

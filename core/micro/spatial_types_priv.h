@@ -11,6 +11,8 @@ enum {
     SPATIAL_BLOCK = 16,      ///< parts that one thread handles together
     SPATIAL_PLATES_NEAR = 4, ///< plates whose contact a part can remember
     SPATIAL_SPOTS_MAX = 2,   ///< contact points of cylinders in closed form
+    SPATIAL_HOLDS = 8,       ///< solids whose impulses a part can remember
+    SPATIAL_HOLD_BYTES = 64, ///< of a saved impulse
 };
 
 /// A face that presses with all of itself, weighted with the shares of its corners.
@@ -57,6 +59,13 @@ typedef struct spatial_memory {
     double gap;               ///< m; no contact until they have moved by so much
 } spatial_memory;
 
+/// The impulse of a contact in the last step of MICRO_IMPLICIT; see spatial_implicit_priv.h.
+typedef struct spatial_hold {
+    uint32_t key; ///< which contact of a part with a solid, and 1; 0: none
+    vec3 push;    ///< on b, N s
+    vec3 twist;   ///< same about the middle of the contact, N m s
+} spatial_hold;
+
 /// What acts between two parts, a < b.
 typedef struct spatial_pair {
     uint32_t a;            ///< part
@@ -66,6 +75,7 @@ typedef struct spatial_pair {
     vec3 force;            ///< on b; minus that on a, N
     vec3 torque_a;         ///< on a about its centre, N m
     vec3 torque_b;         ///< on b
+    spatial_hold hold;     ///< MICRO_IMPLICIT
 } spatial_pair;
 
 /// Memory of a part and a plate.
@@ -73,6 +83,23 @@ typedef struct spatial_near {
     uint32_t plate;        ///< its number and 1; 0: a free place
     spatial_memory memory; ///< plate is a, part is b
 } spatial_near;
+
+/// A contact point that has a normal of its own.
+typedef struct spatial_spot {
+    vec3 at;      ///< in the middle of the overlap, m
+    vec3 normal;  ///< from a to b, or out of the solid
+    double depth; ///< m; < 0: apart
+    double share; ///< of stiffness and dashpot
+} spatial_spot;
+
+/// Where a part touches another one or something at rest, in the world's frame: in closed form or
+/// by hulls.
+typedef struct spatial_region {
+    bool is_round;                         ///< spots count, else hull
+    size_t n_spots;                        ///< see there
+    spatial_spot spots[SPATIAL_SPOTS_MAX]; ///< see there
+    manifold hull;                         ///< see there
+} spatial_region;
 
 /// A straight plate that stands on the belt without end upwards.
 typedef struct spatial_plate {
@@ -145,17 +172,20 @@ typedef struct spatial_state {
     size_t spare_capacity;                     ///< room
     spatial_pair *spare;                       ///< storage of the list before
     size_t *first_pair;                        ///< n + 1: where the pairs with a = k begin
+    size_t *cursor;                            ///< n: scratch of the list
     size_t links_capacity;                     ///< room
     uint32_t *links;                           ///< pair of each place in list.neighbour
     size_t n_plates;                           ///< see there
     spatial_plate *plates;                     ///< see there
     spatial_map map;                           ///< of plates
-    size_t n_belts;                            ///< later ones win
-    spatial_belt *belts;                       ///< see there
-    size_t n_blocks;                           ///< of parts
-    spatial_report *reports;                   ///< one a block
-    uint64_t steps;                            ///< since t = 0
-    double largest_overlap;                    ///< since the start, m
-    double overlap_share;                      ///< see micro_totals
-    size_t n_presses;                          ///< see micro_totals
+    double map_range;        ///< from a part's centre to plates that the map has to show, m
+    size_t n_belts;          ///< later ones win
+    spatial_belt *belts;     ///< see there
+    size_t n_blocks;         ///< of parts
+    spatial_report *reports; ///< one a block
+    uint64_t steps;          ///< since t = 0
+    double largest_overlap;  ///< since the start, m
+    double overlap_share;    ///< see micro_totals
+    size_t n_presses;        ///< see micro_totals
+    struct implicit_solver *implicit; ///< of MICRO_IMPLICIT, else NULL
 } spatial_state;

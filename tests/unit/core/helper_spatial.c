@@ -36,6 +36,67 @@ void helper_spatial_init(helper_spatial *h, scene_shape shape)
         h->kinds[k] = (micro_kind){ shape, { 210e9, 0.28 }, 0.03, 0.008 };
 }
 
+void helper_spatial_jam(helper_spatial *h)
+{
+    static double wedge[4][3] = {
+        { -0.008, -0.008, 0.0 }, { 0.01, -0.008, 0.0 }, { 0.0, 0.012, 0.0 }, { 0.0, 0.0, 0.015 }
+    };
+
+    helper_spatial_init(h, helper_spatial_box(0.022, 0.018, 0.012));
+    h->kinds[1].shape = helper_spatial_cylinder(0.01, 0.012);
+    h->kinds[2].shape = (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = wedge };
+    h->def.n_kinds = 3;
+    h->def.n_parts = 36;
+    h->def.n_belts = h->def.n_obstacles = 1;
+    h->def.domain = (scene_rect){ -0.05, 0.35, -0.05, 0.1 };
+    h->def.edges[SCENE_SOUTH] = h->def.edges[SCENE_NORTH] = SCENE_EDGE_WALL;
+    h->path[0] = (scene_point){ 0.215, -0.05 };
+    h->path[1] = (scene_point){ 0.255, 0.08 };
+    for (uint32_t k = 0; k < 36; k++) {
+        h->poses[k] = (scene_pose){ 0.026 * (k % 9), -0.03 + 0.03 * (k / 9), 0.1 * k };
+        h->part_kinds[k] = k % 3;
+    }
+}
+
+void helper_spatial_passage(helper_spatial *h, scene_shape shape)
+{
+    helper_spatial_init(h, shape);
+    h->def.n_belts = h->def.n_obstacles = 1;
+    h->def.n_parts = 60;
+    h->def.damping = 0.1;
+    h->def.domain = (scene_rect){ -0.3, 0.3, 0.0, 0.3 };
+    h->def.edges[SCENE_SOUTH] = h->def.edges[SCENE_NORTH] = SCENE_EDGE_WALL;
+    h->path[0] = (scene_point){ 0.2 - 0.22 / tan(M_PI / 3.0), 0.0 };
+    h->path[1] = (scene_point){ 0.2, 0.22 };
+    for (int k = 0; k < 60; k++)
+        h->poses[k] = (scene_pose){ -0.06 + 0.0245 * (k % 6) + 0.01225 * (k / 6 % 2),
+                                    0.04 + 0.0212 * (k / 6), 0.0 };
+}
+
+void helper_spatial_curve(const micro_def *def, double every, int n_samples, double *ret_count)
+{
+    micro_solver *s = NULL;
+
+    BF_CHECK(micro_create(def, &s, NULL) == BF_OK);
+    const uint64_t n_steps = (uint64_t)llround(every / micro_dt(s));
+    for (int m = 0; m < n_samples; m++) {
+        BF_CHECK(micro_advance(s, n_steps, NULL) == BF_OK);
+        ret_count[m] = 0.0;
+        for (size_t k = 0; k < def->n_parts; k++)
+            ret_count[m] += !micro_is_gone(s, k) && micro_part_of(s, k).x[0] < 0.2;
+    }
+    micro_destroy(s);
+}
+
+double helper_spatial_gap(const double *a, const double *b, int n_samples)
+{
+    double sum = 0.0;
+
+    for (int m = 0; m < n_samples; m++)
+        sum += fabs(a[m] - b[m]);
+    return sum / n_samples;
+}
+
 spatial_state *helper_spatial_start(const helper_spatial *h)
 {
     void *state = NULL;
@@ -116,4 +177,18 @@ uint64_t helper_spatial_digest(const spatial_state *s)
         digest = digest_add(digest, part.w, sizeof part.w);
     }
     return digest;
+}
+
+double helper_spatial_stored(const spatial_state *s)
+{
+    const spatial_body *body = &s->bodies[0];
+    const spatial_kind *kind = &s->kinds[body->kind];
+    const manifold_plane floor = { .normal = { 0.0, 0.0, 1.0 } };
+    double sum = 0.0;
+    manifold m;
+
+    manifold_on_plane(&kind->shape, body->x, &body->r, &floor, 0.0, &m);
+    for (size_t k = 0; k < m.n; k++)
+        sum += 0.5 * kind->floor.stiffness * m.point[k].share * m.point[k].depth * m.point[k].depth;
+    return sum;
 }

@@ -27,6 +27,19 @@ void helper_spatial_init(helper_spatial *h, scene_shape shape);
 scene_shape helper_spatial_box(double length, double width, double height);
 scene_shape helper_spatial_cylinder(double radius, double height);
 
+/// Boxes, cylinders and wedges in 4 rows of 9, driven into the corner of a plate and a wall.
+void helper_spatial_jam(helper_spatial *h);
+
+/// 60 parts of a shape, which fits into 24 mm x 21 mm, before a passage of 8 cm that a plate of 60
+/// degrees leaves open at x = 0.2 m.
+void helper_spatial_passage(helper_spatial *h, scene_shape shape);
+
+/// Parts with x < 0.2 m, n_samples times, every so many seconds. Asserts that all goes well.
+void helper_spatial_curve(const micro_def *def, double every, int n_samples, double *ret_count);
+
+/// Mean over time of the difference of two curves, in parts.
+double helper_spatial_gap(const double *a, const double *b, int n_samples);
+
 /// The solver of the world; free it with micro__spatial.destroy(). Asserts that all goes well.
 spatial_state *helper_spatial_start(const helper_spatial *h);
 
@@ -40,6 +53,9 @@ void helper_spatial_tilt(spatial_state *s, size_t k, vec3 axis, double angle, do
 double helper_spatial_energy(const spatial_state *s);
 vec3 helper_spatial_momentum(const spatial_state *s);
 vec3 helper_spatial_angular_momentum(const spatial_state *s);
+
+/// Elastic energy of part 0 on the floor, J.
+double helper_spatial_stored(const spatial_state *s);
 
 /// Digest of all parts.
 uint64_t helper_spatial_digest(const spatial_state *s);

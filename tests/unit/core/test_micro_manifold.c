@@ -45,7 +45,7 @@ static manifold_feature find(const gjk_pair *pair, manifold *m)
 
     assert_true(touch.distance <= 0.0);
     manifold_feature feature = manifold_feature_of(pair, &touch);
-    manifold_find(pair, feature, m);
+    manifold_find(pair, feature, 0.0, m);
     return feature;
 }
 
@@ -156,7 +156,7 @@ static void random_pairs_have_their_depth_and_shares_that_sum_to_one(void **stat
         if (touch.distance >= -1e-6)
             continue;
         manifold_feature feature = manifold_feature_of(&pair, &touch);
-        manifold_find(&pair, feature, &m);
+        manifold_find(&pair, feature, 0.0, &m);
         assert_near(m.depth, -touch.distance, 1e-9);
         assert_true(vec3_length(vec3_sub(m.normal, touch.normal)) < 1e-6);
         assert_near(sum_shares(&m), feature.kind == MANIFOLD_EDGES ? 0.25 : 1.0, 1e-12);
@@ -186,17 +186,17 @@ static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
     mat3 leaning = turn_about((vec3){ 0.0, 1.0, 0.0 }, 0.01);
     for (int k = 0; k < 20; k++) {
         pair.shift.x = 0.099 * k;
-        manifold_find(&pair, feature, &m);
+        manifold_find(&pair, feature, 0.0, &m);
         assert_true(m.is_least);
         assert_near(sum_press(&m), 0.01, 1e-12);
     }
     // Leaning over the edge its deepest corner is beyond it, and a good deal deeper.
     gjk_pair tilted = gjk_pair_of(&a, origin, &still, &a, (vec3){ 1.0, 0.0, 1.995 }, &leaning);
-    manifold_find(&tilted, (manifold_feature){ MANIFOLD_FACE_A, 1, 0 }, &m);
+    manifold_find(&tilted, (manifold_feature){ MANIFOLD_FACE_A, 1, 0 }, 0.0, &m);
     assert_false(m.is_least);
     // Apart along its normal there is nothing.
     pair.shift.z = 2.01;
-    manifold_find(&pair, feature, &m);
+    manifold_find(&pair, feature, 0.0, &m);
     assert_int_equal(m.n, 0);
     assert_true(m.depth <= 0.0);
 }
@@ -209,12 +209,12 @@ static void a_prism_lies_on_a_plane_with_all_its_face(void **state)
     hull h;
     manifold m;
     assert_int_equal(hull_of_shape(&shape, &h, NULL), BF_OK);
-    manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.49 }, &still, &floor, &m);
+    manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.49 }, &still, &floor, 0.0, &m);
     assert_int_equal(m.n, 32);
     assert_near(sum_press(&m), 0.01, 1e-12);
     for (size_t k = 0; k < m.n; k++)
         assert_near(m.point[k].share, 1.0 / 32.0, 1e-12);
-    manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.5 }, &still, &floor, &m);
+    manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.5 }, &still, &floor, 0.0, &m);
     assert_int_equal(m.n, 0);
 }
 
@@ -228,12 +228,12 @@ static void a_strip_of_a_plane_ends(void **state)
     hull h;
     manifold m;
     helper_hull_box(2.0, 2.0, 2.0, &h);
-    manifold_on_plane(&h, (vec3){ 4.0, 0.0, 0.99 }, &still, &strip, &m);
+    manifold_on_plane(&h, (vec3){ 4.0, 0.0, 0.99 }, &still, &strip, 0.0, &m);
     assert_true(m.is_least);
     assert_int_equal(m.n, 4);
     for (size_t k = 0; k < 4; k++)
         assert_true(m.point[k].at.x <= 4.0 + 1e-12);
-    manifold_on_plane(&h, (vec3){ 5.1, 0.0, 0.99 }, &still, &strip, &m);
+    manifold_on_plane(&h, (vec3){ 5.1, 0.0, 0.99 }, &still, &strip, 0.0, &m);
     assert_int_equal(m.n, 0);
     assert_false(m.is_least);
 }

@@ -1,39 +1,42 @@
-// How long a step of MICRO_IMPLICIT may be, and how many rounds of relaxation it takes.
-//
-// The equations of a step couple parts by stiffness and by dashpots, in terms of their inertia,
-//
-//     2 h^2 k / m   and   2 h d / m,
-//
-// and impulses spread over about as many parts in a step as the roots of these. The more layers a jam
-// may have, the more of its load is to be handed on; dashpots forget, which helps. Measured on Examples 1
-// and 2 and on jams of up to 40,000 parts for reductions of 1e2 to 1e6 and steps of 0.2 to 4 ms,
-//
-//     rounds^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
-//
-// keep the outflow curve within 1 % of N of the explicit one and jams about as calm: what is left over
-// is corrected in the next step, which starts from the impulses of this one. The step that is chosen is
-// the shortest of
-//
-//     2 ms
-//     0.08 r / v            parts move by less than a twelfth of a radius: directions of contacts hold
-//     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt takes parts up in many steps
-//     where rounds(h) = 16  stiffer contacts take shorter steps instead of more rounds
-//
-// with v the speed of the fastest belt or of the parts at the start.
+#include "core/micro/implicit_step.h"
 
-#include "core/micro/planar_implicit_priv.h"
+#include "core/micro/law.h"
+#include "core/scene/geometry.h"
+#include "core/scene/shape.h"
 
 #include <math.h>
 
 static const double step_longest = 2e-3;    // s, that is chosen
 static const double step_limit = 1e-2;      // s, that is allowed
-static const double move_chosen = 0.08;     // of the smallest radius
+static const double move_planar = 0.08;     // of the smallest radius
+static const double move_spatial = 0.02;    // in space
 static const double move_limit = 0.25;      // of the same
 static const double rounds_chosen = 16.0;   // at most, where the step is chosen
 static const double stiffness_share = 0.03; // of rounds^2, per layer of a jam
 static const double damping_share = 0.4;    // of rounds^2
 
 enum { ROUNDS_MAX = 32 };
+
+// Radius of a cylinder, half the least width of another footprint.
+static double radius_of(const scene_shape *shape)
+{
+    const shape_footprint f = shape_footprint_of(shape);
+    double least = HUGE_VAL;
+
+    if (f.n_corners == 0)
+        return shape->radius;
+    for (size_t side = 0; side < f.n_corners; side++) {
+        scene_point start = f.corners[side], end = f.corners[(side + 1) % f.n_corners];
+        scene_point along = geometry_subtract(end, start);
+        double width = 0.0;
+        for (size_t k = 0; k < f.n_corners; k++) {
+            scene_point to = geometry_subtract(f.corners[k], start);
+            width = fmax(width, fabs(along.x * to.y - along.y * to.x) / geometry_length(along));
+        }
+        least = fmin(least, width);
+    }
+    return 0.5 * least;
+}
 
 // The extremes of a definition that count here.
 typedef struct extremes {
@@ -62,7 +65,7 @@ static extremes extremes_of(const micro_def *def)
         const micro_kind *kind = &def->kinds[k];
         const scene_material *own = &kind->material;
         e.mass = fmin(e.mass, kind->mass);
-        e.radius = fmin(e.radius, kind->shape.radius);
+        e.radius = fmin(e.radius, radius_of(&kind->shape));
         e.stiffness = fmax(e.stiffness, stiffness_of(def, SCENE_CARGO_CARGO, own, own));
         e.stiffness =
             fmax(e.stiffness, stiffness_of(def, SCENE_HANDLING_CARGO, own, &def->handling));
@@ -90,19 +93,11 @@ static effort make_effort(size_t n_parts, double stiffness, double damping, doub
                      damping_share * 2.0 * damping / mass };
 }
 
-int planar_implicit__rounds(const planar_state *s)
+int implicit_step_rounds(size_t n_parts, double h, double stiffness, double damping, double mass)
 {
-    const double h = s->def.dt;
-    double square = 1.0;
+    effort e = make_effort(n_parts, stiffness, damping, mass);
+    double square = fmax(1.0, (e.quadratic * h + e.linear) * h);
 
-    for (size_t k = 0; k < s->n_kinds; k++) {
-        const planar_row *row = &s->kinds[k].row;
-        double cargo = s->cargo.line / (2.0 * row->softness);
-        double handling = s->handling.line / (row->softness + s->handling_softness);
-        double damping = fmax(s->cargo.damping, s->handling.damping);
-        effort e = make_effort(s->n, fmax(cargo, handling), damping, 1.0 / row->inverse_mass);
-        square = fmax(square, (e.quadratic * h + e.linear) * h);
-    }
     return (int)fmin(ceil(sqrt(square)), ROUNDS_MAX);
 }
 
@@ -122,17 +117,17 @@ static double step_of_belt(const micro_def *def, const extremes *e)
     return grip > 0.0 ? fmax(0.2 / belt->tanh_linear, 0.05 * e->speed) / grip : HUGE_VAL;
 }
 
-double planar__dt_stable_implicit(const micro_def *def)
+double implicit_step_stable(const micro_def *def)
 {
     extremes e = extremes_of(def);
 
     return fmin(step_limit, step_of_move(&e, move_limit));
 }
 
-double planar__dt_auto_implicit(const micro_def *def)
+double implicit_step_chosen(const micro_def *def, bool is_planar)
 {
     extremes e = extremes_of(def);
-    double dt = fmin(step_longest, step_of_move(&e, move_chosen));
+    double dt = fmin(step_longest, step_of_move(&e, is_planar ? move_planar : move_spatial));
 
     return fmin(fmin(dt, step_of_rounds(def, &e)), step_of_belt(def, &e));
 }
