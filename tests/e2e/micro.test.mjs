@@ -157,6 +157,13 @@ test("a run whose numbers fail says in which step, when, which part and where", 
   assert.deepEqual(t_s, [0]);
 });
 
+test("the implicit integrator moves a mix of shapes in space", async (t) => {
+  const out = await solveMicro(t, { ...shortMix(), micro: { integrator: "implicit" } });
+  const summary = JSON.parse(readFileSync(path.join(out, "summary.json")));
+  assert.deepEqual([summary.path, summary.parts], ["spatial", 6]);
+  assert.ok(summary.step_s >= 2e-4 && summary.step_s <= 2e-3, `${summary.step_s}`);
+});
+
 test("each bad microscopic scenario is a 422 that names its place, and nothing is stored", async (t) => {
   const d = await daemon(t);
   assert.ok(badMicroScenarios.length >= 15);
