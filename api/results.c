@@ -2,6 +2,7 @@
 
 #include "api/json_out.h"
 #include "api/number.h"
+#include "api/results_files.h"
 #include "api/results_priv.h"
 #include "core/base/check.h"
 
@@ -100,18 +101,22 @@ static void write_grid(json_out *w, const bf_grid *grid)
     json_out_object_end(w);
 }
 
-// Where a result of a snapshot is: "<key>file" in a directory, "<key>url" below the run.
-static void write_place(json_out *w, const char *key, const char *folder, uint64_t index,
-                        const char *run_url)
+// Where a result of a snapshot is in a directory, or below the run.
+static void write_file(json_out *w, const char *key, results_files file, uint64_t index)
 {
-    char name[32], text[512];
+    char name[RESULTS_FILES_NAME_SIZE];
 
-    snprintf(name, sizeof name, "%s%s", key, run_url == NULL ? "file" : "url");
-    if (run_url == NULL)
-        snprintf(text, sizeof text, "%s/%06" PRIu64 ".npy", folder, index);
-    else
-        snprintf(text, sizeof text, "%s/%s/%" PRIu64, run_url, folder, index);
-    json_out_key_string(w, name, text);
+    (void)results_files_name(file, index, name);
+    json_out_key_string(w, key, name);
+}
+
+static void write_url(json_out *w, const char *key, const char *run_url, const char *folder,
+                      uint64_t index)
+{
+    char url[512];
+
+    snprintf(url, sizeof url, "%s/%s/%" PRIu64, run_url, folder, index);
+    json_out_key_string(w, key, url);
 }
 
 static void write_parts(json_out *w, const api_parts *parts)
@@ -135,11 +140,16 @@ static void write_snapshot(json_out *w, const api_snapshot *item, bool has_parts
     json_out_object(w);
     json_out_key_integer(w, "n", (int64_t)item->index);
     json_out_key_number(w, "t_s", item->t);
-    write_place(w, "", "snapshots", item->index, run_url);
+    if (run_url == NULL)
+        write_file(w, "file", RESULTS_FILES_SNAPSHOT, item->index);
+    else
+        write_url(w, "url", run_url, "snapshots", item->index);
     json_out_key_number(w, "peak", item->peak);
     json_out_key_number(w, "mass", item->mass);
-    if (has_parts)
-        write_place(w, "parts_", "parts", item->index, run_url);
+    if (has_parts && run_url == NULL)
+        write_file(w, "parts_file", RESULTS_FILES_PARTS, item->index);
+    else if (has_parts)
+        write_url(w, "parts_url", run_url, "parts", item->index);
     json_out_object_end(w);
 }
 

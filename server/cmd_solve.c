@@ -29,6 +29,7 @@ typedef struct solving {
     const solve_arguments *arguments;
     scene scene;
     bf_buffer columns;
+    bf_buffer document; // the resolved scenario
     results_dir *results;
     progress_bar bar;
     pace pace;
@@ -80,6 +81,8 @@ static bf_status execute(solving *s, bf_error *err)
     bf_status status = run_create(&s->scene, s->arguments->model, s->arguments->n_threads, &r, err);
     if (status == BF_OK)
         status = results_dir_open(s->arguments->out, s->columns.bytes, &s->results, err);
+    if (status == BF_OK)
+        status = results_dir_scenario(s->results, s->document.bytes, s->document.n, err);
     if (status == BF_OK) {
         double start_s = clock_monotonic_s();
         s->bar = progress_bar_start();
@@ -95,17 +98,14 @@ static bf_status finish(solving *s, bf_error *err)
 {
     const results_timing timing = { .wall_s = s->wall_s,
                                     .n_threads = (uint32_t)s->arguments->n_threads };
-    bf_buffer scenario = { 0 }, summary = { 0 };
+    bf_buffer summary = { 0 };
 
     if (s->end.stopped)
         return results_dir_finish(s->results, NULL, 0, err);
-    bf_status status = scenario_write(&s->scene, &scenario, err);
-    if (status == BF_OK)
-        status = results_summary(s->arguments->model, scenario.bytes, scenario.n, &s->begin,
-                                 &s->end, &timing, &summary, err);
+    bf_status status = results_summary(s->arguments->model, s->document.bytes, s->document.n,
+                                       &s->begin, &s->end, &timing, &summary, err);
     if (status == BF_OK)
         status = results_dir_finish(s->results, summary.bytes, summary.n, err);
-    buffer_fini(&scenario);
     buffer_fini(&summary);
     return status;
 }
@@ -157,6 +157,8 @@ static cmd_exit solve(solving *s, const char *command)
     bf_error err = { 0 };
 
     bf_status status = scenario_columns(&s->scene, &s->columns, &err);
+    if (status == BF_OK)
+        status = scenario_write(&s->scene, &s->document, &err);
     if (status == BF_OK)
         status = execute(s, &err);
     if (status == BF_OK)
@@ -220,8 +222,8 @@ static const struct argp parser = {
     .options = options,
     .parser = take_option,
     .args_doc = "SCENARIO.json --out DIR",
-    .doc = "Solve a scenario ('-' reads standard input) and write curve.csv, snapshots, "
-           "snapshots.json and summary.json into DIR.\v"
+    .doc = "Solve a scenario ('-' reads standard input) and write scenario.json, curve.csv, "
+           "snapshots, snapshots.json and summary.json into DIR.\v"
            "Ctrl-C stops it: what was computed stays in DIR, without a summary.json, and the exit "
            "code is 130.",
 };
@@ -241,6 +243,7 @@ int cmd_solve(int argc, char **argv)
     code = solve(&s, argv[0]);
     results_dir_close(s.results);
     buffer_fini(&s.columns);
+    buffer_fini(&s.document);
     scene_fini(&s.scene);
     return code;
 }

@@ -1,6 +1,7 @@
 #include "server/results_dir.h"
 
 #include "api/results.h"
+#include "api/results_files.h"
 #include "core/base/memory.h"
 #include "server/file_io.h"
 
@@ -13,8 +14,6 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-enum { NAME_SIZE = 32 };
 
 struct results_dir {
     int directory;     // locked
@@ -29,11 +28,6 @@ struct results_dir {
 static bf_status fail_on(const char *name, bf_error *err)
 {
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(errno));
-}
-
-static void name_file(uint64_t index, char *ret_name)
-{
-    snprintf(ret_name, NAME_SIZE, "%06llu.npy", (unsigned long long)index);
 }
 
 static bf_status open_folder(const results_dir *d, const char *name, int *ret_folder, bf_error *err)
@@ -72,9 +66,12 @@ static bf_status append_to_curve(results_dir *d, bf_error *err)
 // Forget what a run before left, its mark of completeness first, and begin the curve.
 static bf_status begin_results(results_dir *d, const char *columns, bf_error *err)
 {
-    if ((unlinkat(d->directory, "summary.json", 0) != 0 && errno != ENOENT) ||
-        (unlinkat(d->directory, "snapshots.json", 0) != 0 && errno != ENOENT))
-        return fail_on("summary.json", err);
+    static const char *const marks[] = { "summary.json", "snapshots.json", "scenario.json" };
+
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
+        if (unlinkat(d->directory, marks[i], 0) != 0 && errno != ENOENT)
+            return fail_on(marks[i], err);
+    }
     d->curve = openat(d->directory, "curve.csv",
                       O_WRONLY | O_APPEND | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (d->curve < 0)
@@ -102,6 +99,11 @@ bf_status results_dir_open(const char *path, const char *columns, results_dir **
     return BF_OK;
 }
 
+bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n, bf_error *err)
+{
+    return file_io_replace(d->directory, "scenario.json", scenario, n, FILE_IO_LATER, err);
+}
+
 static bf_status take_curve(results_dir *d, const frame_curve *c, bf_error *err)
 {
     d->text.n = 0;
@@ -117,12 +119,13 @@ static bf_status take_begin(results_dir *d, const frame_begin *begin, bf_error *
 }
 
 // Make the text a file of the folder.
-static bf_status write_file(const results_dir *d, int folder, uint64_t index, bf_error *err)
+static bf_status write_file(const results_dir *d, int folder, results_files file, uint64_t index,
+                            bf_error *err)
 {
-    char name[NAME_SIZE];
+    char name[RESULTS_FILES_NAME_SIZE];
 
-    name_file(index, name);
-    return file_io_replace(folder, name, d->text.bytes, d->text.n, FILE_IO_LATER, err);
+    return file_io_replace(folder, results_files_name(file, index, name), d->text.bytes, d->text.n,
+                           FILE_IO_LATER, err);
 }
 
 static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error *err)
@@ -132,7 +135,7 @@ static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error
     d->text.n = 0;
     bf_status status = results_npy(s->rho, s->n1, s->n2, &d->text, err);
     if (status == BF_OK)
-        status = write_file(d, d->snapshots, s->index, err);
+        status = write_file(d, d->snapshots, RESULTS_FILES_SNAPSHOT, s->index, err);
     if (status != BF_OK)
         return status;
     if (buffer_append(&d->list.items, &item, sizeof item) != BF_OK)
@@ -145,7 +148,7 @@ static bf_status take_parts(results_dir *d, const frame_parts *p, bf_error *err)
 {
     d->text.n = 0;
     bf_status status = results_parts_npy(p->rows, &d->list.parts, &d->text, err);
-    return status == BF_OK ? write_file(d, d->parts, p->index, err) : status;
+    return status == BF_OK ? write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, err) : status;
 }
 
 bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
@@ -165,17 +168,17 @@ bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
 }
 
 // True for the name of a file that the run, which wrote n of them, did not write (an earlier one did).
-static bool is_stale(const char *name, uint64_t n)
+static bool is_stale(const char *name, results_files file, uint64_t n)
 {
-    char own[NAME_SIZE];
+    char own[RESULTS_FILES_NAME_SIZE];
     unsigned long long index = strtoull(name, NULL, 10);
 
-    name_file(index, own);
-    return strcmp(name, own) == 0 && index >= n;
+    return index >= n && strcmp(name, results_files_name(file, index, own)) == 0;
 }
 
 // Remove what is stale from a folder; there may be none.
-static bf_status remove_stale(const results_dir *d, const char *folder, uint64_t n, bf_error *err)
+static bf_status remove_stale(const results_dir *d, const char *folder, results_files file,
+                              uint64_t n, bf_error *err)
 {
     int fd = openat(d->directory, folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *listing = fd < 0 ? NULL : fdopendir(fd);
@@ -189,7 +192,7 @@ static bf_status remove_stale(const results_dir *d, const char *folder, uint64_t
     }
     bf_status status = BF_OK;
     for (struct dirent *entry; status == BF_OK && (entry = readdir(listing)) != NULL;) {
-        if (is_stale(entry->d_name, n) && unlinkat(fd, entry->d_name, 0) != 0)
+        if (is_stale(entry->d_name, file, n) && unlinkat(fd, entry->d_name, 0) != 0)
             status = fail_on(folder, err);
     }
     closedir(listing);
@@ -201,9 +204,9 @@ bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summa
     d->text.n = 0;
     bf_status status = results_snapshots_json(&d->list, NULL, &d->text, err);
     if (status == BF_OK)
-        status = remove_stale(d, "snapshots", d->list.n, err);
+        status = remove_stale(d, "snapshots", RESULTS_FILES_SNAPSHOT, d->list.n, err);
     if (status == BF_OK)
-        status = remove_stale(d, "parts", d->parts < 0 ? 0 : d->list.n, err);
+        status = remove_stale(d, "parts", RESULTS_FILES_PARTS, d->parts < 0 ? 0 : d->list.n, err);
     if (status == BF_OK && d->parts < 0)
         unlinkat(d->directory, "parts", AT_REMOVEDIR); // unless others put something there
     if (status == BF_OK)

@@ -1,5 +1,6 @@
 /// A directory with the results of one run, as `beltflow solve --out` leaves it:
 ///
+///     scenario.json           resolved, written first
 ///     curve.csv               whole lines, appended while the run goes on
 ///     snapshots/NNNNNN.npy    each complete from the moment it has its name
 ///     parts/NNNNNN.npy        same, of models with parts
@@ -7,7 +8,7 @@
 ///     summary.json            written last, and on the disk only after all the rest: where it is,
 ///                             the results are complete
 ///
-/// Results of an earlier run in the same directory are replaced: its summary goes first, snapshots and
+/// Names are those of results_files.h. Results of an earlier run in the same directory are replaced: its summary goes first, snapshots and
 /// parts beyond those of the new run last. A second writer of the same directory is refused.
 
 #pragma once
@@ -24,6 +25,10 @@ typedef struct results_dir results_dir;
 /// scenario_columns(). BF_ESYSTEM: it cannot be written, or another program writes it.
 BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
                                          results_dir **ret_dir, bf_error *err);
+
+/// Write scenario.json: the resolved document, n bytes.
+BF_MUST_CHECK bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n,
+                                             bf_error *err);
 
 /// Write what a frame tells: begin, curve, snapshot, parts; others are none of this directory's business.
 /// BF_ESYSTEM: the disk refused; nothing half-written is left.

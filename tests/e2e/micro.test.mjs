@@ -207,7 +207,7 @@ test("a macroscopic run in the same folder leaves nothing of the parts", async (
   writeFileSync(file, JSON.stringify(smallJam()));
   const done = await beltflow(["solve", file, "--model", "macro", "--out", out]);
   assert.equal(done.status, 0, done.stderr);
-  assert.deepEqual(readdirSync(out).sort(), ["curve.csv", "snapshots", "snapshots.json", "summary.json"]);
+  assert.deepEqual(readdirSync(out).sort(), ["curve.csv", "scenario.json", "snapshots", "snapshots.json", "summary.json"]);
 });
 
 test("Example 1 of both models drains alike", { skip: isSanitized }, async (t) => {

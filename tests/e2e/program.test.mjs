@@ -114,7 +114,7 @@ test("check says yes, or names the places and leaves with 2", async () => {
 
 test("solve writes every result, the list of them, and a summary", async (t) => {
   const out = await solve(t, tiny());
-  assert.deepEqual(readdirSync(out).sort(), ["curve.csv", "snapshots", "snapshots.json", "summary.json"]);
+  assert.deepEqual(readdirSync(out).sort(), ["curve.csv", "scenario.json", "snapshots", "snapshots.json", "summary.json"]);
   const lines = readFileSync(path.join(out, "curve.csv"), "utf8").trimEnd().split("\n");
   assert.equal(lines[0], "t_s,upstream,left_domain");
   assert.equal(lines.length, 1 + 11);

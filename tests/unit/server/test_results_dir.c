@@ -165,6 +165,7 @@ static void write_run(const char *name, uint64_t n, const char *summary)
 {
     results_dir *d = open_results(name);
 
+    assert_int_equal(results_dir_scenario(d, "{\"n\":1}", 7, NULL), BF_OK);
     assert_int_equal(give_begin(d), BF_OK);
     assert_int_equal(give_sample(d, 0, NULL), BF_OK);
     assert_int_equal(give_sample(d, 1, NULL), BF_OK);
@@ -175,7 +176,7 @@ static void write_run(const char *name, uint64_t n, const char *summary)
     results_dir_close(d);
 }
 
-static void a_finished_run_leaves_its_four_kinds_of_files(void **state)
+static void a_finished_run_leaves_its_five_kinds_of_files(void **state)
 {
     (void)state;
     write_run("deep/er/out", 2, "{\"model\":\"macro\"}");
@@ -183,7 +184,8 @@ static void a_finished_run_leaves_its_four_kinds_of_files(void **state)
     assert_text("deep/er/out/summary.json", "{\"model\":\"macro\"}");
     assert_true(has_file("deep/er/out/snapshots.json"));
     assert_int_equal(count_files("deep/er/out/snapshots"), 2);
-    assert_int_equal(count_files("deep/er/out"), 4);
+    assert_int_equal(count_files("deep/er/out"), 5);
+    assert_text("deep/er/out/scenario.json", "{\"n\":1}");
     bf_buffer npy = read_text("deep/er/out/snapshots/000001.npy");
     float last;
     assert_memory_equal(npy.bytes, "\x93NUMPY", 6);
@@ -212,6 +214,7 @@ static void a_new_run_leaves_nothing_of_the_one_before(void **state)
 
     results_dir *d = open_results("out");
     assert_false(has_file("out/summary.json")); // from the first moment on: not complete
+    assert_false(has_file("out/scenario.json"));
     results_dir_close(d);
     write_run("out", 2, "{}");
     assert_int_equal(count_files("out/snapshots"), 3); // two, and what is not a snapshot of ours
@@ -222,7 +225,7 @@ static void parts_have_a_folder_of_their_own(void **state)
 {
     (void)state;
     write_run_with_parts("out", 3);
-    assert_int_equal(count_files("out"), 5);
+    assert_int_equal(count_files("out"), 5); // without a scenario, but with parts
     assert_int_equal(count_files("out/parts"), 3);
     bf_buffer npy = read_text("out/parts/000002.npy"), list = read_text("out/snapshots.json");
     double spin;
@@ -363,7 +366,7 @@ int main(void)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, make_root, remove_root)
     const struct CMUnitTest tests[] = {
-        TEST(a_finished_run_leaves_its_four_kinds_of_files),
+        TEST(a_finished_run_leaves_its_five_kinds_of_files),
         TEST(a_stopped_run_has_no_summary),
         TEST(a_new_run_leaves_nothing_of_the_one_before),
         TEST(parts_have_a_folder_of_their_own),
