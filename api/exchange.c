@@ -103,6 +103,31 @@ bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
     return x->services->find(x->services->context, id, ret_run, err);
 }
 
+void exchange__let_keep(exchange *x)
+{
+    api_response_header(x->response, "Cache-Control", "private, max-age=31536000, immutable");
+}
+
+bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t *ret_index,
+                                  bf_error *err)
+{
+    const char *number = x->params.values[1];
+    uint64_t index = 0;
+
+    BF_CHECK(x->params.n > 1);
+    if (query_read_number(number, &index) != 0 || index >= of->n_snapshots)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot '%s'; it has %" PRIu64,
+                       number, of->n_snapshots);
+    *ret_index = index;
+    return BF_OK;
+}
+
+void exchange__name_snapshot(exchange *x, uint64_t index)
+{
+    api_response_header(x->response, "Content-Disposition", "inline; filename=\"%06" PRIu64 ".%s\"",
+                        index, x->media->word);
+}
+
 // Sets ETag, and the status if the client has this state. ret_form is the tag that it knows it by.
 static bool tag_state(exchange *x, const char *tag, char *ret_form)
 {

@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-enum { EXCHANGE_ETAG_SIZE = 96 }; ///< bytes of an entity tag with its terminator
+enum { EXCHANGE_ETAG_SIZE = 112 }; ///< bytes of an entity tag with its terminator
 
 /// One request on its way to its response. Lives on the stack of api_handle().
 struct exchange {
@@ -70,6 +70,17 @@ BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *typ
 
 /// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
+
+/// Let the answer be kept for ever: it never changes.
+void exchange__let_keep(exchange *x);
+
+/// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is no number, or the
+/// run has none of it yet.
+BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
+                                                uint64_t *ret_index, bf_error *err);
+
+/// Name the response's body, a result of a snapshot, for a client that saves it: "000012.vti".
+void exchange__name_snapshot(exchange *x, uint64_t index);
 
 /// Name the state of what a GET asks for by an entity tag, given without quotes. True if the client
 /// has that state already: the response is then a 304, and the handler is done.

@@ -17,11 +17,14 @@ route_handler handlers_runs_remove;
 route_handler handlers_results_scenario;
 route_handler handlers_results_summary;
 route_handler handlers_results_curve;
-route_handler handlers_results_snapshots;
-route_handler handlers_results_snapshot;
+
+/// Its density snapshots.
+route_handler handlers_snapshots_list;
+route_handler handlers_snapshots_show;
 
 /// The parts of a microscopic run.
 route_handler handlers_parts_show;
+route_handler handlers_parts_series;
 
 /// Event streams of one run and of several.
 route_handler handlers_events_of_run;

@@ -8,12 +8,18 @@
 #include <stddef.h>
 
 /// Format, word, media type that Accept asks for, Content-Type. The first row of a format is the one
-/// that ?format= gives.
+/// that ?format= gives. Neither IANA nor VTK has media types for .vti and .vtp; they are no XML, either,
+/// with raw bytes in them.
 #define MEDIA_LIST(X)                                                                              \
     X(MEDIA_JSON, "json", "application/json", "application/json")                                  \
     X(MEDIA_CSV, "csv", "text/csv", "text/csv; charset=utf-8")                                     \
     X(MEDIA_NPY, "npy", "application/octet-stream", "application/octet-stream")                    \
     X(MEDIA_NPY, "npy", "application/x-npy", "application/x-npy")                                  \
+    X(MEDIA_PNG, "png", "image/png", "image/png")                                                  \
+    X(MEDIA_VTI, "vti", "application/x-vti", "application/x-vti")                                  \
+    X(MEDIA_VTP, "vtp", "application/x-vtp", "application/x-vtp")                                  \
+    X(MEDIA_PVD, "pvd", "application/xml", "application/xml")                                      \
+    X(MEDIA_ZIP, "zip", "application/zip", "application/zip")                                      \
     X(MEDIA_SSE, "sse", "text/event-stream", "text/event-stream")                                  \
     X(MEDIA_NDJSON, "ndjson", "application/x-ndjson", "application/x-ndjson")
 
@@ -22,6 +28,11 @@ typedef enum media_format {
     MEDIA_JSON,
     MEDIA_CSV,
     MEDIA_NPY,
+    MEDIA_PNG,
+    MEDIA_VTI,
+    MEDIA_VTP,
+    MEDIA_PVD,
+    MEDIA_ZIP,
     MEDIA_SSE,
     MEDIA_NDJSON
 } media_format;

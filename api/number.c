@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DOUBLE_DIGITS_MAX = 17, FLOAT_DIGITS_MAX = 9 };
+enum { DOUBLE_DIGITS_MAX = 17, FLOAT_DIGITS_MAX = 9, READ_SIZE = 64 };
 
 static bool reads_back(const char *text, double value, bool is_float)
 {
@@ -50,4 +50,22 @@ int number_format_float(float value, char *ret_text)
         return format_zero((double)value, ret_text);
     int digits = fabsf(value) < FLT_MIN ? 1 : FLT_DIG;
     return format_shortest((double)value, digits, FLOAT_DIGITS_MAX, true, ret_text);
+}
+
+int number_read(const char *text, size_t n, double *ret_value)
+{
+    char copy[READ_SIZE];
+    char *end;
+
+    if (n == 0 || n >= sizeof copy)
+        return -1;
+    memcpy(copy, text, n);
+    copy[n] = '\0';
+    if (strspn(copy, "0123456789+-.eE") != n)
+        return -1;
+    double value = strtod(copy, &end);
+    if (*end != '\0' || !isfinite(value))
+        return -1;
+    *ret_value = value;
+    return 0;
 }

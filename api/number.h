@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <stddef.h>
+
 enum { NUMBER_SIZE = 32 }; ///< bytes that hold any number with its terminator
 
 /// Write a finite double as JSON reads it back ("0.1", "1e-05", "-0.0"): the shortest of 1 to 17
@@ -10,3 +12,7 @@ int number_format(double value, char *ret_text);
 
 /// Same for a float: 1 to 9 digits that read back to the same float.
 int number_format_float(float value, char *ret_text);
+
+/// Read n bytes that are one decimal number and nothing else: no "nan", "inf" or hexadecimal. Returns
+/// 0, or -1 if they are anything else, too many, or beyond what a double holds (*ret_value untouched).
+int number_read(const char *text, size_t n, double *ret_value);

@@ -1,5 +1,6 @@
 #include "api/query.h"
 
+#include "api/number.h"
 #include "core/base/check.h"
 
 #include <inttypes.h>
@@ -167,6 +168,23 @@ bf_status query_number(const query *q, const char *name, uint64_t least, uint64_
                        "query parameter '%s' must be a whole number from %" PRIu64 " to %" PRIu64
                        ", not '%.64s'",
                        name, least, most, text);
+    *ret_value = value;
+    return BF_OK;
+}
+
+bf_status query_real(const query *q, const char *name, double least, double most, double *ret_value,
+                     bf_error *err)
+{
+    const char *text = query_value(q, name);
+    double value = 0.0;
+
+    BF_CHECK(least <= most);
+    if (text == NULL)
+        return BF_OK;
+    if (number_read(text, strlen(text), &value) != 0 || value < least || value > most)
+        return bf_fail(err, BF_EINPUT, "",
+                       "query parameter '%s' must be a number from %g to %g, not '%.64s'", name,
+                       least, most, text);
     *ret_value = value;
     return BF_OK;
 }

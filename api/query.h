@@ -41,6 +41,10 @@ BF_MUST_CHECK bf_status query_allow(const query *q, const char *known, bf_error 
 BF_MUST_CHECK bf_status query_number(const query *q, const char *name, uint64_t least,
                                      uint64_t most, uint64_t *ret_value, bf_error *err);
 
+/// Same for a decimal number ("1.25", "0.5e-3") of least .. most.
+BF_MUST_CHECK bf_status query_real(const query *q, const char *name, double least, double most,
+                                   double *ret_value, bf_error *err);
+
 /// Read text that is nothing but decimal digits, at least one. Returns 0, or -1 if it is anything
 /// else or beyond 2^64 - 1 (*ret_value untouched).
 int query_read_number(const char *text, uint64_t *ret_value);

@@ -5,6 +5,9 @@
 
 #pragma once
 
+#include "api/colormap.h"
+#include "api/picture.h"
+#include "api/results_files.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 #include "core/run/frame.h"
@@ -23,7 +26,7 @@ BF_MUST_CHECK bf_status results_curve_csv_header(const char *columns, bf_buffer 
 BF_MUST_CHECK bf_status results_curve_csv_rows(const double *t, const double *values, size_t n,
                                                size_t n_columns, bf_buffer *out, bf_error *err);
 
-/// Append the curve as CSV: header and all lines.
+/// Append the curve as curve.csv has it: header and rows.
 BF_MUST_CHECK bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err);
 
 /// Append the curve as JSON: {"t_s": [...], "<id>": [...], ...}.
@@ -32,6 +35,26 @@ BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *ou
 /// Append a grid of n2 rows of n1 floats as a NumPy file (.npy version 1.0, little-endian, C order).
 BF_MUST_CHECK bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out,
                                     bf_error *err);
+
+/// Append a snapshot as JSON: {"n", "t_s", "peak", "mass", "origin_m", "cell_m", "shape", "density":
+/// [[...], ...]}, a row of x1 each.
+BF_MUST_CHECK bf_status results_snapshot_json(const float *rho, const bf_grid *grid,
+                                              const api_snapshot *snapshot, bf_buffer *out,
+                                              bf_error *err);
+
+/// Append a snapshot as a matrix in CSV: a header "y_m/x_m,<x of the centres>", then for each row of
+/// cells, the smallest y first, the y of its centres and its densities.
+BF_MUST_CHECK bf_status results_snapshot_csv(const float *rho, const bf_grid *grid, bf_buffer *out,
+                                             bf_error *err);
+
+/// Append a snapshot as a PNG of 256 colours; rho are the densities of p->grid, t the time.
+BF_MUST_CHECK bf_status results_snapshot_png(const picture *p, const colormap *map,
+                                             const float *rho, double t, bf_buffer *out,
+                                             bf_error *err);
+
+/// Append a snapshot as VTK ImageData (.vti): cell data `density`, float32, appended raw.
+BF_MUST_CHECK bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t,
+                                             bf_buffer *out, bf_error *err);
 
 /// Names of the values of a part, n_values of them, e.g. "x_m". n_values is one that frame_parts can
 /// have.
@@ -47,6 +70,17 @@ BF_MUST_CHECK bf_status results_parts_csv(const double *rows, const api_parts *p
 BF_MUST_CHECK bf_status results_parts_json(const double *rows, const api_parts *parts,
                                            const api_snapshot *snapshot, bf_buffer *out,
                                            bf_error *err);
+
+/// Append the parts that are in the domain as VTK PolyData (.vtp): a vertex each with point data
+/// `velocity_m_s`, `heading_rad` (planar) or `quaternion_wxyz` (spatial), `spin_rad_s`, and `part`, its
+/// number; appended raw.
+BF_MUST_CHECK bf_status results_parts_vtp(const double *rows, const api_parts *parts, double t,
+                                          bf_buffer *out, bf_error *err);
+
+/// Append a ParaView collection (.pvd) of one file a snapshot, with its time; names are relative, as
+/// of results_files_name().
+BF_MUST_CHECK bf_status results_series_pvd(const api_snapshot_list *list, results_files file,
+                                           bf_buffer *out, bf_error *err);
 
 /// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}; with
 /// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_url NULL:

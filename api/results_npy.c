@@ -28,25 +28,36 @@ static bf_status append_header(const char *type, size_t n1, size_t n2, bf_buffer
     return status;
 }
 
+// On a machine of the other byte order.
+static void reverse_each(char *bytes, size_t n, size_t size)
+{
+    for (size_t k = 0; k < n; k++, bytes += size) {
+        for (size_t from = 0, to = size - 1; from < to; from++, to--) {
+            char byte = bytes[from];
+            bytes[from] = bytes[to];
+            bytes[to] = byte;
+        }
+    }
+}
+
+bf_status results__append_values(const void *values, size_t n, size_t size, bf_buffer *out)
+{
+    size_t n_before = out->n;
+
+    bf_status status = buffer_append(out, values, n * size);
+    if (status == BF_OK && BYTE_ORDER == BIG_ENDIAN)
+        reverse_each(out->bytes + n_before, n, size);
+    return status;
+}
+
 bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out, bf_error *err)
 {
     size_t n_before = out->n;
-    size_t n = n1 * n2;
 
-    if (append_header("<f4", n1, n2, out) != BF_OK)
-        return results__finish(BF_ENOMEM, out, n_before, err);
-    char *at = buffer_reserve(out, n * sizeof *rho);
-    if (at == NULL)
-        return results__finish(BF_ENOMEM, out, n_before, err);
-    for (size_t k = 0; k < n; k++) {
-        uint32_t bits;
-        memcpy(&bits, &rho[k], sizeof bits);
-        bits = htole32(bits);
-        memcpy(at + k * sizeof bits, &bits, sizeof bits);
-    }
-    out->n += n * sizeof *rho;
-    out->bytes[out->n] = '\0';
-    return BF_OK;
+    bf_status status = append_header("<f4", n1, n2, out);
+    if (status == BF_OK)
+        status = results__append_values(rho, n1 * n2, sizeof *rho, out);
+    return results__finish(status, out, n_before, err);
 }
 
 bf_status results_parts_npy(const double *rows, const api_parts *parts, bf_buffer *out,
@@ -55,18 +66,8 @@ bf_status results_parts_npy(const double *rows, const api_parts *parts, bf_buffe
     size_t n_before = out->n;
     size_t n = (size_t)parts->n_parts * parts->n_values;
 
-    if (append_header("<f8", parts->n_values, (size_t)parts->n_parts, out) != BF_OK)
-        return results__finish(BF_ENOMEM, out, n_before, err);
-    char *at = buffer_reserve(out, n * sizeof *rows);
-    if (at == NULL)
-        return results__finish(BF_ENOMEM, out, n_before, err);
-    for (size_t k = 0; k < n; k++) {
-        uint64_t bits;
-        memcpy(&bits, &rows[k], sizeof bits);
-        bits = htole64(bits);
-        memcpy(at + k * sizeof bits, &bits, sizeof bits);
-    }
-    out->n += n * sizeof *rows;
-    out->bytes[out->n] = '\0';
-    return BF_OK;
+    bf_status status = append_header("<f8", parts->n_values, (size_t)parts->n_parts, out);
+    if (status == BF_OK)
+        status = results__append_values(rows, n, sizeof *rows, out);
+    return results__finish(status, out, n_before, err);
 }

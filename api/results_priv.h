@@ -12,3 +12,7 @@ bf_status results__finish(bf_status status, bf_buffer *out, size_t n, bf_error *
 
 /// Write a number ("nan" if it is none) and a separator at text; returns where the next one goes.
 char *results__put_number(char *text, double value, char separator);
+
+/// Append n numbers of size bytes each, little-endian. BF_ENOMEM: *out is as before.
+BF_MUST_CHECK bf_status results__append_values(const void *values, size_t n, size_t size,
+                                               bf_buffer *out);

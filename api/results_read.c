@@ -1,10 +1,10 @@
 #include "api/results.h"
 
+#include "api/number.h"
+
 #include <ctype.h>
-#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 // A piece of the text, not terminated.
@@ -62,25 +62,6 @@ static size_t find_column(piece header, const char *id)
     return 0;
 }
 
-// Numbers as CSV has them: no "nan", "inf" or hexadecimal, which strtod() would take.
-static bool read_number(piece cell, double *ret_number)
-{
-    char text[64];
-    char *end;
-
-    if (cell.n == 0 || cell.n >= sizeof text)
-        return false;
-    memcpy(text, cell.from, cell.n);
-    text[cell.n] = '\0';
-    if (strspn(text, "0123456789+-.eE") != cell.n)
-        return false;
-    double number = strtod(text, &end);
-    if (*end != '\0' || !isfinite(number))
-        return false;
-    *ret_number = number;
-    return true;
-}
-
 static bf_status fail_line(bf_error *err, size_t line, const char *text)
 {
     char pointer[32];
@@ -97,12 +78,12 @@ static bf_status read_row(piece row, size_t column, size_t line, bf_buffer *t, b
     double time;
     double count;
 
-    if (!read_number(cell, &time))
+    if (number_read(cell.from, cell.n, &time) != 0)
         return fail_line(err, line, "the time is not a number");
     for (size_t k = 0; k < column; k++)
         cell = trim(take_until(&row, ','));
     snprintf(text, sizeof text, "column %zu is not a number", column + 1);
-    if (!read_number(cell, &count))
+    if (number_read(cell.from, cell.n, &count) != 0)
         return fail_line(err, line, text);
     if (buffer_append(t, &time, sizeof time) != BF_OK ||
         buffer_append(parts, &count, sizeof count) != BF_OK)

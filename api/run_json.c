@@ -33,10 +33,19 @@ void run_json_error(json_out *w, const bf_error *error)
     json_out_object_end(w);
 }
 
-static void write_links(json_out *w, const char *id)
+// What there is below a run of a model; cancel is for POST.
+static void write_links(json_out *w, const char *id, run_model model)
 {
-    static const char *const parts[] = { "scenario",  "summary", "curve",
-                                         "snapshots", "events",  "cancel" };
+    static const struct {
+        const char *key;
+        const char *path;
+        bool needs_parts;
+    } parts[] = {
+        { "scenario", "scenario", false },    { "summary", "summary", false },
+        { "curve", "curve", false },          { "snapshots", "snapshots", false },
+        { "series", "snapshots.pvd", false }, { "parts_series", "parts.pvd", true },
+        { "events", "events", false },        { "cancel", "cancel", false },
+    };
     char url[API_ID_SIZE + 32];
 
     json_out_key(w, "links");
@@ -44,8 +53,10 @@ static void write_links(json_out *w, const char *id)
     snprintf(url, sizeof url, "/v1/runs/%s", id);
     json_out_key_string(w, "self", url);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        snprintf(url, sizeof url, "/v1/runs/%s/%s", id, parts[i]);
-        json_out_key_string(w, parts[i], url);
+        if (parts[i].needs_parts && model != RUN_MICRO)
+            continue;
+        snprintf(url, sizeof url, "/v1/runs/%s/%s", id, parts[i].path);
+        json_out_key_string(w, parts[i].key, url);
     }
     json_out_object_end(w);
 }
@@ -64,5 +75,5 @@ void run_json_members(json_out *w, const api_run *record)
     run_json_time(w, "finished_at", record->finished_ms);
     json_out_key_number(w, "eta_s", record->eta_s);
     run_json_error(w, &record->error);
-    write_links(w, record->id);
+    write_links(w, record->id, record->model);
 }

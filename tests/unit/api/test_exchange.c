@@ -164,8 +164,8 @@ static void formats_that_do_not_exist_are_refused_with_those_that_do(void **stat
     assert_true(ask_body_has("json csv"));
     ask_get(RUN_1 "/curve", NULL, "Accept: image/png\n", 406);
     assert_true(ask_body_has("json csv"));
-    ask_get(RUN_1 "/snapshots/0", "format=png", NULL, 400);
-    assert_true(ask_body_has("npy json"));
+    ask_get(RUN_1 "/snapshots/0", "format=vtp", NULL, 400);
+    assert_true(ask_body_has("npy json csv png vti"));
     ask_get("/v1/runs", NULL, "Accept: text/csv\n", 406);
     ask("POST", "/v1/runs", NULL, IS_JSON "Accept: text/html\n", BODY, 406);
     assert_int_equal(ask_daemon.n_submitted, 0);

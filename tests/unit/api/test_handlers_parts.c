@@ -53,6 +53,29 @@ static void parts_are_text_when_asked(void **state)
     assert_true(ask_body_has("\"parts\":[[0.5,0.25,0.125,1,2,3],null]"));
 }
 
+static void parts_are_points_for_vtk(void **state)
+{
+    (void)state;
+    add_micro_run();
+    ask_get(RUN_1 "/parts/1", NULL, "Accept: application/x-vtp\n", 200);
+    ask_assert_header("Content-Type", "application/x-vtp");
+    ask_assert_header("Content-Disposition", "inline; filename=\"000001.vtp\"");
+    assert_true(ask_body_has("<Piece NumberOfPoints=\"1\""));
+}
+
+static void a_series_of_parts_is_for_runs_that_have_them(void **state)
+{
+    (void)state;
+    helper_run *of = add_micro_run();
+    ask_get(RUN_1 "/parts.pvd", NULL, NULL, 200);
+    ask_assert_header("Content-Type", "application/xml");
+    assert_true(ask_body_has("<DataSet timestep=\"0.1\" part=\"0\" file=\"parts/000001.vtp\"/>"));
+    ask_get(RUN_1 "/parts.pvd", NULL, "If-None-Match: \"r1-parts-pvd\"\n", 304);
+    of->record.model = RUN_MACRO;
+    ask_get(RUN_1 "/parts.pvd", NULL, NULL, 404);
+    assert_true(ask_body_has("its model is macro"));
+}
+
 static void snapshots_lead_to_their_parts(void **state)
 {
     (void)state;
@@ -98,6 +121,8 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         ASK_TEST(parts_are_a_numpy_file_that_never_changes),
         ASK_TEST(parts_are_text_when_asked),
+        ASK_TEST(parts_are_points_for_vtk),
+        ASK_TEST(a_series_of_parts_is_for_runs_that_have_them),
         ASK_TEST(snapshots_lead_to_their_parts),
         ASK_TEST(parts_that_do_not_exist_are_not_found),
         ASK_TEST(too_many_parts_are_not_written_as_text),

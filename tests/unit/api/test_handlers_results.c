@@ -1,4 +1,4 @@
-// Results over the API: scenario, summary, curve, snapshots, comparison.
+// Results over the API: scenario, summary, curve.
 
 #include "tests/unit/api/helper_ask.h"
 
@@ -78,66 +78,6 @@ static void the_tag_of_a_curve_tells_formats_apart(void **state)
     assert_string_not_equal(helper_header(&ask_response, "ETag"), tag);
 }
 
-static void snapshots_are_listed_with_their_places(void **state)
-{
-    (void)state;
-    ask_add_run(RUN_RUNNING);
-    ask_get(RUN_1 "/snapshots", NULL, NULL, 200);
-    json_t *root = helper_json(&ask_response);
-    json_t *items = json_object_get(root, "snapshots");
-    assert_int_equal(json_array_size(items), 2);
-    assert_string_equal(json_string_value(json_object_get(json_array_get(items, 1), "url")),
-                        RUN_1 "/snapshots/1");
-    json_decref(root);
-}
-
-// NumPy's format: magic, version 1.0, a header that ends at a multiple of 64, 6 floats.
-static void a_snapshot_is_a_numpy_file_that_never_changes(void **state)
-{
-    static const char *const headers[] = { NULL, "Accept: */*\n",
-                                           "Accept: application/octet-stream\n" };
-
-    (void)state;
-    helper_run *of = ask_add_run(RUN_RUNNING);
-    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
-        ask_get(RUN_1 "/snapshots/1", NULL, headers[i], 200);
-        ask_assert_header("Content-Type", "application/octet-stream");
-        ask_assert_header("Cache-Control", "private, max-age=31536000, immutable");
-        assert_memory_equal(ask_response.body.bytes, "\x93NUMPY\x01\x00", 8);
-        assert_int_equal((ask_response.body.n - sizeof of->rho[1]) % 64, 0);
-        assert_memory_equal(ask_response.body.bytes + ask_response.body.n - sizeof of->rho[1],
-                            of->rho[1], sizeof of->rho[1]);
-    }
-    ask_get(RUN_1 "/snapshots/1", NULL, "Accept: application/x-npy\n", 200);
-    ask_assert_header("Content-Type", "application/x-npy");
-    ask_get(RUN_1 "/snapshots/1", NULL, "If-None-Match: \"" ID_1 "-1-npy\"\n", 304);
-    ask_get(RUN_1 "/snapshots/0", NULL, "If-None-Match: \"" ID_1 "-1-npy\"\n", 200);
-}
-
-static void a_snapshot_is_json_when_asked(void **state)
-{
-    (void)state;
-    ask_add_run(RUN_RUNNING);
-    ask_get(RUN_1 "/snapshots/1", "format=json", NULL, 200);
-    assert_string_equal(ask_response.body.bytes,
-                        "{\"n\":1,\"t_s\":0.1,\"peak\":0.5,\"mass\":5.5,\"origin_m\":[0,0],"
-                        "\"cell_m\":[0.5,0.25],\"shape\":[2,3],"
-                        "\"density\":[[0.5,1,2],[3,4,5]]}");
-}
-
-static void snapshots_that_do_not_exist_are_not_found(void **state)
-{
-    static const char *const numbers[] = { "2", "-1", "x", "1.0", "18446744073709551616", "0x0" };
-    char path[128];
-
-    (void)state;
-    ask_add_run(RUN_RUNNING);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        snprintf(path, sizeof path, RUN_1 "/snapshots/%s", numbers[i]);
-        ask_get(path, NULL, NULL, 404);
-    }
-}
-
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -146,10 +86,6 @@ int main(void)
         ASK_TEST(the_curve_is_json_or_csv),
         ASK_TEST(a_curve_without_samples_has_its_columns),
         ASK_TEST(the_tag_of_a_curve_tells_formats_apart),
-        ASK_TEST(snapshots_are_listed_with_their_places),
-        ASK_TEST(a_snapshot_is_a_numpy_file_that_never_changes),
-        ASK_TEST(a_snapshot_is_json_when_asked),
-        ASK_TEST(snapshots_that_do_not_exist_are_not_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

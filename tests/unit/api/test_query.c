@@ -147,6 +147,27 @@ static void numbers_are_whole_and_within_their_range(void **state)
     }
 }
 
+static void decimals_are_numbers_within_their_range(void **state)
+{
+    static const char *const bad[] = { "m=",    "m=0.05", "m=10.5", "m=nan", "m=inf",
+                                       "m=0x1", "m=1,5",  "m=1 ",   "m=--1", "m=1e" };
+    double value = 2.0;
+    query q = parse("m=1.25e0");
+
+    (void)state;
+    assert_int_equal(query_real(&q, "n", 0.1, 10.0, &value, NULL), BF_OK);
+    assert_true(value == 2.0);
+    assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, NULL), BF_OK);
+    assert_true(value == 1.25);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        bf_error err = { 0 };
+        q = parse(bad[i]);
+        assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, &err), BF_EINPUT);
+        assert_non_null(strstr(err.text, "'m' must be a number from 0.1 to 10"));
+        assert_true(value == 1.25);
+    }
+}
+
 static void the_largest_number_is_2_to_the_64_less_1(void **state)
 {
     uint64_t value = 0;
@@ -170,6 +191,7 @@ int main(void)
         cmocka_unit_test(the_densest_query_fits),
         cmocka_unit_test(only_known_parameters_are_allowed),
         cmocka_unit_test(numbers_are_whole_and_within_their_range),
+        cmocka_unit_test(decimals_are_numbers_within_their_range),
         cmocka_unit_test(the_largest_number_is_2_to_the_64_less_1),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
