@@ -52,6 +52,8 @@ void api_response_fini(api_response *response)
     if (response == NULL)
         return;
     buffer_fini(&response->body);
+    if (response->pieces.make != NULL)
+        response->pieces.destroy(response->pieces.state);
     *response = (api_response){ 0 };
 }
 

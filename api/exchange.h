@@ -9,6 +9,7 @@
 
 #pragma once
 
+#include "api/body.h"
 #include "api/services.h"
 #include "api/stream.h"
 #include "core/base/buffer.h"
@@ -59,7 +60,8 @@ typedef struct api_response {
     int status;                          ///< HTTP status code
     size_t n_headers;                    ///< headers in use
     api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
-    bf_buffer body;       ///< the body, unless is_stream; of a 304 perhaps what a 200 had
+    bf_buffer body;       ///< the body, unless pieces or is_stream; of a 304 perhaps what a 200 had
+    api_body pieces;      ///< the body is made while it is sent; make NULL: it is not
     bool is_stream;       ///< the body is an event stream:
     stream_cursor cursor; ///< from here
     api_wait wait;        ///< what it is worth waiting for with this answer
@@ -109,5 +111,5 @@ void api_response_drop(api_response *response, const char *name);
 /// Add a field name to Vary, unless it is there.
 void api_response_vary(api_response *response, const char *name);
 
-/// Free the body and zero *response. NULL is fine.
+/// Free the body, made or not, and zero *response. NULL is fine.
 void api_response_fini(api_response *response);

@@ -26,6 +26,9 @@ route_handler handlers_snapshots_show;
 route_handler handlers_parts_show;
 route_handler handlers_parts_series;
 
+/// All results at once.
+route_handler handlers_archive_show;
+
 /// Event streams of one run and of several.
 route_handler handlers_events_of_run;
 route_handler handlers_events_of_runs;

@@ -33,6 +33,8 @@ static const route table[] = {
       "The parts at the time of a snapshot (micro)" },
     { "GET", "/v1/runs/{id}/parts.pvd", handlers_parts_series, true, "", "pvd",
       "The parts of results.zip?vtk=1 in time, for ParaView (micro)" },
+    { "GET", "/v1/runs/{id}/results.zip", handlers_archive_show, true, "vtk", "zip",
+      "All results of a run that has ended" },
     { "GET", "/v1/runs/{id}/events", handlers_events_of_run, true, "format inline last_event_id",
       "sse ndjson", "Follow a run: its events from the first one on, until it has ended" },
     { "GET", "/v1/events", handlers_events_of_runs, true, "runs format inline last_event_id",

@@ -44,7 +44,8 @@ static void write_links(json_out *w, const char *id, run_model model)
         { "scenario", "scenario", false },    { "summary", "summary", false },
         { "curve", "curve", false },          { "snapshots", "snapshots", false },
         { "series", "snapshots.pvd", false }, { "parts_series", "parts.pvd", true },
-        { "events", "events", false },        { "cancel", "cancel", false },
+        { "results", "results.zip", false },  { "events", "events", false },
+        { "cancel", "cancel", false },
     };
     char url[API_ID_SIZE + 32];
 

@@ -178,6 +178,7 @@ static sigset_t prepare_process(void)
 
     occupy_standard_descriptors();
     (void)umask(077);
+    (void)setenv("TZ", "UTC0", 1); // ZIP archives have local times in them, and shall be the same
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&signals);
     (void)sigaddset(&signals, SIGTERM);
@@ -246,6 +247,7 @@ static bf_status start_http(const config *c, parts *p, bf_error *err)
                                    .connection_limit = (unsigned)c->connections,
                                    .per_address_limit = (unsigned)c->connections_per_address,
                                    .stream_limit = (unsigned)c->streams,
+                                   .download_limit = (unsigned)c->downloads,
                                    .wait_limit = (unsigned)c->waits,
                                    .cors_origins = c->cors_origins,
                                    .trusted_proxies = c->trusted_proxies,

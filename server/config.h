@@ -29,6 +29,7 @@
     X(connections, NUMBER, "1200", 8, 100000, "connections at once")                               \
     X(connections_per_address, NUMBER, "0", 0, 100000, "of them from one address; 0: no limit")    \
     X(streams, NUMBER, "1000", 1, 100000, "event streams at once")                                 \
+    X(downloads, NUMBER, "16", 1, 10000, "results.zip that are sent at once")                      \
     X(waits, NUMBER, "1000", 0, 100000, "requests that wait for a run at once")                    \
     X(queue_share, NUMBER, "250", 0, 1000000, "runs of one client that may wait; 0: no limit")     \
     X(requests_per_minute, NUMBER, "6000", 0, 1000000, "of one client; 0: no limit")               \

@@ -6,7 +6,8 @@
 ///          threads; all others are answered on the epoll thread. Event streams suspend while they
 ///          have nothing to send; http_notify() wakes those that follow the run. An answer that waits
 ///          for a run (`Prefer: wait`, `?wait=`) holds no thread either: its connection stays
-///          suspended, and http_notify() has a request thread look again.
+///          suspended, and http_notify() has a request thread look again. Bodies that are made while
+///          they are sent (api_body) are made by the request threads.
 /// Order of stopping  http_stop(): quiesce, mark streams and waiting answers as ending, resume all,
 ///          stop.
 
@@ -27,6 +28,7 @@ typedef struct http_options {
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     unsigned stream_limit;        ///< event streams at once
+    unsigned download_limit;      ///< bodies that are made while they are sent, at once
     unsigned wait_limit;          ///< requests whose answers wait for a run at once
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
     const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's

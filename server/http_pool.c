@@ -2,7 +2,8 @@
 // never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
 // nothing for it, until MHD_resume_connection(), after which the pool does not touch it any more.
 // The queue is bounded: what does not fit is refused at once. Requests that waited come back to it
-// beyond that bound; they have a limit of their own.
+// beyond that bound, and so do those whose responses are being sent (http_download.c); both have limits
+// of their own.
 
 #include "server/http_priv.h"
 
@@ -38,19 +39,30 @@ static http_request *take(http_pool *p)
     return r;
 }
 
+// Does what the request is here for. False: it was parked, and is not this thread's any more.
+static bool handle(http_request *r)
+{
+    if (r->stage == HTTP_STAGE_SENT) {
+        http__download_make(r);
+        return true;
+    }
+    if (r->stage == HTTP_STAGE_WORKING)
+        http__request_handle(r);
+    if (http__wait_goes_on(r))
+        return false;
+    http__finish(r);
+    r->stage = HTTP_STAGE_READY;
+    return true;
+}
+
 static void *work(void *context)
 {
     http_request *r;
 
     while ((r = take(context)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
-        if (r->stage == HTTP_STAGE_WORKING)
-            http__request_handle(r);
-        if (http__wait_goes_on(r))
-            continue;
-        http__finish(r);
-        r->stage = HTTP_STAGE_READY;
-        MHD_resume_connection(mhd);
+        if (handle(r))
+            MHD_resume_connection(mhd);
     }
     return NULL;
 }
@@ -107,6 +119,18 @@ void http__pool_take_back(http_pool *p, http_request *r)
     BF_CHECK(!p->is_stopping && r->stage == HTTP_STAGE_WAITING);
     append(p, r);
     lock_give(&p->lock);
+}
+
+bool http__pool_continue(http_pool *p, http_request *r)
+{
+    lock_take(&p->lock);
+    bool goes_on = !p->is_stopping;
+    if (goes_on) {
+        MHD_suspend_connection(r->mhd);
+        append(p, r);
+    }
+    lock_give(&p->lock);
+    return goes_on;
 }
 
 void http__pool_end(http_pool *p)

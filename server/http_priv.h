@@ -8,6 +8,8 @@
 ///                         |                   '--> WAITING (suspended, parked) ---|
 ///                         '------- does not block --------------------------------'
 ///
+/// A body that is made in pieces takes the request back to the pool for each of them (http_download.c).
+///
 /// Everything that more than one thread touches is under http.lock; the order of locks is http.lock,
 /// http_pool's lock, MHD's own. No callback of MHD holds MHD's lock when it calls us.
 
@@ -17,6 +19,7 @@
 #include "api/exchange.h"
 #include "server/http.h"
 #include "server/http_client.h"
+#include "server/http_download_priv.h"
 #include "server/http_limit.h"
 #include "server/http_page_priv.h"
 #include "server/http_stream_priv.h"
@@ -94,6 +97,8 @@ struct http_request {
     bool is_counted;               ///< in http.n_requests
     bool is_stream;                ///< stream is in http.streams
     http_stream stream;            ///< of a response that is one
+    bool is_download;              ///< in http.n_downloads
+    http_download download;        ///< of a response whose body is made in pieces
     int64_t begun_ms;              ///< when its header was complete
 };
 
@@ -119,6 +124,7 @@ struct http {
     unsigned n_connections;                ///< how many
     http_stream *streams;                  ///< under way
     unsigned n_streams;                    ///< how many
+    unsigned n_downloads;                  ///< bodies in pieces under way
     http_request *waits;                   ///< requests whose answers wait
     unsigned n_waits;                      ///< how many
     unsigned n_requests;                   ///< requests past their header
@@ -171,6 +177,10 @@ bool http__pool_give(http_pool *p, http_request *r);
 /// Queue a request that waited, in spite of the limit of the queue. Under http.lock, and before
 /// http__pool_end().
 void http__pool_take_back(http_pool *p, http_request *r);
+
+/// Suspend and queue a request whose response is being sent, in spite of that limit, to make the next
+/// piece of its body. False: the pool has ended.
+bool http__pool_continue(http_pool *p, http_request *r);
 
 /// Handle what is queued and end the threads. NULL is fine.
 void http__pool_end(http_pool *p);

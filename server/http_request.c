@@ -319,6 +319,7 @@ void http__request_close(http_request *r)
     if (r == NULL)
         return;
     http__stream_end(r);
+    http__download_end(r);
     http__wait_end(r);
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);

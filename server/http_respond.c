@@ -6,6 +6,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+enum { READER_BLOCK = 4096 }; // MHD's room for what a reader gives, where it does not use chunks
+
 void http__respond_refuse(http_request *r, int status, const bf_error *err)
 {
     if (r->file.fd >= 0)
@@ -14,22 +16,30 @@ void http__respond_refuse(http_request *r, int status, const bf_error *err)
     api_problem(&r->response, status, r->path, err);
 }
 
-static bool is_streamed(const http_request *r)
+// Bodies that are read piece by piece: event streams, and what is made while it is sent.
+static bool has_reader(const http_request *r)
 {
-    return r->response.is_stream && strcmp(r->method, "HEAD") != 0;
+    return r->response.is_stream || r->response.pieces.make != NULL;
 }
 
-static struct MHD_Response *make_stream(http_request *r)
+static bool is_read(const http_request *r)
 {
-    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 4096, http__stream_read, r, NULL);
+    return has_reader(r) && strcmp(r->method, "HEAD") != 0;
 }
 
-// An answer without a body whose length, if it had one, is not known: HEAD of a stream, and a 304, whose
-// length would be that of the 200 (RFC 9110, 8.6). MHD ends such an answer with an empty chunk,
+static struct MHD_Response *make_reader(http_request *r)
+{
+    return MHD_create_response_from_callback(
+        MHD_SIZE_UNKNOWN, READER_BLOCK,
+        r->response.is_stream ? http__stream_read : http__download_read, r, NULL);
+}
+
+// An answer without a body whose length, if it had one, is not known: HEAD of such a body, and a 304,
+// whose length would be that of the 200 (RFC 9110, 8.6). MHD ends such an answer with an empty chunk,
 // unless it may not use chunks; then the connection closes.
 static struct MHD_Response *make_without_length(http_request *r)
 {
-    struct MHD_Response *response = make_stream(r);
+    struct MHD_Response *response = make_reader(r);
 
     if (response != NULL)
         (void)MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
@@ -40,8 +50,8 @@ static struct MHD_Response *make_response(http_request *r)
 {
     bf_buffer *body = &r->response.body;
 
-    if (r->response.is_stream)
-        return is_streamed(r) ? make_stream(r) : make_without_length(r);
+    if (has_reader(r))
+        return is_read(r) ? make_reader(r) : make_without_length(r);
     if (r->response.status == 304 && r->file.fd < 0 && body->n == 0)
         return make_without_length(r);
     if (r->file.fd >= 0)
@@ -53,20 +63,29 @@ static struct MHD_Response *make_response(http_request *r)
     return MHD_create_response_from_buffer(body->n, body->bytes, MHD_RESPMEM_PERSISTENT);
 }
 
-static void admit_stream(http_request *r)
+static void refuse_full(http_request *r, const char *what, unsigned limit)
 {
-    if (!is_streamed(r) || http__stream_begin(r))
-        return;
     bf_error err = { 0 };
-    (void)bf_fail(&err, BF_EBUSY, "", "there are %u event streams, which is the limit",
-                  r->server->options.stream_limit);
+
+    (void)bf_fail(&err, BF_EBUSY, "", "there are %u %s, which is the limit", limit, what);
     http__respond_refuse(r, 503, &err);
     r->is_finished = false;
 }
 
+// Streams and downloads are limited in number.
+static void admit(http_request *r)
+{
+    if (!is_read(r))
+        return;
+    if (r->response.is_stream && !http__stream_begin(r))
+        refuse_full(r, "event streams", r->server->options.stream_limit);
+    else if (r->response.pieces.make != NULL && !http__download_begin(r))
+        refuse_full(r, "downloads", r->server->options.download_limit);
+}
+
 bool http__respond(http_request *r)
 {
-    admit_stream(r);
+    admit(r);
     http__finish(r);
     struct MHD_Response *response = make_response(r);
     if (response == NULL)

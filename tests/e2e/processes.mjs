@@ -41,9 +41,14 @@ export function residentBytes(pid) {
 }
 
 // Run a program of ours to its end, or kill it when it has none: { status, signal, stdout, stderr }.
-export function runProgram(name, args, { input = "", env = {} } = {}) {
+export function runProgram(name, args, options) {
+  return runTool(path.join(binaries, name), args, options);
+}
+
+// The same for any program.
+export function runTool(program, args, { input = "", env = {} } = {}) {
   return new Promise((resolve, reject) => {
-    const child = spawn(path.join(binaries, name), args, {
+    const child = spawn(program, args, {
       env: { ...process.env, ...env },
       timeout: patience,
       killSignal: "SIGKILL",

@@ -39,6 +39,8 @@ ONLY_IN = {
     "omp.h": r"core/base/parallel\.c",
     "jansson.h": r"api/[^/]+\.c|tests/.+",
     "png.h": r"api/results_png\.c|tests/.+",
+    "archive.h": r"api/zip_out\.c|tests/.+",
+    "archive_entry.h": r"api/zip_out\.c|tests/.+",
     "microhttpd.h": r"server/http(_\w+)?\.c|server/http_priv\.h",
     "sqlite3.h": r"server/store(_\w+)?\.c|server/store_priv\.h|tests/unit/server/\w+_store\w*\.c",
     "zstd.h": r"server/(store(_\w+)?|http_encoding)\.c|tests/unit/server/test_http_encoding\.c",

@@ -60,6 +60,7 @@ static void a_status_event_is_the_run_with_its_id_first(void **state)
                       "\"curve\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/curve\","
                       "\"snapshots\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots\","
                       "\"series\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots.pvd\","
+                      "\"results\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/results.zip\","
                       "\"events\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/events\","
                       "\"cancel\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/cancel\"}}");
 }

@@ -46,6 +46,7 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     (void)snprintf(ret_run->id, sizeof ret_run->id, "%s", id);
     lock_take(&f->lock);
     ret_run->last_event = ret_run->revision = f->n_events;
+    ret_run->n_snapshots = f->n_snapshots;
     f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
     void (*after_find)(void) = f->after_find;
@@ -84,6 +85,70 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
     return status;
 }
 
+static bf_status read_text(void *context, const char *id, api_text which, bf_buffer *out,
+                           bf_error *err)
+{
+    (void)context;
+    (void)id;
+    (void)which;
+    (void)err;
+    return buffer_append(out, "{}", 2);
+}
+
+static bf_status read_curve(void *context, const char *id, uint64_t first, api_curve *ret_curve,
+                            bf_error *err)
+{
+    (void)context;
+    (void)id;
+    (void)first;
+    (void)err;
+    *ret_curve = (api_curve){ .n = 0 };
+    return BF_OK;
+}
+
+static bf_status list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,
+                                bf_error *err)
+{
+    fake *f = context;
+    api_snapshot_list list = { .grid = { .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 } };
+
+    (void)id;
+    (void)err;
+    lock_take(&f->lock);
+    list.n = (size_t)f->n_snapshots;
+    lock_give(&f->lock);
+    for (size_t i = 0; i < list.n; i++) {
+        api_snapshot item = { .index = i, .t = (double)i };
+        assert_int_equal(buffer_append(&list.items, &item, sizeof item), BF_OK);
+    }
+    *ret_list = list;
+    return BF_OK;
+}
+
+// Noise does not deflate: an archive of it is as long as what is in it.
+static bf_status read_snapshot(void *context, const char *id, uint64_t index,
+                               api_snapshot *ret_snapshot, bf_grid *ret_grid, bf_buffer *out,
+                               bf_error *err)
+{
+    fake *f = context;
+    uint32_t *cells = (uint32_t *)(void *)buffer_reserve(out, FAKE_CELLS * sizeof *cells);
+    uint32_t x = (uint32_t)index;
+
+    (void)id;
+    lock_take(&f->lock);
+    bool is_broken = f->is_broken;
+    f->n_reads++;
+    lock_give(&f->lock);
+    if (is_broken)
+        return bf_fail(err, BF_ESYSTEM, "", "the store failed");
+    for (size_t i = 0; i < FAKE_CELLS; i++)
+        cells[i] = x = x * 1664525 + 1013904223;
+    out->n += FAKE_CELLS * sizeof *cells;
+    *ret_snapshot = (api_snapshot){ .index = index, .t = (double)index };
+    *ret_grid = (bf_grid){ .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 };
+    return BF_OK;
+}
+
 static bf_status ready(void *context, bf_error *err)
 {
     fake *f = context;
@@ -107,9 +172,15 @@ static bf_status submit(void *context, const api_submission *submission, api_run
 
 api_services fake_services(fake *f)
 {
-    return (api_services){
-        .context = f, .find = find, .read_events = read_events, .ready = ready, .submit = submit
-    };
+    return (api_services){ .context = f,
+                           .find = find,
+                           .read_text = read_text,
+                           .read_curve = read_curve,
+                           .list_snapshots = list_snapshots,
+                           .read_snapshot = read_snapshot,
+                           .read_events = read_events,
+                           .ready = ready,
+                           .submit = submit };
 }
 
 http *fake_serve(fake *f, void (*change)(http_options *options))
@@ -121,6 +192,7 @@ http *fake_serve(fake *f, void (*change)(http_options *options))
                              .n_request_threads = 4,
                              .connection_limit = 600,
                              .stream_limit = 500,
+                             .download_limit = 16,
                              .wait_limit = 500,
                              .body_limit = 100000,
                              .header_deadline_ms = 10000,

@@ -12,6 +12,8 @@
 /// A run that exists.
 #define FAKE_RUN "01234567-89ab-7cde-8f01-23456789abcd"
 
+enum { FAKE_CELLS = 65536 }; ///< of a snapshot
+
 /// The log, and what else a test can turn. Under lock.
 typedef struct fake {
     lock lock;                ///< guards what follows
@@ -19,10 +21,11 @@ typedef struct fake {
     uint64_t n_events;        ///< events of the log, ids from 1
     bool has_ended;           ///< the last of them is `end`
     bool is_held;             ///< ready() waits until it is not
-    bool is_broken;           ///< read_events() fails
+    bool is_broken;           ///< read_events() and read_snapshot() fail
     unsigned n_waiting;       ///< calls of ready() that wait
     unsigned n_finds;         ///< calls of find()
-    unsigned n_reads;         ///< calls of read_events()
+    unsigned n_reads;         ///< calls of read_events() and read_snapshot()
+    uint64_t n_snapshots;     ///< of every run, of FAKE_CELLS noisy cells each
     void (*after_find)(void); ///< called by find() when it has its answer; NULL: nothing
 } fake;
 
