@@ -80,7 +80,7 @@ BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *
 BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
 
 /// Fill in what is empty and lies beside the running program, whose folder is given: program, and
-/// web if there is one (installed, or in the sources of a build tree; else it stays empty).
+/// web if there is one (installed, or in a build tree; else it stays empty).
 /// BF_ELIMIT: a path is too long.
 BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
 

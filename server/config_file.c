@@ -107,7 +107,7 @@ bf_status config_read_environment(config *c, bf_error *err)
 
 bf_status config_locate(config *c, const char *folder, bf_error *err)
 {
-    static const char *const web_places[] = { "../share/beltflow/web", "../../../web" };
+    static const char *const web_places[] = { "../share/beltflow/web", "../web" };
     char path[PATH_SIZE];
 
     if (c->program[0] == '\0') {

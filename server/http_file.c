@@ -156,9 +156,11 @@ bool http__file_may_be(const http *h, const char *path)
 static void explain_absence(http_request *r)
 {
     static const char text[] =
-        "This is beltflowd " BELTFLOW_VERSION ". It was started without a page.\n"
+        "This is beltflowd " BELTFLOW_VERSION
+        ". Its page is not here: it is made when npm is there\n"
+        "while Beltflow is built, and is looked for beside the program.\n"
         "The API is under /v1: try /v1/runs, /v1/examples and /version.\n"
-        "To have the page, give its directory by --web.\n";
+        "To have the page, build with npm, or give the page's directory by --web.\n";
 
     api_response_fini(&r->response);
     if (buffer_append(&r->response.body, text, sizeof text - 1) != BF_OK) {

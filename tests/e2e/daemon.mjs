@@ -10,7 +10,7 @@ import path from "node:path";
 
 import { EventStream } from "./event_stream.mjs";
 import { childrenOf, isAlive } from "./processes.mjs";
-import { binaries, isSanitized, root, until, within } from "./setup.mjs";
+import { binaries, isSanitized, until, within } from "./setup.mjs";
 
 // A daemon of this story. settings: flags without their dashes, e.g. { workers: 2 }; environment:
 // what is added to ours.
@@ -33,7 +33,7 @@ class Daemon {
   }
 
   flags() {
-    const all = { listen: "127.0.0.1:0", data: this.data, web: path.join(root, "web") };
+    const all = { listen: "127.0.0.1:0", data: this.data };
     if (isSanitized) all.run_memory_bytes = 0; // shadow memory needs the whole address space
     return Object.entries({ ...all, ...this.settings }).flatMap(([name, value]) => [
       `--${name.replaceAll("_", "-")}`,

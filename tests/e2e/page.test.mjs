@@ -1,29 +1,39 @@
 // The page's files, as the daemon gives them.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync, readdirSync, statSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { runProgram } from "./processes.mjs";
-import { root, temporaryFolder } from "./setup.mjs";
+import { binaries, temporaryFolder } from "./setup.mjs";
 
-test("the page and what it needs come from the daemon, with their types", async (t) => {
+const built = path.join(binaries, "../web");
+const needsPage = { skip: !existsSync(built) && "the page was not built: npm is not there" };
+
+test("the page and what it needs come from the daemon, with their types", needsPage, async (t) => {
   const d = await daemon(t);
   for (const [target, file, type] of [
     ["/", "index.html", /^text\/html/],
-    ["/app.js", "app.js", /^text\/javascript/],
-    ["/style.css", "style.css", /^text\/css/],
+    ["/main.js", "main.js", /^text\/javascript/],
+    ["/main.css", "main.css", /^text\/css/],
   ]) {
     const answer = await d.get(target);
     assert.equal(answer.status, 200, target);
     assert.match(answer.headers["content-type"], type);
-    assert.equal(answer.text, readFileSync(path.join(root, "web", file), "utf8"));
+    assert.equal(answer.text, readFileSync(path.join(built, file), "utf8"));
   }
 });
 
-test("the page runs nothing inline and loads nothing from elsewhere", async (t) => {
+test("the page is smaller than 150 kB, compressed", needsPage, () => {
+  const packed = readdirSync(built).filter((name) => name.endsWith(".gz"));
+  const sizes = packed.map((name) => statSync(path.join(built, name)).size);
+  assert.ok(packed.includes("main.js.gz"));
+  assert.ok(sizes.reduce((sum, size) => sum + size, 0) < 150_000, String(sizes));
+});
+
+test("the page runs nothing inline and loads nothing from elsewhere", needsPage, async (t) => {
   const d = await daemon(t);
   const page = (await d.get("/")).text;
   assert.doesNotMatch(page, /<script(?![^>]*\bsrc=)/);

@@ -264,6 +264,15 @@ static void what_lies_beside_the_program_is_found(void **state)
     assert_string_equal(c.web, "");
 
     assert_int_equal(mkdir(bin, 0700), 0);
+    (void)snprintf(path, sizeof path, "%s/web", folder);
+    assert_int_equal(mkdir(path, 0700), 0);
+    write_file("web/index.html", "<!doctype html>", path);
+    assert_int_equal(config_locate(&c, bin, NULL), BF_OK);
+    (void)snprintf(expected, sizeof expected, "%s/../web", bin);
+    assert_string_equal(c.web, expected);
+
+    // Installed goes first.
+    config_init(&c);
     (void)snprintf(path, sizeof path, "%s/share", folder);
     assert_int_equal(mkdir(path, 0700), 0);
     (void)snprintf(path, sizeof path, "%s/share/beltflow", folder);

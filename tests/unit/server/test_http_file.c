@@ -199,7 +199,7 @@ static void without_a_page_the_root_says_so(void **state)
     server = fake_serve(&server_services, NULL);
     assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
     assert_non_null(strstr(answer.bytes, "\r\nContent-Type: text/plain; charset=utf-8\r\n"));
-    assert_non_null(strstr(answer.bytes, "without a page"));
+    assert_non_null(strstr(answer.bytes, "Its page is not here"));
     assert_int_equal(client_ask(http_port(server), "GET /index.html" REST "\r\n", &answer), 404);
     buffer_fini(&answer);
 }

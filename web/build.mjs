@@ -1,0 +1,62 @@
+// Bundles the page into a folder: minified, with a .gz next to each text for servers that send it.
+//
+//     node web/build.mjs OUT MODULES
+//
+// OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
+// Where web/docs is there, its entry point becomes a bundle of its own below OUT/docs.
+
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+const packed = /\.(?:html|css|js|svg|json|txt)$/;
+
+const [out, modules] = process.argv.slice(2).map((name) => path.resolve(name));
+if (!modules) {
+  process.stderr.write("usage: node web/build.mjs OUT MODULES\n");
+  process.exit(2);
+}
+const { build } = createRequire(path.join(modules, "package.json"))("esbuild");
+
+async function bundle(entry, folder) {
+  await build({
+    entryPoints: { main: entry },
+    outdir: folder,
+    bundle: true,
+    minify: true,
+    format: "esm",
+    target: ["es2022"],
+    nodePaths: [modules],
+    legalComments: "none",
+    logLevel: "warning",
+  });
+}
+
+function copyFolder(from, to) {
+  mkdirSync(to, { recursive: true });
+  for (const name of readdirSync(from)) writeFileSync(path.join(to, name), readFileSync(path.join(from, name)));
+}
+
+// Writes NAME.gz where it is worth it; the same input gives the same bytes.
+function packFolder(folder) {
+  for (const entry of readdirSync(folder, { withFileTypes: true })) {
+    const file = path.join(folder, entry.name);
+    if (entry.isDirectory()) packFolder(file);
+    else if (packed.test(entry.name)) writeFileSync(`${file}.gz`, gzipSync(readFileSync(file), { level: 9 }));
+  }
+}
+
+// The folder itself stays: a daemon that serves it has it open.
+mkdirSync(out, { recursive: true });
+for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
+copyFolder(path.join(here, "static"), out);
+await bundle(path.join(here, "src/main.js"), out);
+const docs = path.join(here, "docs");
+if (existsSync(path.join(docs, "main.js"))) {
+  if (existsSync(path.join(docs, "static"))) copyFolder(path.join(docs, "static"), path.join(out, "docs"));
+  await bundle(path.join(docs, "main.js"), path.join(out, "docs"));
+}
+packFolder(out);

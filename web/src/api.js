@@ -1,0 +1,85 @@
+// Requests to the daemon. Addresses are relative to the page's, so a proxy may put both below a path.
+
+import { report } from "./connection.js";
+
+// What a problem document (RFC 9457) says; status 0: no answer came.
+export class Problem extends Error {
+  constructor(status, detail, errors = []) {
+    super(detail);
+    this.status = status;
+    this.errors = errors;
+  }
+}
+
+// "/v1/runs/..." of the API's links, as an address of this page.
+export function local(target) {
+  return target.replace(/^\//, "");
+}
+
+async function problemOf(response) {
+  try {
+    const value = await response.json();
+    return new Problem(response.status, value.detail ?? response.statusText, value.errors ?? []);
+  } catch {
+    return new Problem(response.status, `${response.status} ${response.statusText}`);
+  }
+}
+
+// The response, or a Problem. An aborted request stays an AbortError.
+export async function ask(target, options = {}) {
+  let response;
+  try {
+    response = await fetch(local(target), options);
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    report(false);
+    throw new Problem(0, "The daemon does not answer.");
+  }
+  report(response.status !== 502 && response.status !== 504);
+  if (!response.ok) throw await problemOf(response);
+  return response;
+}
+
+export async function getJson(target, options) {
+  return (await ask(target, options)).json();
+}
+
+export async function getBytes(target, options) {
+  return (await ask(target, options)).arrayBuffer();
+}
+
+// body: a value, or JSON text that goes out as it is.
+export async function post(target, body, options = {}) {
+  const text = typeof body === "string" ? body : JSON.stringify(body);
+  const headers = { "content-type": "application/json" };
+  return (await ask(target, { method: "POST", headers, body: text, ...options })).json();
+}
+
+export const paths = {
+  run: (id) => `v1/runs/${id}`,
+  of: (id, what) => `v1/runs/${id}/${what}`,
+  runs: (query) => `v1/runs?${new URLSearchParams(query)}`,
+};
+
+// One page of the list: { runs, cursor } with the cursor of the next one, or null.
+export async function listRuns(query, options) {
+  const response = await ask(paths.runs(query), options);
+  const next = /<([^>]*)>;\s*rel="next"/.exec(response.headers.get("link") ?? "");
+  const cursor = next ? new URL(next[1], location.href).searchParams.get("cursor") : null;
+  return { runs: (await response.json()).runs, cursor };
+}
+
+export function cancelRun(id) {
+  return ask(paths.of(id, "cancel"), { method: "POST" });
+}
+
+// keepalive: the request outlives the page.
+export function removeRun(id) {
+  return ask(paths.run(id), { method: "DELETE", keepalive: true });
+}
+
+export const ended = new Set(["succeeded", "failed", "cancelled"]);
+
+export function isOver(run) {
+  return ended.has(run.status);
+}

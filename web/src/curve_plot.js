@@ -1,0 +1,126 @@
+// Outflow curves in one plot, with a line at the time of the animation. A press or a drag moves that time.
+
+import uPlot from "uplot";
+
+import { h } from "./dom.js";
+import { fixed, number } from "./format.js";
+import { valueAt } from "./series.js";
+import { color, onTheme } from "./theme.js";
+
+export class CurvePlot {
+  // height(): CSS pixels; onSeek(t).
+  constructor(label, height, onSeek) {
+    Object.assign(this, { height, onSeek, curves: [], t: 0, end: 0 });
+    this.box = h("div", { class: "plot-box", role: "img", "aria-label": label });
+    this.legend = h("ul", { class: "plot-legend" });
+    this.element = h("div", { class: "plot" }, this.box, this.legend);
+    this.line = h("div", { class: "plot-now" });
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(this.box);
+    this.stopTheme = onTheme(() => this.rebuild());
+  }
+
+  dispose() {
+    this.observer.disconnect();
+    this.stopTheme();
+    this.plot?.destroy();
+  }
+
+  // curves: [{ name, color (of the style sheet), dash, points, t, v }]; end: of the axis of time.
+  setCurves(curves, end) {
+    const key = JSON.stringify([end, curves.map(({ name, color: c, dash }) => [name, c, dash])]);
+    this.curves = curves;
+    this.end = end;
+    if (key !== this.key) {
+      this.key = key;
+      this.rebuild();
+    } else if (this.plot) {
+      this.plot.setData(this.join());
+      this.place();
+    }
+  }
+
+  join() {
+    if (this.curves.length === 0) return [[0], [null]];
+    if (this.curves.every(({ t }) => t === this.curves[0].t)) return [this.curves[0].t, ...this.curves.map(({ v }) => v)];
+    return uPlot.join(this.curves.map(({ t, v }) => [t, v]));
+  }
+
+  options() {
+    const axis = (label, size) => ({
+      label, size, labelSize: 18, labelGap: 0, gap: 4, stroke: color("muted"), font: "11px system-ui, sans-serif",
+      labelFont: "12px system-ui, sans-serif",
+      grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("grid"), width: 1, size: 4 },
+    });
+    const top = (u, low, high) => [0, Math.max(1, high * 1.05)];
+    return {
+      width: Math.max(120, this.box.clientWidth),
+      height: this.height(),
+      padding: [8, 22, 0, 0],
+      legend: { show: false },
+      cursor: { drag: { x: false, y: false }, y: false, points: { size: 7 } },
+      scales: { x: { time: false, range: () => [0, this.end || 1] }, y: { range: top } },
+      axes: [axis("Time (s)", 26), axis("Parts", 46)],
+      series: [{}, ...this.curves.map((curve) => ({
+        stroke: color(curve.color), width: curve.points ? 0 : 2, dash: curve.dash, spanGaps: true,
+        points: curve.points ? { show: true, size: 5, fill: color(curve.color), width: 0 } : { show: false },
+      }))],
+      hooks: { ready: [(u) => this.arm(u)], setSize: [() => this.place()], draw: [() => this.place()] },
+    };
+  }
+
+  rebuild() {
+    this.plot?.destroy();
+    this.plot = null;
+    if (this.box.clientWidth === 0) return;
+    this.plot = new uPlot(this.options(), this.join(), this.box);
+    this.showLegend();
+    this.place();
+  }
+
+  // The name of each curve and its value at the time of the line.
+  showLegend() {
+    this.values = this.curves.map(() => h("b"));
+    this.legend.replaceChildren(...this.curves.map((curve, k) => {
+      const mark = h("i", { class: curve.points ? "mark dots" : "mark" });
+      mark.style.color = color(curve.color);
+      if (curve.dash?.length) mark.classList.add("dashed");
+      return h("li", {}, mark, h("span", {}, curve.name), this.values[k]);
+    }));
+  }
+
+  arm(u) {
+    const seek = (event) => {
+      const box = u.over.getBoundingClientRect();
+      this.onSeek(Math.min(Math.max(u.posToVal(event.clientX - box.left, "x"), 0), this.end));
+    };
+    u.over.append(this.line);
+    u.over.addEventListener("pointerdown", (event) => {
+      u.over.setPointerCapture(event.pointerId);
+      seek(event);
+    });
+    u.over.addEventListener("pointermove", (event) => {
+      if (u.over.hasPointerCapture(event.pointerId)) seek(event);
+    });
+  }
+
+  resize() {
+    if (!this.plot) this.rebuild();
+    else if (this.box.clientWidth > 0) this.plot.setSize({ width: this.box.clientWidth, height: this.height() });
+  }
+
+  showTime(t) {
+    this.t = t;
+    this.place();
+  }
+
+  place() {
+    if (!this.plot) return;
+    this.line.style.transform = `translateX(${this.plot.valToPos(Math.min(this.t, this.end), "x")}px)`;
+    this.curves.forEach(({ t, v }, k) => {
+      const value = t.length > 0 && this.t <= t.at(-1) + 1e-9 ? valueAt(t, v, this.t) : null;
+      const text = value === null ? "–" : Number.isInteger(value) ? number(value, 6) : fixed(value, 1);
+      if (this.values?.[k] && this.values[k].textContent !== text) this.values[k].textContent = text;
+    });
+  }
+}

@@ -1,0 +1,72 @@
+// Elements by function call, and the few drawings that buttons need.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function give(element, name, value) {
+  if (value === null || value === undefined || value === false) return;
+  if (name === "on") {
+    for (const [type, listener] of Object.entries(value)) element.addEventListener(type, listener);
+  } else if (name === "data") {
+    Object.assign(element.dataset, value);
+  } else if (name === "value" || name === "checked") {
+    element[name] = value;
+  } else {
+    element.setAttribute(name, value === true ? "" : value);
+  }
+}
+
+// h("p", { class: "x", on: { click } }, "text", child): null children are left out.
+export function h(name, properties = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) give(element, key, value);
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+// Replaces the text only when it differs, so that selections and screen readers stay calm.
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+const paths = {
+  play: "M4 2.5v11l9-5.5z",
+  pause: "M3.5 2.5h3v11h-3zM9.5 2.5h3v11h-3z",
+  replay: "M8 3V.5L4 4l4 3.5V5a4 4 0 1 1-4 4H2a6 6 0 1 0 6-6z",
+  previous: "M11 2.5v11L4.5 8zM3 2.5h1.5v11H3z",
+  next: "M5 2.5v11L11.5 8zM11.5 2.5H13v11h-1.5z",
+  stop: "M3 3h10v10H3z",
+  trash: "M6 1h4l1 1.5h3V4H2V2.5h3zM3 5h10l-.8 10H3.8z",
+  copy: "M2 1h8v2H4v8H2zM5.5 4.5H14V15H5.5z",
+  close: "M3 4.4 4.4 3 8 6.6 11.6 3 13 4.4 9.4 8l3.6 3.6-1.4 1.4L8 9.4 4.4 13 3 11.6 6.6 8z",
+  add: "M7 2h2v5h5v2H9v5H7V9H2V7h5z",
+  download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
+};
+
+// A drawing of 16 x 16 that says nothing by itself.
+export function icon(name) {
+  const svg = document.createElementNS(SVG, "svg");
+  const path = document.createElementNS(SVG, "path");
+  for (const [key, value] of [["viewBox", "0 0 16 16"], ["class", "icon"], ["aria-hidden", "true"]]) {
+    svg.setAttribute(key, value);
+  }
+  path.setAttribute("d", paths[name]);
+  svg.append(path);
+  return svg;
+}
+
+export function swapIcon(button, name) {
+  if (button.dataset.icon === name) return;
+  button.dataset.icon = name;
+  button.querySelector("svg")?.replaceWith(icon(name));
+}
+
+// A button with a drawing and a name; shown: the name stands beside the drawing.
+export function iconButton(drawing, name, onClick, { shown = false, ...more } = {}) {
+  const properties = { type: "button", on: { click: onClick }, data: { icon: drawing }, ...more };
+  if (!shown) Object.assign(properties, { "aria-label": name, title: name });
+  return h("button", properties, icon(drawing), shown ? h("span", {}, name) : null);
+}
+
+export function link(href, text, properties = {}) {
+  return h("a", { href, ...properties }, text);
+}

@@ -1,0 +1,82 @@
+// The page's one event stream. A view says which runs it follows; the stream is opened again when that
+// changes, and by itself when the connection is lost, after the last event that was seen.
+
+import { onConnection, report, isDaemonAway } from "./connection.js";
+import { ended } from "./api.js";
+
+const KINDS = ["status", "progress", "curve", "snapshot", "end", "gap"];
+const RETRY_MS = 2000;
+const RUNS_MAX = 32; // that one stream follows
+
+let source = null;
+let following = null; // { ids, onEvent, open, last }
+let timer = 0;
+
+function close() {
+  clearTimeout(timer);
+  source?.close();
+  source = null;
+}
+
+function take(kind, message) {
+  const { onEvent, open } = following;
+  const event = JSON.parse(message.data);
+  following.last = message.lastEventId || following.last;
+  report(true);
+  if (kind === "end") open.delete(event.run);
+  onEvent(kind, event);
+  if (open.size === 0) close();
+}
+
+function connect() {
+  close();
+  if (following === null || following.open.size === 0) return;
+  const query = new URLSearchParams({ runs: following.ids.join(",") });
+  if (following.last) query.set("last_event_id", following.last);
+  source = new EventSource(`v1/events?${query}`);
+  for (const kind of KINDS) source.addEventListener(kind, (message) => take(kind, message));
+  source.addEventListener("open", () => report(true));
+  source.addEventListener("error", lose);
+}
+
+// The browser tries again only after some failures; here it is tried after each.
+function lose() {
+  const isDead = source?.readyState === EventSource.CLOSED;
+  close();
+  if (!isDead) report(false);
+  timer = setTimeout(connect, RETRY_MS);
+}
+
+onConnection((isAway) => {
+  if (!isAway && following !== null && source === null) connect();
+});
+
+// Follow these runs from their first event on; onEvent(kind, event), event.run names the run. Takes the
+// place of whatever was followed before. Returns how to stop.
+export function follow(ids, onEvent) {
+  const mine = { ids: ids.slice(0, RUNS_MAX), onEvent, open: new Set(ids.slice(0, RUNS_MAX)), last: "" };
+  following = mine;
+  if (isDaemonAway()) close();
+  else connect();
+  return () => {
+    if (following !== mine) return;
+    following = null;
+    close();
+  };
+}
+
+const order = ["queued", "running", "succeeded", "failed", "cancelled"];
+
+// Takes what an event says into the run's document. A stream begins with the past: what the document
+// already went beyond changes nothing.
+export function applyToRun(run, kind, event) {
+  const isPast = (status) => order.indexOf(status) < order.indexOf(run.status);
+  if (kind === "status" && !isPast(event.status) && !(event.progress < run.progress)) Object.assign(run, event);
+  if (kind === "progress" && !ended.has(run.status) && event.progress >= run.progress) {
+    Object.assign(run, { status: "running", progress: event.progress, eta_s: event.eta_s });
+  }
+  if (kind === "end") {
+    Object.assign(run, { status: event.status, progress: event.progress, eta_s: null,
+      finished_at: event.finished_at, error: event.error });
+  }
+}

@@ -1,0 +1,95 @@
+// The few numbers of a scenario that matter to a planner: one line each. `at` are the pointers whose faults
+// belong to the field; `get` and `set` work on a scenario as it was written.
+
+// The obstacle that an angle can be given to: the first one, if it is one straight plate.
+function plateOf(scenario) {
+  const [o] = scenario.obstacles ?? [];
+  if (!o) return null;
+  if (o.end_m && o.length_m > 0) {
+    const angle = (o.angle_deg * Math.PI) / 180;
+    return { from: [o.end_m[0] - o.length_m * Math.cos(angle), o.end_m[1] - o.length_m * Math.sin(angle)], to: o.end_m };
+  }
+  if (o.from_m && o.to_m) return { from: o.from_m, to: o.to_m };
+  return o.path_m?.length === 2 ? { from: o.path_m[0], to: o.path_m[1] } : null;
+}
+
+function tidy(value, digits = 9) {
+  return Number(value.toPrecision(digits));
+}
+
+function angleOf(scenario) {
+  const plate = plateOf(scenario);
+  if (!plate) return null;
+  return tidy((Math.atan2(plate.to[1] - plate.from[1], plate.to[0] - plate.from[0]) * 180) / Math.PI, 6);
+}
+
+// The plate keeps its end and its reach across the belt, so the opening stays; its foot moves.
+function setAngle(scenario, angle) {
+  const { from, to } = plateOf(scenario);
+  const across = to[1] - from[1];
+  const length = Math.abs(across / Math.sin((angle * Math.PI) / 180));
+  const { end_m, angle_deg, length_m, from_m, to_m, path_m, ...rest } = scenario.obstacles[0];
+  const { id, ...more } = rest;
+  scenario.obstacles[0] = { ...(id ? { id } : {}), end_m: to.map((value) => tidy(value)), angle_deg: angle,
+    length_m: tidy(Math.max(length, 1e-6)), ...more };
+}
+
+function speedOf(scenario) {
+  const velocity = scenario.belts?.[0]?.velocity_m_s ?? [0.395, 0];
+  return tidy(Math.hypot(...velocity), 9);
+}
+
+// All belts in proportion, as their directions are.
+function setSpeed(scenario, speed) {
+  const now = speedOf(scenario);
+  scenario.belts = (scenario.belts?.length ? scenario.belts : [{ id: "main", velocity_m_s: [0.395, 0] }]).map((belt) => {
+    const velocity = belt.velocity_m_s ?? [0.395, 0];
+    return { ...belt, velocity_m_s: now > 0 ? velocity.map((value) => tidy((value * speed) / now)) : [speed, 0] };
+  });
+}
+
+function member(section, name, fallback) {
+  return {
+    get: (scenario) => scenario[section]?.[name] ?? fallback,
+    set: (scenario, value) => (scenario[section] = { ...scenario[section], [name]: value }),
+  };
+}
+
+export const fields = [
+  { id: "angle", label: "Obstacle angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: 10, most: 170, step: 5,
+    hint: "from the direction of x; its end and the opening stay", get: angleOf, set: setAngle },
+  { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
+    get: speedOf, set: setSpeed },
+  { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
+    get: (scenario) => scenario.duration_s, set: (scenario, value) => (scenario.duration_s = value) },
+  { id: "cell", label: "Cell", unit: "m", at: ["/macro/cell_m"], above: 0, step: 0.001, hint: "edge of a cell of the density",
+    ...member("macro", "cell_m", 0.005) },
+  { id: "macro-step", label: "Time step", unit: "s", at: ["/macro/step_s"], above: 0, step: 0.00025, model: "macro", auto: true,
+    hint: "empty: the largest stable one", ...member("macro", "step_s", 0.00125) },
+  { id: "integrator", label: "Integration", unit: "", at: ["/micro/integrator"], model: "micro",
+    choices: [["verlet", "Verlet (paper)"], ["implicit", "implicit, longer steps"]], ...member("micro", "integrator", "verlet") },
+  { id: "micro-step", label: "Time step", unit: "s", at: ["/micro/step_s"], above: 0, step: 0.00001, model: "micro", auto: true,
+    hint: "empty: chosen, and stable",
+    get: (scenario) => scenario.micro?.step_s ?? (scenario.micro?.integrator === "implicit" ? "auto" : 1e-5),
+    set: (scenario, value) => (scenario.micro = { ...scenario.micro, step_s: value }) },
+];
+
+// What is wrong with a number by itself; the daemon judges the rest.
+export function faultOf(field, text) {
+  if (field.choices) return "";
+  if (text.trim() === "") return field.auto ? "" : "must be given";
+  const value = Number(text);
+  if (!Number.isFinite(value)) return "must be a number";
+  if (field.above !== undefined && !(value > field.above)) return `must be greater than ${field.above}`;
+  if (field.least !== undefined && value < field.least) return `must be at least ${field.least}`;
+  if (field.most !== undefined && value > field.most) return `must be at most ${field.most}`;
+  return "";
+}
+
+// The limits of a field in words.
+export function limitsOf({ above, least, most, unit }) {
+  const text = (value) => `${value}${unit === "°" ? "°" : unit ? ` ${unit}` : ""}`;
+  if (least !== undefined && most !== undefined) return `${text(least)} to ${text(most)}`;
+  if (least !== undefined) return `at least ${text(least)}`;
+  return above === undefined ? "" : `more than ${text(above)}`;
+}

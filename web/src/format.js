@@ -1,0 +1,86 @@
+// Numbers, times and sizes as people read them. The page is in English, and so are its numbers.
+
+const NBSP = " ";
+const THIN = " ";
+
+const formats = new Map();
+
+function formatOf(options) {
+  const key = JSON.stringify(options);
+  if (!formats.has(key)) formats.set(key, new Intl.NumberFormat("en", options));
+  return formats.get(key);
+}
+
+// As many digits as matter: 3 unless told otherwise; null is a dash.
+export function number(value, digits = 3) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e7)) return scientific(value, digits);
+  const whole = size >= 10 ** digits;
+  return formatOf(whole ? { maximumFractionDigits: 0 } : { maximumSignificantDigits: digits }).format(value);
+}
+
+function scientific(value, digits) {
+  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  const raised = [...String(Number(exponent))].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c])).join("");
+  const short = String(Number(mantissa));
+  return `${short === "1" ? "" : `${short}${THIN}×${THIN}`}10${raised}`;
+}
+
+export function fixed(value, places) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  return formatOf({ minimumFractionDigits: places, maximumFractionDigits: places }).format(value);
+}
+
+export function quantity(value, unit, digits = 3) {
+  const text = number(value, digits);
+  return text === "–" || unit === "" ? text : `${text}${NBSP}${unit}`;
+}
+
+export function percent(share, places = 0) {
+  return `${fixed(share * 100, places)}${NBSP}%`;
+}
+
+// 42 s, 3 min, 2 h 5 min, 4 d.
+export function span(seconds) {
+  if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return "–";
+  if (seconds < 10) return quantity(seconds, "s", seconds < 1 ? 2 : 2);
+  if (seconds < 60) return `${Math.round(seconds)}${NBSP}s`;
+  const minutes = Math.round(seconds / 60);
+  if (minutes < 60) return `${minutes}${NBSP}min`;
+  if (minutes < 1440) {
+    const rest = minutes % 60;
+    return `${Math.floor(minutes / 60)}${NBSP}h${rest === 0 ? "" : ` ${rest}${NBSP}min`}`;
+  }
+  return `${Math.round(minutes / 1440)}${NBSP}d`;
+}
+
+export function age(iso, now = Date.now()) {
+  const seconds = (now - Date.parse(iso)) / 1000;
+  return seconds < 5 ? "just now" : `${span(seconds < 10 ? 10 * Math.round(seconds / 10) || 5 : seconds)} ago`;
+}
+
+const clock = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium", timeStyle: "medium" });
+
+export function moment(iso) {
+  return clock.format(new Date(iso));
+}
+
+export function bytes(n) {
+  const units = ["B", "kB", "MB", "GB"];
+  let k = 0;
+  for (; n >= 1000 && k < units.length - 1; k++) n /= 1000;
+  return quantity(n, units[k]);
+}
+
+// How many places after the point tell times of this distance apart.
+export function placesOf(step) {
+  return Math.min(6, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+}
+
+// The run's name, or what stands for it.
+export function nameOf(run) {
+  return run.name || `Run ${run.id.slice(-8)}`;
+}
+
+export const models = { macro: "macroscopic", micro: "microscopic" };

@@ -1,0 +1,78 @@
+// Plane geometry that the drawings need.
+
+// Corners of the convex hull of points, counter-clockwise (Andrew's monotone chain).
+export function convexHull(points) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const half = (list) => {
+    const chain = [];
+    for (const p of list) {
+      while (chain.length > 1 && turn(chain.at(-2), chain.at(-1), p) <= 0) chain.pop();
+      chain.push(p);
+    }
+    chain.pop();
+    return chain;
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+function turn(a, b, c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+// Signed area and centroid of a polygon.
+export function areaOf(polygon) {
+  let area = 0;
+  let x = 0;
+  let y = 0;
+  polygon.forEach((p, k) => {
+    const q = polygon[(k + 1) % polygon.length];
+    const cross = p[0] * q[1] - q[0] * p[1];
+    area += cross / 2;
+    x += ((p[0] + q[0]) * cross) / 6;
+    y += ((p[1] + q[1]) * cross) / 6;
+  });
+  return { area, centre: area === 0 ? polygon[0] : [x / area, y / area] };
+}
+
+export function isInside(polygon, [x, y]) {
+  let inside = false;
+  polygon.forEach((p, k) => {
+    const q = polygon[(k + 1) % polygon.length];
+    if (p[1] > y !== q[1] > y && x < p[0] + ((y - p[1]) / (q[1] - p[1])) * (q[0] - p[0])) inside = !inside;
+  });
+  return inside;
+}
+
+// Velocity of the belt under a point; the later of overlapping belts wins.
+export function beltVelocity(scenario, at) {
+  for (const belt of [...scenario.belts].reverse()) {
+    if (!belt.polygon_m || isInside(belt.polygon_m, at)) return belt.velocity_m_s;
+  }
+  return [0, 0];
+}
+
+// Centre of mass of the convex hull of points in space, from its level slices: between two heights
+// every edge that crosses is a segment between two of the points.
+export function hullCentre(points, n = 200) {
+  const heights = points.map((p) => p[2]);
+  const low = Math.min(...heights);
+  const step = (Math.max(...heights) - low) / n;
+  const sum = [0, 0, 0];
+  let volume = 0;
+  for (let k = 0; k < n; k++) {
+    const z = low + (k + 0.5) * step;
+    const { area, centre } = areaOf(convexHull(crossings(points, z)));
+    volume += area;
+    [centre[0], centre[1], z].forEach((value, c) => (sum[c] += value * area));
+  }
+  return sum.map((value) => value / volume);
+}
+
+function crossings(points, z) {
+  const below = points.filter((p) => p[2] <= z);
+  const above = points.filter((p) => p[2] > z);
+  return below.flatMap((p) => above.map((q) => {
+    const share = (z - p[2]) / (q[2] - p[2]);
+    return [p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])];
+  }));
+}

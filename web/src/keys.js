@@ -1,0 +1,23 @@
+// What the keyboard does.
+
+import { h } from "./dom.js";
+
+const keys = [
+  ["Space or K", "play, pause"],
+  ["← →", "one snapshot back, on"],
+  ["Home, End", "first, newest snapshot"],
+  [", .", "slower, faster"],
+  ["F", "follow a run that is still computed"],
+  ["Tab to the belt, then arrows", "move the probe that shows the density; with Shift by single pixels"],
+  ["?", "this list"],
+];
+
+export function showKeys() {
+  const dialog = h("dialog", { class: "card keys-dialog", "aria-labelledby": "keys-title",
+    on: { close: () => dialog.remove(), click: (event) => event.target === dialog && dialog.close() } },
+  h("h2", { id: "keys-title" }, "Keyboard"),
+  h("dl", { class: "facts" }, keys.map(([key, what]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, what)))),
+  h("form", { method: "dialog" }, h("button", { class: "primary" }, "Close")));
+  document.body.append(dialog);
+  dialog.showModal();
+}

@@ -1,0 +1,94 @@
+// The page: which view is shown, whether the daemon is there, and what holds for all views.
+
+import "uplot/dist/uPlot.min.css";
+import "../style/base.css";
+import "../style/controls.css";
+import "../style/runs.css";
+import "../style/watch.css";
+import "../style/new.css";
+
+import { getJson } from "./api.js";
+import { CompareView } from "./compare_view.js";
+import { onConnection } from "./connection.js";
+import { h, link } from "./dom.js";
+import { showKeys } from "./keys.js";
+import { NewView } from "./new_view.js";
+import { startRouter } from "./router.js";
+import { RunView } from "./run_view.js";
+import { RunsView } from "./runs_view.js";
+import { toast } from "./toast.js";
+
+const root = document.getElementById("view");
+let view = null;
+
+function viewOf({ name, argument }) {
+  if (name === "runs") return argument ? new RunView() : new RunsView();
+  if (name === "compare") return new CompareView();
+  if (name === "new") return new NewView();
+  return null;
+}
+
+function explain(title, text) {
+  root.replaceChildren(h("section", { class: "card empty" }, h("h1", {}, title), h("p", {}, text),
+    link("#/", "All runs", { class: "button" })));
+}
+
+async function show(route) {
+  view?.unmount();
+  view = viewOf(route);
+  root.replaceChildren();
+  root.className = `view ${route.argument ? "run" : route.name}`;
+  for (const item of document.querySelectorAll("nav [data-view]")) {
+    const isHere = item.dataset.view === route.name;
+    if (isHere) item.setAttribute("aria-current", "page");
+    else item.removeAttribute("aria-current");
+  }
+  scrollTo(0, 0);
+  const mine = view;
+  if (mine === null) {
+    explain("There is no such view", "The address is not one of this page’s.");
+    return;
+  }
+  document.title = `${mine.title} · Beltflow`;
+  try {
+    await mine.mount(root, route);
+    if (view === mine) document.title = `${mine.title} · Beltflow`;
+  } catch (error) {
+    if (view === mine) fail(error, route);
+  }
+}
+
+function fail(error, route) {
+  if (error.status === 404) explain("There is no such run", "It was deleted, or the address is not complete.");
+  else explain("This could not be shown", error.message);
+  if (error.status !== 0) return;
+  const stop = onConnection((isAway) => {
+    if (isAway) return;
+    stop();
+    show(route);
+  });
+}
+
+function showConnection(isAway) {
+  const word = document.getElementById("connection");
+  document.body.classList.toggle("away", isAway);
+  word.textContent = isAway ? "The daemon does not answer. Trying again …" : "";
+  if (!isAway) toast("The daemon is back.");
+}
+
+async function showVersion() {
+  const { version } = await getJson("version");
+  document.getElementById("version").textContent = version;
+}
+
+document.querySelector(".skip").addEventListener("click", (event) => {
+  event.preventDefault();
+  root.focus();
+});
+document.getElementById("keys").addEventListener("click", showKeys);
+document.addEventListener("keydown", (event) => {
+  if (event.key === "?" && !event.target.closest?.("input, textarea, select")) showKeys();
+});
+onConnection(showConnection);
+showVersion().catch(() => {});
+startRouter(show);

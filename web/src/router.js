@@ -1,0 +1,34 @@
+// Addresses. A view is #/NAME/ARGUMENT?QUERY, so that each can be sent to a colleague and any web server
+// will do.
+
+let onRoute = () => {};
+
+export function parse(hash) {
+  const [path, query = ""] = hash.replace(/^#?\/?/, "").split("?");
+  const [name = "", argument = ""] = path.split("/").map(decodeURIComponent);
+  return { name: name || "runs", argument, query: new URLSearchParams(query) };
+}
+
+export function address(name, argument = "", query = {}) {
+  const pairs = Object.entries(query).filter(([, value]) => value !== "" && value !== null && value !== undefined);
+  const text = pairs.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&");
+  const path = [name, argument].filter(Boolean).map(encodeURIComponent).join("/");
+  return `#/${path}${text ? `?${text}` : ""}`;
+}
+
+export function go(target) {
+  location.hash = target;
+}
+
+// Another query for the view that is shown, without telling it and without a step in the history.
+export function note(query) {
+  const { name, argument, query: old } = parse(location.hash);
+  const target = address(name, argument, { ...Object.fromEntries(old), ...query });
+  if (target !== location.hash) history.replaceState(null, "", target);
+}
+
+export function startRouter(listener) {
+  onRoute = () => listener(parse(location.hash));
+  addEventListener("hashchange", onRoute);
+  onRoute();
+}

@@ -1,0 +1,125 @@
+// Everything about one run that views show: its document, scenario, snapshots and curve; filled from the
+// results of a run that has ended, or by the events of one that has not.
+
+import { getJson, isOver, paths } from "./api.js";
+import { cargoOf } from "./cargo.js";
+import { applyToRun } from "./events.js";
+
+// Values from an index on; what stood there is gone.
+function replaceFrom(list, first, values) {
+  list.length = Math.min(first, list.length);
+  for (const value of values) list.push(value);
+}
+
+export class RunData {
+  constructor(id) {
+    this.id = id;
+    this.run = null;
+    this.scenario = null;
+    this.summary = null;
+    this.grid = null; // { origin_m, cell_m, shape }
+    this.parts = null; // { rows, columns, cargo }
+    this.snapshots = [];
+    this.curve = { t: [], columns: new Map() };
+    this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots" or "summary"
+  }
+
+  async load() {
+    const [run, scenario] = await Promise.all([
+      getJson(paths.run(this.id)),
+      getJson(paths.of(this.id, "scenario")),
+    ]);
+    Object.assign(this, { run, scenario });
+    this.gridFromScenario();
+    if (isOver(run)) await this.loadResults();
+  }
+
+  gridFromScenario() {
+    const { domain, macro } = this.scenario;
+    const [width, height] = [domain.x_m[1] - domain.x_m[0], domain.y_m[1] - domain.y_m[0]];
+    const shape = [Math.round(height / macro.cell_m), Math.round(width / macro.cell_m)];
+    this.grid = { origin_m: [domain.x_m[0], domain.y_m[0]], cell_m: [macro.cell_m, macro.cell_m], shape };
+  }
+
+  async loadResults() {
+    const [list, curve] = await Promise.all([
+      getJson(paths.of(this.id, "snapshots")),
+      getJson(paths.of(this.id, "curve")),
+    ]);
+    this.takeList(list);
+    this.takeCurve({ first: 0, ...curve });
+    this.onChange("snapshots");
+    this.onChange("curve");
+    await this.loadSummary();
+  }
+
+  // A run that failed or never began has none.
+  async loadSummary() {
+    try {
+      this.summary = await getJson(paths.of(this.id, "summary"));
+    } catch (error) {
+      if (error.status !== 404 && error.status !== 409) throw error;
+    }
+    this.onChange("summary");
+  }
+
+  takeList({ grid, parts, snapshots }) {
+    if (grid) this.grid = grid;
+    if (parts) this.takeParts(parts);
+    this.snapshots = snapshots;
+  }
+
+  takeParts(parts) {
+    this.parts = { ...parts, cargo: cargoOf(this.scenario, parts.rows) };
+  }
+
+  takeCurve({ first, t_s: times, run, ...columns }) {
+    replaceFrom(this.curve.t, first, times);
+    for (const [name, values] of Object.entries(columns)) {
+      if (!Array.isArray(values)) continue;
+      if (!this.curve.columns.has(name)) this.curve.columns.set(name, []);
+      replaceFrom(this.curve.columns.get(name), first, values);
+    }
+  }
+
+  // An event of this run.
+  async take(kind, event) {
+    applyToRun(this.run, kind, event);
+    if (kind === "curve") this.takeCurve(event);
+    if (kind === "snapshot") await this.takeSnapshot(event);
+    if (kind === "gap") await this.loadResults();
+    if (kind === "end") await this.loadSummary();
+    this.onChange(kind === "curve" ? "curve" : kind === "snapshot" ? "snapshots" : "run");
+  }
+
+  // The columns of parts come with the list, which is asked for once.
+  async takeSnapshot(event) {
+    if (this.snapshots.length > event.n) return;
+    if (event.parts_url && !this.parts) {
+      this.snapshots.push(event);
+      const { parts } = await getJson(paths.of(this.id, "snapshots"));
+      if (parts) this.takeParts(parts);
+      return;
+    }
+    this.snapshots.push(event);
+  }
+
+  peak() {
+    return this.snapshots.reduce((most, { peak }) => Math.max(most, peak), 0);
+  }
+
+  frameBytes(layer) {
+    const [rows, columns] = this.grid.shape;
+    const density = layer === "parts" ? 0 : 4 * rows * columns;
+    const parts = layer === "density" || !this.parts ? 0 : 8 * this.parts.rows * this.parts.columns.length;
+    return density + parts;
+  }
+
+  hasParts() {
+    return this.run.model === "micro";
+  }
+
+  dispose() {
+    this.onChange = () => {};
+  }
+}

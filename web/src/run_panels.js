@@ -1,0 +1,147 @@
+// Below a run's animation: its figures, warnings, scenario and downloads.
+
+import { h, iconButton, link } from "./dom.js";
+import { fixed, models, moment, number, percent, quantity, span } from "./format.js";
+import { formatJson } from "./json_text.js";
+import { copy } from "./run_actions.js";
+
+function facts(rows) {
+  return h("dl", { class: "facts" }, rows.filter(Boolean).map(([name, value]) =>
+    h("div", {}, h("dt", {}, name), h("dd", {}, value))));
+}
+
+function overlap({ largest_overlap_m: m, largest_overlap_share: share }) {
+  return `${quantity(m * 1000, "mm")} (${percent(share, 1)} of a radius)`;
+}
+
+// The figures of a run that has ended.
+function summaryFacts(s) {
+  const isMicro = s.model === "micro";
+  const speed = isMicro ? s.particle_steps_per_s : s.cell_steps_per_s;
+  return facts([
+    ["Parts at start", number(s.parts_start, 6)],
+    ["Parts through", number(s.parts_left, 4)],
+    ["Parts left on the belt", number(s.parts_end, 4)],
+    ["Largest density", `${percent(s.largest_density, 1)} of close packing`],
+    isMicro ? ["Largest overlap", overlap(s)] : null,
+    isMicro ? ["Contacts at the end", number(s.contacts, 6)] : ["Cells", number(s.cells, 9)],
+    ["Time step", quantity(s.step_s * 1000, "ms")],
+    ["Steps", number(s.steps, 9)],
+    ["Computing time", span(s.wall_time_s)],
+    ["Speed", `${number(speed / 1e6)} million ${isMicro ? "part" : "cell"} steps/s`],
+    ["Threads", number(s.threads)],
+    ["Solver", `${models[s.model]}, version ${s.solver_version}`],
+  ]);
+}
+
+function runFacts({ run, scenario }) {
+  return facts([
+    ["Model", models[run.model]],
+    ["Simulated time", quantity(scenario.duration_s, "s")],
+    ["Created", moment(run.created_at)],
+    run.started_at ? ["Started", moment(run.started_at)] : null,
+    run.finished_at ? ["Finished", moment(run.finished_at)] : null,
+    ["Priority", fixed(run.priority, 0)],
+  ]);
+}
+
+export function summaryPanel(data) {
+  const { summary, run } = data;
+  const faults = run.error ? [h("li", { class: "fault" }, run.error.detail)] : [];
+  const warnings = (summary?.warnings ?? []).map((text) => h("li", {}, text));
+  return h("section", { class: "card", "aria-labelledby": "summary-title" },
+    h("h2", { id: "summary-title" }, "Summary"),
+    faults.length + warnings.length > 0
+      ? h("ul", { class: "warnings", "aria-label": "Warnings" }, faults, warnings) : null,
+    summary ? summaryFacts(summary) : runFacts(data));
+}
+
+export function scenarioPanel({ scenario, id }) {
+  const text = formatJson(scenario);
+  const code = h("code", {}, text);
+  return h("section", { class: "card", "aria-labelledby": "scenario-title" },
+    h("h2", { id: "scenario-title" }, "Scenario"),
+    h("p", { class: "hint" }, "As it was solved, with every default filled in."),
+    h("details", {}, h("summary", {}, "Show the JSON"),
+      h("pre", { class: "json", tabindex: "0", role: "region", "aria-label": "Scenario as JSON" }, code)),
+    h("p", { class: "row" },
+      link(`#/new?from=${id}`, "Run again with changes", { class: "button" }),
+      iconButton("copy", "Copy the JSON", () => copy(text, code), { shown: true })));
+}
+
+// What can be had of a run: name, what it is, address below the run, name of the file.
+function offers(data, n) {
+  const number6 = String(n).padStart(6, "0");
+  const isMicro = data.hasParts();
+  return [
+    ["Curve", "CSV", "curve?format=csv", "curve.csv"],
+    ["Curve", "JSON", "curve", "curve.json"],
+    ["Density shown", "NPY", `snapshots/${n}?format=npy`, `density-${number6}.npy`],
+    ["Density shown", "PNG", `snapshots/${n}?format=png&width=1200`, `density-${number6}.png`],
+    isMicro ? ["Parts shown", "NPY", `parts/${n}?format=npy`, `parts-${number6}.npy`] : null,
+    isMicro ? ["Parts shown", "CSV", `parts/${n}?format=csv`, `parts-${number6}.csv`] : null,
+    ["Summary", "JSON", "summary", "summary.json"],
+    ["Scenario", "JSON", "scenario", "scenario.json"],
+    data.run.links.results ? ["Everything", "ZIP", "results.zip", "results.zip"] : null,
+  ].filter(Boolean);
+}
+
+export class DownloadsPanel {
+  constructor(data, getPicture) {
+    this.data = data;
+    this.getPicture = getPicture;
+    this.n = 0;
+    this.chosen = 0;
+    this.list = h("ul", { class: "offers" });
+    this.curl = h("code", { class: "curl" });
+    this.element = h("section", { class: "card", "aria-labelledby": "downloads-title" },
+      h("h2", { id: "downloads-title" }, "Downloads"), this.list,
+      h("div", { class: "curl-line" }, h("pre", { tabindex: "0", role: "region", "aria-label": "curl line" }, this.curl),
+        iconButton("copy", "Copy the curl line", () => copy(this.curl.textContent, this.curl), { class: "bare" })));
+    this.show(0);
+  }
+
+  // n: the snapshot that is shown.
+  show(n) {
+    if (n === this.n && this.list.childElementCount > 0) return;
+    this.n = n;
+    const items = offers(this.data, n);
+    if (this.list.childElementCount === 0) this.build(items);
+    items.forEach(([, , target, file], k) => this.aim(k, target, file));
+    this.showCurl();
+  }
+
+  build(items) {
+    const show = (k) => {
+      this.chosen = k;
+      this.showCurl();
+    };
+    this.links = items.map(([what, format], k) => link("#", format, { "aria-label": `${what}, ${format}`,
+      on: { focus: () => show(k), pointerenter: () => show(k) } }));
+    const groups = new Map();
+    items.forEach(([what], k) => groups.set(what, [...(groups.get(what) ?? []), this.links[k]]));
+    this.list.append(
+      ...[...groups].map(([what, links]) => h("li", {}, h("span", {}, what), h("span", { class: "formats" }, links))),
+      h("li", {}, h("span", {}, "Picture as seen"), h("span", { class: "formats" },
+        h("button", { type: "button", on: { click: () => this.savePicture() } }, "PNG"))));
+  }
+
+  aim(k, target, file) {
+    const address = `v1/runs/${this.data.id}/${target}`;
+    this.links[k].setAttribute("href", address);
+    this.links[k].setAttribute("download", file);
+    this.links[k].dataset.file = file;
+  }
+
+  showCurl() {
+    const chosen = this.links[this.chosen];
+    const { href } = chosen;
+    this.curl.textContent = `curl -sS -o ${chosen.dataset.file} '${href}'`;
+  }
+
+  async savePicture() {
+    const url = URL.createObjectURL(await this.getPicture());
+    link(url, "", { download: `belt-${String(this.n).padStart(6, "0")}.png` }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  }
+}

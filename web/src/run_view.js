@@ -1,0 +1,212 @@
+// One run: the animation, the outflow curve beside it, and below what came out. Live while it is solved.
+
+import { isOver } from "./api.js";
+import { Cinema } from "./cinema.js";
+import { onConnection } from "./connection.js";
+import { CurvePlot } from "./curve_plot.js";
+import { h, iconButton, link, setText } from "./dom.js";
+import { follow } from "./events.js";
+import { age, models, nameOf, percent, span } from "./format.js";
+import { address, go, note } from "./router.js";
+import { cancel, removeLater } from "./run_actions.js";
+import { RunData } from "./run_data.js";
+import { DownloadsPanel, scenarioPanel, summaryPanel } from "./run_panels.js";
+import { statePill } from "./runs_table.js";
+import { keyOf, ScaleBar } from "./scale_bar.js";
+import { counterNames } from "./series.js";
+import { DASHES, prefersStillness } from "./theme.js";
+import { segments } from "./transport.js";
+
+const REPLAYED_BELOW_S = 15; // a run that was over sooner is shown again from its start
+
+export class RunView {
+  constructor() {
+    this.title = "Run";
+  }
+
+  async mount(root, { argument: id, query }) {
+    this.query = query;
+    this.data = new RunData(id);
+    this.cinema = new Cinema();
+    root.append(h("p", { class: "loading" }, "Loading …"));
+    await this.data.load();
+    if (this.isGone) return;
+    root.replaceChildren(...this.build());
+    this.start();
+  }
+
+  unmount() {
+    this.isGone = true;
+    this.stopEvents?.();
+    this.stopConnection?.();
+    this.plot?.dispose();
+    this.cinema?.dispose();
+  }
+
+  build() {
+    const { cinema, data } = this;
+    const name = nameOf(data.run);
+    this.title = name;
+    cinema.map = this.query.get("map") === "grey" ? "grey" : "viridis";
+    cinema.layer = ["density", "parts", "both"].includes(this.query.get("layer")) ? this.query.get("layer") : undefined;
+    this.screen = cinema.add(data, `The belt from above, ${name}`, () => Math.max(220, innerHeight * 0.62));
+    this.scale = new ScaleBar((map) => {
+      cinema.setMap(map);
+      note({ map: map === "viridis" ? "" : map });
+      this.showScale();
+    });
+    this.plot = new CurvePlot(`Outflow curve of ${name}`, () => this.plotHeight(), (t) => cinema.player.seek(t));
+    this.downloads = new DownloadsPanel(data, () => this.screen.stage.toBlob());
+    this.summary = h("div", {}, summaryPanel(data));
+    return [this.head(), h("div", { class: "watch" },
+      h("div", {}, this.animation(), this.summary, scenarioPanel(data)),
+      h("div", {}, this.curve(), this.downloads.element))];
+  }
+
+  head() {
+    const { run } = this.data;
+    this.state = statePill(run);
+    this.progress = h("span", { class: "figures" });
+    this.bar = h("progress", { max: "1", "aria-label": "Progress" });
+    this.cancelButton = iconButton("stop", "Cancel", () => cancel(run), { shown: true });
+    const remove = iconButton("trash", "Delete", () => {
+      removeLater(run, () => {});
+      go("#/");
+    }, { shown: true });
+    return h("div", { class: "view-head" },
+      h("div", { class: "heading" },
+        h("h1", {}, nameOf(run)),
+        h("p", { class: "meta" }, this.state.pill, this.bar, this.progress,
+          h("span", { class: "model", data: { model: run.model } }, models[run.model]),
+          run.label ? h("span", { class: "label" }, run.label) : null,
+          h("time", { datetime: run.created_at }, age(run.created_at)))),
+      h("div", { class: "actions" },
+        link(address("compare", "", { runs: run.id }), "Compare", { class: "button" }), this.cancelButton, remove));
+  }
+
+  animation() {
+    const { cinema, screen } = this;
+    const layers = this.data.hasParts()
+      ? segments("Shown", [["both", "Parts over density"], ["parts", "Parts"], ["density", "Density"]], screen.reel.layer,
+        (layer) => {
+          cinema.setLayer(layer);
+          note({ layer: layer === "both" ? "" : layer });
+          this.showScale();
+        }).element
+      : null;
+    this.wait = h("p", { class: "stage-wait", role: "status" });
+    return h("section", { class: "card animation", "aria-label": "Animation" },
+      layers ? h("div", { class: "card-head" }, layers) : null,
+      h("div", { class: "stage-box" }, screen.stage.element, this.wait),
+      cinema.transport.element, this.scale.element, keyOf(this.data.scenario));
+  }
+
+  curve() {
+    return h("section", { class: "card curve", "aria-labelledby": "curve-title" },
+      h("h2", { id: "curve-title" }, "Outflow"),
+      h("p", { class: "hint" }, "Parts in each counter, and parts that have left the belt. Press or drag to move in time."),
+      this.plot.element);
+  }
+
+  plotHeight() {
+    return innerWidth < 1000 ? 240 : 330;
+  }
+
+  start() {
+    const { data, cinema } = this;
+    cinema.onUpdate = () => this.update();
+    data.onChange = (what) => this.change(what);
+    const isLive = !isOver(data.run);
+    cinema.refresh();
+    this.showHead();
+    this.showCurve();
+    this.showScale();
+    if (isLive) this.goLive();
+    cinema.begin(this.query);
+  }
+
+  goLive() {
+    const { data } = this;
+    this.stopEvents = follow([data.id], (kind, event) => data.take(kind, event));
+    this.stopConnection = onConnection(async (isAway) => {
+      if (isAway || this.isGone) return;
+      const fresh = new RunData(data.id);
+      await fresh.load();
+      Object.assign(data.run, fresh.run);
+      this.change("run");
+    });
+  }
+
+  change(what) {
+    if (this.isGone) return;
+    if (what === "curve") this.showCurve();
+    if (what === "snapshots") this.showSnapshots();
+    if (what === "run") this.showHead();
+    if (what === "summary") this.finish();
+    this.showScale();
+  }
+
+  // The axes of time grow with what there is.
+  showSnapshots() {
+    const before = this.cinema.axisEnd;
+    this.cinema.refresh();
+    if (this.cinema.axisEnd !== before) this.showCurve();
+  }
+
+  // The results are complete. Who watched a short run live sees it once more.
+  finish() {
+    const { data, cinema } = this;
+    const wasFollowing = cinema.player.isFollowing;
+    const took = (Date.parse(data.run.finished_at) - Date.parse(data.run.started_at)) / 1000;
+    this.summary.replaceChildren(summaryPanel(data));
+    this.showHead();
+    cinema.refresh();
+    this.showCurve();
+    if (wasFollowing && took < REPLAYED_BELOW_S && !prefersStillness()) cinema.player.play();
+  }
+
+  showHead() {
+    const { run } = this.data;
+    this.state.show(run);
+    const isRunning = run.status === "running";
+    this.bar.hidden = !isRunning;
+    this.bar.value = run.progress;
+    const rest = run.eta_s > 0 ? `, ${span(run.eta_s)} left` : "";
+    setText(this.progress, isRunning ? `${percent(Math.floor(run.progress * 100) / 100)}${rest}` : "");
+    this.cancelButton.hidden = isOver(run);
+  }
+
+  showCurve() {
+    const { curve, scenario, run, snapshots } = this.data;
+    const names = counterNames(curve);
+    const curves = names.map((name, k) => ({ name, color: `run-${(k % 4) + 1}`, dash: DASHES[k % 4], t: curve.t,
+      v: curve.columns.get(name) }));
+    const left = curve.columns.get("left_domain");
+    if (left) curves.push({ name: "left the belt", color: "muted", dash: [2, 4], t: curve.t, v: left });
+    const end = isOver(run) ? Math.max(curve.t.at(-1) ?? 0, snapshots.at(-1)?.t_s ?? 0) : this.cinema.axisEnd;
+    this.plot.setCurves(curves, end || scenario.duration_s);
+  }
+
+  showScale() {
+    const { macro } = this.data.scenario;
+    this.scale.set(this.cinema.map, this.cinema.scaleEnd(), macro.packing_density_per_m2);
+    this.scale.element.hidden = this.screen.reel.layer === "parts";
+  }
+
+  update() {
+    const { player } = this.cinema;
+    this.plot.showTime(player.t);
+    this.downloads.show(player.indexOf(player.t));
+    setText(this.wait, this.waitText(this.screen));
+    this.wait.hidden = this.wait.textContent === "";
+  }
+
+  waitText({ reel, stage }) {
+    const { run, snapshots } = this.data;
+    const problem = reel.problemAt(this.cinema.player.t);
+    if (problem) return problem.message;
+    if (run.status === "queued") return "Waiting for its turn …";
+    if (snapshots.length === 0) return isOver(run) ? "There are no snapshots." : "Waiting for the first snapshot …";
+    return stage.picture === null ? "Loading …" : "";
+  }
+}

@@ -1,0 +1,61 @@
+// The scale of a density's colours, in parts/m2 and in shares of close packing; and what else is drawn.
+
+import { cssColor, maps } from "./colormap.js";
+import { h } from "./dom.js";
+import { fixed, number, quantity } from "./format.js";
+import { niceStep } from "./scenery.js";
+
+const STOPS = 16;
+
+function tick(value, end, text) {
+  const mark = h("span", { class: "tick" }, h("span", {}, text));
+  mark.style.left = `${(value / end) * 100}%`;
+  return mark;
+}
+
+function ticksTo(end, step) {
+  return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, k) => k * step);
+}
+
+export class ScaleBar {
+  constructor(onMap) {
+    this.band = h("div", { class: "band" });
+    this.upper = h("div", { class: "ticks upper" });
+    this.lower = h("div", { class: "ticks lower" });
+    this.map = h("select", { "aria-label": "Colours", on: { change: () => onMap(this.map.value) } },
+      Object.entries(maps).map(([name, { label }]) => h("option", { value: name }, label)));
+    this.element = h("div", { class: "scale" },
+      h("div", { class: "scale-bar", role: "img" },
+        h("span", { class: "scale-name" }, "parts/m²"), this.upper, this.band, this.lower,
+        h("span", { class: "scale-name" }, "share of close packing")),
+      this.map);
+  }
+
+  // end: density at the end of the scale, 1 is close packing; packing: parts/m2 of that.
+  set(map, end, packing) {
+    const key = `${map} ${end} ${packing}`;
+    if (key === this.key) return;
+    this.key = key;
+    this.map.value = map;
+    const colors = Array.from({ length: STOPS + 1 }, (_, k) => cssColor(map, k / STOPS));
+    this.band.style.background = `linear-gradient(to right, ${colors.join(", ")})`;
+    const parts = niceStep(end * packing, 4);
+    this.upper.replaceChildren(...ticksTo(end * packing, parts).map((v) => tick(v, end * packing, number(v, 6))));
+    this.lower.replaceChildren(...ticksTo(end, end > 2 ? niceStep(end, 4) : 0.25).map((v) => tick(v, end, v === 0 ? "0" : fixed(v, 2))));
+    this.element.firstChild.setAttribute("aria-label",
+      `Colour scale from 0 to ${number(end * packing)} parts per square metre; close packing is ${number(packing, 4)}`);
+  }
+}
+
+// What the lines of the drawing mean, with the speeds of the belts.
+export function keyOf(scenario) {
+  const speeds = [...new Set(scenario.belts.map(({ velocity_m_s: v }) => quantity(Math.hypot(...v), "m/s")))];
+  const entry = (kind, text) => h("li", {}, h("i", { class: `key ${kind}` }), text);
+  const sides = Object.values(scenario.edges);
+  return h("ul", { class: "keys" },
+    entry("belt", `belt ${speeds.slice(0, 3).join(", ")}${speeds.length > 3 ? " …" : ""}`),
+    scenario.obstacles.length > 0 ? entry("plate", "obstacle") : null,
+    sides.includes("wall") ? entry("wall", "wall") : null,
+    sides.some((side) => side !== "wall") ? entry("open", "open edge") : null,
+    entry("counter", scenario.counters.length > 1 ? "counters" : `counter “${scenario.counters[0].id}”`));
+}

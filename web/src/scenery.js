@@ -1,0 +1,172 @@
+// What stands still: axes, walls, belts with their direction, obstacles, counters. Drawn once for each
+// size, above the cargo.
+
+import { beltVelocity } from "./geometry.js";
+
+const FONT = "11px system-ui, sans-serif";
+
+// 1, 2 or 5 times a power of ten, so that about n steps fill the span.
+export function niceStep(span, n) {
+  const raw = span / n;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= raw * 0.999);
+}
+
+function ticks(from, to, n) {
+  const step = niceStep(to - from, n);
+  const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const list = [];
+  for (let k = Math.ceil(from / step - 1e-9); k * step <= to + step * 1e-9; k++) {
+    list.push({ value: k * step, text: (k * step).toFixed(places) });
+  }
+  return list;
+}
+
+// A path twice: wide and dark below, thin and light above, so that it shows on every colour.
+function strokeTwice(context, path, { width, color, halo, dash = [] }, ratio) {
+  context.setLineDash(dash.map((n) => n * ratio));
+  context.lineWidth = (width + 2) * ratio;
+  context.strokeStyle = halo;
+  context.stroke(path);
+  context.lineWidth = width * ratio;
+  context.strokeStyle = color;
+  context.stroke(path);
+  context.setLineDash([]);
+}
+
+function drawAxes(context, view, { x_m, y_m }, colors) {
+  const { inner, ratio } = view;
+  context.fillStyle = colors.muted;
+  context.strokeStyle = colors.muted;
+  context.lineWidth = ratio;
+  context.font = FONT.replace("11", 11 * ratio);
+  const marks = new Path2D();
+  const bottom = inner.y + inner.height;
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  const across = ticks(...x_m, Math.max(2, inner.width / ratio / 90));
+  for (const { value, text } of across) {
+    marks.moveTo(view.x(value), bottom + 3 * ratio);
+    marks.lineTo(view.x(value), bottom + 7 * ratio);
+    context.fillText(value === across.at(-1).value ? `${text} m` : text, view.x(value), bottom + 9 * ratio);
+  }
+  context.textAlign = "right";
+  context.textBaseline = "middle";
+  const up = ticks(...y_m, Math.max(2, inner.height / ratio / 60));
+  for (const { value, text } of up) {
+    marks.moveTo(inner.x - 7 * ratio, view.y(value));
+    marks.lineTo(inner.x - 3 * ratio, view.y(value));
+    context.fillText(value === up.at(-1).value ? `${text} m` : text, inner.x - 10 * ratio, view.y(value));
+  }
+  context.stroke(marks);
+}
+
+function drawEdges(context, view, edges, colors) {
+  const { x, y, width, height } = view.inner;
+  const r = view.ratio;
+  const sides = ["west", "east", "north", "south"];
+  for (const side of sides) {
+    const isWall = edges[side] === "wall";
+    const out = isWall ? 1.5 * r : 0; // a wall stands outside, where it shows against the page
+    const [x0, y0, x1, y1] = {
+      west: [x - out, y, x - out, y + height],
+      east: [x + width + out, y, x + width + out, y + height],
+      north: [x, y - out, x + width, y - out],
+      south: [x, y + height + out, x + width, y + height + out],
+    }[side];
+    context.beginPath();
+    context.setLineDash(isWall ? [] : [3 * r, 4 * r]);
+    context.lineWidth = (isWall ? 3 : 1) * r;
+    context.strokeStyle = isWall ? colors.text : colors.muted;
+    context.moveTo(x0, y0);
+    context.lineTo(x1, y1);
+    context.stroke();
+  }
+  context.setLineDash([]);
+}
+
+// Chevrons on a lattice, each in the direction of the belt below it.
+function drawBelts(context, view, scenario, colors) {
+  const { inner, ratio } = view;
+  const path = new Path2D();
+  const gap = 120 * ratio;
+  const n = [Math.max(2, Math.round(inner.width / gap)), Math.max(2, Math.round(inner.height / gap))];
+  for (let i = 0; i < n[0]; i++) {
+    for (let j = 0; j < n[1]; j++) {
+      const px = inner.x + ((i + 0.5) * inner.width) / n[0];
+      const py = inner.y + ((j + 0.5) * inner.height) / n[1];
+      const [vx, vy] = beltVelocity(scenario, view.place(px / ratio, py / ratio));
+      if (vx !== 0 || vy !== 0) addChevron(path, px, py, Math.atan2(-vy, vx), 6 * ratio);
+    }
+  }
+  context.globalAlpha = 0.65;
+  strokeTwice(context, path, { width: 1.5, color: colors.light, halo: colors.dark }, ratio);
+  context.globalAlpha = 1;
+}
+
+function addChevron(path, x, y, angle, size) {
+  const [c, s] = [Math.cos(angle) * size, Math.sin(angle) * size];
+  path.moveTo(x - 0.5 * c + s, y - 0.5 * s - c);
+  path.lineTo(x + 0.5 * c, y + 0.5 * s);
+  path.lineTo(x - 0.5 * c - s, y - 0.5 * s + c);
+}
+
+// The side of a segment that lies downstream, as a unit vector.
+function downstream(scenario, [ax, ay], [bx, by]) {
+  const length = Math.hypot(bx - ax, by - ay) || 1;
+  const left = [-(by - ay) / length, (bx - ax) / length];
+  const [vx, vy] = beltVelocity(scenario, [(ax + bx) / 2, (ay + by) / 2]);
+  return left[0] * vx + left[1] * vy > 1e-9 * Math.hypot(vx, vy) ? left : left.map((value) => -value);
+}
+
+function drawObstacles(context, view, scenario, colors) {
+  const plates = new Path2D();
+  for (const { path_m: path, thickness_m: thickness } of scenario.obstacles) {
+    const least = (2 * view.ratio) / view.scale; // a plate is never thinner than two pixels
+    for (let k = 0; k + 1 < path.length; k++) {
+      const side = downstream(scenario, path[k], path[k + 1]).map((value) => value * Math.max(thickness, least));
+      const corners = [path[k], path[k + 1], [path[k + 1][0] + side[0], path[k + 1][1] + side[1]],
+        [path[k][0] + side[0], path[k][1] + side[1]]];
+      corners.forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
+      plates.closePath();
+    }
+  }
+  context.lineJoin = "round";
+  strokeTwice(context, plates, { width: 1.5, color: colors.plate, halo: colors.rim }, view.ratio);
+  context.fillStyle = colors.plate;
+  context.fill(plates);
+}
+
+function drawCounters(context, view, scenario, colors) {
+  const { ratio } = view;
+  context.font = FONT.replace("11", 11 * ratio);
+  context.textBaseline = "top";
+  context.textAlign = "left";
+  scenario.counters.forEach(({ id, x_m: [x0, x1], y_m: [y0, y1] }, k) => {
+    const path = new Path2D();
+    path.rect(view.x(x0), view.y(y1), (x1 - x0) * view.scale, (y1 - y0) * view.scale);
+    strokeTwice(context, path, { width: 1.25, color: colors.light, halo: colors.dark, dash: [6, 5] }, ratio);
+    const text = [view.x(x0) + 7 * ratio, view.y(y1) + (7 + 15 * k) * ratio];
+    context.lineWidth = 3 * ratio;
+    context.strokeStyle = colors.dark;
+    context.lineJoin = "round";
+    context.strokeText(id, ...text);
+    context.fillStyle = colors.light;
+    context.fillText(id, ...text);
+  });
+}
+
+// Everything onto a transparent canvas of the view's size.
+export function drawScenery(context, view, scenario, colors) {
+  context.clearRect(0, 0, view.width, view.height);
+  drawAxes(context, view, scenario.domain, colors);
+  context.save();
+  context.beginPath();
+  context.rect(view.inner.x, view.inner.y, view.inner.width, view.inner.height);
+  context.clip();
+  drawBelts(context, view, scenario, colors);
+  drawCounters(context, view, scenario, colors);
+  drawObstacles(context, view, scenario, colors);
+  context.restore();
+  drawEdges(context, view, scenario.edges, colors);
+}

@@ -1,0 +1,176 @@
+// A run's belt from above: the cargo, the scenery over it, and the value under the pointer.
+
+import { isPale } from "./colormap.js";
+import { h } from "./dom.js";
+import { densityAt, Heatmap } from "./heatmap.js";
+import { number, percent } from "./format.js";
+import { PartsLayer } from "./parts_layer.js";
+import { drawScenery } from "./scenery.js";
+import { color, onTheme, rgb } from "./theme.js";
+import { ViewBox } from "./view_box.js";
+
+const PROBE_STEP = 10; // CSS pixels a key moves the probe
+
+export class Stage {
+  // label: what the drawing is called; most(): how high it may be, CSS pixels.
+  constructor(label, most) {
+    this.most = most;
+    this.field = h("canvas", { class: "field" });
+    this.above = h("canvas", { class: "above" });
+    this.tip = h("div", { class: "tip", hidden: true });
+    this.cross = h("div", { class: "cross", hidden: true });
+    this.frame = h("div", { class: "stage-frame", role: "img", tabindex: "0", "aria-label": label },
+      this.field, this.above, this.cross, this.tip);
+    this.element = h("div", { class: "stage" }, this.frame);
+    this.heatmap = new Heatmap();
+    this.style = { layer: "density", map: "viridis", end: 1 };
+    this.picture = null;
+    this.onProbe = () => {};
+    this.watch();
+  }
+
+  watch() {
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(this.element);
+    this.stopTheme = onTheme(() => this.resize());
+    this.frame.addEventListener("pointermove", (event) => {
+      const box = this.frame.getBoundingClientRect();
+      this.probe([event.clientX - box.left, event.clientY - box.top]);
+    });
+    this.frame.addEventListener("pointerleave", () => this.probe(null));
+    this.frame.addEventListener("blur", () => this.probe(null));
+    this.frame.addEventListener("keydown", (event) => this.moveProbe(event));
+  }
+
+  dispose() {
+    this.observer.disconnect();
+    this.stopTheme();
+  }
+
+  // The resolved scenario and { origin_m, cell_m } of its grid; parts: { columns, cargo } or null.
+  setScene(scenario, grid, parts) {
+    Object.assign(this, { scenario, grid });
+    this.layer = parts ? new PartsLayer(parts.columns, parts.cargo) : null;
+    this.resize();
+  }
+
+  setStyle(style) {
+    const { map } = this.style;
+    Object.assign(this.style, style);
+    if (this.style.map === map) this.draw();
+    else this.resize();
+  }
+
+  resize() {
+    const width = this.element.clientWidth;
+    if (!this.scenario || width === 0) return;
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    this.view = new ViewBox(this.scenario.domain, width, this.most(), ratio);
+    for (const canvas of [this.field, this.above]) {
+      Object.assign(canvas, { width: this.view.width, height: this.view.height });
+      canvas.style.width = `${this.view.cssWidth}px`;
+      canvas.style.height = `${this.view.cssHeight}px`;
+    }
+    this.frame.style.width = `${this.view.cssWidth}px`;
+    this.frame.style.height = `${this.view.cssHeight}px`;
+    const names = ["text", "muted", "light", "dark", "plate", "rim"];
+    const colors = Object.fromEntries(names.map((name) => [name, color(`draw-${name}`)]));
+    if (isPale(this.style.map)) [colors.light, colors.dark] = [color("draw-ink"), color("draw-paper")];
+    drawScenery(this.above.getContext("2d"), this.view, this.scenario, colors);
+    this.bodies = { fill: color("draw-part"), line: color("draw-part-line"),
+      fillRgb: rgb("draw-part"), lineRgb: rgb("draw-part-line") };
+    this.belt = color("draw-belt");
+    this.draw();
+  }
+
+  // picture: { density: { frame, next } or null, parts: the same, share, gap }.
+  show(picture) {
+    this.picture = picture;
+    this.draw();
+  }
+
+  draw() {
+    if (!this.view || !this.picture) return;
+    const context = this.field.getContext("2d");
+    const { density, parts, share, gap } = this.picture;
+    const { layer, map, end } = this.style;
+    const { inner } = this.view;
+    context.clearRect(0, 0, this.view.width, this.view.height);
+    if (layer !== "parts" && density) {
+      this.heatmap.paint(density.frame, density.next, share, map, end);
+      this.heatmap.drawOn(context, inner);
+    } else {
+      context.fillStyle = this.belt;
+      context.fillRect(inner.x, inner.y, inner.width, inner.height);
+    }
+    if (layer !== "density" && parts && this.layer) {
+      context.save();
+      context.beginPath();
+      context.rect(inner.x, inner.y, inner.width, inner.height);
+      context.clip();
+      this.layer.draw(context, this.view, { ...parts, share, gap }, this.bodies);
+      context.restore();
+    }
+    this.tell();
+  }
+
+  probe(at) {
+    this.at = at;
+    this.onProbe(at !== null);
+    this.tell();
+  }
+
+  moveProbe(event) {
+    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    const move = moves[event.key];
+    if (event.key === "Escape") this.probe(null);
+    if (!move || !this.view) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const { inner, ratio } = this.view;
+    const from = this.at ?? [(inner.x + inner.width / 2) / ratio, (inner.y + inner.height / 2) / ratio];
+    const step = event.shiftKey ? 1 : PROBE_STEP;
+    this.probe([
+      Math.min(Math.max(from[0] + move[0] * step, inner.x / ratio), (inner.x + inner.width - 1) / ratio),
+      Math.min(Math.max(from[1] + move[1] * step, inner.y / ratio), (inner.y + inner.height - 1) / ratio),
+    ]);
+  }
+
+  // The value under the probe, as lines of text; null outside of the grid.
+  valueAt([x, y]) {
+    const place = this.view.place(x, y);
+    const { density, share } = this.picture ?? {};
+    const value = density ? densityAt(density.frame, density.next, share, this.grid, place) : null;
+    const [xm, ym] = place.map((m) => m.toFixed(3));
+    if (value === null) return density ? null : [`x ${xm} m, y ${ym} m`];
+    const packing = this.scenario.macro.packing_density_per_m2;
+    return [`${number(value * packing, 4)} parts/m²`, `${percent(value, 1)} of close packing`, `x ${xm} m, y ${ym} m`];
+  }
+
+  tell() {
+    const lines = this.at && this.view && this.picture ? this.valueAt(this.at) : null;
+    this.tip.hidden = this.cross.hidden = lines === null;
+    if (lines === null) return;
+    this.tip.replaceChildren(...lines.map((line, k) => h(k === 0 ? "strong" : "span", {}, line)));
+    const [x, y] = this.at;
+    this.cross.style.transform = `translate(${x}px, ${y}px)`;
+    const isRight = x > this.view.cssWidth - 190;
+    const isLow = y > this.view.cssHeight - 90;
+    this.tip.style.transform =
+      `translate(${x + (isRight ? -12 : 12)}px, ${y + (isLow ? -12 : 12)}px) translate(${isRight ? "-100%" : "0"}, ${isLow ? "-100%" : "0"})`;
+  }
+
+  // The picture as it stands, as a PNG.
+  toBlob() {
+    const canvas = h("canvas");
+    Object.assign(canvas, { width: this.view.width, height: this.view.height });
+    const context = canvas.getContext("2d");
+    context.fillStyle = color("surface");
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.drawImage(this.field, 0, 0);
+    context.drawImage(this.above, 0, 0);
+    return new Promise((resolve) => {
+      canvas.toBlob(resolve, "image/png");
+    });
+  }
+}

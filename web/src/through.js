@@ -1,0 +1,51 @@
+// How many parts have left the belt, for the list: of runs that ended from their summaries, fetched a few
+// at a time and kept; of others from their curves as they come.
+
+import { getJson, isOver, paths } from "./api.js";
+
+const AT_ONCE = 4;
+
+export class Through {
+  constructor(onKnown) {
+    this.onKnown = onKnown; // (id, { left, start })
+    this.known = new Map();
+    this.waiting = [];
+    this.n = 0;
+  }
+
+  get(id) {
+    return this.known.get(id);
+  }
+
+  set(id, value) {
+    this.known.set(id, { ...this.known.get(id), ...value });
+    this.onKnown(id, this.known.get(id));
+  }
+
+  // Runs that are shown now.
+  want(runs) {
+    this.waiting = runs.filter((run) => isOver(run) && run.started_at && !this.known.get(run.id)?.isFinal);
+    this.fetchMore();
+  }
+
+  fetchMore() {
+    while (this.n < AT_ONCE && this.waiting.length > 0) this.fetchOne(this.waiting.shift());
+  }
+
+  async fetchOne(run) {
+    this.n += 1;
+    try {
+      const summary = await getJson(paths.of(run.id, "summary"));
+      this.set(run.id, { left: summary.parts_left, start: summary.parts_start, isFinal: true });
+    } catch (error) {
+      if (error.status !== 0) this.set(run.id, { isFinal: true });
+    }
+    this.n -= 1;
+    this.fetchMore();
+  }
+
+  // A batch of the curve of a run that is going.
+  take({ run, left_domain: left }) {
+    if (left?.length) this.set(run, { left: left.at(-1) });
+  }
+}
