@@ -1,0 +1,99 @@
+// A real Chromium for the stories of the page, and how a story looks at what it shows.
+
+import assert from "node:assert/strict";
+import { accessSync, mkdirSync } from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+
+import { binaries, patience } from "./setup.mjs";
+
+const npm = process.env.BELTFLOW_NPM_DIR ?? path.join(binaries, "../tests-npm");
+const load = createRequire(path.join(npm, "package.json"));
+const { chromium } = load("playwright-core");
+const { AxeBuilder } = load("@axe-core/playwright");
+
+export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 390, height: 844 } };
+export const schemes = ["light", "dark"];
+
+const pictures = path.join(binaries, "../screenshots");
+mkdirSync(pictures, { recursive: true });
+
+function findChromium() {
+  const names = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+  const found = names.filter(Boolean).find((name) => {
+    try {
+      accessSync(name);
+      return true;
+    } catch {
+      return false;
+    }
+  });
+  assert.ok(found, "Chromium is not installed (deploy/install-deps does that), and CHROMIUM names none");
+  return found;
+}
+
+let browser = null;
+
+async function launch() {
+  const args = process.getuid() === 0 ? ["--no-sandbox"] : [];
+  browser ??= await chromium.launch({ executablePath: findChromium(), args });
+  return browser;
+}
+
+// To be called by a file of stories when all of them are over.
+export async function closeBrowser() {
+  await browser?.close();
+}
+
+// A page of its own for this story. Whatever goes wrong in it fails the story at its end; refused
+// requests are what the stories provoke, so those are only counted.
+export async function openPage(t, d, { scheme = "light", size = "wide", motion = "no-preference" } = {}) {
+  const context = await (await launch()).newContext({
+    baseURL: d.url, viewport: sizes[size], colorScheme: scheme, reducedMotion: motion, acceptDownloads: true,
+  });
+  const page = await context.newPage();
+  const faults = [];
+  page.setDefaultTimeout(patience / 2);
+  page.on("pageerror", (error) => faults.push(error.stack));
+  page.on("console", (message) => {
+    if (message.type() === "error" && !/Failed to load resource/.test(message.text())) faults.push(message.text());
+  });
+  page.on("request", (request) => {
+    if (!request.url().startsWith(d.url) && !request.url().startsWith("blob:")) faults.push(`asks ${request.url()}`);
+  });
+  t.after(async () => {
+    await context.close();
+    assert.deepEqual(faults, []);
+  });
+  return page;
+}
+
+// Goes to a view by its address, from nothing.
+export async function visit(page, address) {
+  await page.goto("about:blank");
+  await page.goto(`/${address}`);
+}
+
+// No violation that axe finds, of any of its rules.
+export async function assertAccessible(page, name) {
+  const { violations } = await new AxeBuilder({ page }).analyze();
+  const found = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ html, any }) =>
+    `${html.slice(0, 160)} ${any.map(({ message }) => message).join("; ")}`).join("\n    ")}`);
+  assert.deepEqual(found, [], name);
+}
+
+// A picture of the whole view in the build folder, and nothing that sticks out of it.
+export async function takePicture(page, name, size) {
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });
+  await page.waitForTimeout(150); // the drawings follow the size
+  await page.screenshot({ path: path.join(pictures, `${name}.png`) });
+  await page.setViewportSize(sizes[size]);
+  const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.ok(excess <= 0, `${name} is ${excess} pixels too wide`);
+}
+
+// The text of an element, as a number: "173 of 192" is 173.
+export async function numberIn(locator) {
+  return Number((await locator.innerText()).replaceAll(",", "").match(/-?[\d.]+/)?.[0]);
+}

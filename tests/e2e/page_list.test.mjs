@@ -1,0 +1,98 @@
+// The list of runs: it updates itself, filters, pages, cancels, deletes with a way back, and says when the
+// daemon is away.
+
+import assert from "node:assert/strict";
+import test, { after } from "node:test";
+
+import { closeBrowser, openPage, visit } from "./browser.mjs";
+import { daemon } from "./daemon.mjs";
+import { endless, interruptible, tiny } from "./scenarios.mjs";
+
+after(closeBrowser);
+
+const rowOf = (page, name) => page.locator("tbody tr", { hasText: name });
+
+test("a run that is submitted elsewhere appears, makes progress and can be cancelled", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  await page.getByText("No runs yet.").waitFor();
+
+  const run = await d.submit({ ...endless(), name: "for ever" });
+  const row = rowOf(page, "for ever");
+  await row.locator(".pill", { hasText: "running" }).waitFor();
+  await row.getByRole("button", { name: "Cancel for ever" }).click();
+  await row.locator(".pill", { hasText: "cancelled" }).waitFor();
+  assert.match(await row.innerText(), /stopped at \d+ %/);
+  assert.equal((await d.run(run.id)).status, "cancelled");
+});
+
+test("what is deleted is gone at once, comes back by undo, and else leaves the daemon", async (t) => {
+  const d = await daemon(t);
+  const runs = [];
+  for (const name of ["kept", "lost"]) runs.push(await d.submit(tiny({ name })));
+  for (const { id } of runs) await d.reached(id, "succeeded");
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+
+  await rowOf(page, "kept").getByRole("button", { name: "Delete kept" }).click();
+  await rowOf(page, "kept").waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Undo" }).click();
+  await rowOf(page, "kept").waitFor();
+
+  await rowOf(page, "lost").getByRole("button", { name: "Delete lost" }).click();
+  await rowOf(page, "lost").waitFor({ state: "detached" });
+  assert.equal((await d.get(`/v1/runs/${runs[1].id}`)).status, 200); // not yet
+  await page.getByRole("button", { name: "Dismiss" }).click();
+  const deadline = Date.now() + 10_000;
+  while ((await d.get(`/v1/runs/${runs[1].id}`)).status !== 404) assert.ok(Date.now() < deadline, "it is still there");
+  assert.equal((await d.get(`/v1/runs/${runs[0].id}`)).status, 200);
+});
+
+test("filters stand in the address, and pages follow the cursor there and back", async (t) => {
+  const d = await daemon(t);
+  for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}` }), { label: k % 20 === 0 ? "marked" : "" });
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  await rowOf(page, "run 59").waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 50);
+  await page.getByRole("button", { name: "Older" }).click();
+  await page.getByRole("link", { name: "run 9", exact: true }).waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 10);
+  assert.match(page.url(), /cursor=/);
+  await page.getByRole("button", { name: "Newer" }).click();
+  await rowOf(page, "run 59").waitFor();
+
+  await page.getByLabel("Label").fill("marked");
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 3);
+  assert.match(page.url(), /label=marked/);
+  await page.getByLabel("Model").selectOption("micro");
+  await page.getByText("No run matches.").waitFor();
+  const address = page.url();
+  await visit(page, new URL(address).hash);
+  await page.getByText("No run matches.").waitFor();
+  assert.equal(await page.getByLabel("Label").inputValue(), "marked");
+});
+
+test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {
+  const d = await daemon(t, { checkpoint_ms: 50 });
+  const page = await openPage(t, d);
+  const run = await d.submit({ ...interruptible(), name: "interrupted" });
+  await d.progressed(run.id, 0.05);
+  await visit(page, `#/runs/${run.id}`);
+  await page.locator(".pill", { hasText: "running" }).waitFor();
+  await page.waitForFunction(() => Number(document.querySelector(".transport input").value) > 0);
+
+  await d.kill();
+  await page.getByText("The daemon does not answer. Trying again").waitFor();
+  d.settings.listen = `127.0.0.1:${d.port}`;
+  await d.start();
+  await page.getByText("The daemon is back.").waitFor();
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  assert.equal(await page.locator("#connection").innerText(), "");
+  await page.getByText("Parts at start").waitFor();
+  const { length } = (await d.get(`/v1/runs/${run.id}/snapshots`)).json.snapshots;
+  await page.keyboard.press("End");
+  const text = await page.locator(".clock").innerText();
+  assert.match(text, /^(\S+) \/ \1 s$/, `${text} of ${length} snapshots`);
+});

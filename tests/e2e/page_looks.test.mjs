@@ -1,0 +1,114 @@
+// Every view, on a wide screen and on a phone, in light and dark: axe finds nothing, nothing sticks out, and
+// a picture of each lies in the build folder, so that one can look.
+
+import test, { after } from "node:test";
+
+import { assertAccessible, closeBrowser, openPage, schemes, sizes, takePicture, visit } from "./browser.mjs";
+import { daemon } from "./daemon.mjs";
+import { endless, tiny } from "./scenarios.mjs";
+
+after(closeBrowser);
+
+// A daemon with runs in every state; { name: id }.
+async function furnish(d) {
+  const example = (await d.get("/v1/examples/example-1")).json;
+  const mixed = (await d.get("/v1/examples/mixed-cargo")).json;
+  const submit = async (name, scenario, extra) => [name, (await d.submit(scenario, extra)).id];
+  const done = await Promise.all([
+    submit("macro", example, { label: "paper" }),
+    submit("micro", example, { model: "micro", label: "paper" }),
+    submit("mixed", { ...mixed, duration_s: 2 }, { model: "micro" }),
+    submit("other", { ...example, name: "Example 1 on a faster belt", belts: [{ velocity_m_s: [0.5, 0] }] }),
+  ]);
+  for (const [, id] of done) await d.reached(id, "succeeded");
+  const cancelled = await submit("cancelled", tiny({ ...endless(), name: "A run that was stopped" }));
+  await d.progressed(cancelled[1], 0);
+  await d.post(`/v1/runs/${cancelled[1]}/cancel`, "");
+  const running = await submit("running", { ...endless(), name: "A long run" });
+  await d.reached(running[1], "running");
+  const queued = await submit("queued", tiny({ name: "A run that waits" }));
+  return Object.fromEntries([...done, cancelled, running, queued]);
+}
+
+const csv = { name: "belt.csv", mimeType: "text/csv",
+  buffer: Buffer.from(["t_s,count", ...Array.from({ length: 13 }, (_, k) => `${k / 2},${Math.max(0, 192 - 12 * k)}`)].join("\n")) };
+
+// [name, address, what must be seen before one looks], of runs that are going and of what rests.
+const busyViews = (ids) => [
+  ["runs", "#/", async (page) => page.getByText("of 192").first().waitFor()],
+  ["run-running", `#/runs/${ids.running}`, async (page) => page.getByText("Follow live").waitFor()],
+  ["run-queued", `#/runs/${ids.queued}`, async (page) => page.getByText("Waiting for its turn").waitFor()],
+];
+
+const calmViews = (ids) => [
+  ["runs-selected", "#/", async (page) => {
+    for (const box of (await page.getByRole("checkbox", { name: "Example 1:" }).all()).slice(0, 2)) await box.check();
+  }],
+  ["runs-none", "#/?label=nothing", async (page) => page.getByText("No run matches.").waitFor()],
+  ["run-macro", `#/runs/${ids.macro}?t=2`, shown],
+  ["run-macro-grey", `#/runs/${ids.macro}?t=2&map=grey`, shown],
+  ["run-micro", `#/runs/${ids.micro}?t=3`, shown],
+  ["run-micro-parts", `#/runs/${ids.micro}?t=3&layer=parts`, shown],
+  ["run-mixed", `#/runs/${ids.mixed}?t=1.5`, shown],
+  ["run-none", "#/runs/01a1f916-75bc-759c-9d74-cbbf3fe9393f", async (page) => page.getByText("There is no such run").waitFor()],
+  ["compare-two", `#/compare?runs=${ids.macro},${ids.micro}&t=2.5`, async (page) => {
+    await page.setInputFiles('input[type="file"]', csv);
+    await page.getByText("measured: belt.csv").waitFor();
+  }],
+  ["compare-four", `#/compare?runs=${ids.macro},${ids.micro},${ids.other},${ids.mixed}&t=1.5`, shown],
+  ["compare-none", "#/compare", async (page) => page.getByText("Add two to four runs").waitFor()],
+  ["new-form", "#/new", async (page) => page.getByText("Ready:").waitFor()],
+  ["new-faults", "#/new", async (page) => {
+    await page.getByText("Ready:").waitFor();
+    await page.getByLabel("Duration").fill("0");
+    await page.getByRole("textbox", { name: "Time step" }).fill("0.5");
+    await page.locator("#macro-step-fault:not([hidden])").waitFor();
+  }],
+  ["new-json", "#/new?tab=json", async (page) => {
+    await page.getByText("Ready:").waitFor();
+    const area = page.getByLabel("Scenario as JSON");
+    await area.fill((await area.inputValue()).replace('"duration_s"', '"duraton_s"'));
+    await page.locator(".faults button").first().waitFor();
+  }],
+  ["keys", `#/runs/${ids.macro}?t=2`, async (page) => page.getByRole("button", { name: "Keyboard" }).click()],
+];
+
+async function shown(page) {
+  await page.waitForFunction(() => performance.getEntriesByName("first-frame").length > 0);
+  await page.locator(".u-over").waitFor();
+}
+
+async function look({ page, size, scheme }, [name, address, wait]) {
+  await visit(page, address);
+  await wait(page);
+  await judge({ page, size, scheme }, name);
+}
+
+// Colours do not depend on the size, so dark is judged on the wide screen alone.
+async function judge({ page, size, scheme }, name) {
+  await takePicture(page, `${name}-${size}-${scheme}`, size);
+  if (size === "wide" || scheme === "light") await assertAccessible(page, `${name} ${size} ${scheme}`);
+}
+
+const forms = schemes.flatMap((scheme) => Object.keys(sizes).map((size) => ({ scheme, size })));
+
+test("every view passes axe and fits, in light and dark, wide and narrow", async (t) => {
+  const d = await daemon(t);
+  const ids = await furnish(d);
+  const screens = [];
+  for (const form of forms) screens.push({ ...form, page: await openPage(t, d, form) });
+  for (const screen of screens) for (const view of busyViews(ids)) await look(screen, view);
+  await d.post(`/v1/runs/${ids.running}/cancel`, "");
+  for (const screen of screens) for (const view of calmViews(ids)) await look(screen, view);
+});
+
+test("so do an empty list, and the page without its daemon", async (t) => {
+  const d = await daemon(t);
+  for (const form of forms) {
+    const screen = { ...form, page: await openPage(t, d, form) };
+    await look(screen, ["runs-empty", "#/", async (page) => page.getByText("No runs yet.").waitFor()]);
+    await screen.page.route("**/*", (route) => route.abort());
+    await screen.page.getByText("The daemon does not answer. Trying again").waitFor();
+    await judge(screen, "away");
+  }
+});

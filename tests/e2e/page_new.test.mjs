@@ -1,0 +1,105 @@
+// A new run by the form and by JSON: limits and faults at their places.
+
+import assert from "node:assert/strict";
+import test, { after } from "node:test";
+
+import { closeBrowser, openPage, visit } from "./browser.mjs";
+import { daemon } from "./daemon.mjs";
+
+after(closeBrowser);
+
+test("a number out of its limits is refused at its field, and the daemon's judgement stands there too", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new");
+  await page.getByText("Ready: 24,000 cells, 6 s.").waitFor();
+
+  await page.getByLabel("Duration").fill("-1");
+  await page.locator("#duration-fault", { hasText: "must be greater than 0" }).waitFor();
+  assert.equal(await page.getByLabel("Duration").getAttribute("aria-invalid"), "true");
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.waitForFunction(() => document.activeElement.id === "duration");
+  assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
+  await page.getByLabel("Duration").fill("6");
+
+  // Only the daemon knows which step is stable: 0.5 s is not.
+  await page.getByRole("textbox", { name: "Time step" }).fill("0.5");
+  const fault = page.locator("#macro-step-fault:not([hidden])");
+  await fault.waitFor();
+  assert.match(await fault.innerText(), /\d/);
+  await page.getByText("1 fault to mend").waitFor();
+
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.waitForFunction(() => document.activeElement.id === "macro-step");
+  assert.match(page.url(), /#\/new/);
+
+  await page.getByRole("textbox", { name: "Time step" }).fill("");
+  await page.getByText("Ready: 24,000 cells, 6 s.").waitFor();
+  assert.equal(await page.getByRole("textbox", { name: "Time step" }).getAttribute("aria-invalid"), "false");
+});
+
+test("what the form changes is what is submitted: angle, speed, duration, cell and model", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Obstacle angle").fill("45");
+  await page.getByLabel("Belt speed").fill("0.3");
+  await page.getByLabel("Duration").fill("0.05");
+  await page.getByLabel("Cell").fill("0.01");
+  await page.getByLabel("Label").fill("by form");
+  await page.getByText("Ready: 6,000 cells, 0.05 s.").waitFor();
+  await page.getByRole("button", { name: "Start the run" }).click();
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+
+  const [run] = (await d.get("/v1/runs?label=by+form")).json.runs;
+  const scenario = (await d.get(`/v1/runs/${run.id}/scenario`)).json;
+  // The plate still ends at (0.75, 0.5) and begins at the wall: at 45 degrees 0.5 m before its end.
+  const [[from], [to]] = [scenario.obstacles[0].path_m, scenario.obstacles[0].path_m.slice(1)];
+  assert.ok(Math.hypot(from[0] - 0.25, from[1] - 0) < 1e-6, JSON.stringify(scenario.obstacles));
+  assert.deepEqual(to, [0.75, 0.5]);
+  assert.deepEqual(scenario.belts[0].velocity_m_s, [0.3, 0]);
+  assert.equal(scenario.duration_s, 0.05);
+  assert.equal(scenario.macro.cell_m, 0.01);
+});
+
+test("faults of the JSON are marked at their lines, and lead there", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?tab=json");
+  await page.getByText("Ready:").waitFor();
+  const area = page.getByLabel("Scenario as JSON");
+
+  const good = await area.inputValue();
+  await area.fill(good.replace('"duration_s"', '"duraton_s"'));
+  const unknown = page.locator(".faults button", { hasText: "/duraton_s" });
+  await unknown.waitFor();
+  assert.match(await unknown.innerText(), /line 3/);
+  assert.match(await unknown.innerText(), /duration_s/); // what was meant
+  assert.ok((await page.locator(".gutter .bad").allInnerTexts()).includes("3"));
+  await unknown.click();
+  const selected = await area.evaluate((box) => box.value.slice(box.selectionStart, box.selectionEnd));
+  assert.match(selected, /^"duraton_s": 6$/);
+
+  await area.fill(good.replace('"duration_s": 6', '"duration_s": six'));
+  await page.locator(".faults button", { hasText: "line 3" }).waitFor();
+  await page.getByText("1 fault to mend").waitFor();
+
+  await area.fill(good);
+  await page.getByText("Ready:").waitFor();
+  assert.equal(await page.locator(".gutter .bad").count(), 0);
+});
+
+test("a past run is where the next one begins", async (t) => {
+  const d = await daemon(t);
+  const example = (await d.get("/v1/examples/example-2")).json;
+  const run = await d.submit({ ...example, duration_s: 0.05 }, { model: "micro", label: "before" });
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d);
+  await visit(page, `#/runs/${run.id}`);
+  await page.getByRole("link", { name: "Run again with changes" }).click();
+  await page.getByText("Ready: every part by itself, 0.05 s.").waitFor();
+  assert.equal(await page.getByLabel("Obstacle angle").inputValue(), "90");
+  assert.equal(await page.getByLabel("Label").inputValue(), "before");
+  assert.equal(await page.getByRole("button", { name: "Microscopic" }).getAttribute("aria-pressed"), "true");
+});
