@@ -2,6 +2,8 @@
 
 #include "api/exchange_priv.h"
 #include "api/handlers.h"
+#include "api/idempotency.h"
+#include "api/prefer.h"
 #include "api/run_json.h"
 #include "api/submission.h"
 #include "core/base/memory.h"
@@ -9,8 +11,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { RUN_JSON_MAX = 16384 }; // bytes that hold any run as JSON
 
 static const char *const body_types[] = { "application/json", NULL };
 
@@ -26,56 +26,90 @@ static bf_status read_submission(exchange *x, api_submission *ret_submission, bf
     return status;
 }
 
-static bf_status write_run(exchange *x, const api_run *record, bf_error *err)
+// A key makes of this body the same request, however often it comes.
+static bf_status read_key(const exchange *x, api_submission *submission, bf_error *err)
 {
-    json_out w = json_out_to(&x->response->body);
-
-    json_out_object(&w);
-    run_json_members(&w, record);
-    json_out_object_end(&w);
-    return json_out_status(&w, err);
+    submission->body = x->request->body;
+    submission->n_body = x->request->n_body;
+    return idempotency_read_key(exchange__header(x, "Idempotency-Key"), submission->key, err);
 }
 
-// The answer to a submission: the run as it is now, which may still be waited for.
-static bf_status answer_accepted(exchange *x, const api_run *record, bf_error *err)
+// The head of the answer to a submission.
+static void answer_head(exchange *x, const char *id, uint64_t revision)
 {
     x->response->status = 201;
-    api_response_header(x->response, "Location", "/v1/runs/%s", record->id);
-    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", record->revision);
-    exchange__prefer_wait(x, record);
-    return write_run(x, record, err);
+    api_response_header(x->response, "Location", "/v1/runs/%s", id);
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision);
+}
+
+// The run as it is now. False: it is gone or cannot be read.
+static bool answer_now(exchange *x, const char *id)
+{
+    api_run record;
+
+    if (x->services->find(x->services->context, id, &record, NULL) != BF_OK ||
+        run_json_write(&record, &x->response->body, NULL) != BF_OK)
+        return false;
+    answer_head(x, id, record.revision);
+    exchange__prefer_wait(x, &record);
+    return true;
+}
+
+// Who prefers to wait is shown the run as it is, also where the first answer is given again.
+static void answer_accepted(exchange *x, api_acceptance *accepted)
+{
+    unsigned seconds = 0;
+    bool waits = prefer_wait(exchange__header(x, "Prefer"), &seconds);
+
+    if (accepted->is_replay)
+        api_response_header(x->response, "Idempotent-Replayed", "true");
+    if (waits && answer_now(x, accepted->id)) {
+        buffer_fini(&accepted->answer);
+        return;
+    }
+    buffer_fini(&x->response->body);
+    x->response->body = accepted->answer;
+    answer_head(x, accepted->id, accepted->revision);
 }
 
 static bf_status answer_waited(exchange *x, bf_error *err)
 {
-    api_run record;
+    if (answer_now(x, x->request->waited->run))
+        return BF_OK;
+    return bf_fail(err, BF_ENOTFOUND, "", "the run is gone");
+}
 
-    bf_status status =
-        x->services->find(x->services->context, x->request->waited->run, &record, err);
-    return status == BF_OK ? answer_accepted(x, &record, err) : status;
+// Nothing that can fail comes after the submission: a run that was accepted must not be answered
+// with a failure.
+static bf_status submit(exchange *x, const api_submission *submission, bf_error *err)
+{
+    api_acceptance accepted = { 0 };
+
+    bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
+    if (status == BF_EINPUT)
+        x->refusal = 422; // the key came with another body before
+    if (status == BF_ELIMIT)
+        x->refusal = 429;
+    if (status == BF_OK)
+        answer_accepted(x, &accepted);
+    return status;
 }
 
 bf_status handlers_runs_submit(exchange *x, bf_error *err)
 {
     api_submission submission = { 0 };
-    api_run record;
 
     if (x->request->waited != NULL)
         return answer_waited(x, err);
     bf_status status = read_submission(x, &submission, err);
-    if (status != BF_OK)
-        return status;
+    if (status == BF_OK)
+        status = read_key(x, &submission, err);
     if (x->request->client != NULL)
         snprintf(submission.client, sizeof submission.client, "%s", x->request->client);
-    // Room for the answer comes first: a run that was accepted must not be answered with a failure.
-    if (buffer_reserve(&x->response->body, RUN_JSON_MAX) == NULL)
-        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
-    else
-        status = x->services->submit(x->services->context, &submission, &record, err);
+    if (status == BF_OK)
+        status = submit(x, &submission, err);
     submission_fini(&submission);
-    if (status == BF_ELIMIT)
-        x->refusal = 429;
-    return status == BF_OK ? answer_accepted(x, &record, err) : status;
+    return status;
 }
 
 bf_status handlers_runs_validate(exchange *x, bf_error *err)
@@ -189,7 +223,7 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
     exchange__let_revalidate(x);
     if (exchange__is_known(x, "r%" PRIu64, record.revision) || !has_state)
         exchange__wait(x, &record, (unsigned)seconds, has_state);
-    return write_run(x, &record, err);
+    return run_json_write(&record, &x->response->body, err);
 }
 
 bf_status handlers_runs_cancel(exchange *x, bf_error *err)
@@ -204,7 +238,7 @@ bf_status handlers_runs_cancel(exchange *x, bf_error *err)
     if (status != BF_OK)
         return status;
     x->response->status = run_state_is_end(record.state) ? 200 : 202;
-    return write_run(x, &record, err);
+    return run_json_write(&record, &x->response->body, err);
 }
 
 bf_status handlers_runs_remove(exchange *x, bf_error *err)

@@ -95,6 +95,12 @@ BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, s
                                         const results_timing *timing, bf_buffer *out,
                                         bf_error *err);
 
+/// Append the summary of a run whose results are those of another one: the other's, but with its own
+/// scenario, a resolved document, and `cached`. BF_ECORRUPT: summary is none of results_summary().
+BF_MUST_CHECK bf_status results_summary_cached(const char *summary, size_t n_summary,
+                                               const char *scenario, size_t n_scenario,
+                                               bf_buffer *out, bf_error *err);
+
 /// Read a curve from CSV text (header "t_s,<id>,..." or "t_s,count"): the column named id, or the
 /// first one if id is NULL. Arrays are appended to *t and *parts as doubles, and the line of each
 /// sample to *lines (NULL: not wanted) as size_t. BF_EINPUT: err->pointer is "/line/<number>", from 1.

@@ -76,5 +76,16 @@ void run_json_members(json_out *w, const api_run *record)
     run_json_time(w, "finished_at", record->finished_ms);
     json_out_key_number(w, "eta_s", record->eta_s);
     run_json_error(w, &record->error);
+    json_out_key_bool(w, "cached", record->is_cached);
     write_links(w, record->id, record->model);
+}
+
+bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err)
+{
+    json_out w = json_out_to(out);
+
+    json_out_object(&w);
+    run_json_members(&w, record);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
 }

@@ -8,8 +8,11 @@
 #include <stdint.h>
 
 /// Write the members of a run into the object that is open: id, status, progress, model, label,
-/// priority, name, created_at, started_at, finished_at, eta_s, error, links.
+/// priority, name, created_at, started_at, finished_at, eta_s, error, cached, links.
 void run_json_members(json_out *w, const api_run *record);
+
+/// Append the run as an object.
+BF_MUST_CHECK bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err);
 
 /// Write the member error: null, or {"code", "pointer", "detail"}.
 void run_json_error(json_out *w, const bf_error *error);

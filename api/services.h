@@ -22,6 +22,7 @@ enum {
     API_PRIORITY_MAX = 100,      ///< priorities go from -100 to 100, higher first
     API_LIST_MAX = 200,          ///< runs a page of a list
     API_STREAM_RUNS_MAX = 32,    ///< runs one event stream can follow
+    API_KEY_SIZE = 256,          ///< bytes of an idempotency key with its terminator
     API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
     API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
 };
@@ -44,6 +45,7 @@ typedef struct api_run {
     uint64_t n_snapshots;       ///< stored snapshots
     uint64_t last_event;        ///< id of the newest event of the run; 0: none
     bool has_summary;           ///< summary.json is there
+    bool is_cached;             ///< its results are those of a run before it
     bf_error error;             ///< code BF_OK: none
 } api_run;
 
@@ -56,7 +58,21 @@ typedef struct api_submission {
     bf_buffer scenario;           ///< the resolved document
     bf_buffer columns;            ///< of the curve, from scenario_columns()
     char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
+    bool is_fresh;                ///< to be solved even if the results are known
+    bf_buffer identity;           ///< what the results follow from, next to model and solver: the
+                                  ///< resolved document without its name; empty: never shared
+    char key[API_KEY_SIZE];       ///< the client's idempotency key, "" if none
+    const char *body; ///< with a key: what else must be the same, n_body bytes; borrowed
+    size_t n_body;    ///< bytes
 } api_submission;
+
+/// What became of a submission. Zero-initialise; free with buffer_fini(&answer).
+typedef struct api_acceptance {
+    char id[API_ID_SIZE]; ///< of the run
+    uint64_t revision;    ///< of the run when it was accepted
+    bool is_replay;       ///< the key was used before: this is the first answer again
+    bf_buffer answer;     ///< the run as JSON when it was accepted
+} api_acceptance;
 
 /// Which runs a list shows; newest first.
 typedef struct api_list_query {
@@ -165,10 +181,11 @@ typedef bf_status api_event_take(void *context, const api_event *event, bf_error
 /// The table. context is given to every function.
 typedef struct api_services {
     void *context; ///< first argument of every function
-    /// Accept a run: durable when this returns. BF_EBUSY: the queue is full; BF_ELIMIT: the client's
-    /// share of it is.
-    bf_status (*submit)(void *context, const api_submission *submission, api_run *ret_run,
-                        bf_error *err);
+    /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the
+    /// caller's. BF_EBUSY: the queue is full; BF_ELIMIT: the client's share of it is; BF_EINPUT: the
+    /// key was used with another body; BF_ECONFLICT: a submission with the key is under way.
+    bf_status (*submit)(void *context, const api_submission *submission,
+                        api_acceptance *ret_acceptance, bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
     bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);

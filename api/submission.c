@@ -14,6 +14,7 @@ typedef struct body {
     run_model model;
     char label[API_LABEL_SIZE];
     int priority;
+    bool is_fresh;
 } body;
 
 static const member_range priorities = { .text = "-100 to 100",
@@ -44,6 +45,11 @@ static const member members[] = {
       .range = &priorities,
       .standard = "0",
       .help = "higher ones first" },
+    { .name = "fresh",
+      .kind = MEMBER_BOOL,
+      .offset = offsetof(body, is_fresh),
+      .standard = "false",
+      .help = "solve it even if the results are known" },
 };
 
 const member_table submission_members = { .title = "submission",
@@ -73,15 +79,26 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_e
     return json_in_status(in, err);
 }
 
+// A name is for people: scenarios that differ in nothing else have the same results.
+static bf_status write_identity(const scene *s, bf_buffer *out, bf_error *err)
+{
+    scene nameless = *s;
+
+    nameless.name[0] = '\0';
+    return scenario_write(&nameless, out, err);
+}
+
 static bf_status make_submission(const body *b, api_submission *ret_submission, bf_error *err)
 {
-    api_submission made = { .model = b->model, .priority = b->priority };
+    api_submission made = { .model = b->model, .priority = b->priority, .is_fresh = b->is_fresh };
 
     snprintf(made.label, sizeof made.label, "%s", b->label);
     snprintf(made.name, sizeof made.name, "%s", b->scenario.name);
     bf_status status = scenario_write(&b->scenario, &made.scenario, err);
     if (status == BF_OK)
         status = scenario_columns(&b->scenario, &made.columns, err);
+    if (status == BF_OK)
+        status = write_identity(&b->scenario, &made.identity, err);
     if (status == BF_OK)
         *ret_submission = made;
     else
@@ -113,5 +130,6 @@ void submission_fini(api_submission *submission)
         return;
     buffer_fini(&submission->scenario);
     buffer_fini(&submission->columns);
+    buffer_fini(&submission->identity);
     *submission = (api_submission){ 0 };
 }

@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 enum { EXIT_SETTINGS = 2, FLAGS_MAX = 64, KEY_CONFIG = 256, KEY_PRINT, KEY_ROWS };
+enum { HOUR_MS = 3600 * 1000, DAY_MS = 24 * HOUR_MS };
 
 const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
 
@@ -213,7 +214,11 @@ static bf_status start_store(const config *c, parts *p, bf_error *err)
     const store_options options = { .directory = c->data,
                                     .queue_limit = c->queue_limit,
                                     .listener = on_commit,
-                                    .listener_context = &p->gate };
+                                    .listener_context = &p->gate,
+                                    .answers_ms = (int64_t)c->idempotency_hours * HOUR_MS,
+                                    .retention = { .age_ms = (int64_t)c->retention_days * DAY_MS,
+                                                   .n_runs = c->retention_runs,
+                                                   .n_bytes = c->retention_bytes } };
     return store_open(&options, &p->service.store, err);
 }
 

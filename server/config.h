@@ -23,6 +23,10 @@
     X(run_cpu_s, NUMBER, "86400", 0, 1e9, "CPU seconds of a run; 0: unlimited")                    \
     X(checkpoint_ms, NUMBER, "5000", 10, 3600000, "between checkpoints of a run")                  \
     X(queue_limit, NUMBER, "1000", 1, 1000000, "runs that may wait")                               \
+    X(idempotency_hours, NUMBER, "24", 1, 8760, "that answers to Idempotency-Key are kept")        \
+    X(retention_days, NUMBER, "0", 0, 36500, "that runs are kept after their end; 0: for ever")    \
+    X(retention_runs, NUMBER, "0", 0, 1e9, "ended runs that are kept; 0: all")                     \
+    X(retention_bytes, NUMBER, "0", 0, 1e15, "of the store that runs may fill; 0: no limit")       \
     X(stop_grace_ms, NUMBER, "5000", 0, 600000, "for runs to be handed back when stopping")        \
     X(http_threads, NUMBER, "2", 1, 64, "threads that serve connections")                          \
     X(request_threads, NUMBER, "8", 1, 256, "threads for requests that write to the store")        \

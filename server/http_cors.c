@@ -10,7 +10,7 @@ static const char request_headers[] = "Content-Type, Idempotency-Key, If-Match, 
                                       "X-Request-Id, traceparent";
 static const char response_headers[] =
     "Allow, Accept-Ranges, Content-Disposition, Content-Encoding, Content-Range, ETag, "
-    "Idempotency-Replayed, Link, Location, Preference-Applied, RateLimit, RateLimit-Policy, "
+    "Idempotent-Replayed, Link, Location, Preference-Applied, RateLimit, RateLimit-Policy, "
     "Retry-After, X-Request-Id, traceparent";
 static const char max_age_s[] = "7200"; // more is cut by browsers
 

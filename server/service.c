@@ -26,29 +26,29 @@ static bool is_queued(void *context, const char *run_id)
 }
 
 // Submits within the client's share of the queue.
-static bf_status submit_of_client(service *s, const api_submission *submission, api_run *ret_run,
-                                  bf_error *err)
+static bf_status submit_of_client(service *s, const api_submission *submission,
+                                  api_acceptance *ret_acceptance, bf_error *err)
 {
     bool is_limited = s->share != NULL && submission->client[0] != '\0';
 
     if (!is_limited)
-        return store_submit(s->store, submission, ret_run, err);
+        return store_submit(s->store, submission, ret_acceptance, err);
     bf_status status = queue_share_take(s->share, submission->client, is_queued, s, err);
     if (status != BF_OK)
         return status;
-    status = store_submit(s->store, submission, ret_run, err);
-    queue_share_settle(s->share, submission->client, status == BF_OK ? ret_run->id : NULL);
+    status = store_submit(s->store, submission, ret_acceptance, err);
+    queue_share_settle(s->share, submission->client, status == BF_OK ? ret_acceptance->id : NULL);
     return status;
 }
 
-static bf_status submit(void *context, const api_submission *submission, api_run *ret_run,
-                        bf_error *err)
+static bf_status submit(void *context, const api_submission *submission,
+                        api_acceptance *ret_acceptance, bf_error *err)
 {
     service *s = context;
 
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    bf_status status = submit_of_client(s, submission, ret_run, err);
+    bf_status status = submit_of_client(s, submission, ret_acceptance, err);
     if (status == BF_OK)
         supervisor_wake(s->supervisor);
     return status;

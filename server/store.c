@@ -7,7 +7,10 @@
 //     store_thread.c      the thread that writes
 //     store_pool.c        the connections that read
 //     store_row.c         a run's row, its moves and events
-//     store_write.c       submit, finish, cancel, remove
+//     store_submit.c      submit
+//     store_answers.c     the first answers to idempotency keys
+//     store_results.c     results that runs share
+//     store_write.c       finish, cancel, remove
 //     store_claim.c       claim
 //     store_append.c      append
 //     store_blob.c        compression, chunks
@@ -15,6 +18,9 @@
 //     store_read_*.c      snapshots, events
 //     store_measurements.c  measured curves
 //     store_ready.c       the write test
+//     store_care.c        what is removed by itself
+//     store_backup.c      a copy of a store
+//     store_verify.c      the invariants as questions to a store
 //
 // Where each invariant of store.h is kept:
 //
@@ -27,29 +33,23 @@
 //   I6  store_schema.c: AUTOINCREMENT.
 //   I7  store_append.c, store_row.c: events are inserted by the operation that they tell of.
 //   I8  requeue_all() below.
-//   I9  store_schema.c: every table of runs refers to them with ON DELETE CASCADE.
-//   I10 store_measurements.c: one row each, with its samples, and no statement that updates it.
+//   I9  store_schema.c: tables refer to runs or results with ON DELETE CASCADE. store__remove_row()
+//       begins what store__sweep_results() ends; store_care.c looks for what was left over.
+//   I10 store_results.c: only complete sets are found, and store__sweep_results() spares what a run
+//       still has.
+//   I11 store_submit.c: one operation looks for the answer, makes the run and keeps the answer.
+//   I12 store_care.c: OLDEST_ENDED chooses.
+//   I13 store_measurements.c: one row each, with its samples, and no statement that updates it.
 
 #include "server/store.h"
 
 #include "core/base/memory.h"
 #include "server/log.h"
-#include "server/store_priv.h"
+#include "server/store_share_priv.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-static bf_status find_running(store__connection *writer, store__row *ret_row, bool *ret_has_row,
-                              bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_FIND_RUNNING);
-    bf_status status = store__next(&q, ret_has_row, err);
-    if (status == BF_OK && *ret_has_row)
-        store__read_row(&q, ret_row);
-    store__end(&q);
-    return status;
-}
 
 // What the daemon before was running goes back to the queue (I8).
 static bf_status requeue_all(store__connection *writer, int *ret_n, bf_error *err)
@@ -60,7 +60,7 @@ static bf_status requeue_all(store__connection *writer, int *ret_n, bf_error *er
     int n = 0;
 
     while (status == BF_OK) {
-        status = find_running(writer, &row, &has_row, err);
+        status = store__find_first(writer, STORE__SQL_FIND_RUNNING, &row, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
         status = store__move_row(writer, &row, RUN_QUEUED, err);
@@ -70,13 +70,20 @@ static bf_status requeue_all(store__connection *writer, int *ret_n, bf_error *er
     return status;
 }
 
+static bf_status mend(store__connection *writer, int *ret_n_requeued, bf_error *err)
+{
+    bf_status status = store__disown_results(writer, err);
+
+    return status == BF_OK ? requeue_all(writer, ret_n_requeued, err) : status;
+}
+
 static bf_status recover(store__connection *writer, bf_error *err)
 {
     int n = 0;
 
     bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
     if (status == BF_OK)
-        status = store__end_transaction(writer, requeue_all(writer, &n, err), err);
+        status = store__end_transaction(writer, mend(writer, &n, err), err);
     if (status == BF_OK && n > 0)
         log_event(LOG_LEVEL_INFO, "runs_requeued", "runs=%d", n);
     return status;
@@ -98,6 +105,9 @@ static store *create(const store_options *options)
     if (s == NULL)
         return NULL;
     s->queue_limit = options->queue_limit;
+    s->answers_ms = options->answers_ms == 0 ? STORE__ANSWERS_MS : options->answers_ms;
+    s->retention = options->retention;
+    s->care.every_ms = options->care_ms == 0 ? STORE__CARE_MS : options->care_ms;
     s->listener = options->listener;
     s->listener_context = options->listener_context;
     s->lock_file = -1;

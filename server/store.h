@@ -12,8 +12,14 @@
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
 ///   I7  An event becomes visible in the same transaction as what it tells of.
 ///   I8  After store_open() no run is `running`: those of the daemon before are queued again.
-///   I9  A removed run leaves no row behind.
-///   I10 A measurement is there with all its samples or not at all, never changes, and lives until
+///   I9  A removed run leaves no row behind. Results that other runs share go with the last of them,
+///       large ones step by step: what a crash leaves over of them is deleted after the next start.
+///   I10 Samples, snapshots and their grids belong to sets of results. Each run has one set; a set that
+///       several runs have is that of a run that succeeded, and never changes again.
+///   I11 The answer to an idempotency key is stored with the run that it tells of, in one transaction;
+///       while it is kept, the key makes no second run.
+///   I12 What the store removes by itself has ended, and there is no run that ended before it.
+///   I13 A measurement is there with all its samples or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
@@ -36,12 +42,22 @@ typedef struct store store;
 /// and must not call the store.
 typedef void store_listener(void *context, const char *run_id);
 
+/// Which runs that have ended are removed, the one that ended first before all others. 0: no limit.
+typedef struct store_retention {
+    int64_t age_ms;   ///< since it ended, at most
+    uint64_t n_runs;  ///< that have ended, at most
+    uint64_t n_bytes; ///< in use in the file, at most; free pages in it are used again
+} store_retention;
+
 /// How to open a store.
 typedef struct store_options {
-    const char *directory;    ///< data directory, created if missing; holds beltflow.db
-    size_t queue_limit;       ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
-    store_listener *listener; ///< NULL: none
-    void *listener_context;   ///< given to it
+    const char *directory;     ///< data directory, created if missing; holds beltflow.db
+    size_t queue_limit;        ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
+    store_listener *listener;  ///< NULL: none
+    void *listener_context;    ///< given to it
+    int64_t answers_ms;        ///< how long answers to idempotency keys are kept; 0: a day
+    store_retention retention; ///< what is removed by itself
+    int64_t care_ms;           ///< between looks at what is to be removed; 0: a minute
 } store_options;
 
 /// Open or create the store, migrate its schema forwards, and queue again what was running (I8).
@@ -52,9 +68,13 @@ BF_MUST_CHECK bf_status store_open(const store_options *options, store **ret_sto
 /// returns NULL.
 store *store_close(store *s);
 
-/// Accept a run: a new id, state queued, its first status event.
-BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission, api_run *ret_run,
-                                     bf_error *err);
+/// Accept a run: a new id, state queued, its first status event; where the results are known and the
+/// submission does not want them fresh, state succeeded with all that it has. See api_services.submit.
+BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
+                                     api_acceptance *ret_acceptance, bf_error *err);
+
+/// From now on keep to other limits.
+void store_set_retention(store *s, const store_retention *retention);
 
 /// A claimed run. Buffers are the caller's: store_job_fini().
 typedef struct store_job {
@@ -126,7 +146,7 @@ BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_r
 /// supervisor to stop. BF_ECONFLICT: it has ended.
 BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err);
 
-/// Remove a run that is not running, with all it has (I9). BF_ECONFLICT: it is running.
+/// Remove a run that is not running, with all it has alone (I9). BF_ECONFLICT: it is running.
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, bf_error *err);
 
 /// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and

@@ -108,7 +108,7 @@ static bf_status insert_samples(store__connection *writer, append_context *conte
                                 const frame_curve *c, bf_error *err)
 {
     store__query q = store__begin(writer, STORE__SQL_INSERT_SAMPLES);
-    store__bind_integer(&q, context->row.number);
+    store__bind_integer(&q, context->row.results);
     store__bind_integer(&q, (int64_t)c->first);
     store__bind_integer(&q, c->n);
     store__bind_blob(&q, c->t, c->n * sizeof(double));
@@ -127,7 +127,8 @@ static bf_status tell_rest(store__connection *writer, append_context *context,
 
     bf_status status = events_curve(context->row.run.id, rest, context->columns.bytes, &data, err);
     if (status == BF_OK)
-        status = store__insert_event(writer, &context->row, API_EVENT_CURVE, 0, &data, err);
+        status =
+            store__insert_event(writer, &context->row, API_EVENT_CURVE, rest->first, &data, err);
     buffer_fini(&data);
     return status;
 }
@@ -155,7 +156,8 @@ static bf_status append_curve(store__connection *writer, append_context *context
         return status;
     if (n_known > 0)
         return tell_rest(writer, context, &rest, err);
-    return store__insert_event(writer, &context->row, API_EVENT_CURVE, 0, &item->event, err);
+    return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
+                               err);
 }
 
 static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
@@ -185,11 +187,11 @@ static bf_status check_snapshot(const store__row *row, const store_item *item, b
     return check_parts(&row->parts, item, err);
 }
 
-static bf_status insert_snapshot(store__connection *writer, int64_t number,
+static bf_status insert_snapshot(store__connection *writer, int64_t results,
                                  const api_snapshot *snapshot, bf_error *err)
 {
     store__query q = store__begin(writer, STORE__SQL_INSERT_SNAPSHOT);
-    store__bind_integer(&q, number);
+    store__bind_integer(&q, results);
     store__bind_integer(&q, (int64_t)snapshot->index);
     store__bind_real(&q, snapshot->t);
     store__bind_real(&q, snapshot->peak);
@@ -207,12 +209,12 @@ static bf_status append_snapshot(store__connection *writer, append_context *cont
     bf_status status = check_snapshot(row, item, err);
     if (status != BF_OK || index < row->run.n_snapshots)
         return status;
-    status = insert_snapshot(writer, row->number, &item->snapshot, err);
+    status = insert_snapshot(writer, row->results, &item->snapshot, err);
     if (status == BF_OK)
-        status = store__insert_chunks(writer, row->number, STORE__BLOB_SNAPSHOT, index,
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index,
                                       packed_grid(context, i), err);
     if (status == BF_OK)
-        status = store__insert_chunks(writer, row->number, STORE__BLOB_PARTS, index,
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
                                       packed_parts(context, i), err);
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
@@ -244,9 +246,9 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     if (batch->checkpoint == NULL)
         return BF_OK;
     row->checkpoint_step = batch->step;
-    bf_status status = store__delete_chunks(writer, row->number, STORE__BLOB_CHECKPOINT, 0, err);
+    bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
     if (status == BF_OK)
-        status = store__insert_chunks(writer, row->number, STORE__BLOB_CHECKPOINT, 0,
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0,
                                       packed_checkpoint(context), err);
     return status;
 }

@@ -74,10 +74,10 @@ static bf_status insert_chunk(store__connection *writer, const int64_t key[4], c
     return store__run(&q, err);
 }
 
-bf_status store__insert_chunks(store__connection *writer, int64_t number, store__blob kind,
+bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
                                uint64_t item, const bf_buffer *packed, bf_error *err)
 {
-    int64_t key[4] = { number, kind, (int64_t)item, 0 };
+    int64_t key[4] = { results, kind, (int64_t)item, 0 };
     bf_status status = BF_OK;
 
     for (size_t at = 0; at < packed->n && status == BF_OK; at += STORE__CHUNK_BYTES, key[3]++) {
@@ -88,23 +88,23 @@ bf_status store__insert_chunks(store__connection *writer, int64_t number, store_
     return status;
 }
 
-static store__query begin_blob(store__connection *c, store__sql sql, int64_t number,
+static store__query begin_blob(store__connection *c, store__sql sql, int64_t results,
                                store__blob kind, uint64_t item)
 {
     store__query q = store__begin(c, sql);
-    store__bind_integer(&q, number);
+    store__bind_integer(&q, results);
     store__bind_integer(&q, kind);
     store__bind_integer(&q, (int64_t)item);
     return q;
 }
 
-bf_status store__get_chunks(store__connection *c, int64_t number, store__blob kind, uint64_t item,
+bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
                             bf_buffer *out, bf_error *err)
 {
     bool has_row = true;
     bf_status status = BF_OK;
 
-    store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, number, kind, item);
+    store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, results, kind, item);
     while (status == BF_OK && has_row) {
         status = store__next(&q, &has_row, err);
         if (status == BF_OK && has_row)
@@ -114,9 +114,9 @@ bf_status store__get_chunks(store__connection *c, int64_t number, store__blob ki
     return status;
 }
 
-bf_status store__delete_chunks(store__connection *writer, int64_t number, store__blob kind,
+bf_status store__delete_chunks(store__connection *writer, int64_t results, store__blob kind,
                                uint64_t item, bf_error *err)
 {
-    store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, number, kind, item);
+    store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, results, kind, item);
     return store__run(&q, err);
 }

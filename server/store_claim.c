@@ -21,11 +21,7 @@ static bf_status find_next(store__connection *reader, store__row *ret_row, bf_er
 {
     bool has_row = false;
 
-    store__query q = store__begin(reader, STORE__SQL_NEXT_QUEUED);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        store__read_row(&q, ret_row);
-    store__end(&q);
+    bf_status status = store__find_first(reader, STORE__SQL_NEXT_QUEUED, ret_row, &has_row, err);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
     return status;
@@ -46,7 +42,7 @@ static bf_status read_next(store__connection *reader, store_job *job, bf_buffer 
     if (status == BF_OK)
         status = store__get_text(reader, row.number, STORE__TEXT_COLUMNS, &job->columns, err);
     if (status == BF_OK)
-        status = store__get_chunks(reader, row.number, STORE__BLOB_CHECKPOINT, 0, packed, err);
+        status = store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, packed, err);
     return status;
 }
 

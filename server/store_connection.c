@@ -10,6 +10,7 @@
 enum {
     WAL_PAGES_PASSIVE = 1000,  // copied to the database without waiting for anyone
     WAL_PAGES_RESTART = 16384, // 64 MiB: wait for the readers, so that the log starts again
+    RESTART_MS = 500,          // how long; our own are quicker, and a backup takes longer anyway
 };
 
 static const char *const statement_texts[STORE__SQL_COUNT] = {
@@ -19,8 +20,10 @@ static const char *const statement_texts[STORE__SQL_COUNT] = {
 };
 
 static const char *const settings[] = {
+    // Debian's SQLite would overwrite with zeros what is deleted, which costs as much as writing it.
     [STORE__READ_WRITE] = "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
-                          "PRAGMA temp_store = MEMORY; PRAGMA journal_size_limit = 16777216",
+                          "PRAGMA secure_delete = FAST; PRAGMA temp_store = MEMORY;"
+                          "PRAGMA journal_size_limit = 16777216",
     [STORE__READ_ONLY] = "PRAGMA wal_autocheckpoint = 0; PRAGMA query_only = ON;"
                          "PRAGMA temp_store = MEMORY",
 };
@@ -62,14 +65,22 @@ bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
 }
 
 // The commit is done and must not fail any more, so what a checkpoint returns does not count: the
-// next one tries again, and a full disk shows when the log cannot grow.
+// next one tries again, and a full disk shows when the log cannot grow. While a backup reads, the log
+// cannot start again; it is tried once for each 64 MiB that it grows by, not at every commit.
 static int checkpoint_log(void *context, sqlite3 *db, const char *name, int n_pages)
 {
-    (void)context;
-    if (n_pages >= WAL_PAGES_RESTART)
+    store__connection *writer = context;
+
+    if (n_pages < WAL_PAGES_RESTART)
+        writer->restart_pages = WAL_PAGES_RESTART;
+    if (n_pages >= writer->restart_pages) {
+        sqlite3_busy_timeout(db, RESTART_MS);
         sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_RESTART, NULL, NULL);
-    else if (n_pages >= WAL_PAGES_PASSIVE)
+        sqlite3_busy_timeout(db, STORE__BUSY_MS);
+        writer->restart_pages = n_pages + WAL_PAGES_RESTART;
+    } else if (n_pages >= WAL_PAGES_PASSIVE) {
         sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    }
     return SQLITE_OK;
 }
 
@@ -89,9 +100,9 @@ bf_status store__connect(const char *path, store__access access, store__connecti
         sqlite3_close(db);
         return status;
     }
+    *ret_connection = (store__connection){ .db = db, .restart_pages = WAL_PAGES_RESTART };
     if (access == STORE__READ_WRITE)
-        sqlite3_wal_hook(db, checkpoint_log, NULL);
-    *ret_connection = (store__connection){ .db = db };
+        sqlite3_wal_hook(db, checkpoint_log, ret_connection);
     return BF_OK;
 }
 

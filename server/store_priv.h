@@ -2,33 +2,26 @@
 
 #pragma once
 
+#include "core/base/sha256.h"
 #include "server/lock.h"
 #include "server/store.h"
-#include "server/store_sql.h"
+#include "server/store_connection_priv.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-struct sqlite3;
-struct sqlite3_stmt;
-
 enum {
     STORE__READERS_MAX = 8,            ///< connections that read at once
     STORE__PATH_SIZE = 1024,           ///< bytes of a path with its terminator
-    STORE__BUSY_MS = 5000,             ///< how long SQLite waits for a lock of its own
     STORE__CHUNK_BYTES = 256 * 1024,   ///< of a blob that is stored in one row
+    STORE__SWEEP_CHUNKS = 64,          ///< that are deleted in one transaction
+    STORE__ANSWERS_MAX = 100000,       ///< answers that are kept for requests that come again
+    STORE__ANSWERS_MS = 86400000,      ///< how long they are kept, unless asked for otherwise
+    STORE__CARE_MS = 60000,            ///< between looks at what is to be removed
     STORE__READY_MS = 1000,            ///< how long a write test counts
     STORE__FREE_MIN = 64 * 1024 * 1024 ///< bytes that must be free on the disk to be ready
 };
-
-/// The statements of store_sql.h.
-typedef enum store__sql {
-#define X(name, text) STORE__SQL_##name,
-    STORE__SQL_LIST(X)
-#undef X
-        STORE__SQL_COUNT
-} store__sql;
 
 /// Kinds of texts. The values stand in the store: never renumber.
 typedef enum store__text {
@@ -44,25 +37,12 @@ typedef enum store__blob {
     STORE__BLOB_PARTS,      ///< item: index of the snapshot that they belong to
 } store__blob;
 
-/// A connection with its prepared statements. Zero-initialise.
-typedef struct store__connection {
-    struct sqlite3 *db;                                ///< NULL: not open
-    struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
-} store__connection;
-
-/// What a connection may do.
-typedef enum store__access {
-    STORE__READ_WRITE, ///< the writer's; there is one (I2)
-    STORE__READ_ONLY,  ///< a reader's
-} store__access;
-
-/// A use of a statement. A failure is remembered: further calls do nothing and store__next() tells.
-typedef struct store__query {
-    store__connection *connection;  ///< whose statement it is
-    struct sqlite3_stmt *statement; ///< NULL: could not be prepared
-    int n_bound;                    ///< parameters so far
-    int code;                       ///< SQLite's first failure
-} store__query;
+/// Where a set of results is in its life. The values stand in the store: never renumber.
+typedef enum store__results {
+    STORE__RESULTS_OPEN,      ///< its run is not solved, and may never be
+    STORE__RESULTS_COMPLETE,  ///< its run succeeded: others may share it (I10)
+    STORE__RESULTS_LEFT_OVER, ///< no run has it any more: it is being deleted
+} store__results;
 
 typedef struct store__operation store__operation;
 
@@ -82,6 +62,21 @@ struct store__operation {
     store__operation *next;    ///< in the queue
 };
 
+/// A key that a request uses at the moment; on its caller's stack.
+typedef struct store__key {
+    const char *route;                 ///< keys of different routes are different keys
+    const char *text;                  ///< the key; "": none
+    unsigned char digest[SHA256_SIZE]; ///< of the request's body
+    struct store__key *next;           ///< in the store's list
+} store__key;
+
+/// What the store's thread does by itself.
+typedef struct store__care {
+    int64_t every_ms;    ///< between two turns
+    int64_t next_ms;     ///< monotonic; nothing is done before
+    bool has_complained; ///< of a limit that cannot be kept
+} store__care;
+
 /// The connections that read.
 typedef struct store__pool {
     lock lock;                                     ///< guards is_taken
@@ -95,6 +90,7 @@ struct store {
     char directory[STORE__PATH_SIZE]; ///< of the data
     char path[STORE__PATH_SIZE];      ///< of the database
     size_t queue_limit;               ///< see store_options
+    int64_t answers_ms;               ///< see store_options
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
     int lock_file;                    ///< descriptor that holds the flock; -1: none
@@ -108,6 +104,9 @@ struct store {
     store__operation *first;          ///< queue of operations
     store__operation *last;           ///< its end; NULL if empty
     bool is_stopping;                 ///< no further operations
+    store__key *keys;                 ///< of the submissions under way
+    store_retention retention;        ///< see store_options
+    store__care care;                 ///< the store's thread's
     int64_t ready_until_ms;           ///< monotonic; until then ready_status counts
     bf_status ready_status;           ///< of the last write test
     bf_error ready_error;             ///< of a status that is not BF_OK
@@ -121,6 +120,7 @@ typedef struct store__row {
     uint64_t checkpoint_step; ///< 0 if there is none
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
     api_parts parts;          ///< of the snapshots; n_values = 0: none
+    int64_t results;          ///< key of samples, snapshots and chunks, which other runs may share
 } store__row;
 
 /// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM:
@@ -130,50 +130,13 @@ BF_MUST_CHECK bf_status store__take_directory(store *s, bf_error *err);
 /// Bytes that the disk of the directory has left for us.
 BF_MUST_CHECK bf_status store__free_bytes(const store *s, uint64_t *ret_bytes, bf_error *err);
 
-/// Open the database at path. The caller gives *ret_connection to store__disconnect().
-BF_MUST_CHECK bf_status store__connect(const char *path, store__access access,
-                                       store__connection *ret_connection, bf_error *err);
+/// The texts that bring a store from version i to i + 1, and the version of this program.
+extern const char *const store__migrations[];
+extern const int store__version;
 
-/// Finalise the statements and close. A connection that is not open is fine.
-void store__disconnect(store__connection *c);
-
-/// Turn a result code of SQLite into an error, with SQLite's own text where there is one.
-bf_status store__fail(struct sqlite3 *db, int code, bf_error *err);
-
-/// Begin to use a statement. End with store__end(), whatever happens between.
-store__query store__begin(store__connection *c, store__sql sql);
-
-/// Bind the next parameter. Texts and blobs are the caller's and must stay until store__end().
-void store__bind_integer(store__query *q, int64_t value);
-void store__bind_real(store__query *q, double value); ///< not finite: NULL
-void store__bind_text(store__query *q, const char *text, size_t n);
-void store__bind_blob(store__query *q, const void *bytes, size_t n);
-
-/// Step to the next row, or to the end.
-BF_MUST_CHECK bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err);
-
-/// Done with the statement for now.
-void store__end(store__query *q);
-
-/// Step a statement without rows to its end, and end it.
-BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
-
-/// Run a statement that has neither parameters nor rows.
-BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err);
-
-/// A column of the present row; a NULL is NAN.
-double store__column_real(const store__query *q, int column);
-/// Copy a text column of the present row; NULL is "", too long a text is cut.
-void store__column_text(const store__query *q, int column, char *ret_text, size_t size);
-
-/// Append a text or blob column of the present row.
-BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
-                                            bf_error *err);
-
-/// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all.
-/// Returns status, or the failure of the commit.
-BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,
-                                               bf_error *err);
+/// Check that the file is a store of ours, not newer than this program, or empty: *ret_version 0.
+BF_MUST_CHECK bf_status store__identify(struct sqlite3 *db, const char *path, int *ret_version,
+                                        bf_error *err);
 
 /// Check that the file is a store of ours and bring its tables to this program's version.
 BF_MUST_CHECK bf_status store__migrate(store__connection *writer, const char *path, bf_error *err);
@@ -202,6 +165,10 @@ void store__give_reader(store *s, store__connection *reader);
 /// Read the run of the present row, selected as STORE__RUN_COLUMNS.
 void store__read_row(const store__query *q, store__row *ret_row);
 
+/// Read the first run of a statement without parameters, selected as STORE__RUN_COLUMNS.
+BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, store__row *ret_row,
+                                          bool *ret_has_row, bf_error *err);
+
 /// Find a run by its id. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,
                                         bf_error *err);
@@ -209,9 +176,14 @@ BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, st
 /// Write a changed run back, with a new revision.
 BF_MUST_CHECK bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err);
 
-/// Insert an event of a run; row->run.last_event follows. snapshot counts for API_EVENT_SNAPSHOT.
+/// Insert a run; row->number follows. What is not known before it runs is for store__tell_row().
+BF_MUST_CHECK bf_status store__insert_row(store__connection *writer, store__row *row,
+                                          bf_error *err);
+
+/// Insert an event of a run; row->run.last_event follows. item is the index of the snapshot or of the
+/// curve's first sample.
 BF_MUST_CHECK bf_status store__insert_event(store__connection *writer, store__row *row,
-                                            api_event_type type, uint64_t snapshot,
+                                            api_event_type type, uint64_t item,
                                             const bf_buffer *data, bf_error *err);
 
 /// Insert the status event of a run as it is, and the end event if it has ended, and save the row.
@@ -237,14 +209,23 @@ BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out,
 BF_MUST_CHECK bf_status store__unpack(const bf_buffer *packed, bf_buffer *out, bf_error *err);
 
 /// Insert a packed blob in chunks.
-BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t number,
+BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t results,
                                              store__blob kind, uint64_t item,
                                              const bf_buffer *packed, bf_error *err);
 
 /// Append the chunks of a packed blob to *out; nothing if there is none.
-BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t number, store__blob kind,
+BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind,
                                           uint64_t item, bf_buffer *out, bf_error *err);
 
 /// Delete a packed blob.
-BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t number,
+BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t results,
                                              store__blob kind, uint64_t item, bf_error *err);
+
+/// Find a snapshot's row. BF_ENOTFOUND.
+BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
+                                             uint64_t index, api_snapshot *ret_snapshot,
+                                             bf_error *err);
+
+/// Under the store's lock, which is given meanwhile: do one step of what the store's thread does by
+/// itself, if it is time.
+void store__take_care(store *s);

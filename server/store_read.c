@@ -162,14 +162,14 @@ static bf_status take_samples(const store__query *q, uint64_t first, api_curve *
     return BF_OK;
 }
 
-static bf_status read_samples(store__connection *reader, int64_t number, uint64_t first,
+static bf_status read_samples(store__connection *reader, int64_t results, uint64_t first,
                               api_curve *curve, bf_error *err)
 {
     bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q = store__begin(reader, STORE__SQL_LIST_SAMPLES);
-    store__bind_integer(&q, number);
+    store__bind_integer(&q, results);
     store__bind_integer(&q, (int64_t)first);
     while (status == BF_OK && has_row) {
         status = store__next(&q, &has_row, err);
@@ -193,7 +193,7 @@ static bf_status read_curve(store__connection *reader, const char *id, uint64_t 
     curve->n_columns = api_count_columns(&curve->columns);
     if (first >= row.run.n_samples)
         return BF_OK;
-    return read_samples(reader, row.number, first, curve, err);
+    return read_samples(reader, row.results, first, curve, err);
 }
 
 bf_status store_read_curve(store *s, const char *id, uint64_t first, api_curve *ret_curve,

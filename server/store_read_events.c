@@ -1,9 +1,10 @@
 // Reading events of several runs in the order of their ids. They are copied before they are given
 // away: whoever takes them may ask the store for more, and no reader waits for him.
 
-#include "server/store_priv.h"
+#include "server/store_share_priv.h"
 
 #include "core/base/check.h"
+#include "core/base/memory.h"
 
 #include <sqlite3.h>
 #include <string.h>
@@ -21,10 +22,10 @@ typedef struct kept_event {
 /// A merge of the events of several runs.
 typedef struct event_merge {
     size_t n_runs;
-    int64_t numbers[API_STREAM_RUNS_MAX]; ///< of the runs
-    uint64_t heads[API_STREAM_RUNS_MAX];  ///< id of each run's next event; 0: none
-    bf_buffer kept;                       ///< kept_event
-    bf_buffer data;                       ///< of all of them
+    store__row *rows;                    ///< of the runs; number 0: there is none any more
+    uint64_t heads[API_STREAM_RUNS_MAX]; ///< id of each run's next event; 0: none
+    bf_buffer kept;                      ///< kept_event
+    bf_buffer data;                      ///< of all of them
 } event_merge;
 
 static bf_status find_head(store__connection *reader, event_merge *merge, size_t which,
@@ -33,7 +34,7 @@ static bf_status find_head(store__connection *reader, event_merge *merge, size_t
     bool has_row = false;
 
     store__query q = store__begin(reader, STORE__SQL_NEXT_EVENT);
-    store__bind_integer(&q, merge->numbers[which]);
+    store__bind_integer(&q, merge->rows[which].number);
     store__bind_integer(&q, (int64_t)after);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
@@ -53,6 +54,9 @@ static bf_status keep_row(const store__query *q, event_merge *merge, size_t whic
     };
 
     bf_status status = store__column_bytes(q, 2, &merge->data, err);
+    if (status == BF_OK && merge->data.n == kept.at)
+        status = store__tell_shared(q->connection, &merge->rows[which], kept.type, kept.snapshot,
+                                    &merge->data, err);
     if (status != BF_OK)
         return status;
     kept.n = merge->data.n - kept.at;
@@ -94,14 +98,13 @@ static bf_status begin_merge(store__connection *reader, const char (*runs)[API_I
                              uint64_t after, event_merge *merge, bf_error *err)
 {
     bf_status status = BF_OK;
-    store__row row;
 
     for (size_t i = 0; i < merge->n_runs && status == BF_OK; i++) {
-        bf_status found = store__find_row(reader, runs[i], &row, err);
+        store__row *row = &merge->rows[i];
+        bf_status found = store__find_row(reader, runs[i], row, err);
         if (found == BF_ENOTFOUND)
             continue;
-        merge->numbers[i] = row.number;
-        status = found == BF_OK && row.run.last_event > after
+        status = found == BF_OK && row->run.last_event > after
                      ? find_head(reader, merge, i, after, err)
                      : found;
     }
@@ -153,13 +156,17 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
     event_merge merge = { .n_runs = n_runs };
 
     BF_CHECK(n_runs <= API_STREAM_RUNS_MAX);
+    merge.rows = memory_alloc(n_runs, sizeof *merge.rows);
+    if (merge.rows == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = store__take_reader(s, &reader, err);
-    if (status != BF_OK)
-        return status;
-    status = keep_events(reader, runs, after, limit_bytes, &merge, err);
-    store__give_reader(s, reader);
+    if (status == BF_OK) {
+        status = keep_events(reader, runs, after, limit_bytes, &merge, err);
+        store__give_reader(s, reader);
+    }
     if (status == BF_OK)
         status = give_events(&merge, runs, take, take_context, err);
+    memory_free(merge.rows);
     buffer_fini(&merge.kept);
     buffer_fini(&merge.data);
     return status;

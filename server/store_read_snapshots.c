@@ -12,14 +12,14 @@ static api_snapshot read_snapshot_row(const store__query *q)
     };
 }
 
-static bf_status read_items(store__connection *reader, int64_t number, api_snapshot_list *list,
+static bf_status read_items(store__connection *reader, int64_t results, api_snapshot_list *list,
                             bf_error *err)
 {
     bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q = store__begin(reader, STORE__SQL_LIST_SNAPSHOTS);
-    store__bind_integer(&q, number);
+    store__bind_integer(&q, results);
     while (status == BF_OK && has_row) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
@@ -44,7 +44,7 @@ static bf_status read_list(store__connection *reader, const char *id, api_snapsh
         return status;
     list->grid = row.grid;
     list->parts = row.parts;
-    return read_items(reader, row.number, list, err);
+    return read_items(reader, row.results, list, err);
 }
 
 bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list, bf_error *err)
@@ -64,13 +64,13 @@ bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_
     return status;
 }
 
-static bf_status find_snapshot(store__connection *reader, int64_t number, uint64_t index,
+bf_status store__find_snapshot(store__connection *reader, int64_t results, uint64_t index,
                                api_snapshot *ret_snapshot, bf_error *err)
 {
     bool has_row = false;
 
     store__query q = store__begin(reader, STORE__SQL_GET_SNAPSHOT);
-    store__bind_integer(&q, number);
+    store__bind_integer(&q, results);
     store__bind_integer(&q, (int64_t)index);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK && has_row)
@@ -98,9 +98,9 @@ static bf_status read_packed(store__connection *reader, const char *id, reading 
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
                        run_model_words[r->row.run.model]);
     if (status == BF_OK)
-        status = find_snapshot(reader, r->row.number, r->index, &r->snapshot, err);
+        status = store__find_snapshot(reader, r->row.results, r->index, &r->snapshot, err);
     if (status == BF_OK)
-        status = store__get_chunks(reader, r->row.number, r->kind, r->index, &r->packed, err);
+        status = store__get_chunks(reader, r->row.results, r->kind, r->index, &r->packed, err);
     return status;
 }
 

@@ -1,4 +1,4 @@
-#include "server/store_priv.h"
+#include "server/store_share_priv.h"
 
 #include "api/events.h"
 #include "server/clock.h"
@@ -63,7 +63,20 @@ void store__read_row(const store__query *q, store__row *ret_row)
     read_grid(statement, 22, &row.grid);
     row.parts.n_parts = (uint64_t)sqlite3_column_int64(statement, 28);
     row.parts.n_values = (uint32_t)sqlite3_column_int64(statement, 29);
+    row.results = sqlite3_column_int64(statement, 30);
+    row.run.is_cached = sqlite3_column_int(statement, 31) != 0;
     *ret_row = row;
+}
+
+bf_status store__find_first(store__connection *c, store__sql sql, store__row *ret_row,
+                            bool *ret_has_row, bf_error *err)
+{
+    store__query q = store__begin(c, sql);
+    bf_status status = store__next(&q, ret_has_row, err);
+    if (status == BF_OK && *ret_has_row)
+        store__read_row(&q, ret_row);
+    store__end(&q);
+    return status;
 }
 
 bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row, bf_error *err)
@@ -78,6 +91,26 @@ bf_status store__find_row(store__connection *c, const char *id, store__row *ret_
     store__end(&q);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
+    return status;
+}
+
+bf_status store__insert_row(store__connection *writer, store__row *row, bf_error *err)
+{
+    const api_run *record = &row->run;
+
+    store__query q = store__begin(writer, STORE__SQL_INSERT_RUN);
+    store__bind_text(&q, record->id, strlen(record->id));
+    store__bind_integer(&q, record->state);
+    store__bind_integer(&q, record->model);
+    store__bind_integer(&q, record->priority);
+    store__bind_text(&q, record->label, strlen(record->label));
+    store__bind_text(&q, record->name, strlen(record->name));
+    store__bind_integer(&q, record->created_ms);
+    store__bind_integer(&q, row->results);
+    store__bind_integer(&q, record->is_cached);
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK)
+        row->number = sqlite3_last_insert_rowid(writer->db);
     return status;
 }
 
@@ -132,12 +165,12 @@ bf_status store__save_row(store__connection *writer, store__row *row, bf_error *
 }
 
 bf_status store__insert_event(store__connection *writer, store__row *row, api_event_type type,
-                              uint64_t snapshot, const bf_buffer *data, bf_error *err)
+                              uint64_t item, const bf_buffer *data, bf_error *err)
 {
     store__query q = store__begin(writer, STORE__SQL_INSERT_EVENT);
     store__bind_integer(&q, row->number);
     store__bind_integer(&q, type);
-    store__bind_integer(&q, (int64_t)snapshot);
+    store__bind_integer(&q, (int64_t)item);
     store__bind_text(&q, data->bytes, data->n);
     bf_status status = store__run(&q, err);
     if (status == BF_OK)
@@ -167,9 +200,11 @@ static bf_status close_row(store__connection *writer, store__row *row, bf_error 
 {
     row->run.finished_ms = clock_unix_ms();
     row->checkpoint_step = 0;
-    if (row->run.state == RUN_SUCCEEDED)
-        row->run.progress = 1.0;
-    return store__delete_chunks(writer, row->number, STORE__BLOB_CHECKPOINT, 0, err);
+    bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
+    if (status != BF_OK || row->run.state != RUN_SUCCEEDED)
+        return status;
+    row->run.progress = 1.0;
+    return store__mark_results(writer, row->results, STORE__RESULTS_COMPLETE, err);
 }
 
 bf_status store__move_row(store__connection *writer, store__row *row, run_state to, bf_error *err)

@@ -96,8 +96,50 @@ static const char schema_1[] =
 static const char schema_2[] = "ALTER TABLE runs ADD COLUMN n_parts INTEGER NOT NULL DEFAULT 0;"
                                "ALTER TABLE runs ADD COLUMN n_values INTEGER NOT NULL DEFAULT 0;";
 
+// Results become sets that several runs may share: what was a run's own becomes a set's. Where a
+// column refers to does not show in the rows, so it is changed in the tables' texts, as SQLite's
+// manual has it (lang_altertable.html, "Making Other Kinds Of Table Schema Changes"), instead of
+// copying all the rows. The tables that are made on the way let other connections see the change.
+static const char schema_3[] =
+    "CREATE TABLE results ("
+    "  number INTEGER PRIMARY KEY,"
+    "  state INTEGER NOT NULL DEFAULT 0,"
+    "  digest BLOB NOT NULL DEFAULT x''," // of model and scenario; empty: never shared
+    "  solver TEXT NOT NULL DEFAULT ''"   // version that solves it; empty: several did
+    ") STRICT;"
+    "CREATE INDEX results_by_state ON results (state);"
+    "CREATE INDEX results_by_digest ON results (digest) WHERE state = 1;"
+    "INSERT INTO results (number) SELECT number FROM runs;"
+    "ALTER TABLE runs ADD COLUMN results INTEGER REFERENCES results (number);"
+    "ALTER TABLE runs ADD COLUMN is_cached INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE runs SET results = number;"
+    "CREATE INDEX runs_by_results ON runs (results);"
+    "CREATE INDEX runs_by_end ON runs (finished_ms, id) WHERE state >= 2;"
+
+    "ALTER TABLE samples RENAME COLUMN run TO results;"
+    "ALTER TABLE snapshots RENAME COLUMN run TO results;"
+    "ALTER TABLE chunks RENAME COLUMN run TO results;"
+    "PRAGMA writable_schema = ON;"
+    "UPDATE sqlite_schema SET sql = replace(sql, 'REFERENCES runs (number)',"
+    "  'REFERENCES results (number)')"
+    "  WHERE type = 'table' AND name IN ('samples', 'snapshots', 'chunks');"
+    "PRAGMA writable_schema = RESET;"
+
+    "CREATE TABLE answers ("
+    "  number INTEGER PRIMARY KEY,"
+    "  route TEXT NOT NULL,"
+    "  key TEXT NOT NULL,"
+    "  digest BLOB NOT NULL," // of the request's body
+    "  id TEXT NOT NULL,"     // of what was made, which may be gone since
+    "  revision INTEGER NOT NULL,"
+    "  at_ms INTEGER NOT NULL,"
+    "  data TEXT NOT NULL," // the answer's body
+    "  UNIQUE (route, key)"
+    ") STRICT;"
+    "CREATE INDEX answers_by_age ON answers (at_ms);";
+
 // Measured curves belong to no run. The samples stand last, so that a list does not read them.
-static const char schema_3[] = "CREATE TABLE measurements ("
+static const char schema_4[] = "CREATE TABLE measurements ("
                                "  id TEXT PRIMARY KEY,"
                                "  label TEXT NOT NULL,"
                                "  counter TEXT NOT NULL,"
@@ -110,10 +152,12 @@ static const char schema_3[] = "CREATE TABLE measurements ("
                                ") STRICT;"
                                "CREATE INDEX measurements_by_label ON measurements (label, id);";
 
-// Text i brings the tables from version i to i + 1.
-static const char *const migrations[] = { schema_1, schema_2, schema_3 };
+// Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
+const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4 };
 
-enum { VERSION = sizeof migrations / sizeof *migrations };
+enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
+
+const int store__version = VERSION;
 
 static bf_status execute(sqlite3 *db, const char *text, bf_error *err)
 {
@@ -137,7 +181,7 @@ static bf_status read_integer(sqlite3 *db, const char *text, int *ret_value, bf_
     return status;
 }
 
-static bf_status check_identity(sqlite3 *db, const char *path, int *ret_version, bf_error *err)
+bf_status store__identify(sqlite3 *db, const char *path, int *ret_version, bf_error *err)
 {
     int application = 0;
     int version = 0;
@@ -184,7 +228,7 @@ static bf_status upgrade(sqlite3 *db, int version, bf_error *err)
     bf_status status = BF_OK;
 
     for (int i = version; i < VERSION && status == BF_OK; i++)
-        status = execute(db, migrations[i], err);
+        status = execute(db, store__migrations[i], err);
     snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
              APPLICATION_ID, VERSION);
     if (status == BF_OK)
@@ -196,7 +240,7 @@ bf_status store__migrate(store__connection *writer, const char *path, bf_error *
 {
     int version = 0;
 
-    bf_status status = check_identity(writer->db, path, &version, err);
+    bf_status status = store__identify(writer->db, path, &version, err);
     if (status == BF_OK)
         status = switch_to_wal(writer->db, err);
     if (status != BF_OK || version == VERSION)

@@ -1,6 +1,7 @@
 // The store's thread. It takes all operations that wait, does them in one transaction, each inside
 // a savepoint of its own, and answers them after the commit (I1). While it syncs, the next ones
-// gather: the busier the store, the larger the groups.
+// gather: the busier the store, the larger the groups. Between two groups it does a step of what it
+// does by itself (store_care.c), when it is time.
 //
 // Threads  an operation lives on its caller's stack. From store__write() until is_done, which is
 //          set under the lock, it belongs to the store's thread. The writing connection belongs to
@@ -90,22 +91,30 @@ static void answer_group(store *s, store__operation *first)
     lock_wake_all(&s->done);
 }
 
+static void do_group(store *s, store__operation *first)
+{
+    lock_give(&s->lock);
+    apply_group(&s->writer, first);
+    tell_listener(s, first);
+    lock_take(&s->lock);
+    answer_group(s, first);
+}
+
 static void *write_groups(void *context)
 {
     store *s = context;
 
     lock_take(&s->lock);
     for (;;) {
-        while (s->first == NULL && !s->is_stopping)
-            lock_wait(&s->queued, &s->lock, -1);
+        bool is_time = true;
+        while (s->first == NULL && !s->is_stopping && is_time)
+            is_time = lock_wait(&s->queued, &s->lock, s->care.next_ms);
         store__operation *first = take_all(s);
-        if (first == NULL)
+        if (first == NULL && s->is_stopping)
             break;
-        lock_give(&s->lock);
-        apply_group(&s->writer, first);
-        tell_listener(s, first);
-        lock_take(&s->lock);
-        answer_group(s, first);
+        if (first != NULL)
+            do_group(s, first);
+        store__take_care(s);
     }
     lock_give(&s->lock);
     return NULL;

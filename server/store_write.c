@@ -1,96 +1,6 @@
-#include "server/store_priv.h"
+#include "server/store_share_priv.h"
 
-#include "server/clock.h"
-#include "server/run_id.h"
-
-#include <math.h>
-#include <sqlite3.h>
-#include <stdio.h>
 #include <string.h>
-
-/// A run to be inserted, and what became of it.
-typedef struct submit_context {
-    const api_submission *submission;
-    size_t queue_limit;
-    store__row row;
-} submit_context;
-
-static bf_status check_queue(store__connection *writer, size_t limit, bf_error *err)
-{
-    bool has_row = false;
-    int64_t n_queued = 0;
-
-    store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        n_queued = sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
-    if (status == BF_OK && (uint64_t)n_queued >= limit)
-        return bf_fail(err, BF_EBUSY, "", "the queue is full: %lld runs wait, the limit is %zu",
-                       (long long)n_queued, limit);
-    return status;
-}
-
-static bf_status insert_row(store__connection *writer, store__row *row, bf_error *err)
-{
-    const api_run *record = &row->run;
-
-    store__query q = store__begin(writer, STORE__SQL_INSERT_RUN);
-    store__bind_text(&q, record->id, strlen(record->id));
-    store__bind_integer(&q, record->state);
-    store__bind_integer(&q, record->model);
-    store__bind_integer(&q, record->priority);
-    store__bind_text(&q, record->label, strlen(record->label));
-    store__bind_text(&q, record->name, strlen(record->name));
-    store__bind_integer(&q, record->created_ms);
-    bf_status status = store__run(&q, err);
-    if (status == BF_OK)
-        row->number = sqlite3_last_insert_rowid(writer->db);
-    return status;
-}
-
-static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
-{
-    submit_context *context = operation->context;
-    const bf_buffer *scenario = &context->submission->scenario;
-    const bf_buffer *columns = &context->submission->columns;
-    store__row *row = &context->row;
-
-    bf_status status = check_queue(writer, context->queue_limit, err);
-    if (status == BF_OK)
-        status = insert_row(writer, row, err);
-    if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_SCENARIO, scenario->bytes,
-                                 scenario->n, err);
-    if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_COLUMNS, columns->bytes,
-                                 columns->n, err);
-    if (status == BF_OK)
-        status = store__tell_row(writer, row, err);
-    memcpy(operation->changed, row->run.id, API_ID_SIZE);
-    return status;
-}
-
-bf_status store_submit(store *s, const api_submission *submission, api_run *ret_run, bf_error *err)
-{
-    submit_context context = { .submission = submission, .queue_limit = s->queue_limit };
-    api_run *record = &context.row.run;
-
-    bf_status status = run_id_make(record->id, err);
-    if (status != BF_OK)
-        return status;
-    record->state = RUN_QUEUED;
-    record->model = submission->model;
-    record->priority = submission->priority;
-    snprintf(record->label, sizeof record->label, "%s", submission->label);
-    snprintf(record->name, sizeof record->name, "%s", submission->name);
-    record->created_ms = clock_unix_ms();
-    record->eta_s = NAN;
-    status = store__write(s, apply_submit, &context, err);
-    if (status == BF_OK)
-        *ret_run = *record;
-    return status;
-}
 
 /// A change of one run, and what became of it.
 typedef struct change_context {
@@ -174,24 +84,42 @@ bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err
     return status;
 }
 
-// Foreign keys delete with the row all that refers to it (I9).
+/// A run to be removed, and then its results, step by step.
+typedef struct remove_context {
+    const char *id;
+    int64_t results;
+    bool is_over; ///< nothing is left
+} remove_context;
+
 static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
 {
-    change_context *context = operation->context;
+    remove_context *context = operation->context;
+    store__row row;
 
-    bf_status status = find_changed(writer, operation, err);
+    bf_status status = store__find_row(writer, context->id, &row, err);
     if (status != BF_OK)
         return status;
-    if (context->row.run.state == RUN_RUNNING)
+    if (row.run.state == RUN_RUNNING)
         return bf_fail(err, BF_ECONFLICT, "", "the run is running: cancel it first");
-    store__query q = store__begin(writer, STORE__SQL_DELETE_RUN);
-    store__bind_integer(&q, context->row.number);
-    return store__run(&q, err);
+    memcpy(operation->changed, row.run.id, API_ID_SIZE);
+    context->results = row.results;
+    return store__remove_row(writer, &row, &context->is_over, err);
+}
+
+static bf_status apply_sweep(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    remove_context *context = operation->context;
+
+    return store__sweep_results(writer, context->results, &context->is_over, err);
 }
 
 bf_status store_remove(store *s, const char *id, bf_error *err)
 {
-    change_context context = { .id = id };
+    remove_context context = { .id = id };
 
-    return store__write(s, apply_remove, &context, err);
+    bf_status status = store__write(s, apply_remove, &context, err);
+    // The run is gone with the first step. What a failure leaves over is deleted in time.
+    for (bf_status swept = status; swept == BF_OK && !context.is_over;)
+        swept = store__write(s, apply_sweep, &context, NULL);
+    return status;
 }

@@ -18,9 +18,10 @@ export async function solve(t, scenario, ...more) {
   return out;
 }
 
-// Members of a summary that tell how long it took, not what came out.
+// Members of a summary that tell how long it took and whether it was done now, not what came out.
 function withoutTiming(summary) {
-  const { wall_time_s, threads, cell_steps_per_s, ...rest } = summary;
+  const { wall_time_s, threads, cell_steps_per_s, cached, ...rest } = summary;
+  assert.ok(cached === undefined || cached === true, JSON.stringify(summary));
   assert.ok(wall_time_s >= 0 && threads >= 1 && cell_steps_per_s >= 0, JSON.stringify(summary));
   return rest;
 }

@@ -1,5 +1,7 @@
 #include "tests/unit/api/helper_services.h"
 
+#include "api/run_json.h"
+
 // cmocka.h wants these first.
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,21 +33,28 @@ static bf_status no_memory(bf_error *err)
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
-static bf_status do_submit(void *context, const api_submission *submission, api_run *ret_run,
-                           bf_error *err)
+static bf_status do_submit(void *context, const api_submission *submission,
+                           api_acceptance *ret_acceptance, bf_error *err)
 {
     helper_daemon *d = context;
 
     if (d->refusal != BF_OK)
         return bf_fail(err, d->refusal, "", "the queue is full: 1000 runs wait");
     helper_run *item = helper_add_run(d, RUN_QUEUED);
+    api_acceptance accepted = { .revision = item->record.revision, .is_replay = d->is_replay };
     item->record.model = submission->model;
     item->record.priority = submission->priority;
     memcpy(item->record.label, submission->label, sizeof item->record.label);
     memcpy(item->record.name, submission->name, sizeof item->record.name);
+    memcpy(accepted.id, item->record.id, sizeof accepted.id);
+    if (run_json_write(&item->record, &accepted.answer, err) != BF_OK) {
+        buffer_fini(&accepted.answer);
+        d->n_runs--;
+        return BF_ENOMEM;
+    }
     d->submitted = *submission;
     d->n_submitted++;
-    *ret_run = item->record;
+    *ret_acceptance = accepted;
     return BF_OK;
 }
 

@@ -50,6 +50,7 @@ typedef struct helper_daemon {
     api_list_query last_query; ///< what list() was asked
     api_submission submitted;  ///< last accepted, without its buffers
     size_t n_submitted;        ///< accepted so far
+    bool is_replay;            ///< submit says that its answer is given again
 } helper_daemon;
 
 /// The table of *d.

@@ -53,7 +53,7 @@ static void a_status_event_is_the_run_with_its_id_first(void **state)
                       "\"label\":\"night \\\"1\\\"\",\"priority\":-3,\"name\":\"Example 1\","
                       "\"created_at\":\"2026-01-31T12:00:00.000Z\","
                       "\"started_at\":\"2026-01-31T12:00:00.007Z\",\"finished_at\":null,"
-                      "\"eta_s\":1.5,\"error\":null,\"links\":{"
+                      "\"eta_s\":1.5,\"error\":null,\"cached\":false,\"links\":{"
                       "\"self\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001\","
                       "\"scenario\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/scenario\","
                       "\"summary\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/summary\","

@@ -91,6 +91,56 @@ static void a_full_queue_asks_to_come_back(void **state)
     assert_true(ask_body_has("the queue is full"));
 }
 
+static void a_key_comes_to_the_daemon_with_the_body(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: \"one \\\"key\\\"\"\n", BODY, 201);
+    assert_string_equal(ask_daemon.submitted.key, "one \"key\"");
+    assert_int_equal(ask_daemon.submitted.n_body, strlen(BODY));
+    assert_null(helper_header(&ask_response, "Idempotent-Replayed"));
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
+    assert_string_equal(ask_daemon.submitted.key, "");
+}
+
+static void an_answer_that_is_given_again_says_so(void **state)
+{
+    (void)state;
+    ask_daemon.is_replay = true;
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: key\n", BODY, 201);
+    ask_assert_header("Idempotent-Replayed", "true");
+    ask_assert_header("Location", RUN_1);
+    ask_assert_header("ETag", "\"r1\"");
+}
+
+static void a_key_that_is_none_is_a_bad_request(void **state)
+{
+    (void)state;
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BODY, 400);
+    assert_true(ask_body_has("Idempotency-Key is no key"));
+    assert_int_equal(ask_daemon.n_submitted, 0);
+    // A fault of the document is told first.
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BAD_BODY, 422);
+}
+
+static void a_key_with_another_body_and_one_in_use_are_told_apart(void **state)
+{
+    (void)state;
+    ask_daemon.refusal = BF_EINPUT;
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: key\n", BODY, 422);
+    ask_daemon.refusal = BF_ECONFLICT;
+    ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: key\n", BODY, 409);
+}
+
+static void a_run_tells_whether_its_results_were_known(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_SUCCEEDED)->record.is_cached = true;
+    ask_get(RUN_1, NULL, NULL, 200);
+    assert_true(ask_body_has("\"cached\":true"));
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 201);
+    assert_true(ask_body_has("\"cached\":false"));
+}
+
 static void validate_says_the_same_and_stores_nothing(void **state)
 {
     (void)state;
@@ -218,6 +268,11 @@ int main(void)
         ASK_TEST(several_faults_are_told_together),
         ASK_TEST(only_json_is_taken),
         ASK_TEST(a_full_queue_asks_to_come_back),
+        ASK_TEST(a_key_comes_to_the_daemon_with_the_body),
+        ASK_TEST(an_answer_that_is_given_again_says_so),
+        ASK_TEST(a_key_that_is_none_is_a_bad_request),
+        ASK_TEST(a_key_with_another_body_and_one_in_use_are_told_apart),
+        ASK_TEST(a_run_tells_whether_its_results_were_known),
         ASK_TEST(validate_says_the_same_and_stores_nothing),
         ASK_TEST(a_run_is_shown_with_a_tag_of_its_revision),
         ASK_TEST(a_list_has_the_newest_first_and_a_link_to_the_next),

@@ -476,6 +476,59 @@ static void a_damaged_scenario_gives_no_summary(void **unused)
     buffer_fini(&out);
 }
 
+// The second one has a name that looks like the member that is replaced.
+static void a_cached_summary_differs_in_its_scenario_alone(void **unused)
+{
+    static const char *const documents[] = { "{'name': 'first', " DOCUMENT_NEEDED "}",
+                                             "{'name': 'a\\',\\'scenario\\':{b', " DOCUMENT_NEEDED
+                                             "}",
+                                             "{" DOCUMENT_NEEDED "}" };
+    bf_buffer summary = { 0 };
+
+    (void)unused;
+    for (size_t i = 0; i < sizeof documents / sizeof *documents; i++) {
+        bf_buffer scenario = resolved_document(documents[i]), wanted = { 0 }, out = { 0 };
+        assert_int_equal(results_summary(RUN_MACRO, scenario.bytes, scenario.n, &begin, &end,
+                                         &timing, &wanted, NULL),
+                         BF_OK);
+        if (i > 0) {
+            assert_int_equal(results_summary_cached(summary.bytes, summary.n, scenario.bytes,
+                                                    scenario.n, &out, NULL),
+                             BF_OK);
+            json_t *root = parse(&out), *fresh = parse(&wanted);
+            assert_true(json_is_true(json_object_get(root, "cached")));
+            assert_int_equal(json_object_del(root, "cached"), 0);
+            assert_true(json_equal(root, fresh));
+            json_decref(root);
+            json_decref(fresh);
+        }
+        buffer_fini(&summary);
+        summary = i > 0 ? out : wanted;
+        if (i > 0)
+            buffer_fini(&wanted);
+        buffer_fini(&scenario);
+    }
+    buffer_fini(&summary);
+}
+
+static void what_is_no_summary_is_not_made_a_cached_one(void **unused)
+{
+    bf_buffer out = { 0 };
+
+    (void)unused;
+    assert_int_equal(buffer_printf(&out, "before"), BF_OK);
+    assert_int_equal(results_summary_cached("{\"steps\":1}", 11, "{}", 2, &out, NULL), BF_ECORRUPT);
+    assert_int_equal(results_summary_cached("", 0, "{}", 2, &out, NULL), BF_ECORRUPT);
+    memory_plan_fault(1, 1);
+    bf_status status =
+        results_summary_cached("{\"a\":1,\"scenario\":{}}", 21,
+                               "{\"a longer one, for which there is no room\":1}", 46, &out, NULL);
+    memory_plan_fault(0, 0);
+    assert_int_equal(status, BF_ENOMEM);
+    assert_string_equal(out.bytes, "before");
+    buffer_fini(&out);
+}
+
 // Every function appends; what stood there before survives a failure.
 static bf_status append_all(const api_curve *curve, const bf_buffer *scenario, bf_buffer *out,
                             size_t which)
@@ -558,6 +611,8 @@ int main(void)
         cmocka_unit_test(a_summary_has_the_figures_of_the_run),
         cmocka_unit_test(a_summary_warns),
         cmocka_unit_test(a_damaged_scenario_gives_no_summary),
+        cmocka_unit_test(a_cached_summary_differs_in_its_scenario_alone),
+        cmocka_unit_test(what_is_no_summary_is_not_made_a_cached_one),
         cmocka_unit_test(no_memory_leaves_what_was_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,6 +37,7 @@ static void a_scenario_alone_suffices(void **unused)
     assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
     assert_int_equal(submission.model, RUN_MACRO);
     assert_int_equal(submission.priority, 0);
+    assert_false(submission.is_fresh);
     assert_string_equal(submission.label, "");
     assert_string_equal(submission.name, "N");
     assert_string_equal(submission.columns.bytes, "upstream,left_domain");
@@ -51,10 +52,11 @@ static void all_members_are_taken_over(void **unused)
 
     (void)unused;
     assert_int_equal(read_text("{" SCENARIO ", 'model': 'macro', 'label': 'night shift',"
-                               "'priority': -100}",
+                               "'priority': -100, 'fresh': true}",
                                &submission, NULL),
                      BF_OK);
     assert_int_equal(submission.priority, -100);
+    assert_true(submission.is_fresh);
     assert_string_equal(submission.label, "night shift");
     submission_fini(&submission);
 }
@@ -77,6 +79,33 @@ static void the_document_is_resolved(void **unused)
     scene_fini(&s);
     buffer_fini(&resolved);
     buffer_fini(&document);
+}
+
+// What two bodies have in common when their results do: all but names, labels and priorities.
+static void the_identity_is_the_scenario_without_its_name(void **unused)
+{
+    static const struct {
+        const char *body;
+        bool is_same;
+    } others[] = {
+        { "{'scenario': {'name': 'other', " DOCUMENT_NEEDED "}, 'label': 'l', 'priority': 1}",
+          true },
+        { "{'scenario': {" DOCUMENT_NEEDED "}, 'fresh': true}", true },
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.005}}}", true }, // the default
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.01}}}", false },
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'counters': [{'id': 'gate'}]}}", false },
+    };
+    api_submission first, other;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO "}", &first, NULL), BF_OK);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        assert_int_equal(read_text(others[i].body, &other, NULL), BF_OK);
+        assert_true((strcmp(other.identity.bytes, first.identity.bytes) == 0) == others[i].is_same);
+        submission_fini(&other);
+    }
+    submission_fini(&first);
+    assert_null(first.identity.bytes);
 }
 
 static void faults_have_pointers_of_the_body(void **unused)
@@ -229,6 +258,7 @@ int main(void)
         cmocka_unit_test(a_scenario_alone_suffices),
         cmocka_unit_test(all_members_are_taken_over),
         cmocka_unit_test(the_document_is_resolved),
+        cmocka_unit_test(the_identity_is_the_scenario_without_its_name),
         cmocka_unit_test(faults_have_pointers_of_the_body),
         cmocka_unit_test(the_model_has_its_own_faults),
         cmocka_unit_test(another_model_does_not_mind),

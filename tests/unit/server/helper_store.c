@@ -1,6 +1,7 @@
 #include "tests/unit/server/helper_store.h"
 
 #include "api/events.h"
+#include "server/clock.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -9,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+enum { PATIENCE_MS = 20000 };
 
 void helper_store_open(helper_store *h)
 {
@@ -81,22 +84,44 @@ int64_t helper_store_sql(const helper_store *h, const char *sql)
     return value;
 }
 
+void helper_await_sql(const helper_store *h, const char *sql, int64_t wanted)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    int64_t value = helper_store_sql(h, sql);
+
+    while (value != wanted) {
+        if (clock_monotonic_ms() > deadline_ms)
+            fail_msg("%s is %lld and does not become %lld", sql, (long long)value,
+                     (long long)wanted);
+        usleep(5000);
+        value = helper_store_sql(h, sql);
+    }
+}
+
 static void fill(bf_buffer *buffer, const char *text)
 {
     assert_int_equal(buffer_append(buffer, text, strlen(text)), BF_OK);
 }
 
+api_run helper_accept(store *s, const api_submission *submission)
+{
+    api_acceptance accepted = { 0 };
+    bf_error err = { 0 };
+
+    if (store_submit(s, submission, &accepted, &err) != BF_OK)
+        fail_msg("%s", err.text);
+    buffer_fini(&accepted.answer);
+    return helper_find(s, accepted.id);
+}
+
 api_run helper_submit(store *s, const char *label, int priority)
 {
     api_submission submission = { .model = RUN_MACRO, .priority = priority, .name = "a belt" };
-    api_run record = { 0 };
-    bf_error err = { 0 };
 
     snprintf(submission.label, sizeof submission.label, "%s", label);
     fill(&submission.scenario, "{\"duration_s\":6}");
     fill(&submission.columns, "upstream,left_domain");
-    if (store_submit(s, &submission, &record, &err) != BF_OK)
-        fail_msg("%s", err.text);
+    api_run record = helper_accept(s, &submission);
     buffer_fini(&submission.scenario);
     buffer_fini(&submission.columns);
     return record;
@@ -307,4 +332,14 @@ helper_events helper_read_events(store *s, const char *id, uint64_t after)
                           &events, &err) != BF_OK)
         fail_msg("%s", err.text);
     return events;
+}
+
+void helper_hear(void *context, const char *run_id)
+{
+    helper_heard *h = context;
+
+    lock_take(&h->lock);
+    h->n++;
+    memcpy(h->id, run_id, API_ID_SIZE);
+    lock_give(&h->lock);
 }

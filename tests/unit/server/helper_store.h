@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "server/lock.h"
 #include "server/store.h"
 
 #include <setjmp.h>
@@ -38,6 +39,12 @@ void helper_store_close(helper_store *h);
 /// Run SQL on the file while the store is closed (or reading while it is open): the first column of
 /// the first row as an integer, -1 if there is no row.
 int64_t helper_store_sql(const helper_store *h, const char *sql);
+
+/// Wait until the SQL gives what is wanted; fails the test after a while.
+void helper_await_sql(const helper_store *h, const char *sql, int64_t wanted);
+
+/// Submit it and return the new run.
+api_run helper_accept(store *s, const api_submission *submission);
 
 /// Submit a run and return it. label and priority as given, everything else fixed.
 api_run helper_submit(store *s, const char *label, int priority);
@@ -94,3 +101,13 @@ typedef struct helper_events {
 
 /// Read all events of a run behind `after`. Free data with buffer_fini().
 helper_events helper_read_events(store *s, const char *id, uint64_t after);
+
+/// What a listener heard. Begin with lock_init(), end with lock_fini().
+typedef struct helper_heard {
+    lock lock;            ///< guards what follows
+    size_t n;             ///< calls
+    char id[API_ID_SIZE]; ///< of the last one
+} helper_heard;
+
+/// A store_listener whose context is a helper_heard.
+void helper_hear(void *context, const char *run_id);

@@ -1,5 +1,7 @@
 #include "tests/unit/server/helper_supervisor.h"
 
+#include "tests/unit/server/helper_store.h"
+
 #include "api/scenario.h"
 #include "server/clock.h"
 #include "server/log.h"
@@ -113,7 +115,6 @@ void helper_supervise(helper_world *w)
 api_run helper_world_submit(helper_world *w, const char *json)
 {
     api_submission submission = { .model = w->model };
-    api_run record = { 0 };
     bf_faults faults = { 0 };
     bf_error err = { 0 };
     scene s;
@@ -123,8 +124,7 @@ api_run helper_world_submit(helper_world *w, const char *json)
     assert_int_equal(scenario_write(&s, &submission.scenario, NULL), BF_OK);
     assert_int_equal(scenario_columns(&s, &submission.columns, NULL), BF_OK);
     scene_fini(&s);
-    if (store_submit(w->store, &submission, &record, &err) != BF_OK)
-        fail_msg("%s", err.text);
+    api_run record = helper_accept(w->store, &submission);
     buffer_fini(&submission.scenario);
     buffer_fini(&submission.columns);
     if (w->supervisor != NULL)

@@ -1,4 +1,4 @@
-// Unit tests of the store: the life of a run. I1 ... I9 are the invariants of server/store.h.
+// Unit tests of the store: the life of a run. I1 ... I12 are the invariants of server/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
@@ -99,15 +99,15 @@ static void a_full_queue_is_busy(void **state)
     helper_store *h = *state;
     store_options options = { .directory = h->directory, .queue_limit = 2 };
     api_submission submission = { .model = RUN_MACRO };
-    api_run record = { .priority = 77 };
+    api_acceptance accepted = { .revision = 77 };
     bf_error err = { 0 };
 
     helper_store_close(h);
     assert_int_equal(store_open(&options, &h->store, NULL), BF_OK);
     helper_submit(h->store, "", 0);
     helper_submit(h->store, "", 0);
-    assert_int_equal(store_submit(h->store, &submission, &record, &err), BF_EBUSY);
-    assert_int_equal(record.priority, 77);
+    assert_int_equal(store_submit(h->store, &submission, &accepted, &err), BF_EBUSY);
+    assert_int_equal(accepted.revision, 77);
     assert_non_null(strstr(err.text, "limit is 2"));
     helper_claim(h->store);
     helper_submit(h->store, "", 0);

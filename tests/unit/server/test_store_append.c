@@ -1,4 +1,4 @@
-// Unit tests of the store: what a running run tells. I1 ... I9 are the invariants of
+// Unit tests of the store: what a running run tells. I1 ... I12 are the invariants of
 // server/store.h.
 
 #include "tests/unit/server/helper_store.h"

@@ -1,7 +1,8 @@
-// Unit tests of the store: measured curves, and stores of before there were any. I1 ... I10 are the
+// Unit tests of the store: measured curves, and stores of before there were any. I1 ... I13 are the
 // invariants of server/store.h.
 
 #include "core/base/memory.h"
+#include "server/store_priv.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <signal.h>
@@ -79,7 +80,7 @@ static void assert_stored(store *s, const api_measurement *added)
     api_curve_fini(&expected);
 }
 
-// I1, I10
+// I1, I13
 static void a_measurement_comes_back_bit_by_bit_after_a_restart(void **state)
 {
     helper_store *h = *state;
@@ -141,7 +142,7 @@ static void a_removed_measurement_is_gone(void **state)
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM measurements"), 1);
 }
 
-// I10: a run's end is not a measurement's.
+// I13: a run's end is not a measurement's.
 static void removing_runs_leaves_measurements_alone(void **state)
 {
     helper_store *h = *state;
@@ -154,7 +155,7 @@ static void removing_runs_leaves_measurements_alone(void **state)
     assert_stored(h->store, &added);
 }
 
-// I10
+// I13
 static void there_is_a_limit_to_measurements(void **state)
 {
     helper_store *h = *state;
@@ -253,7 +254,7 @@ static void walk(attempt *call, store *s, const api_measurement *m)
     }
 }
 
-// I10
+// I13
 static void without_memory_every_call_fails_and_changes_nothing(void **state)
 {
     helper_store *h = *state;
@@ -269,7 +270,7 @@ static void without_memory_every_call_fails_and_changes_nothing(void **state)
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM measurements"), 1);
 }
 
-// I1, I10: the log may not grow by 1.6 MB, so that nothing of the large one is stored.
+// I1, I13: the log may not grow by 1.6 MB, so that nothing of the large one is stored.
 static void a_measurement_that_finds_no_room_is_not_there(void **state)
 {
     helper_store *h = *state;
@@ -301,11 +302,10 @@ static void an_older_store_takes_measurements(void **state)
 
     helper_append_samples(h->store, record.id, 0, 7);
     helper_store_close(h);
-    int64_t version = helper_store_sql(h, "PRAGMA user_version");
     helper_store_sql(h, "DROP TABLE measurements");
-    helper_store_sql(h, "PRAGMA user_version = 2");
+    helper_store_sql(h, "PRAGMA user_version = 3");
     helper_store_open(h);
-    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), version);
+    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), store__version);
     assert_int_equal(helper_find(h->store, record.id).n_samples, 7);
     api_measurement added = add(h->store, "", 3);
     assert_stored(h->store, &added);

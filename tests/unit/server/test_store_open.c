@@ -1,4 +1,4 @@
-// Unit tests of the store: opening, and what is refused. I1 ... I9 are the invariants of
+// Unit tests of the store: opening, and what is refused. I1 ... I12 are the invariants of
 // server/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -98,7 +98,7 @@ static void a_newer_store_is_refused_and_left_alone(void **state)
 {
     helper_store *h = *state;
     static const unsigned char newer[] = { 0, 0, 0, 99 };
-    static const unsigned char ours[] = { 0, 0, 0, 3 };
+    const unsigned char ours[] = { 0, 0, 0, (unsigned char)store__version };
     api_run record = helper_submit(h->store, "", 0);
 
     helper_store_close(h);

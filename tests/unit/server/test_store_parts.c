@@ -1,5 +1,5 @@
-// Unit tests of the store: the parts of microscopic runs, and stores of before there were any. I1 ...
-// I9 are the invariants of server/store.h.
+// Unit tests of the store: the parts of microscopic runs. I1 ... I12 are the invariants of
+// server/store.h.
 
 #include "core/base/memory.h"
 #include "core/run/frame.h"
@@ -191,55 +191,6 @@ static void without_memory_nothing_is_stored(void **state)
     }
 }
 
-// A store of version 1, as it was before there were parts.
-static void make_old(helper_store *h)
-{
-    helper_store_close(h);
-    helper_store_sql(h, "ALTER TABLE runs DROP COLUMN n_parts");
-    helper_store_sql(h, "ALTER TABLE runs DROP COLUMN n_values");
-    helper_store_sql(h, "DROP TABLE measurements");
-    helper_store_sql(h, "PRAGMA user_version = 1");
-}
-
-static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
-{
-    helper_store *h = *state;
-    api_run record = helper_start(h->store);
-    api_snapshot snapshot;
-    bf_grid grid;
-    bf_buffer rho = { 0 }, rows = { 0 };
-
-    helper_append_samples(h->store, record.id, 0, 7);
-    helper_append_snapshot(h->store, record.id, 0);
-    make_old(h);
-    helper_store_open(h);
-    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), 3);
-    api_run after = helper_find(h->store, record.id);
-    assert_int_equal(after.n_samples, 7);
-    assert_int_equal(store_read_snapshot(h->store, record.id, 0, &snapshot, &grid, &rho, NULL),
-                     BF_OK);
-    assert_true(helper_snapshot_is(&rho, 0));
-    assert_int_equal(read_back(h->store, record.id, 0, &rows), BF_ENOTFOUND);
-    buffer_fini(&rho);
-}
-
-// I8: what was running is queued again, and goes on where it was.
-static void a_run_goes_on_in_a_store_that_was_brought_up_to_date(void **state)
-{
-    helper_store *h = *state;
-    api_run record = helper_start(h->store);
-
-    helper_append_snapshot(h->store, record.id, 0);
-    make_old(h);
-    helper_store_open(h);
-    assert_string_equal(helper_claim(h->store).id, record.id);
-    helper_append_snapshot(h->store, record.id, 0);
-    helper_append_snapshot(h->store, record.id, 1);
-    assert_int_equal(helper_find(h->store, record.id).n_snapshots, 2);
-    api_run other = helper_start(h->store);
-    assert_int_equal(append(h->store, other.id, 0, &all_parts, true), BF_OK);
-}
-
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -253,8 +204,6 @@ int main(void)
         STORE_TEST(damage_in_parts_is_noticed),
         STORE_TEST(a_removed_run_leaves_no_parts),
         STORE_TEST(without_memory_nothing_is_stored),
-        STORE_TEST(an_older_store_is_brought_up_to_date_with_all_it_has),
-        STORE_TEST(a_run_goes_on_in_a_store_that_was_brought_up_to_date),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

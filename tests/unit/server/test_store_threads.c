@@ -1,4 +1,4 @@
-// Unit tests of the store: several threads, and whom it tells. I1 ... I9 are the invariants of
+// Unit tests of the store: several threads, and whom it tells. I1 ... I12 are the invariants of
 // server/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -94,24 +94,7 @@ static void threads_write_while_others_read(void **state)
         N_WRITERS * N_RUNS);
 }
 
-/// What a listener heard.
-typedef struct heard {
-    lock lock;
-    size_t n;             ///< calls
-    char id[API_ID_SIZE]; ///< of the last one
-} heard;
-
-static void hear(void *context, const char *run_id)
-{
-    heard *h = context;
-
-    lock_take(&h->lock);
-    h->n++;
-    memcpy(h->id, run_id, API_ID_SIZE);
-    lock_give(&h->lock);
-}
-
-static void expect_heard(heard *h, size_t n, const char *id)
+static void expect_heard(helper_heard *h, size_t n, const char *id)
 {
     lock_take(&h->lock);
     assert_int_equal(h->n, n);
@@ -122,10 +105,11 @@ static void expect_heard(heard *h, size_t n, const char *id)
 static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
 {
     helper_store *h = *state;
-    heard ear = { 0 };
-    store_options options = {
-        .directory = h->directory, .queue_limit = 9, .listener = hear, .listener_context = &ear
-    };
+    helper_heard ear = { 0 };
+    store_options options = { .directory = h->directory,
+                              .queue_limit = 9,
+                              .listener = helper_hear,
+                              .listener_context = &ear };
     store_ending ending = { .state = RUN_SUCCEEDED };
     api_run record;
 
