@@ -9,6 +9,7 @@
 #include "server/http.h"
 #include "server/lock.h"
 #include "server/log.h"
+#include "server/maintenance.h"
 #include "server/service.h"
 
 #include <argp.h>
@@ -21,15 +22,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { EXIT_SETTINGS = 2, FLAGS_MAX = 64, KEY_CONFIG = 256, KEY_PRINT, KEY_ROWS };
+enum { EXIT_SETTINGS = 2, FLAGS_MAX = 64, KEY_CONFIG = 256, KEY_PRINT, KEY_VERIFY, KEY_ROWS };
+enum { N_OWN = 3 }; // flags that are no settings
 enum { HOUR_MS = 3600 * 1000, DAY_MS = 24 * HOUR_MS };
 
 const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
+
+typedef enum command { COMMAND_SERVE, COMMAND_BACKUP, COMMAND_VERIFY } command;
 
 // What the command line says, to be applied after file and environment.
 typedef struct arguments {
     const char *file;              // --config; NULL: none
     bool prints_config;            // --print-config
+    command command;               // the first word
+    const char *subject;           // the word after it; NULL: none
     const char *values[FLAGS_MAX]; // of the settings, in the order of the table; NULL: not given
 } arguments;
 
@@ -46,6 +52,18 @@ typedef struct parts {
     http *http;
 } parts;
 
+static void take_word(arguments *a, const char *word, const struct argp_state *state)
+{
+    if (a->command != COMMAND_SERVE && a->subject == NULL)
+        a->subject = word;
+    else if (a->command == COMMAND_SERVE && strcmp(word, "backup") == 0)
+        a->command = COMMAND_BACKUP;
+    else if (a->command == COMMAND_SERVE && strcmp(word, "verify") == 0)
+        a->command = COMMAND_VERIFY;
+    else
+        argp_error(state, "this is no command, and nothing else fits here: '%s'", word);
+}
+
 static error_t take_argument(int key, char *value, struct argp_state *state)
 {
     arguments *a = state->input;
@@ -58,8 +76,12 @@ static error_t take_argument(int key, char *value, struct argp_state *state)
         a->prints_config = true;
     else if (key >= KEY_ROWS && (size_t)(key - KEY_ROWS) < n)
         a->values[key - KEY_ROWS] = value;
+    else if (key == KEY_VERIFY)
+        a->command = COMMAND_VERIFY;
     else if (key == ARGP_KEY_ARG)
-        argp_error(state, "there are no arguments but flags: '%s'", value);
+        take_word(a, value, state);
+    else if (key == ARGP_KEY_END && a->command == COMMAND_BACKUP && a->subject == NULL)
+        argp_error(state, "backup wants the name of a new file");
     else
         return ARGP_ERR_UNKNOWN;
     return 0;
@@ -78,14 +100,17 @@ static void parse_arguments(int argc, char **argv, arguments *ret_arguments)
 {
     static char names[FLAGS_MAX][64];
     static char helps[FLAGS_MAX][160];
-    struct argp_option options[FLAGS_MAX + 3] = {
+    struct argp_option options[FLAGS_MAX + N_OWN + 1] = {
         { "config", KEY_CONFIG, "FILE", 0, "read settings from FILE (lines 'name = value')", 0 },
         { "print-config", KEY_PRINT, NULL, 0, "print a sample of FILE with all settings", 0 },
+        { "verify", KEY_VERIFY, NULL, 0, "the same as the command verify", 0 },
     };
     const struct argp argp = { options,
                                take_argument,
-                               NULL,
-                               "Solves material flow on conveyor belts and offers it over HTTP."
+                               "\nbackup FILE\nverify [FILE]",
+                               "Solves material flow on conveyor belts and offers it over HTTP. "
+                               "With backup, copies the store to a new FILE, also while it is in "
+                               "use; with verify, checks the store, or a copy of it."
                                "\vA flag goes before the environment (BELTFLOW_<NAME>), and that "
                                "before FILE.",
                                NULL,
@@ -97,11 +122,11 @@ static void parse_arguments(int argc, char **argv, arguments *ret_arguments)
     for (size_t i = 0; i < n && i < FLAGS_MAX; i++) {
         const char *initial = rows[i].initial[0] == '\0' ? "empty" : rows[i].initial;
         (void)snprintf(helps[i], sizeof helps[i], "%s (default: %s)", rows[i].help, initial);
-        options[i + 2].name = flag_of(rows[i].name, names[i]);
-        options[i + 2].key = KEY_ROWS + (int)i;
-        options[i + 2].arg = "VALUE";
-        options[i + 2].doc = helps[i];
-        options[i + 2].group = 1;
+        options[i + N_OWN].name = flag_of(rows[i].name, names[i]);
+        options[i + N_OWN].key = KEY_ROWS + (int)i;
+        options[i + N_OWN].arg = "VALUE";
+        options[i + N_OWN].doc = helps[i];
+        options[i + N_OWN].group = 1;
     }
     argp_err_exit_status = EXIT_SETTINGS;
     (void)argp_parse(&argp, argc, argv, 0, NULL, ret_arguments);
@@ -178,7 +203,6 @@ static sigset_t prepare_process(void)
     sigset_t signals;
 
     occupy_standard_descriptors();
-    (void)umask(077);
     (void)setenv("TZ", "UTC0", 1); // ZIP archives have local times in them, and shall be the same
     (void)signal(SIGPIPE, SIG_IGN);
     (void)sigemptyset(&signals);
@@ -314,6 +338,12 @@ static bf_status serve(const config *c, const sigset_t *signals, bf_error *err)
     return status;
 }
 
+static int maintain(const arguments *a, const config *c)
+{
+    return a->command == COMMAND_BACKUP ? maintenance_backup(c->data, a->subject)
+                                        : maintenance_verify(c->data, a->subject);
+}
+
 int main(int argc, char **argv)
 {
     arguments a = { .file = NULL };
@@ -328,6 +358,9 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "beltflowd: %s\n", err.text);
         return EXIT_SETTINGS;
     }
+    (void)umask(077);
+    if (a.command != COMMAND_SERVE)
+        return maintain(&a, &c);
     sigset_t signals = prepare_process();
     log_set_level(config_log_level(&c));
     status = serve(&c, &signals, &err);

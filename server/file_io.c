@@ -116,6 +116,49 @@ bf_status file_io_replace(int directory, const char *name, const void *bytes, si
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(error));
 }
 
+static bool sync_path(const char *path, int flags)
+{
+    int fd = open(path, flags | O_CLOEXEC);
+    bool ok = fd >= 0 && fsync(fd) == 0;
+    int error = errno;
+
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
+}
+
+static bool sync_folder_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash == NULL ? strdup(".") : strndup(path, (size_t)(slash - path) + 1);
+
+    if (folder == NULL)
+        return false;
+    bool ok = sync_path(folder, O_RDONLY | O_DIRECTORY);
+    int error = errno;
+    free(folder);
+    errno = error;
+    return ok;
+}
+
+// Never over another file. Where the file system cannot rename so, it can link so.
+static bool move_to_new(const char *from, const char *to)
+{
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
+        return true;
+    return errno == EINVAL && link(from, to) == 0 && unlink(from) == 0;
+}
+
+bf_status file_io_publish(const char *temporary, const char *path, bf_error *err)
+{
+    if (sync_path(temporary, O_RDONLY) && move_to_new(temporary, path) && sync_folder_of(path))
+        return BF_OK;
+    if (errno == EEXIST)
+        return bf_fail(err, BF_EINPUT, "", "%s is there already", path);
+    return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", path, strerror(errno));
+}
+
 // A new name in a directory survives a power loss once the directory is synced.
 static bool sync_parent(const char *path)
 {

@@ -33,6 +33,11 @@ typedef enum file_io_sync {
 BF_MUST_CHECK bf_status file_io_replace(int directory, const char *name, const void *bytes,
                                         size_t n, file_io_sync sync, bf_error *err);
 
+/// Give a file that was written under a temporary name its own one, unless that is taken; both are in
+/// one directory, and on disk when this returns. BF_EINPUT: the name is taken; BF_ESYSTEM: it cannot
+/// be done. The temporary name is then still there.
+BF_MUST_CHECK bf_status file_io_publish(const char *temporary, const char *path, bf_error *err);
+
 /// Make a directory and what is above it, like mkdir -p. What is there already is left as it is, and
 /// may be something else than a directory. False: errno.
 bool file_io_make_directories(const char *path, mode_t mode, file_io_sync sync);
