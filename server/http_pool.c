@@ -96,7 +96,6 @@ static void append(http_pool *p, http_request *r)
     else
         p->last->next = r;
     p->last = r;
-    lock_wake_all(&p->changed);
 }
 
 bool http__pool_give(http_pool *p, http_request *r)
@@ -110,6 +109,9 @@ bool http__pool_give(http_pool *p, http_request *r)
         p->n_waiting++;
     }
     lock_give(&p->lock);
+    // Only now, so that the thread does not wake to wait for the lock.
+    if (has_room)
+        lock_wake_one(&p->changed);
     return has_room;
 }
 
@@ -119,6 +121,7 @@ void http__pool_take_back(http_pool *p, http_request *r)
     BF_CHECK(!p->is_stopping && r->stage == HTTP_STAGE_WAITING);
     append(p, r);
     lock_give(&p->lock);
+    lock_wake_one(&p->changed);
 }
 
 bool http__pool_continue(http_pool *p, http_request *r)
@@ -130,6 +133,8 @@ bool http__pool_continue(http_pool *p, http_request *r)
         append(p, r);
     }
     lock_give(&p->lock);
+    if (goes_on)
+        lock_wake_one(&p->changed);
     return goes_on;
 }
 

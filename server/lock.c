@@ -66,6 +66,11 @@ void lock_wake_all(lock_condition *c)
     BF_CHECK(pthread_cond_broadcast(&c->condition) == 0);
 }
 
+void lock_wake_one(lock_condition *c)
+{
+    BF_CHECK(pthread_cond_signal(&c->condition) == 0);
+}
+
 bool lock_wait(lock_condition *c, lock *l, int64_t deadline_ms)
 {
     int code;

@@ -36,5 +36,8 @@ void lock_condition_fini(lock_condition *c);
 /// Wake every thread that waits on the condition.
 void lock_wake_all(lock_condition *c);
 
+/// Wake one thread that waits on the condition, for what any one of them can do.
+void lock_wake_one(lock_condition *c);
+
 /// Wait with the lock held; false if deadline_ms (clock_monotonic_ms(), or -1: none) passed.
 bool lock_wait(lock_condition *c, lock *l, int64_t deadline_ms);
