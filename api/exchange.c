@@ -321,5 +321,6 @@ void api_handle(const api_services *services, const api_request *request, api_re
             refuse(&x, status, &error);
         vary(&x);
     }
+    response->route = x.route == NULL ? NULL : x.route->path;
     api_response_header(response, "X-Content-Type-Options", "nosniff");
 }

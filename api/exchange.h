@@ -57,8 +57,9 @@ typedef struct api_header {
 
 /// A response. Zero-initialise; api_response_fini().
 typedef struct api_response {
-    int status;                          ///< HTTP status code
-    size_t n_headers;                    ///< headers in use
+    int status;        ///< HTTP status code
+    const char *route; ///< template of the route that it is of; NULL: none; static
+    size_t n_headers;  ///< headers in use
     api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
     bf_buffer body;       ///< the body, unless pieces or is_stream; of a 304 perhaps what a 200 had
     api_body pieces;      ///< the body is made while it is sent; make NULL: it is not

@@ -47,4 +47,5 @@ route_handler handlers_meta_examples;
 route_handler handlers_meta_example;
 route_handler handlers_meta_livez;
 route_handler handlers_meta_readyz;
+route_handler handlers_meta_metrics;
 route_handler handlers_meta_version;

@@ -1,4 +1,4 @@
-// The service itself: ready scenarios, liveness, readiness, version.
+// The service itself: ready scenarios, liveness, readiness, figures, version.
 
 #include "api/examples.h"
 #include "api/exchange_priv.h"
@@ -83,6 +83,11 @@ bf_status handlers_meta_readyz(exchange *x, bf_error *err)
         return status;
     }
     return write_status(x, "ready", err);
+}
+
+bf_status handlers_meta_metrics(exchange *x, bf_error *err)
+{
+    return x->services->metrics(x->services->context, &x->response->body, err);
 }
 
 bf_status handlers_meta_version(exchange *x, bf_error *err)

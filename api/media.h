@@ -20,6 +20,7 @@
     X(MEDIA_VTP, "vtp", "application/x-vtp", "application/x-vtp")                                  \
     X(MEDIA_PVD, "pvd", "application/xml", "application/xml")                                      \
     X(MEDIA_ZIP, "zip", "application/zip", "application/zip")                                      \
+    X(MEDIA_PROMETHEUS, "prometheus", "text/plain", "text/plain; version=0.0.4; charset=utf-8")    \
     X(MEDIA_SSE, "sse", "text/event-stream", "text/event-stream")                                  \
     X(MEDIA_NDJSON, "ndjson", "application/x-ndjson", "application/x-ndjson")
 
@@ -33,6 +34,7 @@ typedef enum media_format {
     MEDIA_VTP,
     MEDIA_PVD,
     MEDIA_ZIP,
+    MEDIA_PROMETHEUS,
     MEDIA_SSE,
     MEDIA_NDJSON
 } media_format;

@@ -57,6 +57,8 @@ static const route table[] = {
       "One ready scenario" },
     { "GET", "/livez", handlers_meta_livez, false, "", "json", "Is the daemon alive?" },
     { "GET", "/readyz", handlers_meta_readyz, true, "", "json", "Can the daemon accept runs?" },
+    { "GET", "/metrics", handlers_meta_metrics, false, "", "prometheus",
+      "The service's figures for Prometheus" },
     { "GET", "/version", handlers_meta_version, false, "", "json", "Which build this is" },
 };
 

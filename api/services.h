@@ -230,6 +230,8 @@ typedef struct api_services {
     bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ESYSTEM store).
     bf_status (*ready)(void *context, bf_error *err);
+    /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.
+    bf_status (*metrics)(void *context, bf_buffer *out, bf_error *err);
 } api_services;
 
 /// The word of an event type. Never NULL.

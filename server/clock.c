@@ -22,6 +22,12 @@ int64_t clock_monotonic_ms(void)
     return to_ms(read_clock(CLOCK_MONOTONIC));
 }
 
+int64_t clock_monotonic_ns(void)
+{
+    struct timespec now = read_clock(CLOCK_MONOTONIC);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
 double clock_monotonic_s(void)
 {
     struct timespec now = read_clock(CLOCK_MONOTONIC);

@@ -7,6 +7,9 @@
 /// Milliseconds of a clock that never jumps; for deadlines and durations.
 int64_t clock_monotonic_ms(void);
 
+/// Nanoseconds of the same clock.
+int64_t clock_monotonic_ns(void);
+
 /// Seconds of the same clock, with its full resolution.
 double clock_monotonic_s(void);
 

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WHERE_SIZE = 160, PATH_SIZE = 2 * CONFIG_TEXT_SIZE };
+enum { PATH_SIZE = 2 * CONFIG_TEXT_SIZE };
 
 // A file that is being read.
 typedef struct config_reader {
@@ -50,7 +50,7 @@ static char *read_line(char *line, int size, void *context)
 static int take_setting(void *context, const char *section, const char *name, const char *value)
 {
     config_reader *reader = context;
-    char where[WHERE_SIZE];
+    char where[CONFIG_ORIGIN_SIZE];
 
     if (reader->status != BF_OK)
         return 0;
@@ -105,6 +105,11 @@ bf_status config_read_environment(config *c, bf_error *err)
     return BF_OK;
 }
 
+static void note_found(config *c, size_t row)
+{
+    (void)snprintf(c->origins[row], sizeof c->origins[row], "found beside this program");
+}
+
 bf_status config_locate(config *c, const char *folder, bf_error *err)
 {
     static const char *const web_places[] = { "../share/beltflow/web", "../web" };
@@ -116,6 +121,7 @@ bf_status config_locate(config *c, const char *folder, bf_error *err)
             return bf_fail(err, BF_ELIMIT, "", "the path of this program is too long: %.100s",
                            folder);
         memcpy(c->program, path, strlen(path) + 1);
+        note_found(c, CONFIG_program);
     }
     for (size_t i = 0; c->web[0] == '\0' && i < sizeof web_places / sizeof *web_places; i++) {
         (void)snprintf(path, sizeof path, "%s/%s/index.html", folder, web_places[i]);
@@ -123,6 +129,7 @@ bf_status config_locate(config *c, const char *folder, bf_error *err)
             continue;
         (void)snprintf(c->web, sizeof c->web, "%.*s", (int)(strlen(path) - strlen("/index.html")),
                        path);
+        note_found(c, CONFIG_web);
     }
     return BF_OK;
 }

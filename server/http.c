@@ -78,17 +78,30 @@ static void on_message(void *context, const char *format, va_list arguments)
     log_event(LOG_LEVEL_DEBUG, "http", "text=%s", log_quote(text, quoted));
 }
 
-static bf_status open_web(http *h, bf_error *err)
+// Requests may be using the directory, so another one takes its descriptor over.
+static bf_status open_web(http *h, const char *directory, bf_error *err)
 {
-    const char *directory = h->options.web_directory;
-
     if (directory == NULL)
         return BF_OK;
-    h->web_fd = open(directory, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (h->web_fd < 0)
-        return bf_fail(err, BF_ESYSTEM, "", "cannot use the page's directory %s: %s", directory,
-                       strerror(errno));
-    return BF_OK;
+    int fd = open(directory, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0 && h->web_fd < 0) {
+        h->web_fd = fd;
+        return BF_OK;
+    }
+    bool is_good = fd >= 0 && dup3(fd, h->web_fd, O_CLOEXEC) >= 0;
+    int error = errno;
+    if (fd >= 0)
+        (void)close(fd);
+    if (is_good)
+        return BF_OK;
+    return bf_fail(err, BF_ESYSTEM, "", "cannot use the page's directory %s: %s", directory,
+                   strerror(error));
+}
+
+static void list_quotas(const http_options *options, uint64_t ret_quotas[HTTP_LIMIT_COUNT])
+{
+    ret_quotas[HTTP_LIMIT_REQUESTS] = options->requests_per_minute;
+    ret_quotas[HTTP_LIMIT_WORK] = options->work_per_minute;
 }
 
 // What is made of the settings about other origins, proxies and limits.
@@ -96,9 +109,9 @@ static bf_status prepare_policies(http *h, bf_error *err)
 {
     const char *origins = h->options.cors_origins == NULL ? "" : h->options.cors_origins;
     const char *proxies = h->options.trusted_proxies == NULL ? "" : h->options.trusted_proxies;
-    const uint64_t quotas[HTTP_LIMIT_COUNT] = { [HTTP_LIMIT_REQUESTS] =
-                                                    h->options.requests_per_minute,
-                                                [HTTP_LIMIT_WORK] = h->options.work_per_minute };
+    uint64_t quotas[HTTP_LIMIT_COUNT];
+
+    list_quotas(&h->options, quotas);
     bf_status status = http_cors_check(origins, err);
 
     if (status == BF_OK)
@@ -161,7 +174,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     h->listen_fd = h->web_fd = -1;
     lock_init(&h->lock);
     lock_condition_init(&h->changed);
-    bf_status status = open_web(h, err);
+    bf_status status = open_web(h, options->web_directory, err);
     if (status == BF_OK)
         status = prepare_policies(h, err);
     if (status == BF_OK)
@@ -180,6 +193,22 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     }
     *ret_http = h;
     return BF_OK;
+}
+
+bf_status http_reconfigure(http *h, const http_options *options, bf_error *err)
+{
+    uint64_t quotas[HTTP_LIMIT_COUNT];
+
+    list_quotas(options, quotas);
+    http_limit_change(h->limit, quotas);
+    h->options.stream_limit = options->stream_limit;
+    h->options.download_limit = options->download_limit;
+    h->options.wait_limit = options->wait_limit;
+    h->options.body_limit = options->body_limit;
+    h->options.header_deadline_ms = options->header_deadline_ms;
+    h->options.body_deadline_ms = options->body_deadline_ms;
+    h->options.heartbeat_ms = options->heartbeat_ms;
+    return open_web(h, options->web_directory, err);
 }
 
 unsigned http_port(const http *h)
@@ -212,6 +241,7 @@ http *http_stop(http *h)
     http__watch_stop(h);
     if (h->daemon != NULL)
         MHD_stop_daemon(h->daemon);
+    http__probe_end(h);
     h->pool = http__pool_free(h->pool);
     if (h->listen_fd >= 0)
         (void)close(h->listen_fd);

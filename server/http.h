@@ -16,6 +16,7 @@
 #include "api/services.h"
 #include "core/base/status.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /// How to serve.
@@ -27,17 +28,18 @@ typedef struct http_options {
     unsigned n_request_threads;   ///< threads for requests that block, >= 1
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
-    unsigned stream_limit;        ///< event streams at once
-    unsigned download_limit;      ///< bodies that are made while they are sent, at once
-    unsigned wait_limit;          ///< requests whose answers wait for a run at once
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
     const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's
     uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
     uint64_t work_per_minute;     ///< of them such that create work; 0: no limit
-    uint64_t body_limit;          ///< bytes of a request's body
-    int64_t header_deadline_ms;   ///< for a complete request header
-    int64_t body_deadline_ms;     ///< for a complete body, after the header
-    int64_t heartbeat_ms;         ///< between comments on idle streams
+    /// What http_reconfigure() changes while threads read it:
+    _Atomic unsigned stream_limit;      ///< event streams at once
+    _Atomic unsigned download_limit;    ///< bodies that are made while they are sent, at once
+    _Atomic unsigned wait_limit;        ///< requests whose answers wait for a run at once
+    _Atomic uint64_t body_limit;        ///< bytes of a request's body
+    _Atomic int64_t header_deadline_ms; ///< for a complete request header
+    _Atomic int64_t body_deadline_ms;   ///< for a complete body, after the header
+    _Atomic int64_t heartbeat_ms;       ///< between comments on idle streams
 } http_options;
 
 /// A running server; opaque.
@@ -46,6 +48,19 @@ typedef struct http http;
 /// Listen and serve. BF_ESYSTEM: the address cannot be used; the text says why in plain words
 /// ("port 8080 of 127.0.0.1 is taken by another program").
 BF_MUST_CHECK bf_status http_start(const http_options *options, http **ret_http, bf_error *err);
+
+/// BF_EINPUT: text is not an address to listen on, such as "127.0.0.1:8080".
+BF_MUST_CHECK bf_status http_check_address(const char *text, bf_error *err);
+
+/// From now on serve with the options that can change (http_options), and open the page's directory
+/// again, which may be another one of that name now. BF_ESYSTEM: the directory cannot be used; all
+/// else is done, and the page stays as it was.
+BF_MUST_CHECK bf_status http_reconfigure(http *h, const http_options *options, bf_error *err);
+
+/// Ask the threads that serve connections, the request threads and the one that watches for a sign of
+/// life; true if all have given what they were asked for before. The first are asked by requests
+/// (GET /livez) on connections of our own; while all connections are in use they are not asked.
+bool http_is_alive(http *h);
 
 /// The port that is listened on.
 unsigned http_port(const http *h);

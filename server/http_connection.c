@@ -47,6 +47,7 @@ http_connection *http__connection_open(http *h, int fd)
     c->server = h;
     c->fd = fd;
     c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
+    metrics_add(METRICS_CONNECTIONS, 0, 1);
     lock_take(&h->lock);
     c->next = h->connections;
     if (c->next != NULL)
@@ -88,6 +89,7 @@ void http__connection_close(http_connection *c)
     if (c->lingers)
         start_lingering(h, c->fd);
     lock_give(&h->lock);
+    metrics_add(METRICS_CONNECTIONS, 0, -1);
     memory_free(c);
 }
 
@@ -203,8 +205,10 @@ static void *watch(void *context)
     http *h = context;
 
     lock_take(&h->lock);
-    while (!h->watch_ends)
+    while (!h->watch_ends) {
+        pulse_answer(&h->alive.pulse);
         (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
+    }
     lock_give(&h->lock);
     return NULL;
 }

@@ -279,9 +279,9 @@ void http__file_answer(http_request *r)
 {
     bool is_read = is_method(r, "GET") || is_method(r, "HEAD");
     http_file file = { .fd = -1 };
-    bool is_there = r->server->web_fd < 0
-                        ? strcmp(r->path, "/") == 0
-                        : http__file_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
+    int web_fd = r->server->web_fd;
+    bool is_there = web_fd < 0 ? strcmp(r->path, "/") == 0
+                               : http__file_open(web_fd, r->path, CODING_IDENTITY, &file);
 
     if (is_there && is_method(r, "OPTIONS"))
         answer_options(r);
@@ -291,6 +291,8 @@ void http__file_answer(http_request *r)
         answer_file(r, &file);
     else if (is_there)
         explain_absence(r);
+    if (is_there)
+        r->response.route = METRICS_PAGE;
     if (file.fd >= 0 && r->file.fd < 0)
         (void)close(file.fd);
 }

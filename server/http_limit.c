@@ -38,6 +38,14 @@ static const char *const names[HTTP_LIMIT_COUNT] = {
 #undef X
 };
 
+static void forget_all(http_limit *l)
+{
+    l->n_used = 0;
+    l->newest = l->oldest = NONE;
+    for (size_t i = 0; i < l->n_clients; i++)
+        l->chains[i] = NONE;
+}
+
 bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT], size_t n_clients,
                             http_limit **ret_limit, bf_error *err)
 {
@@ -56,9 +64,7 @@ bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT], size_t n_cl
     l->n_clients = n_clients;
     l->chains = chains;
     l->clients = clients;
-    l->newest = l->oldest = NONE;
-    for (size_t i = 0; i < n_clients; i++)
-        chains[i] = NONE;
+    forget_all(l);
     lock_init(&l->lock);
     *ret_limit = l;
     return BF_OK;
@@ -73,6 +79,16 @@ http_limit *http_limit_destroy(http_limit *limit)
     memory_free(limit->clients);
     memory_free(limit);
     return NULL;
+}
+
+void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT])
+{
+    lock_take(&limit->lock);
+    if (memcmp(limit->quotas, quotas, sizeof limit->quotas) != 0) {
+        memcpy(limit->quotas, quotas, sizeof limit->quotas);
+        forget_all(limit);
+    }
+    lock_give(&limit->lock);
 }
 
 static int *chain_of(http_limit *l, const uint8_t *key)

@@ -54,6 +54,9 @@ BF_MUST_CHECK bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT
 /// Free it. NULL is fine. Always returns NULL.
 http_limit *http_limit_destroy(http_limit *limit);
 
+/// From now on other quotas, and full buckets for everybody. Quotas as they are change nothing.
+void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT]);
+
 /// A request of the client at now_ms (a clock that never goes back) takes its tokens; one that is
 /// refused takes none.
 http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIMIT_KEY_SIZE],

@@ -100,6 +100,13 @@ static unsigned port_of(int fd)
     return ntohs(((const struct sockaddr_in *)&address)->sin_port);
 }
 
+bf_status http_check_address(const char *text, bf_error *err)
+{
+    listen_parts parts;
+
+    return split_address(text, &parts, err);
+}
+
 bf_status http__listen(const char *address, int *ret_fd, unsigned *ret_port, bf_error *err)
 {
     const struct addrinfo hints = { .ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM };

@@ -20,6 +20,7 @@ struct http_pool {
     unsigned n_waiting;     // requests in it
     unsigned n_max;         // at most
     bool is_stopping;       // nothing more is queued
+    pulse pulse;            // of the threads: one must live
     unsigned n_threads;     // started
     pthread_t threads[];    // they
 };
@@ -28,8 +29,11 @@ struct http_pool {
 static http_request *take(http_pool *p)
 {
     lock_take(&p->lock);
-    while (p->first == NULL && !p->is_stopping)
+    pulse_answer(&p->pulse);
+    while (p->first == NULL && !p->is_stopping) {
         (void)lock_wait(&p->changed, &p->lock, -1);
+        pulse_answer(&p->pulse);
+    }
     http_request *r = p->first;
     if (r != NULL) {
         p->first = r->next;
@@ -136,6 +140,17 @@ bool http__pool_continue(http_pool *p, http_request *r)
     if (goes_on)
         lock_wake_one(&p->changed);
     return goes_on;
+}
+
+bool http__pool_is_alive(http_pool *p)
+{
+    bool is_alive = !pulse_is_asked(&p->pulse);
+
+    lock_take(&p->lock);
+    pulse_ask(&p->pulse);
+    lock_wake_all(&p->changed);
+    lock_give(&p->lock);
+    return is_alive;
 }
 
 void http__pool_end(http_pool *p)

@@ -18,6 +18,7 @@
 #include "api/coding.h"
 #include "api/exchange.h"
 #include "server/http.h"
+#include "server/http_alive_priv.h"
 #include "server/http_client.h"
 #include "server/http_download_priv.h"
 #include "server/http_limit.h"
@@ -26,6 +27,7 @@
 #include "server/http_trace.h"
 #include "server/http_wait_priv.h"
 #include "server/lock.h"
+#include "server/metrics.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -38,14 +40,14 @@ struct MHD_Daemon;
 struct MHD_Response;
 
 enum {
-    HTTP_METHOD_SIZE = 32,          ///< bytes of a method with its terminator
-    HTTP_IDLE_S = 15,               ///< an inactive connection is closed after it
-    HTTP_STREAM_IDLE_S = 60,        ///< the same for a client that does not take its stream
-    HTTP_STREAM_BATCH = 64 * 1024,  ///< bytes that a stream reads from the store at once
-    HTTP_LINGER_MAX = 64,           ///< sockets that are drained after a refusal
-    HTTP_LINGER_MS = 2000,          ///< for how long
-    HTTP_STOP_MS = 1000,            ///< for answers under way when stopping
-    HTTP_POOL_QUEUE_PER_THREAD = 16 ///< requests that may wait for a request thread
+    HTTP_METHOD_SIZE = 32,           ///< bytes of a method with its terminator
+    HTTP_IDLE_S = 15,                ///< an inactive connection is closed after it
+    HTTP_STREAM_IDLE_S = 60,         ///< the same for a client that does not take its stream
+    HTTP_STREAM_BATCH = 64 * 1024,   ///< bytes that a stream reads from the store at once
+    HTTP_LINGER_MAX = 64,            ///< sockets that are drained after a refusal
+    HTTP_LINGER_MS = 2000,           ///< for how long
+    HTTP_STOP_MS = 1000,             ///< for answers under way when stopping
+    HTTP_POOL_QUEUE_PER_THREAD = 16, ///< requests that may wait for a request thread
 };
 
 /// A connection's socket, from accept to close.
@@ -99,7 +101,7 @@ struct http_request {
     http_stream stream;            ///< of a response that is one
     bool is_download;              ///< in http.n_downloads
     http_download download;        ///< of a response whose body is made in pieces
-    int64_t begun_ms;              ///< when its header was complete
+    int64_t begun_ns;              ///< when its header was complete, clock_monotonic_ns()
 };
 
 /// The request threads; opaque.
@@ -110,7 +112,7 @@ struct http {
     http_options options;                  ///< as given; its texts are not kept
     api_services services;                 ///< as given
     int listen_fd;                         ///< listening socket; -1: none
-    int web_fd;                            ///< directory of the page; -1: none
+    _Atomic int web_fd;                    ///< directory of the page; -1: none
     unsigned port;                         ///< listened on
     struct MHD_Daemon *daemon;             ///< NULL until it runs
     http_pool *pool;                       ///< request threads
@@ -132,6 +134,7 @@ struct http {
     bool has_watch;                        ///< watch runs
     bool watch_ends;                       ///< it shall not
     int64_t looked_ms;                     ///< when it last looked for clients that left
+    http_alive alive;                      ///< signs of life, see http_is_alive()
     pthread_t watch;                       ///< deadlines, heartbeats, clients that left
     unsigned n_lingering;                  ///< sockets in linger
     int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained
@@ -187,6 +190,9 @@ void http__pool_end(http_pool *p);
 
 /// Free a pool that has ended. NULL is fine. Always returns NULL.
 http_pool *http__pool_free(http_pool *p);
+
+/// Ask for a sign of life of any thread, and true if one has given what was asked for before.
+bool http__pool_is_alive(http_pool *p);
 
 // http_finish.c
 

@@ -162,6 +162,7 @@ static void count(http_request *r, int change)
     if (h->n_requests == 0 && h->is_stopping)
         lock_wake_all(&h->changed);
     lock_give(&h->lock);
+    metrics_add(METRICS_REQUESTS_NOW, 0, change);
     r->is_counted = change > 0;
 }
 
@@ -169,7 +170,7 @@ static bool begin(http_request *r, const char *method, const char *version)
 {
     bool has_body = false;
 
-    r->begun_ms = clock_monotonic_ms();
+    r->begun_ns = clock_monotonic_ns();
     count(r, 1);
     check_header(r, method, version);
     identify(r);
@@ -310,8 +311,22 @@ static void log_request(const http_request *r)
     log_event(is_write ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
               "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s",
               log_quote(r->method, method), log_quote(r->path, path), r->response.status,
-              (long long)(clock_monotonic_ms() - r->begun_ms), run_of(r, id), r->trace.id,
-              r->trace.parent[0] == '\0' ? "-" : r->trace.parent);
+              (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
+              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent);
+}
+
+// What a client wants to wait for says nothing about the service.
+static bool is_timed(const http_request *r)
+{
+    return !r->response.is_stream && r->wait.deadline_ms == 0;
+}
+
+static void measure_request(const http_request *r)
+{
+    const char *route = r->response.route;
+
+    metrics_count_request(route == NULL ? METRICS_NO_ROUTE : route, r->method, r->response.status,
+                          is_timed(r) ? clock_monotonic_ns() - r->begun_ns : -1);
 }
 
 void http__request_close(http_request *r)
@@ -325,6 +340,7 @@ void http__request_close(http_request *r)
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
     if (r->is_counted) {
         log_request(r);
+        measure_request(r);
         count(r, -1);
     }
     if (r->file.fd >= 0)

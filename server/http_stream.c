@@ -80,6 +80,7 @@ bool http__stream_begin(http_request *r)
         s->next->previous = s;
     h->streams = s;
     r->is_stream = true;
+    metrics_add(METRICS_STREAMS, 0, 1);
     lock_give(&h->lock);
     (void)setsockopt(s->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ack_ms, sizeof ack_ms);
     (void)MHD_set_connection_option(r->mhd, MHD_CONNECTION_OPTION_TIMEOUT,
@@ -105,6 +106,7 @@ void http__stream_end(http_request *r)
     h->n_streams--;
     r->is_stream = false;
     lock_give(&h->lock);
+    metrics_add(METRICS_STREAMS, 0, -1);
     buffer_fini(&s->batch);
 }
 
@@ -213,6 +215,7 @@ static ssize_t hand_out(http *h, http_stream *s, char *bytes, size_t n)
     n = n < n_left ? n : n_left;
     memcpy(bytes, s->batch.bytes + s->n_taken, n);
     s->n_taken += n;
+    metrics_add(METRICS_STREAM_BYTES, 0, (int64_t)n);
     lock_take(&h->lock);
     s->sent_ms = clock_monotonic_ms();
     lock_give(&h->lock);

@@ -1,22 +1,50 @@
 #include "server/log.h"
 
 #include "server/clock.h"
+#include "server/log_priv.h"
+#include "server/metrics.h"
 
 #include <errno.h>
 #include <stdarg.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
 // A write of at most PIPE_BUF bytes is not torn when several processes share a pipe.
-enum { LINE_SIZE = 4096 };
+enum { LINE_SIZE = 4096, HEAD_SIZE = 64 };
 
-static const char *const level_words[LOG_LEVEL_COUNT] = { "error", "warn", "info", "debug" };
+static const char *const level_words[LOG_LEVEL_COUNT] = {
+#define X(level, word, priority) word,
+    LOG_LEVEL_LIST(X)
+#undef X
+};
 
 static atomic_int shown_level = LOG_LEVEL_INFO;
+static atomic_bool has_journal;
+
+const char *log_level_word(log_level level)
+{
+    return level_words[level];
+}
+
+log_level log_level_find(const char *word)
+{
+    int level = 0;
+
+    while (level < LOG_LEVEL_COUNT && strcmp(level_words[level], word) != 0)
+        level++;
+    return (log_level)level;
+}
+
+void log_open(void)
+{
+    atomic_store(&has_journal, log__is_journal(STDERR_FILENO, getenv("JOURNAL_STREAM")));
+}
 
 void log_set_level(log_level level)
 {
@@ -30,7 +58,8 @@ static size_t clip_length(int n, size_t size)
     return (size_t)n < size ? (size_t)n : size - 1;
 }
 
-static size_t write_head(char *line, size_t size, log_level level, const char *event)
+// Time and level, in HEAD_SIZE bytes.
+static void write_head(char *head, log_level level)
 {
     int64_t now_ms = clock_unix_ms();
     time_t now_s = (time_t)(now_ms / 1000);
@@ -39,9 +68,8 @@ static size_t write_head(char *line, size_t size, log_level level, const char *e
 
     gmtime_r(&now_s, &utc);
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%S", &utc);
-    int n = snprintf(line, size, "ts=%s.%03dZ level=%s event=%s", stamp, (int)(now_ms % 1000),
-                     level_words[level], event);
-    return clip_length(n, size);
+    (void)snprintf(head, HEAD_SIZE, "ts=%s.%03dZ level=%s ", stamp, (int)(now_ms % 1000),
+                   level_words[level]);
 }
 
 static size_t write_pairs(char *line, size_t size, const char *format, va_list args)
@@ -67,23 +95,42 @@ static void write_line(const char *line, size_t n)
     while (written < 0 && errno == EINTR);
 }
 
+// The whole line but its end, in LINE_SIZE bytes; the part behind time and level begins at *ret_n_head.
+static size_t write_event(char *line, log_level level, const char *event, const char *format,
+                          va_list args, size_t *ret_n_head)
+{
+    enum { ROOM = LINE_SIZE - 1 };
+    char head[HEAD_SIZE];
+
+    write_head(head, level);
+    *ret_n_head = strlen(head);
+    size_t n = clip_length(snprintf(line, ROOM, "%sevent=%s", head, event), ROOM);
+    n += write_pairs(line + n, ROOM - n, format, args);
+    for (size_t i = 0; i < n; i++)
+        if (is_control(line[i]))
+            line[i] = '?';
+    line[n] = '\0';
+    return n;
+}
+
 void log_event(log_level level, const char *event, const char *format, ...)
 {
     char line[LINE_SIZE];
+    size_t n_head = 0;
     va_list args;
 
     if ((int)level > atomic_load_explicit(&shown_level, memory_order_relaxed))
         return;
     int saved = errno;
-    size_t n = write_head(line, sizeof line - 1, level, event);
+    metrics_add(METRICS_LOG_LINES, level, 1);
     va_start(args, format);
-    n += write_pairs(line + n, sizeof line - 1 - n, format, args);
+    size_t n = write_event(line, level, event, format, args, &n_head);
     va_end(args);
-    for (size_t i = 0; i < n; i++)
-        if (is_control(line[i]))
-            line[i] = '?';
-    line[n++] = '\n';
-    write_line(line, n);
+    if (!atomic_load_explicit(&has_journal, memory_order_relaxed) ||
+        !log__send(level, line + n_head)) {
+        line[n++] = '\n';
+        write_line(line, n);
+    }
     errno = saved;
 }
 

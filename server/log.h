@@ -1,15 +1,37 @@
-/// The daemon's log: one logfmt line per event on stderr, `level=info event=run_started run=...`.
+/// The daemon's log: one logfmt line per event, `level=info event=run_started run=...`, on stderr or,
+/// where a service manager connected that with the journal, in the journal with fields.
+///
+/// Every line that concerns a run has a pair `run=ID`, and one that concerns a request `request_id=ID`
+/// ("-": none): they become the fields RUN_ID and REQUEST_ID.
 
 #pragma once
 
-/// What a line means to an operator.
+/// What a line means to an operator, X(level, word, priority of syslog): someone must act, and there
+/// is none of these in a clean day; we coped; a change of state that an operator wants to see; for
+/// developers.
+#define LOG_LEVEL_LIST(X)                                                                          \
+    X(LOG_LEVEL_ERROR, "error", 3)                                                                 \
+    X(LOG_LEVEL_WARN, "warn", 4)                                                                   \
+    X(LOG_LEVEL_INFO, "info", 6)                                                                   \
+    X(LOG_LEVEL_DEBUG, "debug", 7)
+
+/// The levels.
 typedef enum log_level {
-    LOG_LEVEL_ERROR, ///< someone must act; none of these in a clean day
-    LOG_LEVEL_WARN,  ///< we coped
-    LOG_LEVEL_INFO,  ///< a change of state that an operator wants to see
-    LOG_LEVEL_DEBUG, ///< for developers
-    LOG_LEVEL_COUNT
+#define X(level, word, priority) level,
+    LOG_LEVEL_LIST(X)
+#undef X
+        LOG_LEVEL_COUNT
 } log_level;
+
+/// The word of a level. Never NULL.
+const char *log_level_word(log_level level);
+
+/// The level of a word, or LOG_LEVEL_COUNT.
+log_level log_level_find(const char *word);
+
+/// Write to the journal instead of stderr if stderr is connected to it (JOURNAL_STREAM). For the start
+/// of a daemon, before other threads log.
+void log_open(void);
 
 /// Show lines up to this level (default LOG_LEVEL_INFO).
 void log_set_level(log_level level);

@@ -1,5 +1,8 @@
 #include "server/service.h"
 
+#include "server/clock.h"
+#include "server/metrics.h"
+
 #include <time.h>
 
 // Between the moment when the store has made a run running and the supervisor knows its child, and
@@ -184,6 +187,28 @@ static bf_status ready(void *context, bf_error *err)
     return store_ready(s->store, err);
 }
 
+static void read_figures(service *s)
+{
+    store_figures figures;
+
+    store_read_figures(s->store, &figures);
+    int64_t oldest_ms = figures.oldest_queued_ms;
+    int64_t age_ms = oldest_ms == 0 ? 0 : clock_unix_ms() - oldest_ms;
+    for (size_t state = 0; state < RUN_STATE_COUNT; state++)
+        metrics_set(METRICS_RUNS, state, (int64_t)figures.n_runs[state]);
+    metrics_set(METRICS_QUEUE_LENGTH, 0, (int64_t)figures.n_runs[RUN_QUEUED]);
+    metrics_set(METRICS_QUEUE_AGE, 0, age_ms > 0 ? age_ms * 1000000 : 0);
+    metrics_set(METRICS_STORE_SIZE, 0, (int64_t)figures.file_bytes);
+    metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)figures.log_bytes);
+}
+
+static bf_status write_metrics(void *context, bf_buffer *out, bf_error *err)
+{
+    read_figures(context);
+    metrics_read_process();
+    return metrics_write(out, err);
+}
+
 api_services service_table(service *s)
 {
     return (api_services){ .context = s,
@@ -203,7 +228,8 @@ api_services service_table(service *s)
                            .list_measurements = list_measurements,
                            .read_measurement = read_measurement,
                            .remove_measurement = remove_measurement,
-                           .ready = ready };
+                           .ready = ready,
+                           .metrics = write_metrics };
 }
 
 void service_drain(service *s)

@@ -21,6 +21,7 @@
 //     store_care.c        what is removed by itself
 //     store_backup.c      a copy of a store
 //     store_verify.c      the invariants as questions to a store
+//     store_figures.c     how much there is of what
 //
 // Where each invariant of store.h is kept:
 //
@@ -132,6 +133,8 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
         status = store__migrate(&s->writer, s->path, err);
     if (status == BF_OK)
         status = recover(&s->writer, err);
+    if (status == BF_OK)
+        status = store__count(s, &s->tally.figures, err);
     if (status == BF_OK)
         status = store__start_thread(s, err);
     if (status == BF_OK)

@@ -184,5 +184,23 @@ BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SI
                                           uint64_t after, size_t limit_bytes, api_event_take *take,
                                           void *take_context, bf_error *err);
 
+/// What the store holds, in figures.
+typedef struct store_figures {
+    uint64_t n_runs[RUN_STATE_COUNT]; ///< runs by state
+    int64_t oldest_queued_ms;         ///< when the oldest run that waits was created; 0: none waits
+    uint64_t file_bytes;              ///< of the database
+    uint64_t log_bytes;               ///< of its write-ahead log
+} store_figures;
+
+/// The figures as they were when they were last counted, a second ago at most unless the store's
+/// thread hangs. Never waits for the disk.
+void store_read_figures(store *s, store_figures *ret_figures);
+
+/// Let more or fewer runs wait; see store_options.
+void store_set_queue_limit(store *s, size_t limit);
+
+/// Ask the store's thread for a sign of life, and true if it has given all that it was asked for before.
+bool store_is_alive(store *s);
+
 /// BF_OK if the store can write; else why not.
 BF_MUST_CHECK bf_status store_ready(store *s, bf_error *err);

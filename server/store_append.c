@@ -3,6 +3,7 @@
 #include "api/events.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
+#include "server/metrics.h"
 
 #include <math.h>
 #include <string.h>
@@ -294,6 +295,8 @@ bf_status store_append(store *s, const store_batch *batch, bf_error *err)
     bf_status status = pack_all(&context, err);
     if (status == BF_OK)
         status = store__write(s, apply_append, &context, err);
+    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
+        metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
     for (size_t i = 0; i <= 2 * batch->n; i++)
         buffer_fini(&context.packed[i]);
     memory_free(context.packed);

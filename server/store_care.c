@@ -158,8 +158,10 @@ void store__take_care(store *s)
     lock_take(&s->lock);
     if (status == BF_OK)
         s->care = st.care;
-    if (status == BF_OK && !st.is_last)
+    if (status == BF_OK && !st.is_last) {
+        s->tally.has_changed = true;
         return;
+    }
     s->care.next_ms = clock_monotonic_ms() + s->care.every_ms;
 }
 

@@ -6,6 +6,7 @@
 #include "server/lock.h"
 #include "server/store.h"
 #include "server/store_connection_priv.h"
+#include "server/store_figures_priv.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -89,7 +90,7 @@ typedef struct store__pool {
 struct store {
     char directory[STORE__PATH_SIZE]; ///< of the data
     char path[STORE__PATH_SIZE];      ///< of the database
-    size_t queue_limit;               ///< see store_options
+    _Atomic size_t queue_limit;       ///< see store_options
     int64_t answers_ms;               ///< see store_options
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
@@ -107,9 +108,8 @@ struct store {
     store__key *keys;                 ///< of the submissions under way
     store_retention retention;        ///< see store_options
     store__care care;                 ///< the store's thread's
-    int64_t ready_until_ms;           ///< monotonic; until then ready_status counts
-    bf_status ready_status;           ///< of the last write test
-    bf_error ready_error;             ///< of a status that is not BF_OK
+    store__tally tally;               ///< figures, and the thread's pulse
+    store__verdict ready;             ///< of the last write test
 };
 
 /// A run's row.

@@ -30,17 +30,17 @@ bf_status store_ready(store *s, bf_error *err)
 
     // Whoever asks often learns what the last test said; two tests at once do no harm.
     lock_take(&s->lock);
-    bool is_known = clock_monotonic_ms() < s->ready_until_ms;
-    bf_status status = s->ready_status;
+    bool is_known = clock_monotonic_ms() < s->ready.until_ms;
+    bf_status status = s->ready.status;
     if (is_known)
-        error = s->ready_error;
+        error = s->ready.error;
     lock_give(&s->lock);
     if (!is_known) {
         status = probe(s, &error);
         lock_take(&s->lock);
-        s->ready_status = status;
-        s->ready_error = error;
-        s->ready_until_ms = clock_monotonic_ms() + STORE__READY_MS;
+        s->ready.status = status;
+        s->ready.error = error;
+        s->ready.until_ms = clock_monotonic_ms() + STORE__READY_MS;
         lock_give(&s->lock);
     }
     if (status != BF_OK && err != NULL)

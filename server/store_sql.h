@@ -42,6 +42,9 @@
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(FIND_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 LIMIT 1")             \
     X(COUNT_QUEUED, "SELECT count(*) FROM runs WHERE state = 0")                                   \
+    X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
+    X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
+                     "ORDER BY id LIMIT 1")                                                        \
     X(NEXT_QUEUED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_queue WHERE state = 0 "             \
       "ORDER BY priority DESC, id LIMIT 1")                                                        \

@@ -10,6 +10,8 @@
 #include "server/store_priv.h"
 
 #include "core/base/check.h"
+#include "server/clock.h"
+#include "server/metrics.h"
 
 #include <signal.h>
 #include <sqlite3.h>
@@ -43,9 +45,24 @@ static void fail_group(store__operation *first, bf_status status, const bf_error
         }
 }
 
+static void note_group(const store__operation *first, bf_status status, int64_t begin_ns)
+{
+    int64_t n = 0;
+
+    if (status != BF_OK) {
+        metrics_add(METRICS_COMMIT_FAILURES, 0, 1);
+        return;
+    }
+    for (const store__operation *o = first; o != NULL; o = o->next)
+        n++;
+    metrics_observe(METRICS_COMMIT_SIZES, 0, n);
+    metrics_observe(METRICS_COMMIT_TIMES, 0, clock_monotonic_ns() - begin_ns);
+}
+
 static void apply_group(store__connection *writer, store__operation *first)
 {
     bf_error error = { 0 };
+    int64_t begin_ns = clock_monotonic_ns();
 
     bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, &error);
     for (store__operation *o = first; o != NULL && status == BF_OK; o = o->next)
@@ -53,6 +70,7 @@ static void apply_group(store__connection *writer, store__operation *first)
     status = store__end_transaction(writer, status, &error);
     if (status != BF_OK)
         fail_group(first, status, &error);
+    note_group(first, status, begin_ns);
 }
 
 static bool is_told_before(const store__operation *first, const store__operation *operation)
@@ -91,6 +109,41 @@ static void answer_group(store *s, store__operation *first)
     lock_wake_all(&s->done);
 }
 
+// Count what the operations since the last time have changed, but not too often.
+static void count_if_due(store *s)
+{
+    store_figures figures;
+
+    lock_assert_held(&s->lock);
+    if (!s->tally.has_changed || clock_monotonic_ms() < s->tally.count_at_ms)
+        return;
+    s->tally.has_changed = false;
+    lock_give(&s->lock);
+    bf_status status = store__count(s, &figures, NULL);
+    lock_take(&s->lock);
+    // What could not be counted stays as it was; whoever writes learns of the trouble.
+    if (status == BF_OK)
+        s->tally.figures = figures;
+    s->tally.count_at_ms = clock_monotonic_ms() + STORE__COUNT_MS;
+}
+
+static int64_t due_ms(const store *s)
+{
+    bool counts_first = s->tally.has_changed && s->tally.count_at_ms < s->care.next_ms;
+    return counts_first ? s->tally.count_at_ms : s->care.next_ms;
+}
+
+// Sleep until there are operations, the end, a question for the pulse, or something is due.
+static void wait_for_work(store *s)
+{
+    bool is_time = true;
+
+    lock_assert_held(&s->lock);
+    while (is_time && s->first == NULL && !s->is_stopping && !pulse_is_asked(&s->tally.pulse))
+        is_time = lock_wait(&s->queued, &s->lock, due_ms(s));
+    pulse_answer(&s->tally.pulse);
+}
+
 static void do_group(store *s, store__operation *first)
 {
     lock_give(&s->lock);
@@ -98,6 +151,7 @@ static void do_group(store *s, store__operation *first)
     tell_listener(s, first);
     lock_take(&s->lock);
     answer_group(s, first);
+    s->tally.has_changed = true;
 }
 
 static void *write_groups(void *context)
@@ -105,16 +159,13 @@ static void *write_groups(void *context)
     store *s = context;
 
     lock_take(&s->lock);
-    for (;;) {
-        bool is_time = true;
-        while (s->first == NULL && !s->is_stopping && is_time)
-            is_time = lock_wait(&s->queued, &s->lock, s->care.next_ms);
+    while (s->first != NULL || !s->is_stopping) {
+        wait_for_work(s);
         store__operation *first = take_all(s);
-        if (first == NULL && s->is_stopping)
-            break;
         if (first != NULL)
             do_group(s, first);
         store__take_care(s);
+        count_if_due(s);
     }
     lock_give(&s->lock);
     return NULL;

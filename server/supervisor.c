@@ -5,6 +5,7 @@
 #include "server/clock.h"
 #include "server/lock.h"
 #include "server/log.h"
+#include "server/metrics.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -61,6 +62,7 @@ static void press(supervisor *s, supervisor__task *task, int64_t grace_ms)
         kill_by(task, now_ms + END_GRACE_MS);
     if (task->kill_at_ms >= 0 && task->kill_at_ms <= now_ms) {
         child_signal(&task->child, SIGKILL);
+        task->is_late = asked != SUPERVISOR_KILL && !task->is_doomed;
         task->kill_at_ms = INT64_MAX;
     }
 }
@@ -83,6 +85,7 @@ static void end_task(supervisor *s, supervisor__task *task, int status)
     while (supervisor__listen(task, s->options.store, LISTEN_BYTES))
         ;
     supervisor__log_words(task);
+    metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task, status), 1);
     supervisor__wish asked = read_wish(s, task);
     store_ending ending = supervisor__judge(task, status, asked, &s->options);
     bool is_back_unasked = ending.state == RUN_QUEUED && asked == SUPERVISOR_GO_ON;
@@ -165,6 +168,36 @@ static bool is_over(supervisor *s, int64_t *ret_grace_ms)
     return over;
 }
 
+// The figures of what is being solved, all runs of a model together.
+static void note_tasks(const supervisor *s)
+{
+    int64_t rates[RUN_MODEL_COUNT] = { 0 }, items[RUN_MODEL_COUNT] = { 0 };
+
+    for (size_t i = 0; i < s->n_tasks; i++) {
+        const supervisor__task *task = s->tasks[i];
+        const frame_begin *b = &task->begin;
+        rates[task->job.run.model] += (int64_t)task->rate;
+        items[task->job.run.model] +=
+            (int64_t)(b->n_values > 0 ? b->n_parts : b->grid.n1 * b->grid.n2);
+    }
+    for (size_t model = 0; model < RUN_MODEL_COUNT; model++) {
+        metrics_set(METRICS_SOLVER_RATE, model, rates[model]);
+        metrics_set(METRICS_SOLVER_ITEMS, model, items[model]);
+    }
+}
+
+// Take over the options that somebody wants.
+static void adopt(supervisor *s)
+{
+    lock_take(&s->lock);
+    if (s->has_wanted) {
+        s->options = s->wanted;
+        s->has_wanted = false;
+        s->may_claim = true;
+    }
+    lock_give(&s->lock);
+}
+
 static void *run_loop(void *context)
 {
     supervisor *s = context;
@@ -173,14 +206,17 @@ static void *run_loop(void *context)
     while (supervisor__claim(s))
         ;
     while (!is_over(s, &grace_ms)) {
+        pulse_answer(&s->pulse);
         for (size_t i = 0; i < s->n_tasks; i++)
             press(s, s->tasks[i], grace_ms);
         wait_for_events(s);
         // From the last, because one that ends gives its place to the last.
         for (size_t i = s->n_tasks; i > 0; i--)
             serve(s, s->tasks[i - 1]);
+        adopt(s);
         while (supervisor__claim(s))
             ;
+        note_tasks(s);
     }
     return NULL;
 }
@@ -210,14 +246,20 @@ static void free_supervisor(supervisor *s)
     memory_free(s);
 }
 
+static void check_options(const supervisor_options *options)
+{
+    BF_CHECK(options->n_workers >= 1 && options->n_workers <= SUPERVISOR_WORKERS_MAX);
+    BF_CHECK(options->n_threads >= 1);
+}
+
 bf_status supervisor_start(const supervisor_options *options, supervisor **ret_supervisor,
                            bf_error *err)
 {
     supervisor *s = memory_alloc(1, sizeof *s);
-    supervisor__task **tasks = memory_alloc(options->n_workers, sizeof(supervisor__task *));
-    supervisor__debt *debts = memory_alloc(options->n_workers, sizeof *debts);
+    supervisor__task **tasks = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof(supervisor__task *));
+    supervisor__debt *debts = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof *debts);
 
-    BF_CHECK(options->n_workers >= 1 && options->n_threads >= 1);
+    check_options(options);
     if (s == NULL || tasks == NULL || debts == NULL) {
         memory_free(s);
         memory_free(tasks);
@@ -243,6 +285,27 @@ bf_status supervisor_start(const supervisor_options *options, supervisor **ret_s
     }
     *ret_supervisor = s;
     return BF_OK;
+}
+
+void supervisor_reconfigure(supervisor *s, const supervisor_options *options)
+{
+    check_options(options);
+    lock_take(&s->lock);
+    s->wanted = *options;
+    s->wanted.store = s->options.store;
+    s->wanted.program = s->options.program;
+    s->has_wanted = true;
+    lock_give(&s->lock);
+    ring(s);
+}
+
+bool supervisor_is_alive(supervisor *s)
+{
+    bool is_alive = !pulse_is_asked(&s->pulse);
+
+    pulse_ask(&s->pulse);
+    ring(s);
+    return is_alive;
 }
 
 void supervisor_wake(supervisor *s)

@@ -11,11 +11,15 @@
 
 #include "server/store.h"
 
+#include <stdbool.h>
+
+enum { SUPERVISOR_WORKERS_MAX = 64 }; ///< runs at once at most
+
 /// How to run children.
 typedef struct supervisor_options {
     store *store;          ///< where runs come from and results go
     const char *program;   ///< path of the beltflow program
-    unsigned n_workers;    ///< runs at once, >= 1
+    unsigned n_workers;    ///< runs at once, 1 to SUPERVISOR_WORKERS_MAX
     unsigned n_threads;    ///< threads of each run, >= 1
     uint64_t memory_bytes; ///< address space of a child; 0: unlimited
     uint64_t cpu_s;        ///< CPU seconds of a child; 0: unlimited
@@ -28,6 +32,13 @@ typedef struct supervisor supervisor;
 /// Start the thread and with it the runs that are queued.
 BF_MUST_CHECK bf_status supervisor_start(const supervisor_options *options,
                                          supervisor **ret_supervisor, bf_error *err);
+
+/// From now on start runs with these options; store and program stay as they were. Runs that are being
+/// solved go on as they began, also where there are more of them than n_workers now.
+void supervisor_reconfigure(supervisor *s, const supervisor_options *options);
+
+/// Ask the thread for a sign of life, and true if it has given all that it was asked for before.
+bool supervisor_is_alive(supervisor *s);
 
 /// Something was queued or its priority matters: look at the queue.
 void supervisor_wake(supervisor *s);

@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "server/clock.h"
 #include "server/log.h"
+#include "server/metrics.h"
 
 #include <math.h>
 #include <signal.h>
@@ -183,10 +184,18 @@ static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf
     return BF_OK;
 }
 
+static void count_steps(const supervisor__task *task, uint64_t step)
+{
+    if (step > task->progress.step)
+        metrics_add(METRICS_SOLVER_STEPS, task->job.run.model,
+                    (int64_t)(step - task->progress.step));
+}
+
 static bf_status take_progress(supervisor__task *task, const frame_progress *p, bf_error *err)
 {
     if (p->n_steps != task->begin.n_steps || p->step > p->n_steps)
         return bf_fail(err, BF_ECORRUPT, "", "the solver has lost count of its steps");
+    count_steps(task, p->step);
     task->progress = *p;
     task->has_progress = true;
     return BF_OK;
@@ -220,6 +229,7 @@ static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf
     case FRAME_CHECKPOINT:
         return flush(task, s, &f->bytes, err); // its bytes stand in the child's output only now
     case FRAME_END:
+        count_steps(task, f->end.n_steps);
         task->end = f->end;
         task->has_ended = true;
         return BF_OK;

@@ -7,6 +7,8 @@
 #include "core/run/frame.h"
 #include "server/child.h"
 #include "server/lock.h"
+#include "server/metrics.h"
+#include "server/pulse.h"
 #include "server/supervisor.h"
 
 #include <pthread.h>
@@ -54,6 +56,7 @@ struct supervisor__task {
     bool has_begun;          ///< FRAME_BEGIN came
     bool has_ended;          ///< FRAME_END came
     bool is_doomed;          ///< it fails with error, whatever else comes
+    bool is_late;            ///< it was killed because it did not end in time
     frame_begin begin;       ///< valid if has_begun
     frame_end end;           ///< valid if has_ended
     bf_error error;          ///< why it fails: told by the child, or found here
@@ -84,7 +87,7 @@ typedef struct supervisor__debt {
 ///          changes), their `asked`, and the flags below. Others only set flags, read the list, and
 ///          ring the eventfd.
 struct supervisor {
-    supervisor_options options;   ///< as given
+    supervisor_options options;   ///< the thread's: what counts at the moment
     pthread_t thread;             ///< runs the loop
     int epoll;                    ///< what the loop waits on
     int bell;                     ///< eventfd that others ring
@@ -92,7 +95,7 @@ struct supervisor {
     lock lock;                    ///< see above
     lock_condition changed;       ///< the list of tasks, or is_claiming
     size_t n_tasks;               ///< tasks
-    supervisor__task **tasks;     ///< room for n_workers
+    supervisor__task **tasks;     ///< room for SUPERVISOR_WORKERS_MAX
     bool is_claiming;             ///< a run may be running in the store and not yet be in the list
     bool may_claim;               ///< something may be queued
     bool is_stopping;             ///< supervisor_stop() was called
@@ -100,7 +103,10 @@ struct supervisor {
     int64_t claim_at_ms;          ///< the thread's: no claiming before; 0: at once
     int64_t pause_ms;             ///< the thread's: how long the next pause is
     size_t n_debts;               ///< the thread's: debts; nothing is claimed while there are any
-    supervisor__debt *debts;      ///< the thread's: room for n_workers
+    supervisor__debt *debts;      ///< the thread's: room for SUPERVISOR_WORKERS_MAX
+    bool has_wanted;              ///< the thread shall take over:
+    supervisor_options wanted;    ///< these options
+    pulse pulse;                  ///< of the thread
 };
 
 /// Start the child of a claimed job, which is taken over: *job is then empty. On failure *job is as
@@ -118,6 +124,9 @@ void supervisor__log_words(supervisor__task *task);
 /// How a run whose child ended with this wait status ends, given what was asked.
 store_ending supervisor__judge(supervisor__task *task, int status, supervisor__wish asked,
                                const supervisor_options *options);
+
+/// Why the process ended, for the metrics.
+metrics_reason supervisor__exit_reason(const supervisor__task *task, int status);
 
 /// Tell the store how the run ends, with its summary; what the store refuses is tried once more as
 /// a failure, then as going back to the queue. False: even that was refused.

@@ -25,7 +25,7 @@ void supervisor__pause(supervisor *s)
 // is room.
 void supervisor__owe(supervisor *s, const char *run_id, run_state state)
 {
-    BF_CHECK(s->n_debts < s->options.n_workers);
+    BF_CHECK(s->n_debts < SUPERVISOR_WORKERS_MAX);
     supervisor__debt *debt = &s->debts[s->n_debts++];
     debt->state = state;
     snprintf(debt->run_id, sizeof debt->run_id, "%s", run_id);

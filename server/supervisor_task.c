@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -115,6 +116,18 @@ store_ending supervisor__judge(supervisor__task *task, int status, supervisor__w
         child_describe_end(&task->child, status, options->memory_bytes, options->cpu_s,
                            &ending.error);
     return ending;
+}
+
+metrics_reason supervisor__exit_reason(const supervisor__task *task, int status)
+{
+    if (task->is_late || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU))
+        return METRICS_EXIT_TIMEOUT;
+    if (WIFSIGNALED(status))
+        return METRICS_EXIT_SIGNAL;
+    if (WEXITSTATUS(status) == EXIT_SUCCESS)
+        return METRICS_EXIT_OK;
+    return task->error.code == BF_EINPUT || task->error.code == BF_ELIMIT ? METRICS_EXIT_INPUT
+                                                                          : METRICS_EXIT_ERROR;
 }
 
 // The summary of a run that told its figures; *out stays empty where it did not.

@@ -46,6 +46,8 @@ ONLY_IN = {
     "zstd.h": r"server/(store(_\w+)?|http_encoding)\.c|tests/unit/server/test_http_encoding\.c",
     "zlib.h": r"server/http_encoding\.c|tests/unit/server/\w+\.c",
     "ini.h": r"server/config(_\w+)?\.c",
+    "systemd/sd-daemon.h": r"server/notify\.c",
+    "systemd/sd-journal.h": r"server/log_journal\.c|tests/unit/server/test_log\.c",
     "cmocka.h": r"tests/.+",
 }
 

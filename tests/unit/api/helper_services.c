@@ -335,6 +335,12 @@ static bf_status do_remove_measurement(void *context, const char *id, bf_error *
     return BF_OK;
 }
 
+static bf_status do_metrics(void *context, bf_buffer *out, bf_error *err)
+{
+    (void)context;
+    return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
+}
+
 static bf_status do_ready(void *context, bf_error *err)
 {
     const helper_daemon *d = context;
@@ -361,7 +367,8 @@ api_services helper_services(helper_daemon *d)
                            .list_measurements = do_list_measurements,
                            .read_measurement = do_read_measurement,
                            .remove_measurement = do_remove_measurement,
-                           .ready = do_ready };
+                           .ready = do_ready,
+                           .metrics = do_metrics };
 }
 
 helper_run *helper_add_run(helper_daemon *d, run_state state)

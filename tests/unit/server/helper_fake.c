@@ -1,5 +1,7 @@
 #include "tests/unit/server/helper_fake.h"
 
+#include "server/metrics.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -149,6 +151,12 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
+static bf_status metrics(void *context, bf_buffer *out, bf_error *err)
+{
+    (void)context;
+    return metrics_write(out, err);
+}
+
 static bf_status ready(void *context, bf_error *err)
 {
     fake *f = context;
@@ -184,7 +192,8 @@ api_services fake_services(fake *f)
                            .read_snapshot = read_snapshot,
                            .read_events = read_events,
                            .ready = ready,
-                           .submit = submit };
+                           .submit = submit,
+                           .metrics = metrics };
 }
 
 http *fake_serve(fake *f, void (*change)(http_options *options))

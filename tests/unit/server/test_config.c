@@ -221,7 +221,8 @@ static void the_sample_names_every_setting_and_is_itself_a_good_file(void **stat
     assert_int_equal(config_sample(&sample, NULL), BF_OK);
     for (size_t i = 0; i < n; i++) {
         char line[128];
-        (void)snprintf(line, sizeof line, "\n#%s = %s\n", rows[i].name, rows[i].initial);
+        (void)snprintf(line, sizeof line, "\n#%s =%s%s\n", rows[i].name,
+                       rows[i].initial[0] == '\0' ? "" : " ", rows[i].initial);
         assert_non_null(strstr(sample.bytes, line));
         assert_non_null(strstr(sample.bytes, rows[i].help));
     }
@@ -247,6 +248,192 @@ static void a_sample_without_memory_fails(void **state)
         if (!has_struck)
             break;
         assert_true(n < 100);
+    }
+}
+
+static void a_text_that_a_file_could_not_say_is_refused(void **state)
+{
+    static const char *const texts[] = { " a", "a ", ";a", "a ;b", "a\nb", "\ta", "a\x7f" };
+    static const char *const good[] = { "", "a;b", "a b", "# a", "\xc3\xa4" };
+    config c;
+
+    (void)state;
+    config_init(&c);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        assert_int_equal(config_set(&c, "data", texts[i], "--data", NULL), BF_EINPUT);
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_int_equal(config_set(&c, "data", good[i], "--data", NULL), BF_OK);
+        assert_string_equal(c.data, good[i]);
+    }
+}
+
+static void it_is_known_where_a_setting_comes_from(void **state)
+{
+    char path[256], expected[300];
+    config c;
+
+    (void)state;
+    config_init(&c);
+    assert_string_equal(c.origins[CONFIG_workers], "default");
+    assert_int_equal(config_read_file(&c, write_file("o.conf", "\nworkers = 3\n", path), NULL),
+                     BF_OK);
+    (void)snprintf(expected, sizeof expected, "%s:2", path);
+    assert_string_equal(c.origins[CONFIG_workers], expected);
+    assert_int_equal(config_set(&c, "workers", "0", "--workers", NULL), BF_EINPUT);
+    assert_string_equal(c.origins[CONFIG_workers], expected);
+    assert_int_equal(config_set(&c, "workers", "4", "--workers", NULL), BF_OK);
+    assert_string_equal(c.origins[CONFIG_workers], "--workers");
+    assert_string_equal(c.origins[CONFIG_threads], "default");
+}
+
+static void what_is_printed_is_a_file_that_says_the_same(void **state)
+{
+    bf_buffer text = { 0 };
+    char path[256];
+    config c, again;
+
+    (void)state;
+    config_init(&c);
+    assert_int_equal(config_set(&c, "workers", "7", "--workers", NULL), BF_OK);
+    assert_int_equal(config_set(&c, "data", "/srv/belt flow", "BELTFLOW_DATA", NULL), BF_OK);
+    assert_int_equal(config_print(&c, &text, NULL), BF_OK);
+    assert_non_null(strstr(text.bytes, "\n# from: --workers\nworkers = 7\n"));
+    assert_non_null(strstr(text.bytes, "\n# from: BELTFLOW_DATA\ndata = /srv/belt flow\n"));
+    assert_non_null(strstr(text.bytes, "\n# from: default\nthreads = 1\n"));
+    config_init(&again);
+    assert_int_equal(config_read_file(&again, write_file("p.conf", text.bytes, path), NULL), BF_OK);
+    memcpy(again.origins, c.origins, sizeof c.origins);
+    assert_memory_equal(&again, &c, sizeof c);
+    buffer_fini(&text);
+}
+
+static void printing_without_memory_fails(void **state)
+{
+    config c;
+
+    (void)state;
+    config_init(&c);
+    for (size_t n = 1;; n++) {
+        bf_buffer text = { 0 };
+        memory_plan_fault(n, 0);
+        bf_status status = config_print(&c, &text, NULL);
+        bool has_struck = memory_faults() > 0;
+        memory_plan_fault(0, 0);
+        buffer_fini(&text);
+        assert_int_equal(status, has_struck ? BF_ENOMEM : BF_OK);
+        if (!has_struck)
+            break;
+        assert_true(n < 100);
+    }
+}
+
+static void note_change(void *context, const config_row *row, const char *before, const char *after)
+{
+    char *text = context;
+    size_t n = strlen(text);
+
+    (void)snprintf(text + n, 256 - n, "%s %s>%s %s;", row->name, before, after,
+                   row->can_reload ? "now" : "later");
+}
+
+static void a_reload_takes_what_it_can_and_tells_of_the_rest(void **state)
+{
+    char told[256] = "";
+    config c, fresh;
+
+    (void)state;
+    config_init(&c);
+    config_init(&fresh);
+    config_reload(&c, &fresh, note_change, told);
+    assert_string_equal(told, "");
+    assert_int_equal(config_set(&fresh, "workers", "5", "f:1", NULL), BF_OK);
+    assert_int_equal(config_set(&fresh, "data", "elsewhere", "f:2", NULL), BF_OK);
+    assert_int_equal(config_set(&fresh, "log_level", "warn", "f:3", NULL), BF_OK);
+    config_reload(&c, &fresh, note_change, told);
+    assert_string_equal(told, "data beltflow-data>elsewhere later;workers 1>5 now;"
+                              "log_level info>warn now;");
+    assert_int_equal(c.workers, 5);
+    assert_string_equal(c.origins[CONFIG_workers], "f:1");
+    assert_string_equal(c.log_level, "warn");
+    assert_string_equal(c.data, "beltflow-data");
+    assert_string_equal(c.origins[CONFIG_data], "default");
+}
+
+// deploy/beltflowd.conf is what `beltflowd --sample-config` prints.
+static void the_sample_in_the_tree_is_up_to_date(void **state)
+{
+    static char kept[32768];
+    bf_buffer sample = { 0 };
+    FILE *file = fopen(SOURCE_DIR "/deploy/beltflowd.conf", "re");
+
+    (void)state;
+    assert_non_null(file);
+    kept[fread(kept, 1, sizeof kept - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(config_sample(&sample, NULL), BF_OK);
+    assert_string_equal(sample.bytes, kept);
+    buffer_fini(&sample);
+}
+
+static config_flags parse(const char *const *words, int n)
+{
+    static char texts[8][128];
+    char *argv[9] = { NULL };
+    config_flags flags;
+
+    for (int i = 0; i < n; i++) {
+        (void)snprintf(texts[i], sizeof texts[i], "%s", words[i]);
+        argv[i] = texts[i];
+    }
+    config_parse_flags(n, argv, &flags);
+    return flags;
+}
+
+static void a_flag_goes_before_the_environment_and_that_before_the_file(void **state)
+{
+    char path[256];
+    const char *words[] = { "beltflowd",
+                            "--config",
+                            write_file("all.conf", "workers = 2\nthreads = 2\nstreams = 2\n", path),
+                            "--check-config",
+                            "--workers=4",
+                            "--http-threads",
+                            "4" };
+    config c;
+
+    (void)state;
+    assert_int_equal(setenv("BELTFLOW_THREADS", "3", 1), 0);
+    assert_int_equal(setenv("BELTFLOW_WORKERS", "3", 1), 0);
+    config_flags flags = parse(words, sizeof words / sizeof *words);
+    assert_true(flags.is_check && !flags.is_print && !flags.is_sample);
+    assert_int_equal(config_read(&flags, &c, NULL), BF_OK);
+    assert_int_equal(c.workers, 4);
+    assert_int_equal(c.threads, 3);
+    assert_int_equal(c.streams, 2);
+    assert_int_equal(c.http_threads, 4);
+    assert_string_equal(c.origins[CONFIG_http_threads], "--http-threads");
+    assert_int_equal(unsetenv("BELTFLOW_THREADS"), 0);
+    assert_int_equal(unsetenv("BELTFLOW_WORKERS"), 0);
+}
+
+static void a_text_at_fault_is_told_with_its_origin(void **state)
+{
+    static const char *const lines[] = { "listen = nowhere", "cors_origins = nonsense",
+                                         "trusted_proxies = nobody" };
+    char path[256], text[128], expected[300];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        (void)snprintf(text, sizeof text, "workers = 1\n%s\n", lines[i]);
+        const char *words[] = { "beltflowd", "--config", write_file("l.conf", text, path) };
+        bf_error err = { 0 };
+        config c = { .workers = 9 };
+        config_flags flags = parse(words, sizeof words / sizeof *words);
+        assert_int_equal(config_read(&flags, &c, &err), BF_EINPUT);
+        (void)snprintf(expected, sizeof expected, "%s:2: ", path);
+        assert_ptr_equal(strstr(err.text, expected), err.text);
+        assert_non_null(strstr(err.text, strrchr(lines[i], ' ') + 1));
+        assert_int_equal(c.workers, 9);
     }
 }
 
@@ -317,6 +504,14 @@ int main(void)
         cmocka_unit_test(the_environment_names_settings_in_capitals),
         cmocka_unit_test(the_sample_names_every_setting_and_is_itself_a_good_file),
         cmocka_unit_test(a_sample_without_memory_fails),
+        cmocka_unit_test(a_text_that_a_file_could_not_say_is_refused),
+        cmocka_unit_test(it_is_known_where_a_setting_comes_from),
+        cmocka_unit_test(what_is_printed_is_a_file_that_says_the_same),
+        cmocka_unit_test(printing_without_memory_fails),
+        cmocka_unit_test(a_reload_takes_what_it_can_and_tells_of_the_rest),
+        cmocka_unit_test(the_sample_in_the_tree_is_up_to_date),
+        cmocka_unit_test(a_flag_goes_before_the_environment_and_that_before_the_file),
+        cmocka_unit_test(a_text_at_fault_is_told_with_its_origin),
         cmocka_unit_test(what_lies_beside_the_program_is_found),
         cmocka_unit_test(what_was_set_is_not_looked_for),
     };

@@ -187,10 +187,26 @@ static void without_memory_there_is_no_table(void **state)
     assert_null(http_limit_destroy(NULL));
 }
 
+static void other_quotas_count_at_once_and_the_same_ones_change_nothing(void **state)
+{
+    const uint64_t same[HTTP_LIMIT_COUNT] = { REQUESTS, WORK }, fewer[HTTP_LIMIT_COUNT] = { 5, 0 };
+
+    (void)state;
+    assert_int_equal(drain(1, false, 0), REQUESTS);
+    http_limit_change(limit, same);
+    assert_int_equal(drain(1, false, 0), 0);
+    http_limit_change(limit, fewer);
+    assert_int_equal(drain(1, true, 0), 5);
+    assert_int_equal(take(1, true, 0).quotas[HTTP_LIMIT_WORK], 0);
+    for (unsigned who = 2; who < 20; who++)
+        assert_int_equal(drain(who, false, 0), 5);
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
+        CASE(other_quotas_count_at_once_and_the_same_ones_change_nothing),
         CASE(a_quota_can_be_used_at_once_and_comes_back_evenly),
         CASE(work_has_a_smaller_quota_and_counts_as_a_request_too),
         CASE(clients_do_not_disturb_each_other),

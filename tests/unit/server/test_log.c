@@ -1,14 +1,24 @@
-// Unit tests of the log: what a line looks like.
+// Unit tests of the log: what a line looks like, on stderr and in the journal.
 
 #include "server/log.h"
 
+#include "server/log_priv.h"
+#include "server/metrics.h"
+
+#include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
+
+#define SD_JOURNAL_SUPPRESS_LOCATION
+#include <systemd/sd-journal.h>
 
 #include <cmocka.h>
 
@@ -16,6 +26,24 @@ enum { STAMP_LENGTH = 24 }; // of 2026-01-31T12:00:00.000Z
 
 static int pipe_ends[2];
 static int true_stderr;
+
+// The journal of these tests takes libsystemd's place.
+static bool journal_is_away;
+static int n_sent;
+static char sent[2048];
+
+int sd_journal_sendv(const struct iovec *items, int n)
+{
+    size_t length = 0;
+
+    if (journal_is_away)
+        return -ENOENT;
+    for (int i = 0; i < n; i++)
+        length += (size_t)snprintf(sent + length, sizeof sent - length, "%.*s\n",
+                                   (int)items[i].iov_len, (const char *)items[i].iov_base);
+    n_sent++;
+    return 0;
+}
 
 static int redirect(void **state)
 {
@@ -34,6 +62,8 @@ static int restore(void **state)
     close(pipe_ends[0]);
     close(pipe_ends[1]);
     log_set_level(LOG_LEVEL_INFO);
+    (void)unsetenv("JOURNAL_STREAM");
+    log_open();
     return 0;
 }
 
@@ -147,6 +177,101 @@ static void long_text_is_cut_between_characters(void **state)
     }
 }
 
+static void levels_have_words(void **state)
+{
+    (void)state;
+    for (int level = 0; level < LOG_LEVEL_COUNT; level++)
+        assert_int_equal(log_level_find(log_level_word((log_level)level)), level);
+    assert_int_equal(log_level_find("loud"), LOG_LEVEL_COUNT);
+}
+
+static void lines_are_counted_by_their_level(void **state)
+{
+    char line[512];
+    int64_t n_warn = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_WARN);
+    int64_t n_debug = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_DEBUG);
+    (void)state;
+
+    log_event(LOG_LEVEL_WARN, "seen", NULL);
+    log_event(LOG_LEVEL_DEBUG, "hidden", NULL);
+    read_line(line, sizeof line);
+    assert_int_equal(metrics_value(METRICS_LOG_LINES, LOG_LEVEL_WARN), n_warn + 1);
+    assert_int_equal(metrics_value(METRICS_LOG_LINES, LOG_LEVEL_DEBUG), n_debug);
+}
+
+static void only_the_stream_that_is_named_is_the_journal(void **state)
+{
+    struct stat found;
+    char name[64];
+    (void)state;
+
+    assert_int_equal(fstat(pipe_ends[1], &found), 0);
+    (void)snprintf(name, sizeof name, "%llu:%llu", (unsigned long long)found.st_dev,
+                   (unsigned long long)found.st_ino);
+    assert_true(log__is_journal(pipe_ends[1], name));
+    assert_false(log__is_journal(pipe_ends[1], NULL));
+    assert_false(log__is_journal(pipe_ends[1], ""));
+    assert_false(log__is_journal(pipe_ends[1], "none"));
+    assert_false(log__is_journal(-1, name));
+    (void)snprintf(name, sizeof name, "%llu:%llu", (unsigned long long)found.st_dev,
+                   (unsigned long long)found.st_ino + 1);
+    assert_false(log__is_journal(pipe_ends[1], name));
+}
+
+// From here on the pipe stands for the journal's stream.
+static void connect_journal(void)
+{
+    struct stat found;
+    char name[64];
+
+    assert_int_equal(fstat(STDERR_FILENO, &found), 0);
+    (void)snprintf(name, sizeof name, "%llu:%llu", (unsigned long long)found.st_dev,
+                   (unsigned long long)found.st_ino);
+    assert_int_equal(setenv("JOURNAL_STREAM", name, 1), 0);
+    log_open();
+    journal_is_away = false;
+    n_sent = 0;
+}
+
+static void the_journal_gets_ids_and_priority_as_fields(void **state)
+{
+    (void)state;
+    connect_journal();
+    log_event(LOG_LEVEL_WARN, "run_failed", "path=\"a run=x \\\" b\" run=01-2 request_id=r7 n=3");
+    assert_int_equal(n_sent, 1);
+    assert_string_equal(sent,
+                        "MESSAGE=event=run_failed path=\"a run=x \\\" b\" run=01-2 request_id=r7 "
+                        "n=3\nPRIORITY=4\nBELTFLOW_EVENT=run_failed\nRUN_ID=01-2\n"
+                        "REQUEST_ID=r7\n");
+}
+
+static void a_line_without_ids_has_no_fields_for_them(void **state)
+{
+    static const char *const pairs[] = { "run=- request_id=", "rerun=1 arequest_id=2", "run",
+                                         NULL };
+    (void)state;
+
+    connect_journal();
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        log_event(LOG_LEVEL_INFO, "started", pairs[i] == NULL ? NULL : "%s", pairs[i]);
+        assert_null(strstr(sent, "RUN_ID"));
+        assert_null(strstr(sent, "REQUEST_ID"));
+        assert_non_null(strstr(sent, "\nPRIORITY=6\nBELTFLOW_EVENT=started\n"));
+    }
+}
+
+static void what_the_journal_does_not_take_goes_to_stderr(void **state)
+{
+    char line[512];
+    (void)state;
+
+    connect_journal();
+    journal_is_away = true;
+    log_event(LOG_LEVEL_ERROR, "lost", "run=7");
+    read_line(line, sizeof line);
+    assert_string_equal(line + 3 + STAMP_LENGTH, " level=error event=lost run=7\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -155,6 +280,16 @@ int main(void)
         cmocka_unit_test_setup_teardown(lines_beyond_the_level_are_not_written, redirect, restore),
         cmocka_unit_test_setup_teardown(a_line_stays_one_line, redirect, restore),
         cmocka_unit_test_setup_teardown(a_long_line_is_cut_but_ends, redirect, restore),
+        cmocka_unit_test_setup_teardown(lines_are_counted_by_their_level, redirect, restore),
+        cmocka_unit_test_setup_teardown(only_the_stream_that_is_named_is_the_journal, redirect,
+                                        restore),
+        cmocka_unit_test_setup_teardown(the_journal_gets_ids_and_priority_as_fields, redirect,
+                                        restore),
+        cmocka_unit_test_setup_teardown(a_line_without_ids_has_no_fields_for_them, redirect,
+                                        restore),
+        cmocka_unit_test_setup_teardown(what_the_journal_does_not_take_goes_to_stderr, redirect,
+                                        restore),
+        cmocka_unit_test(levels_have_words),
         cmocka_unit_test(text_from_outside_is_quoted),
         cmocka_unit_test(long_text_is_cut_between_characters),
     };

@@ -1,0 +1,34 @@
+/// Asking a thread whether it is alive: somebody asks, and the thread answers when it comes by. A thread
+/// that hangs does not. Nobody asks of himself, so a thread sleeps as long as nobody wants to know.
+///
+/// Threads  any. Who asks also wakes the thread, in the thread's own way.
+
+#pragma once
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/// The pulse of one thread, or of a group of which one must live. Zero-initialise.
+typedef struct pulse {
+    _Atomic uint64_t n_asked;    ///< questions
+    _Atomic uint64_t n_answered; ///< the last of them that was answered
+} pulse;
+
+/// Ask.
+static inline void pulse_ask(pulse *p)
+{
+    (void)atomic_fetch_add(&p->n_asked, 1);
+}
+
+/// True if there is something to be answered.
+static inline bool pulse_is_asked(const pulse *p)
+{
+    return atomic_load(&p->n_answered) != atomic_load(&p->n_asked);
+}
+
+/// Answer all that was asked.
+static inline void pulse_answer(pulse *p)
+{
+    atomic_store(&p->n_answered, atomic_load(&p->n_asked));
+}
