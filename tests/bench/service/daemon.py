@@ -1,0 +1,121 @@
+"""A daemon to be measured: started on a free port with a store of its own, asked over HTTP, stopped."""
+
+import http.client
+import json
+import os
+import pathlib
+import re
+import shutil
+import sqlite3
+import subprocess
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+BINARIES = pathlib.Path(os.environ.get("BELTFLOW_BIN_DIR", ROOT / "build/release/bin"))
+
+# One part on a free belt: 24 x 12 cells, 80 steps, solved in a millisecond.
+SCENARIO = {
+    "name": "one part on a free belt",
+    "duration_s": 0.1,
+    "domain": {"x_m": [0.0, 0.24], "y_m": [0.0, 0.12]},
+    "cargo": {"shape": {"type": "cylinder", "radius_m": 0.012, "height_m": 0.008}},
+    "initial": {"positions_m": [[0.06, 0.06]]},
+    "output": {"curve_every_s": 0.01, "snapshot_every_s": 0.05},
+    "macro": {"cell_m": 0.01, "step_s": 0.00125},
+}
+BODY = json.dumps({"scenario": SCENARIO}).encode()
+JSON_TYPE = {"Content-Type": "application/json"}
+
+
+class Daemon:
+    """beltflowd on a data directory; settings are flags, with '_' for '-'."""
+
+    def __init__(self, data, **settings):
+        flags = [f"--{name.replace('_', '-')}={value}" for name, value in settings.items()]
+        self.began = time.perf_counter()
+        self.process = subprocess.Popen(
+            [BINARIES / "beltflowd", "--listen=127.0.0.1:0", f"--data={data}", "--log-level=warn",
+             *flags], stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        self.port = int(re.search(r":(\d+)/", line).group(1))
+        self.pid = self.process.pid
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        if self.process.wait() != 0:
+            raise RuntimeError("the daemon did not leave with 0")
+
+    def connect(self):
+        return http.client.HTTPConnection("127.0.0.1", self.port)
+
+    def ask(self, method, target, body=None):
+        """Status and body of one exchange."""
+        connection = self.connect()
+        connection.request(method, target, body, JSON_TYPE if body else {})
+        answer = connection.getresponse()
+        text = answer.read()
+        connection.close()
+        return answer.status, text
+
+    def solve(self):
+        """Submit the scenario and wait for its end; its id."""
+        status, text = self.ask("POST", "/v1/runs", BODY)
+        if status != 201:
+            raise RuntimeError(text.decode())
+        run = json.loads(text)["id"]
+        self.ask("GET", f"/v1/runs/{run}/events")
+        return run
+
+    def resident_bytes(self):
+        text = pathlib.Path(f"/proc/{self.pid}/status").read_text(encoding="ascii")
+        return int(re.search(r"VmRSS:\s+(\d+) kB", text).group(1)) * 1024
+
+    def switches(self):
+        """How often its threads have gone to sleep or been interrupted, all together."""
+        total = 0
+        for task in pathlib.Path(f"/proc/{self.pid}/task").iterdir():
+            text = (task / "status").read_text(encoding="ascii")
+            total += sum(int(n) for n in re.findall(r"ctxt_switches:\s+(\d+)", text))
+        return total
+
+
+def folder():
+    """A temporary folder, on the disk that the build lies on."""
+    return tempfile.TemporaryDirectory(dir=ROOT / "build", prefix="bench-")
+
+
+def columns(db, table):
+    return [row[1] for row in db.execute(f"PRAGMA table_info({table})")]
+
+
+def multiply(data, n):
+    """Give a stopped daemon's store n finished runs: copies of the one that it holds."""
+    db = sqlite3.connect(pathlib.Path(data) / "beltflow.db")
+    numbers = f"WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {n - 1})"
+    number, run = db.execute("SELECT number, id FROM runs").fetchone()
+    others = ", ".join(c for c in columns(db, "runs") if c not in ("number", "id"))
+    db.execute(f"{numbers} INSERT INTO runs (number, id, {others}) "
+               f"SELECT {number} + i, printf('%s%012x', substr(?, 1, 24), i), {others} FROM n, runs "
+               f"WHERE number = {number}", (run,))
+    tables = [row[0] for row in db.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")]
+    for table in tables:
+        names = columns(db, table)
+        if "run" not in names or table == "runs":
+            continue
+        rest = ", ".join(c for c in names if c not in ("run", "id"))
+        db.execute(f"{numbers} INSERT INTO {table} (run, {rest}) SELECT {number} + i, {rest} "
+                   f"FROM n, {table} WHERE run = {number}")
+    db.execute("UPDATE runs SET last_event = (SELECT max(id) FROM events WHERE run = number)")
+    db.commit()
+    db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    db.close()
+
+
+def need(*programs):
+    missing = [name for name in programs if shutil.which(name) is None]
+    if missing:
+        raise SystemExit(f"missing: {', '.join(missing)}; see tests/bench/README.md")
