@@ -4,6 +4,7 @@ import pathlib
 import tempfile
 import unittest
 
+import check_dashboards
 import check_format
 import check_headers
 import check_includes
@@ -121,6 +122,14 @@ class Checks(unittest.TestCase):
         self.put("core/base/a.c", "int   a;\n")
         self.put("web/a.css", "a {} \n\tb {}")
         self.assertEqual(len(check_format.check(self.root)), 4)
+
+    def test_a_query_for_a_metric_that_is_not_there_is_found(self):
+        self.put("server/metrics.h", '#define X "beltflow_runs" "beltflow_wait_seconds"\n')
+        self.put("deploy/grafana/a.json",
+                 '{"panels": [{"expr": "sum(beltflow_runs) + beltflow_wait_seconds_bucket"}]}')
+        self.assertEqual(check_dashboards.check(self.root), [])
+        self.put("deploy/grafana/b.json", '{"panels": [{"expr": "rate(beltflow_walks[1m])"}]}')
+        self.assertIn("beltflow_walks", check_dashboards.check(self.root)[0])
 
 
 if __name__ == "__main__":

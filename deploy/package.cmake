@@ -1,0 +1,39 @@
+# What the Debian package holds beyond the programs and the page (preset `package`, deploy/package).
+
+set(configuration ${CMAKE_BINARY_DIR}/beltflow.conf)
+add_custom_command(OUTPUT ${configuration}
+  COMMAND sh -c "$1 --sample-config >$2 && printf '\\ndata = /var/lib/beltflow\\n' >>$2"
+          sh $<TARGET_FILE:beltflowd> ${configuration}
+  DEPENDS beltflowd VERBATIM)
+add_custom_target(package_configuration ALL DEPENDS ${configuration})
+
+install(FILES ${configuration} DESTINATION /etc/beltflow)
+install(FILES deploy/systemd/beltflow.service DESTINATION /lib/systemd/system)
+install(FILES deploy/systemd/sysusers.conf DESTINATION lib/sysusers.d RENAME beltflow.conf)
+install(FILES deploy/systemd/tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME beltflow.conf)
+install(FILES README.md deploy/CHANGELOG.md DESTINATION share/doc/beltflow)
+install(FILES deploy/nginx/beltflow.conf DESTINATION share/doc/beltflow/examples/nginx)
+install(DIRECTORY deploy/grafana DESTINATION share/doc/beltflow/examples)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_SET_DESTDIR ON) # /etc and /lib are outside of the prefix
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_NAME beltflow)
+set(CPACK_PACKAGE_VENDOR Beltflow)
+set(CPACK_PACKAGE_CONTACT "Beltflow <beltflow@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DESCRIPTION
+"Predicts how parts on a conveyor belt jam before a deflector and how many get past it. A daemon
+ solves queued scenarios and streams density, parts and outflow curves as JSON, CSV and binary.")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+  "init-system-helpers, systemd | systemd-standalone-sysusers, systemd | systemd-standalone-tmpfiles")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+foreach(script postinst prerm postrm)
+  list(APPEND CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/deploy/debian/${script})
+endforeach()
+file(WRITE ${CMAKE_BINARY_DIR}/conffiles "/etc/beltflow/beltflow.conf\n")
+list(APPEND CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/conffiles)
+include(CPack)

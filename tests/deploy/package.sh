@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# The Debian package installs, its daemon starts as its own user and solves, an upgrade keeps the runs,
+# and purging leaves nothing. All in a view of this machine of its own, whose changes are thrown away.
+#
+#     package.sh BELTFLOW.deb        exit 77: cannot be tried here (not root, no overlay file system)
+set -euo pipefail
+
+fail()
+{
+    echo "package: $*" >&2
+    exit 1
+}
+
+# What follows runs in the view, with the package as /beltflow.deb.
+if [[ ${1:-} == --inside ]]; then
+    export DEBIAN_FRONTEND=noninteractive LC_ALL=C
+    work=$(mktemp -d)
+
+    start_daemon()
+    {
+        : >"$work/out"
+        setpriv --reuid=beltflow --regid=beltflow --clear-groups \
+            beltflowd --config /etc/beltflow/beltflow.conf --listen 127.0.0.1:0 \
+            >"$work/out" 2>"$work/log" &
+        daemon=$!
+        for _ in $(seq 200); do
+            url=$(sed -n 's/.* listening on \(http[^ ]*\)\/$/\1/p' "$work/out")
+            [[ -n $url ]] && return
+            kill -0 "$daemon" 2>/dev/null || break
+            sleep 0.05
+        done
+        fail "the daemon did not start: $(cat "$work/log")"
+    }
+
+    stop_daemon()
+    {
+        kill -TERM "$daemon"
+        wait "$daemon" || fail "the daemon left with $?"
+    }
+
+    dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
+    getent passwd beltflow >/dev/null || fail "there is no user beltflow"
+    [[ $(stat -c '%U %a' /var/lib/beltflow) == "beltflow 750" ]] || fail "/var/lib/beltflow is open"
+    dpkg --listfiles beltflow >"$work/files"
+    for file in /usr/bin/beltflow /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
+        /etc/beltflow/beltflow.conf; do
+        grep -qx "$file" "$work/files" || fail "$file is not in the package"
+    done
+    setpriv --reuid=beltflow --regid=beltflow --clear-groups \
+        beltflowd --config /etc/beltflow/beltflow.conf --check-config || fail "the settings are at fault"
+
+    start_daemon
+    curl -sS --fail -o /dev/null "$url/readyz"
+    curl -sS --fail -o "$work/scenario.json" "$url/v1/examples/free-belt"
+    echo "{\"scenario\": $(cat "$work/scenario.json")}" >"$work/body.json"
+    run=$(curl -sS --fail -o /dev/null -w '%header{location}' -H 'Content-Type: application/json' \
+        --data-binary "@$work/body.json" "$url/v1/runs")
+    run=${run#"$url"}
+    curl -sSN --max-time 60 "$url$run/events" >"$work/events"
+    curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "the run did not succeed"
+    stop_daemon
+
+    dpkg --install /beltflow.deb >"$work/dpkg" 2>&1 || fail "again: $(cat "$work/dpkg")"
+    start_daemon
+    curl -sS --fail "$url$run" | grep -q '"status": *"succeeded"' || fail "an upgrade lost the run"
+    stop_daemon
+
+    dpkg --purge beltflow >"$work/dpkg" 2>&1 || fail "$(cat "$work/dpkg")"
+    while read -r file; do
+        [[ -d $file || ! -e $file ]] || fail "purging left $file"
+    done <"$work/files"
+    for file in /var/lib/beltflow /etc/beltflow; do
+        [[ ! -e $file ]] || fail "purging left $file"
+    done
+    ! getent passwd beltflow >/dev/null || fail "purging left the user"
+    exit 0
+fi
+
+deb=$(realpath "${1:?usage: package.sh BELTFLOW.deb}")
+self=$(realpath "$0")
+if ((EUID != 0)); then
+    echo "package: skipped, not root"
+    exit 77
+fi
+space=$(mktemp -d)
+trap 'rmdir "$space"' EXIT
+# shellcheck disable=SC2016 # the inner shell expands it
+if ! unshare --mount sh -c 'mount -t tmpfs none "$0" && mkdir "$0/up" "$0/work" "$0/root" &&
+    mount -t overlay overlay -o "lowerdir=/,upperdir=$0/up,workdir=$0/work" "$0/root"' "$space"; then
+    echo "package: skipped, no overlay file system"
+    exit 77
+fi
+# shellcheck disable=SC2016
+unshare --mount --pid --fork sh -c '
+    set -e
+    mount -t tmpfs none "$0"
+    mkdir "$0/up" "$0/work" "$0/root"
+    mount -t overlay overlay -o "lowerdir=/,upperdir=$0/up,workdir=$0/work" "$0/root"
+    mount -t proc proc "$0/root/proc"
+    mount --rbind /dev "$0/root/dev"
+    mount -t tmpfs none "$0/root/tmp"
+    mount -t tmpfs none "$0/root/run"
+    cp "$1" "$0/root/beltflow.deb"
+    cp "$2" "$0/root/package.sh"
+    exec chroot "$0/root" bash /package.sh --inside' "$space" "$deb" "$self"
+echo "package: installed, started, upgraded, purged"
