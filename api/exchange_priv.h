@@ -109,5 +109,15 @@ void exchange__prefer_wait(exchange *x, const api_run *record);
 void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
                     const bf_faults *faults);
 
+/// A kind of problem document.
+typedef struct problem__kind {
+    int status;        ///< HTTP status
+    const char *word;  ///< last segment of the problem's type
+    const char *title; ///< of the problem
+} problem__kind;
+
+/// All kinds, by rising status; *ret_n is how many.
+const problem__kind *problem__kinds(size_t *ret_n);
+
 /// The HTTP status of a failure.
 int problem__status(bf_status code);

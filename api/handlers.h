@@ -49,3 +49,4 @@ route_handler handlers_meta_livez;
 route_handler handlers_meta_readyz;
 route_handler handlers_meta_metrics;
 route_handler handlers_meta_version;
+route_handler handlers_meta_openapi;

@@ -5,6 +5,7 @@
 #include "api/handlers.h"
 #include "api/json_in.h"
 #include "api/json_out.h"
+#include "api/openapi.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -102,4 +103,10 @@ bf_status handlers_meta_version(exchange *x, bf_error *err)
     json_out_key_string(&w, "compiler", __VERSION__);
     json_out_object_end(&w);
     return json_out_status(&w, err);
+}
+
+bf_status handlers_meta_openapi(exchange *x, bf_error *err)
+{
+    exchange__let_revalidate(x);
+    return openapi_write(&x->response->body, err);
 }

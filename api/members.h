@@ -87,6 +87,9 @@ struct member_table {
     size_t size;           ///< of the struct, bytes; lists only
     member_choice choice;  ///< see there
     size_t offset_choice;  ///< MEMBER_ONE_OF: of the enum
+    /// Where something can be given in several forms: the names of the members of each form, exactly
+    /// one of which stands there; both lists end with NULL. NULL: there are no forms.
+    const char *const *const *forms;
     /// Give an item of a list its defaults before it is read; NULL: zeros.
     void (*begin)(void *item);
     /// Read what the members cannot say (MEMBER_FORM); NULL: nothing.

@@ -7,13 +7,14 @@
 #include <jansson.h>
 #include <string.h>
 
-enum { BY_END, BY_ENDS, BY_PATH, FORM_COUNT, FORM_MEMBERS_MAX = 3 };
+enum { BY_END, BY_ENDS, BY_PATH, FORM_COUNT };
 
-// The members of each form; the first one stands for it in texts.
-static const char *const forms[FORM_COUNT][FORM_MEMBERS_MAX + 1] = {
-    [BY_END] = { "end_m", "angle_deg", "length_m", NULL },
-    [BY_ENDS] = { "from_m", "to_m", NULL },
-    [BY_PATH] = { "path_m", NULL },
+static const char *const by_end[] = { "end_m", "angle_deg", "length_m", NULL };
+static const char *const by_ends[] = { "from_m", "to_m", NULL };
+static const char *const by_path[] = { "path_m", NULL };
+
+const char *const *const obstacle_form_members[] = {
+    [BY_END] = by_end, [BY_ENDS] = by_ends, [BY_PATH] = by_path, [FORM_COUNT] = NULL
 };
 
 static bool has_any(const json_t *object, const char *const *names)
@@ -92,7 +93,7 @@ void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle
     int which = BY_PATH;
 
     for (int k = 0; k < FORM_COUNT; k++) {
-        if (has_any(object, forms[k])) {
+        if (has_any(object, obstacle_form_members[k])) {
             n_forms++;
             which = k;
         }
@@ -103,7 +104,7 @@ void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle
                       "to_m; path_m");
         return;
     }
-    if (which == BY_PATH || !read_form(in, object, forms[which], &form))
+    if (which == BY_PATH || !read_form(in, object, obstacle_form_members[which], &form))
         return;
     if (which == BY_ENDS)
         set_path(in, form.from, form.to, obstacle);

@@ -15,6 +15,10 @@ typedef struct obstacle_form {
     scene_point to;   ///< to_m, m
 } obstacle_form;
 
+/// The names of the members of each form; both lists end with NULL. The first name of a form stands
+/// for it in texts.
+extern const char *const *const obstacle_form_members[];
+
 /// Read the form that the object has into the path of *obstacle, a scene_obstacle. It is a fault if
 /// there is not exactly one form, or half of one.
 void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle);

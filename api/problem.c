@@ -10,11 +10,7 @@
 
 enum { RETRY_AFTER_S = 5 }; // for what is full or stopping at the moment
 
-static const struct {
-    int status;
-    const char *word; // last segment of the problem's type
-    const char *title;
-} kinds[] = {
+static const problem__kind kinds[] = {
     { 400, "bad-request", "Bad Request" },
     { 403, "forbidden", "Forbidden" },
     { 404, "not-found", "Not Found" },
@@ -37,6 +33,12 @@ static const struct {
     { 503, "unavailable", "Service Unavailable" },
     { 505, "http-version", "HTTP Version Not Supported" },
 };
+
+const problem__kind *problem__kinds(size_t *ret_n)
+{
+    *ret_n = sizeof kinds / sizeof *kinds;
+    return kinds;
+}
 
 static size_t find_kind(int status)
 {

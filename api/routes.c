@@ -60,6 +60,8 @@ static const route table[] = {
     { "GET", "/metrics", handlers_meta_metrics, false, "", "prometheus",
       "The service's figures for Prometheus" },
     { "GET", "/version", handlers_meta_version, false, "", "json", "Which build this is" },
+    { "GET", "/openapi.json", handlers_meta_openapi, true, "", "json",
+      "This API as an OpenAPI 3.1 document" },
 };
 
 enum { N_ROUTES = sizeof table / sizeof *table };

@@ -124,7 +124,8 @@ static const member_table belt_table = { TABLE("belt", belt_members), .size = si
 static const member obstacle_members[] = {
     ID(AT(id), "obstacle-1, ...", "its name"),
     FORM("end_m", MEMBER_POINT, end, "m", "first form: end of the upstream face"),
-    FORM("angle_deg", MEMBER_NUMBER, angle, "deg", "first form: from the x axis, end minus start"),
+    FORM("angle_deg", MEMBER_NUMBER, angle, "deg",
+         "first form: direction from start to end, from the x axis"),
     FORM("length_m", MEMBER_NUMBER, length, "m", "first form: of the upstream face, > 0"),
     FORM("from_m", MEMBER_POINT, from, "m", "second form: start of the upstream face"),
     FORM("to_m", MEMBER_POINT, to, "m", "second form: end of the upstream face"),
@@ -143,10 +144,10 @@ static void begin_obstacle(void *item)
 {
     scene_obstacle_init(item);
 }
-const member_table scenario_members_obstacle = { TABLE("obstacle", obstacle_members),
-                                                 .size = sizeof(scene_obstacle),
-                                                 .begin = begin_obstacle,
-                                                 .finish = obstacle_form_read };
+const member_table scenario_members_obstacle = {
+    TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle), .begin = begin_obstacle,
+    .forms = obstacle_form_members, .finish = obstacle_form_read
+};
 #undef AT
 
 #define AT(place) offsetof(scene_shape, place)

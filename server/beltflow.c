@@ -18,6 +18,7 @@ static const command commands[] = {
     { "check", "beltflow check", cmd_check, "say what is wrong with a scenario" },
     { "compare", "beltflow compare", cmd_compare, "say how far two outflow curves are apart" },
     { "draw", "beltflow draw", cmd_draw, "draw outflow curves in the terminal" },
+    { "openapi", "beltflow openapi", cmd_openapi, "print the description of the daemon's API" },
     { "worker", "beltflow worker", cmd_worker, "solve for the daemon: frames in, frames out" },
 };
 

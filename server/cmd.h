@@ -28,6 +28,7 @@ int cmd_solve(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_draw(int argc, char **argv);
+int cmd_openapi(int argc, char **argv);
 int cmd_worker(int argc, char **argv);
 
 /// Print the error as "<pointer>: <text>", or, where it has no place in a document, as
