@@ -38,6 +38,32 @@ static const struct {
     { ".txt", "text/plain; charset=utf-8" },
 };
 
+#define ONLY_OURS                                                                                  \
+    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "            \
+    "object-src 'none'"
+
+// What a page may load, by the start of its path; the first row that fits counts. The reference of
+// the API (Redoc) writes its rules into style elements that it makes empty: they, and the one text
+// of its scroll bar's style, are allowed by their hashes; its arrows are data.
+static const struct {
+    const char *start;
+    const char *policy;
+} policies[] = {
+    { "/docs", ONLY_OURS "; img-src 'self' data:; "
+                         "style-src 'self' 'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=' "
+                         "'sha256-QMIg+bpjm3JdElJ388KYke01izlUW0UoNOeKjpMxdgc='" },
+    { "/", ONLY_OURS },
+};
+
+static const char *policy_of(const char *path)
+{
+    size_t i = 0;
+
+    while (strncmp(path, policies[i].start, strlen(policies[i].start)) != 0)
+        i++;
+    return policies[i].policy;
+}
+
 // NULL: it is of no type that a page has, and therefore none of its files.
 static const char *type_of(const char *path)
 {
@@ -127,6 +153,8 @@ bool http__file_open(int web_fd, const char *path, coding form, http_file *ret_f
 
     if (strcmp(path, "/") == 0)
         path = "/index.html";
+    else if (strcmp(path, "/docs") == 0 || strcmp(path, "/docs/") == 0)
+        path = "/docs/index.html";
     const char *type = type_of(path);
     http_file file = { .fd = -1, .type = type };
     if (*path == '/' && type != NULL)
@@ -153,22 +181,49 @@ bool http__file_may_be(const http *h, const char *path)
     return h->web_fd >= 0 && strncmp(path, "/v1/", 4) != 0 && !api_route_exists(path);
 }
 
-static void explain_absence(http_request *r)
+// What stands in place of a page that this build or this start does not have.
+static const struct {
+    const char *path;
+    bool needs_no_folder; // it is also said where a folder was given that lacks the page
+    const char *type;
+    const char *text;
+} absences[] = {
+    { "/", false, "text/plain; charset=utf-8",
+      "This is beltflowd " BELTFLOW_VERSION ". Its page is not here: it is made when npm is there\n"
+      "while Beltflow is built, and is looked for beside the program.\n"
+      "The API is under /v1: try /v1/runs, /v1/examples and /version. /openapi.json describes it.\n"
+      "To have the page, build with npm, or give the page's directory by --web.\n" },
+    { "/docs", true, "text/html; charset=utf-8",
+      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Beltflow: the API</title>\n"
+      "<p>The reference of the API is made where npm is there while Beltflow is built, and is not "
+      "here; it is drawn from <a href=\"/openapi.json\">/openapi.json</a>, which is.</p>\n" },
+};
+
+enum { N_ABSENCES = sizeof absences / sizeof *absences };
+
+// Which absence a path is, or N_ABSENCES.
+static size_t find_absence(const http_request *r)
 {
-    static const char text[] =
-        "This is beltflowd " BELTFLOW_VERSION
-        ". Its page is not here: it is made when npm is there\n"
-        "while Beltflow is built, and is looked for beside the program.\n"
-        "The API is under /v1: try /v1/runs, /v1/examples and /version.\n"
-        "To have the page, build with npm, or give the page's directory by --web.\n";
+    size_t i = 0;
+
+    while (i < N_ABSENCES && (strcmp(r->path, absences[i].path) != 0 ||
+                              (r->server->web_fd >= 0 && !absences[i].needs_no_folder)))
+        i++;
+    return i;
+}
+
+static void explain_absence(http_request *r, size_t which)
+{
+    const char *text = absences[which].text;
 
     api_response_fini(&r->response);
-    if (buffer_append(&r->response.body, text, sizeof text - 1) != BF_OK) {
+    if (buffer_append(&r->response.body, text, strlen(text)) != BF_OK) {
         http__respond_refuse(r, 503, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
         return;
     }
     r->response.status = 200;
-    api_response_header(&r->response, "Content-Type", "text/plain; charset=utf-8");
+    api_response_header(&r->response, "Content-Type", "%s", absences[which].type);
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
 }
 
 static void refuse_method(http_request *r)
@@ -256,9 +311,7 @@ static void answer_file(http_request *r, http_file *file)
     r->response.status = 200;
     api_response_header(&r->response, "ETag", "\"%s\"", file->etag);
     api_response_header(&r->response, "Cache-Control", "no-cache");
-    api_response_header(&r->response, "Content-Security-Policy",
-                        "default-src 'self'; base-uri 'none'; form-action 'self'; "
-                        "frame-ancestors 'none'; object-src 'none'");
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
     api_response_header(&r->response, "Referrer-Policy", "no-referrer");
     api_response_header(&r->response, "Content-Type", "%s", file->type);
     if (form != CODING_IDENTITY)
@@ -279,20 +332,21 @@ void http__file_answer(http_request *r)
 {
     bool is_read = is_method(r, "GET") || is_method(r, "HEAD");
     http_file file = { .fd = -1 };
-    int web_fd = r->server->web_fd;
-    bool is_there = web_fd < 0 ? strcmp(r->path, "/") == 0
-                               : http__file_open(web_fd, r->path, CODING_IDENTITY, &file);
+    bool is_there = r->server->web_fd >= 0 &&
+                    http__file_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
+    size_t absence = is_there ? N_ABSENCES : find_absence(r);
 
-    if (is_there && is_method(r, "OPTIONS"))
+    if (!is_there && absence == N_ABSENCES)
+        return;
+    if (is_method(r, "OPTIONS"))
         answer_options(r);
-    else if (is_there && !is_read)
+    else if (!is_read)
         refuse_method(r);
-    else if (file.fd >= 0)
-        answer_file(r, &file);
     else if (is_there)
-        explain_absence(r);
-    if (is_there)
-        r->response.route = METRICS_PAGE;
+        answer_file(r, &file);
+    else
+        explain_absence(r, absence);
+    r->response.route = METRICS_PAGE;
     if (file.fd >= 0 && r->file.fd < 0)
         (void)close(file.fd);
 }

@@ -3,13 +3,15 @@
 //     node web/build.mjs OUT MODULES
 //
 // OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
-// Where web/docs is there, its entry point becomes a bundle of its own below OUT/docs.
+// The reference of the API, web/docs, becomes a bundle of its own below OUT/docs.
 
-import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
+
+import { plugins } from "./docs/plugins.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const packed = /\.(?:html|css|js|svg|json|txt)$/;
@@ -21,7 +23,7 @@ if (!modules) {
 }
 const { build } = createRequire(path.join(modules, "package.json"))("esbuild");
 
-async function bundle(entry, folder) {
+async function bundle(entry, folder, more = {}) {
   await build({
     entryPoints: { main: entry },
     outdir: folder,
@@ -32,6 +34,7 @@ async function bundle(entry, folder) {
     nodePaths: [modules],
     legalComments: "none",
     logLevel: "warning",
+    ...more,
   });
 }
 
@@ -54,9 +57,9 @@ mkdirSync(out, { recursive: true });
 for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
 copyFolder(path.join(here, "static"), out);
 await bundle(path.join(here, "src/main.js"), out);
-const docs = path.join(here, "docs");
-if (existsSync(path.join(docs, "main.js"))) {
-  if (existsSync(path.join(docs, "static"))) copyFolder(path.join(docs, "static"), path.join(out, "docs"));
-  await bundle(path.join(docs, "main.js"), path.join(out, "docs"));
-}
+const docs = path.join(out, "docs");
+const licence = "redoc.standalone.js.LICENSE.txt";
+copyFolder(path.join(here, "docs/static"), docs);
+copyFileSync(path.join(modules, "redoc/bundles", licence), path.join(docs, licence));
+await bundle(path.join(here, "docs/main.js"), docs, { plugins });
 packFolder(out);

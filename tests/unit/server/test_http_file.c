@@ -204,6 +204,40 @@ static void without_a_page_the_root_says_so(void **state)
     buffer_fini(&answer);
 }
 
+static void without_a_reference_its_address_leads_to_the_document(void **state)
+{
+    static void (*const starts[])(http_options *) = { NULL, with_web };
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+        server = fake_serve(&server_services, starts[i]);
+        assert_int_equal(client_ask(http_port(server), "GET /docs" REST "\r\n", &answer), 200);
+        server_assert_holds(&answer, "\r\nContent-Type: text/html; charset=utf-8\r\n");
+        server_assert_holds(&answer, "<a href=\"/openapi.json\">");
+        assert_int_equal(client_ask(http_port(server), "POST /docs" REST "\r\n", &answer), 405);
+        server = http_stop(server);
+    }
+    buffer_fini(&answer);
+}
+
+static void a_reference_may_load_what_its_library_needs(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    make_folder("web/docs");
+    write_file("web/docs/index.html", "reference");
+    server = fake_serve(&server_services, with_web);
+    assert_int_equal(client_ask(http_port(server), "GET /docs" REST "\r\n", &answer), 200);
+    assert_non_null(strstr(answer.bytes, "reference"));
+    server_assert_holds(&answer, "style-src 'self' 'sha256-");
+    assert_null(strstr(answer.bytes, "unsafe"));
+    assert_int_equal(client_ask(http_port(server), "GET /" REST "\r\n", &answer), 200);
+    assert_null(strstr(answer.bytes, "style-src"));
+    buffer_fini(&answer);
+}
+
 static void a_page_that_is_not_there_is_an_error(void **state)
 {
     const api_services table = fake_services(&server_services);
@@ -246,6 +280,8 @@ int main(void)
         CASE(head_of_a_file_has_its_length_only),
         CASE(a_file_is_only_read),
         CASE(without_a_page_the_root_says_so),
+        CASE(without_a_reference_its_address_leads_to_the_document),
+        CASE(a_reference_may_load_what_its_library_needs),
         CASE(a_page_that_is_not_there_is_an_error),
         CASE(what_is_no_regular_file_is_not_opened),
     };
