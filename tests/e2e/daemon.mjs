@@ -8,7 +8,9 @@ import http from "node:http";
 import { tmpdir } from "node:os";
 import path from "node:path";
 
+import { checkExchange } from "./contract.mjs";
 import { EventStream } from "./event_stream.mjs";
+import * as prism from "./prism.mjs";
 import { childrenOf, isAlive } from "./processes.mjs";
 import { binaries, isSanitized, until, within } from "./setup.mjs";
 
@@ -30,6 +32,7 @@ class Daemon {
     this.log = "";
     this.process = null;
     this.agent = new http.Agent({ keepAlive: false });
+    this.proxy = null; // a promise of it
   }
 
   flags() {
@@ -103,12 +106,25 @@ class Daemon {
     } finally {
       this.process?.kill("SIGKILL");
       this.agent.destroy();
+      await (await this.proxy)?.close();
       rmSync(this.folder, { recursive: true, force: true });
     }
   }
 
-  // One exchange: { status, headers, body, text, json }.
-  request(method, target, { headers = {}, body } = {}) {
+  // One exchange: { status, headers, body, text, json }; it must be what the document says.
+  async request(method, target, { headers = {}, body } = {}) {
+    const exchange = { method, target, headers, body };
+    const isProxied = prism.isWanted && prism.reasonToBypass(exchange) === null;
+    if (isProxied) this.proxy ??= prism.startProxy();
+    const answer = isProxied
+      ? await (await this.proxy).pass(exchange, () => this.send(exchange))
+      : await this.send(exchange);
+    checkExchange(exchange, answer, isProxied || !prism.isWanted);
+    return answer;
+  }
+
+  // The same, straight to the daemon and unchecked.
+  send({ method, target, headers, body }) {
     const exchange = new Promise((resolve, reject) => {
       const request = http.request(
         { host: "127.0.0.1", port: this.port, agent: this.agent, method, path: target, headers },

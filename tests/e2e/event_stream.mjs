@@ -3,13 +3,23 @@
 
 import http from "node:http";
 
+import { checkEvent, checkStream } from "./contract.mjs";
+
 export class EventStream {
   // Resolves with the stream once the response's head is there.
   static open(port, target, headers = {}) {
     return new Promise((resolve, reject) => {
       const request = http.request(
         { host: "127.0.0.1", port, path: target, headers, agent: false },
-        (response) => resolve(new EventStream(request, response)),
+        (response) => {
+          try {
+            checkStream(target, response.statusCode, response.headers);
+            resolve(new EventStream(request, response));
+          } catch (error) {
+            request.destroy();
+            reject(error);
+          }
+        },
       );
       request.on("error", reject);
       request.end();
@@ -46,8 +56,11 @@ export class EventStream {
     let event = {};
     for await (const line of this.lines(response)) {
       if (line === "") {
-        if (event.data !== undefined) yield { ...event, data: JSON.parse(event.data) };
+        const whole = event.data === undefined ? null : { ...event, data: JSON.parse(event.data) };
         event = {};
+        if (whole === null) continue;
+        checkEvent(whole);
+        yield whole;
       } else if (line.startsWith(":")) {
         this.comments += 1;
       } else {

@@ -8,6 +8,7 @@ import { fileURLToPath } from "node:url";
 
 export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 export const binaries = process.env.BELTFLOW_BIN_DIR ?? path.join(root, "build/release/bin");
+export const packages = process.env.BELTFLOW_NPM_DIR ?? path.join(root, "build/release/tests-npm");
 export const isSanitized = process.env.BELTFLOW_SANITIZED === "1";
 
 // How long anything may take before a story fails, ms. Generous: it only ends what hangs.

@@ -1,0 +1,217 @@
+// Every exchange of a story against api/openapi.json: the status, the media type, the headers and the
+// body of each answer must be what the document says, and what was accepted must be what the
+// document lets one send. Without the packages of tests/package.json nothing is checked.
+
+import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
+import { appendFileSync, existsSync, mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import zlib from "node:zlib";
+
+import { packages, root } from "./setup.mjs";
+
+export const document = JSON.parse(readFileSync(path.join(root, "api/openapi.json"), "utf8"));
+const base = "openapi.json";
+const isInstalled = existsSync(path.join(packages, "node_modules/ajv"));
+const validator = isInstalled ? makeValidator() : null;
+
+// Paths of the document as patterns; one without parameters counts before one with them.
+const templates = Object.entries(document.paths)
+  .map(([template, item]) => ({
+    template,
+    item,
+    pattern: new RegExp(`^${template.replace(/[.]/g, "\\$&").replace(/\{\w+\}/g, "[^/]+")}$`),
+  }))
+  .sort((a, b) => a.template.split("{").length - b.template.split("{").length);
+
+// What was validated, for the sum of all stories (tests/openapi/exchanges.mjs): a line for each pair of
+// request and answer, ids left out, with how often it came.
+const seen = new Map();
+process.on("exit", () => {
+  const folder = process.env.BELTFLOW_EXCHANGES;
+  if (folder === undefined || seen.size === 0) return;
+  mkdirSync(folder, { recursive: true });
+  const lines = [...seen].map(([pair, n]) => `${n} ${pair}\n`).join("");
+  appendFileSync(path.join(folder, `${process.pid}.txt`), lines);
+});
+
+const withoutIds = (text) => text.replace(/[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}/g, "{id}");
+const digest = (text) => createHash("sha256").update(text).digest("hex").slice(0, 16);
+
+function count({ method, target, body = "" }, template, status, type = "-") {
+  const request = digest(`${withoutIds(target)} ${withoutIds(body.toString())}`);
+  const pair = `${method} ${template} ${status} ${type} ${request}`;
+  seen.set(pair, (seen.get(pair) ?? 0) + 1);
+}
+
+function makeValidator() {
+  const require = createRequire(path.join(packages, "package.json"));
+  const { Ajv2020 } = require("ajv/dist/2020.js");
+  const ajv = new Ajv2020({ strict: false, allErrors: true });
+  require("ajv-formats")(ajv);
+  ajv.addFormat("binary", true);
+  ajv.addSchema(document, base);
+  return ajv;
+}
+
+const escape = (key) => key.replaceAll("~", "~0").replaceAll("/", "~1");
+
+// The thing at a place of the document, references followed, and where it really is.
+function at(place) {
+  let value = document;
+  for (const key of place.slice(2).split("/").filter((part) => part !== "")) {
+    value = value[key.replaceAll("~1", "/").replaceAll("~0", "~")];
+  }
+  return value?.$ref === undefined ? { value, place } : at(value.$ref);
+}
+
+function assertFits(value, place, what) {
+  const validate = validator.getSchema(`${base}${encodeURI(place)}`);
+  assert.ok(validate, `no schema at ${place}`);
+  if (validate(value)) return;
+  const faults = validate.errors.map((e) => `${e.instancePath} ${e.message} ${JSON.stringify(e.params)}`);
+  assert.fail(`${what} is not ${place}: ${faults.slice(0, 8).join("; ")}\n${JSON.stringify(value).slice(0, 2000)}`);
+}
+
+// The operation of a request, or null where the document has none.
+export function operationOf(method, target) {
+  const pathname = target.split("?")[0];
+  const found = templates.find(({ pattern }) => pattern.test(pathname));
+  if (found === undefined) return null;
+  const name = method.toLowerCase();
+  const operation = found.item[name === "head" ? "get" : name];
+  if (operation === undefined) return null;
+  const place = `#/paths/${escape(found.template)}/${name === "head" ? "get" : name}`;
+  return { operation, place, template: found.template };
+}
+
+// A value of a header or a query is text; the document may want a number.
+function fromText(text, place) {
+  const { value: schema } = at(place);
+  const isNumber = ["integer", "number"].includes(schema.type);
+  return isNumber && text !== "" && Number.isFinite(Number(text)) ? Number(text) : text;
+}
+
+function checkHeaders(headers, responsePlace, what) {
+  const { value: response } = at(responsePlace);
+  for (const name of Object.keys(response.headers ?? {})) {
+    const { value: header, place } = at(`${responsePlace}/headers/${escape(name)}`);
+    const text = headers[name.toLowerCase()];
+    if (text === undefined) assert.ok(!header.required, `${what} lacks ${name}`);
+    else assertFits(fromText(text, `${place}/schema`), `${place}/schema`, `${name} of ${what}`);
+  }
+  assert.equal(headers["x-content-type-options"], "nosniff", what);
+}
+
+// The text of a body as it was before it was packed; null where this Node.js cannot unpack it.
+function plainText({ headers, body }) {
+  const coding = headers["content-encoding"];
+  if (coding === undefined) return body.toString("utf8");
+  const unpack = { gzip: zlib.gunzipSync, zstd: zlib.zstdDecompressSync }[coding];
+  return unpack === undefined ? null : unpack(body).toString("utf8");
+}
+
+// The body of an answer whose media type the document names. What is no JSON is text or bytes.
+function checkBody(answer, responsePlace, what) {
+  const { value: response } = at(responsePlace);
+  const type = answer.headers["content-type"]?.split(";")[0];
+  if (response.content === undefined) {
+    assert.equal(answer.body.length, 0, `${what} has a body`);
+    return type;
+  }
+  assert.ok(type in response.content, `${what} is ${type}, not ${Object.keys(response.content)}`);
+  if (type.endsWith("json") && !type.endsWith("ndjson")) {
+    const text = plainText(answer);
+    if (text !== null) assertFits(JSON.parse(text), `${responsePlace}/content/${escape(type)}/schema`, what);
+  }
+  return type;
+}
+
+function checkProblem(answer, what) {
+  assert.equal(answer.headers["content-type"], "application/problem+json", what);
+  const text = plainText(answer);
+  if (text === null) return;
+  const problem = JSON.parse(text);
+  assertFits(problem, "#/components/schemas/Problem", what);
+  assert.equal(problem.status, answer.status, what);
+}
+
+// Where the document knows no such path or method: a refusal, or a file of the page.
+function checkUnknown(method, target, answer, what) {
+  if (answer.status < 400) assert.doesNotMatch(target, /^\/v1\//, what);
+  else if (method !== "HEAD") checkProblem(answer, what);
+}
+
+function checkOptions(answer, what) {
+  assert.equal(answer.status, 204, what);
+  assert.match(answer.headers.allow, /OPTIONS/, what);
+}
+
+// The media type of a body, by headers as a story gives them.
+export function typeOf(headers = {}) {
+  const [, type = ""] = Object.entries(headers).find(([name]) => name.toLowerCase() === "content-type") ?? [];
+  return type.split(";")[0].trim().toLowerCase();
+}
+
+// What was accepted is what the document lets one send.
+function checkRequest({ operation, place }, { target, headers, body }, what) {
+  const query = new URLSearchParams(target.split("?")[1] ?? "");
+  const known = (operation.parameters ?? []).filter((parameter) => parameter.in === "query");
+  for (const [name, text] of query) {
+    const index = operation.parameters?.findIndex((p) => p.in === "query" && p.name === name) ?? -1;
+    assert.ok(index >= 0, `${what}: the document has no parameter ${name}`);
+    const schema = `${place}/parameters/${index}/schema`;
+    const isList = operation.parameters[index].explode === false;
+    assertFits(isList ? text.split(",") : fromText(text, schema), schema, `${name} of ${what}`);
+  }
+  for (const { name, required } of known) {
+    assert.ok(!required || query.has(name), `${what}: accepted without ${name}`);
+  }
+  if (body === undefined || operation.requestBody === undefined) return; // nobody looks at it
+  const type = typeOf(headers);
+  assert.ok(type in operation.requestBody.content, `${what}: accepted a body of ${type}`);
+  if (type !== "application/json") return;
+  assertFits(JSON.parse(body), `${place}/requestBody/content/${escape(type)}/schema`, `the body of ${what}`);
+}
+
+// An exchange; answer as Daemon.request() gives it. counts: it goes into the sum.
+export function checkExchange(exchange, answer, counts = true) {
+  if (validator === null) return;
+  const { method, target } = exchange;
+  const what = `${method} ${target.slice(0, 200)} (${answer.status})`;
+  const found = operationOf(method, target);
+  if (method === "OPTIONS" && answer.status < 400) return checkOptions(answer, what);
+  if (found === null) return checkUnknown(method, target, answer, what);
+  const { operation, place, template } = found;
+  assert.ok(String(answer.status) in operation.responses, `${what}: the document has no such status`);
+  const { place: responsePlace } = at(`${place}/responses/${answer.status}`);
+  checkHeaders(answer.headers, responsePlace, what);
+  if (method === "HEAD") return counts && count(exchange, template, answer.status);
+  if (answer.status >= 400) checkProblem(answer, what);
+  const type = checkBody(answer, responsePlace, what);
+  if (answer.status < 300) checkRequest(found, exchange, what);
+  if (counts) count(exchange, template, answer.status, type);
+}
+
+const schemaOfEvent = (kind) => `#/components/schemas/${kind[0].toUpperCase()}${kind.slice(1)}Event`;
+
+// One event of a stream of server-sent events.
+export function checkEvent(event) {
+  if (validator === null || event.event === undefined) return;
+  assert.match(event.id, /^\d+$/);
+  assertFits(event.data, schemaOfEvent(event.event), `event ${event.event}`);
+}
+
+// The head of a stream, whose body is checked event by event.
+export function checkStream(target, status, headers) {
+  if (validator === null) return;
+  const { operation, place, template } = operationOf("GET", target);
+  const what = `GET ${target} (${status})`;
+  assert.ok(String(status) in operation.responses, `${what}: the document has no such status`);
+  const { value: response, place: responsePlace } = at(`${place}/responses/${status}`);
+  checkHeaders(headers, responsePlace, what);
+  const type = headers["content-type"]?.split(";")[0];
+  assert.ok(type === undefined ? response.content === undefined : type in response.content, what);
+  count({ method: "GET", target }, template, status, type);
+}

@@ -1,0 +1,146 @@
+// The daemon describes itself, and does what it says: every operation, format and method of the
+// document is asked for. Each answer is checked against the document by the way (contract.mjs).
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { readFileSync } from "node:fs";
+import path from "node:path";
+import test from "node:test";
+
+import { document } from "./contract.mjs";
+import { daemon } from "./daemon.mjs";
+import { smallJam } from "./micro.mjs";
+import { beltflow } from "./processes.mjs";
+import * as prism from "./prism.mjs";
+import { isSanitized, root, within } from "./setup.mjs";
+
+const kept = readFileSync(path.join(root, "api/openapi.json"), "utf8");
+
+test("the document is the one in the tree, over HTTP and on the command line", async (t) => {
+  const d = await daemon(t);
+  const answer = await d.get("/openapi.json");
+  assert.deepEqual([answer.status, answer.text], [200, kept]);
+  const again = await d.get("/openapi.json", { "if-none-match": answer.headers.etag });
+  assert.deepEqual([again.status, again.body.length], [304, 0]);
+  assert.equal((await beltflow(["openapi"])).stdout, kept);
+});
+
+test("every example of the document is accepted as it is", async (t) => {
+  const d = await daemon(t);
+  for (const [name, { value }] of Object.entries(document.components.examples)) {
+    const body = value.scenario === undefined ? { scenario: value } : value;
+    const answer = await d.post("/v1/validate", body);
+    assert.equal(answer.status, 200, `${name}: ${answer.text}`);
+  }
+});
+
+// Two runs that have ended, and what stands for parameters in paths and queries; a path counts more
+// than a name.
+async function makeValues(d) {
+  const runs = [await d.submit(smallJam()), await d.submit(smallJam(), { model: "micro" })];
+  for (const { id } of runs) await d.reached(id, "succeeded");
+  const [a, b] = runs.map(({ id }) => id);
+  const measured = await d.post("/v1/measurements", { t_s: [0, 1], count: [20, 0] });
+  return {
+    id: b, n: "0", name: "example-1", runs: `${a},${b}`,
+    "/v1/measurements/{id}": measured.headers.location,
+    "/v1/compare": `/v1/compare?a=${a}&b=${b}`,
+  };
+}
+
+// [template, operation, target] of every GET, required parameters filled in.
+function gets(values) {
+  return Object.entries(document.paths).flatMap(([template, { get }]) => {
+    if (get === undefined) return [];
+    if (template in values) return [[template, get, values[template]]];
+    const required = (get.parameters ?? []).filter((p) => p.in === "query" && p.required);
+    const query = required.map(({ name }) => `${name}=${values[name]}`).join("&");
+    const pathname = template.replace(/\{(\w+)\}/g, (_, name) => values[name]);
+    return [[template, get, query === "" ? pathname : `${pathname}?${query}`]];
+  });
+}
+
+test("every resource comes in every format, by HEAD, and not again while nothing has changed", async (t) => {
+  const d = await daemon(t);
+  const values = await makeValues(d);
+  for (const [template, operation, target] of gets(values)) {
+    const format = (operation.parameters ?? []).find(({ name }) => name === "format");
+    for (const word of format?.schema.enum ?? [null]) {
+      const formatted = word === null ? target : `${target}${target.includes("?") ? "&" : "?"}format=${word}`;
+      const answer = await d.get(formatted);
+      assert.equal(answer.status, 200, `${formatted}: ${answer.text.slice(0, 300)}`);
+      const head = await d.request("HEAD", formatted);
+      assert.deepEqual([head.status, head.body.length], [200, 0], formatted);
+      assert.equal(head.headers["content-type"], answer.headers["content-type"], formatted);
+      if (operation.responses["304"] === undefined) continue;
+      const again = await d.get(formatted, { "if-none-match": answer.headers.etag });
+      assert.equal(again.status, 304, `${template} as ${word}`);
+    }
+    for (const type of Object.keys(operation.responses["200"].content)) {
+      const answer = await d.get(target, { accept: type });
+      assert.ok(answer.headers["content-type"].startsWith(type), `${target}: ${type}`);
+    }
+  }
+});
+
+test("OPTIONS tells the methods of the document, and every other one is refused", async (t) => {
+  const d = await daemon(t);
+  const values = { id: "0190a0b0-0000-7000-8000-000000000001", n: "0", name: "example-1" };
+  for (const [template, item] of Object.entries(document.paths)) {
+    const target = template.replace(/\{(\w+)\}/g, (_, name) => values[name]);
+    const known = ["get", "post", "put", "delete"].filter((method) => method in item);
+    const methods = known.map((method) => method.toUpperCase());
+    if (known.includes("get")) methods.push("HEAD");
+    const options = await d.request("OPTIONS", target);
+    assert.deepEqual(options.headers.allow.split(", ").sort(), [...methods, "OPTIONS"].sort(), target);
+    for (const method of ["GET", "POST", "PUT", "DELETE", "PATCH"]) {
+      if (methods.includes(method)) continue;
+      assert.equal((await d.request(method, target)).status, 405, `${method} ${target}`);
+    }
+  }
+});
+
+test("a parameter that the document does not have is refused by every operation", async (t) => {
+  const d = await daemon(t);
+  const values = await makeValues(d);
+  for (const [, , target] of gets(values)) {
+    const answer = await d.get(`${target}${target.includes("?") ? "&" : "?"}colour=red`);
+    assert.equal(answer.status, 400, target);
+    assert.match(answer.json.detail, /colour/);
+  }
+});
+
+test("the reference page leads to the document and may load nothing from elsewhere", async (t) => {
+  const d = await daemon(t);
+  const page = await d.get("/docs");
+  assert.equal(page.status, 200);
+  assert.match(page.headers["content-type"], /^text\/html/);
+  assert.match(page.text, /href="\/openapi\.json"/);
+  assert.doesNotMatch(page.headers["content-security-policy"], /unsafe|https?:|\*/);
+  assert.doesNotMatch(page.text, /<script(?![^>]*\bsrc=)|<style|\sstyle=|\son\w+=/);
+  for (const [, target] of page.text.matchAll(/(?:src|href)="([^"]+)"/g)) {
+    const part = await d.get(target);
+    assert.equal(part.status, 200, target);
+    assert.doesNotMatch(part.text, /cdn\.redoc/, target);
+  }
+});
+
+// A table of drain times over the deflector's angle, made with the document alone.
+test("the example in Python draws its table", { skip: isSanitized || prism.isWanted }, async (t) => {
+  const d = await daemon(t, { workers: 2 });
+  const script = path.join(root, "deploy/examples/drain_times.py");
+  const done = new Promise((resolve) => {
+    const child = spawn("python3", [script, d.url.replace(/\/$/, ""), "60"]);
+    let output = "";
+    for (const stream of [child.stdout, child.stderr]) stream.on("data", (chunk) => (output += chunk));
+    child.on("close", (status) => resolve({ status, output }));
+  });
+  const { status, output } = await within(done, "the table");
+  assert.equal(status, 0, output);
+  const [head, row] = output.trim().split("\n").map((line) => line.split(/\s{2,}/).map((word) => word.trim()));
+  assert.deepEqual(head, ["angle [deg]", "macro [s]", "micro [s]"]);
+  const [angle, macro, micro] = row.filter((word) => word !== "").map(Number);
+  assert.equal(angle, 60);
+  // The paper's belt is free after some seven seconds, in both models.
+  for (const time of [macro, micro]) assert.ok(time > 6.5 && time < 7.5, output);
+});
