@@ -3,7 +3,6 @@
 // Contacts of boxes are chaotic: runs from starts that differ by a micrometre stray from their mean by
 // 0.4 to 0.9 % of the parts. So means of several runs are compared, over the 6 s of the Example.
 
-#include "core/base/parallel.h"
 #include "core/micro/micro.h"
 #include "tests/unit/core/helper_outflow.h"
 
@@ -35,7 +34,6 @@ static void average(micro_integrator integrator, double dt, double *ret_u)
             e->poses[k].y += 1e-6 * run * ((7 * k + 3 * run) % 5 - 2) / 5.0;
         e->def.integrator = integrator;
         e->def.dt = dt;
-        e->def.n_threads = parallel_processors();
         helper_outflow_curve(&e->def, 6.0, u);
         for (int k = 0; k < HELPER_OUTFLOW_SAMPLES; k++)
             ret_u[k] += u[k] / RUNS;
