@@ -48,6 +48,7 @@
 #include "server/log.h"
 #include "server/store_share_priv.h"
 
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -121,6 +122,8 @@ static store *create(const store_options *options)
 
 bf_status store_open(const store_options *options, store **ret_store, bf_error *err)
 {
+    if (sodium_init() < 0)
+        return bf_fail(err, BF_ESYSTEM, "", "libsodium cannot be used on this machine");
     store *s = create(options);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");

@@ -3,6 +3,7 @@
 
 #include "server/store_share_priv.h"
 
+#include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,13 +15,9 @@ static bool are_same(const store__key *a, const store__key *b)
 
 bf_status store__use_key(store *s, store__key *key, const void *body, size_t n_body, bf_error *err)
 {
-    sha256 digest;
-
     if (key->text[0] == '\0')
         return BF_OK;
-    sha256_begin(&digest);
-    sha256_add(&digest, body, n_body);
-    sha256_end(&digest, key->digest);
+    (void)crypto_hash_sha256(key->digest, body, n_body);
     lock_take(&s->lock);
     const store__key *used = s->keys;
     while (used != NULL && !are_same(used, key))
@@ -60,8 +57,8 @@ static bf_status read_answer(const store__query *q, const store__key *key, api_a
 {
     const void *kept = sqlite3_column_blob(q->statement, 0);
 
-    if (kept == NULL || sqlite3_column_bytes(q->statement, 0) != SHA256_SIZE ||
-        memcmp(kept, key->digest, SHA256_SIZE) != 0)
+    if (kept == NULL || sqlite3_column_bytes(q->statement, 0) != STORE__DIGEST_SIZE ||
+        memcmp(kept, key->digest, STORE__DIGEST_SIZE) != 0)
         return bf_fail(err, BF_EINPUT, "",
                        "the Idempotency-Key was used before with another body: take a new one");
     (void)snprintf(accepted->id, sizeof accepted->id, "%s",

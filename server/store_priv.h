@@ -2,7 +2,6 @@
 
 #pragma once
 
-#include "core/base/sha256.h"
 #include "server/lock.h"
 #include "server/store.h"
 #include "server/store_connection_priv.h"
@@ -13,14 +12,15 @@
 #include <stdint.h>
 
 enum {
-    STORE__READERS_MAX = 8,            ///< connections that read at once
-    STORE__PATH_SIZE = 1024,           ///< bytes of a path with its terminator
-    STORE__CHUNK_BYTES = 256 * 1024,   ///< of a blob that is stored in one row
-    STORE__SWEEP_CHUNKS = 64,          ///< that are deleted in one transaction
-    STORE__ANSWERS_MAX = 100000,       ///< answers that are kept for requests that come again
-    STORE__ANSWERS_MS = 86400000,      ///< how long they are kept, unless asked for otherwise
-    STORE__CARE_MS = 60000,            ///< between looks at what is to be removed
-    STORE__READY_MS = 1000,            ///< how long a write test counts
+    STORE__READERS_MAX = 8,          ///< connections that read at once
+    STORE__DIGEST_SIZE = 32,         ///< bytes of a SHA-256, which stands for the bytes themselves
+    STORE__PATH_SIZE = 1024,         ///< bytes of a path with its terminator
+    STORE__CHUNK_BYTES = 256 * 1024, ///< of a blob that is stored in one row
+    STORE__SWEEP_CHUNKS = 64,        ///< that are deleted in one transaction
+    STORE__ANSWERS_MAX = 100000,     ///< answers that are kept for requests that come again
+    STORE__ANSWERS_MS = 86400000,    ///< how long they are kept, unless asked for otherwise
+    STORE__CARE_MS = 60000,          ///< between looks at what is to be removed
+    STORE__READY_MS = 1000,          ///< how long a write test counts
     STORE__FREE_MIN = 64 * 1024 * 1024 ///< bytes that must be free on the disk to be ready
 };
 
@@ -65,10 +65,10 @@ struct store__operation {
 
 /// A key that a request uses at the moment; on its caller's stack.
 typedef struct store__key {
-    const char *route;                 ///< keys of different routes are different keys
-    const char *text;                  ///< the key; "": none
-    unsigned char digest[SHA256_SIZE]; ///< of the request's body
-    struct store__key *next;           ///< in the store's list
+    const char *route;                        ///< keys of different routes are different keys
+    const char *text;                         ///< the key; "": none
+    unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
+    struct store__key *next;                  ///< in the store's list
 } store__key;
 
 /// What the store's thread does by itself.

@@ -9,6 +9,7 @@
 
 #include "api/events.h"
 
+#include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,16 +22,18 @@ static void name_solver(char *ret_name, size_t size)
 
 enum { SOLVER_SIZE = 64 };
 
-void store__digest_work(const api_submission *submission, unsigned char ret_digest[SHA256_SIZE])
+void store__digest_work(const api_submission *submission,
+                        unsigned char ret_digest[STORE__DIGEST_SIZE])
 {
     const char *model = run_model_words[submission->model];
-    sha256 s;
+    crypto_hash_sha256_state s;
 
-    sha256_begin(&s);
+    (void)crypto_hash_sha256_init(&s);
     // The word's terminator parts it from the document.
-    sha256_add(&s, model, strlen(model) + 1);
-    sha256_add(&s, submission->identity.bytes, submission->identity.n);
-    sha256_end(&s, ret_digest);
+    (void)crypto_hash_sha256_update(&s, (const unsigned char *)model, strlen(model) + 1);
+    (void)crypto_hash_sha256_update(&s, (const unsigned char *)submission->identity.bytes,
+                                    submission->identity.n);
+    (void)crypto_hash_sha256_final(&s, ret_digest);
 }
 
 bf_status store__insert_results(store__connection *writer, const unsigned char *digest,
@@ -40,7 +43,7 @@ bf_status store__insert_results(store__connection *writer, const unsigned char *
 
     name_solver(solver, sizeof solver);
     store__query q = store__begin(writer, STORE__SQL_INSERT_RESULTS);
-    store__bind_blob(&q, digest, digest == NULL ? 0 : SHA256_SIZE);
+    store__bind_blob(&q, digest, digest == NULL ? 0 : STORE__DIGEST_SIZE);
     store__bind_text(&q, solver, strlen(solver));
     bf_status status = store__run(&q, err);
     if (status == BF_OK)
@@ -67,14 +70,14 @@ bf_status store__disown_results(store__connection *writer, bf_error *err)
     return store__run(&q, err);
 }
 
-bf_status store__find_solved(store__connection *c, const unsigned char digest[SHA256_SIZE],
+bf_status store__find_solved(store__connection *c, const unsigned char digest[STORE__DIGEST_SIZE],
                              store__row *ret_row, bool *ret_is_solved, bf_error *err)
 {
     char solver[SOLVER_SIZE];
 
     name_solver(solver, sizeof solver);
     store__query q = store__begin(c, STORE__SQL_FIND_SOLVED);
-    store__bind_blob(&q, digest, SHA256_SIZE);
+    store__bind_blob(&q, digest, STORE__DIGEST_SIZE);
     store__bind_text(&q, solver, strlen(solver));
     bf_status status = store__next(&q, ret_is_solved, err);
     if (status == BF_OK && *ret_is_solved)

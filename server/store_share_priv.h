@@ -5,7 +5,8 @@
 #include "server/store_priv.h"
 
 /// Digest of what the results follow from, next to the solver: model and identity.
-void store__digest_work(const api_submission *submission, unsigned char ret_digest[SHA256_SIZE]);
+void store__digest_work(const api_submission *submission,
+                        unsigned char ret_digest[STORE__DIGEST_SIZE]);
 
 /// Insert an empty set of results for a run that will be solved; row->results follows. digest NULL:
 /// it is never shared.
@@ -22,7 +23,7 @@ BF_MUST_CHECK bf_status store__disown_results(store__connection *writer, bf_erro
 
 /// Find a run with complete results of this digest and of this solver.
 BF_MUST_CHECK bf_status store__find_solved(store__connection *c,
-                                           const unsigned char digest[SHA256_SIZE],
+                                           const unsigned char digest[STORE__DIGEST_SIZE],
                                            store__row *ret_row, bool *ret_is_solved, bf_error *err);
 
 /// Insert *row as a run that has succeeded with the results of *solved, all its texts and events

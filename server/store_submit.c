@@ -17,10 +17,10 @@
 /// A submission, and what becomes of it.
 typedef struct submit_context {
     const api_submission *submission;
-    const store *store;                ///< for its limits
-    store__key key;                    ///< which it came with
-    unsigned char digest[SHA256_SIZE]; ///< of what is to be solved
-    store__row row;                    ///< of the new run
+    const store *store;                       ///< for its limits
+    store__key key;                           ///< which it came with
+    unsigned char digest[STORE__DIGEST_SIZE]; ///< of what is to be solved
+    store__row row;                           ///< of the new run
     api_acceptance accepted;
 } submit_context;
 

@@ -43,6 +43,7 @@ ONLY_IN = {
     "archive_entry.h": r"api/zip_out\.c|tests/.+",
     "microhttpd.h": r"server/http(_\w+)?\.c|server/http_priv\.h",
     "sqlite3.h": r"server/store(_\w+)?\.c|server/store_priv\.h|tests/unit/server/\w+_store\w*\.c",
+    "sodium.h": r"server/store(_\w+)?\.c",
     "zstd.h": r"server/(store(_\w+)?|http_encoding)\.c|tests/unit/server/test_http_encoding\.c",
     "zlib.h": r"server/http_encoding\.c|tests/unit/server/\w+\.c",
     "ini.h": r"server/config(_\w+)?\.c",
