@@ -100,7 +100,9 @@ bf_status store__connect(const char *path, store__access access, store__connecti
         sqlite3_close(db);
         return status;
     }
-    *ret_connection = (store__connection){ .db = db, .restart_pages = WAL_PAGES_RESTART };
+    *ret_connection = (store__connection){ .db = db,
+                                           .restart_pages = WAL_PAGES_RESTART,
+                                           .queued_at_most = SIZE_MAX };
     if (access == STORE__READ_WRITE)
         sqlite3_wal_hook(db, checkpoint_log, ret_connection);
     return BF_OK;

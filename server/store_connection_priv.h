@@ -27,7 +27,8 @@ typedef enum store__sql {
 typedef struct store__connection {
     struct sqlite3 *db;                                ///< NULL: not open
     struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
-    int restart_pages; ///< writer: pages of the log with which it is started again
+    int restart_pages;     ///< writer: pages of the log with which it is started again
+    size_t queued_at_most; ///< writer: not more runs than these wait; SIZE_MAX: not counted yet
 } store__connection;
 
 /// What a connection may do.

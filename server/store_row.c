@@ -218,6 +218,8 @@ bf_status store__move_row(store__connection *writer, store__row *row, run_state 
     row->run.eta_s = NAN;
     if (to == RUN_RUNNING)
         row->run.started_ms = clock_unix_ms();
+    if (to == RUN_QUEUED && writer->queued_at_most < SIZE_MAX)
+        writer->queued_at_most++;
     if (run_state_is_end(to))
         status = close_row(writer, row, err);
     return status == BF_OK ? store__tell_row(writer, row, err) : status;

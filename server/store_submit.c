@@ -24,20 +24,32 @@ typedef struct submit_context {
     api_acceptance accepted;
 } submit_context;
 
-static bf_status check_queue(store__connection *writer, size_t limit, bf_error *err)
+static bf_status count_queued(store__connection *writer, bf_error *err)
 {
     bool has_row = false;
-    int64_t n_queued = 0;
 
     store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
-        n_queued = sqlite3_column_int64(q.statement, 0);
+        writer->queued_at_most = (size_t)sqlite3_column_int64(q.statement, 0);
     store__end(&q);
-    if (status == BF_OK && (uint64_t)n_queued >= limit)
-        return bf_fail(err, BF_EBUSY, "", "the queue is full: %lld runs wait, the limit is %zu",
-                       (long long)n_queued, limit);
     return status;
+}
+
+// A long queue is counted only where it may be full: counting takes as long as the queue is.
+static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    if (writer->queued_at_most >= limit)
+        status = count_queued(writer, err);
+    if (status != BF_OK)
+        return status;
+    if (writer->queued_at_most >= limit)
+        return bf_fail(err, BF_EBUSY, "", "the queue is full: %zu runs wait, the limit is %zu",
+                       writer->queued_at_most, limit);
+    writer->queued_at_most++;
+    return BF_OK;
 }
 
 static bf_status accept_new(store__connection *writer, submit_context *context, bf_error *err)
@@ -48,7 +60,7 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
     store__row *row = &context->row;
 
     row->run.state = RUN_QUEUED;
-    bf_status status = check_queue(writer, context->store->queue_limit, err);
+    bf_status status = enter_queue(writer, context->store->queue_limit, err);
     if (status == BF_OK)
         status = store__insert_results(writer, is_nameable ? context->digest : NULL, row, err);
     if (status == BF_OK)
