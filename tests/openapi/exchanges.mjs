@@ -1,43 +1,87 @@
 // The sum of what the stories validated against the document: reads the folders that BELTFLOW_EXCHANGES
 // named, prints how much there was in each, and fails when an operation of the document was never
-// answered with success.
+// answered with success, or when a request of the first folder was not answered as
+// tests/golden/exchanges.txt has it.
+//
+//     exchanges.mjs DOCUMENT FOLDER ...              check
+//     exchanges.mjs --golden DOCUMENT FOLDER ...     write the golden file: what every folder answers alike
 
-import { existsSync, readFileSync, readdirSync } from "node:fs";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
 
-const [documentFile, ...folders] = process.argv.slice(2);
+const isWriting = process.argv[2] === "--golden";
+const [documentFile, ...folders] = process.argv.slice(isWriting ? 3 : 2);
 const document = JSON.parse(readFileSync(documentFile, "utf8"));
-const kinds = new Map();
+const goldenFile = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname),
+  "../golden/exchanges.txt");
 
-function sum(folder) {
-  const pairs = new Set();
-  const ofFolder = new Set();
-  let total = 0;
-  for (const file of existsSync(folder) ? readdirSync(folder) : []) {
-    for (const line of readFileSync(path.join(folder, file), "utf8").trim().split("\n")) {
-      const [n, method, template, status, type, request] = line.split(" ");
-      const kind = `${method} ${template} ${status} ${type}`;
-      pairs.add(`${kind} ${request}`);
-      ofFolder.add(kind);
-      kinds.set(kind, (kinds.get(kind) ?? 0) + Number(n));
-      total += Number(n);
-    }
-  }
-  const name = path.basename(folder);
-  return `${name}: ${total} exchanges, ${pairs.size} distinct pairs of request and response, ${ofFolder.size} kinds of them`;
+// The lines of a folder: { n, kind, request, answer }. kind is method, template, status and media type.
+function read(folder) {
+  const files = existsSync(folder) ? readdirSync(folder) : [];
+  return files.flatMap((file) =>
+    readFileSync(path.join(folder, file), "utf8").trim().split("\n").map((line) => {
+      const [n, method, template, status, type, request, answer] = line.split(" ");
+      return { n: Number(n), kind: `${method} ${template} ${status} ${type}`, request, answer };
+    }));
 }
 
-const sums = folders.map(sum);
-const missing = [];
-for (const [template, item] of Object.entries(document.paths)) {
-  for (const method of ["get", "post", "put", "delete"]) {
-    if (item[method] === undefined) continue;
-    const start = `${method.toUpperCase()} ${template} 2`;
-    if (![...kinds.keys()].some((kind) => kind.startsWith(start))) missing.push(`${method.toUpperCase()} ${template}`);
+// "kind request" to the set of the answers that it got.
+function answersOf(lines) {
+  const answers = new Map();
+  for (const { kind, request, answer } of lines) {
+    const pair = `${kind} ${request}`;
+    answers.set(pair, (answers.get(pair) ?? new Set()).add(answer));
   }
+  return answers;
 }
 
-for (const [kind, n] of [...kinds].sort()) console.log(`${String(n).padStart(6)} ${kind}`);
-for (const line of sums) console.log(line);
-for (const operation of missing) console.log(`no story had success with ${operation}`);
-process.exit(missing.length === 0 ? 0 : 1);
+function writeGolden() {
+  const [first, ...others] = folders.map((folder) => answersOf(read(folder)));
+  const stable = [...first].filter(([pair, answers]) => {
+    const [answer] = answers;
+    return answers.size === 1 && answer !== "-" && others.every((other) => {
+      const found = other.get(pair);
+      return found?.size === 1 && found.has(answer);
+    });
+  });
+  writeFileSync(goldenFile, stable.map(([pair, [answer]]) => `${pair} ${answer}\n`).sort().join(""));
+  console.log(`${stable.length} of ${first.size} pairs are the same in ${folders.length} folders`);
+}
+
+function differencesFromGolden() {
+  const answers = answersOf(read(folders[0]));
+  return readFileSync(goldenFile, "utf8").trim().split("\n").flatMap((line) => {
+    const [, pair, answer] = /^(.*) (\S+)$/.exec(line);
+    const found = answers.get(pair);
+    if (found === undefined) return [`golden: nobody asked ${pair}`];
+    return found.has(answer) ? [] : [`golden: another answer to ${pair}`];
+  });
+}
+
+function operationsWithoutSuccess(kinds) {
+  const operations = Object.entries(document.paths).flatMap(([template, item]) =>
+    ["get", "post", "put", "delete"].filter((method) => item[method] !== undefined)
+      .map((method) => `${method.toUpperCase()} ${template}`));
+  return operations.filter((operation) => ![...kinds.keys()].some((kind) => kind.startsWith(`${operation} 2`)));
+}
+
+function check() {
+  const kinds = new Map();
+  const sums = folders.map((folder) => {
+    const lines = read(folder);
+    for (const { n, kind } of lines) kinds.set(kind, (kinds.get(kind) ?? 0) + n);
+    const total = lines.reduce((sum, { n }) => sum + n, 0);
+    const pairs = new Set(lines.map(({ kind, request }) => `${kind} ${request}`));
+    const ofFolder = new Set(lines.map(({ kind }) => kind));
+    return `${path.basename(folder)}: ${total} exchanges, ${pairs.size} distinct pairs of request and response, `
+      + `${ofFolder.size} kinds of them`;
+  });
+  const faults = [...operationsWithoutSuccess(kinds).map((operation) => `no story had success with ${operation}`),
+    ...differencesFromGolden()];
+  for (const [kind, n] of [...kinds].sort()) console.log(`${String(n).padStart(6)} ${kind}`);
+  for (const line of [...sums, ...faults]) console.log(line);
+  process.exit(faults.length === 0 ? 0 : 1);
+}
+
+if (isWriting) writeGolden();
+else check();

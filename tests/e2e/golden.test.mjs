@@ -1,0 +1,72 @@
+// The results of every ready scenario in both models are the bytes that tests/golden/results.txt has, on
+// processors with fused multiply-add and without (libm rounds a few values differently there, so there
+// are two digests where they differ). With BELTFLOW_GOLDEN=write the file is written instead.
+
+import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import path from "node:path";
+import test from "node:test";
+
+import { beltflow } from "./processes.mjs";
+import { isSanitized, root, temporaryFolder } from "./setup.mjs";
+
+const goldenFile = path.join(root, "tests/golden/results.txt");
+const scenarios = path.join(root, "api/examples");
+const withoutFma = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable";
+const hasFma = /^flags.*\bfma\b/m.test(readFileSync("/proc/cpuinfo", "utf8"));
+
+// What a summary tells of the results, without how long they took.
+function withoutTiming(text) {
+  return text.replace(/"(wall_time_s|threads|\w+_steps_per_s)":[-+.\de]+/g, '"$1":0');
+}
+
+// One digest for all files of a folder, names and bytes, in order.
+function digestOfFolder(folder) {
+  const hash = createHash("sha256");
+  const names = readdirSync(folder, { recursive: true, withFileTypes: true })
+    .filter((entry) => entry.isFile())
+    .map((entry) => path.relative(folder, path.join(entry.parentPath ?? entry.path, entry.name)))
+    .sort();
+  for (const name of names) {
+    const bytes = readFileSync(path.join(folder, name));
+    const kept = name === "summary.json" ? Buffer.from(withoutTiming(bytes.toString())) : bytes;
+    hash.update(`${name} ${kept.length}\n`).update(kept);
+  }
+  return hash.digest("hex");
+}
+
+async function digestOfResults(t, file, model, tunables) {
+  const out = path.join(temporaryFolder(t), "out");
+  const env = tunables === undefined ? {} : { GLIBC_TUNABLES: tunables };
+  const done = await beltflow(["solve", file, "--model", model, "--out", out], { env });
+  assert.equal(done.status, 0, done.stderr);
+  return digestOfFolder(out);
+}
+
+const known = existsSync(goldenFile)
+  ? new Map(readFileSync(goldenFile, "utf8").trim().split("\n").map((line) => {
+    const [name, fma, none = fma] = line.split(" ");
+    return [name, { fma, none }];
+  }))
+  : new Map();
+
+for (const file of readdirSync(scenarios).sort()) {
+  for (const model of ["macro", "micro"]) {
+    const name = `${path.basename(file, ".json")}/${model}`;
+    test(`the results of ${name} are the known bytes`, { skip: isSanitized }, async (t) => {
+      const solve = (tunables) => digestOfResults(t, path.join(scenarios, file), model, tunables);
+      const none = await solve(withoutFma);
+      const fma = hasFma ? await solve() : known.get(name)?.fma;
+      if (process.env.BELTFLOW_GOLDEN === "write") known.set(name, { fma, none });
+      else assert.deepEqual({ fma, none }, known.get(name));
+    });
+  }
+}
+
+if (process.env.BELTFLOW_GOLDEN === "write") {
+  test.after(() => {
+    const lines = [...known].map(([name, { fma, none }]) => `${name} ${fma}${none === fma ? "" : ` ${none}`}\n`);
+    writeFileSync(goldenFile, lines.join(""));
+  });
+}
