@@ -1,7 +1,7 @@
 /// The inner loops of the macroscopic solver: rows of cells, in blocks of BLOCK_CELLS (block_set.h).
 ///
 /// For the files that are compiled once per instruction set (core/CMakeLists.txt), so that the loops are
-/// inlined there with the registers at hand; all variants give the same bits (core/base/lanes.h).
+/// inlined there with the registers at hand; all variants give the same bits (core/base/simd.h).
 ///
 /// A row pointer is the address of its cell 0, aligned to 64 bytes; rows have room on both sides
 /// (macro_priv.h). Block b is cells 8 b .. 8 b + 7 and, for faces, the faces i + 1/2 east (or north) of
@@ -9,8 +9,8 @@
 
 #pragma once
 
-#include "core/base/lanes.h"
-#include "core/macro/block_set.h"
+#include "core/base/simd.h"
+#include "core/macro/active_blocks.h"
 #include "core/macro/mollifier.h"
 
 #include <stddef.h>

@@ -1,7 +1,7 @@
 #include "core/macro/macro.h"
 
 #include "core/base/memory.h"
-#include "core/base/parallel.h"
+#include "core/base/team.h"
 #include "core/macro/macro_priv.h"
 
 #include <math.h>
@@ -213,7 +213,7 @@ static void sweep_band(void *context, size_t k)
 void macro_step(macro_solver *s)
 {
     cut_bands(s);
-    parallel_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
+    team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
     macro_state swap = s->now;
     s->now = s->next;
     s->next = swap;

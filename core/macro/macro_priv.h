@@ -21,7 +21,7 @@
 
 #pragma once
 
-#include "core/macro/block_set.h"
+#include "core/macro/active_blocks.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
 #include "core/macro/variant.h"

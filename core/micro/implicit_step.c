@@ -1,6 +1,6 @@
 #include "core/micro/implicit_step.h"
 
-#include "core/micro/law.h"
+#include "core/micro/contact_law.h"
 #include "core/scene/geometry.h"
 #include "core/scene/shape.h"
 
@@ -50,7 +50,7 @@ typedef struct extremes {
 static double stiffness_of(const micro_def *def, scene_pair pair, const scene_material *a,
                            const scene_material *b)
 {
-    return law_of_line(&def->contact[pair], a, b, def->modulus_reduction).stiffness;
+    return contact_law_of_line(&def->contact[pair], a, b, def->modulus_reduction).stiffness;
 }
 
 static extremes extremes_of(const micro_def *def)

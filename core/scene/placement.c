@@ -2,9 +2,9 @@
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
-#include "core/scene/crowd.h"
 #include "core/scene/geometry.h"
 #include "core/scene/mix.h"
+#include "core/scene/overlap_grid.h"
 #include "core/scene/placement_priv.h"
 
 #include <math.h>
@@ -72,7 +72,7 @@ static bool has_room(const scene *s, const crowd *c, size_t k, scene_pose pose)
         if (placement__excess(s, footprint_of(c, k), pose, side) > 0.0)
             return false;
     }
-    return !crowd_overlaps(c, k, pose, &other);
+    return !overlap_grid_overlaps(c, k, pose, &other);
 }
 
 static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random *random)
@@ -99,7 +99,7 @@ static size_t fill_crowd(const scene *s, crowd *c, scene_pose *ret_poses)
         scene_pose pose = draw_pose(&s->initial.region, is_turned, &random);
         if (has_room(s, c, n, pose)) {
             ret_poses[n] = pose;
-            crowd_add(c, n++);
+            overlap_grid_add(c, n++);
         }
     }
     return n;
@@ -143,11 +143,11 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose 
                        "%zu parts would cover %.0f %% of the region, and random places without "
                        "overlap fill about half of it",
                        wanted, 100.0 * cover);
-    bf_status status = crowd_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
+    bf_status status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
     size_t n = fill_crowd(s, &c, ret_poses);
-    crowd_fini(&c);
+    overlap_grid_fini(&c);
     if (n < wanted)
         return bf_fail(err, BF_EINPUT, "/initial/random",
                        "only %zu of %zu parts found room without overlap in %zu attempts; all "

@@ -1,8 +1,8 @@
 #include "core/scene/placement.h"
 
-#include "core/scene/crowd.h"
 #include "core/scene/geometry.h"
 #include "core/scene/mix.h"
+#include "core/scene/overlap_grid.h"
 #include "core/scene/placement_priv.h"
 
 #include <stdio.h>
@@ -71,7 +71,7 @@ static bool check_free(findings *f, const crowd *c, size_t k)
     char room[BF_POINTER_SIZE];
     size_t other;
 
-    if (!crowd_overlaps(c, k, at, &other))
+    if (!overlap_grid_overlaps(c, k, at, &other))
         return true;
     scene_pose with = f->p->poses[other];
     double distance = geometry_length((scene_point){ at.x - with.x, at.y - with.y });
@@ -96,13 +96,14 @@ bf_status placement_check(const scene *s, const placement *p, bf_faults *faults)
     crowd c;
 
     mix_footprints(s, f.footprints);
-    bf_status status = crowd_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, NULL);
+    bf_status status =
+        overlap_grid_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, NULL);
     if (status != BF_OK)
         return status;
     for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit; k++) {
         if (check_inside(&f, k) && check_free(&f, &c, k))
-            crowd_add(&c, k);
+            overlap_grid_add(&c, k);
     }
-    crowd_fini(&c);
+    overlap_grid_fini(&c);
     return BF_OK;
 }

@@ -1,6 +1,6 @@
 /// A scenario as plain data: belts, walls, obstacles and cargo, and how to solve it.
 ///
-/// The document that users write is JSON; api/scenario.h turns it into this struct and back. Here it
+/// The document that users write is JSON; api/scenario/scenario.h turns it into this struct and back. Here it
 /// has its defaults (scene_init) and its checks (scene_check); what the solvers need is
 /// derived from it by field.h (carrying velocity), placement.h (where the parts are), density.h
 /// and counter.h; mix.h says which part is of which kind of cargo.
@@ -21,7 +21,7 @@
 #include "core/base/faults.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
-#include "core/scene/scene_types.h"
+#include "core/scene/types.h"
 
 #include <stdbool.h>
 #include <stddef.h>

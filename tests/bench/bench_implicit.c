@@ -9,11 +9,11 @@
 // With `space` the example mixed-cargo, which moves in space, likewise: once with the explicit method in
 // its own step and once with each implicit one.
 
-#include "api/examples.h"
-#include "api/scenario.h"
+#include "api/scenario/examples.h"
+#include "api/scenario/scenario.h"
 #include "core/base/memory.h"
-#include "core/base/parallel.h"
-#include "core/run/run_micro_priv.h"
+#include "core/base/team.h"
+#include "core/run/micro_model_priv.h"
 #include "tests/unit/core/helper_outflow.h"
 
 #include <math.h>
@@ -197,7 +197,7 @@ int main(int argc, char **argv)
     for (size_t k = 0; k < 3; k++) {
         show_jam(sizes[k], 5e-4, 1);
         show_jam(sizes[k], 2e-3, 1);
-        show_jam(sizes[k], 2e-3, parallel_processors());
+        show_jam(sizes[k], 2e-3, team_processors());
     }
     return 0;
 }

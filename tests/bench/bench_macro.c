@@ -10,8 +10,8 @@
 #include "core/macro/macro.h"
 #include "core/macro/variant.h"
 #include "core/scene/density.h"
-#include "core/scene/field.h"
 #include "core/scene/placement.h"
+#include "core/scene/velocity_field.h"
 #include "tests/reference/direct.h"
 #include "tests/unit/core/helper_scene.h"
 
@@ -56,7 +56,7 @@ static work make_work(int refinement, int n_threads)
     w.scene.obstacles[0].path[0] = (scene_point){ 0.461325, 0.0 };
     w.scene.macro.cell /= refinement;
     w.scene.macro.step /= refinement;
-    if (field_create(&w.scene, &w.field, NULL) != BF_OK ||
+    if (velocity_field_create(&w.scene, &w.field, NULL) != BF_OK ||
         placement_make(&w.scene, &p, NULL) != BF_OK)
         fail("no memory");
     w.n_cells = grid_cells(&w.field->grid);
@@ -79,7 +79,7 @@ static work make_work(int refinement, int n_threads)
 
 static void free_work(work *w)
 {
-    field_destroy(w->field);
+    velocity_field_destroy(w->field);
     memory_free(w->rho);
     scene_fini(&w->scene);
 }

@@ -36,7 +36,7 @@ test("the README's lines submit Example 1, stream it to its end and read its res
     .join("\n")
     .replaceAll("127.0.0.1:8080", `127.0.0.1:${d.port}`)
     .replaceAll("build/release/bin/", `${binaries}/`)
-    .replaceAll("api/examples/", `${root}/api/examples/`);
+    .replaceAll("api/scenario/examples/", `${root}/api/scenario/examples/`);
   const { status, output } = await run("bash", ["-euo", "pipefail", "-c", script], temporaryFolder(t));
   assert.equal(status, 0, output);
   assert.match(output, /event: end/);
@@ -47,7 +47,7 @@ test("the README's lines submit Example 1, stream it to its end and read its res
 });
 
 test("the first steps are the README's, and do in Python and JavaScript what they say", { skip: isSanitized }, async (t) => {
-  assert.ok(readme.includes(readFileSync(path.join(root, "api/first_steps.md"), "utf8")));
+  assert.ok(readme.includes(readFileSync(path.join(root, "api/openapi/first_steps.md"), "utf8")));
   const d = await daemon(t);
   const folder = temporaryFolder(t);
   // Debian's Python has Debian's NumPy.

@@ -5,7 +5,7 @@
 
 struct planar {
     const micro_def *def;
-    planar_part *parts;
+    disk_part *parts;
     double *fx, *fy, *torque;
     uint64_t steps;
 };
@@ -50,7 +50,7 @@ static const scene_belt *belt_under(const planar *p, double x, double y)
     return NULL;
 }
 
-planar *planar_create(const micro_def *def)
+planar *disk_create(const micro_def *def)
 {
     planar *p = calloc(1, sizeof *p);
 
@@ -62,17 +62,17 @@ planar *planar_create(const micro_def *def)
     p->fy = calloc(def->n_parts + 1, sizeof *p->fy);
     p->torque = calloc(def->n_parts + 1, sizeof *p->torque);
     if (p->parts == NULL || p->fx == NULL || p->fy == NULL || p->torque == NULL)
-        return planar_destroy(p);
+        return disk_destroy(p);
     for (size_t k = 0; k < def->n_parts; k++) {
         const scene_pose *pose = &def->poses[k];
         const scene_belt *belt = belt_under(p, pose->x, pose->y);
         scene_point v = belt != NULL ? belt->velocity : def->start_velocity;
-        p->parts[k] = (planar_part){ pose->x, pose->y, pose->heading, v.x, v.y, 0.0, false };
+        p->parts[k] = (disk_part){ pose->x, pose->y, pose->heading, v.x, v.y, 0.0, false };
     }
     return p;
 }
 
-planar *planar_destroy(planar *p)
+planar *disk_destroy(planar *p)
 {
     if (p == NULL)
         return NULL;
@@ -84,7 +84,7 @@ planar *planar_destroy(planar *p)
     return NULL;
 }
 
-planar_part *planar_parts(planar *p)
+disk_part *disk_parts(planar *p)
 {
     return p->parts;
 }
@@ -107,7 +107,7 @@ static double press(planar *p, size_t k, const touch *t)
 
 static void meet_part(planar *p, size_t i, size_t j)
 {
-    const planar_part *a = &p->parts[i], *b = &p->parts[j];
+    const disk_part *a = &p->parts[i], *b = &p->parts[j];
     const scene_contact *law = &p->def->contact[SCENE_CARGO_CARGO];
     double dx = b->x - a->x, dy = b->y - a->y, distance = hypot(dx, dy);
     double overlap = kind_of(p, i)->shape.radius + kind_of(p, j)->shape.radius - distance;
@@ -141,7 +141,7 @@ static void meet_part(planar *p, size_t i, size_t j)
 // A solid whose surface is `height` from part k's centre, out along n.
 static void meet_solid(planar *p, size_t k, double nx, double ny, double height, double friction)
 {
-    const planar_part *a = &p->parts[k];
+    const disk_part *a = &p->parts[k];
     const scene_contact *law = &p->def->contact[SCENE_HANDLING_CARGO];
     double overlap = kind_of(p, k)->shape.radius - height;
     double lever = kind_of(p, k)->shape.radius - 0.5 * overlap;
@@ -166,7 +166,7 @@ static void meet_walls(planar *p, size_t k)
 {
     const scene_rect *d = &p->def->domain;
     const scene_edge *edges = p->def->edges;
-    const planar_part *a = &p->parts[k];
+    const disk_part *a = &p->parts[k];
 
     if (edges[SCENE_WEST] == SCENE_EDGE_WALL)
         meet_solid(p, k, 1.0, 0.0, a->x - d->x_min, 0.0);
@@ -187,7 +187,7 @@ static double clamp(double x, double least, double most)
 static void meet_plate(planar *p, size_t k, const scene_obstacle *plate)
 {
     scene_point from = plate->path[0], to = plate->path[1];
-    const planar_part *a = &p->parts[k];
+    const disk_part *a = &p->parts[k];
     double length = hypot(to.x - from.x, to.y - from.y);
     double tx = (to.x - from.x) / length, ty = (to.y - from.y) / length;
     const scene_belt *belt = belt_under(p, 0.5 * (from.x + to.x), 0.5 * (from.y + to.y));
@@ -217,7 +217,7 @@ static void move_part(planar *p, size_t k)
     const micro_kind *kind = kind_of(p, k);
     const scene_contact *law = &def->contact[SCENE_CONVEYOR_CARGO];
     const double dt = def->dt, r = kind->shape.radius, inertia = 0.5 * kind->mass * r * r;
-    planar_part *a = &p->parts[k];
+    disk_part *a = &p->parts[k];
     const scene_belt *belt = belt_under(p, a->x, a->y);
 
     if (p->steps > 0) {
@@ -235,7 +235,7 @@ static void move_part(planar *p, size_t k)
     a->heading += dt * a->spin;
 }
 
-static bool is_outside(const micro_def *def, const planar_part *a)
+static bool is_outside(const micro_def *def, const disk_part *a)
 {
     const scene_rect *d = &def->domain;
     const bool is_beyond[SCENE_SIDE_COUNT] = { [SCENE_WEST] =
@@ -249,7 +249,7 @@ static bool is_outside(const micro_def *def, const planar_part *a)
     return is_out;
 }
 
-void planar_advance(planar *p)
+void disk_advance(planar *p)
 {
     const size_t n = p->def->n_parts;
 

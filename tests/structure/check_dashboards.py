@@ -1,5 +1,5 @@
 """Dashboards ask for metrics that exist: each name in a query of deploy/grafana/*.json stands in
-server/metrics.h."""
+server/base/metrics.h."""
 
 import json
 import re
@@ -33,11 +33,11 @@ def dashboard_faults(root, path, known):
     for query in queries(dashboard):
         for metric in NAME.findall(query):
             if metric not in known and SUFFIX.sub("", metric) not in known:
-                yield f"{name}: asks for {metric}, which server/metrics.h does not have"
+                yield f"{name}: asks for {metric}, which server/base/metrics.h does not have"
 
 
 def check(root):
-    header = root / "server/metrics.h"
+    header = root / "server/base/metrics.h"
     known = set(NAME.findall(header.read_text(encoding="utf-8"))) if header.is_file() else set()
     return [fault for path in tree.files(root, "deploy/grafana/*.json")
             for fault in dashboard_faults(root, path, known)]

@@ -8,9 +8,10 @@ import tree
 # Folder: the folders of ours that it may include from.
 ARROWS = {
     "core/base": {"core/base"},
+    "core/convex": {"core/base", "core/scene", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
-    "core/micro": {"core/base", "core/scene", "core/micro"},
+    "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
     "core/compare": {"core/base", "core/scene", "core/compare"},
     "api": {"core/base", "core/scene", "core/run", "core/compare", "api"},
@@ -27,28 +28,28 @@ STANDARD = {
 
 # Beyond that: instruction sets, the choice between them, and the calendar (not the clock).
 ALSO = {
-    "core/base/lanes.h": {"immintrin.h"},
-    "core/base/parallel.c": {"sched.h"},
+    "core/base/simd.h": {"immintrin.h"},
+    "core/base/team.c": {"sched.h"},
     "core/macro/variant.c": {"pthread.h"},
-    "api/run_json.c": {"time.h"},
-    "api/results_png.c": {"setjmp.h"},
+    "api/results/run_json.c": {"time.h"},
+    "api/results/results_png.c": {"setjmp.h"},
 }
 
 # Outside header: the only files that may include it.
 ONLY_IN = {
-    "omp.h": r"core/base/parallel\.c",
-    "jansson.h": r"api/[^/]+\.c|tests/.+",
-    "png.h": r"api/results_png\.c|tests/.+",
-    "archive.h": r"api/zip_out\.c|tests/.+",
-    "archive_entry.h": r"api/zip_out\.c|tests/.+",
-    "microhttpd.h": r"server/http(_\w+)?\.c|server/http_priv\.h",
-    "sqlite3.h": r"server/store(_\w+)?\.c|server/store_priv\.h|tests/unit/server/\w+_store\w*\.c",
-    "sodium.h": r"server/store(_\w+)?\.c",
-    "zstd.h": r"server/(store(_\w+)?|http_encoding)\.c|tests/unit/server/test_http_encoding\.c",
-    "zlib.h": r"server/http_encoding\.c|tests/unit/server/\w+\.c",
-    "ini.h": r"server/config(_\w+)?\.c",
-    "systemd/sd-daemon.h": r"server/notify\.c",
-    "systemd/sd-journal.h": r"server/log_journal\.c|tests/unit/server/test_log\.c",
+    "omp.h": r"core/base/team\.c",
+    "jansson.h": r"api/.+\.c|tests/.+",
+    "png.h": r"api/results/results_png\.c|tests/.+",
+    "archive.h": r"api/results/zip_out\.c|tests/.+",
+    "archive_entry.h": r"api/results/zip_out\.c|tests/.+",
+    "microhttpd.h": r"server/http/.+",
+    "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c",
+    "sodium.h": r"server/store/\w+\.c",
+    "zstd.h": r"server/(store/\w+|http/encoding)\.c|tests/unit/server/http/test_http_encoding\.c",
+    "zlib.h": r"server/http/encoding\.c|tests/unit/server/.+\.c",
+    "ini.h": r"server/daemon/config(_\w+)?\.c",
+    "systemd/sd-daemon.h": r"server/daemon/notify\.c",
+    "systemd/sd-journal.h": r"server/base/log_journal\.c|tests/unit/server/base/test_log\.c",
     "cmocka.h": r"tests/.+",
 }
 

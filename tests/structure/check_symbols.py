@@ -1,4 +1,5 @@
-"""Every public symbol of the libraries starts with the prefix of the file that defines it."""
+"""Every public symbol of the libraries starts with the name of the file that defines it, or with that of
+its folder."""
 
 import pathlib
 import re
@@ -6,59 +7,46 @@ import subprocess
 
 import tree
 
-# Prefixes beside the file's own name, by folder or file.
-ALSO = {"core/base": {"bf"}, "core/micro": {"micro"}, "api": {"api"}}
+# Prefixes beside those, by folder.
+ALSO = {"core/base": {"bf"}, "core/convex": {"gjk"}, "api": {"api"}, "server/run": {"supervisor"}}
 # Written by tools, not by us.
-FOREIGN = re.compile(r"__|_init$|_fini$")
+FOREIGN = re.compile(r"__|_init$|_fini$|main$|argp_program_version$")
 
 
 def prefixes(source):
-    """What symbols of this file may start with: its name, or its name's first words."""
+    """What symbols of this file may start with: its name, its name's first words, or a folder's name below
+    the floor."""
     path = pathlib.PurePosixPath(source)
     words = path.stem.split("_")
-    own = {"_".join(words[:n]) for n in range(1, len(words) + 1)}
-    return own | ALSO.get(path.parent.as_posix(), set()) | ALSO.get(source, set())
+    own = {"_".join(words[:n]) for n in range(1, len(words) + 1)} | set(path.parts[1:-1])
+    folders = [parent.as_posix() for parent in path.parents]
+    return own.union(*(ALSO[folder] for folder in folders if folder in ALSO))
 
 
 def is_named_well(symbol, source):
     return any(symbol == prefix or symbol.startswith(f"{prefix}_") for prefix in prefixes(source))
 
 
-def symbols(listing):
-    """(object, symbol) of nm's listing of an archive."""
-    member = None
-    for line in listing.splitlines():
-        if line.endswith(":"):
-            member = line[:-1]
-        match = re.fullmatch(r"[0-9a-f]* ([A-Z]) (\S+)", line.strip())
-        if match and member:
-            yield member, match.group(2)
-
-
-def source_of(root, archive, member):
-    """The source of an archive's member: names are unique within a floor."""
-    floor = archive.stem.removeprefix("libbeltflow_")
-    stem = member.removesuffix(".o")
-    for path in tree.files(root, f"{floor}/**/{stem}"):
-        return tree.name(root, path)
-    return f"{floor}/{stem}"
+def source_of(path):
+    """The source of an object file: CMake lays core/base/grid.c at core/CMakeFiles/<target>.dir/base/grid.c.o."""
+    found = re.search(r"(\w+)/CMakeFiles/[^/]+\.dir/(.+)\.o$", path)
+    return f"{found.group(1)}/{found.group(2)}" if found else path
 
 
 def check(root, build):
-    archives = sorted(build.glob("*/libbeltflow_*.a"))
-    if not archives:
-        return [f"{build}: no libraries of ours found"]
-    found = []
-    for archive in archives:
-        listing = subprocess.run(["nm", "--extern-only", "--defined-only", archive],
-                                 stdout=subprocess.PIPE, text=True, check=True).stdout
-        for member, symbol in symbols(listing):
-            source = source_of(root, archive, member)
-            bare = symbol.split(".")[0]
-            if not FOREIGN.match(bare) and not is_named_well(bare, source):
-                found.append(f"{source}: {symbol} does not start with "
-                             f"{' or '.join(sorted(prefixes(source)))}")
-    return found
+    objects = [path for floor in tree.FLOORS for path in sorted(build.glob(f"{floor}/CMakeFiles/*.dir/**/*.c.o"))
+               if (root / source_of(path.as_posix())).is_file()]
+    if not objects:
+        return [f"{build}: no objects of ours found"]
+    listing = subprocess.run(["nm", "--print-file-name", "--extern-only", "--defined-only", *objects],
+                             stdout=subprocess.PIPE, text=True, check=True).stdout
+    found = set()
+    for line in listing.splitlines():
+        name, _, rest = line.partition(":")
+        source, symbol = source_of(name), rest.split()[-1].split(".")[0]
+        if not FOREIGN.match(symbol) and not is_named_well(symbol, source):
+            found.add(f"{source}: {symbol} does not start with {' or '.join(sorted(prefixes(source)))}")
+    return sorted(found)
 
 
 if __name__ == "__main__":

@@ -35,8 +35,8 @@ class Checks(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
 
     def test_an_arrow_that_turns_round_is_found(self):
-        self.put("api/scenario.h", "#pragma once\n")
-        self.put("core/base/grid.c", '#include "api/scenario.h"\n')
+        self.put("api/scenario/scenario.h", "#pragma once\n")
+        self.put("core/base/grid.c", '#include "api/scenario/scenario.h"\n')
         self.assertIn("core/base must not know api", check_includes.check(self.root)[0])
 
     def test_the_solvers_do_not_know_each_other(self):
@@ -45,9 +45,9 @@ class Checks(unittest.TestCase):
         self.assertEqual(len(check_includes.check(self.root)), 1)
 
     def test_an_outside_header_in_the_wrong_file_is_found(self):
-        self.put("server/http.c", "#include <microhttpd.h>\n#include <unistd.h>\n")
+        self.put("server/http/http.c", "#include <microhttpd.h>\n#include <unistd.h>\n")
         self.assertEqual(check_includes.check(self.root), [])
-        self.put("server/store.c", "#include <microhttpd.h>\n")
+        self.put("server/store/store.c", "#include <microhttpd.h>\n")
         self.put("api/text.c", "#include <time.h>\n")
         self.put("api/text.h", "#include <jansson.h>\n#pragma once\n")
         self.assertEqual(len(check_includes.check(self.root)), 4)
@@ -83,18 +83,18 @@ class Checks(unittest.TestCase):
         self.assertEqual(len(check_quiet.check(self.root)), 2)
 
     def test_symbols_start_with_their_files_prefix(self):
-        self.assertTrue(check_symbols.is_named_well("store_write_begin", "server/store_write.c"))
-        self.assertTrue(check_symbols.is_named_well("store_open", "server/store_write.c"))
+        self.assertTrue(check_symbols.is_named_well("store_open", "server/store/write.c"))
+        self.assertTrue(check_symbols.is_named_well("cmd_check_run", "server/cli/cmd_check.c"))
         self.assertTrue(check_symbols.is_named_well("bf_fail", "core/base/status.c"))
-        self.assertFalse(check_symbols.is_named_well("storeroom", "server/store.c"))
-        self.assertFalse(check_symbols.is_named_well("helper", "server/store.c"))
-        listing = "store.c.o:\n0000 T store_open\n0000 t hidden\n                 U other\n"
-        self.assertEqual(list(check_symbols.symbols(listing)), [("store.c.o", "store_open")])
+        self.assertFalse(check_symbols.is_named_well("storeroom", "server/store/store.c"))
+        self.assertFalse(check_symbols.is_named_well("core_helper", "core/base/grid.c"))
+        self.assertEqual(check_symbols.source_of("b/core/CMakeFiles/beltflow_core.dir/base/grid.c.o"),
+                         "core/base/grid.c")
 
     def test_an_invariant_without_a_test_is_found(self):
-        self.put("server/store.h", "///   I1  One.\n///   I2  Two.\n")
-        self.put("tests/unit/server/test_store.c", "// I1\n")
-        self.assertEqual(check_invariants.check(self.root), ["server/store.h: no test cites I2"])
+        self.put("server/store/store.h", "///   I1  One.\n///   I2  Two.\n")
+        self.put("tests/unit/server/store/test_store.c", "// I1\n")
+        self.assertEqual(check_invariants.check(self.root), ["server/store/store.h: no test cites I2"])
 
     def test_a_path_that_is_not_there_is_found(self):
         self.put("api/run_state.h", STATES)
@@ -124,7 +124,7 @@ class Checks(unittest.TestCase):
         self.assertEqual(len(check_format.check(self.root)), 4)
 
     def test_a_query_for_a_metric_that_is_not_there_is_found(self):
-        self.put("server/metrics.h", '#define X "beltflow_runs" "beltflow_wait_seconds"\n')
+        self.put("server/base/metrics.h", '#define X "beltflow_runs" "beltflow_wait_seconds"\n')
         self.put("deploy/grafana/a.json",
                  '{"panels": [{"expr": "sum(beltflow_runs) + beltflow_wait_seconds_bucket"}]}')
         self.assertEqual(check_dashboards.check(self.root), [])

@@ -1,6 +1,6 @@
 #include "tests/unit/api/helper_document.h"
 
-#include "api/scenario.h"
+#include "api/scenario/scenario.h"
 #include "core/base/check.h"
 
 #include <setjmp.h>

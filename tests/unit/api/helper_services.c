@@ -1,6 +1,6 @@
 #include "tests/unit/api/helper_services.h"
 
-#include "api/run_json.h"
+#include "api/results/run_json.h"
 
 // cmocka.h wants these first.
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "api/exchange.h"
+#include "api/http/exchange.h"
 #include "api/services.h"
 
 #include <jansson.h>

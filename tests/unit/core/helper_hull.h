@@ -3,8 +3,8 @@
 #pragma once
 
 #include "core/base/random.h"
-#include "core/micro/gjk.h"
-#include "core/micro/hull.h"
+#include "core/convex/gjk.h"
+#include "core/convex/hull.h"
 
 /// A number from low to high, and a rotation, each as likely as any other.
 double helper_hull_number(bf_random *random, double low, double high);

@@ -82,7 +82,7 @@ void helper_planar_jam(helper_outflow *e, double angle_deg)
     e->def.dt = 5e-5;
 }
 
-planar_state *helper_planar_start(const micro_def *def)
+disk_state *helper_planar_start(const micro_def *def)
 {
     void *s = NULL;
 
@@ -90,26 +90,26 @@ planar_state *helper_planar_start(const micro_def *def)
     return s;
 }
 
-void helper_planar_end(planar_state *s)
+void helper_planar_end(disk_state *s)
 {
     micro__planar.destroy(s);
 }
 
-planar_row *helper_planar_row(planar_state *s, size_t number)
+disk_row *helper_planar_row(disk_state *s, size_t number)
 {
     return &s->now[s->place[number]];
 }
 
-void helper_planar_push(planar_state *s, size_t k, double vx, double vy, double spin)
+void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double spin)
 {
-    planar_row *row = helper_planar_row(s, k);
+    disk_row *row = helper_planar_row(s, k);
 
     row->vx = vx;
     row->vy = vy;
     row->spin = spin;
 }
 
-void helper_planar_advance(planar_state *s, uint64_t n)
+void helper_planar_advance(disk_state *s, uint64_t n)
 {
     BF_CHECK(micro__planar.advance(s, n, NULL) == BF_OK);
 }

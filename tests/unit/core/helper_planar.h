@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "core/micro/planar_priv.h"
+#include "core/micro/disk/disk_priv.h"
 #include "tests/unit/core/helper_outflow.h"
 
 enum { HELPER_PLANAR_PARTS = 1536 };
@@ -35,14 +35,14 @@ void helper_planar_crowd(helper_planar *w, bool is_mixed);
 void helper_planar_jam(helper_outflow *e, double angle_deg);
 
 /// The state of the solver of a definition, asserted to be made; helper_planar_end().
-planar_state *helper_planar_start(const micro_def *def);
-void helper_planar_end(planar_state *s);
+disk_state *helper_planar_start(const micro_def *def);
+void helper_planar_end(disk_state *s);
 
 /// The part with a number.
-planar_row *helper_planar_row(planar_state *s, size_t number);
+disk_row *helper_planar_row(disk_state *s, size_t number);
 
 /// Give a part a velocity, m/s, and a spin, rad/s.
-void helper_planar_push(planar_state *s, size_t k, double vx, double vy, double spin);
+void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double spin);
 
 /// Make n steps, asserted to succeed.
-void helper_planar_advance(planar_state *s, uint64_t n);
+void helper_planar_advance(disk_state *s, uint64_t n);

@@ -97,7 +97,7 @@ double helper_spatial_gap(const double *a, const double *b, int n_samples)
     return sum / n_samples;
 }
 
-spatial_state *helper_spatial_start(const helper_spatial *h)
+body_state *helper_spatial_start(const helper_spatial *h)
 {
     void *state = NULL;
     bf_error err = { .code = BF_OK };
@@ -109,7 +109,7 @@ spatial_state *helper_spatial_start(const helper_spatial *h)
     return state;
 }
 
-void helper_spatial_run(spatial_state *s, double time)
+void helper_spatial_run(body_state *s, double time)
 {
     bf_error err = { .code = BF_OK };
 
@@ -119,9 +119,9 @@ void helper_spatial_run(spatial_state *s, double time)
     BF_CHECK(status == BF_OK);
 }
 
-void helper_spatial_tilt(spatial_state *s, size_t k, vec3 axis, double angle, double height)
+void helper_spatial_tilt(body_state *s, size_t k, vec3 axis, double angle, double height)
 {
-    spatial_body *body = &s->bodies[k];
+    body_body *body = &s->bodies[k];
     const hull *shape = &s->kinds[body->kind].shape;
     quat q = { cos(0.5 * angle), vec3_scale(vec3_unit(axis), sin(0.5 * angle)) };
     vec3 down = { 0.0, 0.0, -1.0 };
@@ -132,16 +132,16 @@ void helper_spatial_tilt(spatial_state *s, size_t k, vec3 axis, double angle, do
     body->x.z = height - mat3_apply(&body->r, hull_vertex(shape, lowest)).z;
 }
 
-double helper_spatial_energy(const spatial_state *s)
+double helper_spatial_energy(const body_state *s)
 {
-    double sum = spatial__measure(s).kinetic_energy;
+    double sum = body__measure(s).kinetic_energy;
 
     for (size_t k = 0; k < s->n; k++)
         sum -= s->kinds[s->bodies[k].kind].mass * vec3_dot(s->gravity, s->bodies[k].x);
     return sum;
 }
 
-vec3 helper_spatial_momentum(const spatial_state *s)
+vec3 helper_spatial_momentum(const body_state *s)
 {
     vec3 sum = { 0.0, 0.0, 0.0 };
 
@@ -150,13 +150,13 @@ vec3 helper_spatial_momentum(const spatial_state *s)
     return sum;
 }
 
-vec3 helper_spatial_angular_momentum(const spatial_state *s)
+vec3 helper_spatial_angular_momentum(const body_state *s)
 {
     vec3 sum = { 0.0, 0.0, 0.0 };
 
     for (size_t k = 0; k < s->n; k++) {
-        const spatial_body *body = &s->bodies[k];
-        const spatial_kind *kind = &s->kinds[body->kind];
+        const body_body *body = &s->bodies[k];
+        const body_kind *kind = &s->kinds[body->kind];
         vec3 w = mat3_apply_back(&body->r, body->w);
         vec3 l = { kind->inertia.x * w.x, kind->inertia.y * w.y, kind->inertia.z * w.z };
         sum = vec3_along(sum, kind->mass, vec3_cross(body->x, body->v));
@@ -165,12 +165,12 @@ vec3 helper_spatial_angular_momentum(const spatial_state *s)
     return sum;
 }
 
-uint64_t helper_spatial_digest(const spatial_state *s)
+uint64_t helper_spatial_digest(const body_state *s)
 {
     uint64_t digest = DIGEST_START;
 
     for (size_t k = 0; k < s->n; k++) {
-        const micro_part part = spatial__part(s, k);
+        const micro_part part = body__part(s, k);
         digest = digest_add(digest, part.x, sizeof part.x);
         digest = digest_add(digest, part.q, sizeof part.q);
         digest = digest_add(digest, part.v, sizeof part.v);
@@ -179,10 +179,10 @@ uint64_t helper_spatial_digest(const spatial_state *s)
     return digest;
 }
 
-double helper_spatial_stored(const spatial_state *s)
+double helper_spatial_stored(const body_state *s)
 {
-    const spatial_body *body = &s->bodies[0];
-    const spatial_kind *kind = &s->kinds[body->kind];
+    const body_body *body = &s->bodies[0];
+    const body_kind *kind = &s->kinds[body->kind];
     const manifold_plane floor = { .normal = { 0.0, 0.0, 1.0 } };
     double sum = 0.0;
     manifold m;

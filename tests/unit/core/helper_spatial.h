@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/micro/backend.h"
-#include "core/micro/spatial_priv.h"
+#include "core/micro/body/body_priv.h"
 
 enum { HELPER_SPATIAL_PARTS = 64, HELPER_SPATIAL_KINDS = 4 };
 
@@ -41,21 +41,21 @@ void helper_spatial_curve(const micro_def *def, double every, int n_samples, dou
 double helper_spatial_gap(const double *a, const double *b, int n_samples);
 
 /// The solver of the world; free it with micro__spatial.destroy(). Asserts that all goes well.
-spatial_state *helper_spatial_start(const helper_spatial *h);
+body_state *helper_spatial_start(const helper_spatial *h);
 
 /// Steps for a time. Asserts that all goes well.
-void helper_spatial_run(spatial_state *s, double time);
+void helper_spatial_run(body_state *s, double time);
 
 /// Turn a part about an axis by an angle, and lift it so that its lowest point is at a height.
-void helper_spatial_tilt(spatial_state *s, size_t k, vec3 axis, double angle, double height);
+void helper_spatial_tilt(body_state *s, size_t k, vec3 axis, double angle, double height);
 
 /// Kinetic energy and that of height, J; momentum, N s; angular momentum about the origin, N m s.
-double helper_spatial_energy(const spatial_state *s);
-vec3 helper_spatial_momentum(const spatial_state *s);
-vec3 helper_spatial_angular_momentum(const spatial_state *s);
+double helper_spatial_energy(const body_state *s);
+vec3 helper_spatial_momentum(const body_state *s);
+vec3 helper_spatial_angular_momentum(const body_state *s);
 
 /// Elastic energy of part 0 on the floor, J.
-double helper_spatial_stored(const spatial_state *s);
+double helper_spatial_stored(const body_state *s);
 
 /// Digest of all parts.
-uint64_t helper_spatial_digest(const spatial_state *s);
+uint64_t helper_spatial_digest(const body_state *s);

@@ -1,6 +1,6 @@
 #include "tests/unit/server/helper_client.h"
 
-#include "server/clock.h"
+#include "server/base/clock.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -1,6 +1,6 @@
 #include "tests/unit/server/helper_fake.h"
 
-#include "server/metrics.h"
+#include "server/base/metrics.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

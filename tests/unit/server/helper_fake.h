@@ -3,8 +3,8 @@
 #pragma once
 
 #include "api/services.h"
-#include "server/http.h"
-#include "server/lock.h"
+#include "server/base/lock.h"
+#include "server/http/http.h"
 
 #include <stdbool.h>
 #include <stdint.h>

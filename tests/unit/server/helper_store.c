@@ -1,7 +1,7 @@
 #include "tests/unit/server/helper_store.h"
 
-#include "api/events.h"
-#include "server/clock.h"
+#include "api/results/events.h"
+#include "server/base/clock.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -2,8 +2,8 @@
 
 #pragma once
 
-#include "server/lock.h"
-#include "server/store.h"
+#include "server/base/lock.h"
+#include "server/store/store.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

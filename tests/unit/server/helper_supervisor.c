@@ -2,9 +2,9 @@
 
 #include "tests/unit/server/helper_store.h"
 
-#include "api/scenario.h"
-#include "server/clock.h"
-#include "server/log.h"
+#include "api/scenario/scenario.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -3,8 +3,8 @@
 
 #pragma once
 
-#include "server/lock.h"
-#include "server/supervisor.h"
+#include "server/base/lock.h"
+#include "server/run/supervisor.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,0 +1,116 @@
+/// One HTTP exchange as the API sees it: a request in, a response out, no sockets.
+///
+/// api_handle() is the whole API: it finds the route, reads the request, asks the services and
+/// writes the response; errors become application/problem+json (RFC 9457). Routes are one table
+/// (routes.h).
+///
+/// Threads  api_handle() may be called from any thread at the same time; it blocks while a service
+///          writes to disk, which api_route_blocks() tells before.
+
+#pragma once
+
+#include "api/http/body.h"
+#include "api/http/stream.h"
+#include "api/services.h"
+#include "core/base/buffer.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    API_HEADERS_MAX = 24,  ///< headers of a response
+    API_HEADER_SIZE = 600, ///< bytes of a header's value with its terminator
+    API_PATH_MAX = 2048,   ///< bytes of a path or a query with its terminator
+    API_WAIT_MAX_S = 60,   ///< longest time that an answer waits for a run
+};
+
+/// Largest body of a request, bytes, unless configured otherwise.
+#define API_BODY_MAX (1024 * 1024)
+
+/// What an answer waits for before it leaves.
+typedef struct api_wait {
+    unsigned seconds;      ///< at most so long; 0: it does not wait
+    char run[API_ID_SIZE]; ///< for the end of this run,
+    bool is_for_change;    ///< or for another revision of it:
+    uint64_t revision;     ///< than this one
+} api_wait;
+
+/// A request. Everything is borrowed.
+typedef struct api_request {
+    const char *method; ///< "GET", ...
+    const char *path;   ///< percent-decoded, without the query
+    const char *query;  ///< after the '?', still encoded; "" if none
+    /// Value of a header by its case-insensitive name, or NULL. It lives as long as the request.
+    const char *(*header)(void *header_context, const char *name);
+    void *header_context; ///< given to header
+    const char *body;     ///< n_body bytes; may be NULL when 0
+    size_t n_body;        ///< bytes
+    const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
+    const api_wait *waited; ///< what the answer before this one waited for; NULL: it is the first
+} api_request;
+
+/// A response header.
+typedef struct api_header {
+    const char *name;            ///< static text
+    char value[API_HEADER_SIZE]; ///< text
+} api_header;
+
+/// A response. Zero-initialise; api_response_fini().
+typedef struct api_response {
+    int status;        ///< HTTP status code
+    const char *route; ///< template of the route that it is of; NULL: none; static
+    size_t n_headers;  ///< headers in use
+    api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
+    bf_buffer body;       ///< the body, unless pieces or is_stream; of a 304 perhaps what a 200 had
+    api_body pieces;      ///< the body is made while it is sent; make NULL: it is not
+    bool is_stream;       ///< the body is an event stream:
+    stream_cursor cursor; ///< from here
+    api_wait wait;        ///< what it is worth waiting for with this answer
+} api_response;
+
+/// True if handling this request can wait for the disk, so that an event loop hands it to a thread.
+bool api_route_blocks(const char *method, const char *path);
+
+/// Handle a request. Always fills *response; HEAD is handled as GET with body or stream left in (the
+/// transport leaves them out). BF_ENOMEM becomes a 503.
+void api_handle(const api_services *services, const api_request *request, api_response *response);
+
+/// True if there is nothing to wait for any more: the run has ended, changed, or cannot be found.
+bool api_wait_is_over(const api_services *services, const api_wait *wait);
+
+/// Answer a request again after its answer, *response, has waited; the new answer waits no more. A run
+/// that was accepted stays accepted, whatever became of it since.
+void api_handle_again(const api_services *services, const api_request *request,
+                      api_response *response);
+
+/// True if the request lets the daemon work: a POST that is not about a run that is there already.
+bool api_route_makes_work(const char *method, const char *path);
+
+/// True if a route has this path.
+bool api_route_exists(const char *path);
+
+/// Make *response a problem document, replacing what was there: status, and the error's text as
+/// detail. For the transport's own refusals (400, 408, 413, 431, 503).
+void api_problem(api_response *response, int status, const char *instance, const bf_error *error);
+
+/// Add a header; one beyond API_HEADERS_MAX or too long a value is a bug.
+void api_response_header(api_response *response, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/// Give a problem document the member `request_id`. Anything else, or without memory, stays as it is.
+void api_problem_identify(api_response *response, const char *request_id);
+
+/// The value of a header by its case-insensitive name, or NULL.
+const char *api_response_find(const api_response *response, const char *name);
+
+/// Replace a header's value, or add it. The rules of api_response_header().
+void api_response_set(api_response *response, const char *name, const char *value);
+
+/// Remove a header, if it is there.
+void api_response_drop(api_response *response, const char *name);
+
+/// Add a field name to Vary, unless it is there.
+void api_response_vary(api_response *response, const char *name);
+
+/// Free the body, made or not, and zero *response. NULL is fine.
+void api_response_fini(api_response *response);

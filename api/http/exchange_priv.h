@@ -1,0 +1,123 @@
+/// What the handlers share while they answer one request.
+
+#pragma once
+
+#include "api/http/exchange.h"
+#include "api/http/media.h"
+#include "api/http/query.h"
+#include "api/http/routes.h"
+#include "core/base/faults.h"
+
+#include <stdbool.h>
+
+enum { EXCHANGE_ETAG_SIZE = 112 }; ///< bytes of an entity tag with its terminator
+
+/// One request on its way to its response. Lives on the stack of api_handle().
+struct exchange {
+    const api_services *services; ///< what the daemon offers
+    const api_request *request;   ///< borrowed
+    api_response *response;       ///< filled by the handler
+    const route *route;           ///< found in the table
+    route_params params;          ///< of the path
+    query query;                  ///< parsed, only names that the route knows
+    const media *media;           ///< the representation that was chosen
+    bf_faults faults;             ///< of the request's document, for `errors` of a problem
+    int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
+    char accepts[64];             ///< media types of bodies, for a 415
+};
+
+/// Fail with an HTTP status that no bf_status stands for. Returns BF_EINPUT.
+bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/// Same with the place at fault: "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON
+/// pointer.
+bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
+                              const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+/// A request header's value, or NULL.
+const char *exchange__header(const exchange *x, const char *name);
+
+/// True if text has the form of an id.
+bool exchange__is_id(const char *text);
+
+/// Read the query parameter name as "id,id,...": 1 to most different ids. *ret_n is how many.
+BF_MUST_CHECK bf_status exchange__read_ids(exchange *x, const char *name, size_t most,
+                                           char (*ret_ids)[API_ID_SIZE], size_t *ret_n,
+                                           bf_error *err);
+
+/// Which page of a list is asked for, by the parameters label, cursor and limit.
+typedef struct exchange_page {
+    char label[API_LABEL_SIZE]; ///< "": any
+    char before[API_ID_SIZE];   ///< only what is older than this id; "": from the newest
+    size_t limit;               ///< 1 .. API_LIST_MAX
+} exchange_page;
+
+/// Read the page that is asked for.
+BF_MUST_CHECK bf_status exchange__read_page(const exchange *x, exchange_page *ret_page,
+                                            bf_error *err);
+
+/// Add the Link to the page that follows last_id. filters stands for further parameters:
+/// "&status=failed".
+void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
+                         const char *last_id);
+
+/// Find which of the media types the body has, as its Content-Type says; types is NULL-terminated.
+/// Only these are taken, and no content coding, so that no page of another origin can post unasked:
+/// 415.
+BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *types,
+                                             size_t *ret_type, bf_error *err);
+
+/// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
+BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
+
+/// Let the answer be kept for ever: it never changes.
+void exchange__let_keep(exchange *x);
+
+/// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is no number, or the
+/// run has none of it yet.
+BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
+                                                uint64_t *ret_index, bf_error *err);
+
+/// Name the response's body, a result of a snapshot, for a client that saves it: "000012.vti".
+void exchange__name_snapshot(exchange *x, uint64_t index);
+
+/// Name the state of what a GET asks for by an entity tag, given without quotes. True if the client
+/// has that state already: the response is then a 304, and the handler is done.
+bool exchange__is_unchanged(exchange *x, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// The same for what is cheap to write: the handler goes on and writes what a 200 has, so that the
+/// transport knows its length.
+bool exchange__is_known(exchange *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/// Let the answer be kept and asked for again by its entity tag: that of exchange__is_unchanged(), or
+/// one of its bytes.
+void exchange__let_revalidate(exchange *x);
+
+/// BF_EINPUT, as a 412, if the request wants another state of the run to be changed (If-Match).
+BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record, bf_error *err);
+
+/// Let the answer wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
+/// is_for_change, for another revision. Does nothing when it has waited, or the run has ended.
+void exchange__wait(exchange *x, const api_run *record, unsigned seconds, bool is_for_change);
+
+/// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
+void exchange__prefer_wait(exchange *x, const api_run *record);
+
+/// Make the response a problem document with the errors of faults (NULL: none).
+void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
+                    const bf_faults *faults);
+
+/// A kind of problem document.
+typedef struct problem__kind {
+    int status;        ///< HTTP status
+    const char *word;  ///< last segment of the problem's type
+    const char *title; ///< of the problem
+} problem__kind;
+
+/// All kinds, by rising status; *ret_n is how many.
+const problem__kind *problem__kinds(size_t *ret_n);
+
+/// The HTTP status of a failure.
+int problem__status(bf_status code);

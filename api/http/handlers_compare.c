@@ -1,0 +1,390 @@
+// Runs and measurements against a reference among them: their curves and densities by core/compare.
+//
+// Memory  two curves, then two snapshots, are held at a time, however many are compared.
+
+#include "api/http/handlers_compare_priv.h"
+
+#include "api/http/exchange_priv.h"
+#include "api/http/handlers.h"
+#include "api/results/compare_json.h"
+#include "core/base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Work of one request: beyond it every second, third, ... common snapshot is compared, and the last.
+enum { CELLS_MAX = 20000000 };
+
+typedef handlers_compare__entry entry;
+
+// What one request compares.
+typedef struct comparison {
+    bool is_pair; // asked by a and b
+    size_t n;
+    size_t reference; // index
+    entry entries[HANDLERS_COMPARE__MAX];
+    char column[SCENE_ID_SIZE]; // that is compared
+} comparison;
+
+// A column of a curve, owned.
+typedef struct column {
+    bf_buffer t;
+    double *parts;
+    size_t n;
+} column;
+
+static void fini_column(column *c)
+{
+    buffer_fini(&c->t);
+    memory_free(c->parts);
+}
+
+static bf_status read_pair(exchange *x, comparison *c, bf_error *err)
+{
+    static const char *const names[] = { "a", "b" };
+
+    c->is_pair = true;
+    c->n = 2;
+    for (size_t i = 0; i < 2; i++) {
+        const char *id = query_value(&x->query, names[i]);
+        entry *e = &c->entries[i];
+        snprintf(e->pointer, sizeof e->pointer, "/%s", names[i]);
+        if (id == NULL)
+            return exchange__refuse(x, 400, err, "query parameter '%s' is missing: the id of a run",
+                                    names[i]);
+        if (!exchange__is_id(id))
+            return exchange__refuse_at(x, 404, e->pointer, err,
+                                       "there is nothing with the id '%.64s'", id);
+        snprintf(e->id, sizeof e->id, "%s", id);
+    }
+    return BF_OK;
+}
+
+static bf_status read_reference(exchange *x, comparison *c, bf_error *err)
+{
+    const char *id = query_value(&x->query, "reference");
+
+    for (size_t i = 0; i < c->n && id != NULL; i++) {
+        if (strcmp(c->entries[i].id, id) == 0) {
+            c->reference = i;
+            return BF_OK;
+        }
+    }
+    if (id == NULL)
+        return BF_OK;
+    return exchange__refuse_at(x, 400, "/reference", err, "'%.64s' is not one of the runs", id);
+}
+
+static bf_status read_runs(exchange *x, comparison *c, bf_error *err)
+{
+    char ids[HANDLERS_COMPARE__MAX][API_ID_SIZE];
+
+    bf_status status = exchange__read_ids(x, "runs", HANDLERS_COMPARE__MAX, ids, &c->n, err);
+    if (status != BF_OK)
+        return status;
+    if (c->n < 2)
+        return exchange__refuse(x, 400, err, "query parameter 'runs' needs two ids at least");
+    for (size_t i = 0; i < c->n; i++) {
+        memcpy(c->entries[i].id, ids[i], sizeof ids[i]);
+        snprintf(c->entries[i].pointer, sizeof c->entries[i].pointer, "/runs/%zu", i);
+    }
+    return read_reference(x, c, err);
+}
+
+static bf_status read_query(exchange *x, comparison *c, bf_error *err)
+{
+    bool has_pair = query_value(&x->query, "a") != NULL || query_value(&x->query, "b") != NULL;
+    bool has_runs =
+        query_value(&x->query, "runs") != NULL || query_value(&x->query, "reference") != NULL;
+
+    if (has_pair && has_runs)
+        return exchange__refuse(x, 400, err,
+                                "either 'a' and 'b', or 'runs' and 'reference', not both");
+    if (!has_pair && !has_runs)
+        return exchange__refuse(x, 400, err,
+                                "query parameter 'runs' is missing: two to %d ids, "
+                                "with commas",
+                                HANDLERS_COMPARE__MAX);
+    return has_pair ? read_pair(x, c, err) : read_runs(x, c, err);
+}
+
+// Finds a run, or else a measurement, and the columns of its curve.
+static bf_status find_entry(exchange *x, entry *e, bf_error *err)
+{
+    const api_services *services = x->services;
+    api_curve curve = { 0 };
+
+    bf_status status = services->find(services->context, e->id, &e->run, err);
+    e->is_run = status == BF_OK;
+    if (status == BF_ENOTFOUND)
+        status = services->find_measurement(services->context, e->id, &e->measurement, err);
+    if (status == BF_ENOTFOUND)
+        return exchange__refuse_at(x, 404, e->pointer, err, "there is nothing with the id '%s'",
+                                   e->id);
+    if (status == BF_OK && e->is_run && e->run.n_samples == 0)
+        return exchange__refuse_at(x, 409, e->pointer, err,
+                                   "run '%s' has no samples of its curve yet", e->id);
+    if (status == BF_OK && !e->is_run &&
+        buffer_printf(&e->columns, "%s", e->measurement.counter) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (status != BF_OK || !e->is_run)
+        return status;
+    // From behind the last sample on: the columns alone.
+    status = services->read_curve(services->context, e->id, e->run.n_samples, &curve, err);
+    if (status != BF_OK)
+        return status;
+    e->columns = curve.columns;
+    curve.columns = (bf_buffer){ 0 };
+    api_curve_fini(&curve);
+    return BF_OK;
+}
+
+static const char *columns_of(const entry *e)
+{
+    return e->columns.bytes == NULL ? "" : e->columns.bytes;
+}
+
+// Where the column stands in the entry's curve. False: it has none of that name.
+static bool find_column(const entry *e, const char *wanted, size_t *ret_index)
+{
+    const char *names = columns_of(e);
+    char name[SCENE_ID_SIZE];
+
+    for (size_t index = 0; api_take_column(&names, name); index++) {
+        if (strcmp(name, wanted) == 0) {
+            if (ret_index != NULL)
+                *ret_index = index;
+            return true;
+        }
+    }
+    return false;
+}
+
+// The entry that lacks the column, or NULL.
+static const entry *find_lack(const comparison *c, const char *name)
+{
+    for (size_t i = 0; i < c->n; i++) {
+        if (!find_column(&c->entries[i], name, NULL))
+            return &c->entries[i];
+    }
+    return NULL;
+}
+
+// The column that is asked for, else the first one of the reference that all have.
+static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
+{
+    const char *wanted = query_value(&x->query, "column");
+    const char *names = columns_of(&c->entries[c->reference]);
+    const entry *lack = NULL;
+
+    if (wanted != NULL) {
+        lack = find_lack(c, wanted);
+        if (lack != NULL)
+            return exchange__refuse_at(x, 422, lack->pointer, err,
+                                       "the curve of '%s' has no column '%.64s'; it has %.120s",
+                                       lack->id, wanted, columns_of(lack));
+        snprintf(c->column, sizeof c->column, "%s", wanted);
+        return BF_OK;
+    }
+    while (api_take_column(&names, c->column)) {
+        lack = find_lack(c, c->column);
+        if (lack == NULL)
+            return BF_OK;
+    }
+    return exchange__refuse_at(x, 422, lack == NULL ? "/column" : lack->pointer, err,
+                               "the curves have no column in common; that of the reference has "
+                               "%.200s",
+                               columns_of(&c->entries[c->reference]));
+}
+
+static bf_status take_column(const comparison *c, const entry *e, api_curve *curve,
+                             column *ret_column, bf_error *err)
+{
+    const double *values = (const double *)(const void *)curve->values.bytes;
+    size_t index = 0;
+
+    double *parts = memory_alloc(curve->n, sizeof *parts);
+    if (parts == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    if (!find_column(e, c->column, &index) || index >= curve->n_columns) {
+        memory_free(parts);
+        return bf_fail(err, BF_ECORRUPT, "", "the curve of '%s' has changed its columns", e->id);
+    }
+    for (size_t i = 0; i < curve->n; i++)
+        parts[i] = values[i * curve->n_columns + index];
+    *ret_column = (column){ .t = curve->t, .parts = parts, .n = curve->n };
+    curve->t = (bf_buffer){ 0 };
+    return BF_OK;
+}
+
+static bf_status read_column(exchange *x, const comparison *c, const entry *e, column *ret_column,
+                             bf_error *err)
+{
+    const api_services *services = x->services;
+    api_curve curve = { 0 };
+
+    bf_status status = e->is_run
+                           ? services->read_curve(services->context, e->id, 0, &curve, err)
+                           : services->read_measurement(services->context, e->id, &curve, err);
+    if (status == BF_OK)
+        status = take_column(c, e, &curve, ret_column, err);
+    api_curve_fini(&curve);
+    return status;
+}
+
+static compare_curve view_of(const column *c)
+{
+    return (compare_curve){ .n = c->n,
+                            .t = (const double *)(const void *)c->t.bytes,
+                            .parts = c->parts };
+}
+
+// Curves that are right each by itself may still be none that can be compared.
+static bf_status refuse_curves(exchange *x, const entry *e, bf_status status, const bf_error *why,
+                               bf_error *err)
+{
+    if (status == BF_EINPUT)
+        return exchange__refuse_at(x, 422, e->pointer, err, "%s", why->text);
+    return bf_fail(err, status, why->pointer, "%s", why->text);
+}
+
+static bf_status measure_entry(exchange *x, const comparison *c, const compare_curve *reference,
+                               entry *e, bf_error *err)
+{
+    column col = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = read_column(x, c, e, &col, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve curve = view_of(&col);
+    status = compare_figures_of(&curve, &e->figures, &why);
+    if (status == BF_OK)
+        status = compare_curves(reference, &curve, &e->measures, &why);
+    fini_column(&col);
+    return status == BF_OK ? BF_OK : refuse_curves(x, e, status, &why, err);
+}
+
+static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
+{
+    entry *reference = &c->entries[c->reference];
+    column col = { .n = 0 };
+    bf_error why = { 0 };
+
+    bf_status status = read_column(x, c, reference, &col, err);
+    if (status != BF_OK)
+        return status;
+    compare_curve curve = view_of(&col);
+    status = compare_figures_of(&curve, &reference->figures, &why);
+    if (status != BF_OK)
+        status = refuse_curves(x, reference, status, &why, err);
+    for (size_t i = 0; i < c->n && status == BF_OK; i++) {
+        if (i != c->reference)
+            status = measure_entry(x, c, &curve, &c->entries[i], err);
+    }
+    fini_column(&col);
+    return status;
+}
+
+static void key_word(json_out *w, const char *key, const char *word)
+{
+    json_out_key(w, key);
+    if (word == NULL)
+        json_out_null(w);
+    else
+        json_out_string(w, word);
+}
+
+static void write_entry(json_out *w, const comparison *c, const entry *e)
+{
+    json_out_object(w);
+    json_out_key_string(w, "id", e->id);
+    json_out_key_string(w, "kind", e->is_run ? "run" : "measurement");
+    json_out_key_string(w, "label", e->is_run ? e->run.label : e->measurement.label);
+    key_word(w, "name", e->is_run ? e->run.name : NULL);
+    key_word(w, "model", e->is_run ? run_model_words[e->run.model] : NULL);
+    key_word(w, "status", e->is_run ? run_state_word(e->run.state) : NULL);
+    json_out_key_string(w, "column", c->column);
+    compare_json_figures(w, &e->figures);
+    json_out_object_end(w);
+}
+
+// The members of the comparison of an entry with the reference.
+static bf_status write_measures(exchange *x, json_out *w, const comparison *c, const entry *e,
+                                bf_error *err)
+{
+    size_t n_pairs = c->n - 1;
+
+    json_out_key(w, "curve");
+    compare_json_measures(w, &e->measures);
+    json_out_key(w, "density");
+    return handlers_compare__density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
+}
+
+static bf_status write_pair(exchange *x, json_out *w, const comparison *c, bf_error *err)
+{
+    json_out_key(w, "a");
+    write_entry(w, c, &c->entries[0]);
+    json_out_key(w, "b");
+    write_entry(w, c, &c->entries[1]);
+    return write_measures(x, w, c, &c->entries[1], err);
+}
+
+static bf_status write_all(exchange *x, json_out *w, const comparison *c, bf_error *err)
+{
+    const entry *reference = &c->entries[c->reference];
+    bf_status status = BF_OK;
+
+    json_out_key_string(w, "reference", reference->id);
+    json_out_key(w, "entries");
+    json_out_array(w);
+    for (size_t i = 0; i < c->n; i++)
+        write_entry(w, c, &c->entries[i]);
+    json_out_array_end(w);
+    json_out_key(w, "pairs");
+    json_out_array(w);
+    for (size_t i = 0; i < c->n && status == BF_OK; i++) {
+        if (i == c->reference)
+            continue;
+        json_out_object(w);
+        json_out_key_string(w, "a", reference->id);
+        json_out_key_string(w, "b", c->entries[i].id);
+        status = write_measures(x, w, c, &c->entries[i], err);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+    return status;
+}
+
+static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
+{
+    bf_status status = read_query(x, c, err);
+
+    for (size_t i = 0; i < c->n && status == BF_OK; i++)
+        status = find_entry(x, &c->entries[i], err);
+    if (status == BF_OK)
+        status = choose_column(x, c, err);
+    if (status == BF_OK)
+        status = measure_curves(x, c, err);
+    if (status != BF_OK)
+        return status;
+    exchange__let_revalidate(x);
+    json_out w = json_out_to(&x->response->body);
+    json_out_object(&w);
+    status = c->is_pair ? write_pair(x, &w, c, err) : write_all(x, &w, c, err);
+    json_out_object_end(&w);
+    return status == BF_OK ? json_out_status(&w, err) : status;
+}
+
+bf_status handlers_compare_runs(exchange *x, bf_error *err)
+{
+    comparison *c = memory_alloc(1, sizeof *c);
+
+    if (c == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = compare_all(x, c, err);
+    for (size_t i = 0; i < c->n; i++)
+        buffer_fini(&c->entries[i].columns);
+    memory_free(c);
+    return status;
+}

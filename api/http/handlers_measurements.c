@@ -1,0 +1,145 @@
+// Measured curves: store, list, show, remove.
+
+#include "api/http/exchange_priv.h"
+#include "api/http/handlers.h"
+#include "api/json/number.h"
+#include "api/results/measurement.h"
+#include "api/results/results.h"
+#include "core/base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Bytes that hold the members of any measurement as JSON, besides its samples.
+enum { MEMBERS_JSON_MAX = 4096 };
+
+static const char *const body_types[] = { "application/json", "text/csv", NULL };
+enum { BODY_JSON, BODY_CSV };
+
+static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_error *err)
+{
+    const api_request *request = x->request;
+    const char *body = request->body == NULL ? "" : request->body;
+    const char *label = query_value(&x->query, "label");
+    const char *counter = query_value(&x->query, "counter");
+    size_t type;
+
+    bf_status status = exchange__check_body(x, body_types, &type, err);
+    if (status != BF_OK)
+        return status;
+    if (type == BODY_CSV)
+        return measurement_read_csv(body, request->n_body, label, counter, ret_measurement,
+                                    &x->faults, err);
+    if (label != NULL || counter != NULL)
+        return exchange__refuse(x, 400, err, "query parameter '%s': JSON has it in the body",
+                                label != NULL ? "label" : "counter");
+    return measurement_read_json(body, request->n_body, ret_measurement, &x->faults, err);
+}
+
+bf_status handlers_measurements_add(exchange *x, bf_error *err)
+{
+    measurement m = { .curve = { .n = 0 } };
+    api_measurement stored;
+
+    bf_status status = read_measurement(x, &m, err);
+    if (status != BF_OK)
+        return status;
+    // Room for the answer comes first: what was stored must not be answered with a failure.
+    size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE;
+    if (buffer_reserve(&x->response->body, room) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "", "out of memory");
+    else
+        status =
+            x->services->add_measurement(x->services->context, &m.about, &m.curve, &stored, err);
+    if (status == BF_OK) {
+        x->response->status = 201;
+        api_response_header(x->response, "Location", "/v1/measurements/%s", stored.id);
+        status = measurement_json(&stored, &m.curve, &x->response->body, err);
+    }
+    measurement_fini(&m);
+    return status;
+}
+
+static bf_status write_list(exchange *x, const api_measurement_list *list, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    json_out_object(&w);
+    json_out_key(&w, "measurements");
+    json_out_array(&w);
+    for (size_t i = 0; i < list->n; i++) {
+        json_out_object(&w);
+        measurement_json_members(&w, &list->items[i]);
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+bf_status handlers_measurements_list(exchange *x, bf_error *err)
+{
+    api_measurement_query wanted = { .limit = 0 };
+    exchange_page page;
+
+    bf_status status = exchange__read_page(x, &page, err);
+    if (status != BF_OK)
+        return status;
+    wanted.limit = page.limit;
+    memcpy(wanted.label, page.label, sizeof wanted.label);
+    memcpy(wanted.before, page.before, sizeof wanted.before);
+    api_measurement_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    status = x->services->list_measurements(x->services->context, &wanted, list, err);
+    if (status == BF_OK && list->has_more && list->n > 0)
+        exchange__link_next(x, &page, "", list->items[list->n - 1].id);
+    exchange__let_revalidate(x);
+    if (status == BF_OK)
+        status = write_list(x, list, err);
+    memory_free(list);
+    return status;
+}
+
+static bf_status find_measurement(exchange *x, api_measurement *ret_measurement, bf_error *err)
+{
+    const char *id = x->params.values[0];
+
+    if (!exchange__is_id(id))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement '%s'", id);
+    return x->services->find_measurement(x->services->context, id, ret_measurement, err);
+}
+
+bf_status handlers_measurements_show(exchange *x, bf_error *err)
+{
+    bf_buffer *body = &x->response->body;
+    api_curve curve = { 0 };
+    api_measurement about;
+
+    bf_status status = find_measurement(x, &about, err);
+    if (status != BF_OK)
+        return status;
+    // It never changes, but it may be removed.
+    exchange__let_revalidate(x);
+    if (exchange__is_unchanged(x, "%s-%s", about.id, x->media->word))
+        return BF_OK;
+    status = x->services->read_measurement(x->services->context, about.id, &curve, err);
+    if (status != BF_OK)
+        return status;
+    status = x->media->format == MEDIA_CSV ? results_curve_csv(&curve, body, err)
+                                           : measurement_json(&about, &curve, body, err);
+    api_curve_fini(&curve);
+    return status;
+}
+
+bf_status handlers_measurements_remove(exchange *x, bf_error *err)
+{
+    api_measurement about;
+
+    bf_status status = find_measurement(x, &about, err);
+    if (status == BF_OK)
+        status = x->services->remove_measurement(x->services->context, about.id, err);
+    if (status == BF_OK)
+        x->response->status = 204;
+    return status;
+}

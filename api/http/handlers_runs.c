@@ -1,0 +1,256 @@
+// Runs: accept (or only judge) a submission, list, show, cancel, remove.
+
+#include "api/http/exchange_priv.h"
+#include "api/http/handlers.h"
+#include "api/http/idempotency.h"
+#include "api/http/prefer.h"
+#include "api/results/run_json.h"
+#include "api/scenario/submission.h"
+#include "core/base/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const body_types[] = { "application/json", NULL };
+
+static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
+{
+    const api_request *request = x->request;
+    const char *body = request->body == NULL ? "" : request->body;
+    size_t type;
+
+    bf_status status = exchange__check_body(x, body_types, &type, err);
+    if (status == BF_OK)
+        status = submission_read(body, request->n_body, ret_submission, &x->faults, err);
+    return status;
+}
+
+// A key makes of this body the same request, however often it comes.
+static bf_status read_key(const exchange *x, api_submission *submission, bf_error *err)
+{
+    submission->body = x->request->body;
+    submission->n_body = x->request->n_body;
+    return idempotency_read_key(exchange__header(x, "Idempotency-Key"), submission->key, err);
+}
+
+// The head of the answer to a submission.
+static void answer_head(exchange *x, const char *id, uint64_t revision)
+{
+    x->response->status = 201;
+    api_response_header(x->response, "Location", "/v1/runs/%s", id);
+    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision);
+}
+
+// The run as it is now. False: it is gone or cannot be read.
+static bool answer_now(exchange *x, const char *id)
+{
+    api_run record;
+
+    if (x->services->find(x->services->context, id, &record, NULL) != BF_OK ||
+        run_json_write(&record, &x->response->body, NULL) != BF_OK)
+        return false;
+    answer_head(x, id, record.revision);
+    exchange__prefer_wait(x, &record);
+    return true;
+}
+
+// Who prefers to wait is shown the run as it is, also where the first answer is given again.
+static void answer_accepted(exchange *x, api_acceptance *accepted)
+{
+    unsigned seconds = 0;
+    bool waits = prefer_wait(exchange__header(x, "Prefer"), &seconds);
+
+    if (accepted->is_replay)
+        api_response_header(x->response, "Idempotent-Replayed", "true");
+    if (waits && answer_now(x, accepted->id)) {
+        buffer_fini(&accepted->answer);
+        return;
+    }
+    buffer_fini(&x->response->body);
+    x->response->body = accepted->answer;
+    answer_head(x, accepted->id, accepted->revision);
+}
+
+static bf_status answer_waited(exchange *x, bf_error *err)
+{
+    if (answer_now(x, x->request->waited->run))
+        return BF_OK;
+    return bf_fail(err, BF_ENOTFOUND, "", "the run is gone");
+}
+
+// Nothing that can fail comes after the submission: a run that was accepted must not be answered
+// with a failure.
+static bf_status submit(exchange *x, const api_submission *submission, bf_error *err)
+{
+    api_acceptance accepted = { 0 };
+
+    bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
+    if (status == BF_EINPUT)
+        x->refusal = 422; // the key came with another body before
+    if (status == BF_ELIMIT)
+        x->refusal = 429;
+    if (status == BF_OK)
+        answer_accepted(x, &accepted);
+    return status;
+}
+
+bf_status handlers_runs_submit(exchange *x, bf_error *err)
+{
+    api_submission submission = { 0 };
+
+    if (x->request->waited != NULL)
+        return answer_waited(x, err);
+    bf_status status = read_submission(x, &submission, err);
+    if (status == BF_OK)
+        status = read_key(x, &submission, err);
+    if (x->request->client != NULL)
+        snprintf(submission.client, sizeof submission.client, "%s", x->request->client);
+    if (status == BF_OK)
+        status = submit(x, &submission, err);
+    submission_fini(&submission);
+    return status;
+}
+
+bf_status handlers_runs_validate(exchange *x, bf_error *err)
+{
+    api_submission submission = { 0 };
+
+    bf_status status = read_submission(x, &submission, err);
+    if (status != BF_OK)
+        return status;
+    json_out w = json_out_to(&x->response->body);
+    json_out_object(&w);
+    json_out_key_bool(&w, "valid", true);
+    json_out_key_string(&w, "model", run_model_words[submission.model]);
+    json_out_key(&w, "resolved");
+    json_out_raw(&w, submission.scenario.bytes, submission.scenario.n);
+    json_out_object_end(&w);
+    submission_fini(&submission);
+    return json_out_status(&w, err);
+}
+
+static bf_status read_model(const char *word, int *ret_model, bf_error *err)
+{
+    for (int i = 0; i < RUN_MODEL_COUNT; i++) {
+        if (strcmp(word, run_model_words[i]) == 0) {
+            *ret_model = i;
+            return BF_OK;
+        }
+    }
+    return bf_fail(err, BF_EINPUT, "", "query parameter 'model' is no model: '%.32s'", word);
+}
+
+static bf_status read_list_query(const exchange *x, const exchange_page *page, api_list_query *list,
+                                 bf_error *err)
+{
+    const char *state = query_value(&x->query, "status");
+    const char *model = query_value(&x->query, "model");
+
+    *list = (api_list_query){ .state = -1, .model = -1, .limit = page->limit };
+    memcpy(list->label, page->label, sizeof list->label);
+    memcpy(list->before, page->before, sizeof list->before);
+    if (state != NULL && (list->state = run_state_find(state)) == RUN_STATE_COUNT)
+        return bf_fail(err, BF_EINPUT, "", "query parameter 'status' is no status: '%.32s'", state);
+    return model == NULL ? BF_OK : read_model(model, &list->model, err);
+}
+
+static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *list,
+                          const char *last_id)
+{
+    bool has_state = list->state >= 0, has_model = list->model >= 0;
+    char filters[64];
+
+    snprintf(filters, sizeof filters, "%s%s%s%s", has_state ? "&status=" : "",
+             has_state ? run_state_word((run_state)list->state) : "", has_model ? "&model=" : "",
+             has_model ? run_model_words[list->model] : "");
+    exchange__link_next(x, page, filters, last_id);
+}
+
+static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    json_out_object(&w);
+    json_out_key(&w, "runs");
+    json_out_array(&w);
+    for (size_t i = 0; i < list->n; i++) {
+        json_out_object(&w);
+        run_json_members(&w, &list->runs[i]);
+        json_out_object_end(&w);
+    }
+    json_out_array_end(&w);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+bf_status handlers_runs_list(exchange *x, bf_error *err)
+{
+    api_list_query list_query;
+    exchange_page page;
+
+    bf_status status = exchange__read_page(x, &page, err);
+    if (status == BF_OK)
+        status = read_list_query(x, &page, &list_query, err);
+    if (status != BF_OK)
+        return status;
+    api_run_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    status = x->services->list(x->services->context, &list_query, list, err);
+    if (status == BF_OK && list->has_more && list->n > 0)
+        add_next_link(x, &page, &list_query, list->runs[list->n - 1].id);
+    exchange__let_revalidate(x);
+    if (status == BF_OK)
+        status = write_list(x, list, err);
+    memory_free(list);
+    return status;
+}
+
+// With `wait` a client that has this state is answered when there is another one, and a client that
+// has none, when the run has ended.
+bf_status handlers_runs_show(exchange *x, bf_error *err)
+{
+    bool has_state = exchange__header(x, "If-None-Match") != NULL;
+    uint64_t seconds = 0;
+    api_run record;
+
+    bf_status status = query_number(&x->query, "wait", 0, API_WAIT_MAX_S, &seconds, err);
+    if (status == BF_OK)
+        status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    exchange__let_revalidate(x);
+    if (exchange__is_known(x, "r%" PRIu64, record.revision) || !has_state)
+        exchange__wait(x, &record, (unsigned)seconds, has_state);
+    return run_json_write(&record, &x->response->body, err);
+}
+
+bf_status handlers_runs_cancel(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = exchange__check_match(x, &record, err);
+    if (status == BF_OK)
+        status = x->services->cancel(x->services->context, x->params.values[0], &record, err);
+    if (status != BF_OK)
+        return status;
+    x->response->status = run_state_is_end(record.state) ? 200 : 202;
+    return run_json_write(&record, &x->response->body, err);
+}
+
+bf_status handlers_runs_remove(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = exchange__check_match(x, &record, err);
+    if (status == BF_OK)
+        status = x->services->remove(x->services->context, record.id, err);
+    if (status == BF_OK)
+        x->response->status = 204;
+    return status;
+}

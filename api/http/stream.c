@@ -1,0 +1,238 @@
+#include "api/http/stream.h"
+
+#include "core/base/check.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+// What the reading of one batch shares with take_event().
+typedef struct batch {
+    stream_cursor *cursor;
+    bf_buffer *out;
+    bool is_pending;       // an inline snapshot was begun and waits for its data
+    uint64_t snapshot;     // its index
+    char run[API_ID_SIZE]; // its run
+} batch;
+
+static bf_status out_of_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+// How far a run is for a client that has seen the events up to after.
+typedef enum standing { STANDING_GOES_ON, STANDING_HAS_MORE, STANDING_IS_OVER } standing;
+
+static standing judge_run(const api_run *record, uint64_t after)
+{
+    if (record->last_event > after)
+        return STANDING_HAS_MORE;
+    return run_state_is_end(record->state) ? STANDING_IS_OVER : STANDING_GOES_ON;
+}
+
+bf_status stream_begin(const api_services *services, stream_format format, bool is_inline,
+                       const char (*runs)[API_ID_SIZE], size_t n_runs, uint64_t after,
+                       stream_cursor *ret_cursor, bf_error *err)
+{
+    stream_cursor cursor = { .format = format, .is_inline = is_inline, .n_runs = n_runs };
+    uint64_t newest = 0;
+
+    BF_CHECK(n_runs >= 1 && n_runs <= API_STREAM_RUNS_MAX);
+    for (size_t i = 0; i < n_runs; i++) {
+        api_run record;
+        bf_status status = services->find(services->context, runs[i], &record, err);
+        if (status != BF_OK)
+            return status;
+        memcpy(cursor.runs[i], runs[i], API_ID_SIZE);
+        if (record.last_event > newest)
+            newest = record.last_event;
+        if (judge_run(&record, after) != STANDING_IS_OVER)
+            cursor.n_open++;
+    }
+    cursor.after = after < newest ? after : newest;
+    *ret_cursor = cursor;
+    return BF_OK;
+}
+
+// An event without what closes it.
+static bf_status append_open_event(const stream_cursor *cursor, const api_event *event, size_t n,
+                                   bf_buffer *out)
+{
+    const char *word = api_event_word(event->type);
+    bf_status status;
+
+    if (cursor->format == STREAM_SSE)
+        status = buffer_printf(out, "id: %" PRIu64 "\nevent: %s\ndata: ", event->id, word);
+    else
+        status = buffer_printf(out, "{\"id\":%" PRIu64 ",\"run\":\"%s\",\"event\":\"%s\",\"data\":",
+                               event->id, event->run, word);
+    return status == BF_OK ? buffer_append(out, event->data, n) : status;
+}
+
+static bf_status append_close(stream_format format, bf_buffer *out)
+{
+    return format == STREAM_SSE ? buffer_append(out, "\n\n", 2) : buffer_append(out, "}\n", 2);
+}
+
+// An inline snapshot is left open and stops the reading: its grid is read when the store is free
+// again, since a read within a read would hold two of the store's statements.
+static bf_status take_event(void *context, const api_event *event, bf_error *err)
+{
+    batch *b = context;
+    stream_cursor *cursor = b->cursor;
+    bool is_left_open = cursor->is_inline && event->type == API_EVENT_SNAPSHOT && event->n > 2;
+    size_t n = is_left_open ? event->n - 1 : event->n; // without the last brace
+
+    if (append_open_event(cursor, event, n, b->out) != BF_OK ||
+        (!is_left_open && append_close(cursor->format, b->out) != BF_OK))
+        return out_of_memory(err);
+    cursor->after = event->id;
+    if (event->type == API_EVENT_END && cursor->n_open > 0)
+        cursor->n_open--;
+    if (!is_left_open)
+        return BF_OK;
+    b->is_pending = true;
+    b->snapshot = event->snapshot;
+    memcpy(b->run, event->run, sizeof b->run);
+    return bf_fail(err, BF_EBUSY, "", "a snapshot's grid comes first");
+}
+
+static bf_status append_base64(const unsigned char *bytes, size_t n, bf_buffer *out)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    size_t length = (n + 2) / 3 * 4;
+    char *to = buffer_reserve(out, length);
+
+    if (to == NULL)
+        return BF_ENOMEM;
+    for (size_t i = 0; i < n; i += 3, to += 4) {
+        unsigned second = i + 1 < n ? bytes[i + 1] : 0;
+        unsigned third = i + 2 < n ? bytes[i + 2] : 0;
+        unsigned group = (unsigned)bytes[i] << 16 | second << 8 | third;
+        to[0] = digits[group >> 18];
+        to[1] = digits[group >> 12 & 63];
+        to[2] = i + 1 < n ? digits[group >> 6 & 63] : '=';
+        to[3] = i + 2 < n ? digits[group & 63] : '=';
+    }
+    *to = '\0';
+    out->n += length;
+    return BF_OK;
+}
+
+// Appends the member `data` of the pending snapshot and closes its event.
+static bf_status append_grid(batch *b, const api_services *services, bf_error *err)
+{
+    bf_buffer grid_bytes = { 0 };
+    api_snapshot snapshot;
+    bf_grid grid;
+    bool is_written = false;
+
+    bf_status status = services->read_snapshot(services->context, b->run, b->snapshot, &snapshot,
+                                               &grid, &grid_bytes, err);
+    bool is_missing = status == BF_ENOTFOUND || // the run was removed meanwhile
+                      (status == BF_OK && grid_bytes.n > STREAM_INLINE_MAX);
+    if (is_missing) {
+        status = BF_OK;
+        is_written = buffer_append(b->out, ",\"data\":null}", 13) == BF_OK;
+    } else if (status == BF_OK) {
+        is_written =
+            buffer_append(b->out, ",\"data\":\"", 9) == BF_OK &&
+            append_base64((const unsigned char *)grid_bytes.bytes, grid_bytes.n, b->out) == BF_OK &&
+            buffer_append(b->out, "\"}", 2) == BF_OK;
+    }
+    buffer_fini(&grid_bytes);
+    if (status == BF_OK && (!is_written || append_close(b->cursor->format, b->out) != BF_OK))
+        status = out_of_memory(err);
+    b->is_pending = false;
+    return status;
+}
+
+static bf_status append_events(batch *b, const api_services *services, size_t limit_bytes,
+                               bf_error *err)
+{
+    stream_cursor *cursor = b->cursor;
+    size_t start = b->out->n;
+    bool has_stopped;
+
+    do {
+        size_t left = limit_bytes - (b->out->n - start);
+        bf_status status =
+            services->read_events(services->context, (const char(*)[API_ID_SIZE])cursor->runs,
+                                  cursor->n_runs, cursor->after, left, take_event, b, err);
+        has_stopped = b->is_pending;
+        if (has_stopped)
+            status = append_grid(b, services, err);
+        if (status != BF_OK)
+            return status;
+    } while (has_stopped && b->out->n - start < limit_bytes);
+    return BF_OK;
+}
+
+// Counts again which runs are open, when nothing is there to be read: a run may have been removed.
+static bf_status look_at_runs(stream_cursor *cursor, const api_services *services,
+                              stream_state *ret_state, bf_error *err)
+{
+    bool has_more = false;
+    size_t n_open = 0;
+
+    for (size_t i = 0; i < cursor->n_runs; i++) {
+        api_run record;
+        bf_status status = services->find(services->context, cursor->runs[i], &record, err);
+        if (status == BF_ENOTFOUND)
+            continue;
+        if (status != BF_OK)
+            return status;
+        standing where = judge_run(&record, cursor->after);
+        n_open += where != STANDING_IS_OVER;
+        has_more = has_more || where == STANDING_HAS_MORE;
+    }
+    cursor->n_open = n_open;
+    *ret_state = n_open == 0 ? STREAM_DONE : has_more ? STREAM_MORE : STREAM_WAIT;
+    return BF_OK;
+}
+
+static bf_status append_batch(batch *b, const api_services *services, size_t limit_bytes,
+                              stream_state *ret_state, bf_error *err)
+{
+    stream_cursor *cursor = b->cursor;
+    size_t start = b->out->n;
+
+    if (cursor->format == STREAM_SSE && !cursor->has_begun &&
+        buffer_append(b->out, "retry: 3000\n\n", 13) != BF_OK)
+        return out_of_memory(err);
+    cursor->has_begun = true;
+    if (cursor->n_open > 0) {
+        bf_status status = append_events(b, services, limit_bytes, err);
+        if (status != BF_OK)
+            return status;
+    }
+    if (cursor->n_open == 0)
+        *ret_state = STREAM_DONE;
+    else if (b->out->n > start)
+        *ret_state = STREAM_MORE;
+    else
+        return look_at_runs(cursor, services, ret_state, err);
+    return BF_OK;
+}
+
+bf_status stream_next(stream_cursor *cursor, const api_services *services, size_t limit_bytes,
+                      bf_buffer *out, stream_state *ret_state, bf_error *err)
+{
+    stream_cursor before = *cursor;
+    batch b = { .cursor = cursor, .out = out };
+    size_t start = out->n;
+
+    BF_CHECK(limit_bytes > 0);
+    bf_status status = append_batch(&b, services, limit_bytes, ret_state, err);
+    if (status != BF_OK) {
+        *cursor = before;
+        out->n = start;
+        if (out->bytes != NULL)
+            out->bytes[start] = '\0';
+    }
+    return status;
+}
+
+const char *stream_heartbeat(stream_format format)
+{
+    return format == STREAM_SSE ? ":\n\n" : "\n";
+}

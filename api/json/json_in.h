@@ -1,0 +1,70 @@
+/// Reading JSON documents of clients: text to a tree, values of the tree to C, faults with their
+/// pointers. Everything that reads goes on after a fault, so that one pass finds them all.
+///
+/// Numbers are read as doubles, whole ones too, so each is the double nearest to what was written.
+
+#pragma once
+
+#include "api/json/json_pointer.h"
+#include "core/base/faults.h"
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct json_t; ///< jansson's; only api/*.c look inside
+
+/// The reading of one document. Begin with json_in_to().
+typedef struct json_in {
+    bf_faults *faults;    ///< where faults go; the caller's
+    json_pointer pointer; ///< of the value that is being read
+    bool has_failed;      ///< out of memory
+} json_in;
+
+/// A reading that notes faults in *faults.
+json_in json_in_to(bf_faults *faults);
+
+/// Parse n bytes. NULL: a fault was noted, or there is no memory. The caller owns the tree:
+/// json_in_free(). What is not JSON at all is a fault of the whole document, pointer ""; too deep
+/// nesting, a duplicate key, NaN and a number beyond double are faults where they stand. The text
+/// has line and column.
+struct json_t *json_in_parse(json_in *in, const char *json, size_t n);
+
+/// Free a tree. NULL is fine.
+void json_in_free(struct json_t *root);
+
+/// The status of the reading: BF_ENOMEM, else that of the first fault, else BF_OK.
+BF_MUST_CHECK bf_status json_in_status(const json_in *in, bf_error *err);
+
+/// Note a fault at the present place; control characters in the text become "?".
+void json_in_fault(json_in *in, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/// Same for a limit that is exceeded.
+void json_in_fault_limit(json_in *in, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/// True if the value is an object (array); else a fault is noted.
+bool json_in_is_object(json_in *in, const struct json_t *value);
+bool json_in_is_array(json_in *in, const struct json_t *value);
+
+/// Read a value of a type; false: a fault was noted and the output is untouched.
+bool json_in_number(json_in *in, const struct json_t *value, double *ret_number);
+bool json_in_bool(json_in *in, const struct json_t *value, bool *ret_bool);
+
+/// Read a whole number from least to most, which are below 2^53 in magnitude.
+bool json_in_integer(json_in *in, const struct json_t *value, double least, double most,
+                     double *ret_integer);
+
+/// Read a text of at least `least` bytes without control characters into size bytes with its
+/// terminator.
+bool json_in_text(json_in *in, const struct json_t *value, size_t least, size_t size,
+                  char *ret_text);
+
+/// Read one of the words of a NULL-terminated list as its index.
+bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,
+                  unsigned *ret_index);
+
+/// Read an array of least to most numbers; the numbers beyond its end stay as they are. *ret_n is
+/// how many there were; NULL is fine.
+bool json_in_tuple(json_in *in, const struct json_t *value, size_t least, size_t most,
+                   double *ret_numbers, size_t *ret_n);

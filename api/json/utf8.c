@@ -1,0 +1,37 @@
+#include "api/json/utf8.h"
+
+size_t utf8_size(const char *character)
+{
+    const unsigned char *text = (const unsigned char *)character;
+    static const struct {
+        unsigned char from, to;          // of the first byte
+        unsigned char second, second_to; // of the second byte
+        size_t n;                        // bytes
+    } forms[] = {
+        { 0x01, 0x7f, 0, 0, 1 },       { 0xc2, 0xdf, 0x80, 0xbf, 2 }, { 0xe0, 0xe0, 0xa0, 0xbf, 3 },
+        { 0xe1, 0xec, 0x80, 0xbf, 3 }, { 0xed, 0xed, 0x80, 0x9f, 3 }, { 0xee, 0xef, 0x80, 0xbf, 3 },
+        { 0xf0, 0xf0, 0x90, 0xbf, 4 }, { 0xf1, 0xf3, 0x80, 0xbf, 4 }, { 0xf4, 0xf4, 0x80, 0x8f, 4 },
+    };
+    for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
+        if (text[0] < forms[k].from || text[0] > forms[k].to)
+            continue;
+        size_t n = forms[k].n;
+        if (n > 1 && (text[1] < forms[k].second || text[1] > forms[k].second_to))
+            return 0;
+        for (size_t i = 2; i < n; i++) {
+            if ((text[i] & 0xc0) != 0x80)
+                return 0;
+        }
+        return n;
+    }
+    return 0;
+}
+
+bool utf8_is_text(const char *text)
+{
+    size_t n = 0;
+
+    while ((n = utf8_size(text)) > 0)
+        text += n;
+    return *text == '\0';
+}

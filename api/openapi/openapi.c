@@ -1,0 +1,229 @@
+#include "api/openapi/openapi.h"
+
+#include "api/json/json_layout.h"
+#include "api/openapi/openapi_priv.h"
+#include "api/results/colormap.h"
+#include "api/run_state.h"
+#include "api/scenario/examples.h"
+#include "core/run/run.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char description[] =
+    "Beltflow predicts how parts on a conveyor belt jam in front of a deflector and how fast they "
+    "get past it, by a macroscopic model (density) and a microscopic one (every part).\n\n"
+    "Submit a scenario with `POST /v1/runs`, follow it with its `events` or ask for it until its "
+    "`status` is `succeeded`, `failed` or `cancelled`, and read its curve, snapshots and summary; "
+    "they are there while it is solved, too. A ready scenario of `/v1/examples` is a good "
+    "start.\n\n"
+    "Units are SI and stand at the end of each name: `_s`, `_m`, `_m_s`, `_per_m2`. A member that "
+    "is not known is refused, with the name that is most like it. Numbers in answers read back to "
+    "the same bits; what is not known is null.\n\n"
+    "HEAD goes where GET goes, and OPTIONS is answered for every path with `Allow`. A format is "
+    "chosen by `?format=`, else by `Accept`; text is sent packed to who accepts that. Refusals are "
+    "problem documents (RFC 9457). There is "
+    "no "
+    "authentication: the daemon belongs behind a proxy where others can reach it.";
+
+static const struct {
+    const char *name;
+    const char *help;
+} tags[] = {
+    { "Runs", "Submit, list, follow and end runs." },
+    { "Results", "What a run has given so far." },
+    { "Events", "What a run tells while it is solved, as a stream." },
+    { "Comparison", "Measured curves, and how far results are apart." },
+    { "Scenarios", "Ready scenarios, and checks without a run." },
+    { "Service", "The daemon itself." },
+};
+
+static void write_words(json_out *w, const char *(*word)(int index), int n)
+{
+    json_out_key_string(w, "type", "string");
+    json_out_key(w, "enum");
+    json_out_array(w);
+    for (int k = 0; k < n; k++)
+        json_out_string(w, word(k));
+    json_out_array_end(w);
+}
+
+void openapi__write_colormaps(json_out *w)
+{
+    const char *words = colormap_words();
+
+    json_out_key_string(w, "type", "string");
+    json_out_key(w, "enum");
+    openapi__write_words(w, words);
+}
+
+static const char *state_word(int state)
+{
+    return run_state_word((run_state)state);
+}
+
+static const char *model_word(int model)
+{
+    return run_model_words[model];
+}
+
+// BF_OK is no failure.
+static const char *failure_word(int index)
+{
+    return bf_status_word((bf_status)(index + 1));
+}
+
+void openapi__write_states(json_out *w)
+{
+    write_words(w, state_word, RUN_STATE_COUNT);
+}
+
+void openapi__write_models(json_out *w)
+{
+    write_words(w, model_word, RUN_MODEL_COUNT);
+}
+
+void openapi__write_status_words(json_out *w)
+{
+    write_words(w, failure_word, BF_STATUS_COUNT - 1);
+}
+
+static void write_description(json_out *w)
+{
+    bf_buffer text = { 0 };
+
+    if (buffer_printf(&text, "%s\n\n## First steps\n\n%s", description, openapi__first_steps) ==
+        BF_OK)
+        json_out_key_string(w, "description", text.bytes);
+    else
+        w->has_failed = true;
+    buffer_fini(&text);
+}
+
+static void write_info(json_out *w)
+{
+    json_out_key(w, "info");
+    json_out_object(w);
+    json_out_key_string(w, "title", "Beltflow");
+    json_out_key_string(w, "summary", "Material flow on conveyor belts");
+    write_description(w);
+    json_out_key(w, "contact");
+    json_out_object(w);
+    json_out_key_string(w, "name", "Beltflow");
+    json_out_object_end(w);
+    json_out_key_string(w, "version", BELTFLOW_VERSION);
+    json_out_object_end(w);
+}
+
+// The service that the document came from; nobody has to say who they are.
+static void write_servers(json_out *w)
+{
+    json_out_key(w, "servers");
+    json_out_array(w);
+    json_out_object(w);
+    json_out_key_string(w, "url", "/");
+    json_out_key_string(w, "description", "The daemon that this document came from");
+    json_out_object_end(w);
+    json_out_array_end(w);
+    json_out_key(w, "security");
+    json_out_array(w);
+    json_out_array_end(w);
+}
+
+static void write_tags(json_out *w)
+{
+    json_out_key(w, "tags");
+    json_out_array(w);
+    for (size_t k = 0; k < sizeof tags / sizeof *tags; k++) {
+        json_out_object(w);
+        json_out_key_string(w, "name", tags[k].name);
+        json_out_key_string(w, "description", tags[k].help);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+}
+
+// A ready scenario twice: as it is, and in the body that submits it.
+static void write_example(json_out *w, const example *item)
+{
+    char name[96];
+
+    snprintf(name, sizeof name, "%s-scenario", item->name);
+    json_out_key(w, name);
+    json_out_object(w);
+    json_out_key(w, "value");
+    json_out_raw(w, item->document, item->n);
+    json_out_object_end(w);
+    snprintf(name, sizeof name, "%s-run", item->name);
+    json_out_key(w, name);
+    json_out_object(w);
+    json_out_key(w, "value");
+    json_out_object(w);
+    json_out_key(w, "scenario");
+    json_out_raw(w, item->document, item->n);
+    json_out_key_string(w, "model", run_model_words[RUN_MACRO]);
+    json_out_key_string(w, "label", item->name);
+    json_out_object_end(w);
+    json_out_object_end(w);
+}
+
+static void write_examples(json_out *w)
+{
+    size_t n;
+    const example *items = examples_list(&n);
+
+    json_out_key(w, "examples");
+    json_out_object(w);
+    for (size_t k = 0; k < n; k++)
+        write_example(w, &items[k]);
+    json_out_object_end(w);
+}
+
+static void write_components(json_out *w)
+{
+    json_out_key(w, "components");
+    json_out_object(w);
+    json_out_key(w, "schemas");
+    json_out_object(w);
+    openapi__write_member_schemas(w);
+    openapi__write_schemas(w);
+    json_out_object_end(w);
+    json_out_key(w, "responses");
+    json_out_object(w);
+    openapi__write_refusals(w);
+    json_out_object_end(w);
+    json_out_key(w, "headers");
+    json_out_object(w);
+    openapi__write_header_components(w);
+    json_out_object_end(w);
+    write_examples(w);
+    json_out_object_end(w);
+}
+
+static void write_document(json_out *w)
+{
+    json_out_object(w);
+    json_out_key_string(w, "openapi", "3.1.0");
+    write_info(w);
+    write_servers(w);
+    write_tags(w);
+    json_out_key(w, "paths");
+    json_out_object(w);
+    openapi__write_paths(w);
+    json_out_object_end(w);
+    write_components(w);
+    json_out_object_end(w);
+}
+
+bf_status openapi_write(bf_buffer *out, bf_error *err)
+{
+    bf_buffer text = { 0 };
+    json_out w = json_out_to(&text);
+
+    write_document(&w);
+    bf_status status = json_out_status(&w, err);
+    if (status == BF_OK)
+        status = json_layout(text.bytes, text.n, out, err);
+    buffer_fini(&text);
+    return status;
+}

@@ -1,0 +1,42 @@
+// The headers of answers that a client may go by.
+
+#include "api/openapi/openapi_priv.h"
+
+#include <string.h>
+
+static const openapi_header table[] = {
+    { "Accept-Ranges", "string", true, "bytes, where a part can be asked for by Range" },
+    { "Allow", "string", false, "The methods that the path knows, with commas" },
+    { "Cache-Control", "string", false, "How long the answer may be kept and by whom" },
+    { "Content-Disposition", "string", true, "A name for the file" },
+    { "Content-Range", "string", false, "Which bytes these are, and of how many" },
+    { "ETag", "#EntityTag", false, "Names the state that was answered; send it as If-None-Match" },
+    { "Idempotent-Replayed", "=true", true, "The answer was given before to the same key" },
+    { "Link", "string", true,
+      "The next page: `</v1/runs?...>; rel=\"next\"`; missing on the last one" },
+    { "Location", "string", false, "The path of what was made" },
+    { "Preference-Applied", "string", true, "That the answer waited, if Prefer asked for it" },
+    { "RateLimit", "string", true, "What is left of the client's quotas, and when they are whole" },
+    { "RateLimit-Policy", "string", true,
+      "The client's quotas (draft-ietf-httpapi-ratelimit-headers)" },
+    { "Retry-After", "#Count", false, "After so many seconds another try can help [s]" },
+    { "Vary", "string", true, "The request headers that the answer depends on" },
+    { "X-Accel-Buffering", "=no", false, "Tells a proxy to pass the stream on as it comes" },
+    { "X-Request-Id", "string", false,
+      "The request's own id, as it was sent or a new one; logs have it" },
+};
+
+const openapi_header *openapi__headers(size_t *ret_n)
+{
+    *ret_n = sizeof table / sizeof *table;
+    return table;
+}
+
+const openapi_header *openapi__header(const char *name, size_t n)
+{
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
+        if (strlen(table[k].name) == n && memcmp(table[k].name, name, n) == 0)
+            return &table[k];
+    }
+    return NULL;
+}

@@ -1,0 +1,310 @@
+#include "api/results/measurement.h"
+
+#include "api/json/utf8.h"
+#include "api/results/results.h"
+#include "api/results/run_json.h"
+#include "core/base/memory.h"
+#include "core/scene/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT_COLUMN    "count"
+#define COUNTER_DEFAULT "upstream" // as a scenario has it
+
+enum { SAMPLES_MIN = 2 };
+
+// What a JSON body is read into.
+typedef struct body {
+    char label[API_LABEL_SIZE];
+    char counter[SCENE_ID_SIZE];
+    double *t;
+    size_t n_t;
+    double *counts;
+    size_t n_counts;
+} body;
+
+static const member_range not_negative = { .text = ">= 0", .minimum = 0.0, .maximum = INFINITY };
+
+static const member members[] = {
+    { .name = "label",
+      .kind = MEMBER_TEXT,
+      .offset = offsetof(body, label),
+      .limit = API_LABEL_SIZE,
+      .standard = "empty",
+      .help = "the client's own name of the measurement" },
+    { .name = "counter",
+      .kind = MEMBER_TEXT,
+      .offset = offsetof(body, counter),
+      .least = 1,
+      .limit = SCENE_ID_SIZE,
+      .standard = COUNTER_DEFAULT,
+      .help = "which column of a curve was measured" },
+    { .name = "t_s",
+      .kind = MEMBER_NUMBERS,
+      .offset = offsetof(body, t),
+      .offset_n = offsetof(body, n_t),
+      .least = SAMPLES_MIN,
+      .limit = API_MEASUREMENT_SAMPLES_MAX,
+      .unit = "s",
+      .help = "times of the samples, rising" },
+    { .name = COUNT_COLUMN,
+      .kind = MEMBER_NUMBERS,
+      .offset = offsetof(body, counts),
+      .offset_n = offsetof(body, n_counts),
+      .least = SAMPLES_MIN,
+      .limit = API_MEASUREMENT_SAMPLES_MAX,
+      .unit = "parts",
+      .range = &not_negative,
+      .help = "what was counted at these times" },
+};
+
+const member_table measurement_members = { .title = "measurement",
+                                           .n = sizeof members / sizeof *members,
+                                           .members = members };
+
+// Samples that are checked, and the lines in which they stand (NULL: JSON).
+typedef struct samples {
+    size_t n;
+    const double *t;
+    const double *counts;
+    const size_t *lines;
+} samples;
+
+static const char *place_of(const samples *s, const char *list, size_t k, char *pointer,
+                            size_t size)
+{
+    if (s->lines != NULL)
+        snprintf(pointer, size, "/line/%zu", s->lines[k]);
+    else
+        snprintf(pointer, size, "/%s/%zu", list, k);
+    return pointer;
+}
+
+static void check_samples(const samples *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n; k++) {
+        if (k > 0 && !(s->t[k] > s->t[k - 1]))
+            faults_add(faults, place_of(s, "t_s", k, pointer, sizeof pointer),
+                       "times must rise: %.9g s follows %.9g s", s->t[k], s->t[k - 1]);
+        if (!(s->counts[k] >= 0.0))
+            faults_add(faults, place_of(s, COUNT_COLUMN, k, pointer, sizeof pointer),
+                       "must not be negative, as %.9g is", s->counts[k]);
+    }
+}
+
+static void check_counter(const char *counter, const char *pointer, bf_faults *faults)
+{
+    if (!scene_is_id(counter))
+        faults_add(faults, pointer, "must be 1 to %d letters, digits, '_', '.' and '-'",
+                   SCENE_ID_SIZE - 1);
+    else if (strcmp(counter, "t_s") == 0)
+        faults_add(faults, pointer, "'t_s' is the time");
+}
+
+static bf_status make_measurement(const samples *s, const char *label, const char *counter,
+                                  measurement *ret_measurement, bf_error *err)
+{
+    measurement made = { .curve = { .n = s->n, .n_columns = 1 } };
+    size_t n_bytes = s->n * sizeof(double);
+
+    snprintf(made.about.label, sizeof made.about.label, "%s", label);
+    snprintf(made.about.counter, sizeof made.about.counter, "%s", counter);
+    made.about.n_samples = s->n;
+    made.about.t_start = s->t[0];
+    made.about.t_end = s->t[s->n - 1];
+    if (buffer_append(&made.curve.columns, counter, strlen(counter)) != BF_OK ||
+        buffer_append(&made.curve.t, s->t, n_bytes) != BF_OK ||
+        buffer_append(&made.curve.values, s->counts, n_bytes) != BF_OK) {
+        measurement_fini(&made);
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    }
+    *ret_measurement = made;
+    return BF_OK;
+}
+
+static bf_status read_body(json_in *in, const struct json_t *root, body *b,
+                           measurement *ret_measurement, bf_error *err)
+{
+    members_read(in, root, &measurement_members, b);
+    if (in->has_failed || in->faults->n > 0)
+        return json_in_status(in, err);
+    check_counter(b->counter, "/counter", in->faults);
+    if (b->n_t != b->n_counts)
+        faults_add(in->faults, "/" COUNT_COLUMN, "has %zu items, but /t_s has %zu", b->n_counts,
+                   b->n_t);
+    const samples s = { .n = b->n_t < b->n_counts ? b->n_t : b->n_counts,
+                        .t = b->t,
+                        .counts = b->counts };
+    check_samples(&s, in->faults);
+    bf_status status = json_in_status(in, err);
+    return status == BF_OK ? make_measurement(&s, b->label, b->counter, ret_measurement, err)
+                           : status;
+}
+
+bf_status measurement_read_json(const char *json, size_t n, measurement *ret_measurement,
+                                bf_faults *faults, bf_error *err)
+{
+    json_in in = json_in_to(faults);
+    struct json_t *root = json_in_parse(&in, json, n);
+    body b = { .counter = COUNTER_DEFAULT };
+
+    if (root == NULL)
+        return json_in_status(&in, err);
+    bf_status status = read_body(&in, root, &b, ret_measurement, err);
+    json_in_free(root);
+    memory_free(b.t);
+    memory_free(b.counts);
+    return status;
+}
+
+static void check_label(const char *label, bf_faults *faults)
+{
+    if (strlen(label) >= API_LABEL_SIZE)
+        faults_add_limit(faults, "/label", "has %zu bytes, the limit is %d", strlen(label),
+                         API_LABEL_SIZE - 1);
+    else if (!utf8_is_text(label))
+        faults_add(faults, "/label", "must be UTF-8");
+}
+
+// The counter that the column belongs to, as the request or else the column says.
+static void choose_counter(const char *column, const char *wanted, char *ret_counter,
+                           bf_faults *faults)
+{
+    bool is_count = strcmp(column, COUNT_COLUMN) == 0;
+
+    if (wanted == NULL) {
+        snprintf(ret_counter, SCENE_ID_SIZE, "%s", is_count ? COUNTER_DEFAULT : column);
+        check_counter(ret_counter, "/line/1", faults);
+        return;
+    }
+    check_counter(wanted, "/counter", faults);
+    if (!is_count && strcmp(column, wanted) != 0)
+        faults_add(faults, "/line/1", "the first column is neither '" COUNT_COLUMN "' nor '%.64s'",
+                   wanted);
+    snprintf(ret_counter, SCENE_ID_SIZE, "%s", wanted);
+}
+
+static void check_lines(const samples *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n < SAMPLES_MIN)
+        faults_add(faults, "/line/1", "must be followed by at least %d samples, not %zu",
+                   SAMPLES_MIN, s->n);
+    if (s->n > API_MEASUREMENT_SAMPLES_MAX)
+        faults_add_limit(faults,
+                         place_of(s, "", API_MEASUREMENT_SAMPLES_MAX, pointer, sizeof pointer),
+                         "is the first of too many: there are %zu samples, the limit is %d", s->n,
+                         API_MEASUREMENT_SAMPLES_MAX);
+    else
+        check_samples(s, faults);
+}
+
+// Buffers of a CSV text that is read.
+typedef struct columns {
+    bf_buffer t;
+    bf_buffer counts;
+    bf_buffer lines;
+} columns;
+
+static void fini_columns(columns *c)
+{
+    buffer_fini(&c->t);
+    buffer_fini(&c->counts);
+    buffer_fini(&c->lines);
+}
+
+// What is wrong with the text is a fault of the document like others.
+static bf_status note(bf_status status, const bf_error *why, bf_faults *faults, bf_error *err)
+{
+    if (status == BF_EINPUT)
+        faults_add_error(faults, why);
+    if (status == BF_OK || status == BF_EINPUT)
+        return faults_status(faults, err);
+    if (err != NULL)
+        *err = *why;
+    return status;
+}
+
+static bf_status read_columns(const char *text, size_t n, const char *column, columns *c,
+                              samples *ret_samples, bf_faults *faults, bf_error *err)
+{
+    bf_error why = { 0 };
+
+    bf_status status = results_read_curve_csv(text, n, column, &c->t, &c->counts, &c->lines, &why);
+    if (status == BF_OK) {
+        *ret_samples = (samples){ .n = c->t.n / sizeof(double),
+                                  .t = (const double *)(const void *)c->t.bytes,
+                                  .counts = (const double *)(const void *)c->counts.bytes,
+                                  .lines = (const size_t *)(const void *)c->lines.bytes };
+        check_lines(ret_samples, faults);
+    }
+    return note(status, &why, faults, err);
+}
+
+bf_status measurement_read_csv(const char *text, size_t n, const char *label, const char *counter,
+                               measurement *ret_measurement, bf_faults *faults, bf_error *err)
+{
+    char column[SCENE_ID_SIZE], belongs_to[SCENE_ID_SIZE];
+    columns c = { .t = { 0 } };
+    bf_error why = { 0 };
+    samples s = { 0 };
+
+    if (label == NULL)
+        label = "";
+    check_label(label, faults);
+    bf_status status = results_read_curve_column(text, n, column, &why);
+    if (status != BF_OK)
+        return note(status, &why, faults, err);
+    choose_counter(column, counter, belongs_to, faults);
+    status = read_columns(text, n, column, &c, &s, faults, err);
+    if (status == BF_OK)
+        status = make_measurement(&s, label, belongs_to, ret_measurement, err);
+    fini_columns(&c);
+    return status;
+}
+
+void measurement_json_members(json_out *w, const api_measurement *about)
+{
+    char url[API_ID_SIZE + 32];
+
+    json_out_key_string(w, "id", about->id);
+    json_out_key_string(w, "label", about->label);
+    json_out_key_string(w, "counter", about->counter);
+    run_json_time(w, "created_at", about->created_ms);
+    json_out_key_integer(w, "n_samples", (int64_t)about->n_samples);
+    json_out_key_number(w, "t_start_s", about->t_start);
+    json_out_key_number(w, "t_end_s", about->t_end);
+    snprintf(url, sizeof url, "/v1/measurements/%s", about->id);
+    json_out_key(w, "links");
+    json_out_object(w);
+    json_out_key_string(w, "self", url);
+    json_out_object_end(w);
+}
+
+bf_status measurement_json(const api_measurement *about, const api_curve *curve, bf_buffer *out,
+                           bf_error *err)
+{
+    json_out w = json_out_to(out);
+
+    json_out_object(&w);
+    measurement_json_members(&w, about);
+    json_out_key(&w, "t_s");
+    json_out_numbers(&w, (const double *)(const void *)curve->t.bytes, curve->n, 1);
+    json_out_key(&w, COUNT_COLUMN);
+    json_out_numbers(&w, (const double *)(const void *)curve->values.bytes, curve->n, 1);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+void measurement_fini(measurement *m)
+{
+    if (m == NULL)
+        return;
+    api_curve_fini(&m->curve);
+    *m = (measurement){ 0 };
+}

@@ -1,0 +1,49 @@
+/// Curves that were measured elsewhere: what a client posts, and what it gets back.
+///
+///     {"label": "...", "counter": "upstream", "t_s": [...], "count": [...]}
+///
+/// or CSV with the header "t_s,count" or "t_s,<counter>". A measurement has 2 to
+/// API_MEASUREMENT_SAMPLES_MAX samples at rising times, and counts that are not negative. It belongs to
+/// a counter: a column of the curves that it is compared with.
+
+#pragma once
+
+#include "api/json/members.h"
+#include "api/services.h"
+#include "core/base/faults.h"
+
+#include <stddef.h>
+
+/// The JSON body as a table. Its struct is the reader's own.
+extern const member_table measurement_members;
+
+/// A measurement with its samples. Zero-initialise; measurement_fini().
+typedef struct measurement {
+    api_measurement about; ///< without id and time of creation before it is stored
+    api_curve curve;       ///< one column, the counter
+} measurement;
+
+/// Read a JSON body. All faults that can be found are noted in *faults with their JSON pointers. BF_OK:
+/// *ret_measurement is the caller's. Else the status of the first fault, or BF_ENOMEM, and
+/// *ret_measurement is untouched. *faults must be empty before; the caller limits n.
+BF_MUST_CHECK bf_status measurement_read_json(const char *json, size_t n,
+                                              measurement *ret_measurement, bf_faults *faults,
+                                              bf_error *err);
+
+/// Same of CSV: the first column after the time. Its faults have the pointers "/line/<number>", from 1.
+/// label (NULL: none) and counter (NULL: the name of the column; that of "count" is "upstream") come
+/// with the request; their faults have the pointers "/label" and "/counter".
+BF_MUST_CHECK bf_status measurement_read_csv(const char *text, size_t n, const char *label,
+                                             const char *counter, measurement *ret_measurement,
+                                             bf_faults *faults, bf_error *err);
+
+/// Write the members of a measurement into the object that is open: id, label, counter, created_at,
+/// n_samples, t_start_s, t_end_s, links.
+void measurement_json_members(json_out *w, const api_measurement *about);
+
+/// Append a measurement with its samples as JSON: the members above, t_s, count.
+BF_MUST_CHECK bf_status measurement_json(const api_measurement *about, const api_curve *curve,
+                                         bf_buffer *out, bf_error *err);
+
+/// Free what a measurement owns and zero it. NULL is fine.
+void measurement_fini(measurement *m);

@@ -1,0 +1,114 @@
+/// The results of a run in the formats of files and resources (README of api has the list).
+///
+/// The command line and the daemon write their results through these functions only, so that both
+/// give the same bytes.
+
+#pragma once
+
+#include "api/results/colormap.h"
+#include "api/results/picture.h"
+#include "api/results/results_files.h"
+#include "api/services.h"
+#include "core/base/buffer.h"
+#include "core/run/frame.h"
+
+/// Figures of a run that frames do not carry.
+typedef struct results_timing {
+    double wall_s;      ///< wall time spent solving, all attempts together
+    uint32_t n_threads; ///< threads used
+} results_timing;
+
+/// Append curve.csv's header line, "t_s,<columns>\n".
+BF_MUST_CHECK bf_status results_curve_csv_header(const char *columns, bf_buffer *out,
+                                                 bf_error *err);
+
+/// Append n lines "t,value,...\n" in full precision.
+BF_MUST_CHECK bf_status results_curve_csv_rows(const double *t, const double *values, size_t n,
+                                               size_t n_columns, bf_buffer *out, bf_error *err);
+
+/// Append the curve as curve.csv has it: header and rows.
+BF_MUST_CHECK bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *err);
+
+/// Append the curve as JSON: {"t_s": [...], "<id>": [...], ...}.
+BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err);
+
+/// Append a grid of n2 rows of n1 floats as a NumPy file (.npy version 1.0, little-endian, C order).
+BF_MUST_CHECK bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out,
+                                    bf_error *err);
+
+/// Append a snapshot as JSON: {"n", "t_s", "peak", "mass", "origin_m", "cell_m", "shape", "density":
+/// [[...], ...]}, a row of x1 each.
+BF_MUST_CHECK bf_status results_snapshot_json(const float *rho, const bf_grid *grid,
+                                              const api_snapshot *snapshot, bf_buffer *out,
+                                              bf_error *err);
+
+/// Append a snapshot as a matrix in CSV: a header "y_m/x_m,<x of the centres>", then for each row of
+/// cells, the smallest y first, the y of its centres and its densities.
+BF_MUST_CHECK bf_status results_snapshot_csv(const float *rho, const bf_grid *grid, bf_buffer *out,
+                                             bf_error *err);
+
+/// Append a snapshot as a PNG of 256 colours; rho are the densities of p->grid, t the time.
+BF_MUST_CHECK bf_status results_snapshot_png(const picture *p, const colormap *map,
+                                             const float *rho, double t, bf_buffer *out,
+                                             bf_error *err);
+
+/// Append a snapshot as VTK ImageData (.vti): cell data `density`, float32, appended raw.
+BF_MUST_CHECK bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t,
+                                             bf_buffer *out, bf_error *err);
+
+/// Names of the values of a part, n_values of them, e.g. "x_m". n_values is one that frame_parts can
+/// have.
+const char *const *results_parts_columns(uint32_t n_values);
+
+/// Append the rows of parts as a NumPy file of doubles, as CSV ("part,x_m,..."; a part that has left
+/// the domain is a line of nan), or as JSON: {"n", "t_s", "columns": [...], "parts": [[...], null]}
+/// (null: left the domain).
+BF_MUST_CHECK bf_status results_parts_npy(const double *rows, const api_parts *parts,
+                                          bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status results_parts_csv(const double *rows, const api_parts *parts,
+                                          bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status results_parts_json(const double *rows, const api_parts *parts,
+                                           const api_snapshot *snapshot, bf_buffer *out,
+                                           bf_error *err);
+
+/// Append the parts that are in the domain as VTK PolyData (.vtp): a vertex each with point data
+/// `velocity_m_s`, `heading_rad` (planar) or `quaternion_wxyz` (spatial), `spin_rad_s`, and `part`, its
+/// number; appended raw.
+BF_MUST_CHECK bf_status results_parts_vtp(const double *rows, const api_parts *parts, double t,
+                                          bf_buffer *out, bf_error *err);
+
+/// Append a ParaView collection (.pvd) of one file a snapshot, with its time; names are relative, as
+/// of results_files_name().
+BF_MUST_CHECK bf_status results_series_pvd(const api_snapshot_list *list, results_files file,
+                                           bf_buffer *out, bf_error *err);
+
+/// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}; with
+/// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_url NULL:
+/// files are named snapshots/NNNNNN.npy and parts/NNNNNN.npy; else "url" and "parts_url" lead to what
+/// is below run_url.
+BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_url,
+                                               bf_buffer *out, bf_error *err);
+
+/// Append summary.json. scenario is the resolved document.
+BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
+                                        const frame_begin *begin, const frame_end *end,
+                                        const results_timing *timing, bf_buffer *out,
+                                        bf_error *err);
+
+/// Append the summary of a run whose results are those of another one: the other's, but with its own
+/// scenario, a resolved document, and `cached`. BF_ECORRUPT: summary is none of results_summary().
+BF_MUST_CHECK bf_status results_summary_cached(const char *summary, size_t n_summary,
+                                               const char *scenario, size_t n_scenario,
+                                               bf_buffer *out, bf_error *err);
+
+/// Read a curve from CSV text (header "t_s,<id>,..." or "t_s,count"): the column named id, or the
+/// first one if id is NULL. Arrays are appended to *t and *parts as doubles, and the line of each
+/// sample to *lines (NULL: not wanted) as size_t. BF_EINPUT: err->pointer is "/line/<number>", from 1.
+BF_MUST_CHECK bf_status results_read_curve_csv(const char *text, size_t n, const char *id,
+                                               bf_buffer *t, bf_buffer *parts, bf_buffer *lines,
+                                               bf_error *err);
+
+/// Copy the name of the first column of a curve's CSV to ret_name (SCENE_ID_SIZE bytes). BF_EINPUT: as
+/// above.
+BF_MUST_CHECK bf_status results_read_curve_column(const char *text, size_t n, char *ret_name,
+                                                  bf_error *err);

@@ -1,0 +1,295 @@
+#include "api/results/results_archive.h"
+
+#include "api/results/results.h"
+#include "api/results/zip_out.h"
+#include "core/base/check.h"
+#include "core/base/memory.h"
+
+#include <string.h>
+
+enum {
+    SLICE_BYTES = 64 * 1024,      // given to the archive at once
+    TURN_BYTES = 4 * 1024 * 1024, // of files read for one piece: empty belts deflate to nothing
+};
+
+// The body's state.
+typedef struct archive {
+    char id[API_ID_SIZE];
+    bool has_summary;
+    bool has_vtk;
+    api_snapshot_list list;
+    zip_out *zip;
+    size_t kind;       // of the next file, in kinds
+    uint64_t index;    // of the next file of that kind
+    bf_buffer content; // of the file under way
+    size_t n_given;    // bytes of it
+    bool is_over;
+} archive;
+
+typedef bf_status content_writer(const archive *a, const api_services *services, uint64_t index,
+                                 bf_buffer *out, bf_error *err);
+
+// What one snapshot has, as the services give it.
+typedef struct grid_content {
+    api_snapshot snapshot;
+    bf_grid grid;
+    bf_buffer bytes;
+} grid_content;
+
+typedef struct parts_content {
+    api_snapshot snapshot;
+    api_parts parts;
+    bf_buffer bytes;
+} parts_content;
+
+static const float *floats_of(const grid_content *c)
+{
+    return (const float *)(const void *)c->bytes.bytes;
+}
+
+static const double *doubles_of(const parts_content *c)
+{
+    return (const double *)(const void *)c->bytes.bytes;
+}
+
+static bf_status write_scenario(const archive *a, const api_services *services, uint64_t index,
+                                bf_buffer *out, bf_error *err)
+{
+    (void)index;
+    return services->read_text(services->context, a->id, API_TEXT_SCENARIO, out, err);
+}
+
+static bf_status write_summary(const archive *a, const api_services *services, uint64_t index,
+                               bf_buffer *out, bf_error *err)
+{
+    (void)index;
+    return services->read_text(services->context, a->id, API_TEXT_SUMMARY, out, err);
+}
+
+static bf_status write_curve(const archive *a, const api_services *services, uint64_t index,
+                             bf_buffer *out, bf_error *err)
+{
+    api_curve curve = { 0 };
+
+    (void)index;
+    bf_status status = services->read_curve(services->context, a->id, 0, &curve, err);
+    if (status != BF_OK)
+        return status;
+    status = results_curve_csv(&curve, out, err);
+    api_curve_fini(&curve);
+    return status;
+}
+
+static bf_status write_list(const archive *a, const api_services *services, uint64_t index,
+                            bf_buffer *out, bf_error *err)
+{
+    (void)services;
+    (void)index;
+    return results_snapshots_json(&a->list, NULL, out, err);
+}
+
+static bf_status write_snapshots_series(const archive *a, const api_services *services,
+                                        uint64_t index, bf_buffer *out, bf_error *err)
+{
+    (void)services;
+    (void)index;
+    return results_series_pvd(&a->list, RESULTS_FILES_SNAPSHOT_VTK, out, err);
+}
+
+static bf_status write_parts_series(const archive *a, const api_services *services, uint64_t index,
+                                    bf_buffer *out, bf_error *err)
+{
+    (void)services;
+    (void)index;
+    return results_series_pvd(&a->list, RESULTS_FILES_PARTS_VTK, out, err);
+}
+
+static bf_status read_grid(const archive *a, const api_services *services, uint64_t index,
+                           grid_content *c, bf_error *err)
+{
+    return services->read_snapshot(services->context, a->id, index, &c->snapshot, &c->grid,
+                                   &c->bytes, err);
+}
+
+static bf_status write_snapshot(const archive *a, const api_services *services, uint64_t index,
+                                bf_buffer *out, bf_error *err)
+{
+    grid_content c = { .bytes = { 0 } };
+
+    bf_status status = read_grid(a, services, index, &c, err);
+    if (status == BF_OK)
+        status = results_npy(floats_of(&c), c.grid.n1, c.grid.n2, out, err);
+    buffer_fini(&c.bytes);
+    return status;
+}
+
+static bf_status write_snapshot_vtk(const archive *a, const api_services *services, uint64_t index,
+                                    bf_buffer *out, bf_error *err)
+{
+    grid_content c = { .bytes = { 0 } };
+
+    bf_status status = read_grid(a, services, index, &c, err);
+    if (status == BF_OK)
+        status = results_snapshot_vti(floats_of(&c), &c.grid, c.snapshot.t, out, err);
+    buffer_fini(&c.bytes);
+    return status;
+}
+
+static bf_status read_parts(const archive *a, const api_services *services, uint64_t index,
+                            parts_content *c, bf_error *err)
+{
+    return services->read_parts(services->context, a->id, index, &c->snapshot, &c->parts, &c->bytes,
+                                err);
+}
+
+static bf_status write_parts(const archive *a, const api_services *services, uint64_t index,
+                             bf_buffer *out, bf_error *err)
+{
+    parts_content c = { .bytes = { 0 } };
+
+    bf_status status = read_parts(a, services, index, &c, err);
+    if (status == BF_OK)
+        status = results_parts_npy(doubles_of(&c), &c.parts, out, err);
+    buffer_fini(&c.bytes);
+    return status;
+}
+
+static bf_status write_parts_vtk(const archive *a, const api_services *services, uint64_t index,
+                                 bf_buffer *out, bf_error *err)
+{
+    parts_content c = { .bytes = { 0 } };
+
+    bf_status status = read_parts(a, services, index, &c, err);
+    if (status == BF_OK)
+        status = results_parts_vtp(doubles_of(&c), &c.parts, c.snapshot.t, out, err);
+    buffer_fini(&c.bytes);
+    return status;
+}
+
+// What a kind of file needs to be in an archive.
+enum { NEEDS_PARTS = 1, NEEDS_VTK = 2, NEEDS_SUMMARY = 4 };
+
+typedef enum number_of { ONE, ONE_A_SNAPSHOT } number_of;
+
+static const struct {
+    results_files file;
+    number_of number;
+    int needs;
+    content_writer *write;
+} kinds[] = {
+    { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario },
+    { RESULTS_FILES_CURVE, ONE, 0, write_curve },
+    { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list },
+    { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, write_snapshot },
+    { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, write_parts },
+    { RESULTS_FILES_SNAPSHOTS_SERIES, ONE, NEEDS_VTK, write_snapshots_series },
+    { RESULTS_FILES_SNAPSHOT_VTK, ONE_A_SNAPSHOT, NEEDS_VTK, write_snapshot_vtk },
+    { RESULTS_FILES_PARTS_SERIES, ONE, NEEDS_VTK | NEEDS_PARTS, write_parts_series },
+    { RESULTS_FILES_PARTS_VTK, ONE_A_SNAPSHOT, NEEDS_VTK | NEEDS_PARTS, write_parts_vtk },
+    { RESULTS_FILES_SUMMARY, ONE, NEEDS_SUMMARY, write_summary },
+};
+
+enum { N_KINDS = sizeof kinds / sizeof *kinds };
+
+_Static_assert(sizeof kinds / sizeof *kinds == RESULTS_FILES_COUNT,
+               "an archive can hold every file");
+
+static uint64_t count_files(const archive *a, size_t kind)
+{
+    int missing = (a->list.parts.n_values == 0 ? NEEDS_PARTS : 0) | (a->has_vtk ? 0 : NEEDS_VTK) |
+                  (a->has_summary ? 0 : NEEDS_SUMMARY);
+
+    if ((kinds[kind].needs & missing) != 0)
+        return 0;
+    return kinds[kind].number == ONE ? 1 : a->list.n;
+}
+
+// Moves on to a kind that has a file left. False: there is none.
+static bool find_file(archive *a)
+{
+    while (a->kind < N_KINDS && a->index >= count_files(a, a->kind)) {
+        a->kind++;
+        a->index = 0;
+    }
+    return a->kind < N_KINDS;
+}
+
+static bf_status begin_file(archive *a, const api_services *services, bf_buffer *out, bf_error *err)
+{
+    char name[RESULTS_FILES_NAME_SIZE];
+
+    a->content.n = a->n_given = 0;
+    bf_status status = kinds[a->kind].write(a, services, a->index, &a->content, err);
+    if (status != BF_OK)
+        return status;
+    (void)results_files_name(kinds[a->kind].file, a->index++, name);
+    return zip_out_file(a->zip, name, a->content.n, out, err);
+}
+
+static bf_status give_slice(archive *a, bf_buffer *out, bf_error *err)
+{
+    size_t n = a->content.n - a->n_given;
+
+    n = n < SLICE_BYTES ? n : SLICE_BYTES;
+    bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_given, n, out, err);
+    a->n_given += n;
+    return status;
+}
+
+static bf_status make_piece(void *state, const api_services *services, size_t limit_bytes,
+                            bf_buffer *out, bool *ret_is_over, bf_error *err)
+{
+    archive *a = state;
+    size_t start = out->n;
+    bf_status status = BF_OK;
+
+    for (size_t n_read = 0;
+         status == BF_OK && !a->is_over && n_read < TURN_BYTES && out->n - start < limit_bytes;
+         n_read += SLICE_BYTES) {
+        if (a->n_given < a->content.n) {
+            status = give_slice(a, out, err);
+        } else if (find_file(a)) {
+            status = begin_file(a, services, out, err);
+        } else {
+            status = zip_out_finish(a->zip, out, err);
+            a->is_over = true;
+        }
+    }
+    if (status == BF_OK)
+        *ret_is_over = a->is_over;
+    return status;
+}
+
+static void destroy(void *state)
+{
+    archive *a = state;
+
+    if (a == NULL)
+        return;
+    zip_out_destroy(a->zip);
+    buffer_fini(&a->list.items);
+    buffer_fini(&a->content);
+    memory_free(a);
+}
+
+bf_status results_archive_open(const api_run *of, results_archive_kind kind,
+                               const api_services *services, api_body *ret_body, bf_error *err)
+{
+    archive *a = memory_alloc(1, sizeof *a);
+
+    BF_CHECK(run_state_is_end(of->state));
+    if (a == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    memcpy(a->id, of->id, sizeof a->id);
+    a->has_summary = of->has_summary;
+    a->has_vtk = kind == RESULTS_ARCHIVE_VTK;
+    bf_status status = services->list_snapshots(services->context, a->id, &a->list, err);
+    if (status == BF_OK)
+        status = zip_out_create(of->finished_ms / 1000, &a->zip, err);
+    if (status != BF_OK) {
+        destroy(a);
+        return status;
+    }
+    *ret_body = (api_body){ .state = a, .make = make_piece, .destroy = destroy };
+    return BF_OK;
+}

@@ -1,0 +1,92 @@
+#include "api/results/results.h"
+
+#include "api/json/json_out.h"
+#include "api/json/number.h"
+#include "api/results/results_priv.h"
+#include "core/base/check.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+static const char *const disk_columns[] = { "x_m",    "y_m",    "heading_rad",
+                                            "vx_m_s", "vy_m_s", "spin_rad_s" };
+static const char *const body_columns[] = { "x_m",      "y_m",      "z_m",     "q_w",    "q_x",
+                                            "q_y",      "q_z",      "vx_m_s",  "vy_m_s", "vz_m_s",
+                                            "wx_rad_s", "wy_rad_s", "wz_rad_s" };
+
+_Static_assert(sizeof disk_columns / sizeof *disk_columns == FRAME_VALUES_PLANAR, "a name each");
+_Static_assert(sizeof body_columns / sizeof *body_columns == FRAME_VALUES_SPATIAL, "a name each");
+
+const char *const *results_parts_columns(uint32_t n_values)
+{
+    BF_CHECK(n_values == FRAME_VALUES_PLANAR || n_values == FRAME_VALUES_SPATIAL);
+    return n_values == FRAME_VALUES_PLANAR ? disk_columns : body_columns;
+}
+
+static bf_status append_header(const api_parts *parts, bf_buffer *out)
+{
+    const char *const *columns = results_parts_columns(parts->n_values);
+    bf_status status = buffer_printf(out, "part");
+
+    for (uint32_t k = 0; k < parts->n_values && status == BF_OK; k++)
+        status = buffer_printf(out, ",%s", columns[k]);
+    return status == BF_OK ? buffer_printf(out, "\n") : status;
+}
+
+bf_status results_parts_csv(const double *rows, const api_parts *parts, bf_buffer *out,
+                            bf_error *err)
+{
+    size_t n_before = out->n;
+    uint32_t n_values = parts->n_values;
+
+    bf_status status = append_header(parts, out);
+    for (uint64_t k = 0; k < parts->n_parts && status == BF_OK; k++) {
+        char *from = buffer_reserve(out, (n_values + 1) * NUMBER_SIZE);
+        if (from == NULL)
+            return results__finish(BF_ENOMEM, out, n_before, err);
+        char *at = from + snprintf(from, NUMBER_SIZE, "%" PRIu64 ",", k);
+        for (uint32_t v = 0; v < n_values; v++)
+            at = results__put_number(at, rows[k * n_values + v], v + 1 == n_values ? '\n' : ',');
+        *at = '\0';
+        out->n += (size_t)(at - from);
+    }
+    return results__finish(status, out, n_before, err);
+}
+
+static void write_row(json_out *w, const double *row, uint32_t n_values)
+{
+    // A part that has left the domain has no values at all.
+    if (isnan(row[0])) {
+        json_out_null(w);
+        return;
+    }
+    json_out_array(w);
+    for (uint32_t v = 0; v < n_values; v++)
+        json_out_number(w, row[v]);
+    json_out_array_end(w);
+}
+
+bf_status results_parts_json(const double *rows, const api_parts *parts,
+                             const api_snapshot *snapshot, bf_buffer *out, bf_error *err)
+{
+    const char *const *columns = results_parts_columns(parts->n_values);
+    size_t n_before = out->n;
+    json_out w = json_out_to(out);
+
+    json_out_object(&w);
+    json_out_key_integer(&w, "n", (int64_t)snapshot->index);
+    json_out_key_number(&w, "t_s", snapshot->t);
+    json_out_key(&w, "columns");
+    json_out_array(&w);
+    for (uint32_t v = 0; v < parts->n_values; v++)
+        json_out_string(&w, columns[v]);
+    json_out_array_end(&w);
+    json_out_key(&w, "parts");
+    json_out_array(&w);
+    for (uint64_t k = 0; k < parts->n_parts; k++)
+        write_row(&w, rows + k * parts->n_values, parts->n_values);
+    json_out_array_end(&w);
+    json_out_object_end(&w);
+    return results__finish(json_out_status(&w, err), out, n_before, err);
+}

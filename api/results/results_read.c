@@ -1,0 +1,154 @@
+#include "api/results/results.h"
+
+#include "api/json/number.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+// A piece of the text, not terminated.
+typedef struct piece {
+    const char *from;
+    size_t n;
+} piece;
+
+static piece trim(piece p)
+{
+    while (p.n > 0 && isspace((unsigned char)*p.from)) {
+        p.from++;
+        p.n--;
+    }
+    while (p.n > 0 && isspace((unsigned char)p.from[p.n - 1]))
+        p.n--;
+    return p;
+}
+
+// Takes what stands before the separator off the rest; without one, all of it.
+static piece take_until(piece *rest, char separator)
+{
+    const char *end = memchr(rest->from, separator, rest->n);
+    piece taken = *rest;
+
+    if (end != NULL) {
+        taken.n = (size_t)(end - rest->from);
+        rest->from = end + 1;
+        rest->n -= taken.n + 1;
+    } else {
+        *rest = (piece){ rest->from + rest->n, 0 };
+    }
+    return taken;
+}
+
+static bool is_text(piece p, const char *text)
+{
+    return p.n == strlen(text) && memcmp(p.from, text, p.n) == 0;
+}
+
+// The place of the wanted column in the header, 0 if it has none. Column 0 is the time.
+static size_t find_column(piece header, const char *id)
+{
+    size_t column = 0;
+    piece rest = header;
+
+    if (!is_text(trim(take_until(&rest, ',')), "t_s"))
+        return 0;
+    while (rest.n > 0) {
+        piece name = trim(take_until(&rest, ','));
+        column++;
+        if (id == NULL || is_text(name, id))
+            return column;
+    }
+    return 0;
+}
+
+static bf_status fail_line(bf_error *err, size_t line, const char *text)
+{
+    char pointer[32];
+
+    snprintf(pointer, sizeof pointer, "/line/%zu", line);
+    return bf_fail(err, BF_EINPUT, pointer, "%s", text);
+}
+
+static bf_status read_row(piece row, size_t column, size_t line, bf_buffer *t, bf_buffer *parts,
+                          bf_error *err)
+{
+    char text[64];
+    piece cell = trim(take_until(&row, ','));
+    double time;
+    double count;
+
+    if (number_read(cell.from, cell.n, &time) != 0)
+        return fail_line(err, line, "the time is not a number");
+    for (size_t k = 0; k < column; k++)
+        cell = trim(take_until(&row, ','));
+    snprintf(text, sizeof text, "column %zu is not a number", column + 1);
+    if (number_read(cell.from, cell.n, &count) != 0)
+        return fail_line(err, line, text);
+    if (buffer_append(t, &time, sizeof time) != BF_OK ||
+        buffer_append(parts, &count, sizeof count) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return BF_OK;
+}
+
+// The text as a piece, without the mark that some programs put before UTF-8.
+static piece begin_text(const char *text, size_t n)
+{
+    static const char mark[] = "\xef\xbb\xbf";
+    size_t n_mark = sizeof mark - 1;
+
+    if (n >= n_mark && memcmp(text, mark, n_mark) == 0)
+        return (piece){ text + n_mark, n - n_mark };
+    return (piece){ text == NULL ? "" : text, n };
+}
+
+bf_status results_read_curve_column(const char *text, size_t n, char *ret_name, bf_error *err)
+{
+    piece rest = begin_text(text, n);
+    piece header = trim(take_until(&rest, '\n'));
+
+    piece time = trim(take_until(&header, ','));
+    piece name = trim(take_until(&header, ','));
+    if (!is_text(time, "t_s") || name.n == 0 || name.n >= SCENE_ID_SIZE)
+        return fail_line(err, 1, "must be \"t_s,count\" or \"t_s,<counter>\"");
+    memcpy(ret_name, name.from, name.n);
+    ret_name[name.n] = '\0';
+    return BF_OK;
+}
+
+static bf_status note_line(bf_buffer *lines, size_t line, bf_error *err)
+{
+    if (lines == NULL || buffer_append(lines, &line, sizeof line) == BF_OK)
+        return BF_OK;
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_buffer *t,
+                                 bf_buffer *parts, bf_buffer *lines, bf_error *err)
+{
+    piece rest = begin_text(text, n);
+    char wanted[SCENE_ID_SIZE + 48];
+    size_t n_t = t->n, n_parts = parts->n, n_lines = lines == NULL ? 0 : lines->n;
+    bf_status status = BF_OK;
+
+    snprintf(wanted, sizeof wanted, "must be \"t_s,%.*s\" or have more columns", SCENE_ID_SIZE,
+             id == NULL ? "<id>" : id);
+    size_t column = find_column(trim(take_until(&rest, '\n')), id);
+    if (column == 0)
+        return fail_line(err, 1, wanted);
+    for (size_t line = 2; rest.n > 0 && status == BF_OK; line++) {
+        piece row = trim(take_until(&rest, '\n'));
+        if (row.n == 0)
+            continue;
+        status = read_row(row, column, line, t, parts, err);
+        if (status == BF_OK)
+            status = note_line(lines, line, err);
+    }
+    if (status != BF_OK) {
+        buffer_truncate(t, n_t);
+        buffer_truncate(parts, n_parts);
+        if (lines != NULL)
+            buffer_truncate(lines, n_lines);
+    }
+    return status;
+}

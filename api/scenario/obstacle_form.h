@@ -1,0 +1,24 @@
+/// The ways to say where an obstacle is: `path_m`, `from_m` with `to_m`, or `end_m` with
+/// `angle_deg` and `length_m`. All become the path of scene_obstacle.
+
+#pragma once
+
+#include "api/json/json_in.h"
+#include "core/scene/scene.h"
+
+/// What the members of the two shorter forms are read into.
+typedef struct obstacle_form {
+    scene_point end;  ///< end_m, m
+    double angle;     ///< angle_deg, from the x axis, degrees
+    double length;    ///< length_m, m, > 0
+    scene_point from; ///< from_m, m
+    scene_point to;   ///< to_m, m
+} obstacle_form;
+
+/// The names of the members of each form; both lists end with NULL. The first name of a form stands
+/// for it in texts.
+extern const char *const *const obstacle_form_members[];
+
+/// Read the form that the object has into the path of *obstacle, a scene_obstacle. It is a fault if
+/// there is not exactly one form, or half of one.
+void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle);

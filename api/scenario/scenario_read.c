@@ -1,0 +1,68 @@
+#include "api/scenario/scenario.h"
+
+#include "api/json/members.h"
+#include "api/scenario/scenario_members.h"
+#include "api/scenario/scenario_priv.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Faults of core point into the scenario, which may be a member of a larger document.
+static void prefix_pointer(bf_error *fault, const char *prefix)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    memcpy(pointer, fault->pointer, sizeof pointer);
+    size_t n = (size_t)snprintf(fault->pointer, sizeof fault->pointer, "%s", prefix);
+    snprintf(fault->pointer + n, sizeof fault->pointer - n, "%s", pointer);
+}
+
+static void prefix_pointers(json_in *in, size_t n_kept)
+{
+    for (size_t k = n_kept; k < faults_kept(in->faults); k++)
+        prefix_pointer(&in->faults->items[k], in->pointer.text);
+}
+
+bool scenario__complete(json_in *in, scene *s)
+{
+    size_t n_kept = faults_kept(in->faults);
+    size_t n_faults = in->faults->n;
+
+    if (scene_resolve(s, NULL) != BF_OK) {
+        in->has_failed = true;
+        return false;
+    }
+    scene_check(s, in->faults);
+    prefix_pointers(in, n_kept);
+    return in->faults->n == n_faults;
+}
+
+void scenario__check_model(json_in *in, const scene *s, run_model model)
+{
+    size_t n_kept = faults_kept(in->faults);
+
+    run_check(s, model, in->faults);
+    prefix_pointers(in, n_kept);
+}
+
+bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults *faults,
+                        bf_error *err)
+{
+    json_in in = json_in_to(faults);
+    struct json_t *root = json_in_parse(&in, json, n);
+    scene s;
+
+    if (root == NULL)
+        return json_in_status(&in, err);
+    scene_init(&s);
+    members_read(&in, root, &scenario_members, &s);
+    json_in_free(root);
+    bf_status status = json_in_status(&in, err);
+    if (status == BF_OK && !scenario__complete(&in, &s))
+        status = json_in_status(&in, err);
+    if (status == BF_OK)
+        *ret_scene = s;
+    else
+        scene_fini(&s);
+    return status;
+}

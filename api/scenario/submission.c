@@ -1,0 +1,135 @@
+#include "api/scenario/submission.h"
+
+#include "api/json/members.h"
+#include "api/scenario/scenario.h"
+#include "api/scenario/scenario_members.h"
+#include "api/scenario/scenario_priv.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// What the body is read into.
+typedef struct body {
+    scene scenario;
+    run_model model;
+    char label[API_LABEL_SIZE];
+    int priority;
+    bool is_fresh;
+} body;
+
+static const member_range priorities = { .text = "-100 to 100",
+                                         .minimum = -API_PRIORITY_MAX,
+                                         .maximum = API_PRIORITY_MAX };
+
+static const member members[] = {
+    { .name = "scenario",
+      .kind = MEMBER_OBJECT,
+      .offset = offsetof(body, scenario),
+      .table = &scenario_members,
+      .help = "what to solve" },
+    { .name = "model",
+      .kind = MEMBER_WORD,
+      .offset = offsetof(body, model),
+      .standard = "macro",
+      .words = run_model_words,
+      .help = "which solver" },
+    { .name = "label",
+      .kind = MEMBER_TEXT,
+      .offset = offsetof(body, label),
+      .limit = API_LABEL_SIZE,
+      .standard = "empty",
+      .help = "the client's own name of the run" },
+    { .name = "priority",
+      .kind = MEMBER_PRIORITY,
+      .offset = offsetof(body, priority),
+      .range = &priorities,
+      .standard = "0",
+      .help = "higher ones first" },
+    { .name = "fresh",
+      .kind = MEMBER_BOOL,
+      .offset = offsetof(body, is_fresh),
+      .standard = "false",
+      .help = "solve it even if the results are known" },
+};
+
+const member_table submission_members = { .title = "submission",
+                                          .n = sizeof members / sizeof *members,
+                                          .members = members };
+
+static bool check_model(json_in *in, run_model model)
+{
+    if (run_model_is_available(model))
+        return true;
+    size_t mark = json_pointer_enter(&in->pointer, "model", strlen("model"));
+    json_in_fault(in, "this build does not have the model \"%s\"", run_model_words[model]);
+    json_pointer_leave(&in->pointer, mark);
+    return false;
+}
+
+static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_error *err)
+{
+    members_read(in, root, &submission_members, b);
+    if (in->has_failed || in->faults->n > 0)
+        return json_in_status(in, err);
+    bool has_model = check_model(in, b->model);
+    size_t mark = json_pointer_enter(&in->pointer, "scenario", strlen("scenario"));
+    if (scenario__complete(in, &b->scenario) && has_model)
+        scenario__check_model(in, &b->scenario, b->model);
+    json_pointer_leave(&in->pointer, mark);
+    return json_in_status(in, err);
+}
+
+// A name is for people: scenarios that differ in nothing else have the same results.
+static bf_status write_identity(const scene *s, bf_buffer *out, bf_error *err)
+{
+    scene nameless = *s;
+
+    nameless.name[0] = '\0';
+    return scenario_write(&nameless, out, err);
+}
+
+static bf_status make_submission(const body *b, api_submission *ret_submission, bf_error *err)
+{
+    api_submission made = { .model = b->model, .priority = b->priority, .is_fresh = b->is_fresh };
+
+    snprintf(made.label, sizeof made.label, "%s", b->label);
+    snprintf(made.name, sizeof made.name, "%s", b->scenario.name);
+    bf_status status = scenario_write(&b->scenario, &made.scenario, err);
+    if (status == BF_OK)
+        status = scenario_columns(&b->scenario, &made.columns, err);
+    if (status == BF_OK)
+        status = write_identity(&b->scenario, &made.identity, err);
+    if (status == BF_OK)
+        *ret_submission = made;
+    else
+        submission_fini(&made);
+    return status;
+}
+
+bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
+                          bf_faults *faults, bf_error *err)
+{
+    json_in in = json_in_to(faults);
+    struct json_t *root = json_in_parse(&in, json, n);
+    body b = { .model = RUN_MACRO };
+
+    if (root == NULL)
+        return json_in_status(&in, err);
+    scene_init(&b.scenario);
+    bf_status status = read_body(&in, root, &b, err);
+    json_in_free(root);
+    if (status == BF_OK)
+        status = make_submission(&b, ret_submission, err);
+    scene_fini(&b.scenario);
+    return status;
+}
+
+void submission_fini(api_submission *submission)
+{
+    if (submission == NULL)
+        return;
+    buffer_fini(&submission->scenario);
+    buffer_fini(&submission->columns);
+    buffer_fini(&submission->identity);
+    *submission = (api_submission){ 0 };
+}

@@ -1,0 +1,28 @@
+/// What a client submits: a scenario with the model to solve it with, as the body of a POST.
+///
+///     {"scenario": {...}, "model": "macro", "label": "...", "priority": 0, "fresh": false}
+///
+/// Reading is as strict as scenario_read(); pointers are those of the body ("/scenario/belts/0").
+/// `model` ("macro"), `label` (""), `priority` (0) and `fresh` (false) may be left out.
+
+#pragma once
+
+#include "api/json/members.h"
+#include "api/services.h"
+#include "core/base/faults.h"
+
+#include <stddef.h>
+
+/// The body as a table. Its struct is the reader's own.
+extern const member_table submission_members;
+
+/// Read a body, resolve and check its scenario. All faults that can be found are noted in *faults.
+/// BF_OK: *ret_submission has the resolved document, its identity and the columns of its curve (no
+/// key) and is the caller's, submission_fini(). Else the status of the first fault, or BF_ENOMEM, and
+/// *ret_submission is untouched. Text that is not JSON is one fault with pointer "" and line and
+/// column in its text. *faults must be empty before; the caller limits n.
+BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
+                                        bf_faults *faults, bf_error *err);
+
+/// Free what a submission owns and zero it. NULL is fine.
+void submission_fini(api_submission *submission);

@@ -1,0 +1,312 @@
+// A polytope of triangles inside a - b grows at the side that is nearest to the origin, until that
+// side lies on the border of a - b: the way out is then the shortest.
+
+#include "core/convex/gjk_priv.h"
+
+#include <float.h>
+
+enum { POINTS_MAX = 256, FACES_MAX = 1024, NO_FACE = -1 };
+
+/// Relative to the size of the difference: a side that can be moved by less is on the border.
+#define ROUNDING 1e-14
+
+/// A triangle, counter-clockwise as seen from outside.
+typedef struct side {
+    int corner[3];    // points
+    int neighbour[3]; // the side beyond corner[k], corner[k + 1]
+    vec3 normal;
+    double distance; // of its plane from the origin; DBL_MAX where it has no area
+    bool is_dropped;
+} side;
+
+typedef struct polytope {
+    const gjk_pair *pair;
+    double size;
+    int n_points, n_sides, n_rim;
+    gjk__point point[POINTS_MAX];
+    side sides[FACES_MAX];
+    int rim_side[FACES_MAX], rim_edge[FACES_MAX]; // what new sides will stand on, in order
+} polytope;
+
+static void set_plane(polytope *p, side *s)
+{
+    vec3 a = p->point[s->corner[0]].at;
+    vec3 ab = vec3_sub(p->point[s->corner[1]].at, a), ac = vec3_sub(p->point[s->corner[2]].at, a);
+    vec3 across = vec3_cross(ab, ac);
+    double length = vec3_length(across);
+
+    s->distance = DBL_MAX;
+    s->normal = (vec3){ 0.0, 0.0, 0.0 };
+    if (length <= ROUNDING * p->size * p->size)
+        return;
+    s->normal = vec3_scale(across, 1.0 / length);
+    s->distance = vec3_dot(s->normal, a);
+}
+
+static bool is_seen(const side *s, vec3 from, double margin)
+{
+    return s->distance != DBL_MAX && vec3_dot(s->normal, from) - s->distance > margin;
+}
+
+/// Drop the sides that are seen from a point, from the one that is entered over an edge on, and
+/// note the edges around them in order.
+static void drop_seen(polytope *p, int at, int entered, vec3 from, double margin)
+{
+    side *s = &p->sides[at];
+
+    s->is_dropped = true;
+    for (int turn = entered < 0 ? 0 : 1; turn < 3; turn++) {
+        int edge = (entered < 0 ? turn : entered + turn) % 3, next = s->neighbour[edge];
+        const side *beyond = &p->sides[next];
+        if (beyond->is_dropped)
+            continue;
+        if (!is_seen(beyond, from, margin)) {
+            p->rim_side[p->n_rim] = at;
+            p->rim_edge[p->n_rim++] = edge;
+            continue;
+        }
+        int entry = beyond->neighbour[0] == at ? 0 : beyond->neighbour[1] == at ? 1 : 2;
+        drop_seen(p, next, entry, from, margin);
+    }
+}
+
+/// True if the rim is one closed way.
+static bool is_closed(const polytope *p)
+{
+    for (int k = 0; k < p->n_rim; k++) {
+        int next = (k + 1) % p->n_rim;
+        const side *s = &p->sides[p->rim_side[k]], *t = &p->sides[p->rim_side[next]];
+        if (s->corner[(p->rim_edge[k] + 1) % 3] != t->corner[p->rim_edge[next]])
+            return false;
+    }
+    return p->n_rim >= 3;
+}
+
+/// Stand new sides on the rim, with their tip in the last point.
+static void close_up(polytope *p)
+{
+    int first = p->n_sides, n = p->n_rim;
+
+    for (int k = 0; k < n; k++) {
+        const side *old = &p->sides[p->rim_side[k]];
+        int edge = p->rim_edge[k], beyond = old->neighbour[edge];
+        side *s = &p->sides[first + k];
+        *s = (side){ { old->corner[edge], old->corner[(edge + 1) % 3], p->n_points - 1 },
+                     { beyond, first + (k + 1) % n, first + (k + n - 1) % n },
+                     { 0.0, 0.0, 0.0 },
+                     0.0,
+                     false };
+        side *there = &p->sides[beyond];
+        for (int m = 0; m < 3; m++)
+            if (there->corner[m] == s->corner[1] && there->corner[(m + 1) % 3] == s->corner[0])
+                there->neighbour[m] = first + k;
+        set_plane(p, s);
+    }
+    p->n_sides += n;
+}
+
+/// Add a point beyond a side. Returns false if there is no room, or rounding spoils the rim; the
+/// sides are then as good as they were.
+static bool grow(polytope *p, int at, gjk__point point)
+{
+    double margin = ROUNDING * p->size;
+
+    if (p->n_points == POINTS_MAX)
+        return false;
+    p->n_rim = 0;
+    drop_seen(p, at, -1, point.at, margin);
+    if (p->n_sides + p->n_rim > FACES_MAX || !is_closed(p))
+        return false;
+    p->point[p->n_points++] = point;
+    close_up(p);
+    return true;
+}
+
+static int nearest_side(const polytope *p)
+{
+    int found = NO_FACE;
+
+    for (int k = 0; k < p->n_sides; k++)
+        if (!p->sides[k].is_dropped && p->sides[k].distance != DBL_MAX &&
+            (found == NO_FACE || p->sides[k].distance < p->sides[found].distance))
+            found = k;
+    return found;
+}
+
+/// Directions in which a simplex that is flat may find a point outside it.
+static int list_directions(const polytope *p, vec3 *ret_directions)
+{
+    vec3 a = p->point[0].at;
+
+    if (p->n_points == 1) {
+        for (int k = 0; k < 6; k++)
+            ret_directions[k] = (vec3){ k == 0   ? 1.0
+                                        : k == 1 ? -1.0
+                                                 : 0.0,
+                                        k == 2   ? 1.0
+                                        : k == 3 ? -1.0
+                                                 : 0.0,
+                                        k == 4   ? 1.0
+                                        : k == 5 ? -1.0
+                                                 : 0.0 };
+        return 6;
+    }
+    vec3 along = vec3_sub(p->point[1].at, a);
+    if (p->n_points == 3) {
+        vec3 normal = vec3_unit(vec3_cross(along, vec3_sub(p->point[2].at, a)));
+        ret_directions[0] = normal;
+        ret_directions[1] = vec3_scale(normal, -1.0);
+        return 2;
+    }
+    vec3 u = vec3_aside(vec3_unit(along)), v = vec3_cross(vec3_unit(along), u);
+    for (int k = 0; k < 6; k++)
+        ret_directions[k] = vec3_along(vec3_scale(u, cos(M_PI / 3.0 * k)), sin(M_PI / 3.0 * k), v);
+    return 6;
+}
+
+/// How far a point stands out of the simplex of the points so far: off the point, the line, the
+/// plane.
+static double measure_off(const polytope *p, vec3 at)
+{
+    vec3 a = p->point[0].at, to = vec3_sub(at, a);
+
+    if (p->n_points == 1)
+        return vec3_length(to);
+    vec3 along = vec3_unit(vec3_sub(p->point[1].at, a));
+    if (p->n_points == 2)
+        return vec3_length(vec3_cross(along, to));
+    return fabs(vec3_dot(vec3_unit(vec3_cross(along, vec3_sub(p->point[2].at, a))), to));
+}
+
+/// Make a tetrahedron of the points so far. Returns false if the whole difference is flat.
+static bool fill_up(polytope *p)
+{
+    vec3 directions[6];
+
+    while (p->n_points < 4) {
+        int n = list_directions(p, directions);
+        gjk__point best = p->point[0];
+        double farthest = 0.0;
+        for (int k = 0; k < n; k++) {
+            gjk__point trial = gjk__support(p->pair, directions[k]);
+            double off = measure_off(p, trial.at);
+            if (off > farthest) {
+                farthest = off;
+                best = trial;
+            }
+        }
+        if (farthest <= 1e3 * ROUNDING * p->size)
+            return false;
+        p->point[p->n_points++] = best;
+    }
+    return true;
+}
+
+static void take_simplex(polytope *p, const gjk__simplex *start)
+{
+    p->n_points = 0;
+    for (int k = 0; k < start->n; k++)
+        if (p->n_points == 0 || measure_off(p, start->point[k].at) > 1e3 * ROUNDING * p->size)
+            p->point[p->n_points++] = start->point[k];
+}
+
+static void make_tetrahedron(polytope *p)
+{
+    static const int corners[4][3] = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 2 }, { 0, 2, 3 } };
+    static const int neighbours[4][3] = { { 1, 2, 3 }, { 3, 2, 0 }, { 1, 3, 0 }, { 0, 2, 1 } };
+    vec3 a = p->point[0].at;
+    vec3 normal = vec3_cross(vec3_sub(p->point[1].at, a), vec3_sub(p->point[2].at, a));
+
+    if (vec3_dot(normal, vec3_sub(p->point[3].at, a)) > 0.0) {
+        gjk__point swap = p->point[1];
+        p->point[1] = p->point[2];
+        p->point[2] = swap;
+    }
+    p->n_sides = 4;
+    for (int k = 0; k < 4; k++) {
+        side *s = &p->sides[k];
+        *s = (side){ { corners[k][0], corners[k][1], corners[k][2] },
+                     { neighbours[k][0], neighbours[k][1], neighbours[k][2] },
+                     { 0.0, 0.0, 0.0 },
+                     0.0,
+                     false };
+        set_plane(p, s);
+    }
+}
+
+/// Shares of a point in the plane of a side; returns the least of them.
+static double find_shares(const polytope *p, const side *s, vec3 at, double *ret_shares)
+{
+    double sum = 0.0;
+
+    for (int k = 0; k < 3; k++) {
+        vec3 to_next = vec3_sub(p->point[s->corner[(k + 1) % 3]].at, at);
+        vec3 to_last = vec3_sub(p->point[s->corner[(k + 2) % 3]].at, at);
+        ret_shares[k] = vec3_dot(vec3_cross(to_next, to_last), s->normal);
+        sum += ret_shares[k];
+    }
+    for (int k = 0; k < 3; k++)
+        ret_shares[k] /= sum;
+    return fmin(ret_shares[0], fmin(ret_shares[1], ret_shares[2]));
+}
+
+/// The touch at the foot of the origin on a side. A face of the difference may be several sides in
+/// one plane: the witnesses are those of the one that has the foot in it.
+static gjk_touch touch_at(const polytope *p, const side *best)
+{
+    vec3 foot = vec3_scale(best->normal, best->distance);
+    double shares[3], trial[3], most = find_shares(p, best, foot, shares), slack = 1e-12;
+    const side *holder = best;
+    gjk__point points[3];
+
+    for (int k = 0; k < p->n_sides && most < 0.0; k++) {
+        const side *s = &p->sides[k];
+        bool is_in_plane = !s->is_dropped && s->distance - best->distance < slack * p->size &&
+                           vec3_dot(s->normal, best->normal) > 1.0 - slack;
+        if (is_in_plane && find_shares(p, s, foot, trial) > most) {
+            holder = s;
+            most = find_shares(p, s, foot, shares);
+        }
+    }
+    for (int k = 0; k < 3; k++)
+        points[k] = p->point[holder->corner[k]];
+    gjk_touch touch = gjk__touch_of(p->pair, points, shares, 3);
+    touch.distance = -best->distance;
+    touch.normal = best->normal;
+    return touch;
+}
+
+/// Points and lines that touch: no depth, and any direction at right angles to them is as good.
+static gjk_touch touch_flat(const polytope *p, vec3 axis)
+{
+    double length = vec3_length(axis);
+    gjk_touch touch = gjk__touch_of(p->pair, p->point, (double[]){ 1.0 }, 1);
+
+    touch.normal = length > 0.0 ? vec3_scale(axis, 1.0 / length) : (vec3){ 1.0, 0.0, 0.0 };
+    if (p->n_points == 2)
+        touch.normal = vec3_aside(vec3_unit(vec3_sub(p->point[1].at, p->point[0].at)));
+    if (p->n_points == 3)
+        touch.normal = vec3_unit(vec3_cross(vec3_sub(p->point[1].at, p->point[0].at),
+                                            vec3_sub(p->point[2].at, p->point[0].at)));
+    return touch;
+}
+
+gjk_touch gjk__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 axis)
+{
+    polytope p;
+
+    p.pair = pair;
+    p.size = gjk__size(pair);
+    take_simplex(&p, start);
+    if (!fill_up(&p))
+        return touch_flat(&p, axis);
+    make_tetrahedron(&p);
+    side best = p.sides[nearest_side(&p)];
+    for (int at = nearest_side(&p); at != NO_FACE; at = nearest_side(&p)) {
+        best = p.sides[at];
+        gjk__point point = gjk__support(pair, best.normal);
+        if (!is_seen(&best, point.at, ROUNDING * p.size) || !grow(&p, at, point))
+            break;
+    }
+    return touch_at(&p, &best);
+}

@@ -1,0 +1,156 @@
+// A kind of part: its hull in the frame of its principal axes, and the laws of its contacts.
+
+#include "core/micro/body/body_priv.h"
+
+#include "core/base/memory.h"
+#include "core/scene/shape.h"
+
+#include <math.h>
+
+/// Cosine of the angle within which a face looks down.
+#define FLAT (1.0 - 1e-9)
+
+static hull_mass mass_of(const scene_shape *shape, const hull *h)
+{
+    double r = shape->radius, height = shape->height;
+    double across = (3.0 * r * r + height * height) / 12.0;
+
+    if (shape->type != SCENE_CYLINDER)
+        return hull_measure(h);
+    return (
+        hull_mass){ M_PI * r * r * height,
+                    { 0.0, 0.0, 0.0 },
+                    { { { across, 0.0, 0.0 }, { 0.0, across, 0.0 }, { 0.0, 0.0, 0.5 * r * r } } } };
+}
+
+static void add_product(mat3 *m, double factor, vec3 a)
+{
+    m->row[0] = vec3_along(m->row[0], factor * a.x, a);
+    m->row[1] = vec3_along(m->row[1], factor * a.y, a);
+    m->row[2] = vec3_along(m->row[2], factor * a.z, a);
+}
+
+/// Shares as manifold.h has them: half the sides that meet in a corner by the outline.
+static body_face weigh_face(const hull *h, size_t number)
+{
+    const uint8_t *corner = &h->corner[h->first[number]];
+    size_t n = (size_t)(h->first[number + 1] - h->first[number]);
+    body_face face = { .radius = 0.0 };
+    double share[SCENE_VERTICES_MAX], outline = 0.0;
+
+    for (size_t k = 0; k < n; k++) {
+        vec3 at = hull_vertex(h, corner[k]), last = hull_vertex(h, corner[(k + n - 1) % n]);
+        vec3 next = hull_vertex(h, corner[(k + 1) % n]);
+        share[k] = vec3_length(vec3_sub(at, last)) + vec3_length(vec3_sub(next, at));
+        outline += share[k];
+    }
+    for (size_t k = 0; k < n; k++)
+        face.centre = vec3_along(face.centre, share[k] / outline, hull_vertex(h, corner[k]));
+    for (size_t k = 0; k < n; k++) {
+        vec3 off = vec3_sub(hull_vertex(h, corner[k]), face.centre);
+        add_product(&face.spread, share[k] / outline, off);
+        face.skew = vec3_along(face.skew, share[k] / outline * vec3_dot(off, off), off);
+        face.radius = fmax(face.radius, vec3_length(off));
+    }
+    return face;
+}
+
+static void find_laws(const micro_def *def, const scene_material *material, body_kind *kind)
+{
+    double poisson = material->poisson_ratio, reduction = def->modulus_reduction;
+
+    kind->softness = (1.0 - poisson * poisson) * reduction / material->young_modulus;
+    kind->floor = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material, &def->conveyor,
+                                      reduction, kind->radius);
+    kind->solid = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material, &def->handling,
+                                      reduction);
+}
+
+/// Radius of gyration of the pressure under a body that lies flat on the face that looks down. One
+/// that stands on an edge or a corner at the start is given that of a disk of the same area.
+static double find_flat_gyration(const body_kind *kind, vec3 down)
+{
+    const hull *h = &kind->shape;
+    size_t face = hull_facing(h, hull_support(h, down), down);
+    const mat3 *spread = &kind->faces[face].spread;
+
+    return vec3_dot(h->normal[face], down) > FLAT
+               ? sqrt(spread->row[0].x + spread->row[1].y + spread->row[2].z)
+               : M_SQRT1_2 * kind->radius;
+}
+
+bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kind *ret_kind,
+                          bf_error *err)
+{
+    const scene_shape *shape = &from->shape;
+    const vec3 down = { 0.0, 0.0, -1.0 };
+    body_kind *kind = ret_kind;
+    vec3 moments;
+
+    bf_status status = hull_of_shape(shape, &kind->shape, err);
+    if (status != BF_OK)
+        return status;
+    kind->mass = from->mass;
+    kind->spin_radius = from->spin_radius;
+    kind->is_round = shape->type == SCENE_CYLINDER;
+    kind->radius = kind->is_round ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
+    kind->half_height = kind->is_round ? 0.5 * shape->height : 0.0;
+    kind->bottom = hull_vertex(&kind->shape, hull_support(&kind->shape, down)).z;
+    hull_mass mass = mass_of(shape, &kind->shape);
+    mat3 axes = hull_principal_axes(&mass.inertia, &moments);
+    kind->centre = mass.centre;
+    kind->inertia = vec3_scale(moments, kind->mass);
+    kind->turn = quat_of_mat3(&axes);
+    hull_move(&kind->shape, kind->centre, &axes);
+    for (size_t face = 0; face < kind->shape.n_faces; face++)
+        kind->faces[face] = weigh_face(&kind->shape, face);
+    kind->flat_gyration = find_flat_gyration(kind, mat3_apply_back(&axes, down));
+    find_laws(def, &from->material, kind);
+    return BF_OK;
+}
+
+/// The most that a dashpot of strength 1 slows a body by turning it about one of its axes, 1/kg:
+/// lever squared by moment of inertia.
+static double find_turning(const body_kind *kind)
+{
+    const hull *h = &kind->shape;
+    double most = 0.0;
+
+    for (size_t k = 0; k < h->n_vertices; k++) {
+        vec3 at = hull_vertex(h, k);
+        most = fmax(most, (at.y * at.y + at.z * at.z) / kind->inertia.x);
+        most = fmax(most, (at.x * at.x + at.z * at.z) / kind->inertia.y);
+        most = fmax(most, (at.x * at.x + at.y * at.y) / kind->inertia.z);
+    }
+    return most;
+}
+
+// The step is stable while 2 d dt + k dt^2 < 4, where d and k are dashpot and stiffness per mass of
+// the fastest motion. In a packing that is a part against six neighbours which move the other way,
+// and which it also meets with both its ends; on the belt a part that stands on one end.
+double body__dt_stable(const micro_def *def)
+{
+    const scene_contact *contact = def->contact;
+    double damping =
+        fmax(contact[SCENE_CARGO_CARGO].damping, contact[SCENE_HANDLING_CARGO].damping);
+    double dashpot = 0.0, spring = 0.0;
+    body_kind *kind = memory_alloc(1, sizeof *kind);
+
+    for (size_t k = 0; kind != NULL && k < def->n_kinds; k++) {
+        const scene_material *material = &def->kinds[k].material;
+        if (body__kind_init(def, &def->kinds[k], kind, NULL) != BF_OK)
+            continue;
+        double packed = 6.0 / kind->mass + 2.0 * find_turning(kind);
+        double lying = 1.0 / kind->mass + find_turning(kind);
+        double stiffness = kind->solid.stiffness;
+        for (size_t m = 0; m < def->n_kinds; m++)
+            stiffness =
+                fmax(stiffness, contact_law_of_line(&contact[SCENE_CARGO_CARGO], material,
+                                                    &def->kinds[m].material, def->modulus_reduction)
+                                    .stiffness);
+        dashpot = fmax(dashpot, fmax(damping * packed, kind->floor.damping * lying));
+        spring = fmax(spring, fmax(stiffness * packed, kind->floor.stiffness * lying));
+    }
+    memory_free(kind);
+    return 4.0 / (dashpot + sqrt(dashpot * dashpot + 4.0 * spring));
+}

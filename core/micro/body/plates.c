@@ -1,0 +1,361 @@
+// Plates and walls. A segment of an obstacle is a plate of its own, without end upwards; a wall is
+// a half space.
+//
+// While the centre of a body is between the ends of a plate, the side of the plate on which it is
+// pushes it back, however thin the plate and however deep the body is in it. Near the ends the
+// least depth counts.
+
+#include "core/micro/body/body_priv.h"
+
+#include "core/base/memory.h"
+#include "core/scene/geometry.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CELLS_A_SIDE_MAX = 256 };
+
+/// A sine below this, between belt and plate, is rounding: they are parallel.
+#define PARALLEL 1e-12
+
+/// Most looks of a cell at a plate when the map is made. Where cells grow together to keep to it,
+/// one is left at last: it must not be smaller.
+#define LOOKS_MAX 1e8
+
+/// Half the height of the cuboid that stands for a plate near a body, in radii of the body.
+#define TALL 8.0
+
+static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, size_t k)
+{
+    scene_point start = obstacle->path[k], to = geometry_subtract(obstacle->path[k + 1], start);
+    scene_point middle = geometry_add(start, geometry_scale(to, 0.5));
+    double length = geometry_length(to), half = 0.5 * obstacle->thickness;
+    vec3 belt, along = { to.x / length, to.y / length, 0.0 };
+    (void)body__belt_at(s, middle.x, middle.y, &belt);
+    vec3 left = { -along.y, along.x, 0.0 };
+    bool is_downstream = vec3_dot(left, belt) > PARALLEL * vec3_length(belt);
+    vec3 across = is_downstream ? vec3_scale(left, -1.0) : left;
+
+    return (body_plate){ vec3_along((vec3){ middle.x, middle.y, 0.0 }, -half, across), along,
+                         across, 0.5 * length, half };
+}
+
+/// Distance from a point of the plane to a plate, 0 inside.
+static double distance_to(const body_plate *plate, double x, double y)
+{
+    vec3 to = { x - plate->middle.x, y - plate->middle.y, 0.0 };
+    double a = fmax(0.0, fabs(vec3_dot(to, plate->along)) - plate->half_length);
+    double c = fmax(0.0, fabs(vec3_dot(to, plate->across)) - plate->half_thickness);
+
+    return sqrt(a * a + c * c);
+}
+
+/// Column or row of a coordinate, moved into the map.
+static size_t find_cell(double value, double low, double edge, size_t n)
+{
+    double cell = floor((value - low) / edge);
+
+    return cell > 0.0 ? (cell < (double)n ? (size_t)cell : n - 1) : 0;
+}
+
+/// List the plates that a part with its centre in a cell may touch.
+static bf_status map_cell(body_state *s, size_t i, size_t j, size_t *n)
+{
+    body_map *map = &s->map;
+    double x = map->x_min + ((double)i + 0.5) * map->edge;
+    double y = map->y_min + ((double)j + 0.5) * map->edge;
+    double range = s->map_range + map->edge;
+
+    map->first[j * map->n_x + i] = *n;
+    for (size_t k = 0; k < s->n_plates; k++) {
+        if (distance_to(&s->plates[k], x, y) > range)
+            continue;
+        if (memory_reserve(&map->plate, &map->capacity, *n + 1, sizeof *map->plate) != 0)
+            return BF_ENOMEM;
+        map->plate[(*n)++] = (uint32_t)k;
+    }
+    return BF_OK;
+}
+
+/// Cells as large as parts, but no more of them than can be looked at in a moment.
+static bf_status make_map(body_state *s, const scene_rect *domain)
+{
+    double width = domain->x_max - domain->x_min, height = domain->y_max - domain->y_min;
+    double least = fmax(width, height) / CELLS_A_SIDE_MAX;
+    body_map *map = &s->map;
+    size_t n = 0;
+
+    map->x_min = domain->x_min;
+    map->y_min = domain->y_min;
+    map->edge = fmax(2.0 * s->reach_max, least);
+    while (ceil(width / map->edge) * ceil(height / map->edge) * (double)s->n_plates > LOOKS_MAX)
+        map->edge *= 2.0;
+    map->n_x = (size_t)fmax(1.0, ceil(width / map->edge));
+    map->n_y = (size_t)fmax(1.0, ceil(height / map->edge));
+    map->first = memory_alloc(map->n_x * map->n_y + 1, sizeof *map->first);
+    if (map->first == NULL)
+        return BF_ENOMEM;
+    for (size_t j = 0; j < map->n_y; j++)
+        for (size_t i = 0; i < map->n_x; i++)
+            if (map_cell(s, i, j, &n) != BF_OK)
+                return BF_ENOMEM;
+    map->first[map->n_x * map->n_y] = n;
+    return BF_OK;
+}
+
+bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        n += def->obstacles[k].n_points - 1;
+    if (n == 0)
+        return BF_OK;
+    s->plates = memory_alloc(n, sizeof *s->plates);
+    s->near = memory_alloc(def->n_parts, sizeof *s->near);
+    if (s->plates == NULL || s->near == NULL)
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        for (size_t m = 0; m + 1 < def->obstacles[k].n_points; m++)
+            s->plates[s->n_plates++] = make_plate(s, &def->obstacles[k], m);
+    if (make_map(s, &def->domain) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+    return BF_OK;
+}
+
+void body__plates_fini(body_state *s)
+{
+    memory_free(s->plates);
+    memory_free(s->near);
+    memory_free(s->map.first);
+    memory_free(s->map.plate);
+}
+
+/// What body__solids_push() adds to.
+typedef struct solids_push {
+    const body_state *s;
+    body_load *load;
+    body_report *report;
+} solids_push;
+
+/// Push part k in a contact point of something at rest. Returns true if it presses.
+static bool push_point(const body_state *s, size_t k, const micro_law *law, vec3 normal,
+                       const manifold_point *point, body_load *load)
+{
+    const body_body *body = &s->bodies[k];
+    vec3 velocity = body__velocity(body, point->at);
+    double approach = vec3_dot(velocity, normal);
+    double press = body__press(s, law, point->depth, point->share, approach);
+
+    if (press == 0.0)
+        return false;
+    vec3 rub = body__rub(law, press, vec3_along(velocity, -approach, normal));
+    body__push(load, body, point->at, vec3_along(rub, press, normal));
+    return true;
+}
+
+/// Push part k in all points of its region.
+static void push_region(void *context, size_t k, const micro_law *law, uint32_t solid,
+                        const body_region *region)
+{
+    const solids_push *push = context;
+    double depth = 0.0;
+
+    (void)solid;
+    for (size_t m = 0; region->is_round && m < region->n_spots; m++) {
+        const body_spot *spot = &region->spots[m];
+        manifold_point point = { spot->at, spot->depth, spot->share };
+        if (push_point(push->s, k, law, spot->normal, &point, push->load))
+            depth = fmax(depth, point.depth);
+    }
+    for (size_t m = 0; !region->is_round && m < region->hull.n; m++)
+        if (push_point(push->s, k, law, region->hull.normal, &region->hull.point[m], push->load))
+            depth = region->hull.depth;
+    if (depth > 0.0)
+        body__note(push->report, depth, push->s->kinds[push->s->bodies[k].kind].radius);
+}
+
+void body__find_at_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
+                         double near, body_region *ret_region)
+{
+    ret_region->is_round =
+        body__round_plane(s, body, plane, near, ret_region->spots, &ret_region->n_spots);
+    if (!ret_region->is_round)
+        manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, plane, near,
+                          &ret_region->hull);
+}
+
+/// Try the side of a plate that a body is on. Returns true if its contact is there.
+static bool find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
+                         double near, manifold *m)
+{
+    vec3 to = vec3_sub(body->x, plate->middle);
+    double a = vec3_dot(to, plate->along), c = vec3_dot(to, plate->across);
+    manifold_plane side = { .normal = vec3_scale(plate->across, c < 0.0 ? -1.0 : 1.0),
+                            .half_length = plate->half_length,
+                            .along = plate->along,
+                            .middle = plate->middle };
+
+    if (fabs(a) > plate->half_length)
+        return false;
+    side.offset = vec3_dot(side.normal, plate->middle) + plate->half_thickness;
+    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, near, m);
+    return m->depth <= -near || m->is_least;
+}
+
+/// The contact with a plate as a cuboid, in the world's frame. Returns false if there is none.
+static bool find_at_cuboid(const body_state *s, const body_body *body, const body_plate *plate,
+                           double near, body_memory *memory, manifold *m)
+{
+    double a = plate->half_length, c = plate->half_thickness;
+    double tall = TALL * s->kinds[body->kind].shape.radius;
+    const scene_point outline[] = { { -a, -c }, { a, -c }, { a, c }, { -a, c } };
+    mat3 axes = { { { plate->along.x, -plate->along.y, 0.0 },
+                    { plate->along.y, plate->along.x, 0.0 },
+                    { 0.0, 0.0, 1.0 } } };
+    vec3 origin = { plate->middle.x, plate->middle.y, body->x.z };
+    hull cuboid;
+
+    hull_from_outline(outline, 4, -tall, tall, &cuboid);
+    gjk_pair pair =
+        gjk_pair_of(&cuboid, origin, &axes, &s->kinds[body->kind].shape, body->x, &body->r);
+    if (!body__find_manifold(&pair, near, memory, m))
+        return false;
+    m->normal = mat3_apply(&axes, m->normal);
+    for (size_t k = 0; k < m->n; k++)
+        m->point[k].at = vec3_add(mat3_apply(&axes, m->point[k].at), origin);
+    return true;
+}
+
+/// Where a part remembers a plate, or could; NULL if there is no place.
+static body_near *recall(body_near *near, uint32_t plate)
+{
+    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
+        if (near[k].plate == plate + 1)
+            return &near[k];
+    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
+        if (near[k].plate == 0)
+            return &near[k];
+    return NULL;
+}
+
+static void forget(body_near *near, uint32_t plate)
+{
+    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
+        if (near[k].plate == plate + 1)
+            near[k] = (body_near){ 0 };
+}
+
+/// Returns false if part k is not near the plate.
+static bool find_at_plate(body_state *s, size_t k, uint32_t number, double near,
+                          body_region *region)
+{
+    const body_body *body = &s->bodies[k];
+    const body_plate *plate = &s->plates[number];
+    body_memory passing = { 0 };
+
+    region->is_round = false;
+    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k] + near) {
+        forget(s->near[k], number);
+        return false;
+    }
+    region->is_round = body__round_plate(s, body, plate, near, region->spots, &region->n_spots);
+    if (region->is_round || find_at_side(s, body, plate, near, &region->hull)) {
+        forget(s->near[k], number);
+        return true;
+    }
+    body_near *place = recall(s->near[k], number);
+    if (place != NULL)
+        place->plate = number + 1;
+    return find_at_cuboid(s, body, plate, near, place != NULL ? &place->memory : &passing,
+                          &region->hull);
+}
+
+static void visit_plates(body_state *s, size_t k, double near, body_visit *visit, void *context)
+{
+    const body_map *map = &s->map;
+    const micro_law *law = &s->kinds[s->bodies[k].kind].solid;
+    body_region region;
+
+    if (s->n_plates == 0)
+        return;
+    size_t i = find_cell(s->bodies[k].x.x, map->x_min, map->edge, map->n_x);
+    size_t j = find_cell(s->bodies[k].x.y, map->y_min, map->edge, map->n_y);
+    size_t cell = j * map->n_x + i;
+    for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
+        if (find_at_plate(s, k, map->plate[at], near, &region))
+            visit(context, k, law, SCENE_SIDE_COUNT + map->plate[at], &region);
+}
+
+/// The wall on a side of the domain.
+static manifold_plane wall_of(const scene_rect *d, int side)
+{
+    switch (side) {
+    case SCENE_WEST:
+        return (manifold_plane){ .normal = { 1.0, 0.0, 0.0 }, .offset = d->x_min };
+    case SCENE_EAST:
+        return (manifold_plane){ .normal = { -1.0, 0.0, 0.0 }, .offset = -d->x_max };
+    case SCENE_SOUTH:
+        return (manifold_plane){ .normal = { 0.0, 1.0, 0.0 }, .offset = d->y_min };
+    default:
+        return (manifold_plane){ .normal = { 0.0, -1.0, 0.0 }, .offset = -d->y_max };
+    }
+}
+
+/// True if the ball around part k is nearer to a plane than `near`.
+static bool is_near_plane(const body_state *s, size_t k, const manifold_plane *plane, double near)
+{
+    return vec3_dot(plane->normal, s->bodies[k].x) - plane->offset < s->reach[k] + near;
+}
+
+static void visit_walls(const body_state *s, size_t k, double near, body_visit *visit,
+                        void *context)
+{
+    const body_body *body = &s->bodies[k];
+    micro_law law = s->kinds[body->kind].solid;
+    body_region region;
+
+    law.friction = 0.0; // walls slip freely
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        if (s->def.edges[side] != SCENE_EDGE_WALL)
+            continue;
+        manifold_plane wall = wall_of(&s->def.domain, side);
+        if (!is_near_plane(s, k, &wall, near))
+            continue;
+        body__find_at_plane(s, body, &wall, near, &region);
+        visit(context, k, &law, (uint32_t)side, &region);
+    }
+}
+
+void body__solids_visit(body_state *s, size_t k, double near, body_visit *visit, void *context)
+{
+    visit_plates(s, k, near, visit, context);
+    visit_walls(s, k, near, visit, context);
+}
+
+size_t body__solids_count(const body_state *s, size_t k, double range)
+{
+    const body_map *map = &s->map;
+    const vec3 x = s->bodies[k].x;
+    size_t n = 0;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        manifold_plane wall = wall_of(&s->def.domain, side);
+        n += s->def.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
+    }
+    if (s->n_plates == 0)
+        return n;
+    size_t i = find_cell(x.x, map->x_min, map->edge, map->n_x);
+    size_t j = find_cell(x.y, map->y_min, map->edge, map->n_y);
+    size_t cell = j * map->n_x + i;
+    for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
+        n += distance_to(&s->plates[map->plate[at]], x.x, x.y) < s->reach[k] + range;
+    return n;
+}
+
+void body__solids_push(body_state *s, size_t k, body_load *load, body_report *report)
+{
+    solids_push push = { s, load, report };
+
+    body__solids_visit(s, k, 0.0, push_region, &push);
+}

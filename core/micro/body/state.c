@@ -1,0 +1,352 @@
+// The state from outside: parts, figures, saving and loading.
+
+#include "core/micro/body/implicit_priv.h"
+
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STATE_MAGIC = 0x42465331 }; // "BFS1"
+
+/// What stands first in a saved state; then come n saved_part, n_pairs saved_pair, n_near
+/// saved_near, and n_holds impulses of MICRO_IMPLICIT.
+typedef struct saved_header {
+    uint32_t magic;
+    uint32_t n_holds;
+    uint64_t n;
+    uint64_t steps;
+    uint64_t n_pairs;
+    uint64_t n_near;
+    uint64_t n_presses;
+    double dt;
+    double largest_overlap;
+    double overlap_share;
+    uint64_t digest; // of the header with 0 in its place, and of all that follows
+} saved_header;
+
+typedef struct saved_part {
+    double x[3];
+    double q[4];
+    double v[3];
+    double w[3];
+    uint64_t is_gone;
+} saved_part;
+
+typedef struct saved_pair {
+    uint32_t a;
+    uint32_t b;
+    double axis[3];
+    double gap;
+    uint16_t feature[4]; // kind, of_a, of_b, 0
+} saved_pair;
+
+typedef struct saved_near {
+    saved_pair pair; // a: the part, b: the plate
+    uint64_t place;  // among those of the part
+} saved_near;
+
+micro_part body__part(const void *state, size_t k)
+{
+    const body_state *s = state;
+    const body_body *body = &s->bodies[k];
+    quat q = quat_multiply(body->q, quat_conjugate(s->kinds[body->kind].turn));
+    mat3 r = mat3_of_quat(q);
+
+    return (micro_part){ .x = { body->x.x, body->x.y, body->x.z },
+                         .q = { q.w, q.v.x, q.v.y, q.v.z },
+                         .v = { body->v.x, body->v.y, body->v.z },
+                         .w = { body->w.x, body->w.y, body->w.z },
+                         .heading = atan2(r.row[1].x, r.row[0].x),
+                         .is_gone = s->is_gone[k] != 0 };
+}
+
+static double kinetic_energy(const body_state *s, const body_body *body)
+{
+    const body_kind *kind = &s->kinds[body->kind];
+    vec3 w = mat3_apply_back(&body->r, body->w), i = kind->inertia;
+
+    return 0.5 * kind->mass * vec3_dot(body->v, body->v) +
+           0.5 * (i.x * w.x * w.x + i.y * w.y * w.y + i.z * w.z * w.z);
+}
+
+micro_totals body__measure(const void *state)
+{
+    const body_state *s = state;
+    micro_totals totals = { .n_contacts = s->n_presses,
+                            .largest_overlap = s->largest_overlap,
+                            .overlap_share = s->overlap_share };
+
+    for (size_t k = 0; k < s->n; k++) {
+        if (s->is_gone[k])
+            continue;
+        totals.n_parts++;
+        totals.kinetic_energy += kinetic_energy(s, &s->bodies[k]);
+    }
+    return totals;
+}
+
+static bool is_empty(const body_memory *memory)
+{
+    return memory->feature.kind == MANIFOLD_NONE && vec3_dot(memory->axis, memory->axis) == 0.0;
+}
+
+static saved_part save_part(const body_state *s, size_t k)
+{
+    const body_body *body = &s->bodies[k];
+
+    return (saved_part){ { body->x.x, body->x.y, body->x.z },
+                         { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
+                         { body->v.x, body->v.y, body->v.z },
+                         { body->w.x, body->w.y, body->w.z },
+                         s->is_gone[k] };
+}
+
+static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
+{
+    return (saved_pair){ (uint32_t)a,
+                         (uint32_t)b,
+                         { memory->axis.x, memory->axis.y, memory->axis.z },
+                         memory->gap,
+                         { memory->feature.kind, memory->feature.of_a, memory->feature.of_b, 0 } };
+}
+
+/// Append all that follows the header, and count it.
+static bf_status save_items(const body_state *s, bf_buffer *out, saved_header *header)
+{
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < s->n && status == BF_OK; k++) {
+        const saved_part part = save_part(s, k);
+        status = buffer_append(out, &part, sizeof part);
+    }
+    for (size_t k = 0; k < s->n_pairs && status == BF_OK; k++) {
+        const body_pair *pair = &s->pairs[k];
+        const saved_pair saved = save_memory(pair->a, pair->b, &pair->memory);
+        if (is_empty(&pair->memory) && pair->hold.key == 0)
+            continue;
+        header->n_pairs++;
+        status = buffer_append(out, &saved, sizeof saved);
+    }
+    for (size_t k = 0; s->near != NULL && k < s->n; k++) {
+        for (size_t place = 0; place < BODY_PLATES_NEAR && status == BF_OK; place++) {
+            const body_near *near = &s->near[k][place];
+            const saved_near saved = { save_memory(k, near->plate - 1u, &near->memory), place };
+            if (near->plate == 0)
+                continue;
+            header->n_near++;
+            status = buffer_append(out, &saved, sizeof saved);
+        }
+    }
+    if (s->implicit != NULL && status == BF_OK)
+        status = body__implicit_save(s, out, &header->n_holds);
+    return status;
+}
+
+static uint64_t digest_state(saved_header header, const char *items, size_t n)
+{
+    header.digest = 0;
+    return digest_add(digest_add(DIGEST_START, &header, sizeof header), items, n);
+}
+
+bf_status body__save(const void *state, bf_buffer *out, bf_error *err)
+{
+    const body_state *s = state;
+    const size_t start = out->n;
+    saved_header header = { .magic = STATE_MAGIC,
+                            .n = s->n,
+                            .steps = s->steps,
+                            .n_presses = s->n_presses,
+                            .dt = s->def.dt,
+                            .largest_overlap = s->largest_overlap,
+                            .overlap_share = s->overlap_share };
+
+    if (buffer_append(out, &header, sizeof header) != BF_OK ||
+        save_items(s, out, &header) != BF_OK) {
+        buffer_truncate(out, start);
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
+    }
+    const size_t items = start + sizeof header;
+    header.digest = digest_state(header, out->bytes + items, out->n - items);
+    memcpy(out->bytes + start, &header, sizeof header);
+    return BF_OK;
+}
+
+/// What is loaded, until it is known to be sound.
+typedef struct arrival {
+    saved_header header;
+    body_body *bodies;
+    uint8_t *is_gone;
+    body_pair *pairs;
+    body_near (*near)[BODY_PLATES_NEAR];
+    body_hold (*holds)[BODY_HOLDS];
+} arrival;
+
+static void drop_arrival(arrival *a)
+{
+    memory_free(a->bodies);
+    memory_free(a->is_gone);
+    memory_free(a->pairs);
+    memory_free(a->near);
+    memory_free(a->holds);
+}
+
+static bool is_whole(const body_state *s, const saved_header *header, const char *bytes, size_t n)
+{
+    // No count can be larger than the bytes, so the sums below do not overflow.
+    if (header->magic != STATE_MAGIC || header->n != s->n || header->dt != s->def.dt ||
+        header->n_pairs > n || header->n_near > n || (header->n_near > 0 && s->near == NULL) ||
+        (header->n_holds > 0 && s->implicit == NULL))
+        return false;
+    return n == sizeof *header + header->n * sizeof(saved_part) +
+                    header->n_pairs * sizeof(saved_pair) + header->n_near * sizeof(saved_near) +
+                    (size_t)header->n_holds * BODY_HOLD_BYTES &&
+           header->digest == digest_state(*header, bytes + sizeof *header, n - sizeof *header);
+}
+
+static body_body load_part(const saved_part *saved, uint32_t kind)
+{
+    body_body body = { .x = { saved->x[0], saved->x[1], saved->x[2] },
+                       .q = { saved->q[0], { saved->q[1], saved->q[2], saved->q[3] } },
+                       .v = { saved->v[0], saved->v[1], saved->v[2] },
+                       .w = { saved->w[0], saved->w[1], saved->w[2] },
+                       .kind = kind };
+
+    body.r = mat3_of_quat(body.q);
+    return body;
+}
+
+/// Numbers of faces and edges of two hulls; the cuboid of a plate has 6 and 12.
+typedef struct sizes {
+    size_t faces_a, edges_a, faces_b, edges_b;
+} sizes;
+
+static bool load_memory(const saved_pair *saved, sizes n, body_memory *ret_memory)
+{
+    const manifold_feature f = { saved->feature[0], saved->feature[1], saved->feature[2] };
+
+    *ret_memory =
+        (body_memory){ { saved->axis[0], saved->axis[1], saved->axis[2] }, f, saved->gap };
+    switch (f.kind) {
+    case MANIFOLD_NONE:
+        return true;
+    case MANIFOLD_FACE_A:
+        return f.of_a < n.faces_a;
+    case MANIFOLD_FACE_B:
+        return f.of_b < n.faces_b;
+    case MANIFOLD_EDGES:
+        return f.of_a < n.edges_a && f.of_b < n.edges_b;
+    default:
+        return false;
+    }
+}
+
+static const hull *hull_of(const body_state *s, size_t k)
+{
+    return &s->kinds[s->bodies[k].kind].shape;
+}
+
+static bool load_pairs(const body_state *s, const char **at, arrival *a)
+{
+    saved_pair saved;
+
+    for (size_t k = 0; k < a->header.n_pairs; k++, *at += sizeof saved) {
+        body_pair *pair = &a->pairs[k];
+        memcpy(&saved, *at, sizeof saved);
+        bool is_after =
+            k == 0 || pair[-1].a < saved.a || (pair[-1].a == saved.a && pair[-1].b < saved.b);
+        if (saved.a >= saved.b || saved.b >= s->n || !is_after)
+            return false;
+        const hull *hull_a = hull_of(s, saved.a), *hull_b = hull_of(s, saved.b);
+        const sizes n = { hull_a->n_faces, hull_a->n_edges, hull_b->n_faces, hull_b->n_edges };
+        *pair = (body_pair){ .a = saved.a, .b = saved.b };
+        if (!load_memory(&saved, n, &pair->memory))
+            return false;
+    }
+    return true;
+}
+
+static bool load_near(const body_state *s, const char **at, arrival *a)
+{
+    saved_near saved;
+
+    for (size_t k = 0; k < a->header.n_near; k++, *at += sizeof saved) {
+        memcpy(&saved, *at, sizeof saved);
+        if (saved.pair.a >= s->n || saved.pair.b >= s->n_plates || saved.place >= BODY_PLATES_NEAR)
+            return false;
+        const hull *shape = hull_of(s, saved.pair.a);
+        const sizes n = { 6, 12, shape->n_faces, shape->n_edges };
+        body_near *near = &a->near[saved.pair.a][saved.place];
+        near->plate = saved.pair.b + 1;
+        if (!load_memory(&saved.pair, n, &near->memory))
+            return false;
+    }
+    return true;
+}
+
+static bool load_items(const body_state *s, const char *at, arrival *a)
+{
+    saved_part saved;
+
+    for (size_t k = 0; k < s->n; k++, at += sizeof saved) {
+        memcpy(&saved, at, sizeof saved);
+        a->bodies[k] = load_part(&saved, s->bodies[k].kind);
+        a->is_gone[k] = saved.is_gone != 0;
+    }
+    return load_pairs(s, &at, a) && load_near(s, &at, a) &&
+           (s->implicit == NULL ||
+            body__implicit_load(s, at, a->header.n_holds, a->pairs, a->header.n_pairs, a->holds));
+}
+
+/// Make the arrival the state; what it replaces is left in it.
+static void move_in(body_state *s, arrival *a)
+{
+    arrival old = {
+        .bodies = s->bodies, .is_gone = s->is_gone, .pairs = s->pairs, .near = s->near
+    };
+
+    if (s->implicit != NULL) {
+        old.holds = s->implicit->holds;
+        s->implicit->holds = a->holds;
+    }
+    s->bodies = a->bodies;
+    s->is_gone = a->is_gone;
+    s->pairs = a->pairs;
+    s->near = a->near;
+    s->n_pairs = s->neighbours_capacity = a->header.n_pairs;
+    s->steps = a->header.steps;
+    s->n_presses = a->header.n_presses;
+    s->largest_overlap = a->header.largest_overlap;
+    s->overlap_share = a->header.overlap_share;
+    s->is_listed = false;
+    for (size_t k = 0; k < s->n; k++)
+        s->ground[k].clear = -1.0;
+    *a = old;
+}
+
+bf_status body__load(void *state, const void *bytes, size_t n, bf_error *err)
+{
+    body_state *s = state;
+    bf_status status = BF_OK;
+    arrival a = { 0 };
+
+    if (n >= sizeof a.header)
+        memcpy(&a.header, bytes, sizeof a.header);
+    if (n < sizeof a.header || !is_whole(s, &a.header, bytes, n))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged or of another scenario");
+    a.bodies = memory_alloc(s->n, sizeof *a.bodies);
+    a.is_gone = memory_alloc(s->n, sizeof *a.is_gone);
+    a.pairs = a.header.n_pairs > 0 ? memory_alloc(a.header.n_pairs, sizeof *a.pairs) : NULL;
+    a.near = s->near != NULL ? memory_alloc(s->n, sizeof *a.near) : NULL;
+    a.holds = s->implicit != NULL ? memory_alloc(s->n, sizeof *a.holds) : NULL;
+    if (a.bodies == NULL || a.is_gone == NULL || (a.header.n_pairs > 0 && a.pairs == NULL) ||
+        (s->near != NULL && a.near == NULL) || (s->implicit != NULL && a.holds == NULL))
+        status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
+    else if (!load_items(s, (const char *)bytes + sizeof a.header, &a))
+        status = bf_fail(err, BF_ECORRUPT, "", "the saved state does not fit the scenario");
+    else
+        move_in(s, &a);
+    drop_arrival(&a);
+    return status;
+}

@@ -1,0 +1,216 @@
+// A step: every pair once, then every part by the sum of what acts on it.
+
+#include "core/micro/body/body_priv.h"
+
+#include "core/base/team.h"
+
+#include <math.h>
+
+/// Of the smallest ball around a body: farther than this no part moves in a step.
+#define FLIGHT 0.5
+
+size_t body__first_of(size_t block)
+{
+    return block * BODY_BLOCK;
+}
+
+size_t body__last_of(const body_state *s, size_t block)
+{
+    size_t last = body__first_of(block) + BODY_BLOCK;
+
+    return last < s->n ? last : s->n;
+}
+
+static void meet_block(void *context, size_t block)
+{
+    body_state *s = context;
+    size_t last = s->first_pair[body__last_of(s, block)];
+
+    s->reports[block].n_presses = 0;
+    for (size_t p = s->first_pair[body__first_of(block)]; p < last; p++)
+        body__meet(s, &s->pairs[p], &s->reports[block]);
+}
+
+/// Sum of what the neighbours of part k do to it.
+static void add_pairs(const body_state *s, size_t k, body_load *load)
+{
+    for (size_t at = s->list.start[k]; at < s->list.start[k + 1]; at++) {
+        const body_pair *pair = &s->pairs[s->links[at]];
+        if (!pair->is_pressing)
+            continue;
+        bool is_a = pair->a == k;
+        load->force =
+            is_a ? vec3_sub(load->force, pair->force) : vec3_add(load->force, pair->force);
+        load->torque = vec3_add(load->torque, is_a ? pair->torque_a : pair->torque_b);
+    }
+}
+
+/// Solve m x = b by Cramer's rule.
+static vec3 solve(const mat3 *m, vec3 b)
+{
+    vec3 c0 = mat3_column(m, 0), c1 = mat3_column(m, 1), c2 = mat3_column(m, 2);
+    double det = vec3_dot(c0, vec3_cross(c1, c2));
+
+    return (vec3){ vec3_dot(b, vec3_cross(c1, c2)) / det, vec3_dot(c0, vec3_cross(b, c2)) / det,
+                   vec3_dot(c0, vec3_cross(c1, b)) / det };
+}
+
+/// The spin after a step without torque, in the body's axes: w+ = w - dt Theta^-1 (w+ x Theta w+).
+static vec3 turn_freely(vec3 inertia, double dt, vec3 w)
+{
+    vec3 l = { inertia.x * w.x, inertia.y * w.y, inertia.z * w.z };
+    vec3 residual = vec3_scale(vec3_cross(w, l), dt);
+    // The derivative of Theta w + dt w x Theta w.
+    mat3 m = {
+        { { inertia.x, dt * (inertia.z - inertia.y) * w.z, dt * (inertia.z - inertia.y) * w.y },
+          { dt * (inertia.x - inertia.z) * w.z, inertia.y, dt * (inertia.x - inertia.z) * w.x },
+          { dt * (inertia.y - inertia.x) * w.y, dt * (inertia.y - inertia.x) * w.x, inertia.z } }
+    };
+
+    return vec3_sub(w, solve(&m, residual));
+}
+
+vec3 body__turn(const body_state *s, const body_body *body, vec3 torque)
+{
+    const vec3 inertia = s->kinds[body->kind].inertia;
+    const double dt = s->def.dt;
+    vec3 t = mat3_apply_back(&body->r, torque), w = mat3_apply_back(&body->r, body->w);
+
+    w = vec3_scale(w, s->spin_damping);
+    w = vec3_along(w, dt, (vec3){ t.x / inertia.x, t.y / inertia.y, t.z / inertia.z });
+    return mat3_apply(&body->r, turn_freely(inertia, dt, w));
+}
+
+/// Move by the velocities. Returns how far, squared.
+static double drift(body_body *body, double dt)
+{
+    vec3 way = vec3_scale(body->v, dt);
+    quat rate = quat_multiply((quat){ 0.0, body->w }, body->q);
+
+    body->x = vec3_add(body->x, way);
+    body->q =
+        quat_unit((quat){ body->q.w + 0.5 * dt * rate.w, vec3_along(body->q.v, 0.5 * dt, rate.v) });
+    body->r = mat3_of_quat(body->q);
+    return vec3_dot(way, way);
+}
+
+static bool is_outside(const micro_def *def, vec3 x)
+{
+    const scene_rect *d = &def->domain;
+
+    return (x.x < d->x_min && def->edges[SCENE_WEST] != SCENE_EDGE_WALL) ||
+           (x.x > d->x_max && def->edges[SCENE_EAST] != SCENE_EDGE_WALL) ||
+           (x.y < d->y_min && def->edges[SCENE_SOUTH] != SCENE_EDGE_WALL) ||
+           (x.y > d->y_max && def->edges[SCENE_NORTH] != SCENE_EDGE_WALL);
+}
+
+static body_load load_of(body_state *s, size_t k, body_report *report)
+{
+    double mass = s->kinds[s->bodies[k].kind].mass;
+    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
+
+    add_pairs(s, k, &load);
+    body__solids_push(s, k, &load, report);
+    body__floor_push(s, k, &load);
+    load.force = vec3_along(load.force, mass, s->gravity);
+    return load;
+}
+
+void body__drift(body_state *s, size_t k, body_report *report)
+{
+    body_body *body = &s->bodies[k];
+    const double flight = FLIGHT * s->reach_min;
+    double way = drift(body, s->def.dt), spin = vec3_dot(body->w, body->w);
+
+    if (!(way <= flight * flight) || !isfinite(spin)) {
+        if (report->bad_part == SIZE_MAX)
+            report->bad_part = k;
+        return;
+    }
+    s->is_gone[k] = is_outside(&s->def, body->x);
+}
+
+static void move_part(body_state *s, size_t k, body_report *report)
+{
+    body_body *body = &s->bodies[k];
+    const double dt = s->def.dt, skin = 0.5 * s->list.skin;
+
+    // The first step is by forward Euler: with the velocities of the start.
+    if (s->steps > 0) {
+        body_load load = load_of(s, k, report);
+        double push = dt / s->kinds[body->kind].mass;
+        body->v = vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), push, load.force);
+        body->w = body__turn(s, body, load.torque);
+    }
+    body__drift(s, k, report);
+    double dx = body->x.x - s->x[k], dy = body->x.y - s->y[k];
+    report->is_stale |= dx * dx + dy * dy > skin * skin;
+}
+
+static void move_block(void *context, size_t block)
+{
+    body_state *s = context;
+
+    for (size_t k = body__first_of(block); k < body__last_of(s, block); k++)
+        if (!s->is_gone[k])
+            move_part(s, k, &s->reports[block]);
+}
+
+bf_status body__check(const body_state *s, bf_error *err)
+{
+    size_t bad = SIZE_MAX;
+
+    for (size_t block = 0; block < s->n_blocks; block++)
+        bad = s->reports[block].bad_part < bad ? s->reports[block].bad_part : bad;
+    if (bad == SIZE_MAX)
+        return BF_OK;
+    const body_body *body = &s->bodies[bad];
+    return bf_fail(err, BF_ENUMERIC, "",
+                   "part %zu flies off or is not finite after step %llu (t = %.6g s): it is at "
+                   "(%.6g, %.6g, %.6g) m with %.6g m/s",
+                   bad, (unsigned long long)s->steps, (double)s->steps * s->def.dt, body->x.x,
+                   body->x.y, body->x.z, vec3_length(body->v));
+}
+
+static bf_status step(body_state *s, bf_error *err)
+{
+    if (!s->is_listed && body__list(s, err) != BF_OK)
+        return BF_ENOMEM;
+    team_for(s->def.n_threads, s->n_blocks, meet_block, s);
+    team_for(s->def.n_threads, s->n_blocks, move_block, s);
+    s->steps++;
+    for (size_t block = 0; block < s->n_blocks; block++) {
+        body_report *report = &s->reports[block];
+        s->is_listed &= !report->is_stale;
+        report->is_stale = false;
+    }
+    return body__check(s, err);
+}
+
+static bf_status advance_verlet(body_state *s, uint64_t n, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    for (uint64_t k = 0; k < n && status == BF_OK; k++)
+        status = step(s, err);
+    return status;
+}
+
+bf_status body__advance(void *state, uint64_t n, bf_error *err)
+{
+    body_state *s = state;
+
+    for (size_t block = 0; block < s->n_blocks; block++)
+        s->reports[block] = (body_report){ .bad_part = SIZE_MAX };
+    bf_status status =
+        s->implicit != NULL ? body__implicit_advance(s, n, err) : advance_verlet(s, n, err);
+    if (n > 0)
+        s->n_presses = 0;
+    for (size_t block = 0; block < s->n_blocks; block++) {
+        const body_report *report = &s->reports[block];
+        s->largest_overlap = fmax(s->largest_overlap, report->overlap);
+        s->overlap_share = fmax(s->overlap_share, report->share);
+        s->n_presses += report->n_presses;
+    }
+    return status;
+}

@@ -1,0 +1,205 @@
+// Walls and plates as faces and arcs.
+//
+// A plate is its path swept by the thickness to the downstream side: a rectangle a segment. Of their
+// union only the outside counts, so that a part that glides over a joint feels one surface: sides reach
+// from joint to joint, each over its half-open range; on the outer side of a bend an arc joins them,
+// around the joint itself and with radius 0 if that is the upstream side, else the thickness; at free
+// ends there is a short face across and a sharp edge at each of its ends.
+
+#include "core/micro/disk/disk_priv.h"
+
+#include "core/base/memory.h"
+#include "core/scene/geometry.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double parallel = 1e-12; // sines below it are rounding
+
+// A straight piece of a plate.
+typedef struct segment {
+    scene_point start;
+    scene_point along;    // unit tangent
+    scene_point upstream; // unit normal of the side that cargo runs against
+    double length;
+} segment;
+
+static segment make_segment(const disk_state *s, const scene_obstacle *obstacle, size_t k)
+{
+    scene_point start = obstacle->path[k];
+    scene_point to = geometry_subtract(obstacle->path[k + 1], start);
+    double length = geometry_length(to);
+    scene_point along = geometry_scale(to, 1.0 / length), left = geometry_turn_left(along);
+    scene_point middle = geometry_add(start, geometry_scale(to, 0.5));
+    disk_belt belt = disk__belt_at(s, middle.x, middle.y);
+    scene_point velocity = { belt.vx, belt.vy };
+    bool is_downstream = geometry_dot(left, velocity) > parallel * geometry_length(velocity);
+
+    return (segment){ start, along, is_downstream ? geometry_scale(left, -1.0) : left, length };
+}
+
+// Adds a face from a to b with the solid on the right of the way from a to b.
+static void add_face(disk_state *s, scene_point a, scene_point b, double depth)
+{
+    scene_point to = geometry_subtract(b, a);
+    double length = geometry_length(to);
+    scene_point n = geometry_turn_left(geometry_scale(to, 1.0 / length));
+
+    s->faces[s->n_faces++] = (disk_face){ .px = a.x,
+                                          .py = a.y,
+                                          .nx = n.x,
+                                          .ny = n.y,
+                                          .from = 0.0,
+                                          .to = length,
+                                          .depth = depth,
+                                          .friction = s->handling.friction };
+}
+
+static void add_arc(disk_state *s, scene_point p, double radius, scene_point e, scene_point f)
+{
+    s->arcs[s->n_arcs++] = (disk_arc){ p.x, p.y, radius, e.x, e.y, f.x, f.y, s->handling.friction };
+}
+
+// The side of a segment with normal n, moved along n.
+static void add_side(disk_state *s, const segment *g, scene_point n, double shift, double depth)
+{
+    scene_point a = geometry_add(g->start, geometry_scale(n, shift));
+    scene_point b = geometry_add(a, geometry_scale(g->along, g->length));
+
+    if (geometry_cross(g->along, n) > 0.0)
+        add_face(s, a, b, depth);
+    else
+        add_face(s, b, a, depth);
+}
+
+// The end of a segment at p, across it; out points away from the segment.
+static void add_end(disk_state *s, const segment *g, scene_point p, scene_point out,
+                    double thickness)
+{
+    scene_point down = geometry_scale(g->upstream, -1.0);
+    scene_point q = geometry_add(p, geometry_scale(down, thickness));
+
+    if (geometry_cross(geometry_subtract(q, p), out) > 0.0)
+        add_face(s, p, q, 0.0);
+    else
+        add_face(s, q, p, 0.0);
+    add_arc(s, q, 0.0, out, down);
+}
+
+static void add_free_end(disk_state *s, const segment *g, scene_point p, scene_point out,
+                         double thickness)
+{
+    add_end(s, g, p, out, thickness);
+    add_arc(s, p, 0.0, out, g->upstream);
+}
+
+static void add_joint(disk_state *s, const segment *a, const segment *b, double thickness)
+{
+    double turn = geometry_cross(a->along, b->along);
+    bool is_left = geometry_cross(a->along, a->upstream) > 0.0;
+    bool is_flipped = is_left != (geometry_cross(b->along, b->upstream) > 0.0);
+    bool is_straight = fabs(turn) <= parallel && geometry_dot(a->along, b->along) > 0.0;
+    scene_point back = geometry_scale(b->along, -1.0);
+    double radius = is_flipped || (is_left ? turn < 0.0 : turn > 0.0) ? 0.0 : thickness;
+
+    if (!is_straight)
+        add_arc(s, b->start, radius, a->along, back);
+    if (!is_flipped)
+        return;
+    add_end(s, a, b->start, a->along, thickness);
+    add_end(s, b, b->start, back, thickness);
+}
+
+static bool is_closed(const scene_obstacle *obstacle)
+{
+    scene_point first = obstacle->path[0], last = obstacle->path[obstacle->n_points - 1];
+
+    return obstacle->n_points > 3 &&
+           geometry_length(geometry_subtract(last, first)) <= SCENE_TOLERANCE;
+}
+
+static void add_plate(disk_state *s, const scene_obstacle *obstacle)
+{
+    const size_t n = obstacle->n_points - 1;
+    const segment first = make_segment(s, obstacle, 0);
+    segment last = first;
+
+    for (size_t k = 0; k < n; k++) {
+        segment g = make_segment(s, obstacle, k);
+        scene_point down = geometry_scale(g.upstream, -1.0);
+        add_side(s, &g, g.upstream, 0.0, obstacle->thickness);
+        add_side(s, &g, down, obstacle->thickness, 0.0);
+        if (k > 0)
+            add_joint(s, &last, &g, obstacle->thickness);
+        last = g;
+    }
+    if (is_closed(obstacle)) {
+        add_joint(s, &last, &first, obstacle->thickness);
+        return;
+    }
+    add_free_end(s, &first, first.start, geometry_scale(first.along, -1.0), obstacle->thickness);
+    add_free_end(s, &last, obstacle->path[n], last.along, obstacle->thickness);
+}
+
+static void add_walls(disk_state *s, const micro_def *def)
+{
+    const scene_rect *d = &def->domain;
+    const disk_face walls[SCENE_SIDE_COUNT] = {
+        [SCENE_WEST] = { .px = d->x_min, .py = d->y_min, .nx = 1.0 },
+        [SCENE_EAST] = { .px = d->x_max, .py = d->y_min, .nx = -1.0 },
+        [SCENE_SOUTH] = { .px = d->x_min, .py = d->y_min, .ny = 1.0 },
+        [SCENE_NORTH] = { .px = d->x_min, .py = d->y_max, .ny = -1.0 },
+    };
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        if (def->edges[side] != SCENE_EDGE_WALL)
+            continue;
+        disk_face wall = walls[side];
+        wall.from = -INFINITY;
+        wall.to = wall.depth = INFINITY;
+        s->faces[s->n_faces++] = wall;
+    }
+}
+
+bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err)
+{
+    size_t n_faces = SCENE_SIDE_COUNT, n_arcs = 0;
+
+    // A segment has two sides, and at most two ends, each with an edge, and a joint or two more edges.
+    for (size_t k = 0; k < def->n_obstacles; k++) {
+        n_faces += 4 * def->obstacles[k].n_points;
+        n_arcs += 4 * def->obstacles[k].n_points;
+    }
+    s->faces = memory_alloc(n_faces, sizeof *s->faces);
+    s->arcs = memory_alloc(n_arcs, sizeof *s->arcs);
+    if (s->faces == NULL || s->arcs == NULL)
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+    add_walls(s, def);
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        add_plate(s, &def->obstacles[k]);
+    return BF_OK;
+}
+
+void disk__solids_fini(disk_state *s)
+{
+    memory_free(s->faces);
+    memory_free(s->arcs);
+    memory_free(s->touches);
+}
+
+double disk__overlap(const disk_state *s, const disk_row *part, uint32_t feature, bool *ret_counts)
+{
+    if (feature < s->n_faces) {
+        const disk_face *f = &s->faces[feature];
+        double rx = part->x - f->px, ry = part->y - f->py;
+        double along = rx * f->ny - ry * f->nx, height = rx * f->nx + ry * f->ny;
+        *ret_counts = f->from <= along && along < f->to && -f->depth < height;
+        return part->radius - height;
+    }
+    const disk_arc *a = &s->arcs[feature - s->n_faces];
+    double rx = part->x - a->px, ry = part->y - a->py;
+    double height = sqrt(rx * rx + ry * ry) - a->radius;
+    *ret_counts = rx * a->ex + ry * a->ey >= 0.0 && rx * a->fx + ry * a->fy > 0.0 && height > 0.0;
+    return part->radius - height;
+}

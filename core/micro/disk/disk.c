@@ -1,0 +1,274 @@
+#include "core/micro/disk/disk_priv.h"
+
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+#include "core/micro/backend.h"
+#include "core/micro/implicit_step.h"
+#include "core/micro/neighbours_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double skin_share = 0.25; // of the radius
+enum { TILED_PARTS = 150000 };         // from here on parts are too many for caches
+
+static const double chosen_share = 0.25; // of the stable step: keeps U(t) within about 1 % of N
+
+static void destroy(void *state)
+{
+    disk_state *s = state;
+
+    if (s == NULL)
+        return;
+    disk__implicit_fini(s);
+    disk__solids_fini(s);
+    disk__tiles_fini(s);
+    for (size_t k = 0; s->grounds != NULL && k < s->n_grounds; k++)
+        memory_free(s->grounds[k].polygon);
+    memory_free(s->grounds);
+    memory_free(s->now);
+    memory_free(s->next);
+    memory_free(s->heading);
+    memory_free(s->brake);
+    memory_free(s->belt_under);
+    memory_free(s->scratch);
+    memory_free(s->is_touched);
+    memory_free(s->number);
+    memory_free(s->place);
+    memory_free(s->is_gone);
+    memory_free(s->kinds);
+    memory_free(s->kind_of);
+    memory_free(s->list.first);
+    memory_free(s->list.neighbour);
+    memory_free(s->list.scratch);
+    memory_free(s->watches);
+    neighbours__cells_fini(s->cells);
+    memory_free(s->cells);
+    memory_free(s);
+}
+
+static disk_law make_law(const scene_contact *contact)
+{
+    return (disk_law){ .line = 0.25 * M_PI * contact->length,
+                       .damping = contact->damping,
+                       .friction = contact->friction,
+                       .tanh_linear = contact->tanh_linear };
+}
+
+static double softness_of(const scene_material *m, double reduction)
+{
+    return (1.0 - m->poisson_ratio * m->poisson_ratio) * reduction / m->young_modulus;
+}
+
+// What does not need memory.
+static void set_constants(disk_state *s, const micro_def *def)
+{
+    const scene_belt *top = def->n_belts > 0 ? &def->belts[def->n_belts - 1] : NULL;
+
+    s->def = *def;
+    s->def.belts = NULL;
+    s->def.obstacles = NULL;
+    s->def.kinds = NULL;
+    s->def.poses = NULL;
+    s->def.part_kinds = NULL;
+    s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
+    s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
+    s->handling_softness = softness_of(&def->handling, def->modulus_reduction);
+    s->belt =
+        contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
+                            &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
+    s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
+    s->is_plain = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
+    if (top != NULL && top->n_points == 0)
+        s->plain_belt = (disk_belt){ top->velocity.x, top->velocity.y, 1.0 };
+    s->n = def->n_parts;
+    s->void_place = (uint32_t)((s->n / DISK_GROUP + 2) * DISK_GROUP);
+    s->n_shares = 1;
+    s->travel = s->move = INFINITY;
+}
+
+static disk_kind make_kind(const disk_state *s, const micro_kind *kind)
+{
+    const double r = kind->shape.radius;
+
+    // Theta = m r^2 / 2.
+    return (disk_kind){ .row = { .radius = r,
+                                 .softness = softness_of(&kind->material, s->def.modulus_reduction),
+                                 .inverse_mass = 1.0 / kind->mass },
+                        .brake =
+                            2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
+                        .height = kind->shape.height };
+}
+
+static bf_status copy_kinds(disk_state *s, const micro_def *def)
+{
+    s->n_kinds = def->n_kinds;
+    s->kinds = memory_alloc(def->n_kinds, sizeof *s->kinds);
+    if (s->kinds == NULL)
+        return BF_ENOMEM;
+    s->radius_min = INFINITY;
+    for (size_t k = 0; k < def->n_kinds; k++) {
+        s->kinds[k] = make_kind(s, &def->kinds[k]);
+        s->radius_min = fmin(s->radius_min, s->kinds[k].row.radius);
+        s->radius_max = fmax(s->radius_max, s->kinds[k].row.radius);
+    }
+    s->plain_brake = s->kinds[0].brake;
+    s->skin = skin_share * sqrt(s->radius_min * s->radius_max);
+    if (def->part_kinds == NULL || s->n == 0)
+        return BF_OK;
+    s->kind_of = memory_alloc(s->n, sizeof *s->kind_of);
+    if (s->kind_of == NULL)
+        return BF_ENOMEM;
+    memcpy(s->kind_of, def->part_kinds, s->n * sizeof *s->kind_of);
+    return BF_OK;
+}
+
+static bf_status copy_belts(disk_state *s, const micro_def *def)
+{
+    s->grounds = memory_alloc(def->n_belts, sizeof *s->grounds);
+    if (s->grounds == NULL)
+        return BF_ENOMEM;
+    for (; s->n_grounds < def->n_belts; s->n_grounds++) {
+        const scene_belt *belt = &def->belts[s->n_grounds];
+        disk_ground *g = &s->grounds[s->n_grounds];
+        *g = (disk_ground){ belt->velocity, belt->n_points, NULL };
+        g->polygon = memory_alloc(belt->n_points, sizeof *g->polygon);
+        if (g->polygon == NULL)
+            return BF_ENOMEM;
+        if (belt->n_points > 0)
+            memcpy(g->polygon, belt->polygon, belt->n_points * sizeof *g->polygon);
+    }
+    return BF_OK;
+}
+
+static bf_status make_arrays(disk_state *s)
+{
+    const size_t n = (size_t)s->void_place + 1, n_groups = s->void_place / DISK_GROUP;
+
+    s->now = memory_alloc(n, sizeof *s->now);
+    s->next = memory_alloc(n, sizeof *s->next);
+    s->heading = memory_alloc(n, sizeof *s->heading);
+    s->scratch = memory_alloc(n, sizeof *s->scratch);
+    s->is_touched = memory_alloc(n_groups, sizeof *s->is_touched);
+    s->number = memory_alloc(n, sizeof *s->number);
+    s->list.scratch = memory_alloc(n, sizeof *s->list.scratch);
+    s->place = memory_alloc(s->n, sizeof *s->place);
+    s->is_gone = memory_alloc(s->n, sizeof *s->is_gone);
+    s->list.first = memory_alloc(n_groups + 1, sizeof *s->list.first);
+    s->cells = memory_alloc(1, sizeof *s->cells);
+    if (s->now == NULL || s->next == NULL || s->heading == NULL || s->scratch == NULL ||
+        s->is_touched == NULL || s->number == NULL || s->list.scratch == NULL || s->place == NULL ||
+        s->is_gone == NULL || s->list.first == NULL || s->cells == NULL)
+        return BF_ENOMEM;
+    if (s->is_plain)
+        return BF_OK;
+    s->brake = memory_alloc(n, sizeof *s->brake);
+    s->belt_under = memory_alloc(n, sizeof *s->belt_under);
+    return s->brake == NULL || s->belt_under == NULL ? BF_ENOMEM : BF_OK;
+}
+
+void disk__place_parts(disk_state *s)
+{
+    s->n_live = s->n;
+    s->n_padded = (s->n + DISK_GROUP - 1) / DISK_GROUP * DISK_GROUP;
+    s->n_watches = 0;
+    s->travel = s->move = INFINITY;
+    for (uint32_t k = 0; k <= s->void_place; k++) {
+        const disk_kind *kind = &s->kinds[k < s->n && s->kind_of != NULL ? s->kind_of[k] : 0];
+        s->now[k] = k < s->n ? kind->row : disk__pad(s, k);
+        s->number[k] = k < s->n ? k : UINT32_MAX;
+        if (k < s->n)
+            s->place[k] = k;
+        if (s->brake != NULL)
+            s->brake[k] = kind->brake;
+    }
+}
+
+static void start_parts(disk_state *s, const micro_def *def)
+{
+    disk__place_parts(s);
+    for (size_t k = 0; k < s->n; k++) {
+        const scene_pose *pose = &def->poses[k];
+        disk_belt belt = disk__belt_at(s, pose->x, pose->y);
+        bool is_on_belt = belt.grip > 0.0;
+        s->now[k].x = pose->x;
+        s->now[k].y = pose->y;
+        s->now[k].vx = is_on_belt ? belt.vx : def->start_velocity.x;
+        s->now[k].vy = is_on_belt ? belt.vy : def->start_velocity.y;
+        s->heading[k] = pose->heading;
+    }
+}
+
+static bool is_tiled(const micro_def *def)
+{
+    return def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS;
+}
+
+static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
+{
+    set_constants(s, def);
+    if (copy_kinds(s, def) != BF_OK || copy_belts(s, def) != BF_OK || make_arrays(s) != BF_OK ||
+        (is_tiled(def) && disk__tiles_init(s) != BF_OK))
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
+    bf_status status = disk__solids_init(s, def, err);
+    if (status != BF_OK)
+        return status;
+    s->definition = disk__digest_definition(s);
+    start_parts(s, def);
+    return disk__rebuild(s, err);
+}
+
+static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
+{
+    disk_state *s = memory_alloc(1, sizeof *s);
+
+    if (s == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
+    bf_status status = fill(s, def, err);
+    if (status != BF_OK) {
+        destroy(s);
+        return status;
+    }
+    *ret_state = s;
+    return BF_OK;
+}
+
+static bf_status advance(void *state, uint64_t n, bf_error *err)
+{
+    disk_state *s = state;
+
+    return s->def.integrator == MICRO_IMPLICIT ? disk__advance_implicit(s, n, err)
+                                               : disk__advance_verlet(s, n, err);
+}
+
+static double dt_stable(const micro_def *def)
+{
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_stable(def)
+                                             : disk__dt_stable_verlet(def);
+}
+
+static double dt_chosen(const micro_def *def)
+{
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, true)
+                                             : chosen_share * disk__dt_stable_verlet(def);
+}
+
+static uint64_t steps(const void *state)
+{
+    const disk_state *s = state;
+
+    return s->steps;
+}
+
+const micro_backend micro__planar = {
+    .dt_stable = dt_stable,
+    .dt_chosen = dt_chosen,
+    .create = create,
+    .destroy = destroy,
+    .advance = advance,
+    .part = disk__part,
+    .measure = disk__measure,
+    .steps = steps,
+    .save = disk__save,
+    .load = disk__load,
+};

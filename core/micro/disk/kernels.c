@@ -1,0 +1,539 @@
+#include "core/micro/disk/kernels.h"
+
+#include "core/base/simd_compare.h"
+#include "core/base/simd_rows.h"
+
+#include <math.h>
+
+// DISK_KERNELS_TABLE and DISK_KERNELS_NAME come from the build, which compiles this file once per
+// instruction set. Functions with a flag `plain` are inlined with a constant, once for scenes of one
+// kind on one belt and once for all others.
+
+#define INLINED static inline __attribute__((always_inline))
+
+enum {
+    SLOTS_AT_ONCE = 8,
+    GROUPS_AT_ONCE = 4,
+};
+
+// Numerator and denominator.
+typedef struct quotient {
+    lanes up;
+    lanes down;
+} quotient;
+
+// Where tanh is 1 to the last bit.
+static const double tanh_end = 18.0;
+
+// tanh(y)/y for y^2 by Lambert's continued fraction.
+INLINED quotient lambert(lanes y2)
+{
+    return (quotient){ (y2 + 105.0) * y2 + 945.0, (y2 * 15.0 + 420.0) * y2 + 945.0 };
+}
+
+// tanh(8 y), by tanh 2y = 2 tanh y/(1 + tanh^2 y): doubling raises the error of the fraction less than
+// the way to 1 lowers it. The relative error is below 1e-12, largest at 8 y = 5.5.
+INLINED quotient tanh_quotient(lanes y)
+{
+    const double end = tanh_end / 8.0;
+    lanes within = lanes_min(lanes_max(y, lanes_all(-end)), lanes_all(end));
+    quotient t = lambert(within * within);
+
+    t.up *= within;
+    for (int k = 0; k < 3; k++)
+        t = (quotient){ (t.up + t.up) * t.down, t.up * t.up + t.down * t.down };
+    return t;
+}
+
+// tanh(8 y)/(8 y) for y^2, likewise; beyond the end 1/(8 y).
+INLINED quotient theta_quotient(lanes y2)
+{
+    const double end2 = tanh_end * tanh_end / 64.0;
+    lanes end = lanes_all(end2), square = lanes_min(y2, end);
+    quotient t = lambert(square);
+
+    for (int k = 0; k < 3; k++, square *= 4.0)
+        t = (quotient){ t.up * t.down, square * (t.up * t.up) + t.down * t.down };
+    // The factor is 1 for lanes within the end.
+    if (lanes_less(end, y2) != 0)
+        t.down *= lanes_sqrt(lanes_max(y2, end) / end);
+    return t;
+}
+
+static void tanh_of(size_t n, const double *x, double *ret_y)
+{
+    for (size_t k = 0; k < n; k += LANES) {
+        quotient t = tanh_quotient(lanes_load_any(x + k) * 0.125);
+        lanes y = t.up / t.down;
+        memcpy(ret_y + k, &y, sizeof y);
+    }
+}
+
+// LANES parts.
+typedef struct parts {
+    lanes x, y, vx, vy;
+    lanes spin, radius, softness, inverse_mass; // all but spin only if not plain
+} parts;
+
+INLINED parts load_parts(const disk_row *rows, const uint32_t *at, bool plain)
+{
+    lanes_quad low = lanes_quad_load(&rows->x, at);
+    lanes_quad high = lanes_quad_load(&rows->spin, at);
+    parts p = { low.column[0],  low.column[1],  low.column[2],  low.column[3],
+                high.column[0], lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
+
+    if (!plain) {
+        p.radius = high.column[1];
+        p.softness = high.column[2];
+        p.inverse_mass = high.column[3];
+    }
+    return p;
+}
+
+// Sums over the contacts of LANES parts.
+typedef struct loads {
+    lanes x, y, torque;
+    lanes overlap, overlap_share; // largest
+} loads;
+
+// A law, ready for lanes.
+typedef struct pair_law {
+    lanes damping, friction;
+    lanes rate;             // lambda / 8
+    lanes floor;            // of the normal force
+    lanes line;             // k times the sum of softnesses
+    lanes reach, stiffness; // sum of radii and k, if plain
+} pair_law;
+
+INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other_softness)
+{
+    const disk_row *kind = &s->kinds[0].row;
+
+    return (pair_law){ .damping = lanes_all(law->damping),
+                       .friction = lanes_all(law->friction),
+                       .rate = lanes_all(law->tanh_linear / 8.0),
+                       .floor = lanes_all(s->def.tension ? -INFINITY : 0.0),
+                       .line = lanes_all(law->line),
+                       .reach = lanes_all(kind->radius + kind->radius),
+                       .stiffness = lanes_all(law->line / (kind->softness + other_softness)) };
+}
+
+// A contact of a part with something in direction n, before its friction is known.
+typedef struct contact {
+    lanes nx, ny;  // unit, from the part to what it touches
+    lanes force;   // (4a), N; 0 where nothing presses
+    lanes sliding; // lambda/8 times the speed along the tangent, n turned left
+    lanes lever;   // from the part's centre to the contact point, m
+} contact;
+
+// Friction (7), and the sums.
+INLINED void add_contact(const contact *c, lanes friction, bool plain, loads *sum)
+{
+    quotient t = tanh_quotient(c->sliding);
+    lanes size = plain ? c->force : lanes_max(c->force, -c->force);
+    lanes rub = friction * size * (t.up / t.down);
+
+    sum->x += rub * c->ny - c->force * c->nx;
+    sum->y -= rub * c->nx + c->force * c->ny;
+    sum->torque -= rub * c->lever;
+}
+
+// The normal force of an overlap, where low < high.
+INLINED lanes press(const pair_law *law, lanes stiffness, lanes overlap, lanes parting, lanes low,
+                    lanes high)
+{
+    lanes force = lanes_max(stiffness * overlap - law->damping * parting, law->floor);
+
+    return lanes_where_less(low, high, force);
+}
+
+// Contacts with neighbours; false if none of them presses.
+INLINED bool meet(const pair_law *law, const parts *own, const parts *other, bool plain, contact *c,
+                  loads *sum)
+{
+    lanes dx = other->x - own->x, dy = other->y - own->y;
+    lanes distance2 = dx * dx + dy * dy;
+    lanes reach = plain ? law->reach : own->radius + other->radius, reach2 = reach * reach;
+
+    if (lanes_less(distance2, reach2) == 0)
+        return false;
+    lanes distance = lanes_sqrt(distance2), inverse = 1.0 / distance;
+    lanes vx = other->vx - own->vx, vy = other->vy - own->vy;
+    lanes overlap = reach - distance, rolling, stiffness = law->stiffness;
+    c->nx = dx * inverse;
+    c->ny = dy * inverse;
+    sum->overlap = lanes_max(overlap, sum->overlap);
+    if (plain) {
+        c->lever = 0.5 * distance;
+        rolling = (own->spin + other->spin) * c->lever;
+    } else {
+        lanes excess = own->radius - other->radius;
+        lanes smaller = lanes_min(own->radius, other->radius);
+        stiffness = law->line / (own->softness + other->softness);
+        c->lever = 0.5 * (distance + excess);
+        rolling = own->spin * c->lever + other->spin * (0.5 * (distance - excess));
+        sum->overlap_share = lanes_max(overlap / smaller, sum->overlap_share);
+    }
+    c->force = press(law, stiffness, overlap, vx * c->nx + vy * c->ny, distance2, reach2);
+    c->sliding = law->rate * (vx * c->ny - vy * c->nx + rolling);
+    return true;
+}
+
+// What a step needs beyond laws.
+typedef struct motion {
+    lanes dt, dt_force, keep, keep_spin;
+    lanes belt_rate2, spin_rate2;        // (lambda/8)^2
+    lanes belt_drag;                     // dt mu g lambda
+    lanes inverse_mass, inverse_inertia; // if plain
+    lanes belt_x, belt_y, grip;          // same
+    lanes brake;                         // same: dt A lambda
+} motion;
+
+INLINED motion make_motion(const disk_step *step)
+{
+    const disk_state *s = step->state;
+    const disk_row *kind = &s->kinds[0].row;
+    const micro_law *belt = &s->belt;
+
+    return (motion){
+        .dt = lanes_all(step->dt),
+        .dt_force = lanes_all(step->dt_force),
+        .keep = lanes_all(step->keep),
+        .keep_spin = lanes_all(step->keep_spin),
+        .belt_rate2 = lanes_all(belt->tanh_linear * belt->tanh_linear / 64.0),
+        .spin_rate2 = lanes_all(belt->tanh_spin * belt->tanh_spin / 64.0),
+        .belt_drag =
+            lanes_all(step->dt_force * belt->friction * s->def.gravity * belt->tanh_linear),
+        .inverse_mass = lanes_all(kind->inverse_mass),
+        .inverse_inertia = lanes_all(2.0 * kind->inverse_mass / (kind->radius * kind->radius)),
+        .belt_x = lanes_all(s->plain_belt.vx),
+        .belt_y = lanes_all(s->plain_belt.vy),
+        .grip = lanes_all(s->plain_belt.grip),
+        .brake = lanes_all(step->dt_force * belt->tanh_spin * s->plain_brake),
+    };
+}
+
+// The motion of parts that differ in kind or belt.
+INLINED motion make_own_motion(const motion *common, const disk_step *step, size_t place,
+                               const parts *own)
+{
+    const disk_state *s = step->state;
+    motion m = *common;
+
+    m.inverse_mass = own->inverse_mass;
+    m.inverse_inertia = 2.0 * own->inverse_mass / (own->radius * own->radius);
+    m.brake = step->dt_force * s->belt.tanh_spin * lanes_load(s->brake + place);
+    for (int k = 0; k < LANES; k++) {
+        m.belt_x[k] = s->belt_under[place + (size_t)k].vx;
+        m.belt_y[k] = s->belt_under[place + (size_t)k].vy;
+        m.grip[k] = s->belt_under[place + (size_t)k].grip;
+    }
+    return m;
+}
+
+// Belt friction and (12).
+INLINED void move(const motion *m, parts *own, const loads *sum)
+{
+    lanes sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
+    quotient t = theta_quotient((sx * sx + sy * sy) * m->belt_rate2);
+    lanes drag = m->grip * m->belt_drag * t.up / t.down;
+    lanes impulse = m->dt_force * m->inverse_mass;
+
+    own->vx = m->keep * own->vx + (impulse * sum->x - drag * sx);
+    own->vy = m->keep * own->vy + (impulse * sum->y - drag * sy);
+    own->x += m->dt * own->vx;
+    own->y += m->dt * own->vy;
+}
+
+// Spin friction (8), implicitly, and (13).
+INLINED void turn(const motion *m, parts *own, const loads *sum)
+{
+    lanes w = m->keep_spin * own->spin + m->dt_force * m->inverse_inertia * sum->torque;
+    quotient t = theta_quotient(w * w * m->spin_rate2);
+
+    own->spin = w * t.down / (t.down + m->grip * m->brake * t.up);
+}
+
+// The largest of all parts of a call, and the sum that tells whether all are finite.
+typedef struct largest {
+    lanes speed2, sum, overlap, overlap_share;
+} greatest;
+
+// Contacts are found for some slots and then summed up: two short chains of operations overlap better
+// than one long one.
+INLINED void add_neighbours(const disk_step *step, const pair_law *law, const parts *own,
+                            size_t group, size_t lane, bool plain, loads *sum)
+{
+    const disk_list *list = &step->state->list;
+    const uint32_t *at = list->neighbour + (size_t)list->first[group] * DISK_GROUP + lane;
+    const uint32_t *end = list->neighbour + (size_t)list->first[group + 1] * DISK_GROUP;
+    contact contacts[SLOTS_AT_ONCE];
+
+    while (at < end) {
+        size_t n = 0;
+        for (; n < SLOTS_AT_ONCE && at < end; at += DISK_GROUP) {
+            parts other = load_parts(step->now, at, plain);
+            n += meet(law, own, &other, plain, &contacts[n], sum) ? 1 : 0;
+        }
+        for (size_t k = 0; k < n; k++)
+            add_contact(&contacts[k], law->friction, plain, sum);
+    }
+}
+
+// Parts with the forces on them.
+typedef struct loaded {
+    parts own;
+    loads sum;
+} loaded;
+
+INLINED loaded load_lanes(const disk_step *step, const pair_law *law, size_t place, bool plain,
+                          greatest *of_all)
+{
+    static const uint32_t in_a_row[DISK_GROUP] = { 0 * DISK_ROW, 1 * DISK_ROW, 2 * DISK_ROW,
+                                                   3 * DISK_ROW, 4 * DISK_ROW, 5 * DISK_ROW,
+                                                   6 * DISK_ROW, 7 * DISK_ROW };
+    const disk_state *s = step->state;
+    const size_t group = place / DISK_GROUP, lane = place % DISK_GROUP;
+    const lanes zero = lanes_all(0.0);
+    parts own = load_parts(step->now + place, in_a_row, plain);
+    loads sum = { zero, zero, zero, of_all->overlap, of_all->overlap_share };
+
+    if (s->is_touched[group] != 0) {
+        lanes_quad pushes = lanes_quad_load(&step->next[place].x, in_a_row);
+        sum.x = pushes.column[0];
+        sum.y = pushes.column[1];
+        sum.torque = lanes_quad_load(&step->next[place].spin, in_a_row).column[0];
+    }
+    add_neighbours(step, law, &own, group, lane, plain, &sum);
+    of_all->overlap = sum.overlap;
+    of_all->overlap_share = sum.overlap_share;
+    return (loaded){ own, sum };
+}
+
+INLINED void move_lanes(const disk_step *step, const motion *common, size_t place, bool plain,
+                        loaded *l, greatest *of_all)
+{
+    motion m = plain ? *common : make_own_motion(common, step, place, &l->own);
+
+    move(&m, &l->own, &l->sum);
+    turn(&m, &l->own, &l->sum);
+    lanes_quad quad = { { l->own.x, l->own.y, l->own.vx, l->own.vy } };
+    lanes_quad_store(&step->next[place].x, &quad);
+    lanes_column_store(&step->next[place].spin, l->own.spin);
+    lanes_store(step->heading + place, lanes_load(step->heading + place) + m.dt * l->own.spin);
+    lanes speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
+    of_all->speed2 = lanes_max(speed2, of_all->speed2);
+    of_all->sum += speed2 + l->own.spin * l->own.spin;
+}
+
+static void raise(double *largest, double to)
+{
+    *largest = to > *largest ? to : *largest;
+}
+
+INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, bool plain,
+                            disk_extremes *extremes)
+{
+    raise(&extremes->overlap, lanes_peak(overlap));
+    raise(&extremes->overlap_share,
+          plain ? lanes_peak(overlap) / s->kinds[0].row.radius : lanes_peak(share));
+}
+
+INLINED void advance_groups(const disk_step *step, size_t first, size_t last, bool plain,
+                            disk_extremes *extremes)
+{
+    const disk_state *s = step->state;
+    const pair_law law = make_law(s, &s->cargo, s->kinds[0].row.softness);
+    const motion common = make_motion(step);
+    greatest of_all = { lanes_all(0.0), lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
+    loaded l[GROUPS_AT_ONCE * DISK_GROUP / LANES];
+
+    for (size_t group = first; group < last; group += GROUPS_AT_ONCE) {
+        size_t n = (last - group < GROUPS_AT_ONCE ? last - group : GROUPS_AT_ONCE) * DISK_GROUP;
+        for (size_t k = 0; k < n; k += LANES)
+            l[k / LANES] = load_lanes(step, &law, group * DISK_GROUP + k, plain, &of_all);
+        for (size_t k = 0; k < n; k += LANES)
+            move_lanes(step, &common, group * DISK_GROUP + k, plain, &l[k / LANES], &of_all);
+    }
+    raise(&extremes->speed2, lanes_peak(of_all.speed2));
+    raise_overlaps(s, of_all.overlap, of_all.overlap_share, plain, extremes);
+    for (int k = 0; k < LANES; k++)
+        extremes->sum += of_all.sum[k];
+}
+
+static void advance(const disk_step *step, size_t first, size_t last, disk_extremes *extremes)
+{
+    if (step->state->is_plain)
+        advance_groups(step, first, last, true, extremes);
+    else
+        advance_groups(step, first, last, false, extremes);
+}
+
+// A square of which the root is never zero.
+static const double tiny2 = 1e-200;
+
+// LANES touches: what of the solids is where, seen from the parts.
+typedef struct surface {
+    lanes nx, ny;   // unit normal out of the solid
+    lanes height;   // of the part's centre over it, m
+    lanes friction; // mu
+    lanes inside;   // 1 where the centre is where the feature counts, else 0
+} surface;
+
+INLINED surface find_faces(const disk_state *s, const parts *own, const uint32_t *feature)
+{
+    lanes_quad low = lanes_quad_load(&s->faces->px, feature);
+    lanes_quad high = lanes_quad_load(&s->faces->from, feature);
+    lanes rx = own->x - low.column[0], ry = own->y - low.column[1];
+    surface f = { .nx = low.column[2], .ny = low.column[3], .friction = high.column[3] };
+    lanes along = rx * f.ny - ry * f.nx;
+
+    f.height = rx * f.nx + ry * f.ny;
+    f.inside = lanes_where_less(along, high.column[1], lanes_all(1.0));
+    f.inside = lanes_where_less(-high.column[2], f.height, f.inside);
+    f.inside -= lanes_where_less(along, high.column[0], f.inside);
+    return f;
+}
+
+INLINED surface find_arcs(const disk_state *s, const parts *own, const uint32_t *feature)
+{
+    lanes_quad low = lanes_quad_load(&s->arcs->px, feature);
+    lanes_quad high = lanes_quad_load(&s->arcs->ey, feature);
+    lanes rx = own->x - low.column[0], ry = own->y - low.column[1];
+    lanes distance = lanes_sqrt(lanes_max(rx * rx + ry * ry, lanes_all(tiny2)));
+    surface a = { .nx = rx / distance, .ny = ry / distance, .friction = high.column[3] };
+    lanes zero = lanes_all(0.0);
+
+    a.height = distance - low.column[2];
+    a.inside = lanes_where_less(zero, a.height, lanes_all(1.0));
+    a.inside = lanes_where_less(zero, rx * high.column[1] + ry * high.column[2], a.inside);
+    a.inside -= lanes_where_less(rx * low.column[3] + ry * high.column[0], zero, a.inside);
+    return a;
+}
+
+// Takes the lanes of b where pick is 1, keeps those of a where it is 0.
+INLINED surface choose(surface a, surface b, lanes pick)
+{
+    lanes half = lanes_all(0.5);
+    surface s;
+
+    s.nx = lanes_where_less(pick, half, a.nx) + lanes_where_less(half, pick, b.nx);
+    s.ny = lanes_where_less(pick, half, a.ny) + lanes_where_less(half, pick, b.ny);
+    s.height = lanes_where_less(pick, half, a.height) + lanes_where_less(half, pick, b.height);
+    s.friction =
+        lanes_where_less(pick, half, a.friction) + lanes_where_less(half, pick, b.friction);
+    s.inside = lanes_where_less(pick, half, a.inside) + lanes_where_less(half, pick, b.inside);
+    return s;
+}
+
+// Touches first .. first + LANES - 1, of which those from last on do not count.
+typedef struct touch_lanes {
+    uint32_t place[LANES];
+    uint32_t row[LANES], face[LANES], arc[LANES]; // where they begin
+    lanes is_arc;                                 // 1 or 0
+    lanes counts;                                 // 1, or 0 behind the last
+    bool has_arcs;
+} touch_lanes;
+
+INLINED touch_lanes load_touches(const disk_state *s, size_t first, size_t last)
+{
+    touch_lanes t = { .has_arcs = false };
+
+    for (size_t k = 0; k < LANES; k++) {
+        disk_touch touch = { s->void_place, 0 };
+        if (first + k < last)
+            touch = s->touches[first + k];
+        bool is_arc = touch.feature >= s->n_faces;
+        t.place[k] = touch.place;
+        t.row[k] = touch.place * DISK_ROW;
+        t.face[k] = is_arc ? 0 : touch.feature * DISK_ROW;
+        t.arc[k] = is_arc ? (touch.feature - (uint32_t)s->n_faces) * DISK_ROW : 0;
+        t.is_arc[k] = is_arc ? 1.0 : 0.0;
+        t.counts[k] = first + k < last ? 1.0 : 0.0;
+        t.has_arcs = t.has_arcs || is_arc;
+    }
+    return t;
+}
+
+INLINED void push_lanes(const disk_step *step, const pair_law *law, const touch_lanes *t,
+                        bool plain, loads *sum)
+{
+    const disk_state *s = step->state;
+    const disk_row *kind = &s->kinds[0].row;
+    const lanes zero = lanes_all(0.0);
+    parts own = load_parts(step->now, t->row, plain);
+    lanes radius = plain ? lanes_all(kind->radius) : own.radius, stiffness = law->stiffness;
+    surface at = find_faces(s, &own, t->face);
+
+    if (t->has_arcs)
+        at = choose(at, find_arcs(s, &own, t->arc), t->is_arc);
+    if (!plain)
+        stiffness = law->line / (own.softness + s->handling_softness);
+    lanes overlap = radius - at.height;
+    lanes presses = lanes_where_less(at.height, radius, at.inside * t->counts);
+    contact c = { .nx = -at.nx, .ny = -at.ny, .lever = radius - 0.5 * overlap };
+    c.force = press(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
+    c.sliding = law->rate * (own.vx * at.ny - own.vy * at.nx + own.spin * c.lever);
+    add_contact(&c, at.friction, plain, sum);
+    overlap = lanes_where_less(zero, presses, overlap);
+    sum->overlap = lanes_max(overlap, sum->overlap);
+    if (!plain)
+        sum->overlap_share = lanes_max(overlap / radius, sum->overlap_share);
+}
+
+static void clear_pushes(disk_row *rows)
+{
+    for (size_t k = 0; k < DISK_GROUP; k++)
+        rows[k].x = rows[k].y = rows[k].spin = 0.0;
+}
+
+// Adds what LANES touches, of which n count, do to their parts. *group is that of the touch before.
+INLINED void keep_pushes(const disk_step *step, const touch_lanes *t, size_t n, const loads *sum,
+                         uint32_t *group)
+{
+    for (size_t k = 0; k < LANES && k < n; k++) {
+        disk_row *to = &step->next[t->place[k]];
+        if (t->place[k] / DISK_GROUP != *group) {
+            *group = t->place[k] / DISK_GROUP;
+            clear_pushes(&step->next[*group * DISK_GROUP]);
+        }
+        to->x += sum->x[k];
+        to->y += sum->y[k];
+        to->spin += sum->torque[k];
+    }
+}
+
+INLINED void touch_solids(const disk_step *step, size_t first, size_t last, bool plain,
+                          disk_extremes *extremes)
+{
+    const disk_state *s = step->state;
+    const pair_law law = make_law(s, &s->handling, s->handling_softness);
+    const lanes zero = lanes_all(0.0);
+    loads sum = { zero, zero, zero, zero, zero };
+    uint32_t group = UINT32_MAX;
+
+    for (size_t from = first; from < last; from += LANES) {
+        touch_lanes t = load_touches(s, from, last);
+        sum.x = sum.y = sum.torque = zero;
+        push_lanes(step, &law, &t, plain, &sum);
+        keep_pushes(step, &t, last - from, &sum, &group);
+    }
+    raise_overlaps(s, sum.overlap, sum.overlap_share, plain, extremes);
+}
+
+static void touch(const disk_step *step, size_t first, size_t last, disk_extremes *extremes)
+{
+    if (step->state->is_plain)
+        touch_solids(step, first, last, true, extremes);
+    else
+        touch_solids(step, first, last, false, extremes);
+}
+
+extern const disk_kernels DISK_KERNELS_TABLE;
+
+const disk_kernels DISK_KERNELS_TABLE = {
+    .name = DISK_KERNELS_NAME,
+    .touch = touch,
+    .advance = advance,
+    .tanh_of = tanh_of,
+};

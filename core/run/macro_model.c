@@ -1,0 +1,196 @@
+// The macroscopic model as a run sees it: scenario to solver, density to parts.
+
+#include "core/base/memory.h"
+#include "core/macro/macro.h"
+#include "core/run/counter.h"
+#include "core/run/run_priv.h"
+#include "core/scene/density.h"
+#include "core/scene/placement.h"
+#include "core/scene/velocity_field.h"
+
+typedef struct macro_run {
+    macro_solver *solver;
+    double packing; // parts/m2 at density 1
+    bf_grid grid;
+    size_t n_counters;
+    counter_cells counters[SCENE_COUNTERS_MAX];
+} macro_run;
+
+static macro_def def_of(const scene *s, const field *f, int n_threads)
+{
+    static const macro_gate gates[] = {
+        [SCENE_HEAVISIDE_SHARP] = MACRO_GATE_SHARP,
+        [SCENE_HEAVISIDE_SMOOTH] = MACRO_GATE_SMOOTH,
+        [SCENE_HEAVISIDE_NONE] = MACRO_GATE_NONE,
+    };
+    macro_def def = macro_def_default();
+
+    def.grid = f->grid;
+    def.dt = scene_macro_step(s);
+    def.dispersion = s->macro.dispersion;
+    def.mollifier = s->macro.mollifier;
+    def.gate = gates[s->macro.heaviside];
+    def.gate_width = s->macro.heaviside_width;
+    def.v1 = f->v1;
+    def.v2 = f->v2;
+    def.closed1 = f->closed1;
+    def.closed2 = f->closed2;
+    def.n_threads = n_threads;
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
+    return def;
+}
+
+static bf_status create_solver(const scene *s, int n_threads, macro_solver **ret_solver,
+                               bf_error *err)
+{
+    field *f = NULL;
+    bf_status status = velocity_field_create(s, &f, err);
+
+    if (status != BF_OK)
+        return status;
+    const macro_def def = def_of(s, f, n_threads);
+    status = macro_create(&def, ret_solver, err);
+    velocity_field_destroy(f);
+    return status;
+}
+
+// Sets the density (18) of the parts at the start.
+static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_parts, bf_error *err)
+{
+    const size_t n_cells = grid_cells(&run->grid);
+    double *rho = memory_alloc(n_cells, sizeof *rho);
+    placement p = { 0 };
+    bf_status status;
+
+    if (rho == NULL)
+        return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
+    if ((status = placement_make(s, &p, err)) == BF_OK &&
+        (status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p.poses,
+                                     p.n, rho, err)) == BF_OK)
+        status = macro_set_density(run->solver, rho, n_cells, err);
+    if (status == BF_OK)
+        *ret_n_parts = p.n;
+    placement_fini(&p);
+    memory_free(rho);
+    return status;
+}
+
+static void destroy_run(void *solver)
+{
+    macro_run *run = solver;
+
+    if (run != NULL)
+        macro_destroy(run->solver);
+    memory_free(run);
+}
+
+static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
+                            bf_error *err)
+{
+    macro_run *run = memory_alloc(1, sizeof *run);
+    bf_status status;
+    uint64_t n_parts = 0;
+
+    if (run == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
+    run->grid = scene_grid(s);
+    run->packing = scene_packing_density(s);
+    run->n_counters = s->n_counters;
+    for (size_t k = 0; k < s->n_counters; k++)
+        run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
+    if ((status = create_solver(s, n_threads, &run->solver, err)) != BF_OK ||
+        (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
+        destroy_run(run);
+        return status;
+    }
+    const double dt = scene_macro_step(s);
+    *ret_plan = (run_plan){ .dt = dt,
+                            .n_steps = run__steps_until(s->duration, dt),
+                            .grid = run->grid,
+                            .n_parts = n_parts,
+                            .n_advance = 1 };
+    *ret_solver = run;
+    return BF_OK;
+}
+
+static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
+{
+    macro_run *run = solver;
+
+    (void)err;
+    for (uint64_t k = 0; k < n; k++)
+        macro_step(run->solver);
+    return BF_OK;
+}
+
+static bf_status check_run(const void *solver, bf_error *err)
+{
+    const macro_run *run = solver;
+
+    return macro_check(run->solver, err);
+}
+
+static void count_parts(const void *solver, double *ret_parts)
+{
+    const macro_run *run = solver;
+
+    for (size_t k = 0; k < run->n_counters; k++) {
+        const counter_cells *c = &run->counters[k];
+        ret_parts[k] =
+            run->packing * macro_mass_in(run->solver, c->i_min, c->i_max, c->j_min, c->j_max);
+    }
+}
+
+static run_load measure_run(const void *solver)
+{
+    const macro_run *run = solver;
+    const macro_totals totals = macro_measure(run->solver);
+
+    return (run_load){ .parts = run->packing * totals.mass, .peak = totals.peak };
+}
+
+static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
+{
+    const macro_run *run = solver;
+
+    (void)err;
+    macro_copy_density_float(run->solver, ret_rho);
+    *ret_load = measure_run(run);
+    return BF_OK;
+}
+
+static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
+{
+    const macro_run *run = solver;
+
+    return macro_save(run->solver, out, err);
+}
+
+static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *err)
+{
+    macro_run *run = solver;
+
+    return macro_load(run->solver, bytes, n, err);
+}
+
+static uint64_t digest_run(const void *solver)
+{
+    const macro_run *run = solver;
+
+    return macro_digest(run->solver);
+}
+
+const run_backend run__macro = {
+    .check_scenario = run__check_macro,
+    .create = create_run,
+    .destroy = destroy_run,
+    .advance = advance_run,
+    .check = check_run,
+    .count = count_parts,
+    .measure = measure_run,
+    .snapshot = take_snapshot,
+    .save = save_run,
+    .load = load_run,
+    .digest = digest_run,
+};

@@ -1,0 +1,93 @@
+#include "core/run/micro_model_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+static void set_kinds(const scene *s, run_micro__setup *setup)
+{
+    for (size_t k = 0; k < s->n_cargo; k++)
+        setup->kinds[k] = (micro_kind){ .shape = s->cargo[k].shape,
+                                        .material = s->cargo[k].material,
+                                        .mass = s->cargo[k].mass,
+                                        .spin_radius = s->cargo[k].spin_friction_radius };
+    setup->def.n_kinds = s->n_cargo;
+    setup->def.kinds = setup->kinds;
+}
+
+static void set_parameters(const scene_micro *micro, micro_def *def)
+{
+    static const micro_integrator integrators[] = {
+        [SCENE_VERLET] = MICRO_VERLET, [SCENE_IMPLICIT] = MICRO_IMPLICIT
+    };
+    static const micro_path paths[] = { [SCENE_PATH_AUTO] = MICRO_PATH_AUTO,
+                                        [SCENE_PATH_PLANAR] = MICRO_PATH_PLANAR,
+                                        [SCENE_PATH_SPATIAL] = MICRO_PATH_SPATIAL };
+
+    memcpy(def->contact, micro->contact, sizeof def->contact);
+    def->conveyor = micro->conveyor;
+    def->handling = micro->handling;
+    def->modulus_reduction = micro->modulus_reduction;
+    def->damping = micro->damping;
+    def->gravity = micro->gravity;
+    def->dt = micro->step;
+    def->tension = micro->tension;
+    def->integrator = integrators[micro->integrator];
+    def->path = paths[micro->path];
+}
+
+static void set_surroundings(const scene *s, micro_def *def)
+{
+    def->domain = s->domain;
+    memcpy(def->edges, s->edges, sizeof def->edges);
+    def->n_belts = s->n_belts;
+    def->belts = s->belts;
+    def->n_obstacles = s->n_obstacles;
+    def->obstacles = s->obstacles;
+}
+
+double run_micro__fit_step(const scene *s, double dt)
+{
+    double every = s->output.curve_every;
+
+    if (every > dt)
+        dt = every / ceil(every / dt * (1.0 - 1e-12));
+    return fmin(dt, s->duration);
+}
+
+bf_status run_micro__check_count(const scene *s, double dt, bf_error *err)
+{
+    double n = ceil(s->duration / dt);
+
+    if (n <= SCENE_STEPS_MAX)
+        return BF_OK;
+    return bf_fail(err, BF_ELIMIT, s->micro.step > 0.0 ? "/micro/step_s" : "/duration_s",
+                   "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
+}
+
+bf_status run_micro__init_setup(const scene *s, int n_threads, run_micro__setup *setup,
+                                bf_error *err)
+{
+    *setup = (run_micro__setup){ .def = micro_def_default() };
+    bf_status status = placement_make(s, &setup->placement, err);
+    if (status != BF_OK)
+        return status;
+    set_kinds(s, setup);
+    set_surroundings(s, &setup->def);
+    set_parameters(&s->micro, &setup->def);
+    setup->def.n_parts = setup->placement.n;
+    setup->def.poses = setup->placement.poses;
+    setup->def.part_kinds = setup->placement.kinds;
+    setup->def.n_threads = n_threads;
+    // The paper's step, where that is stable; the implicit integrator chooses by itself.
+    if (setup->def.dt == 0.0 && s->micro.integrator == SCENE_VERLET)
+        setup->def.dt = run_micro__fit_step(s, fmin(1e-5, micro_dt_stable(&setup->def)));
+    return BF_OK;
+}
+
+void run_micro__fini_setup(run_micro__setup *setup)
+{
+    if (setup == NULL)
+        return;
+    placement_fini(&setup->placement);
+    *setup = (run_micro__setup){ .def = { .n_parts = 0 } };
+}

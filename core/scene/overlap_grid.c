@@ -1,0 +1,103 @@
+#include "core/scene/overlap_grid.h"
+
+#include "core/base/memory.h"
+#include "core/scene/geometry.h"
+#include "core/scene/mix.h"
+
+#include <math.h>
+#include <string.h>
+
+#define NOBODY UINT32_MAX
+
+bf_status overlap_grid_init(crowd *ret_crowd, const shape_footprint *footprints, size_t n_kinds,
+                            const uint32_t *kinds, const scene_pose *poses, size_t n, bf_error *err)
+{
+    crowd c = { .footprints = footprints, .kinds = kinds, .poses = poses };
+
+    for (size_t k = 0; k < n_kinds; k++)
+        c.cell = fmax(c.cell, 2.0 * footprints[k].reach);
+    c.n_buckets = 16;
+    while (c.n_buckets < 2 * n)
+        c.n_buckets *= 2;
+    c.heads = memory_alloc(c.n_buckets, sizeof *c.heads);
+    c.next = memory_alloc(n, sizeof *c.next);
+    if (c.heads == NULL || c.next == NULL) {
+        overlap_grid_fini(&c);
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
+    }
+    memset(c.heads, 0xff, c.n_buckets * sizeof *c.heads);
+    *ret_crowd = c;
+    return BF_OK;
+}
+
+void overlap_grid_fini(crowd *c)
+{
+    if (c == NULL)
+        return;
+    memory_free(c->heads);
+    memory_free(c->next);
+    *c = (crowd){ 0 };
+}
+
+static size_t find_bucket(const crowd *c, int64_t column, int64_t row)
+{
+    uint64_t mixed = (uint64_t)column * UINT64_C(0x9e3779b97f4a7c15) ^
+                     (uint64_t)row * UINT64_C(0xc2b2ae3d27d4eb4f);
+    return (size_t)(mixed ^ mixed >> 32) & (c->n_buckets - 1);
+}
+
+static const shape_footprint *footprint_of(const crowd *c, size_t k)
+{
+    return &c->footprints[mix_kind(c->kinds, k)];
+}
+
+static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
+                           scene_pose b)
+{
+    scene_point corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
+    double distance = geometry_length((scene_point){ b.x - a.x, b.y - a.y });
+
+    if (distance >= of_a->reach + of_b->reach - SCENE_TOLERANCE)
+        return false;
+    if (of_a->n_corners == 0 && of_b->n_corners == 0)
+        return true;
+    shape_place(of_a, a, corners_a);
+    shape_place(of_b, b, corners_b);
+    if (of_a->n_corners == 0)
+        return geometry_disk_overlaps((scene_point){ a.x, a.y }, of_a->reach, corners_b,
+                                      of_b->n_corners, SCENE_TOLERANCE);
+    if (of_b->n_corners == 0)
+        return geometry_disk_overlaps((scene_point){ b.x, b.y }, of_b->reach, corners_a,
+                                      of_a->n_corners, SCENE_TOLERANCE);
+    return geometry_convex_overlap(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
+                                   SCENE_TOLERANCE);
+}
+
+bool overlap_grid_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other)
+{
+    const shape_footprint *own = footprint_of(c, part);
+    int64_t column = (int64_t)floor(pose.x / c->cell), row = (int64_t)floor(pose.y / c->cell);
+
+    for (int64_t i = column - 1; i <= column + 1; i++) {
+        for (int64_t j = row - 1; j <= row + 1; j++) {
+            uint32_t k = c->heads[find_bucket(c, i, j)];
+            for (; k != NOBODY; k = c->next[k]) {
+                if (is_overlapping(own, pose, footprint_of(c, k), c->poses[k])) {
+                    *ret_other = k;
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+void overlap_grid_add(crowd *c, size_t k)
+{
+    int64_t column = (int64_t)floor(c->poses[k].x / c->cell);
+    int64_t row = (int64_t)floor(c->poses[k].y / c->cell);
+    uint32_t *head = &c->heads[find_bucket(c, column, row)];
+
+    c->next[k] = *head;
+    *head = (uint32_t)k;
+}

@@ -1,0 +1,249 @@
+/// A scenario as plain data; see scene.h, which says what is done with it.
+///
+/// Units    SI: m, s, kg, m/s, Pa. Angles are radians.
+
+#pragma once
+
+#include "core/scene/limits.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// A point or a vector in the plane: x along the belt, y across it.
+typedef struct scene_point {
+    double x; ///< x1, m (or m/s)
+    double y; ///< x2, m (or m/s)
+} scene_point;
+
+/// A rectangle with its sides along the axes.
+typedef struct scene_rect {
+    double x_min; ///< m
+    double x_max; ///< m, > x_min
+    double y_min; ///< m
+    double y_max; ///< m, > y_min
+} scene_rect;
+
+/// The sides of the domain.
+typedef enum scene_side {
+    SCENE_WEST,  ///< x = x_min
+    SCENE_EAST,  ///< x = x_max
+    SCENE_SOUTH, ///< y = y_min
+    SCENE_NORTH, ///< y = y_max
+    SCENE_SIDE_COUNT
+} scene_side;
+
+/// What a side of the domain is.
+typedef enum scene_edge {
+    SCENE_EDGE_INFLOW,  ///< zero density comes in (11a)
+    SCENE_EDGE_OUTFLOW, ///< open: cargo leaves
+    SCENE_EDGE_WALL,    ///< solid, free slip: no flux crosses it (11b)
+    SCENE_EDGE_COUNT
+} scene_edge;
+
+/// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one wins.
+typedef struct scene_belt {
+    char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
+    scene_point velocity;   ///< v_T, m/s (default 0.395, 0)
+    size_t n_points;        ///< 0: the belt covers the domain
+    scene_point *polygon;   ///< simple polygon, n_points >= 3 corners, m
+} scene_belt;
+
+/// How the macroscopic model holds cargo back at an obstacle.
+typedef enum scene_treatment {
+    SCENE_SEALED, ///< line shut, outward field upstream of it: keeps to the microscopic model
+    SCENE_FIELD,  ///< the paper's field alone (sections 3.1, 4.2): cargo leaks through
+    SCENE_WALL,   ///< line shut (11b), slide zone only
+    SCENE_TREATMENT_COUNT
+} scene_treatment;
+
+/// A deflector ("singularizer"): a polyline plate standing on the belt.
+typedef struct scene_obstacle {
+    char id[SCENE_ID_SIZE];    ///< unique among obstacles (default "obstacle-<n>", n from 1)
+    size_t n_points;           ///< >= 2
+    scene_point *path;         ///< corners of the upstream face, m
+    double thickness;          ///< of the plate, downstream of the line, m, > 0 (default 0.005)
+    scene_treatment treatment; ///< (default SCENE_SEALED)
+    double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
+    double slide_width; ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
+                        ///< SCENE_FIELD and SCENE_WALL)
+} scene_obstacle;
+
+/// Shapes of cargo.
+typedef enum scene_shape_type {
+    SCENE_CYLINDER, ///< upright cylinder
+    SCENE_BOX,      ///< cuboid
+    SCENE_PRISM,    ///< convex outline, upright
+    SCENE_HULL,     ///< convex hull of points
+    SCENE_SHAPE_COUNT
+} scene_shape_type;
+
+/// The shape of a part, in its own frame.
+typedef struct scene_shape {
+    scene_shape_type type; ///< (default SCENE_CYLINDER)
+    double radius;         ///< cylinder, m, > 0 (default 0.012)
+    double height;         ///< cylinder, box, prism, m, > 0 (default 0.008)
+    double length;         ///< box along x, m, > 0
+    double width;          ///< box along y, m, > 0
+    size_t n_vertices;     ///< prism: 3 to 64 corners; hull: 4 to 64 points
+    double (*vertices)[3]; ///< prism: counter-clockwise corners (z unused); hull: points, m
+} scene_shape;
+
+/// Elastic constants of a material.
+typedef struct scene_material {
+    double young_modulus; ///< E, Pa, > 0
+    double poisson_ratio; ///< nu, 0 <= nu < 0.5
+} scene_material;
+
+/// Who touches whom in the microscopic model.
+typedef enum scene_pair {
+    SCENE_CARGO_CARGO,
+    SCENE_CONVEYOR_CARGO,
+    SCENE_HANDLING_CARGO, ///< obstacles and walls
+    SCENE_PAIR_COUNT
+} scene_pair;
+
+/// Contact law of a pair (4)-(8).
+typedef struct scene_contact {
+    double length;      ///< l of the contact line, m, > 0 (default 0.008)
+    double damping;     ///< d, N s/m, >= 0 (defaults 119, 230, 120)
+    double friction;    ///< mu, >= 0 (defaults 0.15, 1.0, 0.19)
+    double tanh_linear; ///< lambda_lin, s/m, > 0 (default 10)
+    double tanh_spin;   ///< lambda_ang, s, > 0 (default 1)
+} scene_contact;
+
+/// A kind of parts that are transported.
+typedef struct scene_cargo {
+    double share;      ///< how many parts are of it, in proportion to the sum of all shares, > 0
+                       ///< (default 1)
+    scene_shape shape; ///< see there
+    double mass;       ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    scene_material material;     ///< (default 210e9 Pa, 0.28)
+    double spin_friction_radius; ///< m, >= 0 (default that of micro if given, else 2/3 of the
+                                 ///< footprint's radius)
+} scene_cargo;
+
+/// Where the parts are at the start.
+typedef enum scene_initial_type {
+    SCENE_INITIAL_POSITIONS,
+    SCENE_INITIAL_HEXAGONAL,
+    SCENE_INITIAL_RANDOM,
+    SCENE_INITIAL_COUNT
+} scene_initial_type;
+
+/// One part's place.
+typedef struct scene_pose {
+    double x;       ///< m
+    double y;       ///< m
+    double heading; ///< rad, counter-clockwise from the x axis
+} scene_pose;
+
+/// The source of cargo at t = 0. Only the members of its type count.
+typedef struct scene_initial {
+    scene_initial_type type; ///< (no default)
+    size_t n_poses;          ///< positions: how many
+    scene_pose *poses;       ///< positions: where
+    uint32_t n_rows;         ///< hexagonal: rows, each along the belt, >= 1
+    uint32_t n_columns;      ///< hexagonal: parts a row, >= 1
+    scene_point first;       ///< hexagonal: first centre of the first row, m
+    double spacing;    ///< hexagonal: between neighbours, m, > 0; odd rows are shifted by half
+                       ///< of it along the belt, rows are spacing * sqrt(3)/2 apart
+    uint32_t n_random; ///< random: how many, >= 1
+    scene_rect region; ///< random: centres lie in it, m
+    uint64_t seed;     ///< random: of the generator (default 1), < 2^53
+} scene_initial;
+
+/// Counts the parts inside a rectangle: U(t) of the paper.
+typedef struct scene_counter {
+    char id[SCENE_ID_SIZE]; ///< unique, a column of the curve (default "upstream", "upstream-<n>")
+    scene_rect rect;        ///< x_min <= x < x_max, same in y (default the domain's)
+} scene_counter;
+
+/// When results are taken.
+typedef struct scene_output {
+    double curve_every;    ///< s, > 0 (default 0.01)
+    double snapshot_every; ///< s, > 0 (default 0.1)
+} scene_output;
+
+/// What lets the dispersion act at density rho.
+typedef enum scene_heaviside {
+    SCENE_HEAVISIDE_SHARP,  ///< 1 where rho >= 1, else 0
+    SCENE_HEAVISIDE_SMOOTH, ///< 1/2 + atan((rho - 1)/width)/pi
+    SCENE_HEAVISIDE_NONE,   ///< 1 everywhere (Example 3)
+    SCENE_HEAVISIDE_COUNT
+} scene_heaviside;
+
+/// Numerical schemes of the macroscopic model.
+typedef enum scene_scheme {
+    SCENE_SCHEME_ROE, ///< section 4.2
+    SCENE_SCHEME_COUNT
+} scene_scheme;
+
+/// Parameters of the macroscopic model (10)-(18).
+typedef struct scene_macro {
+    double cell;               ///< cell edge, m, > 0 (default 0.005)
+    double step;               ///< dt, s, > 0; 0 means "auto" (default 0.00125)
+    scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
+    scene_heaviside heaviside; ///< (default SCENE_HEAVISIDE_SHARP)
+    double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)
+    double dispersion;         ///< epsilon, m/s, >= 0 (default 2 |v_T| of the fastest belt)
+    double mollifier;          ///< sigma, 1/m2, > 0 (default 10000)
+    double initial_mollifier;  ///< sigma_0, 1/m2, > 0 (default 2500)
+    double packing; ///< rho_max, parts/m2 of density 1, > 0 (default: hexagonal packing of
+                    ///< the shape cut to four digits, see scene_packing_density())
+} scene_macro;
+
+/// Time integration of the microscopic model.
+typedef enum scene_integrator {
+    SCENE_VERLET,   ///< (12)-(13), the paper's
+    SCENE_IMPLICIT, ///< dashpots and frictions implicitly, for steps of 0.2 to 2 ms
+    SCENE_INTEGRATOR_COUNT
+} scene_integrator;
+
+/// Equations of motion of the microscopic model.
+typedef enum scene_path {
+    SCENE_PATH_AUTO,    ///< in the plane where all parts are cylinders, else in space
+    SCENE_PATH_PLANAR,  ///< in the plane: upright cylinders only
+    SCENE_PATH_SPATIAL, ///< in space: any shape, parts may tip
+    SCENE_PATH_COUNT
+} scene_path;
+
+/// Parameters of the microscopic model (1)-(9).
+typedef struct scene_micro {
+    scene_integrator integrator;             ///< (default SCENE_VERLET)
+    scene_path path;                         ///< (default SCENE_PATH_AUTO)
+    double step;                             ///< dt, s, > 0; 0 means "auto" (default 1e-5 for
+                                             ///< SCENE_VERLET, "auto" for SCENE_IMPLICIT)
+    double modulus_reduction;                ///< all moduli are divided by it, >= 1 (default 1e6)
+    bool tension;                            ///< contacts may pull (default false)
+    double damping;                          ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
+    double gravity;                          ///< m/s2, >= 0 (default 9.81)
+    double spin_friction_radius;             ///< m, >= 0 (default 2/3 of the radius of the first
+                                             ///< kind's footprint)
+    scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
+    scene_material handling;                 ///< (default 70e9 Pa, 0.34)
+    scene_contact contact[SCENE_PAIR_COUNT]; ///< see there
+} scene_micro;
+
+/// The whole scenario. Begin with scene_init().
+typedef struct scene {
+    char name[SCENE_NAME_SIZE];         ///< for people (default "")
+    double duration;                    ///< s, > 0 (no default)
+    scene_rect domain;                  ///< (no default)
+    scene_edge edges[SCENE_SIDE_COUNT]; ///< (default inflow, outflow, wall, wall)
+    size_t n_belts;                     ///< (default one, "main")
+    scene_belt *belts;                  ///< see there
+    size_t n_obstacles;                 ///< (default none)
+    scene_obstacle *obstacles;          ///< see there
+    size_t n_cargo;                     ///< kinds of cargo, >= 1 (default 1)
+    scene_cargo cargo[SCENE_KINDS_MAX]; ///< see there
+    bool is_mix;                        ///< the document lists kinds; true where n_cargo > 1
+    uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53
+                                        ///< (default 1)
+    scene_initial initial;              ///< see there
+    size_t n_counters;                  ///< (default one)
+    scene_counter *counters;            ///< (default "upstream": the domain)
+    scene_output output;                ///< see there
+    scene_macro macro;                  ///< see there
+    scene_micro micro;                  ///< see there
+} scene;

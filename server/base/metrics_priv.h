@@ -1,0 +1,120 @@
+/// Private parts of the metrics, shared by metrics.c (counting) and metrics_text.c (writing).
+
+#pragma once
+
+#include "api/run_state.h"
+#include "api/services.h"
+#include "server/base/log.h"
+#include "server/base/metrics.h"
+
+#include <stdatomic.h>
+
+enum {
+    METRICS_ROUTES_MAX = 96, ///< routes of the API and the two words beside them
+    METRICS_BOUNDS = 11,     ///< bounds of a histogram
+    METRICS_DIMENSIONS = 3,  ///< labels of a metric at most
+};
+
+/// Methods and status codes that are told apart; the last of each stands for all others.
+#define METRICS_METHODS "GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "other"
+#define METRICS_CODES                                                                              \
+    "200", "201", "202", "204", "206", "304", "400", "403", "404", "405", "406", "408", "409",     \
+        "412", "413", "414", "415", "416", "422", "428", "429", "431", "500", "501", "503", "505", \
+        "other"
+
+enum {
+    METRICS__N_METHODS = sizeof(const char *[]){ METRICS_METHODS } / sizeof(const char *),
+    METRICS__N_CODES = sizeof(const char *[]){ METRICS_CODES } / sizeof(const char *),
+};
+
+/// What metrics can be told apart by, X(symbol, label, how many values).
+#define METRICS_DIMENSION_LIST(X)                                                                  \
+    X(METRICS__BY_ROUTE, "route", METRICS_ROUTES_MAX)                                              \
+    X(METRICS__BY_METHOD, "method", METRICS__N_METHODS)                                            \
+    X(METRICS__BY_CODE, "code", METRICS__N_CODES)                                                  \
+    X(METRICS__BY_STATE, "state", RUN_STATE_COUNT)                                                 \
+    X(METRICS__BY_MODEL, "model", RUN_MODEL_COUNT)                                                 \
+    X(METRICS__BY_FRAME, "kind", API_EVENT_TYPE_COUNT)                                             \
+    X(METRICS__BY_REASON, "reason", METRICS_EXIT_COUNT)                                            \
+    X(METRICS__BY_LEVEL, "level", LOG_LEVEL_COUNT)                                                 \
+    X(METRICS__BY_VERSION, "version", 1)                                                           \
+    X(METRICS__BY_COMPILER, "compiler", 1)
+
+/// The dimensions.
+typedef enum metrics__dimension {
+#define X(dimension, label, n) dimension,
+    METRICS_DIMENSION_LIST(X)
+#undef X
+        METRICS__BY_NOTHING
+} metrics__dimension;
+
+/// How many values each has.
+enum {
+#define X(dimension, label, n) dimension##_N = n,
+    METRICS_DIMENSION_LIST(X)
+#undef X
+        METRICS__BY_NOTHING_N = 1
+};
+
+/// Sets of labels, X(symbol, up to three dimensions).
+#define METRICS_LABELS_LIST(X)                                                                     \
+    X(NONE, NOTHING, NOTHING, NOTHING)                                                             \
+    X(EXCHANGE, ROUTE, METHOD, CODE)                                                               \
+    X(ROUTE, ROUTE, METHOD, NOTHING)                                                               \
+    X(STATE, STATE, NOTHING, NOTHING)                                                              \
+    X(MODEL, MODEL, NOTHING, NOTHING)                                                              \
+    X(FRAME, FRAME, NOTHING, NOTHING)                                                              \
+    X(REASON, REASON, NOTHING, NOTHING)                                                            \
+    X(LEVEL, LEVEL, NOTHING, NOTHING)                                                              \
+    X(BUILD, VERSION, COMPILER, NOTHING)
+
+/// How many series each has.
+enum {
+#define X(labels, a, b, c)                                                                         \
+    METRICS__SERIES_##labels = METRICS__BY_##a##_N * METRICS__BY_##b##_N * METRICS__BY_##c##_N,
+    METRICS_LABELS_LIST(X)
+#undef X
+};
+
+/// Types, X(symbol, word of the text form, slots of a series). A histogram has a slot for each bound,
+/// one beyond them, and its sum.
+#define METRICS_TYPE_LIST(X)                                                                       \
+    X(COUNTER, "counter", 1)                                                                       \
+    X(GAUGE, "gauge", 1)                                                                           \
+    X(TIMES, "histogram", METRICS_BOUNDS + 2)                                                      \
+    X(SIZES, "histogram", METRICS_BOUNDS + 2)
+
+/// The types.
+typedef enum metrics__type {
+#define X(type, word, n_slots) METRICS__##type,
+    METRICS_TYPE_LIST(X)
+#undef X
+} metrics__type;
+
+/// A row of the table as the code needs it.
+typedef struct metrics__metric {
+    const char *name;                                  ///< in the text form
+    const char *unit;                                  ///< "" none
+    const char *help;                                  ///< one line
+    metrics__type type;                                ///< kind
+    metrics__dimension dimensions[METRICS_DIMENSIONS]; ///< of its labels
+    size_t n_series;                                   ///< combinations of its labels' values
+    size_t n_slots;                                    ///< of a series
+    _Atomic int64_t *slots;                            ///< of all series
+} metrics__metric;
+
+/// The table, METRICS_COUNT rows.
+extern const metrics__metric metrics__table[];
+
+/// The word of a type in the text form.
+const char *metrics__type_word(metrics__type type);
+
+/// The bounds of a histogram, rising; METRICS_BOUNDS values.
+const int64_t *metrics__bounds(metrics__type type);
+
+/// Label of a dimension and how many values it has.
+const char *metrics__label(metrics__dimension dimension);
+size_t metrics__size(metrics__dimension dimension);
+
+/// The word of one of its values; NULL: it does not occur.
+const char *metrics__word(metrics__dimension dimension, size_t value);

@@ -1,0 +1,106 @@
+#include "server/cli/cmd.h"
+
+#include "api/results/results.h"
+#include "api/scenario/scenario.h"
+#include "server/base/file_io.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <string.h>
+
+cmd_exit cmd_fail(const char *command, const bf_error *err)
+{
+    bool is_input = err->code == BF_EINPUT || err->code == BF_ELIMIT;
+
+    fprintf(stderr, "%s: %s\n", err->pointer[0] != '\0' ? err->pointer : command, err->text);
+    return is_input ? CMD_BAD_INPUT : CMD_FAILED;
+}
+
+static void print_faults(const char *command, const bf_faults *faults)
+{
+    for (size_t i = 0; i < faults_kept(faults); i++)
+        fprintf(stderr, "%s: %s\n", faults->items[i].pointer, faults->items[i].text);
+    if (faults->n > faults_kept(faults))
+        fprintf(stderr, "%s: %zu further faults are not shown\n", command,
+                faults->n - faults_kept(faults));
+}
+
+static bf_status read_scenario(const char *path, run_model model, scene *ret_scene,
+                               bf_faults *faults, bf_error *err)
+{
+    bf_buffer document = { 0 };
+    scene s;
+
+    bf_status status = file_io_read(path, NULL, SCENARIO_BYTES_MAX, &document, err);
+    if (status == BF_OK)
+        status = scenario_read(document.bytes, document.n, &s, faults, err);
+    buffer_fini(&document);
+    if (status != BF_OK)
+        return status;
+    run_check(&s, model, faults);
+    status = faults_status(faults, err);
+    if (status == BF_OK)
+        *ret_scene = s;
+    else
+        scene_fini(&s);
+    return status;
+}
+
+cmd_exit cmd_read_scenario(const char *command, const char *path, run_model model, scene *ret_scene)
+{
+    bf_faults faults = { 0 };
+    bf_error err = { 0 };
+    cmd_exit code = CMD_DONE;
+
+    bf_status status = read_scenario(path, model, ret_scene, &faults, &err);
+    if (faults.n > 0) {
+        print_faults(command, &faults);
+        code = CMD_BAD_INPUT;
+    } else if (status != BF_OK) {
+        code = cmd_fail(command, &err);
+    }
+    return code;
+}
+
+run_model cmd_take_model(const char *word, const struct argp_state *state)
+{
+    for (int model = 0; run_model_words[model] != NULL; model++) {
+        if (strcmp(word, run_model_words[model]) == 0 && run_model_is_available((run_model)model))
+            return (run_model)model;
+    }
+    argp_failure(state, CMD_BAD_INPUT, 0, "there is no model '%s'; there are macro and micro",
+                 word);
+    return RUN_MACRO;
+}
+
+bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_curve, bf_error *err)
+{
+    bf_buffer text = { 0 };
+    cmd_curve curve = { 0 };
+    bf_error why = { 0 };
+
+    bf_status status = file_io_read(path, "curve.csv", CMD_CURVE_BYTES_MAX, &text, err);
+    if (status != BF_OK)
+        return status;
+    status = results_read_curve_csv(text.bytes, text.n, column, &curve.t, &curve.parts, NULL, &why);
+    buffer_fini(&text);
+    if (status != BF_OK) {
+        const char *line = strrchr(why.pointer, '/');
+        cmd_curve_fini(&curve);
+        if (line == NULL)
+            return bf_fail(err, status, "", "%.120s: %.180s", path, why.text);
+        return bf_fail(err, status, "", "%.120s: line %s: %.160s", path, line + 1, why.text);
+    }
+    curve.n = curve.t.n / sizeof(double);
+    *ret_curve = curve;
+    return BF_OK;
+}
+
+void cmd_curve_fini(cmd_curve *curve)
+{
+    if (curve == NULL)
+        return;
+    buffer_fini(&curve->t);
+    buffer_fini(&curve->parts);
+    *curve = (cmd_curve){ 0 };
+}

@@ -1,0 +1,249 @@
+#include "server/cli/cmd.h"
+
+#include "api/results/results.h"
+#include "api/scenario/scenario.h"
+#include "core/run/run.h"
+#include "server/base/clock.h"
+#include "server/cli/progress_bar.h"
+#include "server/cli/results_dir.h"
+#include "server/run/run_control.h"
+
+#include <argp.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { REPORT_MS = 100, THREADS_MAX = 256, KEY_MODEL = 'm', KEY_OUT = 'o', KEY_THREADS = 'j' };
+
+typedef struct solve_arguments {
+    const char *scenario;
+    const char *out;
+    run_model model;
+    int n_threads;
+} solve_arguments;
+
+// One solving: where its frames go and what they told.
+typedef struct solving {
+    const solve_arguments *arguments;
+    scene scene;
+    bf_buffer columns;
+    bf_buffer document; // the resolved scenario
+    results_dir *results;
+    progress_bar bar;
+    run_control run_control;
+    frame_begin begin;
+    frame_end end;
+    double first_count; // of the curve's first column
+    double last_count;
+    double wall_s;
+} solving;
+
+static bf_status take_frame(void *context, const frame *f, bf_error *err)
+{
+    solving *s = context;
+
+    switch (f->type) {
+    case FRAME_BEGIN:
+        s->begin = f->begin;
+        break;
+    case FRAME_CURVE:
+        if (f->curve.n > 0 && f->curve.first == 0)
+            s->first_count = f->curve.values[0];
+        if (f->curve.n > 0)
+            s->last_count = f->curve.values[(size_t)(f->curve.n - 1) * f->curve.n_columns];
+        break;
+    case FRAME_PROGRESS:
+        progress_bar_show(&s->bar, &f->progress);
+        break;
+    case FRAME_END:
+        s->end = f->end;
+        break;
+    default:
+        break;
+    }
+    return results_dir_take(s->results, f, err);
+}
+
+static unsigned wish(void *context)
+{
+    solving *s = context;
+
+    return run_control_wish(&s->run_control);
+}
+
+static bf_status execute(solving *s, bf_error *err)
+{
+    run *r = NULL;
+    run_sink sink = { .context = s, .take = take_frame, .wish = wish };
+
+    bf_status status = run_create(&s->scene, s->arguments->model, s->arguments->n_threads, &r, err);
+    if (status == BF_OK)
+        status = results_dir_open(s->arguments->out, s->columns.bytes, &s->results, err);
+    if (status == BF_OK)
+        status = results_dir_scenario(s->results, s->document.bytes, s->document.n, err);
+    if (status == BF_OK) {
+        double start_s = clock_monotonic_s();
+        s->bar = progress_bar_start();
+        status = run_execute(r, &sink, err);
+        progress_bar_end(&s->bar);
+        s->wall_s = clock_monotonic_s() - start_s;
+    }
+    run_destroy(r);
+    return status;
+}
+
+static bf_status finish(solving *s, bf_error *err)
+{
+    const results_timing timing = { .wall_s = s->wall_s,
+                                    .n_threads = (uint32_t)s->arguments->n_threads };
+    bf_buffer summary = { 0 };
+
+    if (s->end.stopped)
+        return results_dir_finish(s->results, NULL, 0, err);
+    bf_status status = results_summary(s->arguments->model, s->document.bytes, s->document.n,
+                                       &s->begin, &s->end, &timing, &summary, err);
+    if (status == BF_OK)
+        status = results_dir_finish(s->results, summary.bytes, summary.n, err);
+    buffer_fini(&summary);
+    return status;
+}
+
+// Work in the model's own measure.
+static void print_work(const solving *s)
+{
+    bool has_parts = s->begin.n_values > 0;
+    double n = has_parts ? (double)s->begin.n_parts : (double)s->end.n_cells;
+    double work = n * (double)s->end.n_steps;
+
+    printf("  time         %.3f s with %d thread%s, %.3g %s-steps/s\n", s->wall_s,
+           s->arguments->n_threads, s->arguments->n_threads == 1 ? "" : "s",
+           s->wall_s > 0.0 ? work / s->wall_s : 0.0, has_parts ? "particle" : "cell");
+    if (has_parts)
+        printf("  overlap      at most %.3g mm, %.3g %% of a radius\n",
+               1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
+}
+
+static void print_result(const solving *s)
+{
+    const frame_end *e = &s->end;
+    size_t n_id = strcspn(s->columns.bytes, ",");
+
+    printf("%s%s%s model, %g s in %llu steps%s\n", s->scene.name, s->scene.name[0] ? ": " : "",
+           run_model_words[s->arguments->model], e->t, (unsigned long long)e->n_steps,
+           e->stopped ? " (interrupted)" : "");
+    printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
+           s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
+    print_work(s);
+    printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
+           (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);
+}
+
+static bf_status draw_result(const solving *s, bf_error *err)
+{
+    char *path = strdup(s->arguments->out);
+
+    if (path == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the chart");
+    putchar('\n');
+    bf_status status = cmd_draw_curves(&path, 1, NULL, err);
+    free(path);
+    return status;
+}
+
+static cmd_exit solve(solving *s, const char *command)
+{
+    bf_error err = { 0 };
+
+    bf_status status = scenario_columns(&s->scene, &s->columns, &err);
+    if (status == BF_OK)
+        status = scenario_write(&s->scene, &s->document, &err);
+    if (status == BF_OK)
+        status = execute(s, &err);
+    if (status == BF_OK)
+        status = finish(s, &err);
+    if (status == BF_OK) {
+        print_result(s);
+        if (isatty(STDOUT_FILENO))
+            status = draw_result(s, &err);
+    }
+    if (status != BF_OK)
+        return cmd_fail(command, &err);
+    return s->end.stopped ? CMD_INTERRUPTED : CMD_DONE;
+}
+
+static void take_threads(solve_arguments *a, const char *text, struct argp_state *state)
+{
+    char *end = NULL;
+    long n = strtol(text, &end, 10);
+
+    if (*end != '\0' || n < 1 || n > THREADS_MAX)
+        argp_failure(state, CMD_BAD_INPUT, 0, "--threads is a number from 1 to %d", THREADS_MAX);
+    a->n_threads = (int)n;
+}
+
+static error_t take_option(int key, char *argument, struct argp_state *state)
+{
+    solve_arguments *a = state->input;
+
+    switch (key) {
+    case KEY_MODEL:
+        a->model = cmd_take_model(argument, state);
+        return 0;
+    case KEY_OUT:
+        a->out = argument;
+        return 0;
+    case KEY_THREADS:
+        take_threads(a, argument, state);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (state->arg_num > 0)
+            argp_usage(state);
+        a->scenario = argument;
+        return 0;
+    case ARGP_KEY_END:
+        if (a->scenario == NULL || a->out == NULL)
+            argp_usage(state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option options[] = {
+    { "model", KEY_MODEL, "macro|micro", 0, "The model to solve (default macro)", 0 },
+    { "out", KEY_OUT, "DIR", 0, "Where results go; created if missing", 0 },
+    { "threads", KEY_THREADS, "N", 0, "Threads (default 1); results do not depend on it", 0 },
+    { 0 },
+};
+
+static const struct argp parser = {
+    .options = options,
+    .parser = take_option,
+    .args_doc = "SCENARIO.json --out DIR",
+    .doc = "Solve a scenario ('-' reads standard input) and write scenario.json, curve.csv, "
+           "snapshots, snapshots.json and summary.json into DIR.\v"
+           "Ctrl-C stops it: what was computed stays in DIR, without a summary.json, and the exit "
+           "code is 130.",
+};
+
+int cmd_solve(int argc, char **argv)
+{
+    solve_arguments arguments = { .model = RUN_MACRO, .n_threads = 1 };
+    solving s = { .arguments = &arguments };
+
+    argp_parse(&parser, argc, argv, 0, NULL, &arguments);
+    cmd_exit code = cmd_read_scenario(argv[0], arguments.scenario, arguments.model, &s.scene);
+    if (code != CMD_DONE)
+        return code;
+    run_control_catch(SIGINT, RUN_CONTROL_CATCH_FIRST);
+    run_control_catch(SIGTERM, RUN_CONTROL_CATCH_FIRST);
+    s.run_control = run_control_init(REPORT_MS, 0);
+    code = solve(&s, argv[0]);
+    results_dir_close(s.results);
+    buffer_fini(&s.columns);
+    buffer_fini(&s.document);
+    scene_fini(&s.scene);
+    return code;
+}

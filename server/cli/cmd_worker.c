@@ -1,0 +1,246 @@
+#include "server/cli/cmd.h"
+
+#include "api/scenario/scenario.h"
+#include "core/run/frame.h"
+#include "core/run/run.h"
+#include "server/base/file_io.h"
+#include "server/run/run_control.h"
+
+#include <argp.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+// An address sanitizer maps terabytes of shadow memory: a limit on address space would end it.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CAN_LIMIT_MEMORY 0
+#else
+#define CAN_LIMIT_MEMORY 1
+#endif
+
+enum {
+    REPORT_MS = 50,
+    FLUSH_BYTES = 256 * 1024,
+    CPU_GRACE_S = 5, // from SIGXCPU, which says what happened, to SIGKILL
+    KEY_MEMORY = 256,
+    KEY_CPU,
+    KEY_PARENT,
+    KEY_CHECKPOINT,
+};
+
+typedef struct worker_arguments {
+    uint64_t memory_bytes; // 0: unlimited
+    uint64_t cpu_s;        // 0: unlimited
+    uint64_t parent;       // 0: none
+    uint64_t checkpoint_ms;
+} worker_arguments;
+
+// A run being solved: its frames wait in out and leave together.
+typedef struct working {
+    bf_buffer out;
+    run_control run_control;
+    bool is_reader_gone;
+} working;
+
+static bool flush_frames(working *w)
+{
+    bool ok = file_io_write_fd(STDOUT_FILENO, w->out.bytes, w->out.n);
+
+    w->is_reader_gone = !ok;
+    w->out.n = 0;
+    return ok;
+}
+
+static bf_status take_frame(void *context, const frame *f, bf_error *err)
+{
+    working *w = context;
+    bool is_awaited = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
+
+    bf_status status = frame_encode(f, &w->out, err);
+    if (status != BF_OK)
+        return status;
+    if ((is_awaited || w->out.n >= FLUSH_BYTES) && !flush_frames(w))
+        return bf_fail(err, BF_ESYSTEM, "", "frames cannot be written: %s", strerror(errno));
+    return BF_OK;
+}
+
+static unsigned wish(void *context)
+{
+    working *w = context;
+
+    return run_control_wish(&w->run_control);
+}
+
+// Decode the frame at the start of *in, which must be of this type.
+static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_frame,
+                            size_t *ret_used, bf_error *err)
+{
+    frame f;
+    size_t used = 0;
+
+    bf_status status = frame_decode(in->bytes, in->n, &f, &used, err);
+    if (status != BF_OK)
+        return status;
+    if (used == 0 || f.type != type)
+        return bf_fail(err, BF_ECORRUPT, "", "the worker's input ends early or is out of order");
+    *ret_frame = f;
+    *ret_used = used;
+    return BF_OK;
+}
+
+// Go on from the checkpoint in *in, if there is one. One that does not fit (of another version) is
+// left aside: the run then starts from t = 0.
+static bf_status resume(run *r, bf_buffer *in, bf_error *err)
+{
+    frame f = { .type = FRAME_RESUME };
+    size_t used = 0;
+    bf_error why = { 0 };
+
+    if (in->n == 0)
+        return BF_OK;
+    bf_status status = next_frame(in, FRAME_RESUME, &f, &used, err);
+    if (status != BF_OK)
+        return status;
+    status = run_resume(r, f.bytes.bytes, f.bytes.n, &why);
+    if (status != BF_ECORRUPT)
+        return status == BF_OK ? BF_OK : bf_fail(err, status, why.pointer, "%s", why.text);
+    fprintf(stderr, "starting again from t = 0: %s\n", why.text);
+    return BF_OK;
+}
+
+static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buffer *rest,
+                       bf_error *err)
+{
+    run *r = NULL;
+    run_sink sink = { .context = w, .take = take_frame, .wish = wish };
+
+    if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
+        return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");
+    bf_status status = run_create(s, (run_model)job->model, (int)job->n_threads, &r, err);
+    if (status == BF_OK)
+        status = resume(r, rest, err);
+    buffer_fini(rest);
+    if (status == BF_OK)
+        status = run_execute(r, &sink, err);
+    run_destroy(r);
+    return status;
+}
+
+static bf_status work(working *w, bf_error *err)
+{
+    bf_buffer in = { 0 };
+    bf_faults faults = { 0 };
+    frame f = { .type = FRAME_JOB };
+    size_t used = 0;
+    scene s;
+
+    bf_status status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, &in, err);
+    if (status == BF_OK)
+        status = next_frame(&in, FRAME_JOB, &f, &used, err);
+    if (status == BF_OK)
+        status = scenario_read(f.job.document, f.job.n_document, &s, &faults, err);
+    if (status == BF_OK) {
+        buffer_drop(&in, used); // so that the checkpoint is aligned
+        status = solve(w, &s, &f.job, &in, err);
+        scene_fini(&s);
+    } else if (faults.n > 0) {
+        status = faults_status(&faults, err);
+    }
+    buffer_fini(&in);
+    return status;
+}
+
+static void set_limit(int resource, uint64_t soft, uint64_t hard)
+{
+    struct rlimit limit = { .rlim_cur = soft, .rlim_max = hard };
+
+    if (setrlimit(resource, &limit) != 0)
+        fprintf(stderr, "a limit cannot be set: %s\n", strerror(errno));
+}
+
+// The memory killer of the system is to choose this process, not the daemon.
+static void offer_to_memory_killer(void)
+{
+    FILE *file = fopen("/proc/self/oom_score_adj", "we");
+
+    if (file == NULL)
+        return;
+    fputs("500\n", file);
+    fclose(file);
+}
+
+// Tie this process to its parent and limit what it may use. False: the parent is gone already.
+static bool limit_process(const worker_arguments *a)
+{
+    if (a->parent != 0 &&
+        (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || (uint64_t)getppid() != a->parent))
+        return false;
+    if (a->memory_bytes != 0 && CAN_LIMIT_MEMORY)
+        set_limit(RLIMIT_AS, a->memory_bytes, a->memory_bytes);
+    if (a->cpu_s != 0)
+        set_limit(RLIMIT_CPU, a->cpu_s, a->cpu_s + CPU_GRACE_S);
+    set_limit(RLIMIT_CORE, 0, 0);
+    offer_to_memory_killer();
+    signal(SIGPIPE, SIG_IGN);
+    run_control_catch(SIGTERM, RUN_CONTROL_CATCH_ALL);
+    return true;
+}
+
+static error_t take_option(int key, char *argument, struct argp_state *state)
+{
+    worker_arguments *a = state->input;
+    char *end = NULL;
+    uint64_t *target = key == KEY_MEMORY       ? &a->memory_bytes
+                       : key == KEY_CPU        ? &a->cpu_s
+                       : key == KEY_PARENT     ? &a->parent
+                       : key == KEY_CHECKPOINT ? &a->checkpoint_ms
+                                               : NULL;
+
+    if (target == NULL)
+        return ARGP_ERR_UNKNOWN;
+    *target = strtoull(argument, &end, 10);
+    if (*argument < '0' || *argument > '9' || *end != '\0')
+        argp_error(state, "'%s' is not a number", argument);
+    return 0;
+}
+
+int cmd_worker(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        { "memory-bytes", KEY_MEMORY, "N", 0, "Limit of address space (default 0: none)", 0 },
+        { "cpu-s", KEY_CPU, "N", 0, "Limit of CPU time (default 0: none)", 0 },
+        { "parent", KEY_PARENT, "PID", 0, "Die with this parent (default 0: none)", 0 },
+        { "checkpoint-ms", KEY_CHECKPOINT, "N", 0, "Between checkpoints (default 5000; 0: none)",
+          0 },
+        { 0 },
+    };
+    static const struct argp parser = {
+        .options = options,
+        .parser = take_option,
+        .doc = "Solve one job: a job frame and perhaps a checkpoint on standard input, frames of "
+               "the results on standard output (core/run/frame.h).\v"
+               "SIGTERM lets it write a checkpoint and end.",
+    };
+    worker_arguments arguments = { .checkpoint_ms = 5000 };
+    working w = { .is_reader_gone = false };
+    frame failure = { .type = FRAME_ERROR };
+
+    argp_parse(&parser, argc, argv, 0, NULL, &arguments);
+    if (!limit_process(&arguments))
+        return CMD_FAILED;
+    w.run_control = run_control_init(REPORT_MS, (int64_t)arguments.checkpoint_ms);
+    bf_status status = work(&w, &failure.error.error);
+    if (status != BF_OK && !w.is_reader_gone) {
+        // The error stands on stderr too, for when there is no memory left to make a frame of it.
+        fprintf(stderr, "%s\n", failure.error.error.text);
+        if (take_frame(&w, &failure, NULL) != BF_OK)
+            fputs("and nobody could be told\n", stderr);
+    }
+    buffer_fini(&w.out);
+    return status == BF_OK ? CMD_DONE : CMD_FAILED;
+}

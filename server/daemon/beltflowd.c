@@ -1,0 +1,401 @@
+// The daemon: settings, then store, supervisor and HTTP, in this order, until SIGTERM or SIGINT;
+// then back in the reverse order. SIGHUP lets it read its settings again.
+//
+// Threads  signals are blocked before the first thread starts, so that every thread inherits that
+//          and only main takes them. A commit of the store's thread reaches the streams through
+//          `gate`, because HTTP starts after the store and stops before it.
+// Watchdog main asks every part for a sign of life each half interval of the service manager's, and
+//          says that the daemon lives only if all have answered what they were asked before. Without
+//          a watchdog main sleeps until a signal comes.
+
+#include "server/base/clock.h"
+#include "server/base/lock.h"
+#include "server/base/log.h"
+#include "server/base/metrics.h"
+#include "server/cli/maintenance.h"
+#include "server/daemon/config.h"
+#include "server/daemon/notify.h"
+#include "server/daemon/service.h"
+#include "server/http/http.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { EXIT_SETTINGS = 2, STATUS_SIZE = 200, HOUR_MS = 3600 * 1000, DAY_MS = 24 * HOUR_MS };
+
+const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
+
+// The way from the store to the streams.
+typedef struct gate {
+    lock lock;  // guards http
+    http *http; // NULL while there is none
+} gate;
+
+// The daemon: its settings and parts.
+typedef struct parts {
+    const config_flags *flags; // of the command line, for reading the settings again
+    config settings;           // that count at the moment
+    gate gate;
+    service service;
+    http *http;
+} parts;
+
+typedef bf_status write_settings(const config *c, bf_buffer *out, bf_error *err);
+
+static bf_status write_sample(const config *c, bf_buffer *out, bf_error *err)
+{
+    (void)c;
+    return config_sample(out, err);
+}
+
+static int print(const config *c, write_settings *write)
+{
+    bf_buffer text = { 0 };
+    bool is_good = write(c, &text, NULL) == BF_OK &&
+                   fwrite(text.bytes, 1, text.n, stdout) == text.n && fflush(stdout) == 0;
+
+    buffer_fini(&text);
+    return is_good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+// A descriptor below 3 that is closed would become that of a file or a client, and the log go there.
+static void occupy_standard_descriptors(void)
+{
+    int fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+    while (fd >= 0 && fd <= STDERR_FILENO)
+        fd = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (fd >= 0)
+        (void)close(fd);
+}
+
+// Blocks the signals that main waits for, in this and all later threads.
+static sigset_t prepare_process(void)
+{
+    struct rlimit files;
+    sigset_t signals;
+
+    occupy_standard_descriptors();
+    (void)setenv("TZ", "UTC0", 1); // ZIP archives have local times in them, and shall be the same
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)sigemptyset(&signals);
+    (void)sigaddset(&signals, SIGTERM);
+    (void)sigaddset(&signals, SIGINT);
+    (void)sigaddset(&signals, SIGHUP);
+    (void)pthread_sigmask(SIG_BLOCK, &signals, NULL);
+    if (getrlimit(RLIMIT_NOFILE, &files) == 0) {
+        files.rlim_cur = files.rlim_max;
+        (void)setrlimit(RLIMIT_NOFILE, &files);
+    }
+    return signals;
+}
+
+static void on_commit(void *context, const char *run_id)
+{
+    gate *g = context;
+
+    lock_take(&g->lock);
+    if (g->http != NULL)
+        http_notify(g->http, run_id);
+    lock_give(&g->lock);
+}
+
+static void set_gate(gate *g, http *h)
+{
+    lock_take(&g->lock);
+    g->http = h;
+    lock_give(&g->lock);
+}
+
+static supervisor_options options_of_supervisor(const parts *p)
+{
+    const config *c = &p->settings;
+
+    return (supervisor_options){ .store = p->service.store,
+                                 .program = c->program,
+                                 .n_workers = (unsigned)c->workers,
+                                 .n_threads = (unsigned)c->threads,
+                                 .memory_bytes = c->run_memory_bytes,
+                                 .cpu_s = c->run_cpu_s,
+                                 .checkpoint_ms = (int64_t)c->checkpoint_ms };
+}
+
+static http_options options_of_http(const config *c)
+{
+    return (http_options){ .listen = c->listen,
+                           .web_directory = c->web[0] == '\0' ? NULL : c->web,
+                           .n_threads = (unsigned)c->http_threads,
+                           .n_request_threads = (unsigned)c->request_threads,
+                           .connection_limit = (unsigned)c->connections,
+                           .per_address_limit = (unsigned)c->connections_per_address,
+                           .cors_origins = c->cors_origins,
+                           .trusted_proxies = c->trusted_proxies,
+                           .requests_per_minute = c->requests_per_minute,
+                           .work_per_minute = c->work_per_minute,
+                           .stream_limit = (unsigned)c->streams,
+                           .download_limit = (unsigned)c->downloads,
+                           .wait_limit = (unsigned)c->waits,
+                           .body_limit = c->body_bytes,
+                           .header_deadline_ms = (int64_t)c->header_deadline_ms,
+                           .body_deadline_ms = (int64_t)c->body_deadline_ms,
+                           .heartbeat_ms = (int64_t)c->heartbeat_ms };
+}
+
+static store_retention retention_of(const config *c)
+{
+    return (store_retention){ .age_ms = (int64_t)c->retention_days * DAY_MS,
+                              .n_runs = c->retention_runs,
+                              .n_bytes = c->retention_bytes };
+}
+
+static bf_status start_store(parts *p, bf_error *err)
+{
+    const config *c = &p->settings;
+    const store_options options = { .directory = c->data,
+                                    .queue_limit = c->queue_limit,
+                                    .listener = on_commit,
+                                    .listener_context = &p->gate,
+                                    .answers_ms = (int64_t)c->idempotency_hours * HOUR_MS,
+                                    .retention = retention_of(c) };
+    return store_open(&options, &p->service.store, err);
+}
+
+static bf_status start_share(parts *p, bf_error *err)
+{
+    const config *c = &p->settings;
+
+    if (c->queue_share == 0)
+        return BF_OK;
+    return queue_share_create(c->queue_share, c->queue_limit, &p->service.share, err);
+}
+
+static bf_status start_supervisor(parts *p, bf_error *err)
+{
+    const supervisor_options options = options_of_supervisor(p);
+    return supervisor_start(&options, &p->service.supervisor, err);
+}
+
+static bf_status start_http(parts *p, bf_error *err)
+{
+    const api_services services = service_table(&p->service);
+    http_options options = options_of_http(&p->settings);
+
+    options.services = &services;
+    bf_status status = http_start(&options, &p->http, err);
+    if (status == BF_OK)
+        set_gate(&p->gate, p->http);
+    return status;
+}
+
+static bf_status start(parts *p, bf_error *err)
+{
+    bf_status status = start_store(p, err);
+
+    if (status == BF_OK)
+        status = start_share(p, err);
+    if (status == BF_OK)
+        status = start_supervisor(p, err);
+    if (status == BF_OK)
+        status = start_http(p, err);
+    return status;
+}
+
+static void stop(parts *p)
+{
+    service_drain(&p->service);
+    set_gate(&p->gate, NULL);
+    p->http = http_stop(p->http);
+    p->service.supervisor =
+        supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
+    p->service.store = store_close(p->service.store);
+    p->service.share = queue_share_destroy(p->service.share);
+}
+
+// What the daemon does, in words, in STATUS_SIZE bytes.
+static const char *describe(const parts *p, char *storage)
+{
+    store_figures figures;
+
+    store_read_figures(p->service.store, &figures);
+    (void)snprintf(storage, STATUS_SIZE, "port %u; %llu runs are being solved, %llu wait",
+                   http_port(p->http), (unsigned long long)figures.n_runs[RUN_RUNNING],
+                   (unsigned long long)figures.n_runs[RUN_QUEUED]);
+    return storage;
+}
+
+// The line that scripts wait for, and the word that a service manager waits for.
+static void announce(const parts *p)
+{
+    const config *c = &p->settings;
+    int n_host = (int)(strrchr(c->listen, ':') - c->listen);
+    char text[STATUS_SIZE];
+
+    (void)printf("beltflowd %s listening on http://%.*s:%u/\n", BELTFLOW_VERSION, n_host, c->listen,
+                 http_port(p->http));
+    (void)fflush(stdout);
+    log_event(LOG_LEVEL_INFO, "started", "version=%s port=%u", BELTFLOW_VERSION,
+              http_port(p->http));
+    notify_ready("%s", describe(p, text));
+}
+
+static void log_change(void *context, const config_row *row, const char *before, const char *after)
+{
+    char quoted[2][LOG_QUOTED_SIZE];
+
+    (void)context;
+    log_event(row->can_reload ? LOG_LEVEL_INFO : LOG_LEVEL_WARN,
+              row->can_reload ? "setting_changed" : "setting_needs_restart",
+              "name=%s from=%s to=%s", row->name, log_quote(before, quoted[0]),
+              log_quote(after, quoted[1]));
+}
+
+static void apply(parts *p)
+{
+    const supervisor_options supervising = options_of_supervisor(p);
+    const http_options serving = options_of_http(&p->settings);
+    const store_retention retention = retention_of(&p->settings);
+    char quoted[LOG_QUOTED_SIZE];
+    bf_error err = { 0 };
+
+    log_set_level(config_log_level(&p->settings));
+    store_set_queue_limit(p->service.store, p->settings.queue_limit);
+    store_set_retention(p->service.store, &retention);
+    supervisor_reconfigure(p->service.supervisor, &supervising);
+    if (http_reconfigure(p->http, &serving, &err) != BF_OK)
+        log_event(LOG_LEVEL_ERROR, "page_not_changed", "error=%s", log_quote(err.text, quoted));
+}
+
+// Settings at fault leave all as it was.
+static void reload(parts *p)
+{
+    char text[STATUS_SIZE], quoted[LOG_QUOTED_SIZE];
+    bf_error err = { 0 };
+    config fresh;
+
+    notify_reloading();
+    bf_status status = config_read(p->flags, &fresh, &err);
+    metrics_set(METRICS_RELOAD_GOOD, 0, status == BF_OK);
+    if (status == BF_OK) {
+        config_reload(&p->settings, &fresh, log_change, NULL);
+        apply(p);
+        log_event(LOG_LEVEL_INFO, "settings_read", NULL);
+    } else {
+        log_event(LOG_LEVEL_ERROR, "settings_refused", "error=%s", log_quote(err.text, quoted));
+    }
+    notify_ready("%s", describe(p, text));
+}
+
+// Every part is asked each time, whatever the others said.
+static void beat(const parts *p)
+{
+    bool has_store = store_is_alive(p->service.store);
+    bool has_supervisor = supervisor_is_alive(p->service.supervisor);
+    bool has_http = http_is_alive(p->http);
+    char text[STATUS_SIZE];
+
+    if (has_store && has_supervisor && has_http)
+        notify_alive("%s", describe(p, text));
+    else
+        log_event(LOG_LEVEL_ERROR, "part_hangs", "store=%s supervisor=%s http=%s",
+                  has_store ? "alive" : "hangs", has_supervisor ? "alive" : "hangs",
+                  has_http ? "alive" : "hangs");
+}
+
+// The next signal; 0: until_ms (clock_monotonic_ms(), -1: never) has come.
+static int await_signal(const sigset_t *signals, int64_t until_ms)
+{
+    int64_t left_ms = until_ms - clock_monotonic_ms();
+    const struct timespec left = { .tv_sec = left_ms / 1000, .tv_nsec = left_ms % 1000 * 1000000 };
+    int taken;
+
+    if (until_ms >= 0 && left_ms <= 0)
+        return 0;
+    do
+        taken = until_ms < 0 ? sigwaitinfo(signals, NULL) : sigtimedwait(signals, NULL, &left);
+    while (taken < 0 && errno == EINTR && until_ms < 0);
+    return taken < 0 ? 0 : taken;
+}
+
+// Returns the signal that ended it.
+static int attend(parts *p, const sigset_t *signals)
+{
+    int64_t interval_ms = notify_watchdog_ms() / 2;
+    int64_t beat_ms = interval_ms == 0 ? -1 : clock_monotonic_ms() + interval_ms;
+
+    for (;;) {
+        int taken = await_signal(signals, beat_ms);
+        if (taken == SIGTERM || taken == SIGINT)
+            return taken;
+        if (taken == SIGHUP)
+            reload(p);
+        if (beat_ms < 0 || clock_monotonic_ms() < beat_ms)
+            continue;
+        beat(p);
+        beat_ms = clock_monotonic_ms() + interval_ms;
+    }
+}
+
+static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
+{
+    lock_init(&p->gate.lock);
+    bf_status status = start(p, err);
+    if (status == BF_OK) {
+        announce(p);
+        int taken = attend(p, signals);
+        log_event(LOG_LEVEL_INFO, "stopping", "signal=%d", taken);
+        notify_stopping("handing back what is being solved");
+    }
+    stop(p);
+    lock_fini(&p->gate.lock);
+    if (status == BF_OK)
+        log_event(LOG_LEVEL_INFO, "stopped", NULL);
+    return status;
+}
+
+static int maintain(const config_flags *flags, const config *c)
+{
+    return flags->command == CONFIG_BACKUP ? maintenance_backup(c->data, flags->subject)
+                                           : maintenance_verify(c->data, flags->subject);
+}
+
+static int fail(const char *program, const bf_error *err, bf_status status)
+{
+    (void)fprintf(stderr, "%s%s\n", program, err->text);
+    return status == BF_EINPUT ? EXIT_SETTINGS : EXIT_FAILURE;
+}
+
+int main(int argc, char **argv)
+{
+    config_flags flags;
+    static parts p;
+    bf_error err = { 0 };
+
+    metrics_set(METRICS_PROCESS_START, 0, clock_unix_ms() * 1000000);
+    metrics_set(METRICS_RELOAD_GOOD, 0, 1);
+    config_parse_flags(argc, argv, &flags);
+    if (flags.is_sample)
+        return print(NULL, write_sample);
+    // Whatever is wrong with the settings, the one who gave them must act.
+    if (config_read(&flags, &p.settings, &err) != BF_OK)
+        return fail(flags.is_check ? "" : "beltflowd: ", &err, BF_EINPUT);
+    if (flags.is_check)
+        return EXIT_SUCCESS;
+    if (flags.is_print)
+        return print(&p.settings, config_print);
+    (void)umask(077);
+    if (flags.command != CONFIG_SERVE)
+        return maintain(&flags, &p.settings);
+    p.flags = &flags;
+    sigset_t signals = prepare_process();
+    log_open();
+    log_set_level(config_log_level(&p.settings));
+    bf_status status = serve(&p, &signals, &err);
+    return status == BF_OK ? EXIT_SUCCESS : fail("beltflowd: ", &err, status);
+}

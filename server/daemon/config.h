@@ -1,0 +1,157 @@
+/// Settings of the daemon, as one table: file (INI), environment and flags, in rising precedence.
+/// Help text, sample configuration and checks follow from the table.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+#include "server/base/log.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// X(name, kind, default, least, most, when, help): name is the key in the file; BELTFLOW_<NAME> in the
+/// environment; --name on the command line, with '-' for '_'. A change counts when the daemon is told
+/// to read its settings again (RELOAD, by SIGHUP), or only after a RESTART.
+#define CONFIG_LIST(X)                                                                             \
+    X(listen, TEXT, "127.0.0.1:8080", 0, 0, RESTART, "address and port; port 0 picks a free one")  \
+    X(data, TEXT, "beltflow-data", 0, 0, RESTART, "directory of the store, created if missing")    \
+    X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
+    X(program, TEXT, "", 0, 0, RESTART, "the beltflow program; empty: beside beltflowd")           \
+    X(workers, NUMBER, "1", 1, 64, RELOAD, "runs that are solved at once")                         \
+    X(threads, NUMBER, "1", 1, 256, RELOAD, "threads of each run")                                 \
+    X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
+      "address space of a run; 0: unlimited")                                                      \
+    X(run_cpu_s, NUMBER, "86400", 0, 1e9, RELOAD, "CPU seconds of a run; 0: unlimited")            \
+    X(checkpoint_ms, NUMBER, "5000", 10, 3600000, RELOAD, "between checkpoints of a run")          \
+    X(queue_limit, NUMBER, "1000", 1, 1000000, RELOAD, "runs that may wait")                       \
+    X(idempotency_hours, NUMBER, "24", 1, 8760, RESTART,                                           \
+      "that answers to Idempotency-Key are kept")                                                  \
+    X(retention_days, NUMBER, "0", 0, 36500, RELOAD,                                               \
+      "that runs are kept after their end; 0: for ever")                                           \
+    X(retention_runs, NUMBER, "0", 0, 1e9, RELOAD, "ended runs that are kept; 0: all")             \
+    X(retention_bytes, NUMBER, "0", 0, 1e15, RELOAD,                                               \
+      "of the store that runs may fill; 0: no limit")                                              \
+    X(stop_grace_ms, NUMBER, "5000", 0, 600000, RELOAD,                                            \
+      "for runs to be handed back when stopping")                                                  \
+    X(http_threads, NUMBER, "2", 1, 64, RESTART, "threads that serve connections")                 \
+    X(request_threads, NUMBER, "8", 1, 256, RESTART,                                               \
+      "threads for requests that write to the store")                                              \
+    X(connections, NUMBER, "1200", 8, 100000, RESTART, "connections at once")                      \
+    X(connections_per_address, NUMBER, "0", 0, 100000, RESTART,                                    \
+      "of them from one address; 0: no limit")                                                     \
+    X(streams, NUMBER, "1000", 1, 100000, RELOAD, "event streams at once")                         \
+    X(downloads, NUMBER, "16", 1, 10000, RELOAD, "results.zip that are sent at once")              \
+    X(waits, NUMBER, "1000", 0, 100000, RELOAD, "requests that wait for a run at once")            \
+    X(queue_share, NUMBER, "250", 0, 1000000, RESTART,                                             \
+      "runs of one client that may wait; 0: no limit")                                             \
+    X(requests_per_minute, NUMBER, "6000", 0, 1000000, RELOAD, "of one client; 0: no limit")       \
+    X(work_per_minute, NUMBER, "600", 0, 1000000, RELOAD, "requests that make work; 0: no limit")  \
+    X(trusted_proxies, TEXT, "", 0, 0, RESTART, "addresses whose X-Forwarded-For is believed")     \
+    X(cors_origins, TEXT, "", 0, 0, RESTART,                                                       \
+      "pages elsewhere that may read answers: origins, or *")                                      \
+    X(body_bytes, NUMBER, "1048576", 1024, 1073741824, RELOAD, "largest body of a request")        \
+    X(header_deadline_ms, NUMBER, "5000", 100, 600000, RELOAD, "for a complete request header")    \
+    X(body_deadline_ms, NUMBER, "20000", 100, 600000, RELOAD, "for a complete request body")       \
+    X(heartbeat_ms, NUMBER, "15000", 100, 600000, RELOAD, "between comments on idle streams")      \
+    X(log_level, TEXT, "info", 0, 0, RELOAD, "error, warn, info or debug")
+
+enum {
+    CONFIG_TEXT_SIZE = 512,   ///< bytes of a text setting with its terminator
+    CONFIG_ORIGIN_SIZE = 160, ///< bytes of the word where it comes from with its terminator
+};
+
+/// The settings by number.
+enum {
+#define X(name, kind, initial, least, most, when, help) CONFIG_##name,
+    CONFIG_LIST(X)
+#undef X
+        CONFIG_COUNT ///< how many there are
+};
+
+/// The settings.
+typedef struct config {
+#define CONFIG_TEXT(name)                               char name[CONFIG_TEXT_SIZE];
+#define CONFIG_NUMBER(name)                             uint64_t name;
+#define X(name, kind, initial, least, most, when, help) CONFIG_##kind(name)
+    CONFIG_LIST(X)
+#undef X
+#undef CONFIG_TEXT
+#undef CONFIG_NUMBER
+    char origins[CONFIG_COUNT]
+                [CONFIG_ORIGIN_SIZE]; ///< who said so: "default", "file:7", "--workers"
+} config;
+
+/// One row of the table.
+typedef struct config_row {
+    const char *name;    ///< key in the file
+    const char *initial; ///< default, as text
+    const char *help;    ///< one line
+    bool can_reload;     ///< a change counts without a restart
+} config_row;
+
+/// The table, in its order; *ret_n is how many rows it has. Static.
+const config_row *config_rows(size_t *ret_n);
+
+/// The defaults of the table.
+void config_init(config *c);
+
+/// Set one setting from text. where says who asks ("--workers", "beltflowd.conf:7"), for the error.
+/// BF_EINPUT: unknown (with a suggestion), not a number, out of range, or a text that a line of a file
+/// could not say.
+BF_MUST_CHECK bf_status config_set(config *c, const char *name, const char *value,
+                                   const char *where, bf_error *err);
+
+/// Read an INI file of `name = value` lines. BF_ESYSTEM: cannot be read; BF_EINPUT with its line.
+BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *err);
+
+/// Take the BELTFLOW_... variables that name a setting; others are left alone.
+BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
+
+/// Fill in what is empty and lies beside the running program, whose folder is given: program, and
+/// web if there is one (installed, or in a build tree; else it stays empty).
+/// BF_ELIMIT: a path is too long.
+BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
+
+/// The level that log_level names.
+log_level config_log_level(const config *c);
+
+/// Append a sample file: every setting with its help and default, commented out.
+BF_MUST_CHECK bf_status config_sample(bf_buffer *out, bf_error *err);
+
+/// Append the settings as they are, with where each comes from as comments: a file that says the same.
+BF_MUST_CHECK bf_status config_print(const config *c, bf_buffer *out, bf_error *err);
+
+/// Told of a setting that has changed, with both values as text.
+typedef void config_take_change(void *context, const config_row *row, const char *before,
+                                const char *after);
+
+/// Take over from *fresh what can be changed without a restart, and tell of all that differs.
+void config_reload(config *c, const config *fresh, config_take_change *take, void *context);
+
+/// What the daemon is to do: its first word.
+typedef enum config_command {
+    CONFIG_SERVE,  ///< no word
+    CONFIG_BACKUP, ///< backup FILE
+    CONFIG_VERIFY, ///< verify [FILE], or --verify
+} config_command;
+
+/// What the command line of the daemon says. Its texts are argv's.
+typedef struct config_flags {
+    const char *file;       ///< --config; NULL: none
+    bool is_check;          ///< --check-config
+    bool is_print;          ///< --print-config
+    bool is_sample;         ///< --sample-config
+    config_command command; ///< what to do
+    const char *subject;    ///< its FILE; NULL: none
+    const char
+        *values[CONFIG_COUNT]; ///< of the settings, in the order of the table; NULL: not given
+} config_flags;
+
+/// Read the command line. Ends the program for --help, --version, and with status 2 for what is no flag.
+void config_parse_flags(int argc, char **argv, config_flags *ret_flags);
+
+/// The settings that defaults, file, environment and flags give together, with what lies beside the
+/// running program filled in. BF_EINPUT names the place; BF_ESYSTEM: the file cannot be read.
+BF_MUST_CHECK bf_status config_read(const config_flags *flags, config *ret_config, bf_error *err);

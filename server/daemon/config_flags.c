@@ -1,0 +1,190 @@
+#include "server/daemon/config.h"
+#include "server/http/client.h"
+#include "server/http/cors.h"
+#include "server/http/http.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    EXIT_SETTINGS = 2,
+    KEY_CONFIG = 256,
+    KEY_CHECK,
+    KEY_PRINT,
+    KEY_SAMPLE,
+    KEY_VERIFY,
+    KEY_ROWS,
+    N_OTHERS = 5 // flags that are no settings
+};
+
+static void take_word(config_flags *f, const char *word, const struct argp_state *state)
+{
+    if (f->command != CONFIG_SERVE && f->subject == NULL)
+        f->subject = word;
+    else if (f->command == CONFIG_SERVE && strcmp(word, "backup") == 0)
+        f->command = CONFIG_BACKUP;
+    else if (f->command == CONFIG_SERVE && strcmp(word, "verify") == 0)
+        f->command = CONFIG_VERIFY;
+    else
+        argp_error(state, "this is no command, and nothing else fits here: '%s'", word);
+}
+
+static error_t take_flag(int key, char *value, struct argp_state *state)
+{
+    config_flags *f = state->input;
+
+    if (key == KEY_CONFIG)
+        f->file = value;
+    else if (key == KEY_CHECK)
+        f->is_check = true;
+    else if (key == KEY_PRINT)
+        f->is_print = true;
+    else if (key == KEY_SAMPLE)
+        f->is_sample = true;
+    else if (key >= KEY_ROWS && key < KEY_ROWS + CONFIG_COUNT)
+        f->values[key - KEY_ROWS] = value;
+    else if (key == KEY_VERIFY)
+        f->command = CONFIG_VERIFY;
+    else if (key == ARGP_KEY_ARG)
+        take_word(f, value, state);
+    else if (key == ARGP_KEY_END && f->command == CONFIG_BACKUP && f->subject == NULL)
+        argp_error(state, "backup wants the name of a new file");
+    else
+        return ARGP_ERR_UNKNOWN;
+    return 0;
+}
+
+// The flag of a setting, without its dashes, in storage of 64 bytes.
+static char *flag_of(const char *name, char *storage)
+{
+    (void)snprintf(storage, 64, "%s", name);
+    for (char *c = storage; *c != '\0'; c++)
+        *c = *c == '_' ? '-' : *c;
+    return storage;
+}
+
+static void add_rows(struct argp_option *options)
+{
+    static char names[CONFIG_COUNT][64];
+    static char helps[CONFIG_COUNT][200];
+    size_t n = 0;
+    const config_row *rows = config_rows(&n);
+
+    for (size_t i = 0; i < n; i++) {
+        const char *initial = rows[i].initial[0] == '\0' ? "empty" : rows[i].initial;
+        (void)snprintf(helps[i], sizeof helps[i], "%s (default: %s)", rows[i].help, initial);
+        options[i].name = flag_of(rows[i].name, names[i]);
+        options[i].key = KEY_ROWS + (int)i;
+        options[i].arg = "VALUE";
+        options[i].doc = helps[i];
+        options[i].group = 1;
+    }
+}
+
+void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
+{
+    struct argp_option options[CONFIG_COUNT + N_OTHERS + 1] = {
+        { "config", KEY_CONFIG, "FILE", 0, "read settings from FILE (lines 'name = value')", 0 },
+        { "check-config", KEY_CHECK, NULL, 0, "check the settings and leave: 0, or 2 and why", 0 },
+        { "print-config", KEY_PRINT, NULL, 0, "print all settings with their origins and leave",
+          0 },
+        { "sample-config", KEY_SAMPLE, NULL, 0, "print a sample of FILE and leave", 0 },
+        { "verify", KEY_VERIFY, NULL, 0, "the same as the command verify", 0 },
+    };
+    const struct argp argp = {
+        .options = options,
+        .parser = take_flag,
+        .args_doc = "\nbackup FILE\nverify [FILE]",
+        .doc =
+            "Solves material flow on conveyor belts and offers it over HTTP. With backup, copies "
+            "the store to a new FILE, also while it is in use; with verify, checks the store, or a "
+            "copy of it."
+            "\vA flag goes before the environment (BELTFLOW_<NAME>), and that before FILE. SIGHUP "
+            "lets the daemon read its settings again, SIGTERM and SIGINT stop it.",
+    };
+
+    add_rows(options + N_OTHERS);
+    argp_err_exit_status = EXIT_SETTINGS;
+    *ret_flags = (config_flags){ .file = NULL };
+    (void)argp_parse(&argp, argc, argv, 0, NULL, ret_flags);
+}
+
+static bf_status apply_flags(const config_flags *flags, config *c, bf_error *err)
+{
+    size_t n = 0;
+    const config_row *rows = config_rows(&n);
+    bf_status status = BF_OK;
+
+    for (size_t i = 0; status == BF_OK && i < n; i++) {
+        char name[64], where[80];
+        if (flags->values[i] == NULL)
+            continue;
+        (void)snprintf(where, sizeof where, "--%s", flag_of(rows[i].name, name));
+        status = config_set(c, rows[i].name, flags->values[i], where, err);
+    }
+    return status;
+}
+
+static bf_status locate(config *c, bf_error *err)
+{
+    char folder[CONFIG_TEXT_SIZE];
+    ssize_t n = readlink("/proc/self/exe", folder, sizeof folder - 1);
+
+    if (n <= 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot find out where this program lies");
+    folder[n] = '\0';
+    char *slash = strrchr(folder, '/');
+    if (slash != NULL)
+        *slash = '\0';
+    return config_locate(c, folder, err);
+}
+
+static bf_status check_proxies(const char *text, bf_error *err)
+{
+    http_proxies proxies;
+    return http_client_read_proxies(text, &proxies, err);
+}
+
+// What can only be judged as a whole text, by those who will use it.
+static bf_status check_texts(const config *c, bf_error *err)
+{
+    const struct {
+        size_t row;
+        const char *text;
+        bf_status (*check)(const char *text, bf_error *err);
+    } texts[] = {
+        { CONFIG_listen, c->listen, http_check_address },
+        { CONFIG_cors_origins, c->cors_origins, http_cors_check },
+        { CONFIG_trusted_proxies, c->trusted_proxies, check_proxies },
+    };
+    bf_error found = { 0 };
+
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        bf_status status = texts[i].check(texts[i].text, &found);
+        if (status != BF_OK)
+            return bf_fail(err, status, "", "%s: %s", c->origins[texts[i].row], found.text);
+    }
+    return BF_OK;
+}
+
+bf_status config_read(const config_flags *flags, config *ret_config, bf_error *err)
+{
+    config c;
+
+    config_init(&c);
+    bf_status status = flags->file == NULL ? BF_OK : config_read_file(&c, flags->file, err);
+    if (status == BF_OK)
+        status = config_read_environment(&c, err);
+    if (status == BF_OK)
+        status = apply_flags(flags, &c, err);
+    if (status == BF_OK)
+        status = check_texts(&c, err);
+    if (status == BF_OK)
+        status = locate(&c, err);
+    if (status == BF_OK)
+        *ret_config = c;
+    return status;
+}

@@ -1,0 +1,154 @@
+#include "server/http/client.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_BITS = 8 * HTTP_CLIENT_KEY_SIZE, MAPPED_BITS = 96, NETWORK_SIZE = 8 };
+
+static const uint8_t mapped[12] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff };
+static const char separators[] = ", \t";
+
+static bool is_mapped(const uint8_t *key)
+{
+    return memcmp(key, mapped, sizeof mapped) == 0;
+}
+
+static void map_ipv4(const void *address, uint8_t *ret_key)
+{
+    memcpy(ret_key, mapped, sizeof mapped);
+    memcpy(ret_key + sizeof mapped, address, 4);
+}
+
+static bool read_address(const char *text, uint8_t *ret_key)
+{
+    struct in_addr v4;
+
+    if (inet_pton(AF_INET, text, &v4) == 1) {
+        map_ipv4(&v4, ret_key);
+        return true;
+    }
+    return inet_pton(AF_INET6, text, ret_key) == 1;
+}
+
+// Reads "address" or "address/bits" of n bytes.
+static bool read_network(const char *text, size_t n, uint8_t *ret_key, unsigned *ret_bits)
+{
+    char copy[INET6_ADDRSTRLEN + 4];
+    unsigned offset, most;
+
+    if (n >= sizeof copy)
+        return false;
+    memcpy(copy, text, n);
+    copy[n] = '\0';
+    char *slash = strchr(copy, '/');
+    if (slash != NULL)
+        *slash++ = '\0';
+    if (!read_address(copy, ret_key))
+        return false;
+    offset = strchr(copy, ':') == NULL ? MAPPED_BITS : 0;
+    most = KEY_BITS - offset;
+    *ret_bits = KEY_BITS;
+    if (slash == NULL)
+        return true;
+    size_t n_digits = strspn(slash, "0123456789");
+    unsigned bits = (unsigned)atoi(slash);
+    *ret_bits = offset + bits;
+    return n_digits > 0 && n_digits <= 3 && slash[n_digits] == '\0' && bits <= most;
+}
+
+bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies, bf_error *err)
+{
+    http_proxies found = { .n = 0 };
+
+    for (const char *p = list + strspn(list, separators); *p != '\0';) {
+        size_t n = strcspn(p, separators);
+        if (found.n == HTTP_PROXIES_MAX)
+            return bf_fail(err, BF_ELIMIT, "", "more than %d proxies", HTTP_PROXIES_MAX);
+        if (!read_network(p, n, found.keys[found.n], &found.bits[found.n]))
+            return bf_fail(err, BF_EINPUT, "",
+                           "'%.*s' is no address or network of a proxy, such as 10.0.0.0/8 or ::1",
+                           (int)(n < 60 ? n : 60), p);
+        found.n++;
+        p += n;
+        p += strspn(p, separators);
+    }
+    *ret_proxies = found;
+    return BF_OK;
+}
+
+static bool share_bits(const uint8_t *a, const uint8_t *b, unsigned bits)
+{
+    unsigned whole = bits / 8, rest = bits % 8;
+
+    if (memcmp(a, b, whole) != 0)
+        return false;
+    return rest == 0 || (a[whole] ^ b[whole]) >> (8 - rest) == 0;
+}
+
+static bool is_proxy(const http_proxies *proxies, const uint8_t *key)
+{
+    for (size_t i = 0; i < proxies->n; i++) {
+        if (share_bits(key, proxies->keys[i], proxies->bits[i]))
+            return true;
+    }
+    return false;
+}
+
+// Takes the last address off a list of *n bytes; some proxies add ports and brackets. False: it is
+// none.
+static bool take_last(const char *list, size_t *n, uint8_t *ret_key)
+{
+    char copy[INET6_ADDRSTRLEN + 8];
+    size_t end = *n;
+
+    while (end > 0 && strchr(separators, list[end - 1]) != NULL)
+        end--;
+    size_t begin = end;
+    while (begin > 0 && strchr(separators, list[begin - 1]) == NULL)
+        begin--;
+    *n = begin;
+    if (end == begin || end - begin >= sizeof copy)
+        return false;
+    memcpy(copy, list + begin, end - begin);
+    copy[end - begin] = '\0';
+    char *colon = strchr(copy, ':');
+    if (copy[0] == '[') {
+        copy[strcspn(copy, "]")] = '\0';
+        return read_address(copy + 1, ret_key);
+    }
+    if (colon != NULL && strchr(colon + 1, ':') == NULL)
+        *colon = '\0';
+    return read_address(copy, ret_key);
+}
+
+static http_client describe(const uint8_t *key)
+{
+    static const uint8_t loopback6[HTTP_CLIENT_KEY_SIZE] = { [15] = 1 };
+    bool is_v4 = is_mapped(key);
+    http_client client = { .text = "" };
+
+    client.is_local = is_v4 ? key[12] == 127 : memcmp(key, loopback6, sizeof loopback6) == 0;
+    memcpy(client.key, key, is_v4 ? HTTP_CLIENT_KEY_SIZE : NETWORK_SIZE);
+    const void *address = is_v4 ? client.key + sizeof mapped : client.key;
+    (void)inet_ntop(is_v4 ? AF_INET : AF_INET6, address, client.text, sizeof client.text);
+    return client;
+}
+
+http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
+                             const http_proxies *proxies)
+{
+    size_t n = forwarded == NULL ? 0 : strlen(forwarded);
+    uint8_t key[HTTP_CLIENT_KEY_SIZE], before[HTTP_CLIENT_KEY_SIZE];
+
+    if (peer->sa_family == AF_INET)
+        map_ipv4(&((const struct sockaddr_in *)(const void *)peer)->sin_addr, key);
+    else if (peer->sa_family == AF_INET6)
+        memcpy(key, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr, sizeof key);
+    else
+        return (http_client){ .text = "local", .is_local = true };
+    while (n > 0 && is_proxy(proxies, key) && take_last(forwarded, &n, before))
+        memcpy(key, before, sizeof key);
+    return describe(key);
+}

@@ -1,0 +1,239 @@
+// Deadlines of connections, and the thread that watches them.
+//
+// MHD's own timeout is for inactivity only: a client that sends a byte now and then would hold its
+// connection forever. So each connection has an absolute deadline for what it owes at the moment (a
+// complete header, then a complete body), and one thread shuts down the sockets of those that are
+// late; MHD notices and closes. Between requests the deadline is that of the next header and the
+// time that a connection may idle, together.
+//
+// A client that sends something and hangs up at once is not noticed by MHD: it is told of both by one
+// event, reads the bytes and waits for the next event, which never comes. The same thread looks for
+// such sockets: hung up, nothing left to be read, and something still owed, twice in a row.
+//
+// A socket of the list is open: MHD tells us of a connection's end before it closes the socket, and
+// the list is only looked at under http.lock.
+//
+// A client that was refused may still be sending. If its socket were closed at once, the kernel
+// would answer with a reset, and the client might never read the refusal. Such sockets are kept for
+// a moment (a duplicate of MHD's), and what comes in is thrown away.
+
+#include "server/http/http_priv.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    WATCH_TICK_MS = 100,       // between two looks while there are connections
+    WATCH_TICK_LINGER_MS = 10, // while sockets linger
+    WATCH_LEFT_MS = 500,       // between two looks for clients that left
+    WATCH_DRAIN_READS = 8,     // reads of one lingering socket at one look
+    RESERVE_MAX = 16,          // connections kept for the daemon's health
+};
+
+http_connection *http__connection_open(http *h, int fd)
+{
+    http_connection *c = memory_alloc(1, sizeof *c);
+
+    if (c == NULL)
+        return NULL;
+    c->server = h;
+    c->fd = fd;
+    c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
+    metrics_add(METRICS_CONNECTIONS, 0, 1);
+    lock_take(&h->lock);
+    c->next = h->connections;
+    if (c->next != NULL)
+        c->next->previous = c;
+    h->connections = c;
+    if (h->n_connections++ == 0)
+        lock_wake_all(&h->changed);
+    lock_give(&h->lock);
+    return c;
+}
+
+static void start_lingering(http *h, int fd)
+{
+    lock_assert_held(&h->lock);
+    if (h->n_lingering == HTTP_LINGER_MAX || h->is_stopping)
+        return;
+    int copy = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    if (copy < 0)
+        return;
+    h->linger_fds[h->n_lingering] = copy;
+    h->linger_until[h->n_lingering++] = clock_monotonic_ms() + HTTP_LINGER_MS;
+    lock_wake_all(&h->changed);
+}
+
+void http__connection_close(http_connection *c)
+{
+    if (c == NULL)
+        return;
+    http *h = c->server;
+
+    lock_take(&h->lock);
+    if (c->previous != NULL)
+        c->previous->next = c->next;
+    else
+        h->connections = c->next;
+    if (c->next != NULL)
+        c->next->previous = c->previous;
+    h->n_connections--;
+    if (c->lingers)
+        start_lingering(h, c->fd);
+    lock_give(&h->lock);
+    metrics_add(METRICS_CONNECTIONS, 0, -1);
+    memory_free(c);
+}
+
+void http__connection_deadline(http_connection *c, int64_t ms)
+{
+    lock_take(&c->server->lock);
+    c->deadline_ms = ms < 0 ? -1 : clock_monotonic_ms() + ms;
+    lock_give(&c->server->lock);
+}
+
+bool http__connection_is_reserved(const http_connection *c)
+{
+    http *h = c->server;
+    unsigned limit = h->options.connection_limit;
+    unsigned reserve = limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
+
+    lock_take(&h->lock);
+    bool is_reserved = h->n_connections > limit - reserve;
+    lock_give(&h->lock);
+    return is_reserved;
+}
+
+static void cut_off_the_late(http *h, int64_t now_ms)
+{
+    lock_assert_held(&h->lock);
+    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        if (c->deadline_ms < 0 || now_ms < c->deadline_ms)
+            continue;
+        c->deadline_ms = -1;
+        (void)shutdown(c->fd, SHUT_RDWR);
+    }
+}
+
+bool http__connection_has_hung_up(int fd)
+{
+    struct pollfd p = { .fd = fd, .events = POLLRDHUP };
+
+    return poll(&p, 1, 0) > 0 && (p.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+}
+
+// It hung up, and nothing of it is left to be read.
+static bool has_gone(int fd)
+{
+    int n_unread = 0;
+
+    return http__connection_has_hung_up(fd) && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
+}
+
+static void cut_off_the_gone(http *h)
+{
+    lock_assert_held(&h->lock);
+    for (http_connection *c = h->connections; c != NULL; c = c->next) {
+        bool has_left = c->deadline_ms >= 0 && has_gone(c->fd);
+        if (has_left && c->seems_left)
+            (void)shutdown(c->fd, SHUT_RDWR);
+        c->seems_left = has_left;
+    }
+}
+
+// Throws away what came in. False: the client is done, or failed.
+static bool drain(int fd)
+{
+    char waste[16384];
+
+    for (int i = 0; i < WATCH_DRAIN_READS; i++) {
+        ssize_t n = recv(fd, waste, sizeof waste, MSG_DONTWAIT);
+        if (n == 0)
+            return false;
+        if (n < 0)
+            return errno == EAGAIN || errno == EINTR;
+    }
+    return true;
+}
+
+static void drain_the_lingering(http *h, int64_t now_ms)
+{
+    unsigned n_left = 0;
+
+    lock_assert_held(&h->lock);
+    for (unsigned i = 0; i < h->n_lingering; i++) {
+        if (now_ms >= h->linger_until[i] || !drain(h->linger_fds[i])) {
+            (void)close(h->linger_fds[i]);
+            continue;
+        }
+        h->linger_fds[n_left] = h->linger_fds[i];
+        h->linger_until[n_left++] = h->linger_until[i];
+    }
+    h->n_lingering = n_left;
+}
+
+// One look at everything; returns when the next one is due, or -1.
+static int64_t look(http *h, int64_t now_ms)
+{
+    bool looks_for_the_gone = now_ms >= h->looked_ms + WATCH_LEFT_MS;
+
+    lock_assert_held(&h->lock);
+    cut_off_the_late(h, now_ms);
+    if (looks_for_the_gone) {
+        h->looked_ms = now_ms;
+        cut_off_the_gone(h);
+    }
+    drain_the_lingering(h, now_ms);
+    http__stream_watch(h, now_ms);
+    int64_t due_ms = http__wait_watch(h, now_ms, looks_for_the_gone);
+    if (h->n_lingering == 0 && h->connections == NULL)
+        return -1;
+    int64_t next_ms = now_ms + (h->n_lingering > 0 ? WATCH_TICK_LINGER_MS : WATCH_TICK_MS);
+    return due_ms < next_ms ? due_ms : next_ms;
+}
+
+static void *watch(void *context)
+{
+    http *h = context;
+
+    lock_take(&h->lock);
+    while (!h->watch_ends) {
+        pulse_answer(&h->alive.pulse);
+        (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
+    }
+    lock_give(&h->lock);
+    return NULL;
+}
+
+bf_status http__watch_start(http *h, bf_error *err)
+{
+    if (pthread_create(&h->watch, NULL, watch, h) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot start a thread that watches connections");
+    h->has_watch = true;
+    return BF_OK;
+}
+
+void http__watch_stop(http *h)
+{
+    if (!h->has_watch)
+        return;
+    lock_take(&h->lock);
+    h->watch_ends = true;
+    lock_wake_all(&h->changed);
+    lock_give(&h->lock);
+    BF_CHECK(pthread_join(h->watch, NULL) == 0);
+    h->has_watch = false;
+    lock_take(&h->lock);
+    for (unsigned i = 0; i < h->n_lingering; i++)
+        (void)close(h->linger_fds[i]);
+    h->n_lingering = 0;
+    lock_give(&h->lock);
+}

@@ -1,0 +1,102 @@
+#include "server/http/cors.h"
+
+#include <stdbool.h>
+#include <string.h>
+#include <strings.h>
+
+// What a page may send beyond the headers that need no leave, and what it may read.
+static const char request_headers[] = "Content-Type, Idempotency-Key, If-Match, If-None-Match, "
+                                      "If-Range, Last-Event-ID, Prefer, Range, "
+                                      "X-Request-Id, traceparent";
+static const char response_headers[] =
+    "Allow, Accept-Ranges, Content-Disposition, Content-Encoding, Content-Range, ETag, "
+    "Idempotent-Replayed, Link, Location, Preference-Applied, RateLimit, RateLimit-Policy, "
+    "Retry-After, X-Request-Id, traceparent";
+static const char max_age_s[] = "7200"; // more is cut by browsers
+
+static const char separators[] = ", \t";
+
+// scheme "://" host [":" port], nothing behind it.
+static bool is_origin(const char *text, size_t n)
+{
+    static const char *const schemes[] = { "http://", "https://" };
+
+    for (size_t i = 0; i < sizeof schemes / sizeof *schemes; i++) {
+        size_t n_scheme = strlen(schemes[i]);
+        if (n <= n_scheme || strncmp(text, schemes[i], n_scheme) != 0)
+            continue;
+        return strspn(text + n_scheme, "abcdefghijklmnopqrstuvwxyz0123456789.-_:[]") ==
+               n - n_scheme;
+    }
+    return false;
+}
+
+// The next origin of a list from *text on, of *n bytes; moves *text behind it. False: no more.
+static bool take(const char **text, const char **ret_origin, size_t *ret_n)
+{
+    const char *p = *text + strspn(*text, separators);
+
+    *ret_origin = p;
+    *ret_n = strcspn(p, separators);
+    *text = p + *ret_n;
+    return *ret_n > 0;
+}
+
+bf_status http_cors_check(const char *origins, bf_error *err)
+{
+    const char *origin, *rest = origins;
+    size_t n = 0;
+
+    if (strcmp(origins, "*") == 0)
+        return BF_OK;
+    while (take(&rest, &origin, &n)) {
+        if (!is_origin(origin, n))
+            return bf_fail(
+                err, BF_EINPUT, "",
+                "'%.*s' is no origin; one is https://plan.example:8443, in small letters "
+                "and without a path, and * alone is any",
+                (int)(n < 100 ? n : 100), origin);
+    }
+    return BF_OK;
+}
+
+static bool is_listed(const char *origins, const char *origin)
+{
+    const char *item;
+    size_t n = 0;
+
+    while (take(&origins, &item, &n)) {
+        if (strlen(origin) == n && memcmp(item, origin, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void answer_preflight(api_response *response)
+{
+    const char *allow = api_response_find(response, "Allow");
+
+    if (allow == NULL)
+        return;
+    api_response_set(response, "Access-Control-Allow-Methods", allow);
+    api_response_set(response, "Access-Control-Allow-Headers", request_headers);
+    api_response_set(response, "Access-Control-Max-Age", max_age_s);
+}
+
+void http_cors_answer(const char *origins, const char *method, const char *origin,
+                      const char *asked_method, api_response *response)
+{
+    bool is_any = strcmp(origins, "*") == 0;
+
+    if (*origins == '\0')
+        return;
+    if (!is_any)
+        api_response_vary(response, "Origin"); // also for those that get nothing
+    if (origin == NULL || (!is_any && !is_listed(origins, origin)))
+        return;
+    api_response_set(response, "Access-Control-Allow-Origin", is_any ? "*" : origin);
+    if (strcmp(method, "OPTIONS") == 0 && asked_method != NULL)
+        answer_preflight(response);
+    else
+        api_response_set(response, "Access-Control-Expose-Headers", response_headers);
+}

@@ -1,0 +1,352 @@
+// The page's files: regular files below the web directory, each path component opened by itself
+// without following links, so that no path leads out of it. They are sent encoded to clients that take
+// that: from files beside them that the page's build made, else encoded once and kept in memory.
+
+#include "server/http/http_priv.h"
+
+#include "api/http/precondition.h"
+#include "server/http/encoding.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum {
+    FILE_NAME_SIZE = 256,
+    FILE_ENCODE_MAX = 16 * 1024 * 1024, // larger files are sent as they are
+};
+
+static const struct {
+    const char *ending;
+    const char *type;
+} types[] = {
+    { ".html", "text/html; charset=utf-8" },
+    { ".css", "text/css; charset=utf-8" },
+    { ".js", "text/javascript; charset=utf-8" },
+    { ".mjs", "text/javascript; charset=utf-8" },
+    { ".json", "application/json" },
+    { ".map", "application/json" },
+    { ".webmanifest", "application/manifest+json" },
+    { ".svg", "image/svg+xml" },
+    { ".png", "image/png" },
+    { ".ico", "image/x-icon" },
+    { ".woff2", "font/woff2" },
+    { ".wasm", "application/wasm" },
+    { ".txt", "text/plain; charset=utf-8" },
+};
+
+#define ONLY_OURS                                                                                  \
+    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "            \
+    "object-src 'none'"
+
+// What a page may load, by the start of its path; the first row that fits counts. The reference of
+// the API (Redoc) writes its rules into style elements that it makes empty: they, and the one text
+// of its scroll bar's style, are allowed by their hashes; its arrows are data.
+static const struct {
+    const char *start;
+    const char *policy;
+} policies[] = {
+    { "/docs", ONLY_OURS "; img-src 'self' data:; "
+                         "style-src 'self' 'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=' "
+                         "'sha256-QMIg+bpjm3JdElJ388KYke01izlUW0UoNOeKjpMxdgc='" },
+    { "/", ONLY_OURS },
+};
+
+static const char *policy_of(const char *path)
+{
+    size_t i = 0;
+
+    while (strncmp(path, policies[i].start, strlen(policies[i].start)) != 0)
+        i++;
+    return policies[i].policy;
+}
+
+// NULL: it is of no type that a page has, and therefore none of its files.
+static const char *type_of(const char *path)
+{
+    size_t n = strlen(path);
+
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        size_t n_ending = strlen(types[i].ending);
+        if (n > n_ending && strcasecmp(path + n - n_ending, types[i].ending) == 0)
+            return types[i].type;
+    }
+    return NULL;
+}
+
+// Copies the first component of *path and moves *path behind it. False: it is none that the page
+// can have ("", hidden ones, "." and "..", too long).
+static bool take_component(const char **path, char *ret_name)
+{
+    size_t n = strcspn(*path, "/");
+
+    if (n == 0 || n >= FILE_NAME_SIZE || **path == '.')
+        return false;
+    memcpy(ret_name, *path, n);
+    ret_name[n] = '\0';
+    *path += n;
+    return true;
+}
+
+// Opens a path without its first slash below directory. -1: there is no such file.
+static int open_below(int directory, const char *path)
+{
+    char name[FILE_NAME_SIZE];
+    int at = directory;
+
+    while (take_component(&path, name)) {
+        int flags = *path == '/' ? O_PATH | O_DIRECTORY : O_RDONLY | O_NONBLOCK;
+        int next = openat(at, name, flags | O_NOFOLLOW | O_CLOEXEC);
+        if (at != directory)
+            (void)close(at);
+        if (next < 0 || *path == '\0')
+            return next;
+        at = next;
+        path++;
+    }
+    if (at != directory)
+        (void)close(at);
+    return -1;
+}
+
+// Facts of an open regular file. False: it is none.
+static bool look_at(int fd, struct stat *ret_facts)
+{
+    return fd >= 0 && fstat(fd, ret_facts) == 0 && S_ISREG(ret_facts->st_mode);
+}
+
+static bool is_older(const struct stat *a, const struct stat *b)
+{
+    return a->st_mtim.tv_sec < b->st_mtim.tv_sec ||
+           (a->st_mtim.tv_sec == b->st_mtim.tv_sec && a->st_mtim.tv_nsec < b->st_mtim.tv_nsec);
+}
+
+// Replaces an open plain file by the encoded one beside it. False: there is none of its age.
+static bool open_beside(int web_fd, const char *path, coding form, const struct stat *plain,
+                        http_file *file)
+{
+    static const char *const endings[CODING_COUNT] = {
+        [CODING_GZIP] = ".gz", [CODING_ZSTD] = ".zst"
+    };
+    char name[API_PATH_MAX + 8];
+    struct stat facts;
+
+    (void)snprintf(name, sizeof name, "%s%s", path, endings[form]);
+    int fd = open_below(web_fd, name + 1);
+    bool is_good = look_at(fd, &facts) && !is_older(&facts, plain);
+    int unused = is_good ? file->fd : fd;
+    if (unused >= 0)
+        (void)close(unused);
+    if (!is_good)
+        return false;
+    file->fd = fd;
+    file->n = (uint64_t)facts.st_size;
+    return true;
+}
+
+bool http__file_open(int web_fd, const char *path, coding form, http_file *ret_file)
+{
+    struct stat facts;
+
+    if (strcmp(path, "/") == 0)
+        path = "/index.html";
+    else if (strcmp(path, "/docs") == 0 || strcmp(path, "/docs/") == 0)
+        path = "/docs/index.html";
+    const char *type = type_of(path);
+    http_file file = { .fd = -1, .type = type };
+    if (*path == '/' && type != NULL)
+        file.fd = open_below(web_fd, path + 1);
+    bool is_there = look_at(file.fd, &facts);
+    if (is_there) {
+        file.n = (uint64_t)facts.st_size;
+        (void)snprintf(file.etag, sizeof file.etag, "%llx-%llx.%lx",
+                       (unsigned long long)facts.st_size, (unsigned long long)facts.st_mtim.tv_sec,
+                       (unsigned long)facts.st_mtim.tv_nsec);
+        if (form == CODING_IDENTITY || open_beside(web_fd, path, form, &facts, &file)) {
+            *ret_file = file;
+            return true;
+        }
+    }
+    // open_beside() leaves the plain file open when it finds nothing.
+    if (file.fd >= 0)
+        (void)close(file.fd);
+    return false;
+}
+
+bool http__file_may_be(const http *h, const char *path)
+{
+    return h->web_fd >= 0 && strncmp(path, "/v1/", 4) != 0 && !api_route_exists(path);
+}
+
+// What stands in place of a page that this build or this start does not have.
+static const struct {
+    const char *path;
+    bool needs_no_folder; // it is also said where a folder was given that lacks the page
+    const char *type;
+    const char *text;
+} absences[] = {
+    { "/", false, "text/plain; charset=utf-8",
+      "This is beltflowd " BELTFLOW_VERSION ". Its page is not here: it is made when npm is there\n"
+      "while Beltflow is built, and is looked for beside the program.\n"
+      "The API is under /v1: try /v1/runs, /v1/examples and /version. /openapi.json describes it.\n"
+      "To have the page, build with npm, or give the page's directory by --web.\n" },
+    { "/docs", true, "text/html; charset=utf-8",
+      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Beltflow: the API</title>\n"
+      "<p>The reference of the API is made where npm is there while Beltflow is built, and is not "
+      "here; it is drawn from <a href=\"/openapi.json\">/openapi.json</a>, which is.</p>\n" },
+};
+
+enum { N_ABSENCES = sizeof absences / sizeof *absences };
+
+// Which absence a path is, or N_ABSENCES.
+static size_t find_absence(const http_request *r)
+{
+    size_t i = 0;
+
+    while (i < N_ABSENCES && (strcmp(r->path, absences[i].path) != 0 ||
+                              (r->server->web_fd >= 0 && !absences[i].needs_no_folder)))
+        i++;
+    return i;
+}
+
+static void explain_absence(http_request *r, size_t which)
+{
+    const char *text = absences[which].text;
+
+    api_response_fini(&r->response);
+    if (buffer_append(&r->response.body, text, strlen(text)) != BF_OK) {
+        http__respond_refuse(r, 503, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
+        return;
+    }
+    r->response.status = 200;
+    api_response_header(&r->response, "Content-Type", "%s", absences[which].type);
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
+}
+
+static void refuse_method(http_request *r)
+{
+    const bf_error err = { .code = BF_EINPUT, .text = "this path knows: GET, HEAD, OPTIONS" };
+
+    http__respond_refuse(r, 405, &err);
+    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
+}
+
+static void answer_options(http_request *r)
+{
+    api_response_fini(&r->response);
+    r->response.status = 204;
+    api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
+}
+
+// Reads all of an open file, from its start.
+static bool read_all(const http_file *file, bf_buffer *out)
+{
+    char *to = file->n > FILE_ENCODE_MAX ? NULL : buffer_reserve(out, (size_t)file->n);
+
+    if (to == NULL || pread(file->fd, to, (size_t)file->n, 0) != (ssize_t)file->n)
+        return false;
+    out->n += (size_t)file->n;
+    return true;
+}
+
+// The encoded form of an open file as the body of the response: from the cache, or made now.
+static bool encode_file(http_request *r, const http_file *file, coding form)
+{
+    bf_buffer plain = { 0 };
+    bf_buffer *body = &r->response.body;
+    http_cache *cache = r->server->cache;
+
+    if (http__cache_find(cache, r->path, file->etag, form, body))
+        return true;
+    bool is_made =
+        read_all(file, &plain) && http_encoding_pack(form, plain.bytes, plain.n, body) == BF_OK;
+    buffer_fini(&plain);
+    if (is_made)
+        http__cache_put(cache, r->path, file->etag, form, body);
+    return is_made;
+}
+
+// A range is one of the plain form, so a client that asks for one gets that, if it takes it.
+static bool wants_plain(http_request *r, const http_file *file)
+{
+    const char *accepted = http__request_header(r, "Accept-Encoding");
+    bool pays = http_encoding_is_text(file->type) && file->n >= HTTP_ENCODING_MIN &&
+                http__request_header(r, "Range") == NULL;
+
+    return !pays && coding_quality(accepted, CODING_IDENTITY) > 0;
+}
+
+// Chooses the form in which the file is sent: one that lies beside it, else one that is made. The
+// body of the response has it if r->file does not.
+static coding choose_form(http_request *r, http_file *file)
+{
+    static const coding offers[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
+    const char *accepted = http__request_header(r, "Accept-Encoding");
+    int chosen = coding_choose(accepted, offers, CODING_COUNT);
+
+    if (chosen < 0 || offers[chosen] == CODING_IDENTITY || wants_plain(r, file))
+        return CODING_IDENTITY;
+    for (int c = chosen; c < CODING_IDENTITY; c++) {
+        http_file beside;
+        if (coding_quality(accepted, offers[c]) < coding_quality(accepted, offers[chosen]) ||
+            !http__file_open(r->server->web_fd, r->path, offers[c], &beside))
+            continue;
+        (void)close(file->fd);
+        *file = beside;
+        return offers[c];
+    }
+    return encode_file(r, file, offers[chosen]) ? offers[chosen] : CODING_IDENTITY;
+}
+
+static void answer_file(http_request *r, http_file *file)
+{
+    const char *known = http__request_header(r, "If-None-Match");
+    char tag[CODING_TAG_SIZE];
+
+    api_response_fini(&r->response);
+    coding form = choose_form(r, file);
+    r->response.status = 200;
+    api_response_header(&r->response, "ETag", "\"%s\"", file->etag);
+    api_response_header(&r->response, "Cache-Control", "no-cache");
+    api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
+    api_response_header(&r->response, "Referrer-Policy", "no-referrer");
+    api_response_header(&r->response, "Content-Type", "%s", file->type);
+    if (form != CODING_IDENTITY)
+        http__finish_encoded(&r->response, form);
+    if (known != NULL &&
+        precondition_is_known(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
+        r->response.status = 304;
+    if (r->response.body.n == 0)
+        r->file = *file;
+}
+
+static bool is_method(const http_request *r, const char *method)
+{
+    return strcmp(r->method, method) == 0;
+}
+
+void http__file_answer(http_request *r)
+{
+    bool is_read = is_method(r, "GET") || is_method(r, "HEAD");
+    http_file file = { .fd = -1 };
+    bool is_there = r->server->web_fd >= 0 &&
+                    http__file_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
+    size_t absence = is_there ? N_ABSENCES : find_absence(r);
+
+    if (!is_there && absence == N_ABSENCES)
+        return;
+    if (is_method(r, "OPTIONS"))
+        answer_options(r);
+    else if (!is_read)
+        refuse_method(r);
+    else if (is_there)
+        answer_file(r, &file);
+    else
+        explain_absence(r, absence);
+    r->response.route = METRICS_PAGE;
+    if (file.fd >= 0 && r->file.fd < 0)
+        (void)close(file.fd);
+}

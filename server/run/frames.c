@@ -1,0 +1,299 @@
+#include "server/run/supervisor_priv.h"
+
+#include "api/results/events.h"
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/metrics.h"
+
+#include <math.h>
+#include <signal.h>
+#include <string.h>
+
+enum { LINES_LOGGED_MAX = 100 };
+
+// The rate follows changes of the last few seconds, not of single reports.
+static const double rate_memory_s = 2.0;
+
+// Progress is told again after this share of the time so far: some thousand events at most, since the
+// store keeps them, however long a run takes.
+static const double progress_share = 1e-3;
+
+static void free_item(store_item *item)
+{
+    buffer_fini(&item->event);
+    buffer_fini(&item->t);
+    buffer_fini(&item->values);
+    buffer_fini(&item->rho);
+    buffer_fini(&item->parts);
+}
+
+static void free_gathered(supervisor__task *task)
+{
+    for (size_t i = 0; i < task->n_items; i++)
+        free_item(&task->items[i]);
+    task->n_items = 0;
+}
+
+void supervisor__free_items(supervisor__task *task)
+{
+    free_gathered(task);
+    free_item(&task->snapshot);
+    task->has_snapshot = false;
+}
+
+// Room for one more item, zeroed and counted; NULL: no memory.
+static store_item *add_item(supervisor__task *task, api_event_type type)
+{
+    if (memory_reserve(&task->items, &task->items_capacity, task->n_items + 1,
+                       sizeof *task->items) != 0)
+        return NULL;
+    store_item *item = &task->items[task->n_items++];
+    *item = (store_item){ .type = type };
+    return item;
+}
+
+static bf_status fail_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "the service has no memory to take the run's results");
+}
+
+static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_error *err)
+{
+    if (c->n_columns != task->n_columns)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent %u columns, not %zu", c->n_columns,
+                       task->n_columns);
+    store_item *item = add_item(task, API_EVENT_CURVE);
+    if (item == NULL)
+        return fail_memory(err);
+    item->first = c->first;
+    item->n = c->n;
+    if (buffer_append(&item->t, c->t, c->n * sizeof *c->t) != BF_OK ||
+        buffer_append(&item->values, c->values, (size_t)c->n * c->n_columns * sizeof *c->values) !=
+            BF_OK)
+        return fail_memory(err);
+    return events_curve(task->job.run.id, c, task->job.columns.bytes, &item->event, err);
+}
+
+// The snapshot that waits joins the batch, which takes it over.
+static bf_status add_waiting(supervisor__task *task, bf_error *err)
+{
+    store_item *item = add_item(task, API_EVENT_SNAPSHOT);
+
+    if (item == NULL)
+        return fail_memory(err);
+    *item = task->snapshot;
+    task->snapshot = (store_item){ .type = API_EVENT_SNAPSHOT };
+    task->has_snapshot = false;
+    return BF_OK;
+}
+
+// A snapshot and its parts are one item, so that they are stored and told together.
+static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
+{
+    bool has_parts = task->begin.n_values > 0;
+    store_item *item = &task->snapshot;
+
+    if (s->n1 != task->begin.grid.n1 || s->n2 != task->begin.grid.n2)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent a snapshot of another size");
+    *item = (store_item){ .type = API_EVENT_SNAPSHOT, .first = s->index };
+    item->snapshot =
+        (api_snapshot){ .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
+    task->has_snapshot = true;
+    if (buffer_append(&item->rho, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho) != BF_OK)
+        return fail_memory(err);
+    bf_status status = events_snapshot(task->job.run.id, s, has_parts, &item->event, err);
+    return status == BF_OK && !has_parts ? add_waiting(task, err) : status;
+}
+
+static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_error *err)
+{
+    if (p->n_parts != task->begin.n_parts || p->n_values != task->begin.n_values ||
+        p->index != task->snapshot.first)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
+    if (buffer_append(&task->snapshot.parts, p->rows,
+                      (size_t)p->n_parts * p->n_values * sizeof *p->rows) != BF_OK)
+        return fail_memory(err);
+    return add_waiting(task, err);
+}
+
+// Bring the rate up to date and make the event of the newest progress; older ones in the same batch
+// would tell nobody anything.
+static bf_status add_progress(supervisor__task *task, bf_error *err)
+{
+    double now_s = clock_monotonic_s(), passed_s = now_s - task->rate_s;
+
+    if (!task->has_progress)
+        return BF_OK;
+    if (passed_s > 0.0 && task->progress.step > task->rate_step) {
+        double rate = (double)(task->progress.step - task->rate_step) / passed_s;
+        double weight = task->rate == 0.0 ? 1.0 : passed_s / (passed_s + rate_memory_s);
+        task->rate += weight * (rate - task->rate);
+        task->rate_s = now_s;
+        task->rate_step = task->progress.step;
+    }
+    double pause_s = progress_share * supervisor__wall_s(task);
+    if (task->told_s > 0.0 && now_s < task->told_s + pause_s && !task->has_ended)
+        return BF_OK;
+    task->told_s = now_s;
+    task->has_progress = false;
+    store_item *item = add_item(task, API_EVENT_PROGRESS);
+    return item == NULL
+               ? fail_memory(err)
+               : events_progress(task->job.run.id, &task->progress, task->rate, &item->event, err);
+}
+
+// Store what has come, with the checkpoint that came last (NULL: none).
+static bf_status flush(supervisor__task *task, store *s, const frame_bytes *checkpoint,
+                       bf_error *err)
+{
+    bf_status status = add_progress(task, err);
+
+    if (status != BF_OK || (task->n_items == 0 && checkpoint == NULL))
+        return status;
+    uint64_t step = task->progress.step, n_steps = task->begin.n_steps;
+    store_batch batch = {
+        .run_id = task->job.run.id,
+        .n = task->n_items,
+        .items = task->items,
+        .progress = n_steps == 0 ? 0.0 : (double)step / (double)n_steps,
+        .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
+        .wall_s = supervisor__wall_s(task),
+        .grid = &task->begin.grid,
+        .parts = { .n_parts = task->begin.n_values == 0 ? 0 : task->begin.n_parts,
+                   .n_values = task->begin.n_values },
+        .step = checkpoint == NULL ? 0 : checkpoint->step,
+        .checkpoint = checkpoint == NULL ? NULL : checkpoint->bytes,
+        .n_checkpoint = checkpoint == NULL ? 0 : checkpoint->n,
+    };
+    status = store_append(s, &batch, err);
+    free_gathered(task);
+    return status;
+}
+
+static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf_error *err)
+{
+    if (begin->n_columns != task->n_columns)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sends %u columns, not %zu",
+                       begin->n_columns, task->n_columns);
+    task->begin = *begin;
+    task->has_begun = true;
+    task->progress = (frame_progress){ .step = begin->first_step, .n_steps = begin->n_steps };
+    task->rate_step = begin->first_step;
+    task->rate_s = clock_monotonic_s();
+    return BF_OK;
+}
+
+static void count_steps(const supervisor__task *task, uint64_t step)
+{
+    if (step > task->progress.step)
+        metrics_add(METRICS_SOLVER_STEPS, task->job.run.model,
+                    (int64_t)(step - task->progress.step));
+}
+
+static bf_status take_progress(supervisor__task *task, const frame_progress *p, bf_error *err)
+{
+    if (p->n_steps != task->begin.n_steps || p->step > p->n_steps)
+        return bf_fail(err, BF_ECORRUPT, "", "the solver has lost count of its steps");
+    count_steps(task, p->step);
+    task->progress = *p;
+    task->has_progress = true;
+    return BF_OK;
+}
+
+// An error may come at any time; parts come right after their snapshot, and nothing else does.
+static bool is_in_order(const supervisor__task *task, frame_type type)
+{
+    if (task->has_ended || type == FRAME_JOB || type == FRAME_RESUME)
+        return false;
+    if (type == FRAME_ERROR)
+        return true;
+    return (type == FRAME_BEGIN) != task->has_begun && (type == FRAME_PARTS) == task->has_snapshot;
+}
+
+static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf_error *err)
+{
+    if (!is_in_order(task, f->type))
+        return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
+    switch (f->type) {
+    case FRAME_BEGIN:
+        return take_begin(task, &f->begin, err);
+    case FRAME_CURVE:
+        return add_curve(task, &f->curve, err);
+    case FRAME_SNAPSHOT:
+        return add_snapshot(task, &f->snapshot, err);
+    case FRAME_PARTS:
+        return add_parts(task, &f->parts, err);
+    case FRAME_PROGRESS:
+        return take_progress(task, &f->progress, err);
+    case FRAME_CHECKPOINT:
+        return flush(task, s, &f->bytes, err); // its bytes stand in the child's output only now
+    case FRAME_END:
+        count_steps(task, f->end.n_steps);
+        task->end = f->end;
+        task->has_ended = true;
+        return BF_OK;
+    default:
+        task->error = f->error.error;
+        task->is_doomed = true;
+        return flush(task, s, NULL, err);
+    }
+}
+
+// Take the whole frames at the start of the child's output.
+static bf_status take_frames(supervisor__task *task, store *s, bf_error *err)
+{
+    bf_buffer *in = &task->child.output;
+    bf_status status = BF_OK;
+    size_t at = 0, used;
+    frame f;
+
+    while (status == BF_OK && at < in->n && !task->is_doomed) {
+        status = frame_decode(in->bytes + at, in->n - at, &f, &used, err);
+        if (status != BF_OK || used == 0)
+            break;
+        status = take_frame(task, s, &f, err);
+        at += used; // a multiple of 8, so the next one is aligned
+    }
+    if (status == BF_OK)
+        status = flush(task, s, NULL, err);
+    buffer_drop(in, at);
+    return status;
+}
+
+bool supervisor__listen(supervisor__task *task, store *s, size_t limit_bytes)
+{
+    bf_error err = { 0 };
+    bf_status status = BF_OK;
+
+    bool has_more = child_read_output(&task->child, limit_bytes, &status);
+    if (status != BF_OK)
+        (void)fail_memory(&err);
+    else if (!task->is_doomed)
+        status = take_frames(task, s, &err);
+    if (task->is_doomed)
+        task->child.output.n = 0;
+    if (status == BF_OK)
+        return has_more;
+    if (!task->is_doomed)
+        task->error = err;
+    task->is_doomed = true;
+    task->child.output.n = 0;
+    child_signal(&task->child, SIGKILL);
+    return false;
+}
+
+static void log_line(void *context, const char *line)
+{
+    supervisor__task *task = context;
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (task->n_logged++ < LINES_LOGGED_MAX)
+        log_event(LOG_LEVEL_WARN, "run_said", "run=%s text=%s", task->job.run.id,
+                  log_quote(line, quoted));
+}
+
+void supervisor__log_words(supervisor__task *task)
+{
+    child_read_errors(&task->child, log_line, task);
+}

@@ -1,0 +1,70 @@
+#include "server/run/run_control.h"
+
+#include <signal.h>
+#include <stddef.h>
+#include <time.h>
+
+static const int64_t ns_per_ms = 1000000;
+
+static volatile sig_atomic_t is_stop_asked;
+
+static int64_t read_clock_ns(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+}
+
+run_control run_control_init(int64_t report_ms, int64_t checkpoint_ms)
+{
+    int64_t now = read_clock_ns();
+
+    return (run_control){
+        .report_ns = report_ms * ns_per_ms,
+        .checkpoint_ns = checkpoint_ms * ns_per_ms,
+        .next_report_ns = now,
+        .next_checkpoint_ns = checkpoint_ms == 0 ? INT64_MAX : now + checkpoint_ms * ns_per_ms,
+        .stop_wish = RUN_STOP | (checkpoint_ms == 0 ? 0U : RUN_CHECKPOINT),
+    };
+}
+
+unsigned run_control_wish(void *context)
+{
+    run_control *p = context;
+
+    if (is_stop_asked)
+        return p->stop_wish;
+    int64_t now = read_clock_ns();
+    unsigned wish = RUN_GO_ON;
+    if (now >= p->next_report_ns) {
+        p->next_report_ns = now + p->report_ns;
+        wish |= RUN_REPORT;
+    }
+    if (now >= p->next_checkpoint_ns) {
+        p->next_checkpoint_ns = now + p->checkpoint_ns;
+        wish |= RUN_CHECKPOINT;
+    }
+    return wish;
+}
+
+static void ask_to_stop(int signal_number)
+{
+    (void)signal_number;
+    is_stop_asked = 1;
+}
+
+void run_control_catch(int signal_number, run_control_catching catching)
+{
+    struct sigaction action = { .sa_handler = ask_to_stop, .sa_flags = SA_RESTART };
+
+    if (catching == RUN_CONTROL_CATCH_FIRST)
+        action.sa_flags |= (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal_number, &action, NULL);
+}
+
+bool run_control_is_stopped(void)
+{
+    return is_stop_asked != 0;
+}

@@ -1,0 +1,305 @@
+#include "server/store/store_priv.h"
+
+#include "api/results/events.h"
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "server/base/metrics.h"
+
+#include <math.h>
+#include <string.h>
+
+/// A batch on its way into the store.
+typedef struct append_context {
+    const store_batch *batch;
+    bf_buffer *packed; ///< two for each item, empty but for snapshots, and one for the checkpoint
+    store__row row;
+    bf_buffer columns; ///< of the curve; empty until it is needed
+    size_t n_columns;  ///< of them
+} append_context;
+
+// Which of the packed ones: grid and parts of item i, and the checkpoint.
+static bf_buffer *packed_grid(const append_context *context, size_t i)
+{
+    return &context->packed[2 * i];
+}
+
+static bf_buffer *packed_parts(const append_context *context, size_t i)
+{
+    return &context->packed[2 * i + 1];
+}
+
+static bf_buffer *packed_checkpoint(const append_context *context)
+{
+    return &context->packed[2 * context->batch->n];
+}
+
+static bf_status pack_item(const append_context *context, size_t i, bf_error *err)
+{
+    const store_item *item = &context->batch->items[i];
+
+    if (item->type != API_EVENT_SNAPSHOT)
+        return BF_OK;
+    bf_status status = store__pack(item->rho.bytes, item->rho.n, packed_grid(context, i), err);
+    if (status == BF_OK && item->parts.n > 0)
+        status = store__pack(item->parts.bytes, item->parts.n, packed_parts(context, i), err);
+    return status;
+}
+
+// Compressing takes longer than writing, so it is done on the caller's thread.
+static bf_status pack_all(append_context *context, bf_error *err)
+{
+    const store_batch *batch = context->batch;
+    bf_status status = BF_OK;
+
+    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
+        status = pack_item(context, i, err);
+    if (status == BF_OK && batch->checkpoint != NULL)
+        status =
+            store__pack(batch->checkpoint, batch->n_checkpoint, packed_checkpoint(context), err);
+    return status;
+}
+
+static bf_status note_sizes(store__row *row, const bf_grid *grid, const api_parts *parts,
+                            bf_error *err)
+{
+    if (grid == NULL)
+        return BF_OK;
+    if (row->run.n_snapshots > 0 &&
+        (parts->n_parts != row->parts.n_parts || parts->n_values != row->parts.n_values))
+        return bf_fail(err, BF_ECORRUPT, "", "the run's parts changed from %llu x %u to %llu x %u",
+                       (unsigned long long)row->parts.n_parts, row->parts.n_values,
+                       (unsigned long long)parts->n_parts, parts->n_values);
+    if (row->run.n_snapshots > 0 && (grid->n1 != row->grid.n1 || grid->n2 != row->grid.n2))
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "the run's grid changed from %zu x %zu to %zu x %zu cells", row->grid.n1,
+                       row->grid.n2, grid->n1, grid->n2);
+    row->grid = *grid;
+    row->parts = *parts;
+    return BF_OK;
+}
+
+static bf_status need_columns(store__connection *writer, append_context *context, bf_error *err)
+{
+    if (context->columns.n > 0)
+        return BF_OK;
+    bf_status status =
+        store__get_text(writer, context->row.number, STORE__TEXT_COLUMNS, &context->columns, err);
+    if (status != BF_OK)
+        return status;
+    context->n_columns = api_count_columns(&context->columns);
+    return BF_OK;
+}
+
+static bf_status check_curve(const append_context *context, const store_item *item, bf_error *err)
+{
+    uint64_t n_stored = context->row.run.n_samples;
+
+    if (item->t.n != item->n * sizeof(double) ||
+        item->values.n != item->n * context->n_columns * sizeof(double))
+        return bf_fail(err, BF_ECORRUPT, "", "%zu samples of %zu columns came as %zu and %zu bytes",
+                       item->n, context->n_columns, item->t.n, item->values.n);
+    if (item->first > n_stored)
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "the curve has a gap: sample %llu came after %llu samples",
+                       (unsigned long long)item->first, (unsigned long long)n_stored);
+    return BF_OK;
+}
+
+static bf_status insert_samples(store__connection *writer, append_context *context,
+                                const frame_curve *c, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_INSERT_SAMPLES);
+    store__bind_integer(&q, context->row.results);
+    store__bind_integer(&q, (int64_t)c->first);
+    store__bind_integer(&q, c->n);
+    store__bind_blob(&q, c->t, c->n * sizeof(double));
+    store__bind_blob(&q, c->values, (size_t)c->n * c->n_columns * sizeof(double));
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK)
+        context->row.run.n_samples += c->n;
+    return status;
+}
+
+// The event of an item that is stored in part tells only of the rest.
+static bf_status tell_rest(store__connection *writer, append_context *context,
+                           const frame_curve *rest, bf_error *err)
+{
+    bf_buffer data = { 0 };
+
+    bf_status status = events_curve(context->row.run.id, rest, context->columns.bytes, &data, err);
+    if (status == BF_OK)
+        status =
+            store__insert_event(writer, &context->row, API_EVENT_CURVE, rest->first, &data, err);
+    buffer_fini(&data);
+    return status;
+}
+
+static bf_status append_curve(store__connection *writer, append_context *context,
+                              const store_item *item, bf_error *err)
+{
+    bf_status status = need_columns(writer, context, err);
+    if (status == BF_OK)
+        status = check_curve(context, item, err);
+    if (status != BF_OK)
+        return status;
+    uint64_t n_known = context->row.run.n_samples - item->first;
+    if (n_known >= item->n)
+        return BF_OK;
+    frame_curve rest = {
+        .first = item->first + n_known,
+        .n = (uint32_t)(item->n - n_known),
+        .n_columns = (uint32_t)context->n_columns,
+        .t = (const double *)(const void *)item->t.bytes + n_known,
+        .values = (const double *)(const void *)item->values.bytes + n_known * context->n_columns,
+    };
+    status = insert_samples(writer, context, &rest, err);
+    if (status != BF_OK)
+        return status;
+    if (n_known > 0)
+        return tell_rest(writer, context, &rest, err);
+    return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
+                               err);
+}
+
+static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
+{
+    uint64_t bytes = 0;
+
+    if (__builtin_mul_overflow(parts->n_parts, parts->n_values * sizeof(double), &bytes) ||
+        bytes != item->parts.n)
+        return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %zu bytes",
+                       (unsigned long long)parts->n_parts, parts->n_values, item->parts.n);
+    return BF_OK;
+}
+
+static bf_status check_snapshot(const store__row *row, const store_item *item, bf_error *err)
+{
+    size_t cells = 0;
+    size_t bytes = 0;
+
+    if (item->snapshot.index > row->run.n_snapshots)
+        return bf_fail(
+            err, BF_ECORRUPT, "", "the snapshots have a gap: number %llu came after %llu snapshots",
+            (unsigned long long)item->snapshot.index, (unsigned long long)row->run.n_snapshots);
+    if (__builtin_mul_overflow(row->grid.n1, row->grid.n2, &cells) ||
+        __builtin_mul_overflow(cells, sizeof(float), &bytes) || bytes != item->rho.n)
+        return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %zu bytes",
+                       row->grid.n1, row->grid.n2, item->rho.n);
+    return check_parts(&row->parts, item, err);
+}
+
+static bf_status insert_snapshot(store__connection *writer, int64_t results,
+                                 const api_snapshot *snapshot, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_INSERT_SNAPSHOT);
+    store__bind_integer(&q, results);
+    store__bind_integer(&q, (int64_t)snapshot->index);
+    store__bind_real(&q, snapshot->t);
+    store__bind_real(&q, snapshot->peak);
+    store__bind_real(&q, snapshot->mass);
+    return store__run(&q, err);
+}
+
+static bf_status append_snapshot(store__connection *writer, append_context *context, size_t i,
+                                 bf_error *err)
+{
+    const store_item *item = &context->batch->items[i];
+    store__row *row = &context->row;
+    uint64_t index = item->snapshot.index;
+
+    bf_status status = check_snapshot(row, item, err);
+    if (status != BF_OK || index < row->run.n_snapshots)
+        return status;
+    status = insert_snapshot(writer, row->results, &item->snapshot, err);
+    if (status == BF_OK)
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index,
+                                      packed_grid(context, i), err);
+    if (status == BF_OK)
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
+                                      packed_parts(context, i), err);
+    if (status == BF_OK)
+        status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
+    if (status == BF_OK)
+        row->run.n_snapshots++;
+    return status;
+}
+
+static bf_status append_item(store__connection *writer, append_context *context, size_t i,
+                             bf_error *err)
+{
+    const store_item *item = &context->batch->items[i];
+
+    if (item->type == API_EVENT_CURVE)
+        return append_curve(writer, context, item, err);
+    if (item->type == API_EVENT_SNAPSHOT)
+        return append_snapshot(writer, context, i, err);
+    BF_CHECK(item->type == API_EVENT_PROGRESS);
+    return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
+}
+
+// It comes in the same transaction as all that was told before it (I5).
+static bf_status replace_checkpoint(store__connection *writer, append_context *context,
+                                    bf_error *err)
+{
+    const store_batch *batch = context->batch;
+    store__row *row = &context->row;
+
+    if (batch->checkpoint == NULL)
+        return BF_OK;
+    row->checkpoint_step = batch->step;
+    bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
+    if (status == BF_OK)
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0,
+                                      packed_checkpoint(context), err);
+    return status;
+}
+
+static void note_figures(const store_batch *batch, store__row *row)
+{
+    if (isfinite(batch->progress))
+        row->run.progress = fmin(fmax(batch->progress, 0.0), 1.0);
+    if (isfinite(batch->wall_s))
+        row->wall_s = batch->wall_s;
+    row->run.eta_s = batch->eta_s;
+}
+
+static bf_status apply_append(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    append_context *context = operation->context;
+    const store_batch *batch = context->batch;
+    store__row *row = &context->row;
+
+    bf_status status = store__find_row(writer, batch->run_id, row, err);
+    if (status != BF_OK)
+        return status;
+    if (row->run.state != RUN_RUNNING)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
+                       run_state_word(row->run.state));
+    memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    status = note_sizes(row, batch->grid, &batch->parts, err);
+    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
+        status = append_item(writer, context, i, err);
+    if (status == BF_OK)
+        status = replace_checkpoint(writer, context, err);
+    note_figures(batch, row);
+    return status == BF_OK ? store__save_row(writer, row, err) : status;
+}
+
+bf_status store_append(store *s, const store_batch *batch, bf_error *err)
+{
+    append_context context = { .batch = batch };
+
+    context.packed = memory_alloc(2 * batch->n + 1, sizeof *context.packed);
+    if (context.packed == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = pack_all(&context, err);
+    if (status == BF_OK)
+        status = store__write(s, apply_append, &context, err);
+    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
+        metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
+    for (size_t i = 0; i <= 2 * batch->n; i++)
+        buffer_fini(&context.packed[i]);
+    memory_free(context.packed);
+    buffer_fini(&context.columns);
+    return status;
+}

@@ -1,0 +1,112 @@
+// Claiming in two steps: read the next run with all it needs, then make it running if it still
+// waits. All that can fail or takes long (reading, unpacking a checkpoint) comes before the change.
+
+#include "server/store/store_priv.h"
+
+#include "server/base/log.h"
+
+#include <string.h>
+
+void store_job_fini(store_job *job)
+{
+    if (job == NULL)
+        return;
+    buffer_fini(&job->scenario);
+    buffer_fini(&job->columns);
+    buffer_fini(&job->checkpoint);
+    *job = (store_job){ 0 };
+}
+
+static bf_status find_next(store__connection *reader, store__row *ret_row, bf_error *err)
+{
+    bool has_row = false;
+
+    bf_status status = store__find_first(reader, STORE__SQL_NEXT_QUEUED, ret_row, &has_row, err);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
+    return status;
+}
+
+static bf_status read_next(store__connection *reader, store_job *job, bf_buffer *packed,
+                           bf_error *err)
+{
+    store__row row;
+
+    bf_status status = find_next(reader, &row, err);
+    if (status != BF_OK)
+        return status;
+    job->run = row.run;
+    job->step = row.checkpoint_step;
+    job->wall_s = row.wall_s;
+    status = store__get_text(reader, row.number, STORE__TEXT_SCENARIO, &job->scenario, err);
+    if (status == BF_OK)
+        status = store__get_text(reader, row.number, STORE__TEXT_COLUMNS, &job->columns, err);
+    if (status == BF_OK)
+        status = store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, packed, err);
+    return status;
+}
+
+// A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
+// again from t = 0.
+static bf_status unpack_checkpoint(const bf_buffer *packed, store_job *job, bf_error *err)
+{
+    bf_status status = store__unpack(packed, &job->checkpoint, err);
+
+    if (status != BF_ECORRUPT)
+        return status;
+    log_event(LOG_LEVEL_WARN, "checkpoint_damaged", "run=%s", job->run.id);
+    job->step = 0;
+    return BF_OK;
+}
+
+static bf_status peek_next(store *s, store_job *job, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bf_buffer packed = { 0 };
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_next(reader, job, &packed, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK && packed.n > 0)
+        status = unpack_checkpoint(&packed, job, err);
+    buffer_fini(&packed);
+    return status;
+}
+
+static bf_status apply_claim(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    store_job *job = operation->context;
+    store__row row;
+
+    bf_status status = store__find_row(writer, job->run.id, &row, err);
+    if (status == BF_OK)
+        status = store__move_row(writer, &row, RUN_RUNNING, err);
+    if (status != BF_OK)
+        return status;
+    job->run = row.run;
+    memcpy(operation->changed, row.run.id, API_ID_SIZE);
+    return BF_OK;
+}
+
+bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
+{
+    store_job job = { 0 };
+    bf_status status = BF_OK;
+    bool has_lost = false; // the run was taken, cancelled or removed in between
+
+    do {
+        store_job_fini(&job);
+        status = peek_next(s, &job, err);
+        if (status != BF_OK)
+            break;
+        status = store__write(s, apply_claim, &job, err);
+        has_lost = status == BF_ECONFLICT || status == BF_ENOTFOUND;
+    } while (has_lost);
+    if (status == BF_OK)
+        *ret_job = job;
+    else
+        store_job_fini(&job);
+    return status;
+}

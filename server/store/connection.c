@@ -1,0 +1,234 @@
+#include "server/store/store_priv.h"
+
+#include "core/base/check.h"
+
+#include <math.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    WAL_PAGES_PASSIVE = 1000,  // copied to the database without waiting for anyone
+    WAL_PAGES_RESTART = 16384, // 64 MiB: wait for the readers, so that the log starts again
+    RESTART_MS = 500,          // how long; our own are quicker, and a backup takes longer anyway
+};
+
+static const char *const statement_texts[STORE__SQL_COUNT] = {
+#define X(name, text) [STORE__SQL_##name] = text,
+    STORE__SQL_LIST(X)
+#undef X
+};
+
+static const char *const settings[] = {
+    // Debian's SQLite would overwrite with zeros what is deleted, which costs as much as writing it.
+    [STORE__READ_WRITE] = "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
+                          "PRAGMA secure_delete = FAST; PRAGMA temp_store = MEMORY;"
+                          "PRAGMA journal_size_limit = 16777216",
+    [STORE__READ_ONLY] = "PRAGMA wal_autocheckpoint = 0; PRAGMA query_only = ON;"
+                         "PRAGMA temp_store = MEMORY",
+};
+
+static const int open_flags[] = {
+    [STORE__READ_WRITE] = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+    [STORE__READ_ONLY] = SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+};
+
+// What the operating system said; SQLite does not always know.
+static const char *name_cause(struct sqlite3 *db)
+{
+    int cause = db == NULL ? 0 : sqlite3_system_errno(db);
+    return cause == 0 ? "the system refused" : strerror(cause);
+}
+
+bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
+{
+    const char *text = db == NULL ? sqlite3_errstr(code) : sqlite3_errmsg(db);
+
+    switch (code & 0xff) {
+    case SQLITE_NOMEM:
+        return bf_fail(err, BF_ENOMEM, "", "the store has no memory");
+    case SQLITE_FULL:
+        return bf_fail(err, BF_ESYSTEM, "", "the store cannot write: the disk is full (%s)", text);
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+        return bf_fail(err, BF_ESYSTEM, "",
+                       "the store's file is damaged (%s): keep a copy of the data directory and "
+                       "start with a backup or an empty one",
+                       text);
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+        return bf_fail(err, BF_ESYSTEM, "", "the store's file failed: %s (%s)", text,
+                       name_cause(db));
+    default:
+        return bf_fail(err, BF_ESYSTEM, "", "the store failed: %s", text);
+    }
+}
+
+// The commit is done and must not fail any more, so what a checkpoint returns does not count: the
+// next one tries again, and a full disk shows when the log cannot grow. While a backup reads, the log
+// cannot start again; it is tried once for each 64 MiB that it grows by, not at every commit.
+static int checkpoint_log(void *context, sqlite3 *db, const char *name, int n_pages)
+{
+    store__connection *writer = context;
+
+    if (n_pages < WAL_PAGES_RESTART)
+        writer->restart_pages = WAL_PAGES_RESTART;
+    if (n_pages >= writer->restart_pages) {
+        sqlite3_busy_timeout(db, RESTART_MS);
+        sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_RESTART, NULL, NULL);
+        sqlite3_busy_timeout(db, STORE__BUSY_MS);
+        writer->restart_pages = n_pages + WAL_PAGES_RESTART;
+    } else if (n_pages >= WAL_PAGES_PASSIVE) {
+        sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+    }
+    return SQLITE_OK;
+}
+
+bf_status store__connect(const char *path, store__access access, store__connection *ret_connection,
+                         bf_error *err)
+{
+    sqlite3 *db = NULL;
+    bf_status status = BF_OK;
+
+    int code = sqlite3_open_v2(path, &db, open_flags[access], NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_busy_timeout(db, STORE__BUSY_MS);
+    if (code == SQLITE_OK)
+        code = sqlite3_exec(db, settings[access], NULL, NULL, NULL);
+    if (code != SQLITE_OK) {
+        status = store__fail(db, code, err);
+        sqlite3_close(db);
+        return status;
+    }
+    *ret_connection = (store__connection){ .db = db,
+                                           .restart_pages = WAL_PAGES_RESTART,
+                                           .queued_at_most = SIZE_MAX };
+    if (access == STORE__READ_WRITE)
+        sqlite3_wal_hook(db, checkpoint_log, ret_connection);
+    return BF_OK;
+}
+
+void store__disconnect(store__connection *c)
+{
+    for (int i = 0; i < STORE__SQL_COUNT; i++)
+        sqlite3_finalize(c->statements[i]);
+    BF_CHECK(sqlite3_close(c->db) == SQLITE_OK);
+    *c = (store__connection){ 0 };
+}
+
+store__query store__begin(store__connection *c, store__sql sql)
+{
+    store__query q = { .connection = c };
+
+    if (c->statements[sql] == NULL)
+        q.code = sqlite3_prepare_v3(c->db, statement_texts[sql], -1, SQLITE_PREPARE_PERSISTENT,
+                                    &c->statements[sql], NULL);
+    q.statement = c->statements[sql];
+    return q;
+}
+
+void store__bind_integer(store__query *q, int64_t value)
+{
+    if (q->code == SQLITE_OK)
+        q->code = sqlite3_bind_int64(q->statement, ++q->n_bound, value);
+}
+
+void store__bind_real(store__query *q, double value)
+{
+    if (q->code != SQLITE_OK)
+        return;
+    q->n_bound++;
+    q->code = isfinite(value) ? sqlite3_bind_double(q->statement, q->n_bound, value)
+                              : sqlite3_bind_null(q->statement, q->n_bound);
+}
+
+void store__bind_text(store__query *q, const char *text, size_t n)
+{
+    // A NULL pointer would bind NULL, which is not the empty text.
+    if (q->code == SQLITE_OK)
+        q->code = sqlite3_bind_text64(q->statement, ++q->n_bound, n == 0 ? "" : text, n,
+                                      SQLITE_STATIC, SQLITE_UTF8);
+}
+
+void store__bind_blob(store__query *q, const void *bytes, size_t n)
+{
+    if (q->code == SQLITE_OK)
+        q->code =
+            sqlite3_bind_blob64(q->statement, ++q->n_bound, n == 0 ? "" : bytes, n, SQLITE_STATIC);
+}
+
+bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err)
+{
+    if (q->code == SQLITE_OK) {
+        int code = sqlite3_step(q->statement);
+        if (code == SQLITE_ROW || code == SQLITE_DONE) {
+            *ret_has_row = code == SQLITE_ROW;
+            return BF_OK;
+        }
+        q->code = code;
+    }
+    return store__fail(q->connection->db, q->code, err);
+}
+
+void store__end(store__query *q)
+{
+    if (q->statement == NULL)
+        return;
+    sqlite3_reset(q->statement);
+    sqlite3_clear_bindings(q->statement);
+    q->statement = NULL;
+}
+
+bf_status store__run(store__query *q, bf_error *err)
+{
+    bool has_row = false;
+
+    bf_status status = store__next(q, &has_row, err);
+    store__end(q);
+    return status;
+}
+
+bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
+{
+    store__query q = store__begin(c, sql);
+    return store__run(&q, err);
+}
+
+double store__column_real(const store__query *q, int column)
+{
+    if (sqlite3_column_type(q->statement, column) == SQLITE_NULL)
+        return NAN;
+    return sqlite3_column_double(q->statement, column);
+}
+
+void store__column_text(const store__query *q, int column, char *ret_text, size_t size)
+{
+    const unsigned char *text = sqlite3_column_text(q->statement, column);
+    snprintf(ret_text, size, "%s", text == NULL ? "" : (const char *)text);
+}
+
+bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out, bf_error *err)
+{
+    const void *bytes = sqlite3_column_blob(q->statement, column);
+    size_t n = (size_t)sqlite3_column_bytes(q->statement, column);
+
+    // SQLite gives NULL for an empty value, and for one that it has no memory for.
+    if (bytes == NULL && sqlite3_errcode(q->connection->db) == SQLITE_NOMEM)
+        return store__fail(q->connection->db, SQLITE_NOMEM, err);
+    if (buffer_append(out, bytes, bytes == NULL ? 0 : n) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return BF_OK;
+}
+
+bf_status store__end_transaction(store__connection *c, bf_status status, bf_error *err)
+{
+    if (status == BF_OK)
+        status = store__run_plain(c, STORE__SQL_COMMIT, err);
+    // Some failures make SQLite undo the transaction by itself. Nothing is left to be done about a
+    // rollback that fails: the next transaction will not begin, and say so.
+    if (status != BF_OK && sqlite3_get_autocommit(c->db) == 0) {
+        bf_status undone = store__run_plain(c, STORE__SQL_ROLLBACK, NULL);
+        (void)undone;
+    }
+    return status;
+}

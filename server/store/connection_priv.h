@@ -1,0 +1,92 @@
+/// Private to the store: connections to the database, and the use of their statements.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+#include "server/store/sql.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { STORE__BUSY_MS = 5000 }; ///< how long SQLite waits for a lock of its own
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+/// The statements of store_sql.h.
+typedef enum store__sql {
+#define X(name, text) STORE__SQL_##name,
+    STORE__SQL_LIST(X)
+#undef X
+        STORE__SQL_COUNT
+} store__sql;
+
+/// A connection with its prepared statements. Zero-initialise.
+typedef struct store__connection {
+    struct sqlite3 *db;                                ///< NULL: not open
+    struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
+    int restart_pages;     ///< writer: pages of the log with which it is started again
+    size_t queued_at_most; ///< writer: not more runs than these wait; SIZE_MAX: not counted yet
+} store__connection;
+
+/// What a connection may do.
+typedef enum store__access {
+    STORE__READ_WRITE, ///< the writer's; there is one (I2)
+    STORE__READ_ONLY,  ///< a reader's
+} store__access;
+
+/// A use of a statement. A failure is remembered: further calls do nothing and store__next() tells.
+typedef struct store__query {
+    store__connection *connection;  ///< whose statement it is
+    struct sqlite3_stmt *statement; ///< NULL: could not be prepared
+    int n_bound;                    ///< parameters so far
+    int code;                       ///< SQLite's first failure
+} store__query;
+
+/// Open the database at path. The caller gives *ret_connection to store__disconnect(), and does not
+/// move it.
+BF_MUST_CHECK bf_status store__connect(const char *path, store__access access,
+                                       store__connection *ret_connection, bf_error *err);
+
+/// Finalise the statements and close. A connection that is not open is fine.
+void store__disconnect(store__connection *c);
+
+/// Turn a result code of SQLite into an error, with SQLite's own text where there is one.
+bf_status store__fail(struct sqlite3 *db, int code, bf_error *err);
+
+/// Begin to use a statement. End with store__end(), whatever happens between.
+store__query store__begin(store__connection *c, store__sql sql);
+
+/// Bind the next parameter. Texts and blobs are the caller's and must stay until store__end().
+void store__bind_integer(store__query *q, int64_t value);
+void store__bind_real(store__query *q, double value); ///< not finite: NULL
+void store__bind_text(store__query *q, const char *text, size_t n);
+void store__bind_blob(store__query *q, const void *bytes, size_t n);
+
+/// Step to the next row, or to the end.
+BF_MUST_CHECK bf_status store__next(store__query *q, bool *ret_has_row, bf_error *err);
+
+/// Done with the statement for now.
+void store__end(store__query *q);
+
+/// Step a statement without rows to its end, and end it.
+BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
+
+/// Run a statement that has neither parameters nor rows.
+BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err);
+
+/// A column of the present row; a NULL is NAN.
+double store__column_real(const store__query *q, int column);
+/// Copy a text column of the present row; NULL is "", too long a text is cut.
+void store__column_text(const store__query *q, int column, char *ret_text, size_t size);
+
+/// Append a text or blob column of the present row.
+BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
+                                            bf_error *err);
+
+/// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all.
+/// Returns status, or the failure of the commit.
+BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,
+                                               bf_error *err);

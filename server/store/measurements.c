@@ -1,0 +1,231 @@
+#include "server/store/store_priv.h"
+
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+#include "server/base/run_id.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+// A measurement to be inserted or removed.
+typedef struct measure_context {
+    api_measurement about;
+    const api_curve *curve; // to be inserted
+} measure_context;
+
+static bf_status fail_absent(const char *id, bf_error *err)
+{
+    return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement %.40s", id);
+}
+
+static bf_status check_count(store__connection *writer, bf_error *err)
+{
+    bool has_row = false;
+    int64_t n = 0;
+
+    store__query q = store__begin(writer, STORE__SQL_COUNT_MEASUREMENTS);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        n = sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    if (status == BF_OK && n >= API_MEASUREMENTS_MAX)
+        return bf_fail(err, BF_ECONFLICT, "",
+                       "%lld measurements are stored, the limit is %d: remove some first",
+                       (long long)n, API_MEASUREMENTS_MAX);
+    return status;
+}
+
+static bf_status apply_add(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    const measure_context *context = operation->context;
+    const api_measurement *about = &context->about;
+
+    bf_status status = check_count(writer, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(writer, STORE__SQL_INSERT_MEASUREMENT);
+    store__bind_text(&q, about->id, strlen(about->id));
+    store__bind_text(&q, about->label, strlen(about->label));
+    store__bind_text(&q, about->counter, strlen(about->counter));
+    store__bind_integer(&q, about->created_ms);
+    store__bind_integer(&q, (int64_t)about->n_samples);
+    store__bind_real(&q, about->t_start);
+    store__bind_real(&q, about->t_end);
+    store__bind_blob(&q, context->curve->t.bytes, context->curve->t.n);
+    store__bind_blob(&q, context->curve->values.bytes, context->curve->values.n);
+    return store__run(&q, err);
+}
+
+bf_status store_add_measurement(store *s, const api_measurement *measurement,
+                                const api_curve *curve, api_measurement *ret_measurement,
+                                bf_error *err)
+{
+    measure_context context = { .about = *measurement, .curve = curve };
+
+    bf_status status = run_id_make(context.about.id, err);
+    if (status != BF_OK)
+        return status;
+    context.about.created_ms = clock_unix_ms();
+    context.about.n_samples = curve->n;
+    status = store__write(s, apply_add, &context, err);
+    if (status == BF_OK)
+        *ret_measurement = context.about;
+    return status;
+}
+
+static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    const measure_context *context = operation->context;
+    const char *id = context->about.id;
+
+    store__query q = store__begin(writer, STORE__SQL_DELETE_MEASUREMENT);
+    store__bind_text(&q, id, strlen(id));
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK && sqlite3_changes(writer->db) == 0)
+        return fail_absent(id, err);
+    return status;
+}
+
+bf_status store_remove_measurement(store *s, const char *id, bf_error *err)
+{
+    measure_context context = { .curve = NULL };
+
+    snprintf(context.about.id, sizeof context.about.id, "%s", id);
+    return store__write(s, apply_remove, &context, err);
+}
+
+static void read_about(const store__query *q, api_measurement *ret_about)
+{
+    api_measurement about = { .created_ms = sqlite3_column_int64(q->statement, 3) };
+
+    store__column_text(q, 0, about.id, sizeof about.id);
+    store__column_text(q, 1, about.label, sizeof about.label);
+    store__column_text(q, 2, about.counter, sizeof about.counter);
+    about.n_samples = (uint64_t)sqlite3_column_int64(q->statement, 4);
+    about.t_start = store__column_real(q, 5);
+    about.t_end = store__column_real(q, 6);
+    *ret_about = about;
+}
+
+static bf_status read_samples(const store__query *q, const api_measurement *about, api_curve *curve,
+                              bf_error *err)
+{
+    size_t n = (size_t)about->n_samples, n_bytes = n * sizeof(double);
+
+    bf_status status = store__column_bytes(q, 7, &curve->t, err);
+    if (status == BF_OK)
+        status = store__column_bytes(q, 8, &curve->values, err);
+    if (status == BF_OK && (curve->t.n != n_bytes || curve->values.n != n_bytes))
+        return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
+    if (status == BF_OK &&
+        buffer_append(&curve->columns, about->counter, strlen(about->counter)) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    curve->n = n;
+    curve->n_columns = 1;
+    return status;
+}
+
+// Reads the measurement, and its samples into *curve unless that is NULL.
+static bf_status read_measurement(store__connection *reader, const char *id, api_curve *curve,
+                                  api_measurement *ret_about, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_FIND_MEASUREMENT);
+    store__bind_text(&q, id, strlen(id));
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && !has_row)
+        status = fail_absent(id, err);
+    if (status == BF_OK)
+        read_about(&q, ret_about);
+    if (status == BF_OK && curve != NULL)
+        status = read_samples(&q, ret_about, curve, err);
+    store__end(&q);
+    return status;
+}
+
+static bf_status take_and_read(store *s, const char *id, api_curve *curve,
+                               api_measurement *ret_about, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_measurement(reader, id, curve, ret_about, err);
+    store__give_reader(s, reader);
+    return status;
+}
+
+bf_status store_find_measurement(store *s, const char *id, api_measurement *ret_measurement,
+                                 bf_error *err)
+{
+    api_measurement about;
+
+    bf_status status = take_and_read(s, id, NULL, &about, err);
+    if (status == BF_OK)
+        *ret_measurement = about;
+    return status;
+}
+
+bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve, bf_error *err)
+{
+    api_curve curve = { 0 };
+    api_measurement about;
+
+    bf_status status = take_and_read(s, id, &curve, &about, err);
+    if (status == BF_OK)
+        *ret_curve = curve;
+    else
+        api_curve_fini(&curve);
+    return status;
+}
+
+// One row more than the page holds is asked for: if it comes, there are more.
+static bf_status read_list(store__connection *reader, const api_measurement_query *query,
+                           api_measurement_list *list, bf_error *err)
+{
+    const char *before = query->before[0] == '\0' ? "~" : query->before;
+    bool has_label = query->label[0] != '\0', has_row = true;
+    bf_status status = BF_OK;
+
+    store__query q = store__begin(reader, has_label ? STORE__SQL_LIST_MEASUREMENTS_LABEL
+                                                    : STORE__SQL_LIST_MEASUREMENTS);
+    store__bind_text(&q, before, strlen(before));
+    store__bind_integer(&q, (int64_t)query->limit + 1);
+    if (has_label)
+        store__bind_text(&q, query->label, strlen(query->label));
+    while (status == BF_OK && has_row && !list->has_more) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        list->has_more = list->n == query->limit;
+        if (!list->has_more)
+            read_about(&q, &list->items[list->n++]);
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store_list_measurements(store *s, const api_measurement_query *query,
+                                  api_measurement_list *ret_list, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    if (query->limit < 1 || query->limit > API_LIST_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d measurements, not %zu",
+                       API_LIST_MAX, query->limit);
+    api_measurement_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status == BF_OK) {
+        status = read_list(reader, query, list, err);
+        store__give_reader(s, reader);
+    }
+    if (status == BF_OK)
+        *ret_list = *list;
+    memory_free(list);
+    return status;
+}

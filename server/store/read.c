@@ -1,0 +1,215 @@
+#include "server/store/store_priv.h"
+
+#include "core/base/memory.h"
+
+#include <sqlite3.h>
+#include <string.h>
+
+bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
+                          const char *text, size_t n, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_PUT_TEXT);
+    store__bind_integer(&q, number);
+    store__bind_integer(&q, kind);
+    store__bind_text(&q, text, n);
+    return store__run(&q, err);
+}
+
+bf_status store__get_text(store__connection *c, int64_t number, store__text kind, bf_buffer *out,
+                          bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, STORE__SQL_GET_TEXT);
+    store__bind_integer(&q, number);
+    store__bind_integer(&q, kind);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 0, out, err);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no such text");
+    return status;
+}
+
+bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err)
+{
+    store__connection *reader = NULL;
+    store__row row;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = store__find_row(reader, id, &row, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        *ret_run = row.run;
+    return status;
+}
+
+static store__query begin_list(store__connection *reader, const api_list_query *query)
+{
+    // Every id is less than "~".
+    const char *before = query->before[0] == '\0' ? "~" : query->before;
+    store__sql sql = STORE__SQL_LIST_ALL;
+
+    if (query->label[0] != '\0')
+        sql = STORE__SQL_LIST_LABEL;
+    else if (query->state >= 0)
+        sql = STORE__SQL_LIST_STATE;
+    store__query q = store__begin(reader, sql);
+    store__bind_text(&q, before, strlen(before));
+    store__bind_integer(&q, (int64_t)query->limit + 1);
+    store__bind_integer(&q, query->model);
+    store__bind_integer(&q, query->state);
+    store__bind_text(&q, query->label, strlen(query->label));
+    return q;
+}
+
+// One row more than the page holds is asked for: if it comes, there are more.
+static bf_status read_list(store__connection *reader, const api_list_query *query,
+                           api_run_list *list, bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+    store__row row;
+
+    store__query q = begin_list(reader, query);
+    while (status == BF_OK && has_row && !list->has_more) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        store__read_row(&q, &row);
+        list->has_more = list->n == query->limit;
+        if (!list->has_more)
+            list->runs[list->n++] = row.run;
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    if (query->limit < 1 || query->limit > API_LIST_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d runs, not %zu", API_LIST_MAX,
+                       query->limit);
+    api_run_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status == BF_OK) {
+        status = read_list(reader, query, list, err);
+        store__give_reader(s, reader);
+    }
+    if (status == BF_OK)
+        *ret_list = *list;
+    memory_free(list);
+    return status;
+}
+
+static bf_status read_text(store__connection *reader, const char *id, api_text which,
+                           bf_buffer *out, bf_error *err)
+{
+    store__row row;
+
+    bf_status status = store__find_row(reader, id, &row, err);
+    if (status != BF_OK)
+        return status;
+    if (which == API_TEXT_SCENARIO)
+        return store__get_text(reader, row.number, STORE__TEXT_SCENARIO, out, err);
+    if (!row.run.has_summary)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no summary yet",
+                       run_state_word(row.run.state));
+    return store__get_text(reader, row.number, STORE__TEXT_SUMMARY, out, err);
+}
+
+bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_text(reader, id, which, out, err);
+    store__give_reader(s, reader);
+    return status;
+}
+
+// Take the samples of the present row from index `first` on.
+static bf_status take_samples(const store__query *q, uint64_t first, api_curve *curve,
+                              bf_error *err)
+{
+    uint64_t row_first = (uint64_t)sqlite3_column_int64(q->statement, 0);
+    uint64_t n = (uint64_t)sqlite3_column_int64(q->statement, 1);
+    uint64_t skip = first > row_first ? first - row_first : 0;
+    const char *t = sqlite3_column_blob(q->statement, 2);
+    const char *parts = sqlite3_column_blob(q->statement, 3);
+    size_t n_row = curve->n_columns * sizeof(double);
+
+    if (skip >= n)
+        return BF_OK;
+    if (t == NULL || parts == NULL ||
+        (size_t)sqlite3_column_bytes(q->statement, 2) != n * sizeof(double) ||
+        (size_t)sqlite3_column_bytes(q->statement, 3) != n * n_row)
+        return bf_fail(err, BF_ECORRUPT, "", "the stored curve is damaged at sample %llu",
+                       (unsigned long long)row_first);
+    if (buffer_append(&curve->t, t + skip * sizeof(double), (n - skip) * sizeof(double)) != BF_OK ||
+        buffer_append(&curve->values, parts + skip * n_row, (n - skip) * n_row) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    curve->n += n - skip;
+    return BF_OK;
+}
+
+static bf_status read_samples(store__connection *reader, int64_t results, uint64_t first,
+                              api_curve *curve, bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+
+    store__query q = store__begin(reader, STORE__SQL_LIST_SAMPLES);
+    store__bind_integer(&q, results);
+    store__bind_integer(&q, (int64_t)first);
+    while (status == BF_OK && has_row) {
+        status = store__next(&q, &has_row, err);
+        if (status == BF_OK && has_row)
+            status = take_samples(&q, first, curve, err);
+    }
+    store__end(&q);
+    return status;
+}
+
+static bf_status read_curve(store__connection *reader, const char *id, uint64_t first,
+                            api_curve *curve, bf_error *err)
+{
+    store__row row;
+
+    bf_status status = store__find_row(reader, id, &row, err);
+    if (status == BF_OK)
+        status = store__get_text(reader, row.number, STORE__TEXT_COLUMNS, &curve->columns, err);
+    if (status != BF_OK)
+        return status;
+    curve->n_columns = api_count_columns(&curve->columns);
+    if (first >= row.run.n_samples)
+        return BF_OK;
+    return read_samples(reader, row.results, first, curve, err);
+}
+
+bf_status store_read_curve(store *s, const char *id, uint64_t first, api_curve *ret_curve,
+                           bf_error *err)
+{
+    store__connection *reader = NULL;
+    api_curve curve = { 0 };
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_curve(reader, id, first, &curve, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        *ret_curve = curve;
+    else
+        api_curve_fini(&curve);
+    return status;
+}

@@ -1,0 +1,175 @@
+// What the store's thread does by itself, in turns: results that no run has any more go, then runs
+// beyond the limits, the one that ended first before all others, then answers that are too old. A
+// turn is a row of small transactions with the groups of others in between.
+//
+// Pages that become free stay in the file and are used again, so the file is as long as it ever had to
+// be; the limit of bytes counts pages in use, which every removal lowers, so that it is reached.
+
+#include "server/store/share_priv.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+
+#include <inttypes.h>
+#include <sqlite3.h>
+#include <string.h>
+
+/// One step.
+typedef struct step {
+    store__connection *writer;
+    store_retention limits;
+    int64_t answers_ms;
+    store__care care;          ///< as it was, and as it will be if the step succeeds
+    char removed[API_ID_SIZE]; ///< the run that was removed; "": none
+    const char *rule;          ///< the limit that asked for it
+    bool is_last;              ///< nothing is left to be done in this turn
+} step;
+
+static bf_status read_number(store__connection *c, store__sql sql, int64_t *ret_number,
+                             bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, sql);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_number = has_row ? sqlite3_column_int64(q.statement, 0) : 0;
+    store__end(&q);
+    return status;
+}
+
+// Free pages do not count: they are used before the file grows.
+static bf_status count_bytes(store__connection *c, int64_t *ret_bytes, bf_error *err)
+{
+    int64_t n_pages = 0, n_free = 0, page_size = 0;
+
+    bf_status status = read_number(c, STORE__SQL_COUNT_PAGES, &n_pages, err);
+    if (status == BF_OK)
+        status = read_number(c, STORE__SQL_COUNT_FREE_PAGES, &n_free, err);
+    if (status == BF_OK)
+        status = read_number(c, STORE__SQL_PAGE_SIZE, &page_size, err);
+    *ret_bytes = (n_pages - n_free) * page_size;
+    return status;
+}
+
+// The limit that is exceeded, as a setting is called; NULL: none.
+static bf_status find_rule(const step *st, const store__row *oldest, const char **ret_rule,
+                           bf_error *err)
+{
+    const store_retention *limits = &st->limits;
+    int64_t age_ms = clock_unix_ms() - oldest->run.finished_ms, n_runs = 0, n_bytes = 0;
+    bf_status status = BF_OK;
+
+    if (limits->n_runs > 0)
+        status = read_number(st->writer, STORE__SQL_COUNT_ENDED, &n_runs, err);
+    if (status == BF_OK && limits->n_bytes > 0)
+        status = count_bytes(st->writer, &n_bytes, err);
+    if (status != BF_OK)
+        return status;
+    *ret_rule = limits->age_ms > 0 && age_ms > limits->age_ms                ? "retention_days"
+                : limits->n_runs > 0 && (uint64_t)n_runs > limits->n_runs    ? "retention_runs"
+                : limits->n_bytes > 0 && (uint64_t)n_bytes > limits->n_bytes ? "retention_bytes"
+                                                                             : NULL;
+    return BF_OK;
+}
+
+// With nothing left to remove, what waits and runs may still be more than the limit of bytes.
+static bf_status complain(step *st, bf_error *err)
+{
+    int64_t n_bytes = 0;
+
+    bf_status status = count_bytes(st->writer, &n_bytes, err);
+    bool is_over = st->limits.n_bytes > 0 && (uint64_t)n_bytes > st->limits.n_bytes;
+    if (status == BF_OK && is_over && !st->care.has_complained)
+        log_event(LOG_LEVEL_WARN, "retention_bytes_exceeded", "bytes=%" PRId64 " limit=%" PRIu64,
+                  n_bytes, st->limits.n_bytes);
+    st->care.has_complained = is_over;
+    return status;
+}
+
+static bf_status remove_oldest(step *st, const store__row *oldest, bf_error *err)
+{
+    bool is_over = false; // if not, the next step finds what is left over
+
+    memcpy(st->removed, oldest->run.id, API_ID_SIZE);
+    return store__remove_row(st->writer, oldest, &is_over, err);
+}
+
+static bf_status end_turn(step *st, bool has_oldest, bf_error *err)
+{
+    st->is_last = true;
+    bf_status status = has_oldest ? BF_OK : complain(st, err);
+    if (status == BF_OK)
+        status = store__forget_answers(st->writer, clock_unix_ms() - st->answers_ms, err);
+    return status;
+}
+
+static bf_status do_step(step *st, bf_error *err)
+{
+    bool has_oldest = false, is_over = false;
+    int64_t left_over = 0;
+    store__row oldest;
+
+    bf_status status = read_number(st->writer, STORE__SQL_FIND_LEFT_OVER, &left_over, err);
+    if (status == BF_OK && left_over != 0)
+        return store__sweep_results(st->writer, left_over, &is_over, err);
+    if (status == BF_OK)
+        status = store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, &oldest, &has_oldest, err);
+    if (status == BF_OK && has_oldest)
+        status = find_rule(st, &oldest, &st->rule, err);
+    if (status != BF_OK)
+        return status;
+    return st->rule != NULL ? remove_oldest(st, &oldest, err) : end_turn(st, has_oldest, err);
+}
+
+static bf_status run_step(step *st, bf_error *err)
+{
+    bf_status status = store__run_plain(st->writer, STORE__SQL_BEGIN_WRITE, err);
+
+    return status == BF_OK ? store__end_transaction(st->writer, do_step(st, err), err) : status;
+}
+
+static void tell(const store *s, const step *st)
+{
+    if (st->removed[0] == '\0')
+        return;
+    log_event(LOG_LEVEL_INFO, "run_expired", "run=%s rule=%s", st->removed, st->rule);
+    if (s->listener != NULL)
+        s->listener(s->listener_context, st->removed);
+}
+
+void store__take_care(store *s)
+{
+    bf_error err = { 0 };
+    char quoted[LOG_QUOTED_SIZE];
+
+    lock_assert_held(&s->lock);
+    if (s->is_stopping || clock_monotonic_ms() < s->care.next_ms)
+        return;
+    step st = {
+        .writer = &s->writer, .limits = s->retention, .answers_ms = s->answers_ms, .care = s->care
+    };
+    lock_give(&s->lock);
+    bf_status status = run_step(&st, &err);
+    if (status == BF_OK)
+        tell(s, &st);
+    else
+        log_event(LOG_LEVEL_WARN, "store_care_failed", "error=%s", log_quote(err.text, quoted));
+    lock_take(&s->lock);
+    if (status == BF_OK)
+        s->care = st.care;
+    if (status == BF_OK && !st.is_last) {
+        s->tally.has_changed = true;
+        return;
+    }
+    s->care.next_ms = clock_monotonic_ms() + s->care.every_ms;
+}
+
+void store_set_retention(store *s, const store_retention *retention)
+{
+    lock_take(&s->lock);
+    s->retention = *retention;
+    s->care.next_ms = 0;
+    lock_wake_all(&s->queued);
+    lock_give(&s->lock);
+}

@@ -1,0 +1,252 @@
+#include "server/store/store_priv.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+// Marks the file as ours: "BFLW".
+enum { APPLICATION_ID = 0x42464c57 };
+
+// Blobs of doubles and of floats are in the machine's byte order, little-endian wherever we run.
+// The states in the indices' conditions are run_state's numbers.
+static const char schema_1[] =
+    "CREATE TABLE runs ("
+    "  number INTEGER PRIMARY KEY,"
+    "  id TEXT NOT NULL UNIQUE,"
+    "  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 4),"
+    "  model INTEGER NOT NULL,"
+    "  priority INTEGER NOT NULL,"
+    "  label TEXT NOT NULL,"
+    "  name TEXT NOT NULL,"
+    "  revision INTEGER NOT NULL DEFAULT 0,"
+    "  progress REAL NOT NULL DEFAULT 0,"
+    "  created_ms INTEGER NOT NULL,"
+    "  started_ms INTEGER NOT NULL DEFAULT 0,"
+    "  finished_ms INTEGER NOT NULL DEFAULT 0,"
+    "  eta_s REAL,"
+    "  wall_s REAL NOT NULL DEFAULT 0,"
+    "  n_samples INTEGER NOT NULL DEFAULT 0,"
+    "  n_snapshots INTEGER NOT NULL DEFAULT 0,"
+    "  last_event INTEGER NOT NULL DEFAULT 0,"
+    "  has_summary INTEGER NOT NULL DEFAULT 0,"
+    "  error_code TEXT NOT NULL DEFAULT '',"
+    "  error_pointer TEXT NOT NULL DEFAULT '',"
+    "  error_text TEXT NOT NULL DEFAULT '',"
+    "  checkpoint_step INTEGER NOT NULL DEFAULT 0,"
+    "  n1 INTEGER NOT NULL DEFAULT 0,"
+    "  n2 INTEGER NOT NULL DEFAULT 0,"
+    "  lower1 REAL NOT NULL DEFAULT 0,"
+    "  lower2 REAL NOT NULL DEFAULT 0,"
+    "  d1 REAL NOT NULL DEFAULT 0,"
+    "  d2 REAL NOT NULL DEFAULT 0"
+    ") STRICT;"
+    "CREATE INDEX runs_queue ON runs (priority DESC, id) WHERE state = 0;"
+    "CREATE INDEX runs_by_state ON runs (state, id);"
+    "CREATE INDEX runs_by_label ON runs (label, id);"
+
+    "CREATE TABLE texts ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  kind INTEGER NOT NULL,"
+    "  data TEXT NOT NULL,"
+    "  PRIMARY KEY (run, kind)"
+    ") STRICT;"
+
+    "CREATE TABLE samples ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  first INTEGER NOT NULL,"
+    "  n INTEGER NOT NULL CHECK (n > 0),"
+    "  t BLOB NOT NULL,"
+    "  parts BLOB NOT NULL,"
+    "  PRIMARY KEY (run, first)"
+    ") STRICT;"
+
+    "CREATE TABLE snapshots ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  item INTEGER NOT NULL,"
+    "  t REAL,"
+    "  peak REAL,"
+    "  mass REAL,"
+    "  PRIMARY KEY (run, item)"
+    ") STRICT, WITHOUT ROWID;"
+
+    "CREATE TABLE chunks ("
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  kind INTEGER NOT NULL,"
+    "  item INTEGER NOT NULL,"
+    "  part INTEGER NOT NULL,"
+    "  data BLOB NOT NULL,"
+    "  PRIMARY KEY (run, kind, item, part)"
+    ") STRICT;"
+
+    "CREATE TABLE events ("
+    "  id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    "  run INTEGER NOT NULL REFERENCES runs (number) ON DELETE CASCADE,"
+    "  type INTEGER NOT NULL,"
+    "  snapshot INTEGER NOT NULL,"
+    "  data TEXT NOT NULL"
+    ") STRICT;"
+    "CREATE INDEX events_of_run ON events (run);"
+
+    "CREATE TABLE probe ("
+    "  id INTEGER PRIMARY KEY,"
+    "  at_ms INTEGER NOT NULL"
+    ") STRICT;";
+
+// The parts of snapshots are chunks of a kind of their own.
+static const char schema_2[] = "ALTER TABLE runs ADD COLUMN n_parts INTEGER NOT NULL DEFAULT 0;"
+                               "ALTER TABLE runs ADD COLUMN n_values INTEGER NOT NULL DEFAULT 0;";
+
+// Results become sets that several runs may share: what was a run's own becomes a set's. Where a
+// column refers to does not show in the rows, so it is changed in the tables' texts, as SQLite's
+// manual has it (lang_altertable.html, "Making Other Kinds Of Table Schema Changes"), instead of
+// copying all the rows. The tables that are made on the way let other connections see the change.
+static const char schema_3[] =
+    "CREATE TABLE results ("
+    "  number INTEGER PRIMARY KEY,"
+    "  state INTEGER NOT NULL DEFAULT 0,"
+    "  digest BLOB NOT NULL DEFAULT x''," // of model and scenario; empty: never shared
+    "  solver TEXT NOT NULL DEFAULT ''"   // version that solves it; empty: several did
+    ") STRICT;"
+    "CREATE INDEX results_by_state ON results (state);"
+    "CREATE INDEX results_by_digest ON results (digest) WHERE state = 1;"
+    "INSERT INTO results (number) SELECT number FROM runs;"
+    "ALTER TABLE runs ADD COLUMN results INTEGER REFERENCES results (number);"
+    "ALTER TABLE runs ADD COLUMN is_cached INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE runs SET results = number;"
+    "CREATE INDEX runs_by_results ON runs (results);"
+    "CREATE INDEX runs_by_end ON runs (finished_ms, id) WHERE state >= 2;"
+
+    "ALTER TABLE samples RENAME COLUMN run TO results;"
+    "ALTER TABLE snapshots RENAME COLUMN run TO results;"
+    "ALTER TABLE chunks RENAME COLUMN run TO results;"
+    "PRAGMA writable_schema = ON;"
+    "UPDATE sqlite_schema SET sql = replace(sql, 'REFERENCES runs (number)',"
+    "  'REFERENCES results (number)')"
+    "  WHERE type = 'table' AND name IN ('samples', 'snapshots', 'chunks');"
+    "PRAGMA writable_schema = RESET;"
+
+    "CREATE TABLE answers ("
+    "  number INTEGER PRIMARY KEY,"
+    "  route TEXT NOT NULL,"
+    "  key TEXT NOT NULL,"
+    "  digest BLOB NOT NULL," // of the request's body
+    "  id TEXT NOT NULL,"     // of what was made, which may be gone since
+    "  revision INTEGER NOT NULL,"
+    "  at_ms INTEGER NOT NULL,"
+    "  data TEXT NOT NULL," // the answer's body
+    "  UNIQUE (route, key)"
+    ") STRICT;"
+    "CREATE INDEX answers_by_age ON answers (at_ms);";
+
+// Measured curves belong to no run. The samples stand last, so that a list does not read them.
+static const char schema_4[] = "CREATE TABLE measurements ("
+                               "  id TEXT PRIMARY KEY,"
+                               "  label TEXT NOT NULL,"
+                               "  counter TEXT NOT NULL,"
+                               "  created_ms INTEGER NOT NULL,"
+                               "  n INTEGER NOT NULL CHECK (n > 0),"
+                               "  t_start REAL NOT NULL,"
+                               "  t_end REAL NOT NULL,"
+                               "  t BLOB NOT NULL CHECK (length(t) = 8 * n),"
+                               "  counts BLOB NOT NULL CHECK (length(counts) = 8 * n)"
+                               ") STRICT;"
+                               "CREATE INDEX measurements_by_label ON measurements (label, id);";
+
+// Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
+const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4 };
+
+enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
+
+const int store__version = VERSION;
+
+static bf_status execute(sqlite3 *db, const char *text, bf_error *err)
+{
+    int code = sqlite3_exec(db, text, NULL, NULL, NULL);
+    return code == SQLITE_OK ? BF_OK : store__fail(db, code, err);
+}
+
+static bf_status read_integer(sqlite3 *db, const char *text, int *ret_value, bf_error *err)
+{
+    sqlite3_stmt *statement = NULL;
+    bf_status status = BF_OK;
+
+    int code = sqlite3_prepare_v2(db, text, -1, &statement, NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_step(statement);
+    if (code == SQLITE_ROW)
+        *ret_value = sqlite3_column_int(statement, 0);
+    else
+        status = store__fail(db, code, err);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+bf_status store__identify(sqlite3 *db, const char *path, int *ret_version, bf_error *err)
+{
+    int application = 0;
+    int version = 0;
+    int n_tables = 0;
+
+    bf_status status = read_integer(db, "PRAGMA application_id", &application, err);
+    if (status == BF_OK)
+        status = read_integer(db, "PRAGMA user_version", &version, err);
+    if (status == BF_OK)
+        status = read_integer(db, "SELECT count(*) FROM sqlite_schema", &n_tables, err);
+    if (status != BF_OK)
+        return status;
+    bool is_empty = application == 0 && version == 0 && n_tables == 0;
+    if (!is_empty && application != APPLICATION_ID)
+        return bf_fail(err, BF_ESYSTEM, "", "%s is not a store of Beltflow", path);
+    if (version < 0 || version > VERSION)
+        return bf_fail(err, BF_ESYSTEM, "",
+                       "%s was written by a newer Beltflow: its version is %d, and this program "
+                       "knows versions up to %d",
+                       path, version, VERSION);
+    *ret_version = version;
+    return BF_OK;
+}
+
+static bf_status switch_to_wal(sqlite3 *db, bf_error *err)
+{
+    sqlite3_stmt *statement = NULL;
+    bf_status status = BF_OK;
+
+    int code = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &statement, NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_step(statement);
+    if (code != SQLITE_ROW)
+        status = store__fail(db, code, err);
+    else if (strcmp((const char *)sqlite3_column_text(statement, 0), "wal") != 0)
+        status = bf_fail(err, BF_ESYSTEM, "", "the file system of the store cannot do a WAL");
+    sqlite3_finalize(statement);
+    return status;
+}
+
+static bf_status upgrade(sqlite3 *db, int version, bf_error *err)
+{
+    char mark[96];
+    bf_status status = BF_OK;
+
+    for (int i = version; i < VERSION && status == BF_OK; i++)
+        status = execute(db, store__migrations[i], err);
+    snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             APPLICATION_ID, VERSION);
+    if (status == BF_OK)
+        status = execute(db, mark, err);
+    return status;
+}
+
+bf_status store__migrate(store__connection *writer, const char *path, bf_error *err)
+{
+    int version = 0;
+
+    bf_status status = store__identify(writer->db, path, &version, err);
+    if (status == BF_OK)
+        status = switch_to_wal(writer->db, err);
+    if (status != BF_OK || version == VERSION)
+        return status;
+    status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
+    if (status == BF_OK)
+        status = store__end_transaction(writer, upgrade(writer->db, version, err), err);
+    return status;
+}

@@ -1,0 +1,181 @@
+// Accepting runs. In one transaction: the first answer to the key is looked for; without one, known
+// results; without them, there is a new run to be solved; and the answer is kept under the key.
+
+#include "server/store/share_priv.h"
+
+#include "api/results/results.h"
+#include "api/results/run_json.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/run_id.h"
+
+#include <math.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+/// A submission, and what becomes of it.
+typedef struct submit_context {
+    const api_submission *submission;
+    const store *store;                       ///< for its limits
+    store__key key;                           ///< which it came with
+    unsigned char digest[STORE__DIGEST_SIZE]; ///< of what is to be solved
+    store__row row;                           ///< of the new run
+    api_acceptance accepted;
+} submit_context;
+
+static bf_status count_queued(store__connection *writer, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        writer->queued_at_most = (size_t)sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    return status;
+}
+
+// A long queue is counted only where it may be full: counting takes as long as the queue is.
+static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    if (writer->queued_at_most >= limit)
+        status = count_queued(writer, err);
+    if (status != BF_OK)
+        return status;
+    if (writer->queued_at_most >= limit)
+        return bf_fail(err, BF_EBUSY, "", "the queue is full: %zu runs wait, the limit is %zu",
+                       writer->queued_at_most, limit);
+    writer->queued_at_most++;
+    return BF_OK;
+}
+
+static bf_status accept_new(store__connection *writer, submit_context *context, bf_error *err)
+{
+    const api_submission *submission = context->submission;
+    const bf_buffer *scenario = &submission->scenario, *columns = &submission->columns;
+    bool is_nameable = submission->identity.n > 0;
+    store__row *row = &context->row;
+
+    row->run.state = RUN_QUEUED;
+    bf_status status = enter_queue(writer, context->store->queue_limit, err);
+    if (status == BF_OK)
+        status = store__insert_results(writer, is_nameable ? context->digest : NULL, row, err);
+    if (status == BF_OK)
+        status = store__insert_row(writer, row, err);
+    if (status == BF_OK)
+        status = store__put_text(writer, row->number, STORE__TEXT_SCENARIO, scenario->bytes,
+                                 scenario->n, err);
+    if (status == BF_OK)
+        status = store__put_text(writer, row->number, STORE__TEXT_COLUMNS, columns->bytes,
+                                 columns->n, err);
+    return status == BF_OK ? store__tell_row(writer, row, err) : status;
+}
+
+// The summary of a solved run becomes the new one's.
+static bf_status adapt_summary(store__connection *writer, const store__row *solved,
+                               const bf_buffer *scenario, bf_buffer *out, bf_error *err)
+{
+    bf_buffer text = { 0 };
+
+    if (!solved->run.has_summary)
+        return BF_OK;
+    bf_status status = store__get_text(writer, solved->number, STORE__TEXT_SUMMARY, &text, err);
+    if (status == BF_OK)
+        status = results_summary_cached(text.bytes, text.n, scenario->bytes, scenario->n, out, err);
+    buffer_fini(&text);
+    return status;
+}
+
+// False with BF_OK: the results are not known, or what is known of them is damaged.
+static bf_status accept_solved(store__connection *writer, submit_context *context,
+                               bool *ret_is_solved, bf_error *err)
+{
+    const api_submission *submission = context->submission;
+    bf_buffer summary = { 0 };
+    bool is_solved = false;
+    store__row solved;
+
+    if (submission->is_fresh || submission->identity.n == 0)
+        return BF_OK;
+    bf_status status = store__find_solved(writer, context->digest, &solved, &is_solved, err);
+    if (status != BF_OK || !is_solved)
+        return status;
+    status = adapt_summary(writer, &solved, &submission->scenario, &summary, err);
+    if (status == BF_ECORRUPT) {
+        log_event(LOG_LEVEL_WARN, "summary_damaged", "run=%s", solved.run.id);
+        return BF_OK;
+    }
+    if (status == BF_OK)
+        status = store__share_results(writer, &solved, &submission->scenario, &summary,
+                                      &context->row, err);
+    buffer_fini(&summary);
+    *ret_is_solved = status == BF_OK;
+    return status;
+}
+
+static bf_status accept(store__connection *writer, submit_context *context, bf_error *err)
+{
+    const api_run *record = &context->row.run;
+    api_acceptance *accepted = &context->accepted;
+    bool is_solved = false;
+
+    bf_status status = accept_solved(writer, context, &is_solved, err);
+    if (status == BF_OK && !is_solved)
+        status = accept_new(writer, context, err);
+    if (status == BF_OK)
+        status = run_json_write(record, &accepted->answer, err);
+    if (status != BF_OK)
+        return status;
+    memcpy(accepted->id, record->id, API_ID_SIZE);
+    accepted->revision = record->revision;
+    return store__keep_answer(writer, &context->key, record->created_ms, accepted, err);
+}
+
+static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    submit_context *context = operation->context;
+    int64_t since_ms = context->row.run.created_ms - context->store->answers_ms;
+
+    bf_status status = store__find_answer(writer, &context->key, since_ms, &context->accepted, err);
+    if (status != BF_OK || context->accepted.is_replay)
+        return status;
+    status = accept(writer, context, err);
+    memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
+    return status;
+}
+
+static void fill_record(const api_submission *submission, api_run *record)
+{
+    record->model = submission->model;
+    record->priority = submission->priority;
+    snprintf(record->label, sizeof record->label, "%s", submission->label);
+    snprintf(record->name, sizeof record->name, "%s", submission->name);
+    record->created_ms = clock_unix_ms();
+    record->eta_s = NAN;
+}
+
+bf_status store_submit(store *s, const api_submission *submission, api_acceptance *ret_acceptance,
+                       bf_error *err)
+{
+    submit_context context = { .submission = submission,
+                               .store = s,
+                               .key = { .route = "POST /v1/runs", .text = submission->key } };
+
+    bf_status status = run_id_make(context.row.run.id, err);
+    if (status == BF_OK)
+        status = store__use_key(s, &context.key, submission->body, submission->n_body, err);
+    if (status != BF_OK)
+        return status;
+    fill_record(submission, &context.row.run);
+    store__digest_work(submission, context.digest);
+    status = store__write(s, apply_submit, &context, err);
+    store__free_key(s, &context.key);
+    if (status == BF_OK)
+        *ret_acceptance = context.accepted;
+    else
+        buffer_fini(&context.accepted.answer);
+    return status;
+}

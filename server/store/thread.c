@@ -1,0 +1,225 @@
+// The store's thread. It takes all operations that wait, does them in one transaction, each inside
+// a savepoint of its own, and answers them after the commit (I1). While it syncs, the next ones
+// gather: the busier the store, the larger the groups. Between two groups it does a step of what it
+// does by itself (store_care.c), when it is time.
+//
+// Threads  an operation lives on its caller's stack. From store__write() until is_done, which is
+//          set under the lock, it belongs to the store's thread. The writing connection belongs to
+//          the store's thread alone while that runs (I2).
+
+#include "server/store/store_priv.h"
+
+#include "core/base/check.h"
+#include "server/base/clock.h"
+#include "server/base/metrics.h"
+
+#include <signal.h>
+#include <sqlite3.h>
+#include <string.h>
+
+// Do one operation so that its failure undoes nothing but itself.
+static bf_status apply_alone(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    bf_status status = store__run_plain(writer, STORE__SQL_SAVEPOINT, err);
+    if (status != BF_OK)
+        return status;
+    operation->status = operation->apply(writer, operation, &operation->error);
+    // Where SQLite had to undo the whole transaction, there is no savepoint either.
+    if (operation->status != BF_OK && sqlite3_get_autocommit(writer->db) != 0) {
+        *err = operation->error;
+        return operation->status;
+    }
+    if (operation->status != BF_OK)
+        status = store__run_plain(writer, STORE__SQL_ROLLBACK_TO, err);
+    if (status == BF_OK)
+        status = store__run_plain(writer, STORE__SQL_RELEASE, err);
+    return status;
+}
+
+static void fail_group(store__operation *first, bf_status status, const bf_error *error)
+{
+    for (store__operation *o = first; o != NULL; o = o->next)
+        if (o->status == BF_OK) {
+            o->status = status;
+            o->error = *error;
+        }
+}
+
+static void note_group(const store__operation *first, bf_status status, int64_t begin_ns)
+{
+    int64_t n = 0;
+
+    if (status != BF_OK) {
+        metrics_add(METRICS_COMMIT_FAILURES, 0, 1);
+        return;
+    }
+    for (const store__operation *o = first; o != NULL; o = o->next)
+        n++;
+    metrics_observe(METRICS_COMMIT_SIZES, 0, n);
+    metrics_observe(METRICS_COMMIT_TIMES, 0, clock_monotonic_ns() - begin_ns);
+}
+
+static void apply_group(store__connection *writer, store__operation *first)
+{
+    bf_error error = { 0 };
+    int64_t begin_ns = clock_monotonic_ns();
+
+    bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, &error);
+    for (store__operation *o = first; o != NULL && status == BF_OK; o = o->next)
+        status = apply_alone(writer, o, &error);
+    status = store__end_transaction(writer, status, &error);
+    if (status != BF_OK)
+        fail_group(first, status, &error);
+    note_group(first, status, begin_ns);
+}
+
+static bool is_told_before(const store__operation *first, const store__operation *operation)
+{
+    for (const store__operation *o = first; o != operation; o = o->next)
+        if (o->status == BF_OK && strcmp(o->changed, operation->changed) == 0)
+            return true;
+    return false;
+}
+
+static void tell_listener(const store *s, const store__operation *first)
+{
+    if (s->listener == NULL)
+        return;
+    for (const store__operation *o = first; o != NULL; o = o->next)
+        if (o->status == BF_OK && o->changed[0] != '\0' && !is_told_before(first, o))
+            s->listener(s->listener_context, o->changed);
+}
+
+static store__operation *take_all(store *s)
+{
+    lock_assert_held(&s->lock);
+    store__operation *first = s->first;
+    s->first = s->last = NULL;
+    return first;
+}
+
+static void answer_group(store *s, store__operation *first)
+{
+    lock_assert_held(&s->lock);
+    while (first != NULL) {
+        store__operation *next = first->next;
+        first->is_done = true;
+        first = next;
+    }
+    lock_wake_all(&s->done);
+}
+
+// Count what the operations since the last time have changed, but not too often.
+static void count_if_due(store *s)
+{
+    store_figures figures;
+
+    lock_assert_held(&s->lock);
+    if (!s->tally.has_changed || clock_monotonic_ms() < s->tally.count_at_ms)
+        return;
+    s->tally.has_changed = false;
+    lock_give(&s->lock);
+    bf_status status = store__count(s, &figures, NULL);
+    lock_take(&s->lock);
+    // What could not be counted stays as it was; whoever writes learns of the trouble.
+    if (status == BF_OK)
+        s->tally.figures = figures;
+    s->tally.count_at_ms = clock_monotonic_ms() + STORE__COUNT_MS;
+}
+
+static int64_t due_ms(const store *s)
+{
+    bool counts_first = s->tally.has_changed && s->tally.count_at_ms < s->care.next_ms;
+    return counts_first ? s->tally.count_at_ms : s->care.next_ms;
+}
+
+// Sleep until there are operations, the end, a question for the pulse, or something is due.
+static void wait_for_work(store *s)
+{
+    bool is_time = true;
+
+    lock_assert_held(&s->lock);
+    while (is_time && s->first == NULL && !s->is_stopping && !pulse_is_asked(&s->tally.pulse))
+        is_time = lock_wait(&s->queued, &s->lock, due_ms(s));
+    pulse_answer(&s->tally.pulse);
+}
+
+static void do_group(store *s, store__operation *first)
+{
+    lock_give(&s->lock);
+    apply_group(&s->writer, first);
+    tell_listener(s, first);
+    lock_take(&s->lock);
+    answer_group(s, first);
+    s->tally.has_changed = true;
+}
+
+static void *write_groups(void *context)
+{
+    store *s = context;
+
+    lock_take(&s->lock);
+    while (s->first != NULL || !s->is_stopping) {
+        wait_for_work(s);
+        store__operation *first = take_all(s);
+        if (first != NULL)
+            do_group(s, first);
+        store__take_care(s);
+        count_if_due(s);
+    }
+    lock_give(&s->lock);
+    return NULL;
+}
+
+bf_status store__start_thread(store *s, bf_error *err)
+{
+    sigset_t all, before;
+
+    // Signals are for the daemon's own threads.
+    sigfillset(&all);
+    BF_CHECK(pthread_sigmask(SIG_SETMASK, &all, &before) == 0);
+    int code = pthread_create(&s->thread, NULL, write_groups, s);
+    BF_CHECK(pthread_sigmask(SIG_SETMASK, &before, NULL) == 0);
+    if (code != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot start the store's thread: %s", strerror(code));
+    s->has_thread = true;
+    return BF_OK;
+}
+
+void store__stop_thread(store *s)
+{
+    if (!s->has_thread)
+        return;
+    lock_take(&s->lock);
+    s->is_stopping = true;
+    lock_wake_all(&s->queued);
+    lock_give(&s->lock);
+    BF_CHECK(pthread_join(s->thread, NULL) == 0);
+    s->has_thread = false;
+}
+
+static void enqueue(store *s, store__operation *operation)
+{
+    lock_assert_held(&s->lock);
+    BF_CHECK(!s->is_stopping);
+    if (s->last == NULL)
+        s->first = operation;
+    else
+        s->last->next = operation;
+    s->last = operation;
+    lock_wake_all(&s->queued);
+}
+
+bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err)
+{
+    store__operation operation = { .apply = apply, .context = context };
+
+    lock_take(&s->lock);
+    enqueue(s, &operation);
+    while (!operation.is_done)
+        lock_wait(&s->done, &s->lock, -1);
+    lock_give(&s->lock);
+    if (operation.status != BF_OK && err != NULL)
+        *err = operation.error;
+    return operation.status;
+}

@@ -1,0 +1,125 @@
+#include "server/store/share_priv.h"
+
+#include <string.h>
+
+/// A change of one run, and what became of it.
+typedef struct change_context {
+    const char *id;
+    const store_ending *ending; ///< of store_finish()
+    store__row row;
+} change_context;
+
+static bf_status find_changed(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+
+    bf_status status = store__find_row(writer, context->id, &context->row, err);
+    if (status == BF_OK)
+        memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
+    return status;
+}
+
+static bf_status put_summary(store__connection *writer, const store_ending *ending, store__row *row,
+                             bf_error *err)
+{
+    if (ending->summary == NULL)
+        return BF_OK;
+    row->run.has_summary = true;
+    return store__put_text(writer, row->number, STORE__TEXT_SUMMARY, ending->summary,
+                           ending->n_summary, err);
+}
+
+static bf_status apply_finish(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+    store__row *row = &context->row;
+
+    bf_status status = find_changed(writer, operation, err);
+    if (status != BF_OK)
+        return status;
+    if (row->run.state != RUN_RUNNING)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
+                       run_state_word(row->run.state));
+    if (context->ending->state == RUN_FAILED)
+        row->run.error = context->ending->error;
+    status = put_summary(writer, context->ending, row, err);
+    return status == BF_OK ? store__move_row(writer, row, context->ending->state, err) : status;
+}
+
+bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
+{
+    change_context context = { .id = ending->run_id, .ending = ending };
+
+    bf_status status = store__write(s, apply_finish, &context, err);
+    if (status == BF_OK)
+        *ret_run = context.row.run;
+    return status;
+}
+
+static bf_status apply_cancel(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+    store__row *row = &context->row;
+
+    bf_status status = find_changed(writer, operation, err);
+    if (status != BF_OK)
+        return status;
+    if (row->run.state == RUN_RUNNING) {
+        operation->changed[0] = '\0';
+        return BF_OK;
+    }
+    if (run_state_is_end(row->run.state))
+        return bf_fail(err, BF_ECONFLICT, "", "the run has ended: it is %s",
+                       run_state_word(row->run.state));
+    return store__move_row(writer, row, RUN_CANCELLED, err);
+}
+
+bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err)
+{
+    change_context context = { .id = id };
+
+    bf_status status = store__write(s, apply_cancel, &context, err);
+    if (status == BF_OK)
+        *ret_run = context.row.run;
+    return status;
+}
+
+/// A run to be removed, and then its results, step by step.
+typedef struct remove_context {
+    const char *id;
+    int64_t results;
+    bool is_over; ///< nothing is left
+} remove_context;
+
+static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    remove_context *context = operation->context;
+    store__row row;
+
+    bf_status status = store__find_row(writer, context->id, &row, err);
+    if (status != BF_OK)
+        return status;
+    if (row.run.state == RUN_RUNNING)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is running: cancel it first");
+    memcpy(operation->changed, row.run.id, API_ID_SIZE);
+    context->results = row.results;
+    return store__remove_row(writer, &row, &context->is_over, err);
+}
+
+static bf_status apply_sweep(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    remove_context *context = operation->context;
+
+    return store__sweep_results(writer, context->results, &context->is_over, err);
+}
+
+bf_status store_remove(store *s, const char *id, bf_error *err)
+{
+    remove_context context = { .id = id };
+
+    bf_status status = store__write(s, apply_remove, &context, err);
+    // The run is gone with the first step. What a failure leaves over is deleted in time.
+    for (bf_status swept = status; swept == BF_OK && !context.is_over;)
+        swept = store__write(s, apply_sweep, &context, NULL);
+    return status;
+}

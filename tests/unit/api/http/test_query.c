@@ -1,0 +1,198 @@
+// Query strings: decoding by RFC 3986 and the HTML form rules, and the limits.
+
+#include "api/http/query.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+static query parse(const char *text)
+{
+    query q = { 0 };
+    bf_error err = { 0 };
+
+    if (query_parse(text, &q, &err) != BF_OK)
+        fail_msg("%s", err.text);
+    return q;
+}
+
+static void names_and_values_are_decoded(void **state)
+{
+    query q = parse("a=1&b%5B0%5d=x%26y%3Dz&&c=%C3%A4+b&d&e=&f=p=q&");
+
+    (void)state;
+    assert_int_equal(q.n, 6);
+    assert_string_equal(query_value(&q, "a"), "1");
+    assert_string_equal(query_value(&q, "b[0]"), "x&y=z");
+    assert_string_equal(query_value(&q, "c"), "\xc3\xa4 b");
+    assert_string_equal(query_value(&q, "d"), "");
+    assert_string_equal(query_value(&q, "e"), "");
+    assert_string_equal(query_value(&q, "f"), "p=q");
+    assert_null(query_value(&q, "g"));
+    assert_null(query_value(&q, ""));
+}
+
+static void no_query_has_no_parameters(void **state)
+{
+    (void)state;
+    assert_int_equal(parse("").n, 0);
+    assert_int_equal(parse("&&&").n, 0);
+}
+
+static void broken_text_is_refused_and_nothing_returned(void **state)
+{
+    static const char *const texts[] = { "a=%",  "a=%4",  "a=%4g", "%zz=1", "a=%00",   "a=%0a",
+                                         "a=\t", "a=%7f", "=1",    "=",     "a=1&a=2", "a&b&%61" };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        query q = { .n = 99 };
+        bf_error err = { 0 };
+        assert_int_equal(query_parse(texts[i], &q, &err), BF_EINPUT);
+        assert_int_equal(q.n, 99);
+        assert_true(err.text[0] != '\0');
+    }
+}
+
+static void a_parameter_given_twice_is_named(void **state)
+{
+    query q = { 0 };
+    bf_error err = { 0 };
+
+    (void)state;
+    assert_int_equal(query_parse("limit=1&limit=2", &q, &err), BF_EINPUT);
+    assert_non_null(strstr(err.text, "'limit'"));
+}
+
+static void limits_hold_to_the_byte_and_to_the_parameter(void **state)
+{
+    char text[QUERY_SIZE + 1];
+    query q = { 0 };
+
+    (void)state;
+    memset(text, 'a', sizeof text);
+    text[QUERY_SIZE - 2] = '\0';
+    assert_int_equal(query_parse(text, &q, NULL), BF_OK);
+    assert_int_equal(strlen(q.text + q.params[0].name), QUERY_SIZE - 2);
+    text[QUERY_SIZE - 2] = 'a';
+    text[QUERY_SIZE - 1] = '\0';
+    assert_int_equal(query_parse(text, &q, NULL), BF_ELIMIT);
+
+    assert_int_equal(parse("a&b&c&d&e&f&g&h&i&j&k&l&m&n&o&p").n, QUERY_PARAMS_MAX);
+    assert_int_equal(query_parse("a&b&c&d&e&f&g&h&i&j&k&l&m&n&o&p&q", &q, NULL), BF_ELIMIT);
+}
+
+// The most text that a query can decode to: pairs without anything between their separators.
+static void the_densest_query_fits(void **state)
+{
+    char text[QUERY_SIZE];
+
+    (void)state;
+    memset(text, 'v', sizeof text);
+    for (size_t i = 0; i < 15; i++) {
+        memcpy(text + 4 * i, "a=1&", 4);
+        text[4 * i] = (char)('a' + i);
+    }
+    memcpy(text + 60, "x=", 2);
+    text[QUERY_SIZE - 2] = '\0';
+    query q = parse(text);
+    assert_int_equal(q.n, 16);
+    assert_int_equal(strlen(query_value(&q, "x")), QUERY_SIZE - 2 - 62);
+}
+
+static void only_known_parameters_are_allowed(void **state)
+{
+    query q = parse("status=queued&limit=1");
+    bf_error err = { 0 };
+
+    (void)state;
+    assert_int_equal(query_allow(&q, "status model limit", &err), BF_OK);
+    assert_int_equal(query_allow(&q, "status model limits", &err), BF_EINPUT);
+    assert_non_null(strstr(err.text, "'limit'"));
+    assert_non_null(strstr(err.text, "status model limits"));
+    assert_int_equal(query_allow(&q, "", &err), BF_EINPUT);
+    q = parse("status%20model=1");
+    assert_int_equal(query_allow(&q, "status model", &err), BF_EINPUT);
+}
+
+static void numbers_are_whole_and_within_their_range(void **state)
+{
+    static const char *const bad[] = { "n=",
+                                       "n=0",
+                                       "n=201",
+                                       "n=-1",
+                                       "n=1.5",
+                                       "n=+1",
+                                       "n=1x",
+                                       "n=18446744073709551616",
+                                       "n=99999999999999999999999" };
+    uint64_t value = 50;
+    query q = parse("n=200");
+
+    (void)state;
+    assert_int_equal(query_number(&q, "m", 1, 200, &value, NULL), BF_OK);
+    assert_int_equal(value, 50);
+    assert_int_equal(query_number(&q, "n", 1, 200, &value, NULL), BF_OK);
+    assert_int_equal(value, 200);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        bf_error err = { 0 };
+        q = parse(bad[i]);
+        assert_int_equal(query_number(&q, "n", 1, 200, &value, &err), BF_EINPUT);
+        assert_non_null(strstr(err.text, "'n'"));
+        assert_int_equal(value, 200);
+    }
+}
+
+static void decimals_are_numbers_within_their_range(void **state)
+{
+    static const char *const bad[] = { "m=",    "m=0.05", "m=10.5", "m=nan", "m=inf",
+                                       "m=0x1", "m=1,5",  "m=1 ",   "m=--1", "m=1e" };
+    double value = 2.0;
+    query q = parse("m=1.25e0");
+
+    (void)state;
+    assert_int_equal(query_real(&q, "n", 0.1, 10.0, &value, NULL), BF_OK);
+    assert_true(value == 2.0);
+    assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, NULL), BF_OK);
+    assert_true(value == 1.25);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        bf_error err = { 0 };
+        q = parse(bad[i]);
+        assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, &err), BF_EINPUT);
+        assert_non_null(strstr(err.text, "'m' must be a number from 0.1 to 10"));
+        assert_true(value == 1.25);
+    }
+}
+
+static void the_largest_number_is_2_to_the_64_less_1(void **state)
+{
+    uint64_t value = 0;
+
+    (void)state;
+    assert_int_equal(query_read_number("18446744073709551615", &value), 0);
+    assert_true(value == UINT64_MAX);
+    assert_int_equal(query_read_number("18446744073709551616", &value), -1);
+    assert_true(value == UINT64_MAX);
+    assert_int_equal(query_read_number("", &value), -1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_and_values_are_decoded),
+        cmocka_unit_test(no_query_has_no_parameters),
+        cmocka_unit_test(broken_text_is_refused_and_nothing_returned),
+        cmocka_unit_test(a_parameter_given_twice_is_named),
+        cmocka_unit_test(limits_hold_to_the_byte_and_to_the_parameter),
+        cmocka_unit_test(the_densest_query_fits),
+        cmocka_unit_test(only_known_parameters_are_allowed),
+        cmocka_unit_test(numbers_are_whole_and_within_their_range),
+        cmocka_unit_test(decimals_are_numbers_within_their_range),
+        cmocka_unit_test(the_largest_number_is_2_to_the_64_less_1),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

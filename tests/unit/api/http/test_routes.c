@@ -1,0 +1,156 @@
+// The table of routes, and how paths find their way through it.
+
+#include "api/http/routes.h"
+
+#include "api/http/exchange.h"
+#include "api/http/media.h"
+#include "api/http/query.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+static const char long_segment[] = "/v1/examples/0123456789abcdef0123456789abcdef"
+                                   "0123456789abcdef0123456789abcdef";
+
+static void a_template_gives_its_parameters(void **state)
+{
+    route_params params = { 0 };
+    const route *found = routes_find("GET", "/v1/runs/abc/snapshots/7", &params);
+
+    (void)state;
+    assert_non_null(found);
+    assert_string_equal(found->path, "/v1/runs/{id}/snapshots/{n}");
+    assert_int_equal(params.n, 2);
+    assert_string_equal(params.values[0], "abc");
+    assert_string_equal(params.values[1], "7");
+}
+
+static void method_and_path_choose_the_route(void **state)
+{
+    (void)state;
+    assert_string_equal(routes_find("POST", "/v1/runs", NULL)->method, "POST");
+    assert_string_equal(routes_find("GET", "/v1/runs", NULL)->method, "GET");
+    assert_ptr_equal(routes_find("HEAD", "/v1/runs", NULL), routes_find("GET", "/v1/runs", NULL));
+    assert_null(routes_find("PUT", "/v1/runs", NULL));
+    assert_null(routes_find("get", "/v1/runs", NULL));
+    assert_null(routes_find("GET", "/v1/runs/x/cancel", NULL));
+}
+
+static void paths_that_are_not_in_the_table_find_nothing(void **state)
+{
+    static const char *const paths[] = {
+        "",
+        "/",
+        "*",
+        "/v1",
+        "/v1/",
+        "v1/runs",
+        "/v1/runs/",
+        "/v1//runs",
+        "//v1/runs",
+        "/v1/run",
+        "/v1/runsx",
+        "/V1/runs",
+        "/v1/runs/a/",
+        "/v1/runs/a/nothing",
+        "/v1/runs//curve",
+        "/v1/runs/a/curve/b",
+        "/livez/",
+    };
+    route_params params = { .n = 99 };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        if (routes_find("GET", paths[i], &params) != NULL)
+            fail_msg("%s", paths[i]);
+    }
+    assert_int_equal(params.n, 99);
+}
+
+static void a_parameter_has_a_limit(void **state)
+{
+    char path[sizeof long_segment + 1];
+
+    (void)state;
+    assert_int_equal(strlen(long_segment) - strlen("/v1/examples/"), ROUTES_PARAM_SIZE - 1);
+    assert_non_null(routes_find("GET", long_segment, NULL));
+    memcpy(path, long_segment, sizeof long_segment);
+    memcpy(path + sizeof long_segment - 1, "x", 2);
+    assert_null(routes_find("GET", path, NULL));
+}
+
+static void allow_lists_the_methods_of_a_path(void **state)
+{
+    char allow[ROUTES_ALLOW_SIZE] = "as it was";
+
+    (void)state;
+    assert_false(routes_allow("/nowhere", allow));
+    assert_string_equal(allow, "as it was");
+    assert_true(routes_allow("/v1/runs", allow));
+    assert_string_equal(allow, "POST, GET, HEAD, OPTIONS");
+    assert_true(routes_allow("/v1/runs/abc", allow));
+    assert_string_equal(allow, "GET, HEAD, DELETE, OPTIONS");
+    assert_true(routes_allow("/v1/runs/abc/cancel", allow));
+    assert_string_equal(allow, "POST, OPTIONS");
+}
+
+static void what_may_wait_for_the_disk_is_told_before(void **state)
+{
+    (void)state;
+    assert_true(api_route_blocks("POST", "/v1/runs"));
+    assert_true(api_route_blocks("HEAD", "/v1/runs/abc/curve"));
+    assert_false(api_route_blocks("GET", "/livez"));
+    assert_false(api_route_blocks("GET", "/nowhere"));
+    assert_false(api_route_blocks("OPTIONS", "/v1/runs"));
+}
+
+static void no_two_routes_are_the_same(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = i + 1; k < n; k++)
+            assert_false(strcmp(table[i].method, table[k].method) == 0 &&
+                         strcmp(table[i].path, table[k].path) == 0);
+    }
+}
+
+// Formats that can be chosen by ?format= need the parameter, others must not have it.
+static void every_row_of_the_table_is_complete(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        const media *chosen = NULL;
+        bool has_choice = strchr(table[i].formats, ' ') != NULL;
+        assert_non_null(table[i].handle);
+        assert_true(strlen(table[i].summary) > 10);
+        assert_int_equal(media_choose(table[i].formats, NULL, NULL, &chosen, NULL), BF_OK);
+        assert_memory_equal(table[i].formats, chosen->word, strlen(chosen->word));
+        assert_int_equal(strstr(table[i].query, "format") != NULL, has_choice);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_template_gives_its_parameters),
+        cmocka_unit_test(method_and_path_choose_the_route),
+        cmocka_unit_test(paths_that_are_not_in_the_table_find_nothing),
+        cmocka_unit_test(a_parameter_has_a_limit),
+        cmocka_unit_test(allow_lists_the_methods_of_a_path),
+        cmocka_unit_test(what_may_wait_for_the_disk_is_told_before),
+        cmocka_unit_test(no_two_routes_are_the_same),
+        cmocka_unit_test(every_row_of_the_table_is_complete),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,70 @@
+// UTF-8 as it may come from clients.
+
+#include "api/json/utf8.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+// The first and last character of each length, by RFC 3629.
+static void characters_have_their_size(void **state)
+{
+    static const struct {
+        const char *text;
+        size_t n;
+    } good[] = {
+        { "\x01", 1 },
+        { "\x7f", 1 },
+        { "\xc2\x80", 2 },
+        { "\xdf\xbf", 2 },
+        { "\xe0\xa0\x80", 3 },
+        { "\xed\x9f\xbf", 3 },
+        { "\xee\x80\x80", 3 },
+        { "\xef\xbf\xbf", 3 },
+        { "\xf0\x90\x80\x80", 4 },
+        { "\xf4\x8f\xbf\xbf", 4 },
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        assert_int_equal(utf8_size(good[k].text), good[k].n);
+        assert_true(utf8_is_text(good[k].text));
+    }
+    assert_int_equal(utf8_size(""), 0);
+    assert_true(utf8_is_text(""));
+    assert_true(utf8_is_text("belt 7 \xc3\xbc \xf0\x9f\x93\xa6"));
+}
+
+// Stray, torn, overlong, a surrogate, beyond the last character.
+static void other_bytes_are_no_text(void **state)
+{
+    static const char *const bad[] = { "\x80",
+                                       "\xc3",
+                                       "\xc3(",
+                                       "\xe2\x82",
+                                       "\xc0\xaf",
+                                       "\xe0\x80\xaf",
+                                       "\xf0\x80\x80\xaf",
+                                       "\xed\xa0\x80",
+                                       "\xf4\x90\x80\x80",
+                                       "\xff" };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        assert_int_equal(utf8_size(bad[k]), 0);
+        assert_false(utf8_is_text(bad[k]));
+    }
+    assert_false(utf8_is_text("good, then \xff"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(characters_have_their_size),
+        cmocka_unit_test(other_bytes_are_no_text),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,167 @@
+// The ready scenarios: found by name, in order, and what the paper describes.
+
+#include "api/scenario/examples.h"
+
+#include "api/scenario/scenario.h"
+#include "core/run/run.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static scene read_example(const char *name)
+{
+    const example *item = examples_find(name);
+    bf_faults faults = { 0 };
+    bf_error err = { 0 };
+    scene s;
+
+    assert_non_null(item);
+    if (scenario_read(item->document, item->n, &s, &faults, &err) != BF_OK)
+        fail_msg("%s: %s: %s", name, err.pointer, err.text);
+    return s;
+}
+
+static void all_examples_are_sound_and_sorted(void **unused)
+{
+    size_t n;
+    const example *items = examples_list(&n);
+
+    (void)unused;
+    assert_true(n >= 7);
+    for (size_t k = 0; k < n; k++) {
+        scene s = read_example(items[k].name);
+        assert_true(s.name[0] != '\0');
+        assert_int_equal(strlen(items[k].document), items[k].n);
+        assert_true(k == 0 || strcmp(items[k - 1].name, items[k].name) < 0);
+        assert_ptr_equal(examples_find(items[k].name), &items[k]);
+        scene_fini(&s);
+    }
+}
+
+static void other_names_are_not_found(void **unused)
+{
+    (void)unused;
+    assert_null(examples_find(""));
+    assert_null(examples_find("example"));
+    assert_null(examples_find("example-1.json"));
+}
+
+// 192 cylinders in front of a plate that ends at (0.75, 0.5): at 60 degrees it starts 0.5/tan(60)
+// upstream of its end, at the belt's southern edge.
+static void example_1_is_the_papers(void **unused)
+{
+    scene s = read_example("example-1");
+
+    (void)unused;
+    assert_int_equal(scene_parts(&s), 192);
+    assert_true(s.duration == 6.0);
+    assert_true(s.belts[0].velocity.x == 0.395 && s.belts[0].velocity.y == 0.0);
+    assert_true(fabs(s.obstacles[0].path[0].x - (0.75 - 0.5 / sqrt(3.0))) < 1e-6);
+    assert_true(fabs(s.obstacles[0].path[0].y) < 1e-6);
+    assert_int_equal(s.obstacles[0].treatment, SCENE_SEALED);
+    assert_true(s.macro.dispersion == 2.0 * 0.395);
+    assert_string_equal(s.counters[0].id, "upstream");
+    assert_true(s.counters[0].rect.x_max == 0.75);
+    scene_fini(&s);
+}
+
+static void example_2_stands_across_the_belt(void **unused)
+{
+    scene s = read_example("example-2");
+
+    (void)unused;
+    assert_true(s.obstacles[0].path[0].x == 0.75 && s.obstacles[0].path[0].y == 0.0);
+    assert_true(s.obstacles[0].path[1].x == 0.75 && s.obstacles[0].path[1].y == 0.5);
+    scene_fini(&s);
+}
+
+static void example_3_disperses_at_every_density(void **unused)
+{
+    scene rings = read_example("example-3");
+    scene lanes = read_example("example-3-lanes");
+
+    (void)unused;
+    assert_int_equal(rings.macro.heaviside, SCENE_HEAVISIDE_NONE);
+    assert_int_equal(lanes.macro.heaviside, SCENE_HEAVISIDE_NONE);
+    assert_true(rings.macro.mollifier == 1e4 && lanes.macro.mollifier == 1e3);
+    assert_true(rings.duration == 0.5 && lanes.duration == 0.5);
+    scene_fini(&rings);
+    scene_fini(&lanes);
+}
+
+// The same scene as Example 1, solved in longer steps.
+static void one_example_chooses_its_own_step(void **unused)
+{
+    scene s = read_example("example-1-implicit");
+    scene paper = read_example("example-1");
+
+    (void)unused;
+    assert_int_equal(s.micro.integrator, SCENE_IMPLICIT);
+    assert_true(s.micro.step == 0.0);
+    assert_true(paper.micro.integrator == SCENE_VERLET && paper.micro.step == 1e-5);
+    assert_memory_equal(s.obstacles[0].path, paper.obstacles[0].path,
+                        2 * sizeof *s.obstacles[0].path);
+    assert_int_equal(scene_parts(&s), scene_parts(&paper));
+    scene_fini(&s);
+    scene_fini(&paper);
+}
+
+static void mixed_cargo_is_cylinders_and_boxes(void **unused)
+{
+    scene s = read_example("mixed-cargo");
+
+    (void)unused;
+    assert_int_equal(s.n_cargo, 2);
+    assert_int_equal(s.cargo[0].shape.type, SCENE_CYLINDER);
+    assert_int_equal(s.cargo[1].shape.type, SCENE_BOX);
+    assert_true(s.cargo[0].share == 2.0 * s.cargo[1].share);
+    scene_fini(&s);
+}
+
+static void every_example_can_be_solved_by_both_models(void **unused)
+{
+    size_t n;
+    const example *items = examples_list(&n);
+
+    (void)unused;
+    for (size_t k = 0; k < n; k++) {
+        bf_faults faults = { 0 };
+        scene s = read_example(items[k].name);
+        run_check(&s, RUN_MACRO, &faults);
+        run_check(&s, RUN_MICRO, &faults);
+        if (faults.n > 0)
+            fail_msg("%s: %s: %s", items[k].name, faults.items[0].pointer, faults.items[0].text);
+        scene_fini(&s);
+    }
+}
+
+static void the_free_belt_has_no_obstacle(void **unused)
+{
+    scene s = read_example("free-belt");
+
+    (void)unused;
+    assert_int_equal(s.n_obstacles, 0);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_examples_are_sound_and_sorted),
+        cmocka_unit_test(other_names_are_not_found),
+        cmocka_unit_test(example_1_is_the_papers),
+        cmocka_unit_test(example_2_stands_across_the_belt),
+        cmocka_unit_test(example_3_disperses_at_every_density),
+        cmocka_unit_test(the_free_belt_has_no_obstacle),
+        cmocka_unit_test(one_example_chooses_its_own_step),
+        cmocka_unit_test(mixed_cargo_is_cylinders_and_boxes),
+        cmocka_unit_test(every_example_can_be_solved_by_both_models),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

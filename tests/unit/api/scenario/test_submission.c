@@ -1,0 +1,270 @@
+// Bodies of POST /v1/runs: a scenario with what to do with it.
+
+#include "api/scenario/submission.h"
+
+#include "api/scenario/scenario.h"
+#include "core/base/memory.h"
+#include "tests/unit/api/helper_document.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SCENARIO "'scenario': {'name': 'N', " DOCUMENT_NEEDED "}"
+
+static bf_faults faults;
+
+static bf_status read_text(const char *text, api_submission *ret_submission, bf_error *err)
+{
+    bf_buffer document = document_quote(text);
+
+    faults.n = 0;
+    bf_status status = submission_read(document.bytes, document.n, ret_submission, &faults, err);
+    buffer_fini(&document);
+    return status;
+}
+
+static void a_scenario_alone_suffices(void **unused)
+{
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
+    assert_int_equal(submission.model, RUN_MACRO);
+    assert_int_equal(submission.priority, 0);
+    assert_false(submission.is_fresh);
+    assert_string_equal(submission.label, "");
+    assert_string_equal(submission.name, "N");
+    assert_string_equal(submission.columns.bytes, "upstream,left_domain");
+    submission_fini(&submission);
+    assert_null(submission.scenario.bytes);
+    submission_fini(NULL);
+}
+
+static void all_members_are_taken_over(void **unused)
+{
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO ", 'model': 'macro', 'label': 'night shift',"
+                               "'priority': -100, 'fresh': true}",
+                               &submission, NULL),
+                     BF_OK);
+    assert_int_equal(submission.priority, -100);
+    assert_true(submission.is_fresh);
+    assert_string_equal(submission.label, "night shift");
+    submission_fini(&submission);
+}
+
+// What is stored is what scenario_write() makes of the scenario by itself.
+static void the_document_is_resolved(void **unused)
+{
+    bf_buffer document = document_quote("{'name': 'N', " DOCUMENT_NEEDED "}");
+    bf_buffer resolved = { 0 };
+    api_submission submission;
+    scene s;
+
+    (void)unused;
+    faults.n = 0;
+    assert_int_equal(scenario_read(document.bytes, document.n, &s, &faults, NULL), BF_OK);
+    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
+    assert_int_equal(read_text("{" SCENARIO "}", &submission, NULL), BF_OK);
+    assert_string_equal(submission.scenario.bytes, resolved.bytes);
+    submission_fini(&submission);
+    scene_fini(&s);
+    buffer_fini(&resolved);
+    buffer_fini(&document);
+}
+
+// What two bodies have in common when their results do: all but names, labels and priorities.
+static void the_identity_is_the_scenario_without_its_name(void **unused)
+{
+    static const struct {
+        const char *body;
+        bool is_same;
+    } others[] = {
+        { "{'scenario': {'name': 'other', " DOCUMENT_NEEDED "}, 'label': 'l', 'priority': 1}",
+          true },
+        { "{'scenario': {" DOCUMENT_NEEDED "}, 'fresh': true}", true },
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.005}}}", true }, // the default
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'macro': {'cell_m': 0.01}}}", false },
+        { "{'scenario': {" DOCUMENT_NEEDED ", 'counters': [{'id': 'gate'}]}}", false },
+    };
+    api_submission first, other;
+
+    (void)unused;
+    assert_int_equal(read_text("{" SCENARIO "}", &first, NULL), BF_OK);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        assert_int_equal(read_text(others[i].body, &other, NULL), BF_OK);
+        assert_true((strcmp(other.identity.bytes, first.identity.bytes) == 0) == others[i].is_same);
+        submission_fini(&other);
+    }
+    submission_fini(&first);
+    assert_null(first.identity.bytes);
+}
+
+static void faults_have_pointers_of_the_body(void **unused)
+{
+    static const char *const bad[][2] = {
+        { "", "{" },
+        { "", "[]" },
+        { "/scenario", "{}" },
+        { "/scenario", "{'scenario': 1}" },
+        { "/scenario/duration_s", "{'scenario': {}}" },
+        { "/scenario/macro/cell_m", "{'scenario': " DOCUMENT_WITH("'macro': {'cell_m': 'x'}") "}" },
+        { "/scenario/macro/cell_m", "{'scenario': " DOCUMENT_WITH("'macro': {'cell_m': -1}") "}" },
+        { "/scenario/initial/positions_m/0",
+          "{'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': {},"
+          "'initial': {'positions_m': [[3, 3]]}}}" },
+        { "/scenario/name", "{'scenario': {'name': 'a', 'name': 'b'}}" },
+        { "/model", "{" SCENARIO ", 'model': 'nano'}" },
+        { "/label", "{" SCENARIO ", 'label': 7}" },
+        { "/priority", "{" SCENARIO ", 'priority': 101}" },
+        { "/priority", "{" SCENARIO ", 'priority': 0.5}" },
+        { "/priorities", "{" SCENARIO ", 'priorities': 1}" },
+        { "/duration_s", "{'duration_s': 1, " SCENARIO "}" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        api_submission submission;
+        api_submission before;
+        bf_error err = { 0 };
+        memset(&submission, 0x5a, sizeof submission);
+        before = submission;
+        bf_status status = read_text(bad[k][1], &submission, &err);
+        assert_int_equal(status, BF_EINPUT);
+        assert_string_equal(err.pointer, bad[k][0]);
+        assert_memory_equal(&submission, &before, sizeof submission);
+    }
+}
+
+#define MODEL(model, members)                                                                      \
+    "{'model': '" model "', 'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, "   \
+    "0.6]}, 'initial': {'positions_m': [[0.5, 0.3], [0.6, 0.3]]}, " members "}}"
+#define MICRO(members) MODEL("micro", members)
+#define MACRO(members) MODEL("macro", members)
+#define PLATE          "'obstacles': [{'id': 'bar', 'from_m': [0.6, 0.1], 'to_m': [0.6, 0.5]}]"
+
+// What only one of the models objects to is found when a run is submitted, not when it starts.
+static void the_model_has_its_own_faults(void **unused)
+{
+    static const char *const bad[][3] = {
+        { "/scenario/micro/step_s", MICRO("'cargo': {}, 'micro': {'step_s': 0.5}"),
+          "the largest stable one is" },
+        { "/scenario/micro/step_s", MICRO("'cargo': {'mass_kg': 1e-9}"), "unstable" },
+        { "/scenario/micro/step_s", MICRO("'cargo': {}, 'micro': {'step_s': 1e-12}"), "limit" },
+        { "/scenario/output/snapshot_every_s",
+          "{'model': 'micro', 'scenario': {'duration_s': 10, 'domain': {'x_m': [0, 40], 'y_m': "
+          "[0, 25]}, 'cargo': {}, 'macro': {'cell_m': 1}, 'output': {'snapshot_every_s': 0.001},"
+          "'initial': {'hexagonal': {'rows': 500, 'columns': 500, 'first_m': [1, 1], 'spacing_m':"
+          "0.025}}}}",
+          "bytes of parts" },
+        { "/scenario/initial/positions_m/1", MICRO("'cargo': {}, " PLATE), "'bar'" },
+        { "/scenario/macro/step_s", MACRO("'cargo': {}, 'macro': {'step_s': 0.1}"), "unstable" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        api_submission submission = { 0 };
+        bf_error err = { 0 };
+        bf_status status = read_text(bad[k][1], &submission, &err);
+        assert_true(status == BF_EINPUT || status == BF_ELIMIT);
+        assert_string_equal(err.pointer, bad[k][0]);
+        assert_non_null(strstr(err.text, bad[k][2]));
+    }
+}
+
+// The same scenarios are none of the other model's business.
+static void another_model_does_not_mind(void **unused)
+{
+    static const char *const good[] = {
+        MACRO("'cargo': {}, 'micro': {'step_s': 0.5}, " PLATE),
+        MICRO("'cargo': {}, 'macro': {'step_s': 0.1}"),
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        api_submission submission;
+        assert_int_equal(read_text(good[k], &submission, NULL), BF_OK);
+        submission_fini(&submission);
+    }
+}
+
+static void a_long_label_is_refused(void **unused)
+{
+    char text[800];
+    char label[API_LABEL_SIZE + 1];
+    api_submission submission;
+    bf_error err = { 0 };
+
+    (void)unused;
+    memset(label, 'l', sizeof label);
+    label[API_LABEL_SIZE] = '\0';
+    snprintf(text, sizeof text, "{" SCENARIO ", 'label': '%s'}", label);
+    assert_int_equal(read_text(text, &submission, &err), BF_ELIMIT);
+    assert_string_equal(err.pointer, "/label");
+}
+
+static void a_model_that_is_not_built_in_is_refused(void **unused)
+{
+    (void)unused;
+    for (unsigned model = 0; model < RUN_MODEL_COUNT; model++) {
+        char text[600];
+        api_submission submission;
+        bf_error err = { 0 };
+        snprintf(text, sizeof text, "{" SCENARIO ", 'model': '%s'}", run_model_words[model]);
+        bf_status status = read_text(text, &submission, &err);
+        if (run_model_is_available((run_model)model)) {
+            assert_int_equal(status, BF_OK);
+            assert_int_equal(submission.model, model);
+            submission_fini(&submission);
+        } else {
+            assert_int_equal(status, BF_EINPUT);
+            assert_string_equal(err.pointer, "/model");
+        }
+    }
+}
+
+static void no_memory_is_reported(void **unused)
+{
+    bf_status status = BF_ENOMEM;
+
+    (void)unused;
+    for (size_t n = 1; status != BF_OK; n++) {
+        bf_buffer document = document_quote("{" SCENARIO ", 'model': 'micro'}");
+        api_submission submission;
+        faults.n = 0;
+        memory_plan_fault(n, 0);
+        status = submission_read(document.bytes, document.n, &submission, &faults, NULL);
+        memory_plan_fault(0, 0);
+        if (status == BF_OK)
+            submission_fini(&submission);
+        else
+            assert_int_equal(status, BF_ENOMEM);
+        assert_true(n < 2000);
+        buffer_fini(&document);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scenario_alone_suffices),
+        cmocka_unit_test(all_members_are_taken_over),
+        cmocka_unit_test(the_document_is_resolved),
+        cmocka_unit_test(the_identity_is_the_scenario_without_its_name),
+        cmocka_unit_test(faults_have_pointers_of_the_body),
+        cmocka_unit_test(the_model_has_its_own_faults),
+        cmocka_unit_test(another_model_does_not_mind),
+        cmocka_unit_test(a_long_label_is_refused),
+        cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
+        cmocka_unit_test(no_memory_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

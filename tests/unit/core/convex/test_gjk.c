@@ -1,0 +1,185 @@
+// Unit tests of distance and depth of convex hulls: closed forms, and everything tried.
+
+#include "core/convex/gjk.h"
+
+#include "tests/unit/core/helper_hull.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static const mat3 still = { { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
+static const vec3 origin = { 0.0, 0.0, 0.0 };
+
+static mat3 turn_about_z(double angle)
+{
+    return mat3_of_quat((quat){ cos(0.5 * angle), { 0.0, 0.0, sin(0.5 * angle) } });
+}
+
+// The witnesses are as far apart as it says, along the normal, whichever direction it began with.
+static gjk_touch measure(const gjk_pair *pair)
+{
+    const vec3 starts[] = { { 1.0, 0.0, 0.0 }, { -0.3, 0.2, -1.0 }, { 0.0, -1.0, 0.1 } };
+    gjk_touch first = gjk_measure(pair, starts[0]);
+
+    for (int k = 0; k < 3; k++) {
+        gjk_touch t = gjk_measure(pair, starts[k]);
+        assert_near(t.distance, first.distance, 1e-12);
+        assert_near(vec3_length(t.normal), 1.0, 1e-12);
+        vec3 between = vec3_sub(t.on_b, t.on_a);
+        assert_true(vec3_length(vec3_sub(between, vec3_scale(t.normal, t.distance))) < 1e-9);
+        vec3 axis = starts[k];
+        double gap = gjk_find_gap(pair, &axis);
+        assert_true(gap <= fmax(0.0, t.distance) + 1e-12 && gap >= 0.0);
+        assert_true((gap > 0.0) == (t.distance > 0.0) || fabs(t.distance) < 1e-12);
+    }
+    return first;
+}
+
+static void boxes_apart_face_to_face_edge_to_edge_and_corner_to_corner(void **state)
+{
+    (void)state;
+    hull a, b;
+    helper_hull_box(2.0, 2.0, 2.0, &a);
+    helper_hull_box(1.0, 1.0, 1.0, &b);
+    gjk_pair faces = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.75, 0.2, -0.3 }, &still);
+    gjk_touch t = measure(&faces);
+    assert_near(t.distance, 0.25, 1e-12);
+    assert_near(t.normal.x, 1.0, 1e-12);
+    gjk_pair edges = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.8, 1.9, 0.3 }, &still);
+    assert_near(measure(&edges).distance, 0.5, 1e-12); // 0.3, 0.4
+    gjk_pair corners = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.6, 1.7, -1.7 }, &still);
+    assert_near(measure(&corners).distance, 0.3, 1e-12); // 0.1, 0.2, 0.2
+    mat3 eighth = turn_about_z(M_PI / 4.0);
+    gjk_pair edge_on_face = gjk_pair_of(&a, origin, &still, &b, (vec3){ 2.0, 0.0, 0.0 }, &eighth);
+    assert_near(measure(&edge_on_face).distance, 1.0 - M_SQRT1_2, 1e-12);
+}
+
+static void boxes_in_each_other_come_out_the_shortest_way(void **state)
+{
+    (void)state;
+    hull a, b;
+    helper_hull_box(2.0, 2.0, 2.0, &a);
+    helper_hull_box(1.0, 1.0, 1.0, &b);
+    gjk_pair faces = gjk_pair_of(&a, origin, &still, &b, (vec3){ 0.2, -1.3, 0.4 }, &still);
+    gjk_touch t = measure(&faces);
+    assert_near(t.distance, -0.2, 1e-12);
+    assert_near(t.normal.y, -1.0, 1e-12);
+    gjk_pair same = gjk_pair_of(&a, origin, &still, &b, origin, &still);
+    assert_near(measure(&same).distance, -1.5, 1e-12);
+    mat3 eighth = turn_about_z(M_PI / 4.0);
+    gjk_pair corner = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.5, 0.1, 0.0 }, &eighth);
+    t = measure(&corner);
+    assert_near(t.distance, 0.5 - M_SQRT1_2, 1e-12);
+    assert_near(t.normal.x, 1.0, 1e-12);
+}
+
+// A ball is a point with a radius: its distance is that of the point less the radius.
+static void points_stand_for_balls(void **state)
+{
+    (void)state;
+    hull a, b;
+    const double point[1][3] = { { 0.0, 0.0, 0.0 } };
+    hull_set_points(point, 1, &a);
+    gjk_pair points = gjk_pair_of(&a, origin, &still, &a, (vec3){ 2.0, 3.0, 6.0 }, &still);
+    gjk_touch t = measure(&points);
+    assert_near(t.distance, 7.0, 1e-12);
+    assert_near(t.normal.z, 6.0 / 7.0, 1e-12);
+    helper_hull_box(2.0, 4.0, 6.0, &b);
+    gjk_pair outside = gjk_pair_of(&b, origin, &still, &a, (vec3){ 1.4, 2.3, 0.0 }, &still);
+    assert_near(measure(&outside).distance, 0.5, 1e-12);
+    gjk_pair inside = gjk_pair_of(&b, origin, &still, &a, (vec3){ 0.3, -1.9, 0.0 }, &still);
+    t = measure(&inside);
+    assert_near(t.distance, -0.1, 1e-12);
+    assert_near(t.normal.y, -1.0, 1e-12);
+    gjk_pair same = gjk_pair_of(&a, origin, &still, &a, origin, &still);
+    t = gjk_measure(&same, (vec3){ 0.0, 1.0, 0.0 });
+    assert_near(t.distance, 0.0, 1e-12);
+    assert_near(vec3_length(t.normal), 1.0, 1e-12);
+}
+
+// Depth or distance 0, in a face, an edge and a corner, and for flat things.
+static void touching_is_neither_apart_nor_deep(void **state)
+{
+    (void)state;
+    const vec3 places[] = { { 1.5, 0.2, 0.1 }, { 1.5, 1.5, 0.1 }, { 1.5, -1.5, 1.5 } };
+    const double segment[2][3] = { { -1.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 } };
+    hull a, b, s;
+    helper_hull_box(2.0, 2.0, 2.0, &a);
+    helper_hull_box(1.0, 1.0, 1.0, &b);
+    for (int k = 0; k < 3; k++) {
+        gjk_pair pair = gjk_pair_of(&a, origin, &still, &b, places[k], &still);
+        assert_near(measure(&pair).distance, 0.0, 1e-12);
+    }
+    hull_set_points(segment, 2, &s);
+    mat3 quarter = turn_about_z(M_PI / 2.0);
+    gjk_pair crossing = gjk_pair_of(&s, origin, &still, &s, origin, &quarter);
+    gjk_touch t = gjk_measure(&crossing, (vec3){ 1.0, 0.0, 0.0 });
+    assert_near(t.distance, 0.0, 1e-12);
+    assert_near(fabs(t.normal.z), 1.0, 1e-9);
+    gjk_pair above = gjk_pair_of(&s, origin, &still, &s, (vec3){ 0.3, 0.2, 0.5 }, &quarter);
+    assert_near(measure(&above).distance, 0.5, 1e-12);
+}
+
+// A plate of 1e-6 of its length, pressed by a corner, and one through which a box stands.
+static void thin_plates_are_no_harder(void **state)
+{
+    (void)state;
+    hull plate, box;
+    helper_hull_box(1.0, 1.0, 1e-6, &plate);
+    helper_hull_box(0.1, 0.1, 0.1, &box);
+    gjk_pair on = gjk_pair_of(&plate, origin, &still, &box, (vec3){ 0.2, 0.1, 0.05 }, &still);
+    gjk_touch t = measure(&on);
+    assert_near(t.distance, -5e-7, 1e-12);
+    assert_near(t.normal.z, 1.0, 1e-9);
+    gjk_pair through = gjk_pair_of(&plate, origin, &still, &box, (vec3){ 0.2, 0.1, 0.01 }, &still);
+    assert_near(measure(&through).distance, -0.0400005, 1e-12);
+    mat3 tiny = mat3_of_quat(quat_unit((quat){ 1.0, { 1e-9, -2e-9, 0.0 } }));
+    gjk_pair parallel = gjk_pair_of(&plate, origin, &still, &box, (vec3){ 0.2, 0.1, 0.06 }, &tiny);
+    assert_near(measure(&parallel).distance, helper_hull_distance(&parallel), 1e-12);
+}
+
+static void random_hulls_agree_with_everything_tried(void **state)
+{
+    (void)state;
+    bf_random random;
+    int n_deep = 0;
+    random_init(&random, 4);
+    for (int k = 0; k < 300; k++) {
+        hull a, b;
+        mat3 r_a = helper_hull_rotation(&random), r_b = helper_hull_rotation(&random);
+        double span = k % 2 == 0 ? 0.8 : 2.0;
+        vec3 at = { helper_hull_number(&random, -span, span),
+                    helper_hull_number(&random, -span, span),
+                    helper_hull_number(&random, -span, span) };
+        helper_hull_random(&random, 4 + (size_t)k % 25, 1.0, &a);
+        if (k % 3 == 0)
+            helper_hull_box(helper_hull_number(&random, 0.1, 2.0), 0.5, 1.0, &b);
+        else
+            helper_hull_random(&random, 4 + (size_t)k % 21, 1.0, &b);
+        // Parallel faces and the same place are the hard cases.
+        gjk_pair pair = gjk_pair_of(&a, origin, &r_a, k % 7 == 0 ? &a : &b,
+                                    k % 11 == 0 ? origin : at, k % 5 == 0 ? &r_a : &r_b);
+        double expected = helper_hull_distance(&pair);
+        assert_near(measure(&pair).distance, expected, 1e-11);
+        n_deep += expected < 0.0;
+    }
+    assert_in_range(n_deep, 50, 250);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes_apart_face_to_face_edge_to_edge_and_corner_to_corner),
+        cmocka_unit_test(boxes_in_each_other_come_out_the_shortest_way),
+        cmocka_unit_test(points_stand_for_balls),
+        cmocka_unit_test(touching_is_neither_apart_nor_deep),
+        cmocka_unit_test(thin_plates_are_no_harder),
+        cmocka_unit_test(random_hulls_agree_with_everything_tried),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

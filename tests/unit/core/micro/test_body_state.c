@@ -1,0 +1,334 @@
+// Unit tests of the spatial path as a program: threads, saving and loading, memory, errors; and its
+// upright cylinders against the planar path.
+
+#include "core/base/buffer.h"
+#include "core/base/memory.h"
+#include "tests/unit/core/helper_scene.h"
+#include "tests/unit/core/helper_spatial.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/// The jam with the steps of either integrator.
+static void make_jam(helper_spatial *h, micro_integrator integrator)
+{
+    helper_spatial_jam(h);
+    h->def.integrator = integrator;
+    if (integrator == MICRO_IMPLICIT)
+        h->def.dt = 1e-3;
+}
+
+static void check_threads(micro_integrator integrator)
+{
+    helper_spatial h;
+    uint64_t digest[2];
+    make_jam(&h, integrator);
+    for (int k = 0; k < 2; k++) {
+        h.def.n_threads = k + 1;
+        body_state *s = helper_spatial_start(&h);
+        helper_spatial_run(s, 0.12);
+        assert_true(body__measure(s).n_contacts > 5);
+        digest[k] = helper_spatial_digest(s);
+        micro__spatial.destroy(s);
+    }
+    assert_true(digest[0] == digest[1]);
+}
+
+static void two_threads_give_the_same_bits_as_one(void **state)
+{
+    (void)state;
+    check_threads(MICRO_VERLET);
+    check_threads(MICRO_IMPLICIT);
+}
+
+static void parts_keep_to_their_side_and_on_the_belt(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    helper_spatial_jam(&h);
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.3);
+    assert_true(body__measure(s).largest_overlap < 1.5e-3);
+    assert_near(body__measure(s).overlap_share, body__measure(s).largest_overlap / 0.008, 0.06);
+    for (size_t k = 0; k < s->n; k++) {
+        micro_part part = body__part(s, k);
+        double beyond = part.x[0] - (0.215 + (part.x[1] + 0.05) * 0.04 / 0.13);
+        assert_true(part.is_gone || part.x[1] > 0.07 || beyond < 0.0);
+        assert_true(part.x[1] > -0.05 && part.x[1] < 0.1 && part.x[2] > 0.0 && part.x[2] < 0.03);
+    }
+    micro__spatial.destroy(s);
+}
+
+// When the list is made depends on when the solver was: it must not count.
+static void check_resume(micro_integrator integrator)
+{
+    helper_spatial h;
+    bf_buffer saved = { 0 }, again = { 0 };
+    make_jam(&h, integrator);
+    body_state *whole = helper_spatial_start(&h), *second = helper_spatial_start(&h);
+    helper_spatial_run(whole, 0.1);
+    assert_int_equal(body__save(whole, &saved, NULL), BF_OK);
+    assert_int_equal(body__load(second, saved.bytes, saved.n, NULL), BF_OK);
+    assert_int_equal(micro__spatial.steps(second), micro__spatial.steps(whole));
+    assert_true(helper_spatial_digest(second) == helper_spatial_digest(whole));
+    assert_int_equal(body__measure(second).n_contacts, body__measure(whole).n_contacts);
+    assert_int_equal(body__save(second, &again, NULL), BF_OK);
+    assert_int_equal(again.n, saved.n);
+    assert_memory_equal(again.bytes, saved.bytes, saved.n);
+    helper_spatial_run(whole, 0.05);
+    helper_spatial_run(second, 0.02);
+    helper_spatial_run(second, 0.03);
+    assert_true(helper_spatial_digest(second) == helper_spatial_digest(whole));
+    assert_true(body__measure(second).largest_overlap == body__measure(whole).largest_overlap);
+    buffer_fini(&saved);
+    buffer_fini(&again);
+    micro__spatial.destroy(whole);
+    micro__spatial.destroy(second);
+}
+
+static void a_loaded_state_goes_on_with_the_same_bits(void **state)
+{
+    (void)state;
+    check_resume(MICRO_VERLET);
+    check_resume(MICRO_IMPLICIT);
+}
+
+// Once there is room for the contacts of the jam, steps take none any more.
+static void implicit_steps_allocate_nothing(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    bf_error err = { .code = BF_OK };
+    make_jam(&h, MICRO_IMPLICIT);
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.02);
+    memory_plan_fault(1, 1);
+    assert_int_equal(body__advance(s, 3, &err), BF_OK);
+    assert_int_equal(memory_faults(), 0);
+    memory_plan_fault(0, 0);
+    micro__spatial.destroy(s);
+}
+
+static void check_damages(micro_integrator integrator)
+{
+    helper_spatial h;
+    bf_buffer saved = { 0 };
+    bf_error err = { .code = BF_OK };
+    make_jam(&h, integrator);
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.08);
+    assert_int_equal(body__save(s, &saved, NULL), BF_OK);
+    helper_spatial_run(s, 0.001);
+    uint64_t before = helper_spatial_digest(s);
+    for (size_t at = 0; at < saved.n; at += 97) {
+        saved.bytes[at] = (char)(saved.bytes[at] ^ 0x10);
+        assert_int_equal(body__load(s, saved.bytes, saved.n, &err), BF_ECORRUPT);
+        saved.bytes[at] = (char)(saved.bytes[at] ^ 0x10);
+    }
+    for (size_t n = 0; n < saved.n; n += 211)
+        assert_int_equal(body__load(s, saved.bytes, n, &err), BF_ECORRUPT);
+    assert_true(helper_spatial_digest(s) == before);
+    h.def.n_parts = 35;
+    body_state *other = helper_spatial_start(&h);
+    assert_int_equal(body__load(other, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+    micro__spatial.destroy(other);
+    buffer_fini(&saved);
+    micro__spatial.destroy(s);
+}
+
+static void a_damaged_state_is_refused_and_changes_nothing(void **state)
+{
+    (void)state;
+    check_damages(MICRO_VERLET);
+    check_damages(MICRO_IMPLICIT);
+}
+
+/// Create, step, save and load. Whatever fails says that there is no memory.
+static bf_status live(const helper_spatial *h)
+{
+    bf_buffer saved = { 0 };
+    bf_error err = { .code = BF_OK };
+    void *s = NULL;
+
+    bf_status status = micro__spatial.create(&h->def, &s, &err);
+    assert_true((status == BF_OK) == (s != NULL));
+    if (status == BF_OK)
+        status = micro__spatial.advance(s, 20, &err);
+    if (status == BF_OK)
+        status = micro__spatial.save(s, &saved, &err);
+    if (status == BF_OK)
+        status = micro__spatial.load(s, saved.bytes, saved.n, &err);
+    if (status == BF_OK)
+        status = micro__spatial.advance(s, 20, &err);
+    assert_true(status == BF_OK || (status == BF_ENOMEM && err.code == BF_ENOMEM));
+    buffer_fini(&saved);
+    micro__spatial.destroy(s);
+    return status;
+}
+
+static void check_faults(micro_integrator integrator)
+{
+    helper_spatial h;
+    bf_status status = BF_ENOMEM;
+    size_t n = 0;
+    make_jam(&h, integrator);
+    while (status != BF_OK) {
+        memory_plan_fault(++n, 0);
+        status = live(&h);
+        memory_plan_fault(0, 0);
+    }
+    assert_in_range(n, 20, 100);
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    check_faults(MICRO_VERLET);
+    check_faults(MICRO_IMPLICIT);
+}
+
+// A list that could not grow is made by the next call; nothing is lost.
+static void check_retry(micro_integrator integrator)
+{
+    helper_spatial h;
+    bf_error err = { .code = BF_OK };
+    make_jam(&h, integrator);
+    body_state *s = helper_spatial_start(&h), *calm = helper_spatial_start(&h);
+    memory_plan_fault(1, 0);
+    assert_int_equal(body__advance(s, 10, &err), BF_ENOMEM);
+    memory_plan_fault(0, 0);
+    assert_int_equal(s->steps, 0);
+    assert_int_equal(body__advance(s, 10, &err), BF_OK);
+    assert_int_equal(body__advance(calm, 10, &err), BF_OK);
+    assert_true(helper_spatial_digest(s) == helper_spatial_digest(calm));
+    micro__spatial.destroy(s);
+    micro__spatial.destroy(calm);
+}
+
+static void a_step_without_memory_can_be_made_again(void **state)
+{
+    (void)state;
+    check_retry(MICRO_VERLET);
+    check_retry(MICRO_IMPLICIT);
+}
+
+// Far beyond the stable step a contact throws parts about.
+static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    bf_error err = { .code = BF_OK };
+    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    h.def.n_parts = 2;
+    h.poses[1].x = 0.019;
+    h.def.dt = 5e-3;
+    body_state *s = helper_spatial_start(&h);
+    assert_int_equal(body__advance(s, 1000, &err), BF_ENUMERIC);
+    assert_non_null(strstr(err.text, "part 0"));
+    assert_non_null(strstr(err.text, "after step"));
+    micro__spatial.destroy(s);
+}
+
+static void a_value_that_is_not_finite_is_named(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    bf_error err = { .code = BF_OK };
+    helper_spatial_jam(&h);
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 1e-3);
+    s->bodies[20].w.y = NAN;
+    assert_int_equal(body__advance(s, 5, &err), BF_ENUMERIC);
+    assert_non_null(strstr(err.text, "part 20"));
+    assert_non_null(strstr(err.text, "step 101"));
+    micro__spatial.destroy(s);
+}
+
+static void what_cannot_be_made_is_refused(void **state)
+{
+    (void)state;
+    double flat[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
+    helper_spatial h;
+    bf_error err = { .code = BF_OK };
+    void *s = NULL;
+    helper_spatial_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = flat });
+    assert_int_equal(micro__spatial.create(&h.def, &s, &err), BF_EINPUT);
+    assert_null(s);
+}
+
+// m = 0.03 kg in a box of 2 cm: the dashpots allow some 1e-5 s; ten times the mass allows ten times
+// the step. What is chosen is below the bound, and a jam at the bound stays together.
+static void the_stable_step_follows_the_mass(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    double light = micro__spatial.dt_stable(&h.def);
+    assert_true(light > 1e-5 && light < 1e-4);
+    assert_true(micro__spatial.dt_chosen(&h.def) < light);
+    h.kinds[0].mass = 0.3;
+    h.def.modulus_reduction = 1e9;
+    assert_near(micro__spatial.dt_stable(&h.def), 10.0 * light, 0.5 * light);
+    helper_spatial_jam(&h);
+    h.def.dt = micro__spatial.dt_stable(&h.def);
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.2);
+    assert_true(body__measure(s).largest_overlap < 1.5e-3);
+    micro__spatial.destroy(s);
+}
+
+static void no_parts_are_no_trouble(void **state)
+{
+    (void)state;
+    helper_spatial h;
+    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    h.def.n_parts = 0;
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 1e-3);
+    assert_int_equal(body__measure(s).n_parts, 0);
+    micro__spatial.destroy(s);
+}
+
+// 60 cylinders through a passage that a plate of 60 degrees leaves open: the mean over time of the
+// difference of U(t) is below 1 % of N.
+static void upright_cylinders_do_as_on_the_planar_path(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 70 };
+    helper_spatial h;
+    double planar[SAMPLES], spatial[SAMPLES];
+    helper_spatial_passage(&h, helper_spatial_cylinder(0.012, 0.008));
+    h.def.dt = 2e-5;
+    h.def.path = MICRO_PATH_PLANAR;
+    helper_spatial_curve(&h.def, 1e-2, SAMPLES, planar);
+    h.def.path = MICRO_PATH_SPATIAL;
+    helper_spatial_curve(&h.def, 1e-2, SAMPLES, spatial);
+    assert_true(planar[SAMPLES - 1] < 0.8 * (double)h.def.n_parts);
+    assert_true(helper_spatial_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_threads_give_the_same_bits_as_one),
+        cmocka_unit_test(parts_keep_to_their_side_and_on_the_belt),
+        cmocka_unit_test(a_loaded_state_goes_on_with_the_same_bits),
+        cmocka_unit_test(implicit_steps_allocate_nothing),
+        cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(a_step_without_memory_can_be_made_again),
+        cmocka_unit_test(a_part_that_flies_off_is_named_with_step_and_time),
+        cmocka_unit_test(a_value_that_is_not_finite_is_named),
+        cmocka_unit_test(what_cannot_be_made_is_refused),
+        cmocka_unit_test(the_stable_step_follows_the_mass),
+        cmocka_unit_test(no_parts_are_no_trouble),
+        cmocka_unit_test(upright_cylinders_do_as_on_the_planar_path),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

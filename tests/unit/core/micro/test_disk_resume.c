@@ -1,0 +1,290 @@
+// What explicit planar steps keep: the same bits for any number of threads, any instruction set and any
+// interruption; and what they do without memory, with damaged bytes and with impossible input.
+
+#include "core/base/memory.h"
+#include "core/micro/disk/kernels.h"
+#include "tests/unit/core/helper_planar.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { STEPS = 450 };
+
+static helper_planar *make_crowd(bool is_mixed)
+{
+    helper_planar *w = helper_planar_make(0.395, 2.0);
+
+    helper_planar_crowd(w, is_mixed);
+    return w;
+}
+
+static micro_solver *start(const helper_planar *w, int n_threads)
+{
+    micro_def def = w->def;
+    micro_solver *s = NULL;
+
+    def.n_threads = n_threads;
+    assert_int_equal(micro_create(&def, &s, NULL), BF_OK);
+    return s;
+}
+
+static uint64_t digest_after(const helper_planar *w, int n_threads)
+{
+    micro_solver *s = start(w, n_threads);
+
+    assert_int_equal(micro_advance(s, STEPS, NULL), BF_OK);
+    assert_true(micro_measure(s).n_parts < micro_parts(s));
+    assert_true(micro_measure(s).n_contacts > micro_parts(s) / 2);
+    uint64_t digest = micro_digest(s);
+    micro_destroy(s);
+    return digest;
+}
+
+static void one_and_two_threads_give_the_same_bits(void **state)
+{
+    (void)state;
+    for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
+        helper_planar *w = make_crowd(is_mixed);
+        uint64_t one = digest_after(w, 1);
+        assert_true(digest_after(w, 2) == one);
+        assert_true(digest_after(w, 3) == one);
+        free(w);
+    }
+}
+
+// One step of all parts by a table of kernels, into copies of what it writes.
+static void step_with(const disk_kernels *kernels, disk_state *s, disk_row *rows, double *heading,
+                      disk_extremes *extremes)
+{
+    const disk_step step = { .state = s,
+                             .now = s->now,
+                             .next = rows,
+                             .heading = heading,
+                             .dt = s->def.dt,
+                             .dt_force = s->def.dt,
+                             .keep = 1.0 };
+
+    *extremes = (disk_extremes){ 0 };
+    memcpy(heading, s->heading, s->n_padded * sizeof *heading);
+    memcpy(rows, s->now, s->n_padded * sizeof *rows);
+    kernels->touch(&step, 0, s->n_touches, extremes);
+    kernels->advance(&step, 0, s->n_padded / DISK_GROUP, extremes);
+}
+
+static void check_variants(disk_state *s)
+{
+    const disk_kernels *const *all = disk_kernels_available();
+    const size_t n = s->n_padded;
+    disk_row *rows = memory_alloc(2 * n, sizeof *rows);
+    double *heading = memory_alloc(2 * n, sizeof *heading);
+    disk_extremes extremes[2];
+
+    assert_non_null(rows);
+    assert_non_null(heading);
+    assert_true(s->n_touches > 0);
+    for (size_t k = 0; all[k] != NULL; k++) {
+        size_t set = k == 0 ? 0 : 1;
+        step_with(all[k], s, rows + set * n, heading + set * n, &extremes[set]);
+        assert_memory_equal(rows + set * n, rows, n * sizeof *rows);
+        assert_memory_equal(heading + set * n, heading, n * sizeof *heading);
+        // The sum only tells what is finite; it may be added up in any order.
+        assert_true(extremes[set].speed2 == extremes[0].speed2);
+        assert_true(extremes[set].overlap == extremes[0].overlap);
+        assert_true(extremes[set].overlap_share == extremes[0].overlap_share);
+    }
+    memory_free(rows);
+    memory_free(heading);
+}
+
+static void all_instruction_sets_give_the_same_bits(void **state)
+{
+    helper_outflow *e = malloc(sizeof *e);
+    helper_planar *w = make_crowd(true);
+
+    (void)state;
+    assert_non_null(e);
+    helper_planar_jam(e, 60.0);
+    const micro_def *defs[] = { &e->def, &w->def }; // plain and not
+    for (size_t k = 0; k < 2; k++) {
+        disk_state *s = helper_planar_start(defs[k]);
+        assert_int_equal(s->is_plain, k == 0);
+        helper_planar_advance(s, 100);
+        check_variants(s);
+        helper_planar_end(s);
+    }
+    free(e);
+    free(w);
+}
+
+static void an_interrupted_run_ends_with_the_same_bits(void **state)
+{
+    const uint64_t stops[] = { 0, 1, 150, 449 };
+    helper_planar *w = make_crowd(true);
+    uint64_t expected = digest_after(w, 1);
+
+    (void)state;
+    for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) {
+        bf_buffer saved = { 0 };
+        micro_solver *s = start(w, 1), *resumed = start(w, 2);
+        assert_int_equal(micro_advance(s, stops[k], NULL), BF_OK);
+        assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
+        assert_int_equal(micro_load(resumed, saved.bytes, saved.n, NULL), BF_OK);
+        assert_int_equal(micro_advance(resumed, STEPS - stops[k], NULL), BF_OK);
+        assert_true(micro_digest(resumed) == expected);
+        micro_destroy(s);
+        micro_destroy(resumed);
+        buffer_fini(&saved);
+    }
+    free(w);
+}
+
+static void damaged_states_are_refused_and_change_nothing(void **state)
+{
+    helper_planar *w = make_crowd(false);
+    bf_buffer saved = { 0 };
+
+    (void)state;
+    w->def.n_parts = 20;
+    micro_solver *s = start(w, 1);
+    assert_int_equal(micro_advance(s, 5, NULL), BF_OK);
+    assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
+    assert_int_equal(micro_advance(s, 5, NULL), BF_OK);
+    uint64_t before = micro_digest(s);
+    for (size_t k = 0; k < saved.n; k++) {
+        saved.bytes[k] ^= 4;
+        assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+        saved.bytes[k] ^= 4;
+        assert_int_equal(micro_load(s, saved.bytes, k, NULL), BF_ECORRUPT);
+    }
+    assert_true(micro_digest(s) == before);
+    w->def.gravity = 9.8;
+    micro_solver *other = start(w, 1);
+    assert_int_equal(micro_load(other, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+    assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_OK);
+    assert_int_equal(micro_steps(s), 5);
+    micro_destroy(other);
+    micro_destroy(s);
+    buffer_fini(&saved);
+    free(w);
+}
+
+static void without_memory_nothing_is_lost(void **state)
+{
+    helper_planar *w = make_crowd(true);
+    size_t n_failed = 0;
+
+    (void)state;
+    w->def.n_parts = 44 * 4;
+    w->def.n_obstacles = 0; // so that parts leave
+    uint64_t expected = digest_after(w, 1);
+    for (size_t fault = 1;; fault++) {
+        micro_solver *s = NULL;
+        bf_buffer saved = { 0 };
+        memory_plan_fault(fault, 0);
+        bf_status status = micro_create(&w->def, &s, NULL);
+        assert_true(status == BF_OK || (status == BF_ENOMEM && s == NULL));
+        if (status == BF_OK)
+            status = micro_advance(s, STEPS, NULL);
+        if (status == BF_OK)
+            status = micro_save(s, &saved, NULL);
+        memory_plan_fault(0, 0);
+        assert_true(status == BF_OK || (status == BF_ENOMEM && saved.n == 0));
+        if (s != NULL) {
+            assert_int_equal(micro_advance(s, STEPS - micro_steps(s), NULL), BF_OK);
+            assert_true(micro_digest(s) == expected);
+        }
+        micro_destroy(s);
+        buffer_fini(&saved);
+        n_failed += status == BF_ENOMEM;
+        if (status == BF_OK)
+            break;
+    }
+    assert_true(n_failed > 20);
+    free(w);
+}
+
+static void assert_refused(const micro_def *def, const char *pointer)
+{
+    micro_solver *s = NULL;
+    bf_error err = { 0 };
+
+    assert_int_equal(micro_create(def, &s, &err), BF_EINPUT);
+    assert_null(s);
+    assert_string_equal(err.pointer, pointer);
+}
+
+static void bad_definitions_are_refused_where_they_are_bad(void **state)
+{
+    helper_planar *w = make_crowd(false);
+    const micro_def good = w->def;
+    micro_def bad[7];
+
+    (void)state;
+    for (size_t k = 0; k < 7; k++)
+        bad[k] = good;
+    bad[0].cookie = 0;
+    assert_refused(&bad[0], "");
+    bad[1].dt = 1.01 * micro_dt_stable(&good);
+    assert_refused(&bad[1], "/micro/step_s");
+    bad[2].modulus_reduction = 0.5;
+    assert_refused(&bad[2], "/micro/modulus_reduction");
+    bad[3].contact[SCENE_HANDLING_CARGO].friction = NAN;
+    assert_refused(&bad[3], "/contacts/handling_cargo");
+    bad[4].n_kinds = 0;
+    assert_refused(&bad[4], "/cargo");
+    bad[5].domain.x_max = -1.0;
+    assert_refused(&bad[5], "/domain");
+    bad[6].domain.x_max = 1.5; // parts are beyond
+    assert_refused(&bad[6], "/initial");
+    w->belts[1].n_points = 2;
+    assert_refused(&good, "/belts/1");
+    free(w);
+}
+
+// The text of BF_ENUMERIC after steps of which one must fail.
+static void advance_wrongly(disk_state *s, bf_error *err)
+{
+    assert_int_equal(disk__advance_verlet(s, 10, err), BF_ENUMERIC);
+    assert_non_null(strstr(err->text, "step 3 (t = 0.00015 s)"));
+    assert_non_null(strstr(err->text, "part 17 "));
+}
+
+static void an_impossible_state_is_reported_with_step_time_and_part(void **state)
+{
+    const double speeds[] = { 121.0, NAN, INFINITY }; // 4.5 mm in 50 us are 90 m/s, 6 mm 120 m/s
+
+    (void)state;
+    for (size_t k = 0; k < 3; k++) {
+        helper_planar *w = make_crowd(false);
+        bf_error err = { 0 };
+        disk_state *s = helper_planar_start(&w->def);
+        helper_planar_advance(s, 2);
+        helper_planar_push(s, 17, 0.0, -speeds[k], 0.0);
+        w->def.n_obstacles = 0;
+        advance_wrongly(s, &err);
+        helper_planar_end(s);
+        free(w);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_and_two_threads_give_the_same_bits),
+        cmocka_unit_test(all_instruction_sets_give_the_same_bits),
+        cmocka_unit_test(an_interrupted_run_ends_with_the_same_bits),
+        cmocka_unit_test(damaged_states_are_refused_and_change_nothing),
+        cmocka_unit_test(without_memory_nothing_is_lost),
+        cmocka_unit_test(bad_definitions_are_refused_where_they_are_bad),
+        cmocka_unit_test(an_impossible_state_is_reported_with_step_time_and_part),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

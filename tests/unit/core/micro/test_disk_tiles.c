@@ -1,0 +1,163 @@
+// Several explicit steps in one pass: the same bits as single steps, whatever happens within.
+
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+#include "tests/unit/core/helper_planar.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// Parts that touch each other and a plate, change belts and leave.
+static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
+{
+    helper_planar *w = helper_planar_make(0.5, 0.9);
+
+    helper_planar_crowd(w, is_mixed);
+    w->def.n_threads = n_threads;
+    disk_state *s = helper_planar_start(&w->def);
+    free(w);
+    if (is_tiled) {
+        assert_int_equal(disk__tiles_init(s), BF_OK);
+        assert_int_equal(disk__rebuild(s, NULL), BF_OK);
+    }
+    return s;
+}
+
+static uint64_t digest_of(const disk_state *s)
+{
+    bf_buffer bytes = { 0 };
+
+    assert_int_equal(disk__save(s, &bytes, NULL), BF_OK);
+    uint64_t digest = digest_add(DIGEST_START, bytes.bytes, bytes.n);
+    buffer_fini(&bytes);
+    return digest;
+}
+
+static size_t count_gone(const disk_state *s)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n; k++)
+        n += s->is_gone[k];
+    return n;
+}
+
+static void tiles_give_the_bits_of_single_steps(void **state)
+{
+    (void)state;
+    for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
+        disk_state *single = start_crowd(is_mixed, false, 1);
+        helper_planar_advance(single, 803);
+        assert_true(count_gone(single) > 0);
+        for (int n_threads = 1; n_threads <= 2; n_threads++) {
+            disk_state *tiled = start_crowd(is_mixed, true, n_threads);
+            helper_planar_advance(tiled, 803);
+            assert_int_equal(tiled->steps, 803);
+            assert_true(tiled->tiles.n_made > 20);
+            assert_int_equal(digest_of(tiled), digest_of(single));
+            assert_true(tiled->largest_overlap == single->largest_overlap);
+            assert_true(tiled->overlap_share == single->overlap_share);
+            helper_planar_end(tiled);
+        }
+        helper_planar_end(single);
+    }
+}
+
+// The foremost part that has not left and has no plate before it.
+static size_t find_front(const disk_state *s)
+{
+    size_t front = 0;
+    double x = 0.0;
+
+    for (size_t k = 0; k < s->n; k++) {
+        const disk_row *row = &s->now[s->place[k]];
+        if (s->is_gone[k] == 0 && row->y > 0.65 && row->x > x) {
+            x = row->x;
+            front = k;
+        }
+    }
+    return front;
+}
+
+// The crowd when its foremost part is about to leave, at a time when the last speed makes a tile seem to
+// fit; then that part is thrown out so fast that the list, good for 1.5 mm, does not hold for all of it.
+static disk_state *start_burst_of_speed(bool is_mixed, bool is_tiled, double v)
+{
+    disk_state *s = start_crowd(is_mixed, is_tiled, 1);
+
+    while (s->now[s->place[find_front(s)]].x < 1.998 || s->travel + 16.0 * s->move > 0.5 * s->skin)
+        helper_planar_advance(s, 1);
+    helper_planar_push(s, find_front(s), v, 0.0, 0.0);
+    return s;
+}
+
+static void a_tile_that_outlives_its_list_is_put_back(void **state)
+{
+    (void)state;
+    for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
+        disk_state *single = start_burst_of_speed(is_mixed, false, 12.0);
+        disk_state *tiled = start_burst_of_speed(is_mixed, true, 12.0);
+        uint64_t n_put_back = tiled->tiles.n_put_back;
+        size_t n_gone = count_gone(single);
+        helper_planar_advance(single, 8);
+        helper_planar_advance(tiled, 8);
+        assert_true(count_gone(single) > n_gone);
+        assert_int_equal(tiled->tiles.n_put_back, n_put_back + 1);
+        assert_int_equal(digest_of(tiled), digest_of(single));
+        helper_planar_advance(single, 200);
+        helper_planar_advance(tiled, 200);
+        assert_int_equal(digest_of(tiled), digest_of(single));
+        helper_planar_end(single);
+        helper_planar_end(tiled);
+    }
+}
+
+// 500 m/s are more than half a radius in a step.
+static void a_failure_in_a_tile_is_told_as_by_single_steps(void **state)
+{
+    (void)state;
+    disk_state *single = start_burst_of_speed(false, false, 500.0);
+    disk_state *tiled = start_burst_of_speed(false, true, 500.0);
+    bf_error of_single = { 0 }, of_tiled = { 0 };
+
+    assert_int_equal(disk__advance_verlet(single, 8, &of_single), BF_ENUMERIC);
+    assert_int_equal(disk__advance_verlet(tiled, 8, &of_tiled), BF_ENUMERIC);
+    assert_string_equal(of_tiled.text, of_single.text);
+    assert_int_equal(tiled->steps, single->steps);
+    helper_planar_end(single);
+    helper_planar_end(tiled);
+}
+
+static void no_memory_for_tiles_leaves_single_steps(void **state)
+{
+    (void)state;
+    disk_state *s = start_crowd(false, false, 1);
+
+    for (size_t n = 1; n <= 2; n++) {
+        memory_plan_fault(n, 0);
+        assert_int_equal(disk__tiles_init(s), BF_ENOMEM);
+        memory_plan_fault(0, 0);
+        helper_planar_advance(s, 10);
+        assert_int_equal(s->tiles.n_made, 0);
+    }
+    helper_planar_end(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tiles_give_the_bits_of_single_steps),
+        cmocka_unit_test(a_tile_that_outlives_its_list_is_put_back),
+        cmocka_unit_test(a_failure_in_a_tile_is_told_as_by_single_steps),
+        cmocka_unit_test(no_memory_for_tiles_leaves_single_steps),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

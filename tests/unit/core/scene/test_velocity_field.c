@@ -1,0 +1,602 @@
+// Unit tests of the static velocity field and of closed faces. Velocities are derived from section
+// 3.1: v_T on the free belt, |v_T| n in the outward band B, (v_T . t) t in the slide zone C.
+
+#include "core/scene/velocity_field.h"
+
+#include "core/base/memory.h"
+#include "core/base/random.h"
+#include "core/scene/geometry.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const double speed = 0.395; // of the paper's belt, m/s
+static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
+
+static field *create(const scene *s)
+{
+    field *f = NULL;
+    assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
+    return f;
+}
+
+/// The point of Example 1's obstacle at a share of its length, d upstream of it; angle in degrees.
+static scene_point beside(double angle_deg, double share, double d)
+{
+    double angle = angle_deg * M_PI / 180.0, left = (1.0 - share) * 0.5 / sin(angle);
+    return (scene_point){ 0.75 - left * cos(angle) - d * sin(angle),
+                          0.5 - left * sin(angle) + d * cos(angle) };
+}
+
+static void assert_velocity(const scene *s, scene_point at, double v1, double v2)
+{
+    scene_point v = velocity_field_at(s, at);
+    assert_near(v.x, v1, 1e-14);
+    assert_near(v.y, v2, 1e-14);
+}
+
+static void assert_outward(const scene *s, scene_point at, double angle)
+{
+    assert_velocity(s, at, -speed * sin(angle), speed * cos(angle));
+}
+
+static void assert_sliding(const scene *s, scene_point at, double angle)
+{
+    assert_velocity(s, at, speed * cos(angle) * cos(angle), speed * cos(angle) * sin(angle));
+}
+
+static void a_sealed_obstacle_pushes_outward_then_lets_slide(void **state)
+{
+    (void)state;
+    for (double angle_deg = 30.0; angle_deg <= 90.0; angle_deg += 15.0) {
+        double angle = angle_deg * M_PI / 180.0;
+        scene s;
+        helper_scene_example(&s, angle_deg, SCENE_SEALED);
+        assert_outward(&s, beside(angle_deg, 0.5, 0.0), angle);
+        assert_outward(&s, beside(angle_deg, 0.5, 0.0799), angle);
+        assert_sliding(&s, beside(angle_deg, 0.5, 0.0801), angle);
+        assert_sliding(&s, beside(angle_deg, 0.5, 0.1099), angle);
+        assert_velocity(&s, beside(angle_deg, 0.5, 0.1101), speed, 0.0);
+        assert_velocity(&s, beside(angle_deg, 0.5, -0.0001), speed, 0.0);
+        // The sliding speeds of the table in section 4: 0.279, 0.1975, 0.102, 0.
+        scene_point v = velocity_field_at(&s, beside(angle_deg, 0.5, 0.1));
+        assert_near(sqrt(v.x * v.x + v.y * v.y), speed * cos(angle), 1e-14);
+        scene_fini(&s);
+    }
+}
+
+static void the_papers_field_pushes_outward_behind_the_line_and_lets_slide_before_it(void **state)
+{
+    double angle = M_PI / 3.0;
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_FIELD); // thickness 0.03, slide zone 0.02
+    assert_sliding(&s, beside(60.0, 0.5, 0.0), angle);
+    assert_sliding(&s, beside(60.0, 0.5, 0.0199), angle);
+    assert_velocity(&s, beside(60.0, 0.5, 0.0201), speed, 0.0);
+    assert_outward(&s, beside(60.0, 0.5, -0.0001), angle);
+    assert_outward(&s, beside(60.0, 0.5, -0.0299), angle);
+    assert_velocity(&s, beside(60.0, 0.5, -0.0301), speed, 0.0);
+    scene_fini(&s);
+}
+
+static void a_wall_lets_slide_before_it_and_has_the_belt_behind(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_WALL);
+    assert_sliding(&s, beside(60.0, 0.5, 0.0), M_PI / 3.0);
+    assert_sliding(&s, beside(60.0, 0.5, 0.0199), M_PI / 3.0);
+    assert_velocity(&s, beside(60.0, 0.5, 0.0201), speed, 0.0);
+    assert_velocity(&s, beside(60.0, 0.5, -0.0001), speed, 0.0);
+    scene_fini(&s);
+}
+
+static void bands_span_the_length_of_the_line(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int treatment = 0; treatment < SCENE_TREATMENT_COUNT; treatment++) {
+        helper_scene_example(&s, 60.0, (scene_treatment)treatment);
+        assert_velocity(&s, beside(60.0, 1.001, 0.001), speed, 0.0);
+        assert_velocity(&s, beside(60.0, -0.001, 0.001), speed, 0.0);
+        assert_true(velocity_field_at(&s, beside(60.0, 0.999, 0.001)).y > 0.01);
+        scene_fini(&s);
+    }
+}
+
+static void borders_belong_to_the_bands_with_the_tolerance(void **state)
+{
+    // A line across the belt at x = 0.5 makes d = 0.5 - x; coordinates to 1e-10 m.
+    static const scene_point path[] = { { 0.5, 0.0 }, { 0.5, 0.3 } };
+    static const struct {
+        scene_treatment treatment;
+        double d;
+        double v1; // -speed in B, 0 in C, speed in A
+    } cases[] = {
+        { SCENE_SEALED, -9e-10, -speed },
+        { SCENE_SEALED, -1.1e-9, speed },
+        { SCENE_SEALED, 0.08 - 1.1e-9, -speed },
+        { SCENE_SEALED, 0.08 - 9e-10, 0.0 },
+        { SCENE_SEALED, 0.11 + 9e-10, 0.0 },
+        { SCENE_SEALED, 0.11 + 1.1e-9, speed },
+        { SCENE_FIELD, -9e-10, 0.0 },
+        { SCENE_FIELD, -1.1e-9, -speed },
+        { SCENE_FIELD, -0.005 - 9e-10, -speed },
+        { SCENE_FIELD, -0.005 - 1.1e-9, speed },
+        { SCENE_FIELD, 0.02 + 9e-10, 0.0 },
+        { SCENE_FIELD, 0.02 + 1.1e-9, speed },
+        { SCENE_WALL, -9e-10, 0.0 },
+        { SCENE_WALL, -1.1e-9, speed },
+        { SCENE_WALL, 0.02 + 9e-10, 0.0 },
+        { SCENE_WALL, 0.02 + 1.1e-9, speed },
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene s;
+        helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+        helper_scene_add_obstacle(&s, path, 2, cases[k].treatment);
+        helper_scene_resolve(&s);
+        assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.1 }, cases[k].v1, 0.0);
+        // The ends too.
+        bool is_band = cases[k].v1 < speed;
+        assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.3 + 9e-10 }, cases[k].v1, 0.0);
+        if (is_band)
+            assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.3 + 1.1e-9 }, speed, 0.0);
+        scene_fini(&s);
+    }
+}
+
+static void the_upstream_side_does_not_depend_on_the_direction_of_the_path(void **state)
+{
+    static const scene_point up[] = { { 0.5, 0.0 }, { 0.5, 0.3 } },
+                             down[] = { { 0.5, 0.3 }, { 0.5, 0.0 } };
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+        helper_scene_add_obstacle(&s, k == 0 ? up : down, 2, SCENE_SEALED);
+        helper_scene_resolve(&s);
+        assert_velocity(&s, (scene_point){ 0.45, 0.1 }, -speed, 0.0);
+        assert_velocity(&s, (scene_point){ 0.55, 0.1 }, speed, 0.0);
+        scene_fini(&s);
+    }
+}
+
+static void along_the_belt_the_left_side_counts_as_upstream(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+    helper_scene_add_obstacle(&s, (scene_point[]){ { 0.2, 0.25 }, { 0.8, 0.25 } }, 2, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    assert_velocity(&s, (scene_point){ 0.5, 0.30 }, 0.0, speed);
+    assert_velocity(&s, (scene_point){ 0.5, 0.20 }, speed, 0.0);
+    scene_fini(&s);
+}
+
+static void the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_later_ones(
+    void **state)
+{
+    static const scene_point across[] = { { 0.5, 0.0 }, { 0.5, 0.5 } };
+    static const scene_point slanted[] = { { 0.45, 0.2 }, { 0.55, 0.3 } };
+    double half = 0.5 * speed, root = speed / sqrt(2.0);
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+    helper_scene_add_obstacle(&s, across, 2, SCENE_WALL);    // slide zone 0.48 .. 0.5: (0, 0)
+    helper_scene_add_obstacle(&s, slanted, 2, SCENE_WALL);   // slide zone: v_T cos 45 along it
+    helper_scene_add_obstacle(&s, slanted, 2, SCENE_SEALED); // outward band
+    helper_scene_resolve(&s);
+    assert_velocity(&s, (scene_point){ 0.49, 0.26 }, -root, root);
+    s.n_obstacles = 2;
+    assert_velocity(&s, (scene_point){ 0.49, 0.25 }, 0.0, 0.0);
+    assert_velocity(&s, (scene_point){ 0.51, 0.27 }, half, half);
+    s.n_obstacles = 3;
+    scene_fini(&s);
+}
+
+static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
+{
+    static const scene_point west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
+    static const scene_point east[] = { { 0.4, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.4, 0.4 } };
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+    helper_scene_add_belt(&s, (scene_point){ 0.1, 0.0 }, west, 4);
+    helper_scene_add_belt(&s, (scene_point){ 0.0, 0.2 }, east, 4);
+    helper_scene_resolve(&s);
+    assert_velocity(&s, (scene_point){ 0.2, 0.2 }, 0.1, 0.0);
+    assert_velocity(&s, (scene_point){ 0.5, 0.2 }, 0.0, 0.2);
+    assert_velocity(&s, (scene_point){ 0.4, 0.2 }, 0.0, 0.2); // borders belong to the belt
+    assert_velocity(&s, (scene_point){ 1.0, 0.0 }, 0.0, 0.2);
+    assert_velocity(&s, (scene_point){ 0.5, 0.4001 }, 0.0, 0.0);
+    scene_fini(&s);
+}
+
+/// A number from low to high; now and then one of the grid's own places, which are the hard cases.
+static double draw(bf_random *random, double low, double high, double cell)
+{
+    double x = low + random_unit(random) * (high - low);
+    switch (random_bits(random) % 4) {
+    case 0:
+        return round(x / cell) * cell; // a face
+    case 1:
+        return (floor(x / cell) + 0.5) * cell; // a centre
+    default:
+        return x;
+    }
+}
+
+/// A path that wanders over a domain of 1 x 0.5 m and beyond its edges.
+static size_t draw_path(bf_random *random, double cell, size_t n_max, scene_point *ret_path)
+{
+    size_t n = 2 + random_bits(random) % (n_max - 1);
+
+    for (size_t k = 0; k < n; k++) {
+        do {
+            ret_path[k] =
+                (scene_point){ draw(random, -0.1, 1.1, cell), draw(random, -0.1, 0.6, cell) };
+        } while (k > 0 && geometry_length(geometry_subtract(ret_path[k], ret_path[k - 1])) < 1e-3);
+    }
+    return n;
+}
+
+static void draw_scene(scene *s, bf_random *random)
+{
+    static const double cells[] = { 0.05, 0.02, 0.01, 0.025 };
+    double cell = cells[random_bits(random) % 4];
+    scene_point path[8];
+
+    helper_scene_belt(s, 1.0, 0.5, cell, &somewhere, 1);
+    for (size_t side = 0; side < SCENE_SIDE_COUNT; side++)
+        s->edges[side] = (scene_edge)(random_bits(random) % SCENE_EDGE_COUNT);
+    for (size_t k = random_bits(random) % 4; k > 0; k--) {
+        scene_point v = { draw(random, -1.0, 1.0, 0.1), draw(random, -1.0, 1.0, 0.1) };
+        size_t n = random_bits(random) % 3 == 0 ? 0 : draw_path(random, cell, 8, path);
+        helper_scene_add_belt(s, v, path, n < 3 ? 0 : n);
+    }
+    for (size_t k = random_bits(random) % 4; k > 0; k--) {
+        size_t n = draw_path(random, cell, 5, path);
+        scene_obstacle *o = helper_scene_add_obstacle(
+            s, path, n, (scene_treatment)(random_bits(random) % SCENE_TREATMENT_COUNT));
+        o->thickness = draw(random, 0.001, 0.1, cell);
+        o->band = draw(random, 0.001, 0.1, cell);
+    }
+    helper_scene_resolve(s);
+}
+
+/// Compare face (i, j) of one axis with the plain rules.
+static void check_face(const scene *s, const field *f, int axis, size_t i, size_t j)
+{
+    const bf_grid *g = &f->grid;
+    size_t k = axis == 0 ? j * (g->n1 + 1) + i : j * g->n1 + i;
+    double half1 = axis == 0 ? 0.5 : 0.0, half2 = axis == 0 ? 0.0 : 0.5;
+    scene_point at = { g->lower1 + ((double)i + 0.5 - half1) * g->d1,
+                       g->lower2 + ((double)j + 0.5 - half2) * g->d2 };
+    scene_point from = { g->lower1 + ((double)i + 0.5 - 2.0 * half1) * g->d1,
+                         g->lower2 + ((double)j + 0.5 - 2.0 * half2) * g->d2 };
+    scene_point to = { grid_x1(g, i), grid_x2(g, j) };
+    size_t n = axis == 0 ? g->n1 : g->n2, along = axis == 0 ? i : j;
+    scene_side low = axis == 0 ? SCENE_WEST : SCENE_SOUTH;
+    scene_side high = axis == 0 ? SCENE_EAST : SCENE_NORTH;
+    bool is_closed = velocity_field_is_shut(s, from, to) ||
+                     (along == 0 && s->edges[low] == SCENE_EDGE_WALL) ||
+                     (along == n && s->edges[high] == SCENE_EDGE_WALL);
+    scene_point v = velocity_field_at(s, at);
+
+    assert_int_equal((axis == 0 ? f->closed1 : f->closed2)[k] != 0, is_closed);
+    assert_true((axis == 0 ? f->v1 : f->v2)[k] == (is_closed ? 0.0 : axis == 0 ? v.x : v.y));
+}
+
+static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
+{
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 1);
+    for (int round = 0; round < 300; round++) {
+        scene s;
+        draw_scene(&s, &random);
+        field *f = create(&s);
+        for (size_t j = 0; j < f->grid.n2; j++) {
+            for (size_t i = 0; i <= f->grid.n1; i++)
+                check_face(&s, f, 0, i, j);
+        }
+        for (size_t j = 0; j <= f->grid.n2; j++) {
+            for (size_t i = 0; i < f->grid.n1; i++)
+                check_face(&s, f, 1, i, j);
+        }
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+/// Mark every cell that open faces link with cell start. stack has room for all cells.
+static void flood(const field *f, size_t start, uint8_t *reached, size_t *stack)
+{
+    size_t n1 = f->grid.n1, n2 = f->grid.n2, n = 0;
+
+    stack[n++] = start;
+    reached[start] = 1;
+    while (n > 0) {
+        size_t k = stack[--n], i = k % n1, j = k / n1;
+        const size_t next[4] = { k - 1, k + 1, k - n1, k + n1 };
+        const bool is_open[4] = { i > 0 && !f->closed1[j * (n1 + 1) + i],
+                                  i + 1 < n1 && !f->closed1[j * (n1 + 1) + i + 1],
+                                  j > 0 && !f->closed2[k], j + 1 < n2 && !f->closed2[k + n1] };
+        for (int d = 0; d < 4; d++) {
+            if (is_open[d] && !reached[next[d]]) {
+                reached[next[d]] = 1;
+                stack[n++] = next[d];
+            }
+        }
+    }
+}
+
+static double distance_to_path(scene_point at, const scene_point *path, size_t n)
+{
+    double least = INFINITY;
+    for (size_t k = 0; k + 1 < n; k++)
+        least = fmin(least, geometry_distance(at, path[k], path[k + 1]));
+    return least;
+}
+
+/// A closed path around a centre, star-shaped, whose last point is its first.
+static size_t draw_loop(bf_random *random, double cell, scene_point *ret_path)
+{
+    size_t n = 3 + random_bits(random) % 8;
+    double turn = random_unit(random);
+
+    for (size_t k = 0; k < n; k++) {
+        double angle = 2.0 * M_PI * ((double)k + turn) / (double)n;
+        double reach = 0.05 + 0.17 * random_unit(random);
+        double x = 0.5 + 1.8 * reach * cos(angle), y = 0.25 + reach * sin(angle);
+        ret_path[k] = (scene_point){ draw(random, x, x, cell), draw(random, y, y, cell) };
+    }
+    ret_path[n] = ret_path[0];
+    return n + 1;
+}
+
+static void nothing_is_linked_across_a_closed_line(void **state)
+{
+    static const double cells[] = { 0.05, 0.02, 0.01, 0.005 };
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 2);
+    for (int round = 0; round < 600; round++) {
+        double cell = cells[round % 4];
+        scene_point path[16];
+        scene s;
+        size_t n = draw_loop(&random, cell, path);
+        helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
+        helper_scene_add_obstacle(&s, path, n, round % 2 == 0 ? SCENE_SEALED : SCENE_WALL);
+        helper_scene_resolve(&s);
+        field *f = create(&s);
+        size_t n_cells = grid_cells(&f->grid);
+        uint8_t *reached = memory_alloc(n_cells, 1), *is_inside = memory_alloc(n_cells, 1);
+        size_t *stack = memory_alloc(n_cells, sizeof *stack);
+        // Cells on the line itself belong to one of its sides; the others to the one they are on.
+        for (size_t k = 0; k < n_cells; k++) {
+            scene_point at = { grid_x1(&f->grid, k % f->grid.n1),
+                               grid_x2(&f->grid, k / f->grid.n1) };
+            is_inside[k] = distance_to_path(at, path, n) < 1e-7           ? 2
+                           : geometry_polygon_holds(path, n - 1, at, 0.0) ? 1
+                                                                          : 0;
+        }
+        for (size_t k = 0; k < n_cells; k++) {
+            if (is_inside[k] == 1 && !reached[k])
+                flood(f, k, reached, stack);
+        }
+        for (size_t k = 0; k < n_cells; k++)
+            assert_false(reached[k] && is_inside[k] == 0);
+        memory_free(reached);
+        memory_free(is_inside);
+        memory_free(stack);
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+static void no_way_leads_behind_a_line_from_wall_to_wall(void **state)
+{
+    static const double cell = 0.01;
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 4);
+    for (int round = 0; round < 300; round++) {
+        // From the south wall to the north one, by way of points that may be centres or faces.
+        scene_point path[6];
+        size_t n = 2 + random_bits(&random) % 5;
+        scene s;
+        for (size_t k = 0; k < n; k++)
+            path[k] =
+                (scene_point){ draw(&random, 0.2, 0.8, cell), 0.5 * (double)k / (double)(n - 1) };
+        helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
+        helper_scene_add_obstacle(&s, path, n, SCENE_SEALED);
+        helper_scene_resolve(&s);
+        field *f = create(&s);
+        size_t n_cells = grid_cells(&f->grid);
+        uint8_t *reached = memory_alloc(n_cells, 1);
+        size_t *stack = memory_alloc(n_cells, sizeof *stack);
+        flood(f, 0, reached, stack);
+        for (size_t k = 0; k < n_cells; k++) {
+            if (k % f->grid.n1 >= 81) // east of x = 0.81 m
+                assert_false(reached[k]);
+            if (k % f->grid.n1 < 19)
+                assert_true(reached[k]);
+        }
+        memory_free(reached);
+        memory_free(stack);
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+static void cells_on_the_line_lie_upstream_and_are_not_cut_off(void **state)
+{
+    // 45 degrees through the diagonal of cells: their centres are on the line to rounding.
+    scene s;
+
+    (void)state;
+    for (int reversed = 0; reversed < 2; reversed++) {
+        scene_point path[] = { { 0.2, 0.0 }, { 0.5, 0.3 } };
+        scene_point swapped[] = { path[1], path[0] };
+        helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+        helper_scene_add_obstacle(&s, reversed ? swapped : path, 2, SCENE_SEALED);
+        helper_scene_resolve(&s);
+        field *f = create(&s);
+        size_t n1 = f->grid.n1;
+        for (size_t j = 1; j < 59; j++) {
+            size_t i = 40 + j;
+            assert_false(f->closed1[j * (n1 + 1) + i]);    // to the west, upstream
+            assert_true(f->closed1[j * (n1 + 1) + i + 1]); // to the east
+            assert_false(f->closed2[(j + 1) * n1 + i]);    // to the north, upstream
+            assert_true(f->closed2[j * n1 + i]);           // to the south
+        }
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+static void a_line_along_faces_shuts_just_these(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 90.0, SCENE_SEALED);
+    field *f = create(&s);
+    size_t n1 = f->grid.n1, n2 = f->grid.n2;
+    for (size_t j = 0; j < n2; j++) {
+        for (size_t i = 0; i <= n1; i++)
+            assert_int_equal(f->closed1[j * (n1 + 1) + i], i == 150 && j < 100);
+    }
+    for (size_t j = 0; j <= n2; j++) {
+        for (size_t i = 0; i < n1; i++)
+            assert_int_equal(f->closed2[j * n1 + i], j == 0 || j == n2);
+    }
+    velocity_field_destroy(f);
+    scene_fini(&s);
+}
+
+static void the_papers_field_shuts_nothing_but_walls(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_FIELD);
+    field *f = create(&s);
+    for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
+        assert_false(f->closed1[k]);
+    velocity_field_destroy(f);
+    scene_fini(&s);
+}
+
+static void open_edges_carry_and_walls_do_not(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
+    helper_scene_add_belt(&s, (scene_point){ 0.3, 0.1 }, NULL, 0);
+    s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+    helper_scene_resolve(&s);
+    field *f = create(&s);
+    size_t n1 = f->grid.n1, n2 = f->grid.n2;
+    for (size_t j = 0; j < n2; j++) {
+        assert_true(f->v1[j * (n1 + 1)] == 0.3 && !f->closed1[j * (n1 + 1)]);
+        assert_true(f->v1[j * (n1 + 1) + n1] == 0.3 && !f->closed1[j * (n1 + 1) + n1]);
+    }
+    for (size_t i = 0; i < n1; i++) {
+        assert_true(f->v2[i] == 0.0 && f->closed2[i]);
+        assert_true(f->v2[n2 * n1 + i] == 0.1 && !f->closed2[n2 * n1 + i]);
+    }
+    velocity_field_destroy(f);
+    scene_fini(&s);
+}
+
+static void no_component_exceeds_the_speed_of_the_fastest_belt(void **state)
+{
+    bf_random random;
+
+    (void)state;
+    random_init(&random, 9);
+    for (int round = 0; round < 100; round++) {
+        scene s;
+        draw_scene(&s, &random);
+        double most = scene_belt_speed(&s) * (1.0 + 1e-14);
+        field *f = create(&s);
+        for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
+            assert_true(fabs(f->v1[k]) <= most);
+        for (size_t k = 0; k < f->grid.n1 * (f->grid.n2 + 1); k++)
+            assert_true(fabs(f->v2[k]) <= most);
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+static void without_memory_no_field_is_given_or_lost(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    for (size_t n = 1;; n++) {
+        field *f = (field *)&s; // poison
+        bf_error err = { 0 };
+        memory_plan_fault(n, 0);
+        bf_status status = velocity_field_create(&s, &f, &err);
+        size_t n_faults = memory_faults();
+        memory_plan_fault(0, 0);
+        if (n_faults == 0) {
+            assert_int_equal(status, BF_OK);
+            assert_null(velocity_field_destroy(f));
+            break;
+        }
+        assert_int_equal(status, BF_ENOMEM);
+        assert_int_equal(err.code, BF_ENOMEM);
+        assert_ptr_equal(f, &s);
+    }
+    assert_null(velocity_field_destroy(NULL));
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sealed_obstacle_pushes_outward_then_lets_slide),
+        cmocka_unit_test(the_papers_field_pushes_outward_behind_the_line_and_lets_slide_before_it),
+        cmocka_unit_test(a_wall_lets_slide_before_it_and_has_the_belt_behind),
+        cmocka_unit_test(bands_span_the_length_of_the_line),
+        cmocka_unit_test(borders_belong_to_the_bands_with_the_tolerance),
+        cmocka_unit_test(the_upstream_side_does_not_depend_on_the_direction_of_the_path),
+        cmocka_unit_test(along_the_belt_the_left_side_counts_as_upstream),
+        cmocka_unit_test(
+            the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_later_ones),
+        cmocka_unit_test(the_later_belt_wins_and_nothing_moves_off_the_belts),
+        cmocka_unit_test(the_field_on_a_grid_is_the_plain_rule_at_every_face),
+        cmocka_unit_test(nothing_is_linked_across_a_closed_line),
+        cmocka_unit_test(no_way_leads_behind_a_line_from_wall_to_wall),
+        cmocka_unit_test(cells_on_the_line_lie_upstream_and_are_not_cut_off),
+        cmocka_unit_test(a_line_along_faces_shuts_just_these),
+        cmocka_unit_test(the_papers_field_shuts_nothing_but_walls),
+        cmocka_unit_test(open_edges_carry_and_walls_do_not),
+        cmocka_unit_test(no_component_exceeds_the_speed_of_the_fastest_belt),
+        cmocka_unit_test(without_memory_no_field_is_given_or_lost),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

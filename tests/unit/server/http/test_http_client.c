@@ -1,0 +1,111 @@
+// Whose address counts: the connection's, or what a trusted proxy says of it.
+
+#include "server/http/client.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+#include <sys/un.h>
+
+static http_client find(const char *peer, const char *forwarded, const char *list)
+{
+    struct sockaddr_in v4 = { .sin_family = AF_INET };
+    struct sockaddr_in6 v6 = { .sin6_family = AF_INET6 };
+    http_proxies proxies;
+
+    assert_int_equal(http_client_read_proxies(list, &proxies, NULL), BF_OK);
+    if (inet_pton(AF_INET, peer, &v4.sin_addr) == 1)
+        return http_client_find((struct sockaddr *)&v4, forwarded, &proxies);
+    assert_int_equal(inet_pton(AF_INET6, peer, &v6.sin6_addr), 1);
+    return http_client_find((struct sockaddr *)&v6, forwarded, &proxies);
+}
+
+static void the_client_is_found(void **state)
+{
+    static const struct {
+        const char *peer, *forwarded, *proxies, *client;
+    } cases[] = {
+        { "203.0.113.7", NULL, "", "203.0.113.7" },
+        { "203.0.113.7", "198.51.100.1", "", "203.0.113.7" },
+        { "203.0.113.7", "198.51.100.1", "10.0.0.1", "203.0.113.7" },
+        { "10.0.0.1", "198.51.100.1", "10.0.0.1", "198.51.100.1" },
+        { "10.1.2.3", "198.51.100.1", "10.0.0.0/8", "198.51.100.1" },
+        { "11.1.2.3", "198.51.100.1", "10.0.0.0/8", "11.1.2.3" },
+        // What stands left of the first address that is no proxy, anybody can have written.
+        { "10.0.0.1", "127.0.0.1, 198.51.100.1", "10.0.0.1", "198.51.100.1" },
+        { "10.0.0.1", ",198.51.100.1, 10.0.0.2", "10.0.0.0/30", "198.51.100.1" },
+        { "10.0.0.1", "10.0.0.3", "10.0.0.0/8", "10.0.0.3" },
+        { "10.0.0.1", "198.51.100.1:4711", "10.0.0.1", "198.51.100.1" },
+        { "10.0.0.1", "[2001:db8::1]:4711", "10.0.0.1", "2001:db8::" },
+        { "10.0.0.1", "unknown", "10.0.0.1", "10.0.0.1" },
+        { "10.0.0.1", "198.51.100.1, unknown", "10.0.0.1", "10.0.0.1" },
+        { "10.0.0.1", " , ", "10.0.0.1", "10.0.0.1" },
+        // One host has all the addresses of its network.
+        { "2001:db8:1:2:3:4:5:6", NULL, "", "2001:db8:1:2::" },
+        { "::ffff:203.0.113.7", NULL, "", "203.0.113.7" },
+        { "fd00::1", "198.51.100.1", "fd00::/8, 10.0.0.1", "198.51.100.1" },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        http_client client = find(cases[i].peer, cases[i].forwarded, cases[i].proxies);
+        assert_string_equal(client.text, cases[i].client);
+        assert_false(client.is_local);
+    }
+    assert_memory_equal(find("2001:db8:1:2::5", NULL, "").key,
+                        find("2001:db8:1:2::6", NULL, "").key, HTTP_CLIENT_KEY_SIZE);
+    assert_memory_not_equal(find("203.0.113.7", NULL, "").key, find("203.0.113.8", NULL, "").key,
+                            HTTP_CLIENT_KEY_SIZE);
+}
+
+static void who_is_on_this_machine_is_local(void **state)
+{
+    const struct sockaddr_un address = { .sun_family = AF_UNIX };
+    const http_proxies none = { .n = 0 };
+
+    (void)state;
+    assert_true(find("127.0.0.1", NULL, "").is_local);
+    assert_true(find("127.8.9.1", NULL, "").is_local);
+    assert_true(find("::1", NULL, "").is_local);
+    assert_true(find("::ffff:127.0.0.1", NULL, "").is_local);
+    assert_true(http_client_find((const struct sockaddr *)&address, NULL, &none).is_local);
+    // A proxy on this machine asks for others.
+    assert_false(find("127.0.0.1", "198.51.100.1", "127.0.0.1").is_local);
+    assert_false(find("::2", NULL, "").is_local);
+}
+
+static void settings_are_addresses_and_networks(void **state)
+{
+    static const char *const bad[] = { "localhost",         "10.0.0.0/33", "10.0.0.0/", "::1/129",
+                                       "10.0.0.1;10.0.0.2", "10.0.0.0/-1", "1.2.3" };
+    char many[HTTP_PROXIES_MAX * 9 + 10] = "";
+    http_proxies proxies = { .n = 77 };
+    bf_error err = { 0 };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(http_client_read_proxies(bad[i], &proxies, &err), BF_EINPUT);
+    for (int i = 0; i <= HTTP_PROXIES_MAX; i++)
+        strcat(many, "10.0.0.1 ");
+    assert_int_equal(http_client_read_proxies(many, &proxies, &err), BF_ELIMIT);
+    assert_int_equal(proxies.n, 77);
+    assert_int_equal(http_client_read_proxies("0.0.0.0/0 ::/0", &proxies, &err), BF_OK);
+    assert_int_equal(proxies.n, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_client_is_found),
+        cmocka_unit_test(who_is_on_this_machine_is_local),
+        cmocka_unit_test(settings_are_addresses_and_networks),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

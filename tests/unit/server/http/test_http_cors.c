@@ -1,0 +1,111 @@
+// Requests of pages from other origins, by the Fetch standard.
+
+#include "server/http/cors.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+#define ONE  "https://plan.example:8443"
+#define LIST "http://a.example, " ONE
+
+static api_response response;
+
+static const char *ask(const char *origins, const char *method, const char *origin,
+                       const char *asked, const char *header)
+{
+    response = (api_response){ .status = 204 };
+    api_response_header(&response, "Allow", "GET, HEAD, OPTIONS");
+    http_cors_answer(origins, method, origin, asked, &response);
+    assert_null(api_response_find(&response, "Access-Control-Allow-Credentials"));
+    return api_response_find(&response, header);
+}
+
+static void nobody_is_allowed_unless_configured(void **state)
+{
+    (void)state;
+    assert_null(ask("", "GET", ONE, NULL, "Access-Control-Allow-Origin"));
+    assert_int_equal(response.n_headers, 1);
+}
+
+static void a_listed_origin_is_named(void **state)
+{
+    (void)state;
+    assert_string_equal(ask(LIST, "GET", ONE, NULL, "Access-Control-Allow-Origin"), ONE);
+    assert_string_equal(api_response_find(&response, "Vary"), "Origin");
+    const char *exposed = api_response_find(&response, "Access-Control-Expose-Headers");
+    assert_non_null(strstr(exposed, "ETag"));
+    assert_non_null(strstr(exposed, "Location"));
+    assert_null(api_response_find(&response, "Access-Control-Allow-Methods"));
+}
+
+// A cache must not give one page's answer to another, so all of them vary.
+static void others_get_nothing_but_vary(void **state)
+{
+    static const char *const origins[] = {
+        NULL, "https://plan.example",      "http://a.example.evil", "null",
+        "",   "https://plan.example:84430"
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof origins / sizeof *origins; i++) {
+        assert_null(ask(LIST, "GET", origins[i], NULL, "Access-Control-Allow-Origin"));
+        assert_string_equal(api_response_find(&response, "Vary"), "Origin");
+        assert_int_equal(response.n_headers, 2);
+    }
+}
+
+static void anybody_is_answered_by_a_star(void **state)
+{
+    (void)state;
+    assert_string_equal(ask("*", "GET", "null", NULL, "Access-Control-Allow-Origin"), "*");
+    assert_null(api_response_find(&response, "Vary"));
+    assert_null(ask("*", "GET", NULL, NULL, "Access-Control-Allow-Origin"));
+}
+
+static void a_preflight_tells_methods_headers_and_for_how_long(void **state)
+{
+    (void)state;
+    assert_string_equal(ask(LIST, "OPTIONS", ONE, "DELETE", "Access-Control-Allow-Methods"),
+                        "GET, HEAD, OPTIONS");
+    assert_non_null(
+        strstr(api_response_find(&response, "Access-Control-Allow-Headers"), "Content-Type"));
+    assert_string_equal(api_response_find(&response, "Access-Control-Max-Age"), "7200");
+    assert_null(ask(LIST, "OPTIONS", "http://b", "DELETE", "Access-Control-Allow-Methods"));
+    assert_null(ask(LIST, "OPTIONS", ONE, NULL, "Access-Control-Allow-Methods"));
+}
+
+static void settings_are_origins_and_nothing_else(void **state)
+{
+    static const char *const good[] = {
+        "", "*", ONE, LIST, "http://[::1]:5173 http://a", " , http://a ,"
+    };
+    static const char *const bad[] = { "plan.example", "https://plan.example/",
+                                       "https://",     "* http://a",
+                                       "http://A",     "ftp://a",
+                                       "null",         "http://a;http://b" };
+    bf_error err = { 0 };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        assert_int_equal(http_cors_check(good[i], &err), BF_OK);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(http_cors_check(bad[i], &err), BF_EINPUT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nobody_is_allowed_unless_configured),
+        cmocka_unit_test(a_listed_origin_is_named),
+        cmocka_unit_test(others_get_nothing_but_vary),
+        cmocka_unit_test(anybody_is_answered_by_a_star),
+        cmocka_unit_test(a_preflight_tells_methods_headers_and_for_how_long),
+        cmocka_unit_test(settings_are_origins_and_nothing_else),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

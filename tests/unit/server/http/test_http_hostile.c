@@ -1,0 +1,340 @@
+// Tests of the HTTP transport against requests that are malformed, too long or too slow.
+
+#include "server/http/http.h"
+
+#include "server/base/clock.h"
+#include "tests/unit/server/helper_server.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define HOST  "Host: a\r\n"
+#define CLOSE "Connection: close\r\n"
+
+// The connection must be closed, so what follows a bad request is never taken for a request. (Some
+// refusals are MHD's own, before we are asked; it writes the head of those twice.)
+static void a_bad_request_is_refused_and_its_connection_closed(void **state)
+{
+#define NEXT "GET /livez HTTP/1.1\r\n" HOST "\r\n"
+    static const struct {
+        size_t n;
+        const char *bytes;
+        int status;
+    } cases[] = {
+#define BYTES(text) sizeof text - 1, text
+        { BYTES("GET /livez HTTP/1.1\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST HOST "\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Content-Length: 0\r\nContent-Length: 0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.0\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n" NEXT),
+          400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST
+                "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n" NEXT),
+          501 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X y: z\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X : z\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: \a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\0b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X\0Y: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez\0 HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /livez%00 HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /%zz HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("G@T /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET\0X /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("NEVERHEARDOFSUCHAMETHODINMYWHOLELIFE /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 501 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\0b\r\nY: c\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\r\n b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n Host: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\nHost: a\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\nY: b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "X: a\rY: b\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "\n" NEXT), 400 },
+        { BYTES("GET /li vez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST "no colon\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez HTTP/1.1\r\n" HOST ": nameless\r\n\r\n" NEXT), 400 },
+        { BYTES("GET /livez\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: -1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: 1,1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Content-Length: +1\r\n\r\n" NEXT), 400 },
+        { BYTES("POST /livez HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\nxyz\r\n" NEXT),
+          400 },
+        { BYTES("GET /livez HTTP/3.0\r\n" HOST "\r\n" NEXT), 505 },
+#undef BYTES
+    };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bf_buffer answer = { 0 };
+        int fd = client_connect(http_port(server));
+        assert_true(client_send_bytes(fd, cases[i].bytes, cases[i].n));
+        bool is_closed = client_read_all(fd, &answer, 5000);
+        const char *second = answer.n == 0 ? NULL : strstr(answer.bytes, "HTTP/1.1 200");
+        if (!is_closed || client_status(&answer) != cases[i].status || second != NULL)
+            print_error("case %zu: closed %d, answer: %s\n", i, is_closed,
+                        answer.n == 0 ? "none" : answer.bytes);
+        assert_true(is_closed);
+        assert_int_equal(client_status(&answer), cases[i].status);
+        assert_null(second);
+        assert_int_equal(close(fd), 0);
+        buffer_fini(&answer);
+    }
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+}
+
+static void long_headers_are_fine(void **state)
+{
+    bf_buffer request = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    assert_int_equal(buffer_printf(&request, "GET /livez?a=%01000d HTTP/1.1\r\n" HOST CLOSE, 0),
+                     BF_OK);
+    for (int i = 0; i < 80; i++)
+        assert_int_equal(buffer_printf(&request, "Header-%d: %0200d\r\n", i, 0), BF_OK);
+    assert_int_equal(buffer_append(&request, "\r\n", 2), BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 400);
+    request.bytes[strlen("GET /livez")] = '/';
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 404);
+    buffer_fini(&request);
+}
+
+static void too_long_a_target_is_refused(void **state)
+{
+    bf_buffer request = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    assert_int_equal(buffer_printf(&request, "GET /%05000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, NULL), 414);
+    buffer_fini(&request);
+    assert_int_equal(buffer_printf(&request, "GET /%090000d HTTP/1.1\r\n" HOST "\r\n", 0), BF_OK);
+    assert_in_range(client_ask(http_port(server), request.bytes, NULL), 400, 499);
+    buffer_fini(&request);
+}
+
+static void shorten_deadlines(http_options *options)
+{
+    options->header_deadline_ms = 400;
+    options->body_deadline_ms = 400;
+}
+
+// Sends head, then a byte every 50 ms, until the server closes; returns ms until then.
+static int64_t drip(unsigned port, const char *head, char byte)
+{
+    int64_t start_ms = clock_monotonic_ms();
+    bf_buffer answer = { 0 };
+    int fd = client_connect(port);
+
+    assert_true(client_send(fd, head));
+    while (!client_read_all(fd, &answer, 50)) {
+        if (!client_send_bytes(fd, &byte, 1))
+            break;
+        assert_true(clock_monotonic_ms() - start_ms < 10000);
+    }
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
+    return clock_monotonic_ms() - start_ms;
+}
+
+static void a_client_that_drips_its_header_is_cut_off(void **state)
+{
+    (void)state;
+    server = fake_serve(&server_services, shorten_deadlines);
+    assert_in_range(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x'), 350, 3000);
+}
+
+static void a_client_that_drips_its_body_is_cut_off(void **state)
+{
+    (void)state;
+    server = fake_serve(&server_services, shorten_deadlines);
+    assert_in_range(drip(http_port(server),
+                         "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' '),
+                    350, 3000);
+}
+
+static void sixteen_connections(http_options *options)
+{
+    options->connection_limit = 16;
+    options->n_threads = 1;
+}
+
+// Each of these would hold a connection until its deadline of ten seconds.
+static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **state)
+{
+    static const char *const beginnings[] = {
+        "GET /livez HT",
+        "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 1000\r\n\r\nabc",
+        "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n5\r\nab",
+    };
+    int64_t start_ms = clock_monotonic_ms();
+    int status = 503;
+
+    (void)state;
+    server = fake_serve(&server_services, sixteen_connections);
+    for (int i = 0; i < 60; i++) {
+        int fd = client_connect(http_port(server));
+        (void)client_send(fd, beginnings[i % 3]);
+        assert_int_equal(close(fd), 0);
+    }
+    while (status != 200 && clock_monotonic_ms() - start_ms < 8000)
+        status = client_ask(http_port(server), "GET /version HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL);
+    assert_int_equal(status, 200);
+    assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
+}
+
+static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
+{
+    bf_buffer rest = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, shorten_deadlines);
+    fake_hold(&server_services, true);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+    assert_false(client_read_until(fd, &rest, "\r\n\r\n", 1000));
+    fake_hold(&server_services, false);
+    assert_true(client_read_response(fd, &rest, true, &answer));
+    assert_int_equal(client_status(&answer), 200);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+}
+
+static void a_body_that_is_announced_too_long_is_refused_at_once(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(
+        client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 1073741824\r\n\r\n"));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_int_equal(client_status(&answer), 413);
+    assert_int_equal(close(fd), 0);
+    assert_int_equal(client_ask(http_port(server),
+                                "POST /v1/runs HTTP/1.1\r\n" HOST
+                                "Content-Length: 99999999999999999999999\r\n\r\n",
+                                NULL),
+                     413);
+    buffer_fini(&answer);
+}
+
+// A client that first sends everything and then reads must find the refusal, not a reset.
+static void a_client_that_sends_its_long_body_anyway_reads_the_refusal(void **state)
+{
+    enum { N = 3000000 };
+    char *body = calloc(1, N);
+
+    (void)state;
+    assert_non_null(body);
+    server = fake_serve(&server_services, NULL);
+    for (int i = 0; i < 10; i++) {
+        bf_buffer answer = { 0 };
+        int fd = client_connect(http_port(server));
+        assert_true(
+            client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 3000000\r\n\r\n"));
+        assert_true(client_send_bytes(fd, body, N));
+        assert_true(client_read_all(fd, &answer, 5000));
+        assert_int_equal(client_status(&answer), 413);
+        assert_int_equal(close(fd), 0);
+        buffer_fini(&answer);
+    }
+    free(body);
+}
+
+static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
+{
+    char chunk[10008] = "2710\r\n";
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    memset(chunk + 6, ' ', 10000);
+    memcpy(chunk + 10006, "\r\n", 2);
+    server = fake_serve(&server_services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(
+        client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n"));
+    for (int i = 0; i < 11; i++)
+        assert_true(client_send_bytes(fd, chunk, sizeof chunk));
+    assert_true(client_read_all(fd, &answer, 5000));
+    assert_int_equal(client_status(&answer), 413);
+    server_assert_holds(&answer, "application/problem+json");
+    server_assert_holds(&answer, "\r\nConnection: close\r\n");
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&answer);
+}
+
+static void a_body_may_be_as_long_as_the_limit(void **state)
+{
+    bf_buffer request = { 0 }, answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    assert_int_equal(buffer_printf(&request,
+                                   "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
+                                   "Content-Type: application/json\r\n"
+                                   "Content-Length: 100000\r\n\r\n%100000s",
+                                   "{,}"),
+                     BF_OK);
+    assert_int_equal(client_ask(http_port(server), request.bytes, &answer), 400);
+    server_assert_holds(&answer, "application/problem+json");
+    buffer_fini(&request);
+    buffer_fini(&answer);
+}
+
+static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
+{
+    bf_buffer answer = { 0 };
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
+                                "Content-Type: application/json\r\n"
+                                "Content-Length: 3\r\nExpect: 100-continue\r\n\r\n"));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_int_equal(client_status(&answer), 100);
+    assert_true(client_send(fd, "{,}"));
+    answer.n = 0;
+    assert_true(client_read_all(fd, &answer, 5000));
+    assert_int_equal(client_status(&answer), 400);
+    assert_int_equal(close(fd), 0);
+    assert_int_equal(client_ask(http_port(server),
+                                "POST /v1/validate HTTP/1.1\r\n" HOST "Content-Length: 200000\r\n"
+                                "Expect: 100-continue\r\n\r\n",
+                                NULL),
+                     413);
+    buffer_fini(&answer);
+}
+
+int main(void)
+{
+#define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
+    const struct CMUnitTest tests[] = {
+        CASE(a_bad_request_is_refused_and_its_connection_closed),
+        CASE(long_headers_are_fine),
+        CASE(too_long_a_target_is_refused),
+        CASE(a_client_that_drips_its_header_is_cut_off),
+        CASE(a_client_that_drips_its_body_is_cut_off),
+        CASE(clients_that_send_a_little_and_hang_up_hold_no_connection),
+        CASE(deadlines_do_not_hit_a_request_that_is_being_handled),
+        CASE(a_body_that_is_announced_too_long_is_refused_at_once),
+        CASE(a_client_that_sends_its_long_body_anyway_reads_the_refusal),
+        CASE(a_chunked_body_is_refused_when_it_becomes_too_long),
+        CASE(a_body_may_be_as_long_as_the_limit),
+        CASE(a_client_that_expects_a_100_gets_it_or_the_refusal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,151 @@
+// Unit tests of the store: its figures, and its signs of life.
+
+#include "server/base/clock.h"
+#include "server/base/metrics.h"
+#include "tests/unit/server/helper_store.h"
+
+#include <pthread.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+// The figures once their run of this state are n; fails after ten seconds.
+static store_figures await_figures(store *s, run_state state, uint64_t n)
+{
+    int64_t until_ms = clock_monotonic_ms() + 10000;
+    store_figures f;
+
+    store_read_figures(s, &f);
+    while (f.n_runs[state] != n && clock_monotonic_ms() < until_ms) {
+        assert_int_equal(usleep(10000), 0);
+        store_read_figures(s, &f);
+    }
+    assert_int_equal(f.n_runs[state], n);
+    return f;
+}
+
+static void figures_follow_what_is_written(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    store_figures f;
+
+    store_read_figures(s, &f);
+    for (int i = 0; i < RUN_STATE_COUNT; i++)
+        assert_int_equal(f.n_runs[i], 0);
+    assert_int_equal(f.oldest_queued_ms, 0);
+    api_run first = helper_submit(s, "", 0);
+    (void)helper_submit(s, "", 5);
+    f = await_figures(s, RUN_QUEUED, 2);
+    assert_int_equal(f.oldest_queued_ms, first.created_ms);
+    assert_true(f.file_bytes > 0 && f.log_bytes > 0);
+    api_run claimed = helper_claim(s);
+    f = await_figures(s, RUN_RUNNING, 1);
+    assert_int_equal(f.n_runs[RUN_QUEUED], 1);
+    (void)helper_finish(s, claimed.id, RUN_FAILED);
+    (void)await_figures(s, RUN_FAILED, 1);
+    assert_int_equal(store_remove(s, claimed.id, NULL), BF_OK);
+    f = await_figures(s, RUN_FAILED, 0);
+    assert_int_equal(f.n_runs[RUN_QUEUED], 1);
+}
+
+static void figures_are_there_as_soon_as_the_store_is_open(void **state)
+{
+    helper_store *h = *state;
+    store_figures f;
+
+    (void)helper_submit(h->store, "", 0);
+    (void)helper_claim(h->store);
+    (void)helper_submit(h->store, "", 0);
+    helper_store_close(h);
+    helper_store_open(h);
+    store_read_figures(h->store, &f);
+    assert_int_equal(f.n_runs[RUN_QUEUED], 2); // the one that was running waits again
+    assert_true(f.oldest_queued_ms > 0);
+}
+
+static void commits_and_frames_are_counted(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run created = helper_start(s);
+    int64_t n_curves = metrics_value(METRICS_FRAMES, API_EVENT_CURVE);
+    int64_t n_snapshots = metrics_value(METRICS_FRAMES, API_EVENT_SNAPSHOT);
+
+    helper_append_samples(s, created.id, 0, 10);
+    helper_append_samples(s, created.id, 10, 10);
+    helper_append_snapshot(s, created.id, 0);
+    assert_int_equal(metrics_value(METRICS_FRAMES, API_EVENT_CURVE), n_curves + 2);
+    assert_int_equal(metrics_value(METRICS_FRAMES, API_EVENT_SNAPSHOT), n_snapshots + 1);
+    assert_int_equal(metrics_value(METRICS_COMMIT_FAILURES, 0), 0);
+    bf_buffer text = { 0 };
+    assert_int_equal(metrics_write(&text, NULL), BF_OK);
+    assert_null(strstr(text.bytes, "\nbeltflow_store_commit_operations_count 0\n"));
+    buffer_fini(&text);
+}
+
+static void the_queue_can_be_made_shorter_and_longer(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_submission submission = { .model = RUN_MACRO };
+    api_acceptance accepted;
+
+    (void)helper_submit(s, "", 0);
+    store_set_queue_limit(s, 1);
+    assert_int_equal(buffer_append(&submission.scenario, "{}", 2), BF_OK);
+    assert_int_equal(buffer_append(&submission.columns, "left_domain", 11), BF_OK);
+    assert_int_equal(store_submit(s, &submission, &accepted, NULL), BF_EBUSY);
+    store_set_queue_limit(s, 2);
+    assert_int_equal(store_submit(s, &submission, &accepted, NULL), BF_OK);
+    buffer_fini(&accepted.answer);
+    buffer_fini(&submission.scenario);
+    buffer_fini(&submission.columns);
+}
+
+static void *submit_one(void *context)
+{
+    (void)helper_submit(context, "", 0);
+    return NULL;
+}
+
+// Who holds the database's lock makes the store's thread wait for it.
+static void a_store_that_hangs_gives_no_sign_of_life(void **state)
+{
+    helper_store *h = *state;
+    char path[128];
+    sqlite3 *other = NULL;
+    pthread_t writer;
+
+    assert_true(store_is_alive(h->store));
+    assert_int_equal(usleep(200000), 0);
+    assert_true(store_is_alive(h->store));
+    (void)snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    assert_int_equal(sqlite3_open(path, &other), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(other, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(pthread_create(&writer, NULL, submit_one, h->store), 0);
+    assert_int_equal(usleep(300000), 0);
+    (void)store_is_alive(h->store); // was asked before the trouble began
+    assert_int_equal(usleep(300000), 0);
+    assert_false(store_is_alive(h->store));
+    assert_int_equal(sqlite3_exec(other, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(pthread_join(writer, NULL), 0);
+    assert_int_equal(usleep(200000), 0);
+    assert_true(store_is_alive(h->store));
+    assert_int_equal(sqlite3_close(other), SQLITE_OK);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(figures_follow_what_is_written, helper_store_setup,
+                                        helper_store_teardown),
+        cmocka_unit_test_setup_teardown(figures_are_there_as_soon_as_the_store_is_open,
+                                        helper_store_setup, helper_store_teardown),
+        cmocka_unit_test_setup_teardown(commits_and_frames_are_counted, helper_store_setup,
+                                        helper_store_teardown),
+        cmocka_unit_test_setup_teardown(the_queue_can_be_made_shorter_and_longer,
+                                        helper_store_setup, helper_store_teardown),
+        cmocka_unit_test_setup_teardown(a_store_that_hangs_gives_no_sign_of_life,
+                                        helper_store_setup, helper_store_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

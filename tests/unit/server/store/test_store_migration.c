@@ -1,0 +1,214 @@
+// Stores of older versions: brought up to date with all they have, and their runs go on. The files
+// are made by the texts that made them then. I1 ... I12 are the invariants of server/store/store.h.
+
+#include "tests/unit/server/helper_store.h"
+
+#include "server/store/store_priv.h"
+
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char run_a[] = "01900000-0000-7000-8000-00000000000a"; // has succeeded
+static const char run_b[] = "01900000-0000-7000-8000-00000000000b"; // was running
+
+// Rows that versions 1 and 2 have alike. Both runs have a sample of two columns and a snapshot of
+// 2 x 1 cells; run b has a checkpoint of step 1, too.
+static const char rows[] =
+    "INSERT INTO runs (number, id, state, model, priority, label, name, revision, created_ms,"
+    "  finished_ms, n_samples, n_snapshots, last_event, has_summary, checkpoint_step, n1, n2, d1, "
+    "d2)"
+    "  VALUES (3, '01900000-0000-7000-8000-00000000000a', 2, 0, 5, 'old', 'a belt', 9, 1000, 2000,"
+    "          1, 1, 12, 1, 0, 2, 1, 0.5, 0.5),"
+    "         (8, '01900000-0000-7000-8000-00000000000b', 1, 0, 0, '', '', 4, 1500, 0,"
+    "          1, 1, 22, 0, 1, 2, 1, 0.5, 0.5);"
+    "INSERT INTO texts (run, kind, data) VALUES (3, 0, '{\"a\":1}'), (3, 1, '{\"steps\":7}'),"
+    "  (3, 2, 'upstream,left_domain'), (8, 0, '{\"b\":1}'), (8, 2, 'upstream,left_domain');"
+    "INSERT INTO samples (run, first, n, t, parts) VALUES (3, 0, 1, zeroblob(8), zeroblob(16)),"
+    "  (8, 0, 1, zeroblob(8), zeroblob(16));"
+    "INSERT INTO snapshots (run, item, t, peak, mass) VALUES (3, 0, 0.0, 1.5, 2.0),"
+    "  (8, 0, 0.0, 1.5, 2.0);"
+    "INSERT INTO chunks (run, kind, item, part, data) VALUES (3, 0, 0, 0, ?1), (8, 0, 0, 0, ?1),"
+    "  (8, 1, 0, 0, ?1);"
+    "INSERT INTO events (id, run, type, snapshot, data) VALUES (10, 3, 2, 0, '{\"first\":0}'),"
+    "  (11, 3, 3, 0, '{\"n\":0}'), (12, 3, 4, 0, '{\"status\":\"succeeded\"}'),"
+    "  (20, 8, 0, 0, '{\"status\":\"running\"}'), (21, 8, 2, 0, '{\"first\":0}'),"
+    "  (22, 8, 3, 0, '{\"n\":0}');";
+
+static const float cells[2] = { 0.25F, 1.0F };
+
+static void execute(sqlite3 *db, const char *sql)
+{
+    char *error = NULL;
+
+    if (sqlite3_exec(db, sql, NULL, NULL, &error) != SQLITE_OK)
+        fail_msg("%s", error);
+}
+
+// Statement by statement, each with the packed cells as its parameter, if it has one.
+static void insert_rows(sqlite3 *db)
+{
+    bf_buffer packed = { 0 };
+    const char *rest = rows;
+
+    assert_int_equal(store__pack(cells, sizeof cells, &packed, NULL), BF_OK);
+    while (*rest != '\0') {
+        sqlite3_stmt *statement = NULL;
+        assert_int_equal(sqlite3_prepare_v2(db, rest, -1, &statement, &rest), SQLITE_OK);
+        if (sqlite3_bind_parameter_count(statement) > 0)
+            sqlite3_bind_blob(statement, 1, packed.bytes, (int)packed.n, SQLITE_STATIC);
+        assert_int_equal(sqlite3_step(statement), SQLITE_DONE);
+        sqlite3_finalize(statement);
+    }
+    buffer_fini(&packed);
+}
+
+// Replace the store's file by one of an older version.
+static void make_old(helper_store *h, int version)
+{
+    char path[128], mark[100];
+    sqlite3 *db = NULL;
+
+    helper_store_close(h);
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    execute(db, "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
+    for (int i = 0; i < version; i++)
+        execute(db, store__migrations[i]);
+    insert_rows(db);
+    snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d", 0x42464c57,
+             version);
+    execute(db, mark);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void check_results(store *s, const char *id)
+{
+    api_curve curve = { 0 };
+    api_snapshot snapshot;
+    bf_grid grid;
+    bf_buffer rho = { 0 };
+
+    assert_int_equal(store_read_curve(s, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(curve.n, 1);
+    assert_int_equal(curve.n_columns, 2);
+    api_curve_fini(&curve);
+    assert_int_equal(store_read_snapshot(s, id, 0, &snapshot, &grid, &rho, NULL), BF_OK);
+    assert_true(snapshot.peak == 1.5 && grid.n1 == 2 && grid.n2 == 1);
+    assert_int_equal(rho.n, sizeof cells);
+    assert_memory_equal(rho.bytes, cells, sizeof cells);
+    buffer_fini(&rho);
+}
+
+static void check_soundness(const helper_store *h)
+{
+    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), store__version);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM pragma_integrity_check "
+                                         "WHERE integrity_check <> 'ok'"),
+                     0);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM pragma_foreign_key_check"), 0);
+}
+
+// I8 among others: what was running is queued.
+static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
+{
+    helper_store *h = *state;
+
+    for (int version = 1; version <= 2; version++) {
+        make_old(h, version);
+        helper_store_open(h);
+        check_soundness(h);
+        api_run record = helper_find(h->store, run_a);
+        assert_int_equal(record.state, RUN_SUCCEEDED);
+        assert_int_equal(record.last_event, 12);
+        assert_false(record.is_cached);
+        check_results(h->store, run_a);
+        check_results(h->store, run_b);
+        helper_events events = helper_read_events(h->store, run_a, 0);
+        assert_int_equal(events.n, 3);
+        buffer_fini(&events.data);
+        assert_int_equal(helper_find(h->store, run_b).state, RUN_QUEUED);
+        // I6: the ids of events go on.
+        assert_int_equal(helper_find(h->store, run_b).last_event, 23);
+    }
+}
+
+static void a_run_goes_on_in_a_store_that_was_brought_up_to_date(void **state)
+{
+    helper_store *h = *state;
+    store_job job = { 0 };
+    bf_grid grid = { .n1 = 2, .n2 = 1, .d1 = 0.5, .d2 = 0.5 };
+    store_item item = { .type = API_EVENT_SNAPSHOT, .snapshot = { .index = 1 } };
+
+    make_old(h, 1);
+    helper_store_open(h);
+    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_string_equal(job.run.id, run_b);
+    assert_int_equal(job.step, 1);
+    assert_int_equal(job.checkpoint.n, sizeof cells);
+    store_job_fini(&job);
+    assert_int_equal(buffer_append(&item.rho, cells, sizeof cells), BF_OK);
+    assert_int_equal(buffer_append(&item.event, "{}", 2), BF_OK);
+    store_batch batch = { .run_id = run_b, .n = 1, .items = &item, .grid = &grid };
+    assert_int_equal(store_append(h->store, &batch, NULL), BF_OK);
+    helper_item_fini(&item);
+    assert_int_equal(helper_finish(h->store, run_b, RUN_SUCCEEDED).n_snapshots, 2);
+}
+
+// I9: what referred to runs and refers to results now goes with them.
+static void a_run_of_an_older_store_is_removed_with_all_it_has(void **state)
+{
+    static const char *const counts[] = {
+        "SELECT count(*) FROM runs",    "SELECT count(*) FROM results",
+        "SELECT count(*) FROM samples", "SELECT count(*) FROM snapshots",
+        "SELECT count(*) FROM chunks",  "SELECT count(*) FROM texts",
+        "SELECT count(*) FROM events",
+    };
+    helper_store *h = *state;
+
+    make_old(h, 2);
+    helper_store_open(h);
+    assert_int_equal(store_remove(h->store, run_a, NULL), BF_OK);
+    check_results(h->store, run_b);
+    assert_int_equal(store_remove(h->store, run_b, NULL), BF_OK);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        assert_int_equal(helper_store_sql(h, counts[i]), 0);
+    check_soundness(h);
+}
+
+// A migration that is interrupted has not happened.
+static void a_store_that_cannot_be_brought_up_to_date_stays_as_it_was(void **state)
+{
+    helper_store *h = *state;
+    store_options options = { .directory = h->directory, .queue_limit = 10 };
+    bf_error err = { 0 };
+
+    make_old(h, 2);
+    helper_store_sql(h, "CREATE TABLE answers (number INTEGER)"); // in the way of the last step
+    assert_int_equal(store_open(&options, &h->store, &err), BF_ESYSTEM);
+    assert_null(h->store);
+    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), 2);
+    assert_int_equal(
+        helper_store_sql(h, "SELECT count(*) FROM sqlite_schema WHERE name = 'results'"), 0);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM samples WHERE run = 3"), 1);
+    helper_store_sql(h, "DROP TABLE answers");
+    helper_store_open(h);
+    check_results(h->store, run_a);
+}
+
+#define STORE_TEST(name)                                                                           \
+    cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        STORE_TEST(an_older_store_is_brought_up_to_date_with_all_it_has),
+        STORE_TEST(a_run_goes_on_in_a_store_that_was_brought_up_to_date),
+        STORE_TEST(a_run_of_an_older_store_is_removed_with_all_it_has),
+        STORE_TEST(a_store_that_cannot_be_brought_up_to_date_stays_as_it_was),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
