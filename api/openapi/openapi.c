@@ -54,7 +54,7 @@ void openapi__write_colormaps(json_out *w)
 
     json_out_key_string(w, "type", "string");
     json_out_key(w, "enum");
-    openapi__write_words(w, words);
+    schema_write_words(w, words);
 }
 
 static const char *state_word(int state)

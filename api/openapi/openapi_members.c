@@ -46,7 +46,7 @@ static void write_table_ref(json_out *w, const member_table *table, bool is_reso
     char name[NAME_SIZE];
 
     name_table(table, is_resolved, name);
-    openapi__write_ref(w, "schemas", name, strlen(name));
+    schema_write_ref(w, "schemas", name, strlen(name));
 }
 
 static bool has_word(const char *const *words, const char *word)
@@ -134,7 +134,7 @@ static void write_step(json_out *w, const member *m)
     json_out_key_string(w, "type", "number");
     write_range(w, m->range, INFINITY);
     json_out_object_end(w);
-    openapi__write_type(w, "=auto", NULL, NULL);
+    schema_write(w, "=auto", NULL, NULL);
     json_out_array_end(w);
 }
 

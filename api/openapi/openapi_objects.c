@@ -12,7 +12,7 @@ static void write_members(json_out *w, const openapi_member *rows)
         size_t n = strcspn(rows->name, "?");
         snprintf(name, sizeof name, "%.*s", (int)n, rows->name);
         json_out_key(w, name);
-        openapi__write_type(w, rows->type, NULL, rows->help);
+        schema_write(w, rows->type, NULL, rows->help);
     }
 }
 
@@ -41,16 +41,16 @@ static void write_object(json_out *w, const openapi_schema *schema)
     if (schema->others == NULL || *schema->others == '\0')
         json_out_bool(w, schema->others != NULL);
     else
-        openapi__write_type(w, schema->others, NULL, NULL);
+        schema_write(w, schema->others, NULL, NULL);
 }
 
 static void write_one_of(json_out *w, const char *names)
 {
     json_out_key(w, "oneOf");
     json_out_array(w);
-    for (size_t n; (n = openapi__next_word(&names)) > 0; names += n) {
+    for (size_t n; (n = schema_next_word(&names)) > 0; names += n) {
         json_out_object(w);
-        openapi__write_ref(w, "schemas", names, n);
+        schema_write_ref(w, "schemas", names, n);
         json_out_object_end(w);
     }
     json_out_array_end(w);
@@ -64,12 +64,12 @@ static void write_schema(json_out *w, const openapi_schema *schema)
     if (schema->members != NULL)
         write_object(w, schema);
     else if (schema->type != NULL)
-        openapi__write_type_members(w, schema->type);
+        schema_write_members(w, schema->type);
     else if (schema->one_of != NULL)
         write_one_of(w, schema->one_of);
     else
         schema->write(w);
-    openapi__write_limits(w, schema->limits);
+    schema_write_limits(w, schema->limits);
     json_out_object_end(w);
 }
 

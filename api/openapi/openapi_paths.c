@@ -25,7 +25,7 @@ static void write_formats(json_out *w, const char *formats)
     json_out_object(w);
     json_out_key_string(w, "type", "string");
     json_out_key(w, "enum");
-    openapi__write_words(w, formats);
+    schema_write_words(w, formats);
     json_out_object_end(w);
 }
 
@@ -36,8 +36,8 @@ static void write_parameter_schema(json_out *w, const openapi_parameter *p, cons
         return;
     }
     json_out_object(w);
-    openapi__write_type_members(w, p->type);
-    openapi__write_limits(w, p->limits);
+    schema_write_members(w, p->type);
+    schema_write_limits(w, p->limits);
     if (p->standard != NULL) {
         json_out_key(w, "default");
         json_out_raw(w, p->standard, strlen(p->standard));
@@ -67,7 +67,7 @@ static size_t write_parameters(json_out *w, const route *r, const char *in, cons
 {
     size_t count = 0;
 
-    for (size_t n; words != NULL && (n = openapi__next_word(&words)) > 0; words += n, count++) {
+    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n, count++) {
         const openapi_parameter *p = openapi__parameter(in, r->path, words, n);
         BF_CHECK(p != NULL);
         write_parameter(w, p, r->formats);
@@ -116,7 +116,7 @@ static void write_samples(json_out *w, const char *kind)
         snprintf(name, sizeof name, "%s-%s", items[k].name, kind);
         json_out_key(w, items[k].name);
         json_out_object(w);
-        openapi__write_ref(w, "examples", name, strlen(name));
+        schema_write_ref(w, "examples", name, strlen(name));
         json_out_object_end(w);
     }
     json_out_object_end(w);
@@ -139,7 +139,7 @@ static void write_media(json_out *w, const media *row, const char *schema)
     json_out_object(w);
     json_out_key(w, "schema");
     json_out_object(w);
-    openapi__write_ref(w, "schemas", schema, strlen(schema));
+    schema_write_ref(w, "schemas", schema, strlen(schema));
     json_out_object_end(w);
     if (sample != NULL)
         write_samples(w, sample);
@@ -150,7 +150,7 @@ static void write_content(json_out *w, const char *formats, const char *schema)
 {
     json_out_key(w, "content");
     json_out_object(w);
-    for (size_t n; (n = openapi__next_word(&formats)) > 0; formats += n) {
+    for (size_t n; (n = schema_next_word(&formats)) > 0; formats += n) {
         for (size_t k = 0; k < N_MEDIA; k++) {
             const media *row = &media_rows[k];
             if (strlen(row->word) != n || memcmp(row->word, formats, n) != 0)
@@ -186,19 +186,19 @@ void openapi__write_header_components(json_out *w)
         if (!headers[k].may_lack)
             json_out_key_bool(w, "required", true);
         json_out_key(w, "schema");
-        openapi__write_type(w, headers[k].type, NULL, NULL);
+        schema_write(w, headers[k].type, NULL, NULL);
         json_out_object_end(w);
     }
 }
 
 static void write_header_refs(json_out *w, const char *words)
 {
-    for (size_t n; words != NULL && (n = openapi__next_word(&words)) > 0; words += n) {
+    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n) {
         const openapi_header *header = openapi__header(words, n);
         BF_CHECK(header != NULL);
         json_out_key(w, header->name);
         json_out_object(w);
-        openapi__write_ref(w, "headers", header->name, n);
+        schema_write_ref(w, "headers", header->name, n);
         json_out_object_end(w);
     }
 }

@@ -1,12 +1,5 @@
-/// The tables of the OpenAPI document and what writes them.
-///
-/// Types are written as short texts:
-///
-///     number integer string boolean object   as in JSON Schema
-///     #Name                                  the schema of openapi_schemas.c with this name
-///     =word                                  this string and no other
-///     [T]  [T 3]  [T 1-32]                   list of T; of 3 of them; of 1 to 32
-///     T?                                     T or null
+/// The tables of the OpenAPI document and what writes them. Types are short texts as in
+/// api/json/schema.h; "#Name" is the schema of openapi_schemas.c with this name.
 
 #pragma once
 
@@ -14,6 +7,7 @@
 #include "api/http/routes.h"
 #include "api/json/json_out.h"
 #include "api/json/members.h"
+#include "api/json/schema.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -108,21 +102,6 @@ const openapi_header *openapi__header(const char *name, size_t n);
 
 /// Name of the schema of bodies in a format, NULL for JSON, whose schemas are the operations'.
 const char *openapi__format_schema(media_format format);
-
-/// Move *words to the next word and return its length; 0: there is none.
-size_t openapi__next_word(const char **words);
-
-/// Write a list of strings.
-void openapi__write_words(json_out *w, const char *words);
-
-/// Write an object {..., "description": help} for a type; limits and help may be NULL.
-void openapi__write_type(json_out *w, const char *type, const char *limits, const char *help);
-
-/// Write into an object that is open: the members of a schema for a type; limits, if not NULL; a
-/// reference to a component of a kind ("schemas"), its name being of n bytes.
-void openapi__write_type_members(json_out *w, const char *type);
-void openapi__write_limits(json_out *w, const char *limits);
-void openapi__write_ref(json_out *w, const char *kind, const char *name, size_t n);
 
 /// Write the member `headers` of an answer, the words and those of every answer, and the members of
 /// `responses` for the refusals of an operation, into an object that is open.

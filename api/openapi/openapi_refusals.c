@@ -36,7 +36,7 @@ enum { N_REASONS = sizeof reasons / sizeof *reasons };
 
 static bool has_status(const char *words, int status)
 {
-    for (size_t n; words != NULL && (n = openapi__next_word(&words)) > 0; words += n) {
+    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n) {
         if (atoi(words) == status)
             return true;
     }
@@ -104,7 +104,7 @@ static void write_refusal(json_out *w, const problem__kind *kind)
     json_out_key(w, "application/problem+json");
     json_out_object(w);
     json_out_key(w, "schema");
-    openapi__write_type(w, "#Problem", NULL, NULL);
+    schema_write(w, "#Problem", NULL, NULL);
     write_example(w, kind, reasons[reason].help);
     json_out_object_end(w);
     json_out_object_end(w);
@@ -136,7 +136,7 @@ void openapi__write_refusals_of(json_out *w, const openapi_operation *operation)
         snprintf(status, sizeof status, "%d", kinds[k].status);
         json_out_key(w, status);
         json_out_object(w);
-        openapi__write_ref(w, "responses", name, strlen(name));
+        schema_write_ref(w, "responses", name, strlen(name));
         json_out_object_end(w);
     }
 }

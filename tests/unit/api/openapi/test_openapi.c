@@ -104,7 +104,7 @@ static void every_word_of_a_query_is_described(void **unused)
     (void)unused;
     for (size_t k = 0; k < n; k++) {
         const char *words = routes[k].query;
-        for (size_t length; (length = openapi__next_word(&words)) > 0; words += length) {
+        for (size_t length; (length = schema_next_word(&words)) > 0; words += length) {
             if (openapi__parameter("query", routes[k].path, words, length) == NULL)
                 fail_msg("openapi_parameters.c lacks '%.*s' of %s", (int)length, words,
                          routes[k].path);
@@ -362,7 +362,7 @@ static void types_are_short_texts(void **unused)
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         bf_buffer out = { 0 };
         json_out w = json_out_to(&out);
-        openapi__write_type(&w, pairs[k].type, NULL, NULL);
+        schema_write(&w, pairs[k].type, NULL, NULL);
         assert_string_equal(out.bytes, pairs[k].schema);
         buffer_fini(&out);
     }

@@ -1,6 +1,4 @@
-// Types as short texts (openapi_priv.h) and as JSON Schema.
-
-#include "api/openapi/openapi_priv.h"
+#include "api/json/schema.h"
 
 #include "core/base/check.h"
 
@@ -33,15 +31,15 @@ static void write_word(json_out *w, const char *word, size_t n)
     json_out_string(w, text);
 }
 
-void openapi__write_words(json_out *w, const char *words)
+void schema_write_words(json_out *w, const char *words)
 {
     json_out_array(w);
-    for (size_t n; (n = openapi__next_word(&words)) > 0; words += n)
+    for (size_t n; (n = schema_next_word(&words)) > 0; words += n)
         write_word(w, words, n);
     json_out_array_end(w);
 }
 
-void openapi__write_ref(json_out *w, const char *kind, const char *name, size_t n)
+void schema_write_ref(json_out *w, const char *kind, const char *name, size_t n)
 {
     char text[96] = "#/components/";
 
@@ -60,7 +58,7 @@ static void write_list(json_out *w, const char *item)
     json_out_key_string(w, "type", "array");
     json_out_key(w, "items");
     json_out_object(w);
-    openapi__write_type_members(w, item);
+    schema_write_members(w, item);
     json_out_object_end(w);
     at += *at == '?';
     if (*at != ' ')
@@ -79,7 +77,7 @@ static void write_list(json_out *w, const char *item)
 static void write_base(json_out *w, const char *type, size_t n)
 {
     if (*type == '#') {
-        openapi__write_ref(w, "schemas", type + 1, n - 1);
+        schema_write_ref(w, "schemas", type + 1, n - 1);
     } else if (*type == '[') {
         write_list(w, type + 1);
     } else if (*type == '=') {
@@ -106,7 +104,7 @@ static void write_or_null(json_out *w, const char *type, size_t n)
     json_out_array_end(w);
 }
 
-void openapi__write_type_members(json_out *w, const char *type)
+void schema_write_members(json_out *w, const char *type)
 {
     size_t n = measure_base(type);
 
@@ -123,24 +121,24 @@ void openapi__write_type_members(json_out *w, const char *type)
     }
 }
 
-void openapi__write_limits(json_out *w, const char *limits)
+void schema_write_limits(json_out *w, const char *limits)
 {
     if (limits == NULL)
         return;
     json_out_raw(w, limits, strlen(limits));
 }
 
-void openapi__write_type(json_out *w, const char *type, const char *limits, const char *help)
+void schema_write(json_out *w, const char *type, const char *limits, const char *help)
 {
     json_out_object(w);
-    openapi__write_type_members(w, type);
-    openapi__write_limits(w, limits);
+    schema_write_members(w, type);
+    schema_write_limits(w, limits);
     if (help != NULL)
         json_out_key_string(w, "description", help);
     json_out_object_end(w);
 }
 
-size_t openapi__next_word(const char **words)
+size_t schema_next_word(const char **words)
 {
     *words += strspn(*words, " ");
     return strcspn(*words, " ");
