@@ -210,8 +210,8 @@ typedef struct api_services {
     bf_status (*read_parts)(void *context, const char *id, uint64_t index,
                             api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
                             bf_error *err);
-    /// Give events of the runs with id > after, rising, to take; at most about limit_bytes of data
-    /// (at least one event, if there is one).
+    /// Give events of the runs with id > after, rising, to take: all there are, or as many as reach
+    /// limit_bytes of data.
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_take *take,
                              void *take_context, bf_error *err);

@@ -1,11 +1,11 @@
-/// The body of a response that is made piece by piece while it is sent, so that only a piece of it is
-/// in memory however long it is.
+/// A response body that is pulled: it is made chunk by chunk while it is sent, so that only a chunk of
+/// it is in memory however long it is. Archives and event streams are such bodies.
 ///
-/// A handler that wants one finds out everything that can be refused before, gives the response a
-/// body, and returns. The transport then asks for a piece whenever the client has taken the one
-/// before; it asks on any of its request threads, one at a time. Between two pieces nothing of the
-/// store is held, so that a slow client costs the memory of one piece and of state, and nothing else.
-/// A client that leaves is told by nothing but destroy.
+/// A handler that answers with one first finds out everything that can be refused, then gives the
+/// response a body_source and returns. The transport asks for the next chunk when the client has taken
+/// the one before, always on a request thread, one at a time. Between two chunks nothing of the store
+/// is held, so that a slow client costs the memory of one chunk and of state, and nothing else. A
+/// client that disconnects is told by nothing but destroy.
 
 #pragma once
 
@@ -15,15 +15,27 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Append the next piece to *out, about limit_bytes or fewer; none at all is no end, but lets others
-/// have their turn. *ret_is_over: it was the last one. After a failure the response is torn off, so
-/// that the client does not take the part for the whole, and nothing more is asked for.
-typedef bf_status api_body_make(void *state, const api_services *services, size_t limit_bytes,
-                                bf_buffer *out, bool *ret_is_over, bf_error *err);
+/// What follows a chunk.
+typedef enum body_state {
+    BODY_MORE, ///< there is more now: ask again when the client has taken this chunk
+    BODY_WAIT, ///< this was all there is now: ask again when one of the source's runs has changed
+    BODY_DONE, ///< this was the last chunk
+} body_state;
+
+/// Append the next chunk to *out, about limit_bytes or fewer. An empty one with BODY_MORE lets other
+/// bodies have their turn. A change of a run that was committed before the call is in the chunk, or the
+/// state is BODY_MORE. On failure *out is as before or longer, the response is cut off, so that the
+/// client does not take a part for the whole, and nothing more is asked for.
+typedef bf_status body_next_chunk_fn(void *state, const api_services *services, size_t limit_bytes,
+                                     bf_buffer *out, body_state *ret_state, bf_error *err);
 
 /// A body. Zero-initialised: none.
-typedef struct api_body {
-    void *state;                  ///< of its maker, owned
-    api_body_make *make;          ///< makes the next piece; NULL: there is no such body
-    void (*destroy)(void *state); ///< frees state, at the end or before it
-} api_body;
+typedef struct body_source {
+    void *state;                    ///< of the body, owned
+    body_next_chunk_fn *next_chunk; ///< makes the next chunk; NULL: there is no such body
+    void (*destroy)(void *state);   ///< frees state, at the end or before it
+    bool is_stream;                 ///< it lasts as long as its runs: an event stream
+    const char *heartbeat; ///< of a stream: bytes that keep an idle connection open; static
+    size_t n_runs;         ///< runs whose changes BODY_WAIT waits for
+    const char (*runs)[API_ID_SIZE]; ///< their ids, n_runs of them; in state
+} body_source;

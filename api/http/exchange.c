@@ -52,8 +52,8 @@ void api_response_fini(api_response *response)
     if (response == NULL)
         return;
     buffer_fini(&response->body);
-    if (response->pieces.make != NULL)
-        response->pieces.destroy(response->pieces.state);
+    if (response->source.next_chunk != NULL)
+        response->source.destroy(response->source.state);
     *response = (api_response){ 0 };
 }
 
@@ -242,7 +242,7 @@ static void tag_by_bytes(exchange *x)
     api_response *response = x->response;
     const char *caching = api_response_find(response, "Cache-Control");
 
-    if (response->status != 200 || response->is_stream || x->route->method[0] != 'G' ||
+    if (response->status != 200 || response->source.is_stream || x->route->method[0] != 'G' ||
         caching == NULL || api_response_find(response, "ETag") != NULL)
         return;
     uint64_t digest = digest_add(DIGEST_START, response->body.bytes, response->body.n);

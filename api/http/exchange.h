@@ -10,7 +10,6 @@
 #pragma once
 
 #include "api/http/body.h"
-#include "api/http/stream.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 
@@ -61,11 +60,9 @@ typedef struct api_response {
     const char *route; ///< template of the route that it is of; NULL: none; static
     size_t n_headers;  ///< headers in use
     api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
-    bf_buffer body;       ///< the body, unless pieces or is_stream; of a 304 perhaps what a 200 had
-    api_body pieces;      ///< the body is made while it is sent; make NULL: it is not
-    bool is_stream;       ///< the body is an event stream:
-    stream_cursor cursor; ///< from here
-    api_wait wait;        ///< what it is worth waiting for with this answer
+    bf_buffer body;     ///< the body, unless there is a source; of a 304 perhaps what a 200 had
+    body_source source; ///< the body is made while it is sent; next_chunk NULL: it is not
+    api_wait wait;      ///< what it is worth waiting for with this answer
 } api_response;
 
 /// True if handling this request can wait for the disk, so that an event loop hands it to a thread.

@@ -26,5 +26,5 @@ bf_status handlers_archive_show(exchange *x, bf_error *err)
     api_response_header(x->response, "Content-Disposition", "attachment; filename=\"%s.zip\"",
                         record.id);
     return results_archive_open(&record, has_vtk ? RESULTS_ARCHIVE_VTK : RESULTS_ARCHIVE_PLAIN,
-                                x->services, &x->response->pieces, err);
+                                x->services, &x->response->source, err);
 }

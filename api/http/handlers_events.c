@@ -2,6 +2,7 @@
 
 #include "api/http/exchange_priv.h"
 #include "api/http/handlers.h"
+#include "api/http/stream.h"
 
 static bf_status read_flag(const exchange *x, const char *name, bool *ret_value, bf_error *err)
 {
@@ -31,6 +32,7 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
 {
     stream_format format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON;
     api_response *response = x->response;
+    stream_cursor cursor;
     uint64_t after = 0;
     bool is_inline = false;
 
@@ -39,15 +41,15 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
         status = read_last_event(x, &after, err);
     if (status == BF_OK)
         status = stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs,
-                              n_runs, after, &response->cursor, err);
+                              n_runs, after, &cursor, err);
     if (status != BF_OK)
         return status;
-    response->is_stream = response->cursor.n_open > 0;
-    if (!response->is_stream)
+    if (cursor.n_open == 0) {
         response->status = 204; // tells a browser not to come back
-    else
-        api_response_header(response, "X-Accel-Buffering", "no");
-    return BF_OK;
+        return BF_OK;
+    }
+    api_response_header(response, "X-Accel-Buffering", "no");
+    return stream_open(&cursor, &response->source, err);
 }
 
 bf_status handlers_events_of_run(exchange *x, bf_error *err)

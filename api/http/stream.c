@@ -1,6 +1,7 @@
 #include "api/http/stream.h"
 
 #include "core/base/check.h"
+#include "core/base/memory.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -169,7 +170,7 @@ static bf_status append_events(batch *b, const api_services *services, size_t li
 
 // Counts again which runs are open, when nothing is there to be read: a run may have been removed.
 static bf_status look_at_runs(stream_cursor *cursor, const api_services *services,
-                              stream_state *ret_state, bf_error *err)
+                              body_state *ret_state, bf_error *err)
 {
     bool has_more = false;
     size_t n_open = 0;
@@ -186,15 +187,24 @@ static bf_status look_at_runs(stream_cursor *cursor, const api_services *service
         has_more = has_more || where == STANDING_HAS_MORE;
     }
     cursor->n_open = n_open;
-    *ret_state = n_open == 0 ? STREAM_DONE : has_more ? STREAM_MORE : STREAM_WAIT;
+    *ret_state = n_open == 0 ? BODY_DONE : has_more ? BODY_MORE : BODY_WAIT;
     return BF_OK;
 }
 
+// True if a batch has all events there were: some came, and they ended below the limit. After the end
+// of a run the others are looked at, as they may have been removed.
+static bool has_read_all(const stream_cursor *cursor, uint64_t after, size_t n_open,
+                         bool is_below_limit)
+{
+    return cursor->after > after && cursor->n_open == n_open && is_below_limit;
+}
+
 static bf_status append_batch(batch *b, const api_services *services, size_t limit_bytes,
-                              stream_state *ret_state, bf_error *err)
+                              body_state *ret_state, bf_error *err)
 {
     stream_cursor *cursor = b->cursor;
-    size_t start = b->out->n;
+    size_t start = b->out->n, n_open = cursor->n_open;
+    uint64_t after = cursor->after;
 
     if (cursor->format == STREAM_SSE && !cursor->has_begun &&
         buffer_append(b->out, "retry: 3000\n\n", 13) != BF_OK)
@@ -206,16 +216,18 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
             return status;
     }
     if (cursor->n_open == 0)
-        *ret_state = STREAM_DONE;
-    else if (b->out->n > start)
-        *ret_state = STREAM_MORE;
-    else
+        *ret_state = BODY_DONE;
+    else if (b->out->n == start)
         return look_at_runs(cursor, services, ret_state, err);
+    else
+        *ret_state = has_read_all(cursor, after, n_open, b->out->n - start < limit_bytes)
+                         ? BODY_WAIT
+                         : BODY_MORE;
     return BF_OK;
 }
 
 bf_status stream_next(stream_cursor *cursor, const api_services *services, size_t limit_bytes,
-                      bf_buffer *out, stream_state *ret_state, bf_error *err)
+                      bf_buffer *out, body_state *ret_state, bf_error *err)
 {
     stream_cursor before = *cursor;
     batch b = { .cursor = cursor, .out = out };
@@ -235,4 +247,27 @@ bf_status stream_next(stream_cursor *cursor, const api_services *services, size_
 const char *stream_heartbeat(stream_format format)
 {
     return format == STREAM_SSE ? ":\n\n" : "\n";
+}
+
+static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
+                            bf_buffer *out, body_state *ret_state, bf_error *err)
+{
+    return stream_next(state, services, limit_bytes, out, ret_state, err);
+}
+
+bf_status stream_open(const stream_cursor *cursor, body_source *ret_source, bf_error *err)
+{
+    stream_cursor *state = memory_alloc(1, sizeof *state);
+
+    if (state == NULL)
+        return out_of_memory(err);
+    *state = *cursor;
+    *ret_source = (body_source){ .state = state,
+                                 .next_chunk = next_chunk,
+                                 .destroy = memory_free,
+                                 .is_stream = true,
+                                 .heartbeat = stream_heartbeat(cursor->format),
+                                 .n_runs = cursor->n_runs,
+                                 .runs = (const char(*)[API_ID_SIZE])state->runs };
+    return BF_OK;
 }

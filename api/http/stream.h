@@ -12,6 +12,7 @@
 
 #pragma once
 
+#include "api/http/body.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 
@@ -35,13 +36,6 @@ typedef struct stream_cursor {
     bool has_begun;                              ///< the preamble (`retry:`) was written
 } stream_cursor;
 
-/// What to do after stream_next().
-typedef enum stream_state {
-    STREAM_MORE, ///< bytes were appended, call again
-    STREAM_WAIT, ///< nothing at the moment
-    STREAM_DONE, ///< everything was written (bytes may have been appended)
-} stream_state;
-
 /// Begin a stream of 1 .. API_STREAM_RUNS_MAX runs behind the event `after` (0: from the first one
 /// on). n_open is 0 where the client has seen the end of all of them. An id that is newer than all
 /// events of the runs, as after a loss of the store, counts as the newest. BF_ENOTFOUND: no such run.
@@ -49,11 +43,17 @@ BF_MUST_CHECK bf_status stream_begin(const api_services *services, stream_format
                                      bool is_inline, const char (*runs)[API_ID_SIZE], size_t n_runs,
                                      uint64_t after, stream_cursor *ret_cursor, bf_error *err);
 
-/// Append the next batch, at most about limit_bytes (and one inline snapshot), to *out. Runs that
-/// were removed count as ended. On failure *cursor and *out are as before.
+/// Append the next batch, at most about limit_bytes (and one inline snapshot), to *out: the
+/// body_next_chunk_fn of a stream. Runs that were removed count as ended. On failure *cursor and *out
+/// are as before.
 BF_MUST_CHECK bf_status stream_next(stream_cursor *cursor, const api_services *services,
-                                    size_t limit_bytes, bf_buffer *out, stream_state *ret_state,
+                                    size_t limit_bytes, bf_buffer *out, body_state *ret_state,
                                     bf_error *err);
 
-/// The bytes that keep an idle stream awake: an SSE comment, an empty line of NDJSON.
+/// Make the stream of a cursor, which is copied, the body of a response. *ret_source is the caller's;
+/// its destroy() frees it. BF_ENOMEM.
+BF_MUST_CHECK bf_status stream_open(const stream_cursor *cursor, body_source *ret_source,
+                                    bf_error *err);
+
+/// The bytes that keep an idle stream open: an SSE comment, an empty line of NDJSON.
 const char *stream_heartbeat(stream_format format);

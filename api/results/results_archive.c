@@ -9,7 +9,7 @@
 
 enum {
     SLICE_BYTES = 64 * 1024,      // given to the archive at once
-    TURN_BYTES = 4 * 1024 * 1024, // of files read for one piece: empty belts deflate to nothing
+    TURN_BYTES = 4 * 1024 * 1024, // of files read for one chunk: empty belts deflate to nothing
 };
 
 // The body's state.
@@ -236,8 +236,8 @@ static bf_status give_slice(archive *a, bf_buffer *out, bf_error *err)
     return status;
 }
 
-static bf_status make_piece(void *state, const api_services *services, size_t limit_bytes,
-                            bf_buffer *out, bool *ret_is_over, bf_error *err)
+static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
+                            bf_buffer *out, body_state *ret_state, bf_error *err)
 {
     archive *a = state;
     size_t start = out->n;
@@ -256,7 +256,7 @@ static bf_status make_piece(void *state, const api_services *services, size_t li
         }
     }
     if (status == BF_OK)
-        *ret_is_over = a->is_over;
+        *ret_state = a->is_over ? BODY_DONE : BODY_MORE;
     return status;
 }
 
@@ -273,7 +273,7 @@ static void destroy(void *state)
 }
 
 bf_status results_archive_open(const api_run *of, results_archive_kind kind,
-                               const api_services *services, api_body *ret_body, bf_error *err)
+                               const api_services *services, body_source *ret_source, bf_error *err)
 {
     archive *a = memory_alloc(1, sizeof *a);
 
@@ -290,6 +290,6 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
         destroy(a);
         return status;
     }
-    *ret_body = (api_body){ .state = a, .make = make_piece, .destroy = destroy };
+    *ret_source = (body_source){ .state = a, .next_chunk = next_chunk, .destroy = destroy };
     return BF_OK;
 }

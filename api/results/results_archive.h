@@ -15,8 +15,8 @@ typedef enum results_archive_kind {
     RESULTS_ARCHIVE_VTK,   ///< VTK's files, too
 } results_archive_kind;
 
-/// Begin the archive of *of, which must have ended: its files carry the time of that. *ret_body is
+/// Begin the archive of *of, which must have ended: its files carry the time of that. *ret_source is
 /// the caller's; its destroy() frees it.
 BF_MUST_CHECK bf_status results_archive_open(const api_run *of, results_archive_kind kind,
-                                             const api_services *services, api_body *ret_body,
+                                             const api_services *services, body_source *ret_source,
                                              bf_error *err);

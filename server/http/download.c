@@ -1,4 +1,4 @@
-// Bodies that are made while they are sent (api_body). Each piece is made on a request thread, as its
+// Bodies that are made while they are sent (body_source). Each piece is made on a request thread, as its
 // making reads the store and compresses, while the connection is suspended:
 //
 //     reader (MHD's thread)                       request thread
@@ -51,12 +51,14 @@ void http__download_end(http_request *r)
 void http__download_make(http_request *r)
 {
     http_download *d = &r->download;
-    const api_body *body = &r->response.pieces;
+    const body_source *source = &r->response.source;
+    body_state where = BODY_MORE;
     bf_error err = { 0 };
 
     d->n_taken = d->piece.n = 0;
-    bf_status status = body->make(body->state, &r->server->services, HTTP_DOWNLOAD_PIECE, &d->piece,
-                                  &d->is_over, &err);
+    bf_status status = source->next_chunk(source->state, &r->server->services, HTTP_DOWNLOAD_PIECE,
+                                          &d->piece, &where, &err);
+    d->is_over = where == BODY_DONE;
     if (status == BF_OK)
         return;
     char path[LOG_QUOTED_SIZE], text[LOG_QUOTED_SIZE];

@@ -161,7 +161,7 @@ void http__finish(http_request *r)
         return;
     r->is_finished = true;
     identify(r);
-    if (!response->is_stream)
+    if (!response->source.is_stream)
         choose_form(r);
     if (response->status == 304) {
         api_response_drop(response, "Content-Type");

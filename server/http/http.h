@@ -7,7 +7,7 @@
 ///          have nothing to send; http_notify() wakes those that follow the run. An answer that waits
 ///          for a run (`Prefer: wait`, `?wait=`) holds no thread either: its connection stays
 ///          suspended, and http_notify() has a request thread look again. Bodies that are made while
-///          they are sent (api_body) are made by the request threads.
+///          they are sent (body_source) are made by the request threads.
 /// Order of stopping  http_stop(): quiesce, mark streams and waiting answers as ending, resume all,
 ///          stop.
 

@@ -318,7 +318,7 @@ static void log_request(const http_request *r)
 // What a client wants to wait for says nothing about the service.
 static bool is_timed(const http_request *r)
 {
-    return !r->response.is_stream && r->wait.deadline_ms == 0;
+    return !r->response.source.is_stream && r->wait.deadline_ms == 0;
 }
 
 static void measure_request(const http_request *r)

@@ -19,7 +19,7 @@ void http__respond_refuse(http_request *r, int status, const bf_error *err)
 // Bodies that are read piece by piece: event streams, and what is made while it is sent.
 static bool has_reader(const http_request *r)
 {
-    return r->response.is_stream || r->response.pieces.make != NULL;
+    return r->response.source.next_chunk != NULL;
 }
 
 static bool is_read(const http_request *r)
@@ -31,7 +31,7 @@ static struct MHD_Response *make_reader(http_request *r)
 {
     return MHD_create_response_from_callback(
         MHD_SIZE_UNKNOWN, READER_BLOCK,
-        r->response.is_stream ? http__stream_read : http__download_read, r, NULL);
+        r->response.source.is_stream ? http__stream_read : http__download_read, r, NULL);
 }
 
 // An answer without a body whose length, if it had one, is not known: HEAD of such a body, and a 304,
@@ -77,9 +77,10 @@ static void admit(http_request *r)
 {
     if (!is_read(r))
         return;
-    if (r->response.is_stream && !http__stream_begin(r))
+    if (r->response.source.is_stream && !http__stream_begin(r))
         refuse_full(r, "event streams", r->server->options.stream_limit);
-    else if (r->response.pieces.make != NULL && !http__download_begin(r))
+    else if (!r->response.source.is_stream && r->response.source.next_chunk != NULL &&
+             !http__download_begin(r))
         refuse_full(r, "downloads", r->server->options.download_limit);
 }
 

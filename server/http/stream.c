@@ -51,14 +51,14 @@ typedef struct stream_look {
 
 static void fill_in(http_stream *s, const http_request *r)
 {
-    const stream_cursor *cursor = &r->response.cursor;
+    const body_source *source = &r->response.source;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_CONNECTION_FD);
 
     s->mhd = r->mhd;
     s->fd = info->connect_fd;
-    s->n_runs = cursor->n_runs;
-    memcpy(s->runs, cursor->runs, sizeof s->runs);
+    s->n_runs = source->n_runs;
+    memcpy(s->runs, source->runs, source->n_runs * sizeof *source->runs);
     s->sent_ms = clock_monotonic_ms();
 }
 
@@ -186,17 +186,17 @@ static bool suspend(http *h, http_stream *s, uint64_t seen)
 }
 
 // False: the store failed. The client must not take the end of its stream for the end of the runs.
-static bool read_batch(http_request *r, bool owes_heartbeat, stream_state *ret_state)
+static bool read_batch(http_request *r, bool owes_heartbeat, body_state *ret_state)
 {
     http_stream *s = &r->stream;
-    stream_state state = STREAM_DONE;
+    body_state state = BODY_DONE;
     bf_error err = { 0 };
-    bf_status status = stream_next(&r->response.cursor, &r->server->services, HTTP_STREAM_BATCH,
-                                   &s->batch, &state, &err);
+    const body_source *source = &r->response.source;
+    bf_status status = source->next_chunk(source->state, &r->server->services, HTTP_STREAM_BATCH,
+                                          &s->batch, &state, &err);
 
-    if (status == BF_OK && s->batch.n == 0 && state == STREAM_WAIT && owes_heartbeat) {
-        const char *beat = stream_heartbeat(r->response.cursor.format);
-        status = buffer_append(&s->batch, beat, strlen(beat));
+    if (status == BF_OK && s->batch.n == 0 && state == BODY_WAIT && owes_heartbeat) {
+        status = buffer_append(&s->batch, source->heartbeat, strlen(source->heartbeat));
     }
     if (status != BF_OK) {
         char quoted[LOG_QUOTED_SIZE];
@@ -239,11 +239,11 @@ ssize_t http__stream_read(void *context, uint64_t position, char *bytes, size_t 
             return MHD_CONTENT_READER_END_WITH_ERROR;
         if (seen.is_stopping)
             return MHD_CONTENT_READER_END_OF_STREAM;
-        stream_state state = STREAM_DONE;
+        body_state state = BODY_DONE;
         if (!read_batch(r, seen.owes_heartbeat, &state))
             return MHD_CONTENT_READER_END_WITH_ERROR;
-        s->is_over = state == STREAM_DONE;
-        if (state == STREAM_WAIT && s->batch.n == 0 && suspend(r->server, s, seen.seen))
+        s->is_over = state == BODY_DONE;
+        if (state == BODY_WAIT && s->batch.n == 0 && suspend(r->server, s, seen.seen))
             return 0;
     }
 }

@@ -24,13 +24,14 @@ static helper_run *add_ended_run(void)
 static size_t unzip_answer(unzip_file *ret_files)
 {
     api_services services = helper_services(&ask_daemon);
-    api_body *body = &ask_response.pieces;
-    bool is_over = false;
+    body_source *body = &ask_response.source;
+    body_state where = BODY_MORE;
 
-    assert_non_null(body->make);
-    while (!is_over)
+    assert_non_null(body->next_chunk);
+    while (where == BODY_MORE)
         assert_int_equal(
-            body->make(body->state, &services, 65536, &ask_response.body, &is_over, NULL), BF_OK);
+            body->next_chunk(body->state, &services, 65536, &ask_response.body, &where, NULL),
+            BF_OK);
     return unzip_all(&ask_response.body, ret_files);
 }
 
@@ -49,7 +50,7 @@ static void the_results_of_a_run_are_one_file_that_never_changes(void **state)
     assert_int_equal(n, 5);
     unzip_fini(files, n);
     ask_get(RUN_1 "/results.zip", NULL, "If-None-Match: " TAG "\n", 304);
-    assert_null(ask_response.pieces.make);
+    assert_null(ask_response.source.next_chunk);
 }
 
 static void files_for_vtk_come_when_asked(void **state)

@@ -1,5 +1,6 @@
 // How a request becomes a stream.
 
+#include "api/http/stream.h"
 #include "tests/unit/api/helper_ask.h"
 
 #include <setjmp.h>
@@ -11,22 +12,27 @@
 #include <stdio.h>
 #include <string.h>
 
+static const stream_cursor *cursor(void)
+{
+    return ask_response.source.state;
+}
+
 static void a_stream_is_handed_to_the_transport(void **state)
 {
     (void)state;
     helper_add_event(&ask_daemon, ask_add_run(RUN_RUNNING), API_EVENT_STATUS, "{}");
     ask_get(RUN_1 "/events", NULL, NULL, 200);
-    assert_true(ask_response.is_stream);
-    assert_int_equal(ask_response.cursor.format, STREAM_SSE);
-    assert_int_equal(ask_response.cursor.n_open, 1);
+    assert_true(ask_response.source.is_stream);
+    assert_int_equal(cursor()->format, STREAM_SSE);
+    assert_int_equal(cursor()->n_open, 1);
     ask_assert_header("Content-Type", "text/event-stream");
     ask_assert_header("Cache-Control", "no-store");
     ask_assert_header("X-Accel-Buffering", "no");
     ask_get(RUN_1 "/events", "inline=1", "Accept: application/x-ndjson\n", 200);
-    assert_int_equal(ask_response.cursor.format, STREAM_NDJSON);
-    assert_true(ask_response.cursor.is_inline);
+    assert_int_equal(cursor()->format, STREAM_NDJSON);
+    assert_true(cursor()->is_inline);
     ask("HEAD", RUN_1 "/events", NULL, NULL, NULL, 200);
-    assert_true(ask_response.is_stream);
+    assert_true(ask_response.source.is_stream);
     ask_assert_header("Content-Type", "text/event-stream");
 }
 
@@ -38,11 +44,11 @@ static void a_stream_goes_on_behind_the_last_event_of_the_client(void **state)
     for (int i = 0; i < 9; i++)
         helper_add_event(&ask_daemon, of, API_EVENT_STATUS, "{}");
     ask_get(RUN_1 "/events", "last_event_id=3", NULL, 200);
-    assert_int_equal(ask_response.cursor.after, 3);
+    assert_int_equal(cursor()->after, 3);
     ask_get(RUN_1 "/events", "last_event_id=3", "Last-Event-ID: 7\n", 200);
-    assert_int_equal(ask_response.cursor.after, 7);
+    assert_int_equal(cursor()->after, 7);
     ask_get(RUN_1 "/events", NULL, "Last-Event-ID: \n", 200);
-    assert_int_equal(ask_response.cursor.after, 0);
+    assert_int_equal(cursor()->after, 0);
     ask_get(RUN_1 "/events", NULL, "Last-Event-ID: seven\n", 400);
     ask_get(RUN_1 "/events", "last_event_id=-1", NULL, 400);
     ask_get(RUN_1 "/events", "inline=yes", NULL, 400);
@@ -56,7 +62,7 @@ static void a_client_that_saw_the_end_gets_no_content(void **state)
     helper_add_event(&ask_daemon, of, API_EVENT_END, "{}");
     ask_get(RUN_1 "/events", NULL, NULL, 200);
     ask_get(RUN_1 "/events", NULL, "Last-Event-ID: 1\n", 204);
-    assert_false(ask_response.is_stream);
+    assert_false(ask_response.source.is_stream);
     assert_null(helper_header(&ask_response, "Content-Type"));
 }
 
@@ -66,9 +72,9 @@ static void several_runs_are_followed_by_their_ids(void **state)
     ask_add_run(RUN_RUNNING);
     ask_add_run(RUN_QUEUED);
     ask_get("/v1/events", "runs=" ID_2 "," ID_1 "&format=ndjson", NULL, 200);
-    assert_int_equal(ask_response.cursor.n_runs, 2);
-    assert_string_equal(ask_response.cursor.runs[0], ID_2);
-    assert_string_equal(ask_response.cursor.runs[1], ID_1);
+    assert_int_equal(cursor()->n_runs, 2);
+    assert_string_equal(cursor()->runs[0], ID_2);
+    assert_string_equal(cursor()->runs[1], ID_1);
     ask_get("/v1/events", NULL, NULL, 400);
     ask_get("/v1/events", "runs=", NULL, 400);
     ask_get("/v1/events", "runs=" ID_1 "," ID_1, NULL, 400);

@@ -31,21 +31,21 @@ static stream_cursor begin(helper_daemon *d, stream_format format, bool is_inlin
     return cursor;
 }
 
-static stream_state next(helper_daemon *d, stream_cursor *cursor, size_t limit, bf_buffer *out)
+static body_state next(helper_daemon *d, stream_cursor *cursor, size_t limit, bf_buffer *out)
 {
     api_services services = helper_services(d);
-    stream_state where = STREAM_WAIT;
+    body_state where = BODY_WAIT;
 
     assert_int_equal(stream_next(cursor, &services, limit, out, &where, NULL), BF_OK);
     return where;
 }
 
 // Reads until there is nothing at the moment.
-static stream_state drain(helper_daemon *d, stream_cursor *cursor, size_t limit, bf_buffer *out)
+static body_state drain(helper_daemon *d, stream_cursor *cursor, size_t limit, bf_buffer *out)
 {
-    stream_state where = STREAM_MORE;
+    body_state where = BODY_MORE;
 
-    for (int i = 0; i < 100 && where == STREAM_MORE; i++)
+    for (int i = 0; i < 100 && where == BODY_MORE; i++)
         where = next(d, cursor, limit, out);
     return where;
 }
@@ -67,7 +67,7 @@ static void server_sent_events_have_id_event_and_data(void **state)
     helper_add_event(&d, of, API_EVENT_STATUS, "{\"a\":1}");
     helper_add_event(&d, of, API_EVENT_END, "{\"b\":2}");
     stream_cursor cursor = begin(&d, STREAM_SSE, false, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_DONE);
     assert_text(&out, "retry: 3000\n\n"
                       "id: 1\nevent: status\ndata: {\"a\":1}\n\n"
                       "id: 2\nevent: end\ndata: {\"b\":2}\n\n");
@@ -83,7 +83,7 @@ static void ndjson_has_the_same_objects_one_a_line(void **state)
     helper_add_event(&d, of, API_EVENT_PROGRESS, "{\"a\":1}");
     helper_add_event(&d, of, API_EVENT_END, "{\"b\":2}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_DONE);
     assert_text(&out, "{\"id\":1,\"run\":\"" ID_1 "\",\"event\":\"progress\",\"data\":{\"a\":1}}\n"
                       "{\"id\":2,\"run\":\"" ID_1 "\",\"event\":\"end\",\"data\":{\"b\":2}}\n");
 }
@@ -99,14 +99,14 @@ static void a_client_that_returns_misses_nothing_and_gets_nothing_twice(void **s
     for (int i = 0; i < 5; i++)
         helper_add_event(&d, of, API_EVENT_CURVE, "{\"t_s\":[0.1]}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &whole), STREAM_WAIT);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &whole), BODY_WAIT);
     for (uint64_t seen = 0; seen <= 5; seen++) {
         bf_buffer out = { 0 };
         stream_cursor first = begin(&d, STREAM_NDJSON, false, 1, 0);
         while (first.after < seen)
             next(&d, &first, 1, &out);
         stream_cursor second = begin(&d, STREAM_NDJSON, false, 1, first.after);
-        assert_int_equal(drain(&d, &second, LIMIT, &out), STREAM_WAIT);
+        assert_int_equal(drain(&d, &second, LIMIT, &out), BODY_WAIT);
         assert_text(&out, whole.bytes);
     }
     buffer_fini(&whole);
@@ -123,7 +123,7 @@ static void a_batch_stays_near_its_limit(void **state)
     for (int i = 0; i < 3; i++)
         helper_add_event(&d, of, API_EVENT_STATUS, "{\"a\":1}");
     cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
-    assert_int_equal(next(&d, &cursor, 1, &out), STREAM_MORE);
+    assert_int_equal(next(&d, &cursor, 1, &out), BODY_MORE);
     assert_int_equal(cursor.after, 1);
     buffer_fini(&out);
 }
@@ -136,11 +136,11 @@ static void a_stream_waits_for_a_run_that_goes_on(void **state)
 
     (void)state;
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_WAIT);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_WAIT);
     assert_int_equal(out.n, 0);
     of->record.state = RUN_SUCCEEDED;
     helper_add_event(&d, of, API_EVENT_END, "{}");
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_DONE);
     assert_true(out.n > 0);
     buffer_fini(&out);
 }
@@ -153,8 +153,8 @@ static void the_preamble_comes_at_once_and_only_once(void **state)
     (void)state;
     helper_add_run(&d, RUN_RUNNING);
     stream_cursor cursor = begin(&d, STREAM_SSE, false, 1, 0);
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_MORE);
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_WAIT);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_MORE);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_WAIT);
     assert_text(&out, "retry: 3000\n\n");
 }
 
@@ -182,7 +182,7 @@ static void an_id_from_the_future_does_not_hide_what_comes(void **state)
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 1000);
     assert_int_equal(cursor.after, 1);
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_MORE);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_WAIT);
     buffer_fini(&out);
 }
 
@@ -197,11 +197,11 @@ static void several_runs_share_a_stream_that_ends_with_the_last_of_them(void **s
     helper_add_event(&d, one, API_EVENT_END, "{}");
     one->record.state = RUN_SUCCEEDED;
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 2, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_WAIT);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_WAIT);
     assert_int_equal(cursor.n_open, 1);
     helper_add_event(&d, two, API_EVENT_END, "{}");
     two->record.state = RUN_CANCELLED;
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_DONE);
     assert_text(&out, "{\"id\":1,\"run\":\"" ID_2 "\",\"event\":\"status\",\"data\":{}}\n"
                       "{\"id\":2,\"run\":\"" ID_1 "\",\"event\":\"end\",\"data\":{}}\n"
                       "{\"id\":3,\"run\":\"" ID_2 "\",\"event\":\"end\",\"data\":{}}\n");
@@ -217,9 +217,9 @@ static void a_removed_run_ends_its_streams(void **state)
     (void)state;
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_WAIT);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_WAIT);
     assert_int_equal(services.remove(&d, ID_1, NULL), BF_OK);
-    assert_int_equal(next(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_DONE);
     buffer_fini(&out);
 }
 
@@ -248,7 +248,7 @@ static void an_inline_snapshot_carries_its_grid(void **state)
     helper_add_event(&d, of, API_EVENT_SNAPSHOT, "{\"n\":0}");
     helper_add_event(&d, of, API_EVENT_END, "{}");
     stream_cursor cursor = begin(&d, STREAM_SSE, true, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_DONE);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_DONE);
     assert_text(&out, "retry: 3000\n\n"
                       "id: 1\nevent: snapshot\ndata: "
                       "{\"n\":0,\"data\":\"AAAAAAAAgD8AAABAAABAQAAAgEAAAKBA\"}\n\n"
@@ -279,14 +279,14 @@ static void stream_odd_snapshot(size_t n, bf_buffer *out)
 {
     helper_daemon d = { .n_runs = 0 };
     api_services services = helper_services(&d);
-    stream_state where;
+    body_state where;
 
     n_grid_bytes = n;
     services.read_snapshot = read_odd_snapshot;
     helper_add_event(&d, helper_add_run(&d, RUN_RUNNING), API_EVENT_SNAPSHOT, "{\"n\":0}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, true, 1, 0);
     assert_int_equal(stream_next(&cursor, &services, LIMIT, out, &where, NULL), BF_OK);
-    assert_int_equal(where, STREAM_MORE);
+    assert_int_equal(where, out->n < LIMIT ? BODY_WAIT : BODY_MORE);
 }
 
 // RFC 4648, section 10, has "f" to "foo"; ours are of 'f' only: 66 66 66 is 011001 100110 011001 100110.
@@ -333,10 +333,10 @@ static void out_of_memory_loses_no_event(void **state)
     helper_add_event(&d, of, API_EVENT_SNAPSHOT, "{\"n\":0}");
     helper_add_event(&d, of, API_EVENT_END, "{}");
     stream_cursor cursor = begin(&d, STREAM_SSE, true, 1, 0);
-    assert_int_equal(drain(&d, &cursor, LIMIT, &whole), STREAM_DONE);
+    assert_int_equal(drain(&d, &cursor, LIMIT, &whole), BODY_DONE);
     for (size_t n = 1; n_faults > 0; n++) {
         bf_buffer out = { 0 };
-        stream_state where = STREAM_WAIT;
+        body_state where = BODY_WAIT;
         cursor = begin(&d, STREAM_SSE, true, 1, 0);
         memory_plan_fault(n, 0);
         bf_status status = stream_next(&cursor, &services, LIMIT, &out, &where, NULL);
@@ -346,7 +346,7 @@ static void out_of_memory_loses_no_event(void **state)
         if (n_faults > 0)
             assert_int_equal(out.n, 0);
         if (n_faults > 0)
-            assert_int_equal(drain(&d, &cursor, LIMIT, &out), STREAM_DONE);
+            assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_DONE);
         assert_text(&out, whole.bytes);
     }
     buffer_fini(&whole);

@@ -41,16 +41,16 @@ static helper_run *add_run(run_model model)
 }
 
 // Makes a body to its end; *ret_pieces (NULL: not wanted) counts them.
-static bf_status make_all(const api_body *body, size_t limit_bytes, bf_buffer *out,
+static bf_status make_all(const body_source *body, size_t limit_bytes, bf_buffer *out,
                           size_t *ret_pieces)
 {
     api_services services = helper_services(&a_daemon);
     bf_status status = BF_OK;
-    bool is_over = false;
+    body_state where = BODY_MORE;
     size_t n = 0;
 
-    while (status == BF_OK && !is_over) {
-        status = body->make(body->state, &services, limit_bytes, out, &is_over, NULL);
+    while (status == BF_OK && where == BODY_MORE) {
+        status = body->next_chunk(body->state, &services, limit_bytes, out, &where, NULL);
         n++;
     }
     if (ret_pieces != NULL)
@@ -62,7 +62,7 @@ static bf_status make_archive(const helper_run *of, results_archive_kind kind, s
                               bf_buffer *out)
 {
     api_services services = helper_services(&a_daemon);
-    api_body body = { .state = NULL };
+    body_source body = { .state = NULL };
 
     bf_status status = results_archive_open(&of->record, kind, &services, &body, NULL);
     if (status != BF_OK)
@@ -207,8 +207,8 @@ static void pieces_are_no_longer_than_a_slice_beyond_the_limit(void **unused)
     enum { LIMIT = 1000, SLICE = 70000 };
     api_services services;
     helper_run *of = add_run(RUN_MACRO);
-    api_body body = { .state = NULL };
-    bool is_over = false;
+    body_source body = { .state = NULL };
+    body_state where = BODY_MORE;
 
     (void)unused;
     of->record.n_snapshots = HELPER_SNAPSHOTS_MAX;
@@ -217,9 +217,10 @@ static void pieces_are_no_longer_than_a_slice_beyond_the_limit(void **unused)
     services = helper_services(&a_daemon);
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
-    for (size_t n = 0; !is_over; n++) {
+    for (size_t n = 0; where == BODY_MORE; n++) {
         bf_buffer piece = { 0 };
-        assert_int_equal(body.make(body.state, &services, LIMIT, &piece, &is_over, NULL), BF_OK);
+        assert_int_equal(body.next_chunk(body.state, &services, LIMIT, &piece, &where, NULL),
+                         BF_OK);
         assert_true(piece.n < LIMIT + SLICE);
         assert_true(n < 1000);
         buffer_fini(&piece);
@@ -233,7 +234,7 @@ static void a_piece_reads_a_limited_part_of_the_run(void **unused)
     bf_buffer zip = { 0 };
     helper_run *of = add_run(RUN_MACRO);
     api_services services = helper_services(&a_daemon);
-    api_body body = { .state = NULL };
+    body_source body = { .state = NULL };
     size_t n_pieces = 0;
 
     (void)unused;
@@ -251,13 +252,13 @@ static void a_run_that_is_removed_meanwhile_ends_in_a_failure(void **unused)
     bf_buffer zip = { 0 };
     helper_run *of = add_run(RUN_MACRO);
     api_services services = helper_services(&a_daemon);
-    api_body body = { .state = NULL };
-    bool is_over = false;
+    body_source body = { .state = NULL };
+    body_state where = BODY_MORE;
 
     (void)unused;
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
-    assert_int_equal(body.make(body.state, &services, 1, &zip, &is_over, NULL), BF_OK);
+    assert_int_equal(body.next_chunk(body.state, &services, 1, &zip, &where, NULL), BF_OK);
     assert_int_equal(services.remove(services.context, of->record.id, NULL), BF_OK);
     assert_int_equal(make_all(&body, 65536, &zip, NULL), BF_ENOTFOUND);
     body.destroy(body.state);
@@ -272,12 +273,12 @@ static void a_client_may_leave_at_any_piece(void **unused)
     (void)unused;
     for (size_t n_pieces = 0; n_pieces < 20; n_pieces++) {
         bf_buffer zip = { 0 };
-        api_body body = { .state = NULL };
-        bool is_over = false;
+        body_source body = { .state = NULL };
+        body_state where = BODY_MORE;
         assert_int_equal(
             results_archive_open(&of->record, RESULTS_ARCHIVE_VTK, &services, &body, NULL), BF_OK);
-        for (size_t i = 0; i < n_pieces && !is_over; i++)
-            assert_int_equal(body.make(body.state, &services, 1, &zip, &is_over, NULL), BF_OK);
+        for (size_t i = 0; i < n_pieces && where == BODY_MORE; i++)
+            assert_int_equal(body.next_chunk(body.state, &services, 1, &zip, &where, NULL), BF_OK);
         body.destroy(body.state);
         buffer_fini(&zip);
     }

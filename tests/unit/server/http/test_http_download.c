@@ -51,15 +51,16 @@ static bf_buffer make_archive(void)
 {
     api_services services = fake_services(&server_services);
     bf_buffer whole = { 0 };
-    bool is_over = false;
-    api_body body;
+    body_state where = BODY_MORE;
+    body_source body;
     api_run of;
 
     assert_int_equal(services.find(services.context, FAKE_RUN, &of, NULL), BF_OK);
     assert_int_equal(results_archive_open(&of, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL),
                      BF_OK);
-    while (!is_over)
-        assert_int_equal(body.make(body.state, &services, SIZE_MAX, &whole, &is_over, NULL), BF_OK);
+    while (where == BODY_MORE)
+        assert_int_equal(body.next_chunk(body.state, &services, SIZE_MAX, &whole, &where, NULL),
+                         BF_OK);
     body.destroy(body.state);
     return whole;
 }
