@@ -70,7 +70,7 @@ typedef struct tuple_layout {
 } tuple_layout;
 
 static const tuple_layout tuple_layouts[MEMBER_KIND_COUNT] = {
-    [MEMBER_POINTS] = { 2, 2, sizeof(scene_point) / sizeof(double) },
+    [MEMBER_POINTS] = { 2, 2, sizeof(vec2) / sizeof(double) },
     [MEMBER_OUTLINE] = { 2, 2, 3 },
     [MEMBER_VERTICES] = { 3, 3, 3 },
     [MEMBER_POSES] = { 2, 3, sizeof(scene_pose) / sizeof(double) },

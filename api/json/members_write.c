@@ -76,7 +76,7 @@ static void write_list(json_out *w, const member *m, const void *item)
     if (m->kind == MEMBER_NUMBERS)
         json_out_numbers(w, items, n, 1);
     else if (m->kind == MEMBER_POINTS)
-        write_tuples(w, items, n, sizeof(scene_point) / sizeof(double), 2);
+        write_tuples(w, items, n, sizeof(vec2) / sizeof(double), 2);
     else if (m->kind == MEMBER_OUTLINE)
         write_tuples(w, items, n, 3, 2);
     else if (m->kind == MEMBER_VERTICES)

@@ -63,9 +63,9 @@ static bool check_length(json_in *in, double length)
     return false;
 }
 
-static void set_path(json_in *in, scene_point from, scene_point to, scene_obstacle *obstacle)
+static void set_path(json_in *in, vec2 from, vec2 to, scene_obstacle *obstacle)
 {
-    scene_point *path = memory_alloc(2, sizeof *path);
+    vec2 *path = memory_alloc(2, sizeof *path);
 
     if (path == NULL) {
         in->has_failed = true;
@@ -77,13 +77,13 @@ static void set_path(json_in *in, scene_point from, scene_point to, scene_obstac
     obstacle->n_points = 2;
 }
 
-static scene_point start_of(const obstacle_form *form)
+static vec2 start_of(const obstacle_form *form)
 {
     double cosine;
     double sine;
 
     angle_direction(form->angle, &cosine, &sine);
-    return (scene_point){ form->end.x - form->length * cosine, form->end.y - form->length * sine };
+    return (vec2){ form->end.x - form->length * cosine, form->end.y - form->length * sine };
 }
 
 void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle)

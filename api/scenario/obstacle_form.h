@@ -8,11 +8,11 @@
 
 /// What the members of the two shorter forms are read into.
 typedef struct obstacle_form {
-    scene_point end;  ///< end_m, m
-    double angle;     ///< angle_deg, from the x axis, degrees
-    double length;    ///< length_m, m, > 0
-    scene_point from; ///< from_m, m
-    scene_point to;   ///< to_m, m
+    vec2 end;      ///< end_m, m
+    double angle;  ///< angle_deg, from the x axis, degrees
+    double length; ///< length_m, m, > 0
+    vec2 from;     ///< from_m, m
+    vec2 to;       ///< to_m, m
 } obstacle_form;
 
 /// The names of the members of each form; both lists end with NULL. The first name of a form stands

@@ -1,7 +1,7 @@
 #include "core/convex/hull.h"
 
 #include "core/base/check.h"
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 #include "core/scene/shape.h"
 
 #include <float.h>
@@ -117,8 +117,7 @@ static bool find_edges(hull *h)
     return 2 * h->n_edges == h->first[h->n_faces] && h->n_vertices + h->n_faces == h->n_edges + 2;
 }
 
-void hull_from_outline(const scene_point *outline, size_t n, double bottom, double top,
-                       hull *ret_hull)
+void hull_from_outline(const vec2 *outline, size_t n, double bottom, double top, hull *ret_hull)
 {
     double points[HULL_VERTICES_MAX][3];
 
@@ -221,16 +220,16 @@ static bool is_face(const hull *h, size_t i, size_t j, size_t k, double toleranc
 /// Add the face of the marked vertices, in order.
 static void add_face(hull *h, const bool *is_in_plane, vec3 normal)
 {
-    scene_point points[HULL_VERTICES_MAX], at[HULL_VERTICES_MAX], ring[HULL_VERTICES_MAX + 1];
+    vec2 points[HULL_VERTICES_MAX], at[HULL_VERTICES_MAX], ring[HULL_VERTICES_MAX + 1];
     vec3 u = vec3_aside(normal), v = vec3_cross(normal, u);
     size_t n = 0;
 
     for (size_t k = 0; k < h->n_vertices; k++) {
-        at[k] = (scene_point){ vec3_dot(u, hull_vertex(h, k)), vec3_dot(v, hull_vertex(h, k)) };
+        at[k] = (vec2){ vec3_dot(u, hull_vertex(h, k)), vec3_dot(v, hull_vertex(h, k)) };
         if (is_in_plane[k])
             points[n++] = at[k];
     }
-    size_t n_ring = geometry_convex_hull(points, n, ring);
+    size_t n_ring = polygon_convex_hull(points, n, ring);
     begin_face(h);
     for (size_t m = 0; m < n_ring; m++)
         for (size_t k = 0; k < h->n_vertices; k++)
@@ -311,7 +310,7 @@ bf_status hull_from_points(const double (*points)[3], size_t n, hull *ret_hull, 
 bf_status hull_of_shape(const scene_shape *shape, hull *ret_hull, bf_error *err)
 {
     shape_footprint footprint = shape_footprint_of(shape);
-    scene_point outline[SCENE_VERTICES_MAX + 1];
+    vec2 outline[SCENE_VERTICES_MAX + 1];
     size_t n = HULL_CYLINDER_SIDES;
 
     if (shape->type == SCENE_HULL)
@@ -319,10 +318,10 @@ bf_status hull_of_shape(const scene_shape *shape, hull *ret_hull, bf_error *err)
                                 err);
     for (size_t k = 0; k < n; k++) {
         double angle = 2.0 * M_PI * ((double)k + 0.5) / (double)n;
-        outline[k] = (scene_point){ shape->radius * cos(angle), shape->radius * sin(angle) };
+        outline[k] = (vec2){ shape->radius * cos(angle), shape->radius * sin(angle) };
     }
     if (shape->type != SCENE_CYLINDER)
-        n = geometry_convex_hull(footprint.corners, footprint.n_corners, outline);
+        n = polygon_convex_hull(footprint.corners, footprint.n_corners, outline);
     if (shape->type == SCENE_PRISM)
         hull_from_outline(outline, n, 0.0, shape->height, ret_hull);
     else

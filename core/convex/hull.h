@@ -74,8 +74,7 @@ BF_MUST_CHECK bf_status hull_from_points(const double (*points)[3], size_t n, hu
 
 /// An upright prism on a convex counter-clockwise outline of 3 to SCENE_VERTICES_MAX corners
 /// without straight ones, from z = bottom to z = top.
-void hull_from_outline(const scene_point *outline, size_t n, double bottom, double top,
-                       hull *ret_hull);
+void hull_from_outline(const vec2 *outline, size_t n, double bottom, double top, hull *ret_hull);
 
 /// The hull of a checked shape in its own frame: a cylinder as a prism of HULL_CYLINDER_SIDES sides
 /// whose corners lie on the circle; prisms from z = 0 up, boxes and cylinders around the origin.

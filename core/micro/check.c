@@ -99,7 +99,7 @@ static bf_status check_parts(const micro_def *def, bf_error *err)
     return BF_OK;
 }
 
-static bool is_point(scene_point p)
+static bool is_point(vec2 p)
 {
     return fabs(p.x) <= SCENE_LENGTH_MAX && fabs(p.y) <= SCENE_LENGTH_MAX;
 }
@@ -108,9 +108,8 @@ static bf_status check_domain(const micro_def *def, bf_error *err)
 {
     const scene_rect *d = &def->domain;
 
-    if (!is_point((scene_point){ d->x_min, d->y_min }) ||
-        !is_point((scene_point){ d->x_max, d->y_max }) || !(d->x_min < d->x_max) ||
-        !(d->y_min < d->y_max))
+    if (!is_point((vec2){ d->x_min, d->y_min }) || !is_point((vec2){ d->x_max, d->y_max }) ||
+        !(d->x_min < d->x_max) || !(d->y_min < d->y_max))
         return bf_fail(err, BF_EINPUT, "/domain", "the domain must have a finite area");
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         if (def->edges[side] >= SCENE_EDGE_COUNT)
@@ -133,7 +132,7 @@ static bool is_obstacle(const scene_obstacle *obstacle)
     bool is_good = obstacle->n_points >= 2 && is_positive(obstacle->thickness);
 
     for (size_t k = 0; k < obstacle->n_points && is_good; k++) {
-        const scene_point *p = &obstacle->path[k];
+        const vec2 *p = &obstacle->path[k];
         is_good = is_point(*p) && (k == 0 || p->x != p[-1].x || p->y != p[-1].y);
     }
     return is_good;

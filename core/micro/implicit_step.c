@@ -1,7 +1,7 @@
 #include "core/micro/implicit_step.h"
 
+#include "core/base/vec2.h"
 #include "core/micro/contact_law.h"
-#include "core/scene/geometry.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -26,12 +26,12 @@ static double radius_of(const scene_shape *shape)
     if (f.n_corners == 0)
         return shape->radius;
     for (size_t side = 0; side < f.n_corners; side++) {
-        scene_point start = f.corners[side], end = f.corners[(side + 1) % f.n_corners];
-        scene_point along = geometry_subtract(end, start);
+        vec2 start = f.corners[side], end = f.corners[(side + 1) % f.n_corners];
+        vec2 along = vec2_sub(end, start);
         double width = 0.0;
         for (size_t k = 0; k < f.n_corners; k++) {
-            scene_point to = geometry_subtract(f.corners[k], start);
-            width = fmax(width, fabs(along.x * to.y - along.y * to.x) / geometry_length(along));
+            vec2 to = vec2_sub(f.corners[k], start);
+            width = fmax(width, fabs(along.x * to.y - along.y * to.x) / vec2_length(along));
         }
         least = fmin(least, width);
     }

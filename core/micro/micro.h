@@ -70,7 +70,7 @@ typedef struct micro_def {
     size_t n_parts;                     ///< (no default)
     const scene_pose *poses;            ///< of the parts' centres at the start; they lie flat
     const uint32_t *part_kinds;         ///< kind of each part; NULL: all of kind 0
-    scene_point start_velocity;         ///< of parts off every belt, m/s (default 0, 0); parts on
+    vec2 start_velocity;                ///< of parts off every belt, m/s (default 0, 0); parts on
                                         ///< a belt start with its velocity
     scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
     scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)

@@ -25,7 +25,7 @@ counter_cells counter_cells_of(const scene_counter *c, const bf_grid *grid)
     return cells;
 }
 
-bool counter_holds(const scene_counter *c, scene_point at)
+bool counter_holds(const scene_counter *c, vec2 at)
 {
     return c->rect.x_min <= at.x && at.x < c->rect.x_max && c->rect.y_min <= at.y &&
            at.y < c->rect.y_max;

@@ -17,4 +17,4 @@ typedef struct counter_cells {
 counter_cells counter_cells_of(const scene_counter *c, const bf_grid *grid);
 
 /// True if the point lies in the counter's rectangle.
-bool counter_holds(const scene_counter *c, scene_point at);
+bool counter_holds(const scene_counter *c, vec2 at);

@@ -123,7 +123,7 @@ static void count_parts(const void *solver, double *ret_parts)
         ret_parts[c] = 0.0;
     for (size_t k = 0; k < micro_parts(run->solver); k++) {
         const micro_part part = micro_part_of(run->solver, k);
-        const scene_point at = { part.x[0], part.x[1] };
+        const vec2 at = { part.x[0], part.x[1] };
         for (size_t c = 0; c < s->n_counters && !part.is_gone; c++)
             ret_parts[c] += counter_holds(&s->counters[c], at) ? 1.0 : 0.0;
     }

@@ -1,6 +1,6 @@
 #include "core/scene/check_priv.h"
 
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,22 +53,22 @@ static void check_id(const scene *s, id_of *get, const char *list, size_t k, bf_
     }
 }
 
-static bool is_place(scene_point at)
+static bool is_place(vec2 at)
 {
     return fabs(at.x) <= SCENE_LENGTH_MAX && fabs(at.y) <= SCENE_LENGTH_MAX;
 }
 
 /// Note the first point that is no number or repeats the one before it; whole: point at the pointer
 /// itself instead of at the point. Returns true if there is none.
-static bool check_points(const scene_point *points, size_t n, const char *pointer, bool whole,
+static bool check_points(const vec2 *points, size_t n, const char *pointer, bool whole,
                          bf_faults *faults)
 {
     char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
 
     for (size_t k = 0; k < n; k++) {
         bool is_good = is_place(points[k]);
-        if (is_good && (k == 0 || geometry_length(geometry_subtract(points[k], points[k - 1])) >
-                                      SCENE_LENGTH_MIN))
+        if (is_good &&
+            (k == 0 || vec2_length(vec2_sub(points[k], points[k - 1])) > SCENE_LENGTH_MIN))
             continue;
         if (whole)
             snprintf(at, sizeof at, "%s", pointer);
@@ -94,11 +94,10 @@ static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults
     }
     if (!check_points(belt->polygon, n, pointer, false, faults))
         return;
-    if (geometry_length(geometry_subtract(belt->polygon[n - 1], belt->polygon[0])) <=
-        SCENE_LENGTH_MIN) {
+    if (vec2_length(vec2_sub(belt->polygon[n - 1], belt->polygon[0])) <= SCENE_LENGTH_MIN) {
         snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
         faults_add(faults, last, "repeats the first point; a polygon closes itself");
-    } else if (!geometry_polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
+    } else if (!polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
         faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
     }
 }
@@ -116,7 +115,7 @@ static void check_belts(const scene *s, bf_faults *faults)
         const scene_belt *belt = &s->belts[k];
         check_id(s, belt_id, "belts", k, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
-        if (!(geometry_length(belt->velocity) <= SCENE_SPEED_MAX))
+        if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
             faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
         if (belt->n_points != 0)

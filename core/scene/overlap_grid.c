@@ -1,7 +1,7 @@
 #include "core/scene/overlap_grid.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 #include "core/scene/mix.h"
 
 #include <math.h>
@@ -54,8 +54,8 @@ static const shape_footprint *footprint_of(const crowd *c, size_t k)
 static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
                            scene_pose b)
 {
-    scene_point corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
-    double distance = geometry_length((scene_point){ b.x - a.x, b.y - a.y });
+    vec2 corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
+    double distance = vec2_length((vec2){ b.x - a.x, b.y - a.y });
 
     if (distance >= of_a->reach + of_b->reach - SCENE_TOLERANCE)
         return false;
@@ -64,13 +64,13 @@ static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shap
     shape_place(of_a, a, corners_a);
     shape_place(of_b, b, corners_b);
     if (of_a->n_corners == 0)
-        return geometry_disk_overlaps((scene_point){ a.x, a.y }, of_a->reach, corners_b,
-                                      of_b->n_corners, SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ a.x, a.y }, of_a->reach, corners_b, of_b->n_corners,
+                                     SCENE_TOLERANCE);
     if (of_b->n_corners == 0)
-        return geometry_disk_overlaps((scene_point){ b.x, b.y }, of_b->reach, corners_a,
-                                      of_a->n_corners, SCENE_TOLERANCE);
-    return geometry_convex_overlap(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
-                                   SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ b.x, b.y }, of_b->reach, corners_a, of_a->n_corners,
+                                     SCENE_TOLERANCE);
+    return polygon_overlaps(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
+                            SCENE_TOLERANCE);
 }
 
 bool overlap_grid_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other)

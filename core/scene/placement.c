@@ -2,7 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
 #include "core/scene/placement_priv.h"
@@ -17,26 +17,26 @@ static size_t limit_attempts(size_t n)
 }
 
 /// Farthest point of a footprint from the centre in direction u, m.
-static double find_support(const shape_footprint *footprint, scene_pose pose, scene_point u)
+static double find_support(const shape_footprint *footprint, scene_pose pose, vec2 u)
 {
-    scene_point corners[SCENE_VERTICES_MAX + 1];
+    vec2 corners[SCENE_VERTICES_MAX + 1];
     double support = -INFINITY;
 
     if (footprint->n_corners == 0)
         return footprint->reach;
     shape_place(footprint, (scene_pose){ 0.0, 0.0, pose.heading }, corners);
     for (size_t k = 0; k < footprint->n_corners; k++)
-        support = fmax(support, geometry_dot(corners[k], u));
+        support = fmax(support, vec2_dot(corners[k], u));
     return support;
 }
 
 double placement__excess(const scene *s, const shape_footprint *footprint, scene_pose pose,
                          scene_side side)
 {
-    static const scene_point outward[SCENE_SIDE_COUNT] = { [SCENE_WEST] = { -1.0, 0.0 },
-                                                           [SCENE_EAST] = { 1.0, 0.0 },
-                                                           [SCENE_SOUTH] = { 0.0, -1.0 },
-                                                           [SCENE_NORTH] = { 0.0, 1.0 } };
+    static const vec2 outward[SCENE_SIDE_COUNT] = { [SCENE_WEST] = { -1.0, 0.0 },
+                                                    [SCENE_EAST] = { 1.0, 0.0 },
+                                                    [SCENE_SOUTH] = { 0.0, -1.0 },
+                                                    [SCENE_NORTH] = { 0.0, 1.0 } };
     const double excess[SCENE_SIDE_COUNT] = { [SCENE_WEST] = s->domain.x_min - pose.x,
                                               [SCENE_EAST] = pose.x - s->domain.x_max,
                                               [SCENE_SOUTH] = s->domain.y_min - pose.y,

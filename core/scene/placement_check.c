@@ -1,6 +1,6 @@
 #include "core/scene/placement.h"
 
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
 #include "core/scene/placement_priv.h"
@@ -74,7 +74,7 @@ static bool check_free(findings *f, const crowd *c, size_t k)
     if (!overlap_grid_overlaps(c, k, at, &other))
         return true;
     scene_pose with = f->p->poses[other];
-    double distance = geometry_length((scene_point){ at.x - with.x, at.y - with.y });
+    double distance = vec2_length((vec2){ at.x - with.x, at.y - with.y });
     const char *pointer = placement__point_at(f->s, k, room);
     f->n_overlaps++;
     const shape_footprint *own = footprint_of(f, k), *its = footprint_of(f, other);

@@ -1,7 +1,7 @@
 #include "core/scene/placement.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement_priv.h"
 #include "core/scene/velocity_field.h"
@@ -28,7 +28,7 @@ typedef struct findings {
 
 /// One straight piece of a plate: its corners, counter-clockwise.
 typedef struct piece {
-    scene_point corners[4];
+    vec2 corners[4];
 } piece;
 
 static int compare_places(const void *a, const void *b)
@@ -41,12 +41,12 @@ static int compare_places(const void *a, const void *b)
 
 static piece piece_of(const scene *s, const scene_obstacle *obstacle, size_t k)
 {
-    scene_point start = obstacle->path[k], end = obstacle->path[k + 1];
-    scene_point upstream = velocity_field_upstream(s, obstacle, k);
-    scene_point through = geometry_scale(upstream, -obstacle->thickness);
-    scene_point back_start = geometry_add(start, through), back_end = geometry_add(end, through);
+    vec2 start = obstacle->path[k], end = obstacle->path[k + 1];
+    vec2 upstream = velocity_field_upstream(s, obstacle, k);
+    vec2 through = vec2_scale(upstream, -obstacle->thickness);
+    vec2 back_start = vec2_add(start, through), back_end = vec2_add(end, through);
 
-    if (geometry_cross(geometry_subtract(end, start), upstream) > 0.0)
+    if (vec2_cross(vec2_sub(end, start), upstream) > 0.0)
         return (piece){ { end, start, back_start, back_end } };
     return (piece){ { start, end, back_end, back_start } };
 }
@@ -54,15 +54,14 @@ static piece piece_of(const scene *s, const scene_obstacle *obstacle, size_t k)
 static bool is_overlapping(const findings *f, size_t k, const piece *plate)
 {
     const shape_footprint *footprint = &f->footprints[mix_kind(f->p->kinds, k)];
-    scene_point corners[SCENE_VERTICES_MAX + 1];
+    vec2 corners[SCENE_VERTICES_MAX + 1];
     scene_pose at = f->p->poses[k];
 
     if (footprint->n_corners == 0)
-        return geometry_disk_overlaps((scene_point){ at.x, at.y }, footprint->reach, plate->corners,
-                                      4, SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->reach, plate->corners, 4,
+                                     SCENE_TOLERANCE);
     shape_place(footprint, at, corners);
-    return geometry_convex_overlap(corners, footprint->n_corners, plate->corners, 4,
-                                   SCENE_TOLERANCE);
+    return polygon_overlaps(corners, footprint->n_corners, plate->corners, 4, SCENE_TOLERANCE);
 }
 
 /// The first place at or beyond x.

@@ -1,7 +1,7 @@
 #include "core/scene/scene.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -278,7 +278,7 @@ double scene_belt_speed(const scene *s)
     double speed = 0.0;
 
     for (size_t k = 0; k < s->n_belts; k++)
-        speed = fmax(speed, geometry_length(s->belts[k].velocity));
+        speed = fmax(speed, vec2_length(s->belts[k].velocity));
     return speed;
 }
 

@@ -1,6 +1,6 @@
 #include "core/scene/shape.h"
 
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -58,22 +58,22 @@ static double measure_extent(const scene_shape *shape, int n_axes)
     return extent;
 }
 
-static void copy_outline(const scene_shape *shape, scene_point *ret_points)
+static void copy_outline(const scene_shape *shape, vec2 *ret_points)
 {
     for (size_t k = 0; k < shape->n_vertices; k++)
-        ret_points[k] = (scene_point){ shape->vertices[k][0], shape->vertices[k][1] };
+        ret_points[k] = (vec2){ shape->vertices[k][0], shape->vertices[k][1] };
 }
 
 shape_footprint shape_footprint_of(const scene_shape *shape)
 {
     shape_footprint f = { .n_corners = 0 };
-    scene_point points[SCENE_VERTICES_MAX];
+    vec2 points[SCENE_VERTICES_MAX];
     double x = 0.5 * shape->length, y = 0.5 * shape->width;
 
     switch (shape->type) {
     case SCENE_BOX:
         f.n_corners = 4;
-        memcpy(f.corners, (scene_point[]){ { -x, -y }, { x, -y }, { x, y }, { -x, y } },
+        memcpy(f.corners, (vec2[]){ { -x, -y }, { x, -y }, { x, y }, { -x, y } },
                4 * sizeof *f.corners);
         break;
     case SCENE_PRISM:
@@ -82,16 +82,16 @@ shape_footprint shape_footprint_of(const scene_shape *shape)
         break;
     case SCENE_HULL:
         copy_outline(shape, points);
-        f.n_corners = geometry_convex_hull(points, shape->n_vertices, f.corners);
+        f.n_corners = polygon_convex_hull(points, shape->n_vertices, f.corners);
         break;
     default:
         f.reach = shape->radius;
         f.area = M_PI * shape->radius * shape->radius;
         return f;
     }
-    f.area = geometry_polygon_area(f.corners, f.n_corners);
+    f.area = polygon_area(f.corners, f.n_corners);
     for (size_t k = 0; k < f.n_corners; k++)
-        f.reach = fmax(f.reach, geometry_length(f.corners[k]));
+        f.reach = fmax(f.reach, vec2_length(f.corners[k]));
     return f;
 }
 
@@ -100,7 +100,7 @@ shape_footprint shape_footprint_of(const scene_shape *shape)
 static double measure_cone(const scene_shape *shape, const bool *is_in_plane, size_t first,
                            size_t second, vector normal, const double apex[3])
 {
-    scene_point points[SCENE_VERTICES_MAX], hull[SCENE_VERTICES_MAX + 1];
+    vec2 points[SCENE_VERTICES_MAX], hull[SCENE_VERTICES_MAX + 1];
     vector u = vector_unit(vector_between(shape->vertices[first], shape->vertices[second]));
     vector v = vector_cross(normal, u);
     size_t n = 0;
@@ -108,11 +108,11 @@ static double measure_cone(const scene_shape *shape, const bool *is_in_plane, si
     for (size_t k = 0; k < shape->n_vertices; k++) {
         vector to = vector_between(shape->vertices[first], shape->vertices[k]);
         if (is_in_plane[k])
-            points[n++] = (scene_point){ vector_dot(to, u), vector_dot(to, v) };
+            points[n++] = (vec2){ vector_dot(to, u), vector_dot(to, v) };
     }
-    size_t n_hull = geometry_convex_hull(points, n, hull);
+    size_t n_hull = polygon_convex_hull(points, n, hull);
     double height = fabs(vector_dot(normal, vector_between(apex, shape->vertices[first])));
-    return 2.0 * geometry_polygon_area(hull, n_hull) * height;
+    return 2.0 * polygon_area(hull, n_hull) * height;
 }
 
 /// True if the plane of vertices i < j < k has all the others on one side, and they are the first
@@ -255,7 +255,7 @@ static bool check_vertices(const checking *c, const char *pointer, int n_axes, s
 static void check_prism(const checking *c)
 {
     const scene_shape *shape = c->shape;
-    scene_point outline[SCENE_VERTICES_MAX];
+    vec2 outline[SCENE_VERTICES_MAX];
     char room[BF_POINTER_SIZE];
     const char *pointer = point_at(c, "outline_m", room, sizeof room);
 
@@ -263,12 +263,12 @@ static void check_prism(const checking *c)
         return;
     copy_outline(shape, outline);
     double extent = measure_extent(shape, 2);
-    double area = geometry_polygon_area(outline, shape->n_vertices);
+    double area = polygon_area(outline, shape->n_vertices);
     if (!(fabs(area) > FLAT * extent * extent))
         faults_add(c->faults, pointer, "encloses no area");
     else if (area < 0.0)
         faults_add(c->faults, pointer, "must run counter-clockwise");
-    else if (!geometry_polygon_is_convex(outline, shape->n_vertices, FLAT * extent))
+    else if (!polygon_is_convex(outline, shape->n_vertices, FLAT * extent))
         faults_add(c->faults, pointer, "must be convex");
 }
 
@@ -334,15 +334,15 @@ void shape_check(const scene_shape *shape, const char *pointer, bf_faults *fault
         check_footprint(&c);
 }
 
-void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners)
+void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners)
 {
-    scene_point u = { cos(pose.heading), sin(pose.heading) };
-    scene_point v = geometry_turn_left(u);
-    scene_point centre = { pose.x, pose.y };
+    vec2 u = { cos(pose.heading), sin(pose.heading) };
+    vec2 v = vec2_turn_left(u);
+    vec2 centre = { pose.x, pose.y };
 
     for (size_t k = 0; k < footprint->n_corners; k++) {
-        scene_point corner = footprint->corners[k];
-        ret_corners[k] = geometry_add(
-            centre, geometry_add(geometry_scale(u, corner.x), geometry_scale(v, corner.y)));
+        vec2 corner = footprint->corners[k];
+        ret_corners[k] =
+            vec2_add(centre, vec2_add(vec2_scale(u, corner.x), vec2_scale(v, corner.y)));
     }
 }

@@ -9,10 +9,10 @@
 
 /// The outline of a part seen from above, in its own frame.
 typedef struct shape_footprint {
-    size_t n_corners;                            ///< 0: a disk
-    scene_point corners[SCENE_VERTICES_MAX + 1]; ///< of a convex polygon, counter-clockwise, m
-    double reach;                                ///< from the origin to the farthest point, m
-    double area;                                 ///< m2
+    size_t n_corners;                     ///< 0: a disk
+    vec2 corners[SCENE_VERTICES_MAX + 1]; ///< of a convex polygon, counter-clockwise, m
+    double reach;                         ///< from the origin to the farthest point, m
+    double area;                          ///< m2
 } shape_footprint;
 
 /// The footprint of a checked shape.
@@ -28,4 +28,4 @@ double shape_packing_density(const scene_shape *shape);
 void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults);
 
 /// Corners of the footprint of a part in its place, into ret_corners.
-void shape_place(const shape_footprint *footprint, scene_pose pose, scene_point *ret_corners);
+void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners);

@@ -4,17 +4,12 @@
 
 #pragma once
 
+#include "core/base/vec2.h"
 #include "core/scene/limits.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/// A point or a vector in the plane: x along the belt, y across it.
-typedef struct scene_point {
-    double x; ///< x1, m (or m/s)
-    double y; ///< x2, m (or m/s)
-} scene_point;
 
 /// A rectangle with its sides along the axes.
 typedef struct scene_rect {
@@ -44,9 +39,9 @@ typedef enum scene_edge {
 /// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one wins.
 typedef struct scene_belt {
     char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
-    scene_point velocity;   ///< v_T, m/s (default 0.395, 0)
+    vec2 velocity;          ///< v_T, m/s (default 0.395, 0)
     size_t n_points;        ///< 0: the belt covers the domain
-    scene_point *polygon;   ///< simple polygon, n_points >= 3 corners, m
+    vec2 *polygon;          ///< simple polygon, n_points >= 3 corners, m
 } scene_belt;
 
 /// How the macroscopic model holds cargo back at an obstacle.
@@ -61,7 +56,7 @@ typedef enum scene_treatment {
 typedef struct scene_obstacle {
     char id[SCENE_ID_SIZE];    ///< unique among obstacles (default "obstacle-<n>", n from 1)
     size_t n_points;           ///< >= 2
-    scene_point *path;         ///< corners of the upstream face, m
+    vec2 *path;                ///< corners of the upstream face, m
     double thickness;          ///< of the plate, downstream of the line, m, > 0 (default 0.005)
     scene_treatment treatment; ///< (default SCENE_SEALED)
     double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
@@ -145,7 +140,7 @@ typedef struct scene_initial {
     scene_pose *poses;       ///< positions: where
     uint32_t n_rows;         ///< hexagonal: rows, each along the belt, >= 1
     uint32_t n_columns;      ///< hexagonal: parts a row, >= 1
-    scene_point first;       ///< hexagonal: first centre of the first row, m
+    vec2 first;              ///< hexagonal: first centre of the first row, m
     double spacing;    ///< hexagonal: between neighbours, m, > 0; odd rows are shifted by half
                        ///< of it along the belt, rows are spacing * sqrt(3)/2 apart
     uint32_t n_random; ///< random: how many, >= 1

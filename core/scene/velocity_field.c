@@ -5,7 +5,7 @@
 #include "core/scene/velocity_field.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 #include "core/scene/velocity_field_priv.h"
 
 #include <math.h>
@@ -19,8 +19,8 @@ enum { BORDERS_PER_SEGMENT = 8 };
 
 /// A straight border between constant velocities.
 typedef struct border {
-    scene_point low;  ///< the end with the smaller y, m
-    scene_point high; ///< the other end, m
+    vec2 low;  ///< the end with the smaller y, m
+    vec2 high; ///< the other end, m
 } border;
 
 /// What the rows are drawn from.
@@ -65,8 +65,7 @@ static size_t clamp_index(double index, size_t n)
 
 /// The part of a segment whose second coordinate lies in [low, high], as a range of its first one.
 /// False if there is none.
-static bool clip(scene_point a, scene_point b, double low, double high, double *ret_low,
-                 double *ret_high)
+static bool clip(vec2 a, vec2 b, double low, double high, double *ret_low, double *ret_high)
 {
     double from = 0.0, to = 1.0;
 
@@ -83,7 +82,7 @@ static bool clip(scene_point a, scene_point b, double low, double high, double *
     return true;
 }
 
-static void add_border(sketch *k, scene_point a, scene_point b)
+static void add_border(sketch *k, vec2 a, vec2 b)
 {
     k->borders[k->n_borders++] = a.y <= b.y ? (border){ a, b } : (border){ b, a };
 }
@@ -91,9 +90,8 @@ static void add_border(sketch *k, scene_point a, scene_point b)
 /// The borders of a segment's bands, on both sides: which one is upstream is the belt's matter.
 static void add_band_borders(sketch *k, const field__segment *segment)
 {
-    scene_point left = geometry_turn_left(segment->along), start = segment->start;
-    scene_point end = geometry_add(start, geometry_scale(segment->along, segment->length)),
-                corner[2][2];
+    vec2 left = vec2_turn_left(segment->along), start = segment->start;
+    vec2 end = vec2_add(start, vec2_scale(segment->along, segment->length)), corner[2][2];
     double level[3];
 
     velocity_field__levels(segment->obstacle, level);
@@ -101,11 +99,11 @@ static void add_band_borders(sketch *k, const field__segment *segment)
     for (int side = 0; side < 2; side++) {
         double sign = side == 0 ? 1.0 : -1.0;
         for (int m = 0; m < 3; m++) {
-            scene_point aside = geometry_scale(left, sign * level[m]);
-            add_border(k, geometry_add(start, aside), geometry_add(end, aside));
+            vec2 aside = vec2_scale(left, sign * level[m]);
+            add_border(k, vec2_add(start, aside), vec2_add(end, aside));
         }
-        corner[side][0] = geometry_add(start, geometry_scale(left, sign * reach));
-        corner[side][1] = geometry_add(end, geometry_scale(left, sign * reach));
+        corner[side][0] = vec2_add(start, vec2_scale(left, sign * reach));
+        corner[side][1] = vec2_add(end, vec2_scale(left, sign * reach));
     }
     add_border(k, corner[0][0], corner[1][0]);
     add_border(k, corner[0][1], corner[1][1]);
@@ -197,7 +195,7 @@ static void mark_row(sketch *k, const lattice *l, double y)
     }
 }
 
-static scene_point ask(const sketch *k, scene_point at)
+static vec2 ask(const sketch *k, vec2 at)
 {
     field__verdict verdict = velocity_field__begin(k->s, at);
 
@@ -215,7 +213,7 @@ static void fill_faces(sketch *k, const lattice *l, int component, double *ret_v
         choose_near(k, y);
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
-            scene_point v = ask(k, (scene_point){ face_x(l, i), y });
+            vec2 v = ask(k, (vec2){ face_x(l, i), y });
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
@@ -230,8 +228,8 @@ static void fill_faces(sketch *k, const lattice *l, int component, double *ret_v
 static void shut_links(field *f, field__line line, bool swap)
 {
     const bf_grid *g = &f->grid;
-    scene_point a = swap ? (scene_point){ line.start.y, line.start.x } : line.start;
-    scene_point b = swap ? (scene_point){ line.end.y, line.end.x } : line.end;
+    vec2 a = swap ? (vec2){ line.start.y, line.start.x } : line.start;
+    vec2 b = swap ? (vec2){ line.end.y, line.end.x } : line.end;
     field__line turned = { a, b };
     double d_along = swap ? g->d2 : g->d1, d_across = swap ? g->d1 : g->d2;
     double lower_along = swap ? g->lower2 : g->lower1, lower_across = swap ? g->lower1 : g->lower2;
@@ -247,8 +245,8 @@ static void shut_links(field *f, field__line line, bool swap)
         high = ceil((high + MARGIN - lower_along) / d_along + 0.5);
         for (size_t k = clamp_index(low, n_along + 1); k < clamp_index(high + 1.0, n_along + 1);
              k++) {
-            scene_point from = { lower_along + ((double)k - 0.5) * d_along, c };
-            scene_point to = { lower_along + ((double)k + 0.5) * d_along, c };
+            vec2 from = { lower_along + ((double)k - 0.5) * d_along, c };
+            vec2 to = { lower_along + ((double)k + 0.5) * d_along, c };
             if (!velocity_field__crosses(&turned, from, to))
                 continue;
             if (swap)
@@ -265,7 +263,7 @@ static void shut_obstacles(const scene *s, field *f)
         const scene_obstacle *obstacle = &s->obstacles[k];
         if (!velocity_field__is_shutting(obstacle))
             continue;
-        scene_point shift = velocity_field__shift(s, obstacle);
+        vec2 shift = velocity_field__shift(s, obstacle);
         for (size_t m = 0; m + 1 < obstacle->n_points; m++) {
             field__segment segment = velocity_field__segment_of(obstacle, m);
             field__line line = velocity_field__line_of(&segment, shift);

@@ -35,11 +35,11 @@ BF_MUST_CHECK bf_status velocity_field_create(const scene *s, field **ret_field,
 field *velocity_field_destroy(field *f);
 
 /// v_stat at one point by the rules above, for the whole scene; m/s.
-scene_point velocity_field_at(const scene *s, scene_point at);
+vec2 velocity_field_at(const scene *s, vec2 at);
 
 /// Unit normal of piece k (from 0) of an obstacle on its upstream side, by the belt under the piece's
 /// middle.
-scene_point velocity_field_upstream(const scene *s, const scene_obstacle *obstacle, size_t k);
+vec2 velocity_field_upstream(const scene *s, const scene_obstacle *obstacle, size_t k);
 
 /// True if the link between two neighbouring cell centres crosses a shut line (`wall`, `sealed`).
-bool velocity_field_is_shut(const scene *s, scene_point from, scene_point to);
+bool velocity_field_is_shut(const scene *s, vec2 from, vec2 to);

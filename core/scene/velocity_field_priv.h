@@ -10,8 +10,8 @@
 /// One straight piece of an obstacle, ready for the rules.
 typedef struct field__segment {
     const scene_obstacle *obstacle; ///< whose it is; borrowed
-    scene_point start;              ///< m
-    scene_point along;              ///< unit tangent t
+    vec2 start;                     ///< m
+    vec2 along;                     ///< unit tangent t
     double length;                  ///< m
 } field__segment;
 
@@ -25,14 +25,14 @@ typedef enum field__region {
 /// What the rules say of a point so far.
 typedef struct field__verdict {
     field__region region; ///< of the obstacles that were looked at
-    scene_point belt;     ///< v_T under the point, m/s
-    scene_point velocity; ///< v_stat, m/s
+    vec2 belt;            ///< v_T under the point, m/s
+    vec2 velocity;        ///< v_stat, m/s
 } field__verdict;
 
 /// Where a shut line lies for the links between cell centres.
 typedef struct field__line {
-    scene_point start; ///< m
-    scene_point end;   ///< m
+    vec2 start; ///< m
+    vec2 end;   ///< m
 } field__line;
 
 /// Piece k (from 0) of an obstacle's path.
@@ -43,20 +43,19 @@ field__segment velocity_field__segment_of(const scene_obstacle *obstacle, size_t
 void velocity_field__levels(const scene_obstacle *obstacle, double ret_levels[3]);
 
 /// The verdict on a point before any obstacle is looked at.
-field__verdict velocity_field__begin(const scene *s, scene_point at);
+field__verdict velocity_field__begin(const scene *s, vec2 at);
 
 /// Look at one more segment; earlier ones win within a region.
-void velocity_field__consider(field__verdict *verdict, const field__segment *segment,
-                              scene_point at);
+void velocity_field__consider(field__verdict *verdict, const field__segment *segment, vec2 at);
 
 /// True if nothing crosses the line of this obstacle.
 bool velocity_field__is_shutting(const scene_obstacle *obstacle);
 
 /// How far the line is moved for the links; see field_rule.c.
-scene_point velocity_field__shift(const scene *s, const scene_obstacle *obstacle);
+vec2 velocity_field__shift(const scene *s, const scene_obstacle *obstacle);
 
 /// The line of a segment for the links, moved by shift and longer by the tolerance at both ends.
-field__line velocity_field__line_of(const field__segment *segment, scene_point shift);
+field__line velocity_field__line_of(const field__segment *segment, vec2 shift);
 
 /// True if the link between two cell centres crosses the line.
-bool velocity_field__crosses(const field__line *line, scene_point from, scene_point to);
+bool velocity_field__crosses(const field__line *line, vec2 from, vec2 to);

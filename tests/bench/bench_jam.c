@@ -23,7 +23,7 @@ static const double plate_thickness = 0.005; // m
 // A belt that ends at a plate, and the parts on it.
 typedef struct jam {
     scene_belt belt;
-    scene_point path[2];
+    vec2 path[2];
     scene_obstacle plate;
     micro_kind kind;
     scene_pose *poses;
@@ -78,8 +78,8 @@ static void read_jam(const char *path, jam *ret_jam)
         if (fscanf(file, "%lf %lf", &j->poses[k].x, &j->poses[k].y) != 2)
             fail("SCENE ends too early");
     fclose(file);
-    j->path[0] = (scene_point){ length, 0.0 };
-    j->path[1] = (scene_point){ length, width };
+    j->path[0] = (vec2){ length, 0.0 };
+    j->path[1] = (vec2){ length, width };
     j->def.domain = (scene_rect){ 0.0, length + 2.0 * plate_thickness, 0.0, width };
 }
 

@@ -53,7 +53,7 @@ static work make_work(int refinement, int n_threads)
     placement p = { 0 };
 
     helper_scene_example(&w.scene, 60.0, SCENE_SEALED);
-    w.scene.obstacles[0].path[0] = (scene_point){ 0.461325, 0.0 };
+    w.scene.obstacles[0].path[0] = (vec2){ 0.461325, 0.0 };
     w.scene.macro.cell /= refinement;
     w.scene.macro.step /= refinement;
     if (velocity_field_create(&w.scene, &w.field, NULL) != BF_OK ||

@@ -40,7 +40,7 @@ static const scene_belt *belt_under(const planar *p, double x, double y)
         const scene_belt *belt = &p->def->belts[k];
         bool is_inside = true;
         for (size_t a = 0; a < belt->n_points; a++) {
-            scene_point from = belt->polygon[a], to = belt->polygon[(a + 1) % belt->n_points];
+            vec2 from = belt->polygon[a], to = belt->polygon[(a + 1) % belt->n_points];
             is_inside =
                 is_inside && (to.x - from.x) * (y - from.y) >= (to.y - from.y) * (x - from.x);
         }
@@ -66,7 +66,7 @@ planar *disk_create(const micro_def *def)
     for (size_t k = 0; k < def->n_parts; k++) {
         const scene_pose *pose = &def->poses[k];
         const scene_belt *belt = belt_under(p, pose->x, pose->y);
-        scene_point v = belt != NULL ? belt->velocity : def->start_velocity;
+        vec2 v = belt != NULL ? belt->velocity : def->start_velocity;
         p->parts[k] = (disk_part){ pose->x, pose->y, pose->heading, v.x, v.y, 0.0, false };
     }
     return p;
@@ -186,7 +186,7 @@ static double clamp(double x, double least, double most)
 // In the plate's own frame: s along it, h out of its upstream side, solid for -thickness < h < 0.
 static void meet_plate(planar *p, size_t k, const scene_obstacle *plate)
 {
-    scene_point from = plate->path[0], to = plate->path[1];
+    vec2 from = plate->path[0], to = plate->path[1];
     const disk_part *a = &p->parts[k];
     double length = hypot(to.x - from.x, to.y - from.y);
     double tx = (to.x - from.x) / length, ty = (to.y - from.y) / length;

@@ -43,7 +43,7 @@ typedef struct trial {
 typedef struct hopper {
     micro_def def;
     scene_belt belt;
-    scene_point paths[2][3];
+    vec2 paths[2][3];
     scene_obstacle sides[2];
     micro_kind kind;
     scene_pose *poses;
@@ -91,12 +91,12 @@ static void place_funnel(hopper *h, const trial *t, double heap)
     h->exit = heap + side * tan(t->angle);
     h->def.domain = (scene_rect){ 0.0, h->exit + run_out, -edge, belt_width + edge };
     // Cargo runs on the left of both.
-    h->paths[0][0] = (scene_point){ 0.0, 0.0 };
-    h->paths[0][1] = (scene_point){ heap, 0.0 };
-    h->paths[0][2] = (scene_point){ h->exit, side };
-    h->paths[1][0] = (scene_point){ h->exit, belt_width - side };
-    h->paths[1][1] = (scene_point){ heap, belt_width };
-    h->paths[1][2] = (scene_point){ 0.0, belt_width };
+    h->paths[0][0] = (vec2){ 0.0, 0.0 };
+    h->paths[0][1] = (vec2){ heap, 0.0 };
+    h->paths[0][2] = (vec2){ h->exit, side };
+    h->paths[1][0] = (vec2){ h->exit, belt_width - side };
+    h->paths[1][1] = (vec2){ heap, belt_width };
+    h->paths[1][2] = (vec2){ 0.0, belt_width };
     for (int k = 0; k < 2; k++)
         h->sides[k] = (scene_obstacle){ .n_points = 3, .path = h->paths[k], .thickness = 0.005 };
 }

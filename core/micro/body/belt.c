@@ -3,7 +3,7 @@
 #include "core/micro/body/body_priv.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 
 #include <float.h>
 #include <math.h>
@@ -55,13 +55,13 @@ void body__floor_fini(body_state *s)
 
 bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
 {
-    const scene_point at = { x, y };
+    const vec2 at = { x, y };
 
     *ret_velocity = nothing;
     for (size_t k = s->n_belts; k-- > 0;) {
         const body_belt *belt = &s->belts[k];
         if (belt->n_points != 0 &&
-            !geometry_polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
+            !polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
             continue;
         *ret_velocity = belt->velocity;
         return true;
@@ -70,15 +70,16 @@ bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
 }
 
 /// How far the nearest border of any belt is.
-static double distance_to_border(const body_state *s, scene_point at)
+static double distance_to_border(const body_state *s, vec2 at)
 {
     double nearest = DBL_MAX;
 
     for (size_t k = 0; k < s->n_belts; k++) {
         const body_belt *belt = &s->belts[k];
         for (size_t m = 0; m < belt->n_points; m++)
-            nearest = fmin(nearest, geometry_distance(at, belt->polygon[m],
-                                                      belt->polygon[(m + 1) % belt->n_points]));
+            nearest =
+                fmin(nearest, polygon_segment_distance(at, belt->polygon[m],
+                                                       belt->polygon[(m + 1) % belt->n_points]));
     }
     return nearest;
 }
@@ -86,9 +87,9 @@ static double distance_to_border(const body_state *s, scene_point at)
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
 {
     body_ground *ground = &s->ground[k];
-    scene_point at = { s->bodies[k].x.x, s->bodies[k].x.y };
+    vec2 at = { s->bodies[k].x.x, s->bodies[k].x.y };
 
-    if (!(geometry_length(geometry_subtract(at, ground->at)) < ground->clear)) {
+    if (!(vec2_length(vec2_sub(at, ground->at)) < ground->clear)) {
         ground->at = at;
         ground->clear = distance_to_border(s, at) - s->reach[k] - SCENE_TOLERANCE;
         (void)body__belt_at(s, at.x, at.y, &ground->velocity);

@@ -124,14 +124,14 @@ typedef struct body_map {
 
 /// A belt: a copy.
 typedef struct body_belt {
-    vec3 velocity;        ///< m/s
-    size_t n_points;      ///< 0: covers everything
-    scene_point *polygon; ///< owned
+    vec3 velocity;   ///< m/s
+    size_t n_points; ///< 0: covers everything
+    vec2 *polygon;   ///< owned
 } body_belt;
 
 /// Where around a part one belt is under all of it.
 typedef struct body_ground {
-    scene_point at; ///< m
+    vec2 at; ///< m
     double
         clear; ///< nothing changes until the part has moved by so much from there, m; < 0: unknown
     vec3 velocity; ///< of that belt, m/s

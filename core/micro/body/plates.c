@@ -8,7 +8,7 @@
 #include "core/micro/body/body_priv.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,9 +27,9 @@ enum { CELLS_A_SIDE_MAX = 256 };
 
 static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, size_t k)
 {
-    scene_point start = obstacle->path[k], to = geometry_subtract(obstacle->path[k + 1], start);
-    scene_point middle = geometry_add(start, geometry_scale(to, 0.5));
-    double length = geometry_length(to), half = 0.5 * obstacle->thickness;
+    vec2 start = obstacle->path[k], to = vec2_sub(obstacle->path[k + 1], start);
+    vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
+    double length = vec2_length(to), half = 0.5 * obstacle->thickness;
     vec3 belt, along = { to.x / length, to.y / length, 0.0 };
     (void)body__belt_at(s, middle.x, middle.y, &belt);
     vec3 left = { -along.y, along.x, 0.0 };
@@ -209,7 +209,7 @@ static bool find_at_cuboid(const body_state *s, const body_body *body, const bod
 {
     double a = plate->half_length, c = plate->half_thickness;
     double tall = TALL * s->kinds[body->kind].shape.radius;
-    const scene_point outline[] = { { -a, -c }, { a, -c }, { a, c }, { -a, c } };
+    const vec2 outline[] = { { -a, -c }, { a, -c }, { a, c }, { -a, c } };
     mat3 axes = { { { plate->along.x, -plate->along.y, 0.0 },
                     { plate->along.y, plate->along.x, 0.0 },
                     { 0.0, 0.0, 1.0 } } };

@@ -9,7 +9,7 @@
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
-#include "core/scene/geometry.h"
+#include "core/base/vec2.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,32 +19,32 @@ static const double parallel = 1e-12; // sines below it are rounding
 
 // A straight piece of a plate.
 typedef struct segment {
-    scene_point start;
-    scene_point along;    // unit tangent
-    scene_point upstream; // unit normal of the side that cargo runs against
+    vec2 start;
+    vec2 along;    // unit tangent
+    vec2 upstream; // unit normal of the side that cargo runs against
     double length;
 } segment;
 
 static segment make_segment(const disk_state *s, const scene_obstacle *obstacle, size_t k)
 {
-    scene_point start = obstacle->path[k];
-    scene_point to = geometry_subtract(obstacle->path[k + 1], start);
-    double length = geometry_length(to);
-    scene_point along = geometry_scale(to, 1.0 / length), left = geometry_turn_left(along);
-    scene_point middle = geometry_add(start, geometry_scale(to, 0.5));
+    vec2 start = obstacle->path[k];
+    vec2 to = vec2_sub(obstacle->path[k + 1], start);
+    double length = vec2_length(to);
+    vec2 along = vec2_scale(to, 1.0 / length), left = vec2_turn_left(along);
+    vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
     disk_belt belt = disk__belt_at(s, middle.x, middle.y);
-    scene_point velocity = { belt.vx, belt.vy };
-    bool is_downstream = geometry_dot(left, velocity) > parallel * geometry_length(velocity);
+    vec2 velocity = { belt.vx, belt.vy };
+    bool is_downstream = vec2_dot(left, velocity) > parallel * vec2_length(velocity);
 
-    return (segment){ start, along, is_downstream ? geometry_scale(left, -1.0) : left, length };
+    return (segment){ start, along, is_downstream ? vec2_scale(left, -1.0) : left, length };
 }
 
 // Adds a face from a to b with the solid on the right of the way from a to b.
-static void add_face(disk_state *s, scene_point a, scene_point b, double depth)
+static void add_face(disk_state *s, vec2 a, vec2 b, double depth)
 {
-    scene_point to = geometry_subtract(b, a);
-    double length = geometry_length(to);
-    scene_point n = geometry_turn_left(geometry_scale(to, 1.0 / length));
+    vec2 to = vec2_sub(b, a);
+    double length = vec2_length(to);
+    vec2 n = vec2_turn_left(vec2_scale(to, 1.0 / length));
 
     s->faces[s->n_faces++] = (disk_face){ .px = a.x,
                                           .py = a.y,
@@ -56,39 +56,37 @@ static void add_face(disk_state *s, scene_point a, scene_point b, double depth)
                                           .friction = s->handling.friction };
 }
 
-static void add_arc(disk_state *s, scene_point p, double radius, scene_point e, scene_point f)
+static void add_arc(disk_state *s, vec2 p, double radius, vec2 e, vec2 f)
 {
     s->arcs[s->n_arcs++] = (disk_arc){ p.x, p.y, radius, e.x, e.y, f.x, f.y, s->handling.friction };
 }
 
 // The side of a segment with normal n, moved along n.
-static void add_side(disk_state *s, const segment *g, scene_point n, double shift, double depth)
+static void add_side(disk_state *s, const segment *g, vec2 n, double shift, double depth)
 {
-    scene_point a = geometry_add(g->start, geometry_scale(n, shift));
-    scene_point b = geometry_add(a, geometry_scale(g->along, g->length));
+    vec2 a = vec2_add(g->start, vec2_scale(n, shift));
+    vec2 b = vec2_add(a, vec2_scale(g->along, g->length));
 
-    if (geometry_cross(g->along, n) > 0.0)
+    if (vec2_cross(g->along, n) > 0.0)
         add_face(s, a, b, depth);
     else
         add_face(s, b, a, depth);
 }
 
 // The end of a segment at p, across it; out points away from the segment.
-static void add_end(disk_state *s, const segment *g, scene_point p, scene_point out,
-                    double thickness)
+static void add_end(disk_state *s, const segment *g, vec2 p, vec2 out, double thickness)
 {
-    scene_point down = geometry_scale(g->upstream, -1.0);
-    scene_point q = geometry_add(p, geometry_scale(down, thickness));
+    vec2 down = vec2_scale(g->upstream, -1.0);
+    vec2 q = vec2_add(p, vec2_scale(down, thickness));
 
-    if (geometry_cross(geometry_subtract(q, p), out) > 0.0)
+    if (vec2_cross(vec2_sub(q, p), out) > 0.0)
         add_face(s, p, q, 0.0);
     else
         add_face(s, q, p, 0.0);
     add_arc(s, q, 0.0, out, down);
 }
 
-static void add_free_end(disk_state *s, const segment *g, scene_point p, scene_point out,
-                         double thickness)
+static void add_free_end(disk_state *s, const segment *g, vec2 p, vec2 out, double thickness)
 {
     add_end(s, g, p, out, thickness);
     add_arc(s, p, 0.0, out, g->upstream);
@@ -96,11 +94,11 @@ static void add_free_end(disk_state *s, const segment *g, scene_point p, scene_p
 
 static void add_joint(disk_state *s, const segment *a, const segment *b, double thickness)
 {
-    double turn = geometry_cross(a->along, b->along);
-    bool is_left = geometry_cross(a->along, a->upstream) > 0.0;
-    bool is_flipped = is_left != (geometry_cross(b->along, b->upstream) > 0.0);
-    bool is_straight = fabs(turn) <= parallel && geometry_dot(a->along, b->along) > 0.0;
-    scene_point back = geometry_scale(b->along, -1.0);
+    double turn = vec2_cross(a->along, b->along);
+    bool is_left = vec2_cross(a->along, a->upstream) > 0.0;
+    bool is_flipped = is_left != (vec2_cross(b->along, b->upstream) > 0.0);
+    bool is_straight = fabs(turn) <= parallel && vec2_dot(a->along, b->along) > 0.0;
+    vec2 back = vec2_scale(b->along, -1.0);
     double radius = is_flipped || (is_left ? turn < 0.0 : turn > 0.0) ? 0.0 : thickness;
 
     if (!is_straight)
@@ -113,10 +111,9 @@ static void add_joint(disk_state *s, const segment *a, const segment *b, double 
 
 static bool is_closed(const scene_obstacle *obstacle)
 {
-    scene_point first = obstacle->path[0], last = obstacle->path[obstacle->n_points - 1];
+    vec2 first = obstacle->path[0], last = obstacle->path[obstacle->n_points - 1];
 
-    return obstacle->n_points > 3 &&
-           geometry_length(geometry_subtract(last, first)) <= SCENE_TOLERANCE;
+    return obstacle->n_points > 3 && vec2_length(vec2_sub(last, first)) <= SCENE_TOLERANCE;
 }
 
 static void add_plate(disk_state *s, const scene_obstacle *obstacle)
@@ -127,7 +124,7 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
 
     for (size_t k = 0; k < n; k++) {
         segment g = make_segment(s, obstacle, k);
-        scene_point down = geometry_scale(g.upstream, -1.0);
+        vec2 down = vec2_scale(g.upstream, -1.0);
         add_side(s, &g, g.upstream, 0.0, obstacle->thickness);
         add_side(s, &g, down, obstacle->thickness, 0.0);
         if (k > 0)
@@ -138,7 +135,7 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
         add_joint(s, &last, &first, obstacle->thickness);
         return;
     }
-    add_free_end(s, &first, first.start, geometry_scale(first.along, -1.0), obstacle->thickness);
+    add_free_end(s, &first, first.start, vec2_scale(first.along, -1.0), obstacle->thickness);
     add_free_end(s, &last, obstacle->path[n], last.along, obstacle->thickness);
 }
 

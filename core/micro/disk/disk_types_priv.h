@@ -132,9 +132,9 @@ typedef struct disk_tiles {
 
 /// A copy of what belts_under() needs of a belt.
 typedef struct disk_ground {
-    scene_point velocity; ///< m/s
-    size_t n_points;      ///< 0: covers the domain
-    scene_point *polygon; ///< owned
+    vec2 velocity;   ///< m/s
+    size_t n_points; ///< 0: covers the domain
+    vec2 *polygon;   ///< owned
 } disk_ground;
 
 /// The list of neighbours, by groups: slot s of the parts of group g is the DISK_GROUP entries from

@@ -3,8 +3,8 @@
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/micro/neighbours_priv.h"
-#include "core/scene/geometry.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,7 +47,7 @@ disk_belt disk__belt_at(const disk_state *s, double x, double y)
     for (size_t k = s->n_grounds; k-- > 0;) {
         const disk_ground *g = &s->grounds[k];
         if (g->n_points == 0 ||
-            geometry_polygon_holds(g->polygon, g->n_points, (scene_point){ x, y }, SCENE_TOLERANCE))
+            polygon_holds(g->polygon, g->n_points, (vec2){ x, y }, SCENE_TOLERANCE))
             return (disk_belt){ g->velocity.x, g->velocity.y, 1.0 };
     }
     return (disk_belt){ 0.0, 0.0, 0.0 };
@@ -180,12 +180,12 @@ static bool is_near_open_edge(const disk_state *s, const disk_row *part, double 
 
 static bool is_near_border(const disk_state *s, const disk_row *part, double margin)
 {
-    const scene_point at = { part->x, part->y };
+    const vec2 at = { part->x, part->y };
 
     for (size_t k = 0; k < s->n_grounds; k++) {
         const disk_ground *g = &s->grounds[k];
         for (size_t m = 0; m < g->n_points; m++)
-            if (geometry_distance(at, g->polygon[m], g->polygon[(m + 1) % g->n_points]) <=
+            if (polygon_segment_distance(at, g->polygon[m], g->polygon[(m + 1) % g->n_points]) <=
                 margin + SCENE_TOLERANCE)
                 return true;
     }

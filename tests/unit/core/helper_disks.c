@@ -20,7 +20,7 @@ helper_disks *helper_disks_make(double length, double width, double speed)
     BF_CHECK(d != NULL);
     d->def = micro_def_default();
     d->def.domain = (scene_rect){ 0.0, length, 0.0, width };
-    d->belts[0].velocity = (scene_point){ speed, 0.0 };
+    d->belts[0].velocity = (vec2){ speed, 0.0 };
     d->def.n_belts = 1;
     d->def.belts = d->belts;
     d->kinds[0] = make_kind(0.012);

@@ -14,7 +14,7 @@ typedef struct helper_disks {
     micro_def def;                         ///< to be changed at will
     scene_belt belts[HELPER_DISKS_BELTS];  ///< the first covers the domain
     scene_obstacle obstacle;               ///< along path
-    scene_point path[4];                   ///< see there
+    vec2 path[4];                          ///< see there
     micro_kind kinds[HELPER_DISKS_KINDS];  ///< steel cylinders of 12, 9 and 15 mm
     scene_pose poses[HELPER_DISKS_MAX];    ///< def.n_parts of them
     uint32_t part_kinds[HELPER_DISKS_MAX]; ///< used if def.part_kinds says so

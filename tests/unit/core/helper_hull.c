@@ -49,7 +49,7 @@ void helper_hull_random(bf_random *random, size_t n, double radius, hull *ret_hu
 void helper_hull_box(double length, double width, double height, hull *ret_hull)
 {
     double x = 0.5 * length, y = 0.5 * width;
-    const scene_point outline[] = { { -x, -y }, { x, -y }, { x, y }, { -x, y } };
+    const vec2 outline[] = { { -x, -y }, { x, -y }, { x, y }, { -x, y } };
 
     hull_from_outline(outline, 4, -0.5 * height, 0.5 * height, ret_hull);
 }

@@ -23,9 +23,9 @@ void helper_outflow_example(helper_outflow *e, double angle_deg, double modulus_
     e->def = micro_def_default();
     e->def.modulus_reduction = modulus_reduction;
     e->def.domain = (scene_rect){ 0.0, 1.0, 0.0, 0.6 };
-    e->belt.velocity = (scene_point){ 0.395, 0.0 };
-    e->path[0] = (scene_point){ angle_deg == 90.0 ? 0.75 : 0.461325, 0.0 };
-    e->path[1] = (scene_point){ 0.75, 0.5 };
+    e->belt.velocity = (vec2){ 0.395, 0.0 };
+    e->path[0] = (vec2){ angle_deg == 90.0 ? 0.75 : 0.461325, 0.0 };
+    e->path[1] = (vec2){ 0.75, 0.5 };
     e->obstacle = (scene_obstacle){ .n_points = 2, .path = e->path, .thickness = 0.005 };
     e->kind.shape = (scene_shape){ .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008 };
     e->kind.material = (scene_material){ 210e9, 0.28 };

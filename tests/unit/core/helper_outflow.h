@@ -14,7 +14,7 @@ typedef struct helper_outflow {
     micro_def def;                          ///< to be changed at will
     scene_belt belt;                        ///< under the whole domain, 0.395 m/s
     scene_obstacle obstacle;                ///< to (0.75, 0.5)
-    scene_point path[2];                    ///< of the obstacle
+    vec2 path[2];                           ///< of the obstacle
     micro_kind kind;                        ///< the steel cylinder
     scene_pose poses[HELPER_OUTFLOW_PARTS]; ///< 16 rows of 12
 } helper_outflow;

@@ -6,12 +6,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void set_belt(scene_belt *belt, scene_point *corners, double x_min, double x_max, double v)
+static void set_belt(scene_belt *belt, vec2 *corners, double x_min, double x_max, double v)
 {
-    corners[0] = (scene_point){ x_min, 0.0 };
-    corners[1] = (scene_point){ x_max, 0.0 };
-    corners[2] = (scene_point){ x_max, 2.0 };
-    corners[3] = (scene_point){ x_min, 2.0 };
+    corners[0] = (vec2){ x_min, 0.0 };
+    corners[1] = (vec2){ x_max, 0.0 };
+    corners[2] = (vec2){ x_max, 2.0 };
+    corners[3] = (vec2){ x_min, 2.0 };
     *belt = (scene_belt){ .velocity = { v, 0.0 }, .n_points = 4, .polygon = corners };
 }
 
@@ -54,8 +54,8 @@ void helper_planar_add(helper_planar *w, double x, double y)
 
 void helper_planar_crowd(helper_planar *w, bool is_mixed)
 {
-    w->path[0] = (scene_point){ 1.998, 0.1 };
-    w->path[1] = (scene_point){ 1.98, 0.6 };
+    w->path[0] = (vec2){ 1.998, 0.1 };
+    w->path[1] = (vec2){ 1.98, 0.6 };
     w->def.n_obstacles = 1;
     w->def.dt = is_mixed ? 2.5e-5 : 5e-5;
     for (int k = 0; k < 32 * 44; k++)

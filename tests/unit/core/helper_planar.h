@@ -12,10 +12,10 @@ enum { HELPER_PLANAR_PARTS = 1536 };
 typedef struct helper_planar {
     micro_def def;                            ///< to be changed at will; all parts of kind 0
     scene_belt belts[2];                      ///< west and east
-    scene_point west[4];                      ///< corners
-    scene_point east[4];                      ///< same
+    vec2 west[4];                             ///< corners
+    vec2 east[4];                             ///< same
     scene_obstacle obstacle;                  ///< not in def yet
-    scene_point path[2];                      ///< of the obstacle
+    vec2 path[2];                             ///< of the obstacle
     micro_kind kinds[2];                      ///< def has both
     scene_pose poses[HELPER_PLANAR_PARTS];    ///< see helper_planar_add()
     uint32_t part_kinds[HELPER_PLANAR_PARTS]; ///< kinds; not in def yet

@@ -35,7 +35,7 @@ void helper_scene_belt(scene *s, double length, double width, double cell, const
     s->initial.poses = copy(poses, n, sizeof *poses);
 }
 
-scene_obstacle *helper_scene_add_obstacle(scene *s, const scene_point *path, size_t n,
+scene_obstacle *helper_scene_add_obstacle(scene *s, const vec2 *path, size_t n,
                                           scene_treatment treatment)
 {
     scene_obstacle *all = memory_alloc(s->n_obstacles + 1, sizeof *all);
@@ -53,8 +53,7 @@ scene_obstacle *helper_scene_add_obstacle(scene *s, const scene_point *path, siz
     return o;
 }
 
-scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_point *polygon,
-                                  size_t n)
+scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, size_t n)
 {
     scene_belt *all = memory_alloc(s->n_belts + 1, sizeof *all);
 
@@ -74,8 +73,8 @@ scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_po
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
 {
     double angle = angle_deg * M_PI / 180.0, length = 0.5 / sin(angle);
-    scene_point end = { 0.75, 0.5 };
-    scene_point path[] = { { end.x - length * cos(angle), end.y - length * sin(angle) }, end };
+    vec2 end = { 0.75, 0.5 };
+    vec2 path[] = { { end.x - length * cos(angle), end.y - length * sin(angle) }, end };
 
     scene_init(s);
     s->duration = 6.0;
@@ -83,7 +82,7 @@ void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
     s->initial.type = SCENE_INITIAL_HEXAGONAL;
     s->initial.n_rows = 16;
     s->initial.n_columns = 12;
-    s->initial.first = (scene_point){ 0.10, 0.11 };
+    s->initial.first = (vec2){ 0.10, 0.11 };
     s->initial.spacing = 1.02 * 2.0 * 0.012;
     helper_scene_add_obstacle(s, path, 2, treatment)->thickness =
         treatment == SCENE_FIELD ? 0.03 : 0.005;

@@ -18,12 +18,11 @@ void helper_scene_belt(scene *s, double length, double width, double cell, const
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment);
 
 /// Append an obstacle with default widths along a path of n points; borrowed until the next one.
-scene_obstacle *helper_scene_add_obstacle(scene *s, const scene_point *path, size_t n,
+scene_obstacle *helper_scene_add_obstacle(scene *s, const vec2 *path, size_t n,
                                           scene_treatment treatment);
 
 /// Append a belt over a polygon of n corners, 0 for the whole domain; borrowed until the next one.
-scene_belt *helper_scene_add_belt(scene *s, scene_point velocity, const scene_point *polygon,
-                                  size_t n);
+scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, size_t n);
 
 /// scene_resolve() that must succeed.
 void helper_scene_resolve(scene *s);

@@ -30,7 +30,7 @@ void helper_spatial_init(helper_spatial *h, scene_shape shape)
     h->def.poses = h->poses;
     h->def.part_kinds = h->part_kinds;
     h->def.n_kinds = h->def.n_parts = 1;
-    h->belts[0].velocity = h->belts[1].velocity = (scene_point){ 0.395, 0.0 };
+    h->belts[0].velocity = h->belts[1].velocity = (vec2){ 0.395, 0.0 };
     h->obstacle = (scene_obstacle){ .n_points = 2, .path = h->path, .thickness = 0.005 };
     for (size_t k = 0; k < HELPER_SPATIAL_KINDS; k++)
         h->kinds[k] = (micro_kind){ shape, { 210e9, 0.28 }, 0.03, 0.008 };
@@ -50,8 +50,8 @@ void helper_spatial_jam(helper_spatial *h)
     h->def.n_belts = h->def.n_obstacles = 1;
     h->def.domain = (scene_rect){ -0.05, 0.35, -0.05, 0.1 };
     h->def.edges[SCENE_SOUTH] = h->def.edges[SCENE_NORTH] = SCENE_EDGE_WALL;
-    h->path[0] = (scene_point){ 0.215, -0.05 };
-    h->path[1] = (scene_point){ 0.255, 0.08 };
+    h->path[0] = (vec2){ 0.215, -0.05 };
+    h->path[1] = (vec2){ 0.255, 0.08 };
     for (uint32_t k = 0; k < 36; k++) {
         h->poses[k] = (scene_pose){ 0.026 * (k % 9), -0.03 + 0.03 * (k / 9), 0.1 * k };
         h->part_kinds[k] = k % 3;
@@ -66,8 +66,8 @@ void helper_spatial_passage(helper_spatial *h, scene_shape shape)
     h->def.damping = 0.1;
     h->def.domain = (scene_rect){ -0.3, 0.3, 0.0, 0.3 };
     h->def.edges[SCENE_SOUTH] = h->def.edges[SCENE_NORTH] = SCENE_EDGE_WALL;
-    h->path[0] = (scene_point){ 0.2 - 0.22 / tan(M_PI / 3.0), 0.0 };
-    h->path[1] = (scene_point){ 0.2, 0.22 };
+    h->path[0] = (vec2){ 0.2 - 0.22 / tan(M_PI / 3.0), 0.0 };
+    h->path[1] = (vec2){ 0.2, 0.22 };
     for (int k = 0; k < 60; k++)
         h->poses[k] = (scene_pose){ -0.06 + 0.0245 * (k % 6) + 0.01225 * (k / 6 % 2),
                                     0.04 + 0.0212 * (k / 6), 0.0 };

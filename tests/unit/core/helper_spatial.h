@@ -12,7 +12,7 @@ typedef struct helper_spatial {
     micro_def def;                             ///< to be changed at will
     scene_belt belts[2];                       ///< see def.n_belts
     scene_obstacle obstacle;                   ///< see def.n_obstacles
-    scene_point path[3];                       ///< of the obstacle
+    vec2 path[3];                              ///< of the obstacle
     micro_kind kinds[HELPER_SPATIAL_KINDS];    ///< see def.n_kinds
     scene_pose poses[HELPER_SPATIAL_PARTS];    ///< see def.n_parts
     uint32_t part_kinds[HELPER_SPATIAL_PARTS]; ///< all 0

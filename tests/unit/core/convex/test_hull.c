@@ -65,7 +65,7 @@ static void points_that_are_no_corners_are_dropped(void **state)
 static void a_box_weighs_what_it_should(void **state)
 {
     (void)state;
-    const scene_point outline[] = { { 5.0, 7.0 }, { 7.0, 7.0 }, { 7.0, 10.0 }, { 5.0, 10.0 } };
+    const vec2 outline[] = { { 5.0, 7.0 }, { 7.0, 7.0 }, { 7.0, 10.0 }, { 5.0, 10.0 } };
     hull h;
     hull_from_outline(outline, 4, -3.0, 1.0, &h);
     assert_counts(&h, 8, 6);

@@ -52,8 +52,8 @@ static void make_example(scene *s, double angle_deg, scene_treatment treatment)
 {
     helper_scene_example(s, angle_deg, treatment);
     scene_obstacle *o = &s->obstacles[0];
-    o->path[0] = (scene_point){ angle_deg == 60.0 ? 0.461325 : 0.75, 0.0 };
-    o->path[1] = (scene_point){ 0.75, 0.5 };
+    o->path[0] = (vec2){ angle_deg == 60.0 ? 0.461325 : 0.75, 0.0 };
+    o->path[1] = (vec2){ 0.75, 0.5 };
     o->slide_width = treatment == SCENE_SEALED ? 0.03 : 0.02;
     o->thickness = treatment == SCENE_FIELD ? 0.03 : 0.005;
 }
@@ -111,7 +111,7 @@ static void on_a_free_belt_everything_moves_at_belt_speed(void **state)
 }
 
 // Centre of mass of a solver's density.
-static scene_point centre_of_mass(const macro_solver *solver, const bf_grid *g)
+static vec2 centre_of_mass(const macro_solver *solver, const bf_grid *g)
 {
     double mass = 0.0, x = 0.0, y = 0.0;
 
@@ -122,7 +122,7 @@ static scene_point centre_of_mass(const macro_solver *solver, const bf_grid *g)
             x += rho * grid_x1(g, i);
             y += rho * grid_x2(g, j);
         }
-    return (scene_point){ x / mass, y / mass };
+    return (vec2){ x / mass, y / mass };
 }
 
 // A loose part in a wide slide zone: it moves along the obstacle at v_T cos(theta), exactly, as long
@@ -136,8 +136,8 @@ static void a_part_slides_along_an_obstacle_at_belt_speed_times_cosine(void **st
         const double speed = k == 3 ? 0.0 : 0.395 * cos(angle);
         // 0.15 m upstream of the middle of the obstacle.
         const scene_pose pose = { 0.6 - 0.15 * sin(angle), 0.3 + 0.15 * cos(angle), 0.0 };
-        const scene_point path[] = { { 0.6 - 0.25 * cos(angle), 0.3 - 0.25 * sin(angle) },
-                                     { 0.6 + 0.25 * cos(angle), 0.3 + 0.25 * sin(angle) } };
+        const vec2 path[] = { { 0.6 - 0.25 * cos(angle), 0.3 - 0.25 * sin(angle) },
+                              { 0.6 + 0.25 * cos(angle), 0.3 + 0.25 * sin(angle) } };
         scene s;
         helper_scene_belt(&s, 1.0, 0.6, 0.005, &pose, 1);
         s.macro.initial_mollifier = 10000.0; // a spot of 1 cm with a peak below 1
@@ -157,10 +157,10 @@ static void a_part_slides_along_an_obstacle_at_belt_speed_times_cosine(void **st
             density_from_parts(&f->grid, scene_packing_density(&s), 10000.0, &pose, 1, rho, NULL),
             BF_OK);
         assert_int_equal(macro_set_density(solver, rho, grid_cells(&f->grid), NULL), BF_OK);
-        scene_point before = centre_of_mass(solver, &f->grid);
+        vec2 before = centre_of_mass(solver, &f->grid);
         for (int step = 0; step < 6; step++)
             macro_step(solver);
-        scene_point after = centre_of_mass(solver, &f->grid);
+        vec2 after = centre_of_mass(solver, &f->grid);
         double t = macro_time(solver);
         assert_near((after.x - before.x) / t, speed * cos(angle), 1e-9);
         assert_near((after.y - before.y) / t, speed * sin(angle), 1e-9);
@@ -200,8 +200,8 @@ static bf_status add_up_mass_behind(void *context, const frame *f, bf_error *err
 static void nothing_leaks_through_a_closed_barrier(void **state)
 {
     (void)state;
-    static const scene_point bent[] = { { 0.6, 0.0 }, { 0.7, 0.21 }, { 0.74, 0.4 }, { 0.6, 0.6 } };
-    static const scene_point straight[] = { { 0.6, 0.0 }, { 0.745, 0.6 } };
+    static const vec2 bent[] = { { 0.6, 0.0 }, { 0.7, 0.21 }, { 0.74, 0.4 }, { 0.6, 0.6 } };
+    static const vec2 straight[] = { { 0.6, 0.0 }, { 0.745, 0.6 } };
     for (int k = 0; k < 4; k++) {
         scene s;
         double behind = 0.0;

@@ -297,15 +297,15 @@ static void a_belt_takes_a_part_up_by_its_law(void **state)
 static void a_box_across_two_belts_turns_on_the_spot(void **state)
 {
     (void)state;
-    scene_point half[2][4] = { { { -1.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 1.0 }, { -1.0, 1.0 } },
-                               { { -1.0, -1.0 }, { 1.0, -1.0 }, { 1.0, 0.0 }, { -1.0, 0.0 } } };
+    vec2 half[2][4] = { { { -1.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 1.0 }, { -1.0, 1.0 } },
+                        { { -1.0, -1.0 }, { 1.0, -1.0 }, { 1.0, 0.0 }, { -1.0, 0.0 } } };
     helper_spatial h;
     helper_spatial_init(&h, helper_spatial_box(0.06, 0.06, 0.01));
     h.def.n_belts = 2;
     for (int k = 0; k < 2; k++) {
         h.belts[k].n_points = 4;
         h.belts[k].polygon = half[k];
-        h.belts[k].velocity = (scene_point){ k == 0 ? 0.4 : -0.4, 0.0 };
+        h.belts[k].velocity = (vec2){ k == 0 ? 0.4 : -0.4, 0.0 };
     }
     h.kinds[0].spin_radius = 0.0;
     body_state *s = helper_spatial_start(&h);
@@ -342,8 +342,8 @@ static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
     helper_spatial h;
     helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.006));
     h.def.n_belts = h.def.n_obstacles = 1;
-    h.path[0] = (scene_point){ -0.5 * cos(angle), -0.5 * sin(angle) };
-    h.path[1] = (scene_point){ 0.5 * cos(angle), 0.5 * sin(angle) };
+    h.path[0] = (vec2){ -0.5 * cos(angle), -0.5 * sin(angle) };
+    h.path[1] = (vec2){ 0.5 * cos(angle), 0.5 * sin(angle) };
     h.poses[0] = (scene_pose){ -0.03 * sin(angle) - 0.3 * cos(angle),
                                0.03 * cos(angle) - 0.3 * sin(angle), angle };
     body_state *s = helper_spatial_start(&h);
@@ -368,8 +368,8 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
         h.def.n_belts = 1;
         h.def.n_obstacles = k < 2 ? 1 : 0;
         h.obstacle.thickness = 5e-4;
-        h.path[0] = (scene_point){ 0.05, -0.2 };
-        h.path[1] = (scene_point){ 0.05, 0.2 };
+        h.path[0] = (vec2){ 0.05, -0.2 };
+        h.path[1] = (vec2){ 0.05, 0.2 };
         if (k >= 2) {
             h.def.domain.x_max = 0.05;
             h.def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
@@ -394,8 +394,8 @@ static void a_box_is_turned_by_the_end_of_a_plate(void **state)
     helper_spatial h;
     helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.02));
     h.def.n_belts = h.def.n_obstacles = 1;
-    h.path[0] = (scene_point){ 0.05, -0.2 };
-    h.path[1] = (scene_point){ 0.05, -0.012 };
+    h.path[0] = (vec2){ 0.05, -0.2 };
+    h.path[1] = (vec2){ 0.05, -0.012 };
     h.kinds[0].spin_radius = 0.0;
     body_state *s = helper_spatial_start(&h);
     helper_spatial_run(s, 0.2);

@@ -307,8 +307,8 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
         h.def.n_belts = 1;
         h.def.n_obstacles = k < 2 ? 1 : 0;
         h.obstacle.thickness = 5e-4;
-        h.path[0] = (scene_point){ 0.05, -0.2 };
-        h.path[1] = (scene_point){ 0.05, 0.2 };
+        h.path[0] = (vec2){ 0.05, -0.2 };
+        h.path[1] = (vec2){ 0.05, 0.2 };
         if (k >= 2) {
             h.def.domain.x_max = 0.05;
             h.def.edges[SCENE_EAST] = SCENE_EDGE_WALL;

@@ -117,8 +117,8 @@ static double measure_sliding(double theta, double lambda)
     d->def.damping = 0.0;
     d->def.contact[SCENE_HANDLING_CARGO].tanh_linear = lambda;
     d->kinds[0].spin_radius = 10.0; // blocks the spin
-    d->path[0] = (scene_point){ 0.2, 0.1 };
-    d->path[1] = (scene_point){ 0.2 + 1.5 * cos(theta), 0.1 + 1.5 * sin(theta) };
+    d->path[0] = (vec2){ 0.2, 0.1 };
+    d->path[1] = (vec2){ 0.2 + 1.5 * cos(theta), 0.1 + 1.5 * sin(theta) };
     helper_disks_block(d, 2, 0.005);
     // Touching the line 0.3 m along it.
     helper_disks_add(d, 0.2 + 0.3 * cos(theta) - radius * sin(theta),
@@ -175,10 +175,9 @@ static void loose_parts_ride_their_belts(void **state)
 {
     (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
-    const scene_point strip[4] = { { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.3 }, { 0.0, 0.3 } };
+    const vec2 strip[4] = { { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.3 }, { 0.0, 0.3 } };
 
-    d->belts[1] =
-        (scene_belt){ .velocity = { 0.0, 0.2 }, .n_points = 4, .polygon = (scene_point *)strip };
+    d->belts[1] = (scene_belt){ .velocity = { 0.0, 0.2 }, .n_points = 4, .polygon = (vec2 *)strip };
     d->def.n_belts = 2;
     d->def.damping = 0.0;
     helper_disks_add(d, 0.1, 0.8);
@@ -204,7 +203,7 @@ static void off_every_belt_nothing_brakes(void **state)
     (void)state;
     helper_disks *d = helper_disks_make_bare();
 
-    d->def.start_velocity = (scene_point){ 0.3, -0.1 };
+    d->def.start_velocity = (vec2){ 0.3, -0.1 };
     helper_disks_add(d, 0.2, 0.5);
     disk_state *s = helper_planar_start(&d->def);
     helper_planar_row(s, 0)->spin = 3.0;
@@ -224,7 +223,7 @@ static void damping_slows_places_and_spins(void **state)
     helper_disks *d = helper_disks_make_bare();
 
     d->def.damping = 0.5;
-    d->def.start_velocity = (scene_point){ 0.1, 0.0 };
+    d->def.start_velocity = (vec2){ 0.1, 0.0 };
     helper_disks_add(d, 0.2, 0.5);
     disk_state *s = helper_planar_start(&d->def);
     helper_planar_row(s, 0)->spin = 3.0;

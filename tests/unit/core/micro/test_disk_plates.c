@@ -16,8 +16,7 @@
 static const double radius = 0.012;
 
 // Distance of c from the rectangle on the side of path a to b that down points to.
-static double rectangle_distance(scene_point c, scene_point a, scene_point b, scene_point down,
-                                 double thickness)
+static double rectangle_distance(vec2 c, vec2 a, vec2 b, vec2 down, double thickness)
 {
     double tx = b.x - a.x, ty = b.y - a.y, length = hypot(tx, ty);
     double along = ((c.x - a.x) * tx + (c.y - a.y) * ty) / length;
@@ -27,7 +26,7 @@ static double rectangle_distance(scene_point c, scene_point a, scene_point b, sc
 }
 
 // What the features of the state's solids say: the deepest overlap, and how many press.
-static double feature_overlap(const disk_state *s, scene_point c, int *ret_n)
+static double feature_overlap(const disk_state *s, vec2 c, int *ret_n)
 {
     const disk_row part = { .x = c.x, .y = c.y, .radius = radius };
     double deepest = -INFINITY;
@@ -53,15 +52,15 @@ static void check_bend(double turn)
     const double first = M_PI / 2.0 + 0.5 * turn, second = M_PI / 2.0 - 0.5 * turn, h = 0.02;
 
     // Across the belt, bent towards it or away from it in (0.5, 0.5).
-    d->path[0] = (scene_point){ 0.5 - 0.2 * cos(first), 0.5 - 0.2 * sin(first) };
-    d->path[1] = (scene_point){ 0.5, 0.5 };
-    d->path[2] = (scene_point){ 0.5 + 0.2 * cos(second), 0.5 + 0.2 * sin(second) };
+    d->path[0] = (vec2){ 0.5 - 0.2 * cos(first), 0.5 - 0.2 * sin(first) };
+    d->path[1] = (vec2){ 0.5, 0.5 };
+    d->path[2] = (vec2){ 0.5 + 0.2 * cos(second), 0.5 + 0.2 * sin(second) };
     helper_disks_block(d, 3, h);
     disk_state *s = helper_planar_start(&d->def);
-    const scene_point down_a = { sin(first), -cos(first) }, down_b = { sin(second), -cos(second) };
+    const vec2 down_a = { sin(first), -cos(first) }, down_b = { sin(second), -cos(second) };
     for (int i = 0; i < 120; i++)
         for (int j = 0; j < 120; j++) {
-            scene_point c = { 0.44 + 0.001 * i + 1e-5, 0.44 + 0.001 * j + 2e-5 };
+            vec2 c = { 0.44 + 0.001 * i + 1e-5, 0.44 + 0.001 * j + 2e-5 };
             double to_a = rectangle_distance(c, d->path[0], d->path[1], down_a, h);
             double to_b = rectangle_distance(c, d->path[1], d->path[2], down_b, h);
             double distance = fmin(to_a, to_b);
@@ -99,19 +98,18 @@ static void a_notch_behind_a_bend_is_filled(void **state)
     const double h = 0.02;
     int n;
 
-    d->path[0] = (scene_point){ 0.6, 0.3 };
-    d->path[1] = (scene_point){ 0.5, 0.5 };
-    d->path[2] = (scene_point){ 0.6, 0.7 };
+    d->path[0] = (vec2){ 0.6, 0.3 };
+    d->path[1] = (vec2){ 0.5, 0.5 };
+    d->path[2] = (vec2){ 0.6, 0.7 };
     // Bent against the belt: upstream the joint sticks out, and nothing needs filling behind.
     helper_disks_block(d, 3, h);
     disk_state *s = helper_planar_start(&d->def);
-    assert_near(feature_overlap(s, (scene_point){ 0.5 - 0.01, 0.5 }, &n), radius - 0.01, 1e-12);
+    assert_near(feature_overlap(s, (vec2){ 0.5 - 0.01, 0.5 }, &n), radius - 0.01, 1e-12);
     assert_int_equal(n, 1);
     helper_planar_end(s);
     d->path[0].x = d->path[2].x = 0.4;
     s = helper_planar_start(&d->def);
-    assert_near(feature_overlap(s, (scene_point){ 0.5 + h + 0.005, 0.5 }, &n), radius - 0.005,
-                1e-12);
+    assert_near(feature_overlap(s, (vec2){ 0.5 + h + 0.005, 0.5 }, &n), radius - 0.005, 1e-12);
     assert_int_equal(n, 1);
     helper_planar_end(s);
     helper_disks_free(d);
@@ -125,9 +123,9 @@ static void a_joint_in_a_straight_plate_is_not_felt(void **state)
 
     for (int cut = 0; cut < 2; cut++) {
         helper_disks *d = helper_disks_make(2.0, 2.0, 0.395);
-        d->path[0] = (scene_point){ 0.25, 0.25 };
-        d->path[1] = cut ? (scene_point){ 0.5, 0.5 } : (scene_point){ 0.75, 0.75 };
-        d->path[2] = (scene_point){ 0.75, 0.75 };
+        d->path[0] = (vec2){ 0.25, 0.25 };
+        d->path[1] = cut ? (vec2){ 0.5, 0.5 } : (vec2){ 0.75, 0.75 };
+        d->path[2] = (vec2){ 0.75, 0.75 };
         helper_disks_block(d, cut ? 3 : 2, 0.005);
         helper_disks_add(d, 0.46, 0.46 + radius * sqrt(2.0));
         micro_solver *s = helper_disks_start(d);

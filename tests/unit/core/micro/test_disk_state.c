@@ -24,8 +24,8 @@ static helper_disks *make_crowd(void)
 {
     helper_disks *d = helper_disks_make(0.6, 0.33, 0.395);
 
-    d->path[0] = (scene_point){ 0.30, 0.0 };
-    d->path[1] = (scene_point){ 0.42, 0.22 };
+    d->path[0] = (vec2){ 0.30, 0.0 };
+    d->path[1] = (vec2){ 0.42, 0.22 };
     helper_disks_block(d, 2, 0.005);
     helper_disks_fill(d, 11, 10, 0.03, 0.04, 0.0245, 0.0015);
     helper_disks_fill(d, 4, 10, 0.50, 0.04, 0.0275, 0.0015);
@@ -35,23 +35,19 @@ static helper_disks *make_crowd(void)
 // The same with three kinds, belts side by side and a gap between them, and contacts that pull.
 static helper_disks *make_mix(void)
 {
-    static const scene_point south[4] = {
-        { 0.0, 0.0 }, { 0.7, 0.0 }, { 0.7, 0.16 }, { 0.0, 0.16 }
-    };
-    static const scene_point north[4] = {
-        { 0.0, 0.165 }, { 0.7, 0.165 }, { 0.7, 0.4 }, { 0.0, 0.4 }
-    };
+    static const vec2 south[4] = { { 0.0, 0.0 }, { 0.7, 0.0 }, { 0.7, 0.16 }, { 0.0, 0.16 } };
+    static const vec2 north[4] = { { 0.0, 0.165 }, { 0.7, 0.165 }, { 0.7, 0.4 }, { 0.0, 0.4 } };
     helper_disks *d = make_crowd();
 
     d->belts[0] =
-        (scene_belt){ .velocity = { 0.395, 0.05 }, .n_points = 4, .polygon = (scene_point *)south };
+        (scene_belt){ .velocity = { 0.395, 0.05 }, .n_points = 4, .polygon = (vec2 *)south };
     d->belts[1] =
-        (scene_belt){ .velocity = { 0.2, -0.1 }, .n_points = 4, .polygon = (scene_point *)north };
+        (scene_belt){ .velocity = { 0.2, -0.1 }, .n_points = 4, .polygon = (vec2 *)north };
     d->def.n_belts = 2;
     d->def.n_kinds = 3;
     d->def.part_kinds = d->part_kinds;
     d->def.tension = true;
-    d->def.start_velocity = (scene_point){ 0.1, 0.1 };
+    d->def.start_velocity = (vec2){ 0.1, 0.1 };
     for (size_t k = 0; k < d->def.n_parts; k++) {
         d->part_kinds[k] = (uint32_t)(k * 7 % 3);
         d->poses[k].heading = 0.01 * (double)k;
@@ -64,9 +60,9 @@ static helper_disks *make_jam(void)
 {
     helper_disks *d = helper_disks_make(2.0, 1.5, 0.395);
 
-    d->path[0] = (scene_point){ 1.40, 0.0 };
-    d->path[1] = (scene_point){ 1.50, 0.7 };
-    d->path[2] = (scene_point){ 1.40, 1.4 };
+    d->path[0] = (vec2){ 1.40, 0.0 };
+    d->path[1] = (vec2){ 1.50, 0.7 };
+    d->path[2] = (vec2){ 1.40, 1.4 };
     helper_disks_block(d, 3, 0.005);
     helper_disks_fill(d, 56, 56, 0.02, 0.03, 0.0243, 0.0008);
     helper_disks_fill(d, 8, 8, 1.78, 0.1, 0.0275, 0.001);

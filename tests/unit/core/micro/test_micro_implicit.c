@@ -32,19 +32,19 @@ static const double radius = 0.012, mass = 0.02841, speed = 0.395; // m, kg, m/s
 typedef struct world {
     micro_def def;
     scene_belt belts[2];
-    scene_point west[4], east[4];
+    vec2 west[4], east[4];
     scene_obstacle obstacle;
-    scene_point path[2];
+    vec2 path[2];
     micro_kind kind;
     scene_pose poses[WORLD_PARTS];
 } world;
 
-static void set_belt(scene_belt *belt, scene_point *corners, double x_min, double x_max, double v)
+static void set_belt(scene_belt *belt, vec2 *corners, double x_min, double x_max, double v)
 {
-    corners[0] = (scene_point){ x_min, 0.0 };
-    corners[1] = (scene_point){ x_max, 0.0 };
-    corners[2] = (scene_point){ x_max, 2.0 };
-    corners[3] = (scene_point){ x_min, 2.0 };
+    corners[0] = (vec2){ x_min, 0.0 };
+    corners[1] = (vec2){ x_max, 0.0 };
+    corners[2] = (vec2){ x_max, 2.0 };
+    corners[3] = (vec2){ x_min, 2.0 };
     *belt = (scene_belt){ .velocity = { v, 0.0 }, .n_points = 4, .polygon = corners };
 }
 
@@ -248,8 +248,8 @@ static double sliding_speed(double angle_deg, micro_integrator integrator, doubl
 
     w->def.integrator = integrator;
     w->def.dt = dt;
-    w->path[0] = (scene_point){ 0.2, 0.01 };
-    w->path[1] = (scene_point){ 0.2 + 1.5 * cos(angle), 0.01 + 1.5 * sin(angle) };
+    w->path[0] = (vec2){ 0.2, 0.01 };
+    w->path[1] = (vec2){ 0.2 + 1.5 * cos(angle), 0.01 + 1.5 * sin(angle) };
     w->obstacle = (scene_obstacle){ .n_points = 2, .path = w->path, .thickness = 0.005 };
     w->def.n_obstacles = 1;
     w->def.obstacles = &w->obstacle;

@@ -23,7 +23,7 @@ typedef struct scenery {
     micro_def def;
     scene_belt belt;
     scene_obstacle obstacle;
-    scene_point path[3];
+    vec2 path[3];
     micro_kind kinds[2];
     scene_pose poses[CROWD];
     uint32_t part_kinds[CROWD];
@@ -38,10 +38,10 @@ static scenery *make_scenery(void)
     w->def.integrator = MICRO_IMPLICIT;
     w->def.dt = 1e-3;
     w->def.domain = (scene_rect){ 0.0, 1.48, 0.0, 1.2 };
-    w->belt.velocity = (scene_point){ 0.395, 0.02 };
-    w->path[0] = (scene_point){ 1.467, 0.0 };
-    w->path[1] = (scene_point){ 1.470, 0.5 };
-    w->path[2] = (scene_point){ 1.472, 0.9 };
+    w->belt.velocity = (vec2){ 0.395, 0.02 };
+    w->path[0] = (vec2){ 1.467, 0.0 };
+    w->path[1] = (vec2){ 1.470, 0.5 };
+    w->path[2] = (vec2){ 1.472, 0.9 };
     w->obstacle = (scene_obstacle){ .n_points = 3, .path = w->path, .thickness = 0.005 };
     for (int k = 0; k < 2; k++) {
         double r = k == 0 ? 0.012 : 0.009;

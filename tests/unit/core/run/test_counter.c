@@ -66,7 +66,7 @@ static void cells_and_points_are_counted_by_the_same_rule(void **state)
         for (size_t j = 0; j < grid.n2; j++) {
             for (size_t i = 0; i < grid.n1; i++) {
                 bool is_in = c.i_min <= i && i < c.i_max && c.j_min <= j && j < c.j_max;
-                scene_point centre = { grid_x1(&grid, i), grid_x2(&grid, j) };
+                vec2 centre = { grid_x1(&grid, i), grid_x2(&grid, j) };
                 assert_int_equal(counter_holds(&counter, centre), is_in);
             }
         }
@@ -78,10 +78,10 @@ static void a_counter_holds_its_lower_borders_only(void **state)
     scene_counter counter = { .rect = { 0.0, 1.0, 2.0, 3.0 } };
 
     (void)state;
-    assert_true(counter_holds(&counter, (scene_point){ 0.0, 2.0 }));
-    assert_false(counter_holds(&counter, (scene_point){ 1.0, 2.0 }));
-    assert_false(counter_holds(&counter, (scene_point){ 0.0, 3.0 }));
-    assert_false(counter_holds(&counter, (scene_point){ -0.1, 2.5 }));
+    assert_true(counter_holds(&counter, (vec2){ 0.0, 2.0 }));
+    assert_false(counter_holds(&counter, (vec2){ 1.0, 2.0 }));
+    assert_false(counter_holds(&counter, (vec2){ 0.0, 3.0 }));
+    assert_false(counter_holds(&counter, (vec2){ -0.1, 2.5 }));
 }
 
 int main(void)

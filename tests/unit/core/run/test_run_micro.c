@@ -22,7 +22,7 @@ static void make_jam(scene *s)
     helper_scene_example(s, 60.0, SCENE_SEALED);
     s->initial.n_rows = 4;
     s->initial.n_columns = 5;
-    s->initial.first = (scene_point){ 0.40, 0.15 };
+    s->initial.first = (vec2){ 0.40, 0.15 };
     s->duration = 0.3;
     s->macro.cell = 0.01;
     s->macro.step = 0.0025;
@@ -333,7 +333,7 @@ static void results_that_are_too_large_are_refused(void **state)
     helper_scene_belt(&s, 100.0, 100.0, 1.0, NULL, 0);
     s.initial.type = SCENE_INITIAL_HEXAGONAL;
     s.initial.n_rows = s.initial.n_columns = 100;
-    s.initial.first = (scene_point){ 1.0, 1.0 };
+    s.initial.first = (vec2){ 1.0, 1.0 };
     s.initial.spacing = 0.1;
     s.duration = 1.9;
     s.output.snapshot_every = 1e-4;
@@ -344,7 +344,7 @@ static void results_that_are_too_large_are_refused(void **state)
     s.initial.type = SCENE_INITIAL_HEXAGONAL;
     s.initial.n_rows = 100;
     s.initial.n_columns = 900;
-    s.initial.first = (scene_point){ 1.0, 1.0 };
+    s.initial.first = (vec2){ 1.0, 1.0 };
     s.initial.spacing = 0.1;
     s.duration = 1.2;
     s.macro.initial_mollifier = 1e-6;
@@ -363,7 +363,7 @@ static void results_that_are_too_large_are_refused(void **state)
 static void parts_inside_a_plate_are_refused(void **state)
 {
     (void)state;
-    static const scene_point face[] = { { 0.5, 0.1 }, { 0.5, 0.5 } };
+    static const vec2 face[] = { { 0.5, 0.1 }, { 0.5, 0.5 } };
     static const struct {
         scene_pose at;
         size_t n_disk, n_box;

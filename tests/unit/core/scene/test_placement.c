@@ -3,8 +3,8 @@
 #include "core/scene/placement.h"
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/base/random.h"
-#include "core/scene/geometry.h"
 #include "core/scene/shape.h"
 #include "tests/unit/core/helper_scene.h"
 
@@ -213,15 +213,13 @@ static void many_bad_places_are_told_of_a_few_times(void **state)
 
 static bool is_overlapping(const shape_footprint *f, scene_pose a, scene_pose b)
 {
-    scene_point corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
+    vec2 corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
 
     if (f->n_corners == 0)
-        return geometry_length((scene_point){ a.x - b.x, a.y - b.y }) <
-               2.0 * f->reach - SCENE_TOLERANCE;
+        return vec2_length((vec2){ a.x - b.x, a.y - b.y }) < 2.0 * f->reach - SCENE_TOLERANCE;
     shape_place(f, a, corners_a);
     shape_place(f, b, corners_b);
-    return geometry_convex_overlap(corners_a, f->n_corners, corners_b, f->n_corners,
-                                   SCENE_TOLERANCE);
+    return polygon_overlaps(corners_a, f->n_corners, corners_b, f->n_corners, SCENE_TOLERANCE);
 }
 
 static void the_search_by_cells_finds_what_a_search_of_all_pairs_finds(void **state)

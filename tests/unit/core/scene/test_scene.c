@@ -57,7 +57,7 @@ static void several_items_without_ids_are_numbered(void **state)
     (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
     for (int k = 0; k < 3; k++)
-        helper_scene_add_belt(&s, (scene_point){ 0.395, 0.0 }, NULL, 0);
+        helper_scene_add_belt(&s, (vec2){ 0.395, 0.0 }, NULL, 0);
     s.n_counters = 2;
     s.counters = memory_alloc(2, sizeof *s.counters);
     assert_non_null(s.counters);

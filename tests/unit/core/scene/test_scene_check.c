@@ -217,10 +217,10 @@ static void a_wrong_member_is_told_of_once_not_again_through_what_is_derived(voi
 
     (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-    helper_scene_add_obstacle(&s, (scene_point[]){ { 0.5, 0.0 }, { 0.5, 0.2 } }, 2, SCENE_SEALED);
+    helper_scene_add_obstacle(&s, (vec2[]){ { 0.5, 0.0 }, { 0.5, 0.2 } }, 2, SCENE_SEALED);
     s.macro.mollifier = -1.0;
     s.cargo[0].shape.radius = NAN;
-    helper_scene_add_belt(&s, (scene_point){ INFINITY, 0.0 }, NULL, 0);
+    helper_scene_add_belt(&s, (vec2){ INFINITY, 0.0 }, NULL, 0);
     helper_scene_resolve(&s);
     const bf_faults *faults = faults_of(&s);
     assert_true(has_fault(faults, BF_EINPUT, "/macro/mollifier_per_m2", ""));
@@ -247,7 +247,7 @@ static void ids_are_words_and_unique(void **state)
     memset(s.belts[0].id, 'x', SCENE_ID_SIZE);
     assert_true(is_only_fault(&s, BF_EINPUT, "/belts/0/id", "letters"));
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    strcpy(helper_scene_add_belt(&s, (scene_point){ 0.1, 0.0 }, NULL, 0)->id, "main");
+    strcpy(helper_scene_add_belt(&s, (vec2){ 0.1, 0.0 }, NULL, 0)->id, "main");
     assert_true(is_only_fault(&s, BF_EINPUT, "/belts/1/id", "/belts/0"));
 }
 
@@ -269,7 +269,7 @@ static void polygons_of_belts_are_simple(void **state)
     static const struct {
         const char *pointer;
         size_t n;
-        scene_point corners[6];
+        vec2 corners[6];
     } bad[] = {
         { "/belts/0/polygon_m", 2, { { 0, 0 }, { 1, 0 } } },
         { "/belts/0/polygon_m/2", 4, { { 0, 0 }, { 1, 0 }, { 1, 0 }, { 0, 1 } } },
@@ -284,13 +284,13 @@ static void polygons_of_belts_are_simple(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-        helper_scene_add_belt(&s, (scene_point){ speed, 0.0 }, bad[k].corners, bad[k].n);
+        helper_scene_add_belt(&s, (vec2){ speed, 0.0 }, bad[k].corners, bad[k].n);
         helper_scene_resolve(&s);
         assert_true(is_only_fault(&s, BF_EINPUT, bad[k].pointer, ""));
     }
     helper_scene_belt(&s, 1.0, 0.5, 0.005, (scene_pose[]){ { 0.2, 0.2, 0.0 } }, 1);
-    helper_scene_add_belt(&s, (scene_point){ speed, 0.0 },
-                          (scene_point[]){ { 0, 0 }, { 1, 0 }, { 0.5, 0.2 }, { 0, 1 } }, 4);
+    helper_scene_add_belt(&s, (vec2){ speed, 0.0 },
+                          (vec2[]){ { 0, 0 }, { 1, 0 }, { 0.5, 0.2 }, { 0, 1 } }, 4);
     helper_scene_resolve(&s);
     assert_int_equal(faults_of(&s)->n, 0);
 }
@@ -300,7 +300,7 @@ static void paths_of_obstacles_have_length(void **state)
     static const struct {
         const char *pointer;
         size_t n;
-        scene_point points[4];
+        vec2 points[4];
     } bad[] = {
         { "/obstacles/0/path_m", 1, { { 0, 0 } } },
         { "/obstacles/0", 2, { { 0.5, 0 }, { 0.5, 0 } } },

@@ -4,8 +4,8 @@
 #include "core/scene/velocity_field.h"
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/base/random.h"
-#include "core/scene/geometry.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <setjmp.h>
@@ -25,26 +25,26 @@ static field *create(const scene *s)
 }
 
 /// The point of Example 1's obstacle at a share of its length, d upstream of it; angle in degrees.
-static scene_point beside(double angle_deg, double share, double d)
+static vec2 beside(double angle_deg, double share, double d)
 {
     double angle = angle_deg * M_PI / 180.0, left = (1.0 - share) * 0.5 / sin(angle);
-    return (scene_point){ 0.75 - left * cos(angle) - d * sin(angle),
-                          0.5 - left * sin(angle) + d * cos(angle) };
+    return (vec2){ 0.75 - left * cos(angle) - d * sin(angle),
+                   0.5 - left * sin(angle) + d * cos(angle) };
 }
 
-static void assert_velocity(const scene *s, scene_point at, double v1, double v2)
+static void assert_velocity(const scene *s, vec2 at, double v1, double v2)
 {
-    scene_point v = velocity_field_at(s, at);
+    vec2 v = velocity_field_at(s, at);
     assert_near(v.x, v1, 1e-14);
     assert_near(v.y, v2, 1e-14);
 }
 
-static void assert_outward(const scene *s, scene_point at, double angle)
+static void assert_outward(const scene *s, vec2 at, double angle)
 {
     assert_velocity(s, at, -speed * sin(angle), speed * cos(angle));
 }
 
-static void assert_sliding(const scene *s, scene_point at, double angle)
+static void assert_sliding(const scene *s, vec2 at, double angle)
 {
     assert_velocity(s, at, speed * cos(angle) * cos(angle), speed * cos(angle) * sin(angle));
 }
@@ -63,7 +63,7 @@ static void a_sealed_obstacle_pushes_outward_then_lets_slide(void **state)
         assert_velocity(&s, beside(angle_deg, 0.5, 0.1101), speed, 0.0);
         assert_velocity(&s, beside(angle_deg, 0.5, -0.0001), speed, 0.0);
         // The sliding speeds of the table in section 4: 0.279, 0.1975, 0.102, 0.
-        scene_point v = velocity_field_at(&s, beside(angle_deg, 0.5, 0.1));
+        vec2 v = velocity_field_at(&s, beside(angle_deg, 0.5, 0.1));
         assert_near(sqrt(v.x * v.x + v.y * v.y), speed * cos(angle), 1e-14);
         scene_fini(&s);
     }
@@ -115,7 +115,7 @@ static void bands_span_the_length_of_the_line(void **state)
 static void borders_belong_to_the_bands_with_the_tolerance(void **state)
 {
     // A line across the belt at x = 0.5 makes d = 0.5 - x; coordinates to 1e-10 m.
-    static const scene_point path[] = { { 0.5, 0.0 }, { 0.5, 0.3 } };
+    static const vec2 path[] = { { 0.5, 0.0 }, { 0.5, 0.3 } };
     static const struct {
         scene_treatment treatment;
         double d;
@@ -145,20 +145,20 @@ static void borders_belong_to_the_bands_with_the_tolerance(void **state)
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
         helper_scene_add_obstacle(&s, path, 2, cases[k].treatment);
         helper_scene_resolve(&s);
-        assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.1 }, cases[k].v1, 0.0);
+        assert_velocity(&s, (vec2){ 0.5 - cases[k].d, 0.1 }, cases[k].v1, 0.0);
         // The ends too.
         bool is_band = cases[k].v1 < speed;
-        assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.3 + 9e-10 }, cases[k].v1, 0.0);
+        assert_velocity(&s, (vec2){ 0.5 - cases[k].d, 0.3 + 9e-10 }, cases[k].v1, 0.0);
         if (is_band)
-            assert_velocity(&s, (scene_point){ 0.5 - cases[k].d, 0.3 + 1.1e-9 }, speed, 0.0);
+            assert_velocity(&s, (vec2){ 0.5 - cases[k].d, 0.3 + 1.1e-9 }, speed, 0.0);
         scene_fini(&s);
     }
 }
 
 static void the_upstream_side_does_not_depend_on_the_direction_of_the_path(void **state)
 {
-    static const scene_point up[] = { { 0.5, 0.0 }, { 0.5, 0.3 } },
-                             down[] = { { 0.5, 0.3 }, { 0.5, 0.0 } };
+    static const vec2 up[] = { { 0.5, 0.0 }, { 0.5, 0.3 } },
+                      down[] = { { 0.5, 0.3 }, { 0.5, 0.0 } };
     scene s;
 
     (void)state;
@@ -166,8 +166,8 @@ static void the_upstream_side_does_not_depend_on_the_direction_of_the_path(void 
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
         helper_scene_add_obstacle(&s, k == 0 ? up : down, 2, SCENE_SEALED);
         helper_scene_resolve(&s);
-        assert_velocity(&s, (scene_point){ 0.45, 0.1 }, -speed, 0.0);
-        assert_velocity(&s, (scene_point){ 0.55, 0.1 }, speed, 0.0);
+        assert_velocity(&s, (vec2){ 0.45, 0.1 }, -speed, 0.0);
+        assert_velocity(&s, (vec2){ 0.55, 0.1 }, speed, 0.0);
         scene_fini(&s);
     }
 }
@@ -178,18 +178,18 @@ static void along_the_belt_the_left_side_counts_as_upstream(void **state)
 
     (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
-    helper_scene_add_obstacle(&s, (scene_point[]){ { 0.2, 0.25 }, { 0.8, 0.25 } }, 2, SCENE_SEALED);
+    helper_scene_add_obstacle(&s, (vec2[]){ { 0.2, 0.25 }, { 0.8, 0.25 } }, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
-    assert_velocity(&s, (scene_point){ 0.5, 0.30 }, 0.0, speed);
-    assert_velocity(&s, (scene_point){ 0.5, 0.20 }, speed, 0.0);
+    assert_velocity(&s, (vec2){ 0.5, 0.30 }, 0.0, speed);
+    assert_velocity(&s, (vec2){ 0.5, 0.20 }, speed, 0.0);
     scene_fini(&s);
 }
 
 static void the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_later_ones(
     void **state)
 {
-    static const scene_point across[] = { { 0.5, 0.0 }, { 0.5, 0.5 } };
-    static const scene_point slanted[] = { { 0.45, 0.2 }, { 0.55, 0.3 } };
+    static const vec2 across[] = { { 0.5, 0.0 }, { 0.5, 0.5 } };
+    static const vec2 slanted[] = { { 0.45, 0.2 }, { 0.55, 0.3 } };
     double half = 0.5 * speed, root = speed / sqrt(2.0);
     scene s;
 
@@ -199,30 +199,30 @@ static void the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_l
     helper_scene_add_obstacle(&s, slanted, 2, SCENE_WALL);   // slide zone: v_T cos 45 along it
     helper_scene_add_obstacle(&s, slanted, 2, SCENE_SEALED); // outward band
     helper_scene_resolve(&s);
-    assert_velocity(&s, (scene_point){ 0.49, 0.26 }, -root, root);
+    assert_velocity(&s, (vec2){ 0.49, 0.26 }, -root, root);
     s.n_obstacles = 2;
-    assert_velocity(&s, (scene_point){ 0.49, 0.25 }, 0.0, 0.0);
-    assert_velocity(&s, (scene_point){ 0.51, 0.27 }, half, half);
+    assert_velocity(&s, (vec2){ 0.49, 0.25 }, 0.0, 0.0);
+    assert_velocity(&s, (vec2){ 0.51, 0.27 }, half, half);
     s.n_obstacles = 3;
     scene_fini(&s);
 }
 
 static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
 {
-    static const scene_point west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
-    static const scene_point east[] = { { 0.4, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.4, 0.4 } };
+    static const vec2 west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
+    static const vec2 east[] = { { 0.4, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.4, 0.4 } };
     scene s;
 
     (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
-    helper_scene_add_belt(&s, (scene_point){ 0.1, 0.0 }, west, 4);
-    helper_scene_add_belt(&s, (scene_point){ 0.0, 0.2 }, east, 4);
+    helper_scene_add_belt(&s, (vec2){ 0.1, 0.0 }, west, 4);
+    helper_scene_add_belt(&s, (vec2){ 0.0, 0.2 }, east, 4);
     helper_scene_resolve(&s);
-    assert_velocity(&s, (scene_point){ 0.2, 0.2 }, 0.1, 0.0);
-    assert_velocity(&s, (scene_point){ 0.5, 0.2 }, 0.0, 0.2);
-    assert_velocity(&s, (scene_point){ 0.4, 0.2 }, 0.0, 0.2); // borders belong to the belt
-    assert_velocity(&s, (scene_point){ 1.0, 0.0 }, 0.0, 0.2);
-    assert_velocity(&s, (scene_point){ 0.5, 0.4001 }, 0.0, 0.0);
+    assert_velocity(&s, (vec2){ 0.2, 0.2 }, 0.1, 0.0);
+    assert_velocity(&s, (vec2){ 0.5, 0.2 }, 0.0, 0.2);
+    assert_velocity(&s, (vec2){ 0.4, 0.2 }, 0.0, 0.2); // borders belong to the belt
+    assert_velocity(&s, (vec2){ 1.0, 0.0 }, 0.0, 0.2);
+    assert_velocity(&s, (vec2){ 0.5, 0.4001 }, 0.0, 0.0);
     scene_fini(&s);
 }
 
@@ -241,15 +241,14 @@ static double draw(bf_random *random, double low, double high, double cell)
 }
 
 /// A path that wanders over a domain of 1 x 0.5 m and beyond its edges.
-static size_t draw_path(bf_random *random, double cell, size_t n_max, scene_point *ret_path)
+static size_t draw_path(bf_random *random, double cell, size_t n_max, vec2 *ret_path)
 {
     size_t n = 2 + random_bits(random) % (n_max - 1);
 
     for (size_t k = 0; k < n; k++) {
         do {
-            ret_path[k] =
-                (scene_point){ draw(random, -0.1, 1.1, cell), draw(random, -0.1, 0.6, cell) };
-        } while (k > 0 && geometry_length(geometry_subtract(ret_path[k], ret_path[k - 1])) < 1e-3);
+            ret_path[k] = (vec2){ draw(random, -0.1, 1.1, cell), draw(random, -0.1, 0.6, cell) };
+        } while (k > 0 && vec2_length(vec2_sub(ret_path[k], ret_path[k - 1])) < 1e-3);
     }
     return n;
 }
@@ -258,13 +257,13 @@ static void draw_scene(scene *s, bf_random *random)
 {
     static const double cells[] = { 0.05, 0.02, 0.01, 0.025 };
     double cell = cells[random_bits(random) % 4];
-    scene_point path[8];
+    vec2 path[8];
 
     helper_scene_belt(s, 1.0, 0.5, cell, &somewhere, 1);
     for (size_t side = 0; side < SCENE_SIDE_COUNT; side++)
         s->edges[side] = (scene_edge)(random_bits(random) % SCENE_EDGE_COUNT);
     for (size_t k = random_bits(random) % 4; k > 0; k--) {
-        scene_point v = { draw(random, -1.0, 1.0, 0.1), draw(random, -1.0, 1.0, 0.1) };
+        vec2 v = { draw(random, -1.0, 1.0, 0.1), draw(random, -1.0, 1.0, 0.1) };
         size_t n = random_bits(random) % 3 == 0 ? 0 : draw_path(random, cell, 8, path);
         helper_scene_add_belt(s, v, path, n < 3 ? 0 : n);
     }
@@ -284,18 +283,18 @@ static void check_face(const scene *s, const field *f, int axis, size_t i, size_
     const bf_grid *g = &f->grid;
     size_t k = axis == 0 ? j * (g->n1 + 1) + i : j * g->n1 + i;
     double half1 = axis == 0 ? 0.5 : 0.0, half2 = axis == 0 ? 0.0 : 0.5;
-    scene_point at = { g->lower1 + ((double)i + 0.5 - half1) * g->d1,
-                       g->lower2 + ((double)j + 0.5 - half2) * g->d2 };
-    scene_point from = { g->lower1 + ((double)i + 0.5 - 2.0 * half1) * g->d1,
-                         g->lower2 + ((double)j + 0.5 - 2.0 * half2) * g->d2 };
-    scene_point to = { grid_x1(g, i), grid_x2(g, j) };
+    vec2 at = { g->lower1 + ((double)i + 0.5 - half1) * g->d1,
+                g->lower2 + ((double)j + 0.5 - half2) * g->d2 };
+    vec2 from = { g->lower1 + ((double)i + 0.5 - 2.0 * half1) * g->d1,
+                  g->lower2 + ((double)j + 0.5 - 2.0 * half2) * g->d2 };
+    vec2 to = { grid_x1(g, i), grid_x2(g, j) };
     size_t n = axis == 0 ? g->n1 : g->n2, along = axis == 0 ? i : j;
     scene_side low = axis == 0 ? SCENE_WEST : SCENE_SOUTH;
     scene_side high = axis == 0 ? SCENE_EAST : SCENE_NORTH;
     bool is_closed = velocity_field_is_shut(s, from, to) ||
                      (along == 0 && s->edges[low] == SCENE_EDGE_WALL) ||
                      (along == n && s->edges[high] == SCENE_EDGE_WALL);
-    scene_point v = velocity_field_at(s, at);
+    vec2 v = velocity_field_at(s, at);
 
     assert_int_equal((axis == 0 ? f->closed1 : f->closed2)[k] != 0, is_closed);
     assert_true((axis == 0 ? f->v1 : f->v2)[k] == (is_closed ? 0.0 : axis == 0 ? v.x : v.y));
@@ -346,16 +345,16 @@ static void flood(const field *f, size_t start, uint8_t *reached, size_t *stack)
     }
 }
 
-static double distance_to_path(scene_point at, const scene_point *path, size_t n)
+static double distance_to_path(vec2 at, const vec2 *path, size_t n)
 {
     double least = INFINITY;
     for (size_t k = 0; k + 1 < n; k++)
-        least = fmin(least, geometry_distance(at, path[k], path[k + 1]));
+        least = fmin(least, polygon_segment_distance(at, path[k], path[k + 1]));
     return least;
 }
 
 /// A closed path around a centre, star-shaped, whose last point is its first.
-static size_t draw_loop(bf_random *random, double cell, scene_point *ret_path)
+static size_t draw_loop(bf_random *random, double cell, vec2 *ret_path)
 {
     size_t n = 3 + random_bits(random) % 8;
     double turn = random_unit(random);
@@ -364,7 +363,7 @@ static size_t draw_loop(bf_random *random, double cell, scene_point *ret_path)
         double angle = 2.0 * M_PI * ((double)k + turn) / (double)n;
         double reach = 0.05 + 0.17 * random_unit(random);
         double x = 0.5 + 1.8 * reach * cos(angle), y = 0.25 + reach * sin(angle);
-        ret_path[k] = (scene_point){ draw(random, x, x, cell), draw(random, y, y, cell) };
+        ret_path[k] = (vec2){ draw(random, x, x, cell), draw(random, y, y, cell) };
     }
     ret_path[n] = ret_path[0];
     return n + 1;
@@ -379,7 +378,7 @@ static void nothing_is_linked_across_a_closed_line(void **state)
     random_init(&random, 2);
     for (int round = 0; round < 600; round++) {
         double cell = cells[round % 4];
-        scene_point path[16];
+        vec2 path[16];
         scene s;
         size_t n = draw_loop(&random, cell, path);
         helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
@@ -391,11 +390,10 @@ static void nothing_is_linked_across_a_closed_line(void **state)
         size_t *stack = memory_alloc(n_cells, sizeof *stack);
         // Cells on the line itself belong to one of its sides; the others to the one they are on.
         for (size_t k = 0; k < n_cells; k++) {
-            scene_point at = { grid_x1(&f->grid, k % f->grid.n1),
-                               grid_x2(&f->grid, k / f->grid.n1) };
-            is_inside[k] = distance_to_path(at, path, n) < 1e-7           ? 2
-                           : geometry_polygon_holds(path, n - 1, at, 0.0) ? 1
-                                                                          : 0;
+            vec2 at = { grid_x1(&f->grid, k % f->grid.n1), grid_x2(&f->grid, k / f->grid.n1) };
+            is_inside[k] = distance_to_path(at, path, n) < 1e-7  ? 2
+                           : polygon_holds(path, n - 1, at, 0.0) ? 1
+                                                                 : 0;
         }
         for (size_t k = 0; k < n_cells; k++) {
             if (is_inside[k] == 1 && !reached[k])
@@ -420,12 +418,11 @@ static void no_way_leads_behind_a_line_from_wall_to_wall(void **state)
     random_init(&random, 4);
     for (int round = 0; round < 300; round++) {
         // From the south wall to the north one, by way of points that may be centres or faces.
-        scene_point path[6];
+        vec2 path[6];
         size_t n = 2 + random_bits(&random) % 5;
         scene s;
         for (size_t k = 0; k < n; k++)
-            path[k] =
-                (scene_point){ draw(&random, 0.2, 0.8, cell), 0.5 * (double)k / (double)(n - 1) };
+            path[k] = (vec2){ draw(&random, 0.2, 0.8, cell), 0.5 * (double)k / (double)(n - 1) };
         helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
         helper_scene_add_obstacle(&s, path, n, SCENE_SEALED);
         helper_scene_resolve(&s);
@@ -454,8 +451,8 @@ static void cells_on_the_line_lie_upstream_and_are_not_cut_off(void **state)
 
     (void)state;
     for (int reversed = 0; reversed < 2; reversed++) {
-        scene_point path[] = { { 0.2, 0.0 }, { 0.5, 0.3 } };
-        scene_point swapped[] = { path[1], path[0] };
+        vec2 path[] = { { 0.2, 0.0 }, { 0.5, 0.3 } };
+        vec2 swapped[] = { path[1], path[0] };
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
         helper_scene_add_obstacle(&s, reversed ? swapped : path, 2, SCENE_SEALED);
         helper_scene_resolve(&s);
@@ -512,7 +509,7 @@ static void open_edges_carry_and_walls_do_not(void **state)
 
     (void)state;
     helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
-    helper_scene_add_belt(&s, (scene_point){ 0.3, 0.1 }, NULL, 0);
+    helper_scene_add_belt(&s, (vec2){ 0.3, 0.1 }, NULL, 0);
     s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
     helper_scene_resolve(&s);
     field *f = create(&s);

@@ -1,6 +1,6 @@
 // Unit tests of plane geometry.
 
-#include "core/scene/geometry.h"
+#include "core/base/polygon.h"
 
 #include "core/base/random.h"
 #include "tests/unit/core/helper_scene.h"
@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-static scene_point draw(bf_random *random)
+static vec2 draw(bf_random *random)
 {
-    scene_point at = { random_unit(random), random_unit(random) };
+    vec2 at = { random_unit(random), random_unit(random) };
     return at;
 }
 
@@ -24,28 +24,28 @@ static void a_vector_along_an_axis_has_its_length_exactly(void **state)
 
     (void)state;
     random_init(&random, 1);
-    assert_true(geometry_length((scene_point){ 0.395, 0.0 }) == 0.395);
+    assert_true(vec2_length((vec2){ 0.395, 0.0 }) == 0.395);
     for (int k = 0; k < 1000; k++) {
         double x = 2.0 * random_unit(&random) - 1.0;
-        assert_true(geometry_length((scene_point){ 0.0, x }) == fabs(x));
+        assert_true(vec2_length((vec2){ 0.0, x }) == fabs(x));
     }
 }
 
 static void the_distance_to_a_segment_is_to_its_nearest_point(void **state)
 {
-    scene_point a = { 1.0, 1.0 }, b = { 3.0, 1.0 };
+    vec2 a = { 1.0, 1.0 }, b = { 3.0, 1.0 };
 
     (void)state;
-    assert_near(geometry_distance((scene_point){ 2.0, 4.0 }, a, b), 3.0, 1e-15);
-    assert_near(geometry_distance((scene_point){ 0.0, 1.0 }, a, b), 1.0, 1e-15);
-    assert_near(geometry_distance((scene_point){ 6.0, 5.0 }, a, b), 5.0, 1e-15);
-    assert_near(geometry_distance((scene_point){ 4.0, 5.0 }, a, a), 5.0, 1e-15);
+    assert_near(polygon_segment_distance((vec2){ 2.0, 4.0 }, a, b), 3.0, 1e-15);
+    assert_near(polygon_segment_distance((vec2){ 0.0, 1.0 }, a, b), 1.0, 1e-15);
+    assert_near(polygon_segment_distance((vec2){ 6.0, 5.0 }, a, b), 5.0, 1e-15);
+    assert_near(polygon_segment_distance((vec2){ 4.0, 5.0 }, a, a), 5.0, 1e-15);
 }
 
 static void segments_touch_where_they_cross_or_come_near(void **state)
 {
     static const struct {
-        scene_point a, b, c, d;
+        vec2 a, b, c, d;
         bool touch;
     } cases[] = {
         { { 0, 0 }, { 2, 2 }, { 0, 2 }, { 2, 0 }, true },        // they cross
@@ -62,33 +62,31 @@ static void segments_touch_where_they_cross_or_come_near(void **state)
 
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scene_point a = cases[k].a, b = cases[k].b, c = cases[k].c, d = cases[k].d;
-        assert_int_equal(geometry_segments_touch(a, b, c, d, 1e-3), cases[k].touch);
-        assert_int_equal(geometry_segments_touch(d, c, a, b, 1e-3), cases[k].touch);
+        vec2 a = cases[k].a, b = cases[k].b, c = cases[k].c, d = cases[k].d;
+        assert_int_equal(polygon_segments_touch(a, b, c, d, 1e-3), cases[k].touch);
+        assert_int_equal(polygon_segments_touch(d, c, a, b, 1e-3), cases[k].touch);
     }
 }
 
 static void a_polygon_holds_what_is_inside_or_on_its_border(void **state)
 {
     // An L of three unit squares.
-    static const scene_point corners[] = { { 0, 0 }, { 2, 0 }, { 2, 1 },
-                                           { 1, 1 }, { 1, 2 }, { 0, 2 } };
+    static const vec2 corners[] = { { 0, 0 }, { 2, 0 }, { 2, 1 }, { 1, 1 }, { 1, 2 }, { 0, 2 } };
     bf_random random;
 
     (void)state;
     random_init(&random, 2);
     for (int k = 0; k < 10000; k++) {
-        scene_point at =
-            geometry_add(geometry_scale(draw(&random), 3.0), (scene_point){ -0.5, -0.5 });
+        vec2 at = vec2_add(vec2_scale(draw(&random), 3.0), (vec2){ -0.5, -0.5 });
         bool is_in = at.x >= 0 && at.y >= 0 && at.x <= 2 && at.y <= 2 && (at.x <= 1 || at.y <= 1);
-        assert_int_equal(geometry_polygon_holds(corners, 6, at, 1e-12), is_in);
+        assert_int_equal(polygon_holds(corners, 6, at, 1e-12), is_in);
     }
     for (size_t k = 0; k < 6; k++)
-        assert_true(geometry_polygon_holds(corners, 6, corners[k], 1e-12));
-    assert_true(geometry_polygon_holds(corners, 6, (scene_point){ 1.5, 1.0 }, 1e-12));
-    assert_near(geometry_polygon_area(corners, 6), 3.0, 1e-15);
-    assert_true(geometry_polygon_is_simple(corners, 6, 1e-9));
-    assert_false(geometry_polygon_is_convex(corners, 6, 1e-9));
+        assert_true(polygon_holds(corners, 6, corners[k], 1e-12));
+    assert_true(polygon_holds(corners, 6, (vec2){ 1.5, 1.0 }, 1e-12));
+    assert_near(polygon_area(corners, 6), 3.0, 1e-15);
+    assert_true(polygon_is_simple(corners, 6, 1e-9));
+    assert_false(polygon_is_convex(corners, 6, 1e-9));
 }
 
 static void a_convex_hull_is_convex_and_has_all_points(void **state)
@@ -99,34 +97,34 @@ static void a_convex_hull_is_convex_and_has_all_points(void **state)
     (void)state;
     random_init(&random, 3);
     for (int trial = 0; trial < 300; trial++) {
-        scene_point points[N], sorted[N], hull[N + 1];
+        vec2 points[N], sorted[N], hull[N + 1];
         size_t n = 3 + (size_t)trial % (N - 2);
         for (size_t k = 0; k < n; k++) {
             points[k] = draw(&random);
             if (trial % 2 == 0) // many on one line, many the same
-                points[k] = (scene_point){ round(4.0 * points[k].x), round(4.0 * points[k].y) };
+                points[k] = (vec2){ round(4.0 * points[k].x), round(4.0 * points[k].y) };
         }
         memcpy(sorted, points, n * sizeof *points);
-        size_t n_hull = geometry_convex_hull(sorted, n, hull);
+        size_t n_hull = polygon_convex_hull(sorted, n, hull);
         assert_in_range(n_hull, 1, n);
         if (n_hull < 3)
             continue;
-        assert_true(geometry_polygon_is_convex(hull, n_hull, 1e-12));
+        assert_true(polygon_is_convex(hull, n_hull, 1e-12));
         for (size_t k = 0; k < n; k++)
-            assert_true(geometry_polygon_holds(hull, n_hull, points[k], 1e-12));
+            assert_true(polygon_holds(hull, n_hull, points[k], 1e-12));
     }
 }
 
 static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void **state)
 {
-    scene_point line[] = { { 2, 2 }, { 0, 0 }, { 1, 1 }, { 0, 0 } }, hull[5];
-    scene_point equal[] = { { 7, 7 }, { 7, 7 }, { 7, 7 } };
+    vec2 line[] = { { 2, 2 }, { 0, 0 }, { 1, 1 }, { 0, 0 } }, hull[5];
+    vec2 equal[] = { { 7, 7 }, { 7, 7 }, { 7, 7 } };
 
     (void)state;
-    assert_int_equal(geometry_convex_hull(line, 4, hull), 2);
+    assert_int_equal(polygon_convex_hull(line, 4, hull), 2);
     assert_true(hull[0].x == 0.0 && hull[1].x == 2.0);
-    assert_int_equal(geometry_convex_hull(equal, 3, hull), 1);
-    assert_int_equal(geometry_convex_hull(equal, 0, hull), 0);
+    assert_int_equal(polygon_convex_hull(equal, 3, hull), 1);
+    assert_int_equal(polygon_convex_hull(equal, 0, hull), 0);
 }
 
 // A square of side 2 around the origin, and disks of radius 1: touching a side, a corner, overlapping
@@ -134,17 +132,16 @@ static void points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one(void 
 static void a_disk_overlaps_a_polygon_that_it_enters(void **state)
 {
     (void)state;
-    static const scene_point square[] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
+    static const vec2 square[] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
     const double diagonal = 1.0 + sqrt(0.5);
     static const double tolerance = 1e-3;
-    assert_false(geometry_disk_overlaps((scene_point){ 2.0, 0.3 }, 1.0, square, 4, tolerance));
-    assert_false(geometry_disk_overlaps((scene_point){ 1.9995, 0.3 }, 1.0, square, 4, tolerance));
-    assert_true(geometry_disk_overlaps((scene_point){ 1.998, 0.3 }, 1.0, square, 4, tolerance));
-    assert_false(
-        geometry_disk_overlaps((scene_point){ diagonal, -diagonal }, 1.0, square, 4, tolerance));
-    assert_true(geometry_disk_overlaps((scene_point){ diagonal - 0.002, 0.002 - diagonal }, 1.0,
-                                       square, 4, tolerance));
-    assert_true(geometry_disk_overlaps((scene_point){ 0.1, 0.2 }, 0.01, square, 4, tolerance));
+    assert_false(polygon_overlaps_disk((vec2){ 2.0, 0.3 }, 1.0, square, 4, tolerance));
+    assert_false(polygon_overlaps_disk((vec2){ 1.9995, 0.3 }, 1.0, square, 4, tolerance));
+    assert_true(polygon_overlaps_disk((vec2){ 1.998, 0.3 }, 1.0, square, 4, tolerance));
+    assert_false(polygon_overlaps_disk((vec2){ diagonal, -diagonal }, 1.0, square, 4, tolerance));
+    assert_true(polygon_overlaps_disk((vec2){ diagonal - 0.002, 0.002 - diagonal }, 1.0, square, 4,
+                                      tolerance));
+    assert_true(polygon_overlaps_disk((vec2){ 0.1, 0.2 }, 0.01, square, 4, tolerance));
 }
 
 int main(void)

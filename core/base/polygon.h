@@ -1,0 +1,43 @@
+/// Points, segments and polygons in the plane.
+///
+/// Polygons are lists of corners; the last is joined to the first. Lengths are m throughout.
+
+#pragma once
+
+#include "core/base/vec2.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// Distance from a point to the segment from start to end.
+double polygon_segment_distance(vec2 at, vec2 start, vec2 end);
+
+/// True if the segments a and b cross or come as near as tolerance. Never wrongly false: what
+/// rounding leaves open counts as touching.
+bool polygon_segments_touch(vec2 a_start, vec2 a_end, vec2 b_start, vec2 b_end, double tolerance);
+
+/// True if the point lies in the polygon or within tolerance of its border.
+bool polygon_holds(const vec2 *polygon, size_t n, vec2 at, double tolerance);
+
+/// Signed area, positive for counter-clockwise corners, m2.
+double polygon_area(const vec2 *polygon, size_t n);
+
+/// True if no two sides of the polygon cross or touch, and none has no length.
+bool polygon_is_simple(const vec2 *polygon, size_t n, double tolerance);
+
+/// True if every corner lies left of every side, or as near as tolerance to it: the polygon is
+/// convex and runs counter-clockwise, once.
+bool polygon_is_convex(const vec2 *polygon, size_t n, double tolerance);
+
+/// Corners of the convex hull of n points, counter-clockwise, into ret_hull, which has room for n + 1.
+/// Returns how many: at least 1 (all points equal) for n >= 1. Sorts points.
+size_t polygon_convex_hull(vec2 *points, size_t n, vec2 *ret_hull);
+
+/// True if a disk overlaps a convex counter-clockwise polygon by more than tolerance: its centre lies
+/// inside, or nearer to a side than radius - tolerance.
+bool polygon_overlaps_disk(vec2 centre, double radius, const vec2 *polygon, size_t n,
+                           double tolerance);
+
+/// True if two convex counter-clockwise polygons overlap by more than tolerance: no side of either
+/// has the other one beyond it (separating axes).
+bool polygon_overlaps(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, double tolerance);
