@@ -12,7 +12,7 @@ import { beltflow } from "./processes.mjs";
 import { isSanitized, root, temporaryFolder } from "./setup.mjs";
 
 const goldenFile = path.join(root, "tests/golden/results.txt");
-const scenarios = path.join(root, "api/examples");
+const scenarios = path.join(root, "api/scenario/examples");
 const withoutFma = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable";
 const hasFma = /^flags.*\bfma\b/m.test(readFileSync("/proc/cpuinfo", "utf8"));
 

@@ -34,7 +34,7 @@ test("every schema compiles in ajv's strict mode", () => {
 });
 
 test("the ready examples fit the scenario's schema, and so do the document's own", () => {
-  const folder = path.join(root, "api/examples");
+  const folder = path.join(root, "api/scenario/examples");
   const files = readdirSync(folder);
   assert.ok(files.length >= 6);
   for (const file of files) {
