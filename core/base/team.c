@@ -1,82 +1,212 @@
 #include "core/base/team.h"
 
+#include <limits.h>
+#include <linux/futex.h>
+#include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+enum {
+    SPINS = 2000,            // turns of a waiting loop before it lets others run
+    TURNS_AWAKE = 2 * SPINS, // turns before a waiting thread sleeps
+    WORKERS_MAX = TEAM_MEMBERS_MAX - 1,
+};
 
-enum { SPINS = 2000 }; // before a waiting thread lets others run
-
-void team_for(int n_threads, size_t n_items, team_body *body, void *context)
-{
-    if (n_threads <= 1 || n_items <= 1) {
-        for (size_t item = 0; item < n_items; item++)
-            body(context, item);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel for num_threads(n_threads) schedule(static, 1)
-#endif
-    for (size_t item = 0; item < n_items; item++)
-        body(context, item);
-}
-
-int team_processors(void)
-{
-#ifdef _OPENMP
-    return omp_get_num_procs();
-#else
-    return 1;
-#endif
-}
-
-struct team_gate {
+struct team_barrier {
     int n_members;
     _Alignas(64) atomic_int n_here;
     _Alignas(64) atomic_uint round;
 };
 
-void team_run(int n_threads, team_member *body, void *context)
-{
-    team_gate gate = { .n_members = 1 };
+/// What a worker is doing. It leaves BUSY and AWAITED by itself, the caller leaves IDLE and ASLEEP.
+enum { IDLE, ASLEEP, BUSY, AWAITED };
 
-    if (n_threads <= 1) {
-        body(context, 0, 1, &gate);
-        return;
-    }
-#ifdef _OPENMP
-#pragma omp parallel num_threads(n_threads)
-    {
-#pragma omp single
-        gate.n_members = omp_get_num_threads();
-        body(context, omp_get_thread_num(), gate.n_members, &gate);
-    }
-#else
-    body(context, 0, 1, &gate);
-#endif
-}
+/// A thread of the process's set. The call that took it writes the work and then BUSY to `state`.
+typedef struct worker {
+    _Alignas(64)
+        atomic_uint state; ///< also the futex of whoever sleeps: ASLEEP worker, AWAITED caller
+    struct worker *next;   ///< in the list of idle workers, or of the call that took it
+    team_member *body;     ///< the work
+    void *context;         ///< of the work
+    int member;            ///< of the work
+    team_barrier *barrier; ///< of the work
+} worker;
 
-void team_relax(int n_waits)
+static struct {
+    pthread_mutex_t lock; ///< of all members but `workers`
+    worker *idle;         ///< the last returned first, so that a solver gets the same threads again
+    int n_started;
+    worker workers[WORKERS_MAX];
+} set = { .lock = PTHREAD_MUTEX_INITIALIZER };
+
+void team_spin_wait(int n_turns)
 {
 #if defined(__x86_64__)
     __builtin_ia32_pause();
 #endif
-    if (n_waits > SPINS)
+    if (n_turns > SPINS)
         (void)sched_yield();
 }
 
-void team_wait(team_gate *gate)
+/// Return when *state is no longer `now`: spin, then set it to `sleeping` and sleep. Returns what it is.
+static unsigned wait_while(atomic_uint *state, unsigned now, unsigned sleeping)
 {
-    if (gate->n_members == 1)
+    unsigned value = now;
+
+    for (int k = 1; k <= TURNS_AWAKE; k++) {
+        if ((value = atomic_load_explicit(state, memory_order_acquire)) != now)
+            return value;
+        team_spin_wait(k);
+    }
+    if (!atomic_compare_exchange_strong(state, &value, sleeping))
+        return value;
+    while ((value = atomic_load_explicit(state, memory_order_acquire)) == sleeping)
+        (void)syscall(SYS_futex, state, FUTEX_WAIT_PRIVATE, sleeping, NULL, NULL, 0);
+    return value;
+}
+
+/// Set *state to `value` and wake the thread that sleeps if it was `sleeping`.
+static void set_state(atomic_uint *state, unsigned value, unsigned sleeping)
+{
+    if (atomic_exchange(state, value) == sleeping)
+        (void)syscall(SYS_futex, state, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
+}
+
+static void *work(void *context)
+{
+    worker *w = context;
+
+    for (;;) {
+        (void)wait_while(&w->state, IDLE, ASLEEP);
+        w->body(w->context, w->member, w->barrier->n_members, w->barrier);
+        set_state(&w->state, IDLE, AWAITED);
+    }
+    return NULL;
+}
+
+/// Start the next worker of the set, or NULL. The set is locked.
+static worker *start_worker(void)
+{
+    sigset_t all, before;
+    pthread_t thread;
+
+    if (set.n_started == WORKERS_MAX)
+        return NULL;
+    worker *w = &set.workers[set.n_started];
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool is_started = pthread_create(&thread, NULL, work, w) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!is_started)
+        return NULL;
+    (void)pthread_detach(thread);
+    set.n_started++;
+    return w;
+}
+
+/// Take up to n workers, as a list. Returns how many.
+static int take_workers(int n, worker **ret_first)
+{
+    worker **end = ret_first;
+    int n_taken = 0;
+
+    (void)pthread_mutex_lock(&set.lock);
+    for (worker *w; n_taken < n; n_taken++, end = &w->next) {
+        if ((w = set.idle) != NULL)
+            set.idle = w->next;
+        else if ((w = start_worker()) == NULL)
+            break;
+        *end = w;
+    }
+    *end = NULL;
+    (void)pthread_mutex_unlock(&set.lock);
+    return n_taken;
+}
+
+static void return_workers(worker *first)
+{
+    worker *last = first;
+
+    if (first == NULL)
         return;
-    unsigned round = atomic_load_explicit(&gate->round, memory_order_relaxed);
-    if (atomic_fetch_add_explicit(&gate->n_here, 1, memory_order_acq_rel) + 1 == gate->n_members) {
-        atomic_store_explicit(&gate->n_here, 0, memory_order_relaxed);
-        atomic_store_explicit(&gate->round, round + 1, memory_order_release);
+    while (last->next != NULL)
+        last = last->next;
+    (void)pthread_mutex_lock(&set.lock);
+    last->next = set.idle;
+    set.idle = first;
+    (void)pthread_mutex_unlock(&set.lock);
+}
+
+void team_run(int n_threads, team_member *body, void *context)
+{
+    const int n_others = (n_threads < TEAM_MEMBERS_MAX ? n_threads : TEAM_MEMBERS_MAX) - 1;
+    worker *first = NULL;
+    int member = 0;
+
+    team_barrier barrier = { .n_members = 1 + take_workers(n_others, &first) };
+    for (worker *w = first; w != NULL; w = w->next) {
+        w->body = body;
+        w->context = context;
+        w->member = ++member;
+        w->barrier = &barrier;
+        set_state(&w->state, BUSY, ASLEEP);
+    }
+    body(context, 0, barrier.n_members, &barrier);
+    for (worker *w = first; w != NULL; w = w->next)
+        (void)wait_while(&w->state, BUSY, AWAITED);
+    return_workers(first);
+}
+
+void team_barrier_wait(team_barrier *barrier)
+{
+    if (barrier->n_members == 1)
+        return;
+    unsigned round = atomic_load_explicit(&barrier->round, memory_order_relaxed);
+    if (atomic_fetch_add_explicit(&barrier->n_here, 1, memory_order_acq_rel) + 1 ==
+        barrier->n_members) {
+        atomic_store_explicit(&barrier->n_here, 0, memory_order_relaxed);
+        atomic_store_explicit(&barrier->round, round + 1, memory_order_release);
         return;
     }
-    for (int k = 1; atomic_load_explicit(&gate->round, memory_order_acquire) == round; k++)
-        team_relax(k);
+    for (int k = 1; atomic_load_explicit(&barrier->round, memory_order_acquire) == round; k++)
+        team_spin_wait(k);
+}
+
+/// A loop: member m does the items m, m + n_members, m + 2 n_members, ...
+typedef struct loop {
+    size_t n_items;
+    team_body *body;
+    void *context;
+} loop;
+
+static void run_items(void *context, int member, int n_members, team_barrier *barrier)
+{
+    const loop *l = context;
+
+    (void)barrier;
+    for (size_t item = (size_t)member; item < l->n_items; item += (size_t)n_members)
+        l->body(l->context, item);
+}
+
+void team_for(int n_threads, size_t n_items, team_body *body, void *context)
+{
+    loop l = { .n_items = n_items, .body = body, .context = context };
+
+    if (n_items < INT_MAX && (int)n_items < n_threads)
+        n_threads = (int)n_items;
+    team_run(n_threads, run_items, &l);
+}
+
+int team_processors(void)
+{
+    cpu_set_t mine;
+
+    if (sched_getaffinity(0, sizeof mine, &mine) == 0)
+        return CPU_COUNT(&mine);
+    const long n = sysconf(_SC_NPROCESSORS_ONLN);
+    return n > 0 ? (int)n : 1;
 }

@@ -1,8 +1,17 @@
-/// Loops over several threads (OpenMP; one thread where it is not compiled in).
+/// Parallel loops and teams of threads.
+///
+/// One set of worker threads serves the whole process: a call takes idle workers, starts those that are
+/// missing, and returns them when it ends. So solvers that follow one another or work at the same time do
+/// not start threads again and again, and a process never has more threads than are at work at once. Calls
+/// may come from any thread, also from inside another call. Workers that have nothing to do spin for about
+/// a millisecond, then sleep; they block all signals and end with the process.
 
 #pragma once
 
 #include <stddef.h>
+
+/// Most members that a team may have, the caller among them.
+enum { TEAM_MEMBERS_MAX = 256 };
 
 /// The work of one item of a parallel loop; items may run at the same time and in any order.
 typedef void team_body(void *context, size_t item);
@@ -16,18 +25,20 @@ void team_for(int n_threads, size_t n_items, team_body *body, void *context);
 int team_processors(void);
 
 /// Where the members of a team wait for each other.
-typedef struct team_gate team_gate;
-
-/// For a thread that waits: let others run, the longer the more often in a row it has waited.
-void team_relax(int n_waits);
+typedef struct team_barrier team_barrier;
 
 /// The work of one member of a team of n_members, 0 <= member < n_members.
-typedef void team_member(void *context, int member, int n_members, team_gate *gate);
+typedef void team_member(void *context, int member, int n_members, team_barrier *barrier);
 
 /// Call body once for each member of a team, all at the same time, and return when all are done. The
-/// team has at most n_threads members; it may have fewer.
+/// caller's thread is member 0. The team has n_threads members; fewer beyond TEAM_MEMBERS_MAX or where the
+/// system refuses threads.
 void team_run(int n_threads, team_member *body, void *context);
 
 /// Wait until all members of the team have come here. What they wrote before is seen by all after it.
 /// Takes well below a microsecond where every member has a processor of its own.
-void team_wait(team_gate *gate);
+void team_barrier_wait(team_barrier *barrier);
+
+/// One turn of a loop that waits for another thread, n_turns >= 1 counted from the loop's beginning: pause
+/// the processor for some cycles, and after many turns let other threads run.
+void team_spin_wait(int n_turns);

@@ -18,7 +18,7 @@ typedef struct worker {
     uint64_t *n_made; // written by the first
     int member;
     int n_members;
-    team_gate *gate;
+    team_barrier *barrier;
     double keep; // what the damping leaves of a velocity
     double near; // m, gaps that may close in this step
 } worker;
@@ -34,7 +34,7 @@ static void share(const worker *w, size_t first, size_t last, work_on *work)
 static void share_blocks(const worker *w, work_on *work)
 {
     share(w, 0, w->s->n_blocks, work);
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
 }
 
 /// Inverse of a body's inertia in the world's frame.
@@ -162,14 +162,14 @@ static void sweep(const worker *w, work_on_patch *work)
         if (n == 0)
             continue;
         if (!is_alone || !is_short)
-            team_wait(w->gate);
+            team_barrier_wait(w->barrier);
         is_alone = is_short;
         size_t step = is_short ? n : BODY_SLICE;
         for (size_t k = (size_t)w->member * step; k < n; k += (size_t)w->n_members * step)
             for (size_t m = k; m < k + step && m < n; m++)
                 work(w->z, w->z->order[first[c] + m]);
     }
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
 }
 
 static void note_patch(const body_state *s, const body_patch *p, body_report *report)
@@ -219,7 +219,7 @@ static bool make_step(worker *w)
     share_blocks(w, meet_block);
     if (w->member == 0)
         sort_by_colours(w->s, w->z);
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
     sweep(w, body_implicit__begin);
     for (int round = 0; round < w->z->rounds; round++)
         sweep(w, body_implicit__relax);
@@ -227,7 +227,7 @@ static bool make_step(worker *w)
     return true;
 }
 
-static void make_burst(void *context, int member, int n_members, team_gate *gate)
+static void make_burst(void *context, int member, int n_members, team_barrier *barrier)
 {
     worker w = *(const worker *)context;
     uint64_t n = 0;
@@ -235,11 +235,11 @@ static void make_burst(void *context, int member, int n_members, team_gate *gate
 
     w.member = member;
     w.n_members = n_members;
-    w.gate = gate;
+    w.barrier = barrier;
     while (n < w.n_wanted && is_good && make_step(&w)) {
         n++;
         is_good = is_well(w.s);
-        team_wait(gate);
+        team_barrier_wait(barrier);
     }
     if (member == 0)
         *w.n_made = n;

@@ -70,7 +70,7 @@ static void make_share(const burst *b, const disk_step *step, int k, disk_extrem
 }
 
 // A member's part of a burst: until it has made all steps, the list is stale or something is wrong.
-static void make_burst(void *context, int member, int n_members, team_gate *gate)
+static void make_burst(void *context, int member, int n_members, team_barrier *barrier)
 {
     burst *b = context;
     const int n_shares = b->s->n_shares;
@@ -87,7 +87,7 @@ static void make_burst(void *context, int member, int n_members, team_gate *gate
         step.next = rows[(k + 1) % TURNS];
         for (int share = member; share < n_shares; share += n_members)
             make_share(b, &step, share, &extremes[share].of);
-        team_wait(gate);
+        team_barrier_wait(barrier);
         disk_extremes of_step = { 0 };
         for (int share = 0; share < n_shares; share++)
             disk__join_extremes(&of_step, &extremes[share].of);

@@ -25,7 +25,7 @@ typedef struct worker {
     implicit_state *z;
     int member;
     int n_members;
-    team_gate *gate;
+    team_barrier *barrier;
     double near; // m, gaps that may close in this step
 } worker;
 
@@ -50,11 +50,11 @@ static void share_groups(const worker *w, work_on *work)
         if (n == 0)
             continue;
         if (n > 1 || !is_alone)
-            team_wait(w->gate);
+            team_barrier_wait(w->barrier);
         is_alone = n == 1;
         share(w, piece[g], piece[g + 1], work);
     }
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
 }
 
 static size_t count_chunks(const disk_state *s)
@@ -130,19 +130,19 @@ static void make_step(worker *w)
     const size_t n_chunks = count_chunks(w->s);
 
     share(w, 0, n_chunks, predict_chunk);
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
     w->near = 2.0 * w->s->def.dt * sqrt(join_chunks(w).speed2);
     share_groups(w, meet_piece);
     for (int round = 0; round < w->z->rounds; round++) {
         if (round > 0) {
             share(w, 0, n_chunks, pull_chunk);
-            team_wait(w->gate);
+            team_barrier_wait(w->barrier);
         }
         share_groups(w, relax_piece);
     }
     share(w, 0, w->z->group_piece[IMPLICIT_GROUPS], keep_piece);
     share(w, 0, n_chunks, move_chunk);
-    team_wait(w->gate);
+    team_barrier_wait(w->barrier);
     share(w, 0, (size_t)w->s->n_shares, look_share);
 }
 
@@ -157,12 +157,12 @@ static void raise_overlaps(disk_state *s, const implicit_state *z)
 
 // A member's part of a burst: at least one step, until all are made, the pairs or the list are stale or
 // something is wrong.
-static void make_burst(void *context, int member, int n_members, team_gate *gate)
+static void make_burst(void *context, int member, int n_members, team_barrier *barrier)
 {
     burst *b = context;
     disk_state *s = b->s;
     implicit_state *z = b->z;
-    worker w = { b, s, z, member, n_members, gate, 0.0 };
+    worker w = { b, s, z, member, n_members, barrier, 0.0 };
     double travel = z->travel, list_travel = s->travel, move = 0.0;
     bool is_suspect = false, is_stale = false;
     uint64_t k = 0;
@@ -178,7 +178,7 @@ static void make_burst(void *context, int member, int n_members, team_gate *gate
                    disk_implicit__is_list_stale(s, list_travel, move);
         if (member == 0)
             raise_overlaps(s, z);
-        team_wait(gate);
+        team_barrier_wait(barrier);
     }
     if (member != 0)
         return;

@@ -177,17 +177,17 @@ static turn take_turn(tile *w, int member, int n_members)
     return result;
 }
 
-static void make_levels(void *context, int member, int n_members, team_gate *gate)
+static void make_levels(void *context, int member, int n_members, team_barrier *barrier)
 {
     tile *w = context;
     int n_waits = 0;
 
-    (void)gate;
+    (void)barrier;
     for (turn last = TURN_MADE; last != TURN_OVER;) {
         last = take_turn(w, member, n_members);
         n_waits = last == TURN_WAITS ? n_waits + 1 : 0;
         if (n_waits > 0)
-            team_relax(n_waits);
+            team_spin_wait(n_waits);
     }
 }
 

@@ -1,4 +1,4 @@
-// Unit tests of parallel loops.
+// Unit tests of parallel loops and teams of threads.
 
 #include "core/base/team.h"
 
@@ -7,7 +7,8 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <string.h>
+#include <pthread.h>
+#include <stdatomic.h>
 
 enum { ITEMS_MAX = 1000 };
 
@@ -43,13 +44,13 @@ typedef struct meeting {
 } meeting;
 
 // Between two rounds each member sees what all others wrote in the one before.
-static void meet(void *context, int member, int n_members, team_gate *gate)
+static void meet(void *context, int member, int n_members, team_barrier *barrier)
 {
     meeting *m = context;
 
     for (long round = 0; round < ROUNDS; round++) {
         m->written[round % 2][member] = 1000 * round + member;
-        team_wait(gate);
+        team_barrier_wait(barrier);
         for (int k = 0; k < n_members; k++)
             m->n_wrong[member] += m->written[round % 2][k] != 1000 * round + k;
     }
@@ -65,12 +66,82 @@ static void members_of_a_team_wait_for_each_other(void **state)
     for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
         meeting m = { 0 };
         team_run(n_threads[t], meet, &m);
-        assert_in_range(m.n_members, 1, n_threads[t] > 1 ? n_threads[t] : 1);
+        assert_int_equal(m.n_members, n_threads[t] > 1 ? n_threads[t] : 1);
         for (int k = 0; k < MEMBERS_MAX; k++)
             assert_int_equal(m.n_wrong[k], 0);
         for (int k = 0; k < m.n_members; k++)
             assert_int_equal(m.written[(ROUNDS - 1) % 2][k], 1000 * (ROUNDS - 1) + k);
     }
+}
+
+enum { OUTER = 3, INNER = 3, CALLS = 100 };
+
+static void count_in_own_loop(void *context, size_t item)
+{
+    int(*counts)[ITEMS_MAX] = context;
+
+    team_for(INNER, ITEMS_MAX, count_item, counts[item]);
+}
+
+static void loops_may_be_nested(void **state)
+{
+    static int counts[OUTER][ITEMS_MAX];
+
+    (void)state;
+    team_for(OUTER, OUTER, count_in_own_loop, counts);
+    for (size_t k = 0; k < OUTER; k++)
+        for (size_t m = 0; m < ITEMS_MAX; m++)
+            assert_int_equal(counts[k][m], 1);
+}
+
+// What a thread of its own does: teams one after the other, each with its barrier.
+static void *meet_often(void *context)
+{
+    for (int k = 0; k < CALLS / 50; k++)
+        team_run(INNER, meet, context);
+    return NULL;
+}
+
+static void threads_of_one_process_may_have_teams_at_the_same_time(void **state)
+{
+    meeting meetings[OUTER] = { 0 };
+    pthread_t threads[OUTER];
+
+    (void)state;
+    for (int k = 0; k < OUTER; k++)
+        assert_int_equal(pthread_create(&threads[k], NULL, meet_often, &meetings[k]), 0);
+    for (int k = 0; k < OUTER; k++)
+        assert_int_equal(pthread_join(threads[k], NULL), 0);
+    for (int k = 0; k < OUTER; k++) {
+        assert_int_equal(meetings[k].n_members, INNER);
+        for (int m = 0; m < MEMBERS_MAX; m++)
+            assert_int_equal(meetings[k].n_wrong[m], 0);
+    }
+}
+
+static void nap(void *context, int member, int n_members, team_barrier *barrier)
+{
+    atomic_int *n_naps = context;
+
+    (void)barrier;
+    (void)n_members;
+    // Members finish up to some milliseconds apart, so that workers and callers sleep and are woken.
+    for (int k = 1; k < 3000 * member; k++)
+        team_spin_wait(k);
+    atomic_fetch_add(n_naps, 1);
+}
+
+static void those_who_sleep_are_woken(void **state)
+{
+    atomic_int n_naps = 0;
+
+    (void)state;
+    for (int k = 0; k < CALLS; k++) {
+        team_run(INNER, nap, &n_naps);
+        for (int turn = 1; turn < 6000 * (k % 2); turn++)
+            team_spin_wait(turn);
+    }
+    assert_int_equal(n_naps, CALLS * INNER);
 }
 
 static void there_is_at_least_one_processor(void **state)
@@ -84,6 +155,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_number_of_threads),
         cmocka_unit_test(members_of_a_team_wait_for_each_other),
+        cmocka_unit_test(loops_may_be_nested),
+        cmocka_unit_test(threads_of_one_process_may_have_teams_at_the_same_time),
+        cmocka_unit_test(those_who_sleep_are_woken),
         cmocka_unit_test(there_is_at_least_one_processor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
