@@ -5,6 +5,7 @@
 
 #include "server/base/log.h"
 
+#include <sqlite3.h>
 #include <string.h>
 
 void store_job_fini(store_job *job)
@@ -108,5 +109,60 @@ bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
         *ret_job = job;
     else
         store_job_fini(&job);
+    return status;
+}
+
+/// A running run whose job got an id.
+typedef struct external_id_context {
+    const char *id;
+    const char *external_id;
+} external_id_context;
+
+static bf_status apply_external_id(store__connection *writer, store__operation *operation,
+                                   bf_error *err)
+{
+    const external_id_context *context = operation->context;
+
+    store__query q = store__begin(writer, STORE__SQL_SET_EXTERNAL_ID);
+    store__bind_text(&q, context->id, strlen(context->id));
+    store__bind_text(&q, context->external_id, strlen(context->external_id));
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK && sqlite3_changes(writer->db) == 0)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is not running");
+    return status;
+}
+
+bf_status store_set_external_id(store *s, const char *id, const char *external_id, bf_error *err)
+{
+    external_id_context context = { .id = id, .external_id = external_id };
+
+    if (strlen(external_id) >= STORE_EXTERNAL_ID_SIZE)
+        return bf_fail(err, BF_ELIMIT, "", "an executor's id of a job has %d characters at most",
+                       STORE_EXTERNAL_ID_SIZE - 1);
+    return store__write(s, apply_external_id, &context, err);
+}
+
+bf_status store_list_running(store *s, size_t size, store_running *ret_runs, size_t *ret_n,
+                             bf_error *err)
+{
+    store__connection *reader = NULL;
+    store__row row = { .number = 0 };
+    bool has_row = true;
+    size_t n = 0;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    while (status == BF_OK && n < size) {
+        status = store__next_running(reader, row.run.id, &row, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        ret_runs[n].stop_request = row.stop_request;
+        memcpy(ret_runs[n].id, row.run.id, sizeof row.run.id);
+        memcpy(ret_runs[n++].external_id, row.external_id, sizeof row.external_id);
+    }
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        *ret_n = n;
     return status;
 }

@@ -152,8 +152,19 @@ static const char schema_4[] = "CREATE TABLE measurements ("
                                ") STRICT;"
                                "CREATE INDEX measurements_by_label ON measurements (label, id);";
 
+// What the queue and the supervisor need to know of a run. Checkpoints are of a format that is not read
+// any more: their runs start again, and what they tell again is known (I4).
+static const char schema_5[] =
+    "ALTER TABLE runs ADD COLUMN client TEXT NOT NULL DEFAULT '';" // who submitted it; '': nobody's limit
+    "ALTER TABLE runs ADD COLUMN stop_request INTEGER NOT NULL DEFAULT 0;" // a store_stop
+    "ALTER TABLE runs ADD COLUMN external_id TEXT NOT NULL DEFAULT '';" // the executor's name of its job
+    "ALTER TABLE runs ADD COLUMN parent TEXT NOT NULL DEFAULT '';" // id of the run that made it
+    "CREATE INDEX runs_by_client ON runs (client) WHERE state = 0 AND client <> '';"
+    "UPDATE runs SET checkpoint_step = 0 WHERE checkpoint_step <> 0;"
+    "DELETE FROM chunks WHERE kind = 1 AND results IN (SELECT results FROM runs WHERE state < 2);";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4 };
+const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4, schema_5 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

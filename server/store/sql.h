@@ -3,12 +3,61 @@
 
 #pragma once
 
-/// The columns of a run, in the order in which store__read_row() reads them.
-#define STORE__RUN_COLUMNS                                                                         \
-    "number, id, state, model, priority, label, name, revision, progress, created_ms, "            \
-    "started_ms, finished_ms, eta_s, wall_s, n_samples, n_snapshots, last_event, has_summary, "    \
-    "error_code, error_pointer, error_text, checkpoint_step, n1, n2, lower1, lower2, d1, d2, "     \
-    "n_parts, n_values, results, is_cached"
+/// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
+/// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
+/// terminator) or CODE (bf_status by its word). Those that an insert sets for ever:
+#define STORE__RUN_FIXED(X)                                                                        \
+    X(TEXT, id, run.id)                                                                            \
+    X(INTEGER, model, run.model)                                                                   \
+    X(INTEGER, priority, run.priority)                                                             \
+    X(TEXT, label, run.label)                                                                      \
+    X(TEXT, name, run.name)                                                                        \
+    X(INTEGER, created_ms, run.created_ms)                                                         \
+    X(INTEGER, results, results)                                                                   \
+    X(INTEGER, is_cached, run.is_cached)                                                           \
+    X(TEXT, client, client)                                                                        \
+    X(TEXT, parent, parent)
+
+/// Those that every update writes, next to `state`.
+#define STORE__RUN_CHANGING(X)                                                                     \
+    X(INTEGER, revision, run.revision)                                                             \
+    X(REAL, progress, run.progress)                                                                \
+    X(INTEGER, started_ms, run.started_ms)                                                         \
+    X(INTEGER, finished_ms, run.finished_ms)                                                       \
+    X(REAL, eta_s, run.eta_s)                                                                      \
+    X(REAL, wall_s, wall_s)                                                                        \
+    X(INTEGER, n_samples, run.n_samples)                                                           \
+    X(INTEGER, n_snapshots, run.n_snapshots)                                                       \
+    X(INTEGER, last_event, run.last_event)                                                         \
+    X(INTEGER, has_summary, run.has_summary)                                                       \
+    X(CODE, error_code, run.error.code)                                                            \
+    X(TEXT, error_pointer, run.error.pointer)                                                      \
+    X(TEXT, error_text, run.error.text)                                                            \
+    X(INTEGER, checkpoint_step, checkpoint_step)                                                   \
+    X(INTEGER, n1, grid.n1)                                                                        \
+    X(INTEGER, n2, grid.n2)                                                                        \
+    X(REAL, lower1, grid.lower1)                                                                   \
+    X(REAL, lower2, grid.lower2)                                                                   \
+    X(REAL, d1, grid.d1)                                                                           \
+    X(REAL, d2, grid.d2)                                                                           \
+    X(INTEGER, n_parts, parts.n_parts)                                                             \
+    X(INTEGER, n_values, parts.n_values)                                                           \
+    X(INTEGER, stop_request, stop_request)                                                         \
+    X(TEXT, external_id, external_id)
+
+/// All of them but `number`, in the order of the texts below.
+#define STORE__RUN_LIST(X)                                                                         \
+    X(INTEGER, state, run.state)                                                                   \
+    STORE__RUN_CHANGING(X)                                                                         \
+    STORE__RUN_FIXED(X)
+
+/// A column in a list of names, of values, and of assignments.
+#define STORE__NAME(kind, column, member)   ", " #column
+#define STORE__VALUE(kind, column, member)  ", ?"
+#define STORE__ASSIGN(kind, column, member) ", " #column " = ?"
+
+/// What store__read_row() reads.
+#define STORE__RUN_COLUMNS "number" STORE__RUN_LIST(STORE__NAME)
 
 /// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1.
 #define STORE__LIST(condition)                                                                     \
@@ -29,18 +78,17 @@
     X(SAVEPOINT, "SAVEPOINT operation")                                                            \
     X(RELEASE, "RELEASE operation")                                                                \
     X(ROLLBACK_TO, "ROLLBACK TO operation")                                                        \
-    X(INSERT_RUN, "INSERT INTO runs (id, state, model, priority, label, name, created_ms, "        \
-                  "results, is_cached) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")               \
-    X(UPDATE_RUN, "UPDATE runs SET state = ?2, revision = ?3, progress = ?4, started_ms = ?5, "    \
-                  "finished_ms = ?6, eta_s = ?7, wall_s = ?8, n_samples = ?9, "                    \
-                  "n_snapshots = ?10, last_event = ?11, has_summary = ?12, error_code = ?13, "     \
-                  "error_pointer = ?14, error_text = ?15, checkpoint_step = ?16, n1 = ?17, "       \
-                  "n2 = ?18, lower1 = ?19, lower2 = ?20, d1 = ?21, d2 = ?22, n_parts = ?23, "      \
-                  "n_values = ?24 "                                                                \
-                  "WHERE number = ?1")                                                             \
+    X(INSERT_RUN, "INSERT INTO runs (number" STORE__RUN_LIST(                                      \
+                      STORE__NAME) ") "                                                            \
+                                   "VALUES (NULL" STORE__RUN_LIST(STORE__VALUE) ")")               \
+    X(UPDATE_RUN,                                                                                  \
+      "UPDATE runs SET state = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")          \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
-    X(FIND_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 LIMIT 1")             \
+    X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 AND id > ?1 "         \
+                    "ORDER BY id LIMIT 1")                                                         \
+    X(REQUEST_STOP, "UPDATE runs SET stop_request = ?2 WHERE number = ?1")                         \
+    X(SET_EXTERNAL_ID, "UPDATE runs SET external_id = ?2 WHERE id = ?1 AND state = 1")             \
     X(COUNT_QUEUED, "SELECT count(*) FROM runs WHERE state = 0")                                   \
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \

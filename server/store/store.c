@@ -53,18 +53,32 @@
 #include <string.h>
 #include <unistd.h>
 
-// What the daemon before was running goes back to the queue (I8).
-static bf_status requeue_all(store__connection *writer, int *ret_n, bf_error *err)
+static bool still_runs(const store_options *options, const store__row *row)
 {
+    store_running running = { .stop_request = row->stop_request };
+
+    if (options->still_runs == NULL)
+        return false;
+    memcpy(running.id, row->run.id, sizeof running.id);
+    memcpy(running.external_id, row->external_id, sizeof running.external_id);
+    return options->still_runs(options->still_runs_context, &running);
+}
+
+// What the daemon before was running and the executor does not have any more is queued again (I8).
+static bf_status requeue_all(store__connection *writer, const store_options *options, int *ret_n,
+                             bf_error *err)
+{
+    store__row row = { .number = 0 };
     bool has_row = true;
     bf_status status = BF_OK;
-    store__row row;
     int n = 0;
 
     while (status == BF_OK) {
-        status = store__find_first(writer, STORE__SQL_FIND_RUNNING, &row, &has_row, err);
+        status = store__next_running(writer, row.run.id, &row, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
+        if (still_runs(options, &row))
+            continue;
         status = store__move_row(writer, &row, RUN_QUEUED, err);
         n++;
     }
@@ -72,20 +86,21 @@ static bf_status requeue_all(store__connection *writer, int *ret_n, bf_error *er
     return status;
 }
 
-static bf_status mend(store__connection *writer, int *ret_n_requeued, bf_error *err)
+static bf_status mend(store__connection *writer, const store_options *options, int *ret_n_requeued,
+                      bf_error *err)
 {
     bf_status status = store__disown_results(writer, err);
 
-    return status == BF_OK ? requeue_all(writer, ret_n_requeued, err) : status;
+    return status == BF_OK ? requeue_all(writer, options, ret_n_requeued, err) : status;
 }
 
-static bf_status recover(store__connection *writer, bf_error *err)
+static bf_status recover(store__connection *writer, const store_options *options, bf_error *err)
 {
     int n = 0;
 
     bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
     if (status == BF_OK)
-        status = store__end_transaction(writer, mend(writer, &n, err), err);
+        status = store__end_transaction(writer, mend(writer, options, &n, err), err);
     if (status == BF_OK && n > 0)
         log_event(LOG_LEVEL_INFO, "runs_requeued", "runs=%d", n);
     return status;
@@ -135,7 +150,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
     if (status == BF_OK)
         status = store__migrate(&s->writer, s->path, err);
     if (status == BF_OK)
-        status = recover(&s->writer, err);
+        status = recover(&s->writer, options, err);
     if (status == BF_OK)
         status = store__count(s, &s->tally.figures, err);
     if (status == BF_OK)

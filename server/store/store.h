@@ -11,7 +11,8 @@
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
 ///   I7  An event becomes visible in the same transaction as what it tells of.
-///   I8  After store_open() no run is `running`: those of the daemon before are queued again.
+///   I8  After store_open() only those runs are `running` that the executor still has; the others of the
+///       daemon before are queued again.
 ///   I9  A removed run leaves no row behind. Results that other runs share go with the last of them,
 ///       large ones step by step: what a crash leaves over of them is deleted after the next start.
 ///   I10 Samples, snapshots and their grids belong to sets of results. Each run has one set; a set that
@@ -21,6 +22,9 @@
 ///   I12 What the store removes by itself has ended, and there is no run that ended before it.
 ///   I13 A measurement is there with all its samples or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
+///   I14 A stop request is on disk before its requester is answered, and goes with the run's end. A run with
+///       one is never queued again: it is cancelled instead. Only running runs have stop requests and
+///       external ids.
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.
@@ -49,15 +53,36 @@ typedef struct store_retention {
     uint64_t n_bytes; ///< in use in the file, at most; free pages in it are used again
 } store_retention;
 
+enum { STORE_EXTERNAL_ID_SIZE = 128 }; ///< bytes of an executor's id of a job with its terminator
+
+/// What is asked of a running run; the greater wins. The values stand in the store: never renumber.
+typedef enum store_stop {
+    STORE_STOP_NONE,   ///< nothing
+    STORE_STOP_CANCEL, ///< end and keep what there is
+    STORE_STOP_KILL,   ///< end at once: what there is will be removed
+} store_stop;
+
+/// A run that is running, as its supervisor needs to know it.
+typedef struct store_running {
+    char id[API_ID_SIZE];                     ///< of the run
+    store_stop stop_request;                  ///< what is asked of it
+    char external_id[STORE_EXTERNAL_ID_SIZE]; ///< the executor's id of its job; "": none was set
+} store_running;
+
+/// True if the executor still has the job of a run of the daemon before. Must not call the store.
+typedef bool store_still_runs(void *context, const store_running *running);
+
 /// How to open a store.
 typedef struct store_options {
-    const char *directory;     ///< data directory, created if missing; holds beltflow.db
-    size_t queue_limit;        ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
-    store_listener *listener;  ///< NULL: none
-    void *listener_context;    ///< given to it
-    int64_t answers_ms;        ///< how long answers to idempotency keys are kept; 0: a day
-    store_retention retention; ///< what is removed by itself
-    int64_t care_ms;           ///< between looks at what is to be removed; 0: a minute
+    const char *directory;    ///< data directory, created if missing; holds beltflow.db
+    size_t queue_limit;       ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
+    store_listener *listener; ///< NULL: none
+    void *listener_context;   ///< given to it
+    store_still_runs *still_runs; ///< asked for each run that was running (I8); NULL: none still is
+    void *still_runs_context;     ///< given to it
+    int64_t answers_ms;           ///< how long answers to idempotency keys are kept; 0: a day
+    store_retention retention;    ///< what is removed by itself
+    int64_t care_ms;              ///< between looks at what is to be removed; 0: a minute
 } store_options;
 
 /// Open or create the store, migrate its schema forwards, and queue again what was running (I8).
@@ -142,6 +167,15 @@ typedef struct store_ending {
 BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
                                      bf_error *err);
 
+/// Keep the executor's id of a running run's job, so that the daemon after this one finds it again. It is
+/// forgotten when the run ends or is queued again. BF_ECONFLICT: the run is not running.
+BF_MUST_CHECK bf_status store_set_external_id(store *s, const char *id, const char *external_id,
+                                              bf_error *err);
+
+/// Read the runs that are running, at most `size` of them, the oldest first.
+BF_MUST_CHECK bf_status store_list_running(store *s, size_t size, store_running *ret_runs,
+                                           size_t *ret_n, bf_error *err);
+
 /// Cancel a queued run (status and end events). A running one is returned as it is, for the
 /// supervisor to stop. BF_ECONFLICT: it has ended.
 BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err);
@@ -150,7 +184,7 @@ BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run,
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, bf_error *err);
 
 /// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and
-/// BF_ECONFLICT when I10 allows no further one.
+/// BF_ECONFLICT when I13 allows no further one.
 BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
                                               const api_curve *curve,
                                               api_measurement *ret_measurement, bf_error *err);

@@ -121,6 +121,10 @@ typedef struct store__row {
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
     api_parts parts;          ///< of the snapshots; n_values = 0: none
     int64_t results;          ///< key of samples, snapshots and chunks, which other runs may share
+    char client[API_CLIENT_SIZE];             ///< who submitted it; "": no quota counts it
+    char parent[API_ID_SIZE];                 ///< the run that it was made for; "": none
+    store_stop stop_request;                  ///< of a running run
+    char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
 } store__row;
 
 /// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM:
@@ -168,6 +172,10 @@ void store__read_row(const store__query *q, store__row *ret_row);
 /// Read the first run of a statement without parameters, selected as STORE__RUN_COLUMNS.
 BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, store__row *ret_row,
                                           bool *ret_has_row, bf_error *err);
+
+/// Find the running run with the least id beyond `after` ("": any).
+BF_MUST_CHECK bf_status store__next_running(store__connection *c, const char *after,
+                                            store__row *ret_row, bool *ret_has_row, bf_error *err);
 
 /// Find a run by its id. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,

@@ -147,8 +147,11 @@ static bf_status apply_submit(store__connection *writer, store__operation *opera
     return status;
 }
 
-static void fill_record(const api_submission *submission, api_run *record)
+static void fill_row(const api_submission *submission, store__row *row)
 {
+    api_run *record = &row->run;
+
+    snprintf(row->client, sizeof row->client, "%s", submission->client);
     record->model = submission->model;
     record->priority = submission->priority;
     snprintf(record->label, sizeof record->label, "%s", submission->label);
@@ -169,7 +172,7 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
         status = store__use_key(s, &context.key, submission->body, submission->n_body, err);
     if (status != BF_OK)
         return status;
-    fill_record(submission, &context.row.run);
+    fill_row(submission, &context.row);
     store__digest_work(submission, context.digest);
     status = store__write(s, apply_submit, &context, err);
     store__free_key(s, &context.key);

@@ -62,6 +62,8 @@ static const question questions[] = {
       "(SELECT count(*) FROM runs WHERE runs.results = results.number) > 1) + "
       "(SELECT count(*) FROM runs JOIN results ON runs.results = results.number "
       "WHERE results.state = 1 AND runs.state <> 2)" },
+    { "I14", "only running runs have stop requests and external ids",
+      "SELECT count(*) FROM runs WHERE state <> 1 AND (stop_request <> 0 OR external_id <> '')" },
     { "I11", "an answer tells of the run that it names",
       "SELECT count(*) FROM answers WHERE length(digest) <> 32 OR instr(data, id) = 0" },
 };

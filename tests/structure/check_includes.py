@@ -44,7 +44,7 @@ ONLY_IN = {
     "microhttpd.h": r"server/http/.+",
     "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c",
     "sodium.h": r"server/store/\w+\.c",
-    "zstd.h": r"server/(store/\w+|http/encoding)\.c|tests/unit/server/http/test_http_encoding\.c",
+    "zstd.h": r"server/(store/\w+|http/encoding)\.c|tests/unit/server/(http|store)/test_\w+\.c",
     "zlib.h": r"server/http/encoding\.c|tests/unit/server/.+\.c",
     "ini.h": r"server/daemon/config(_\w+)?\.c",
     "systemd/sd-daemon.h": r"server/daemon/notify\.c",

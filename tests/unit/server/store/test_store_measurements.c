@@ -1,4 +1,4 @@
-// Unit tests of the store: measured curves, and stores of before there were any. I1 ... I13 are the
+// Unit tests of the store: measured curves. I1 ... I13 are the
 // invariants of server/store/store.h.
 
 #include "core/base/memory.h"
@@ -294,23 +294,6 @@ static void a_measurement_that_finds_no_room_is_not_there(void **state)
     assert_stored(h->store, &kept);
 }
 
-// A store as it was before there were measurements.
-static void an_older_store_takes_measurements(void **state)
-{
-    helper_store *h = *state;
-    api_run record = helper_start(h->store);
-
-    helper_append_samples(h->store, record.id, 0, 7);
-    helper_store_close(h);
-    helper_store_sql(h, "DROP TABLE measurements");
-    helper_store_sql(h, "PRAGMA user_version = 3");
-    helper_store_open(h);
-    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), store__version);
-    assert_int_equal(helper_find(h->store, record.id).n_samples, 7);
-    api_measurement added = add(h->store, "", 3);
-    assert_stored(h->store, &added);
-}
-
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -325,7 +308,6 @@ int main(void)
         STORE_TEST(damage_is_noticed),
         STORE_TEST(without_memory_every_call_fails_and_changes_nothing),
         STORE_TEST(a_measurement_that_finds_no_room_is_not_there),
-        STORE_TEST(an_older_store_takes_measurements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,109 @@
+// Unit tests of the store: what the supervisor keeps of running runs, and what is asked of them. I1 ...
+// I14 are the invariants of server/store/store.h.
+
+#include "tests/unit/server/helper_store.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SIZE = 4 };
+
+static size_t list(store *s, store_running *runs)
+{
+    size_t n = 0;
+
+    assert_int_equal(store_list_running(s, SIZE, runs, &n, NULL), BF_OK);
+    return n;
+}
+
+static bool is_second(void *context, const store_running *running)
+{
+    return strcmp(running->id, (const char *)context) == 0 &&
+           strcmp(running->external_id, "job 2") == 0;
+}
+
+static void reopen(helper_store *h, store_still_runs *still_runs, void *context)
+{
+    store_options options = { .directory = h->directory,
+                              .queue_limit = 10,
+                              .still_runs = still_runs,
+                              .still_runs_context = context };
+
+    helper_store_close(h);
+    assert_int_equal(store_open(&options, &h->store, NULL), BF_OK);
+}
+
+static void running_runs_are_listed_the_oldest_first(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    store_running runs[SIZE];
+    api_run first = helper_submit(s, "", 0), second = helper_submit(s, "", 0);
+
+    assert_int_equal(list(s, runs), 0);
+    helper_claim(s);
+    helper_claim(s);
+    assert_int_equal(list(s, runs), 2);
+    assert_string_equal(runs[0].id, first.id);
+    assert_string_equal(runs[1].id, second.id);
+    assert_int_equal(runs[0].stop_request, STORE_STOP_NONE);
+    assert_string_equal(runs[0].external_id, "");
+    size_t n = 0;
+    assert_int_equal(store_list_running(s, 1, runs, &n, NULL), BF_OK);
+    assert_int_equal(n, 1);
+}
+
+// I14
+static void an_external_id_is_kept_while_its_run_is_running(void **state)
+{
+    helper_store *h = *state;
+    store_running runs[SIZE];
+    char long_id[STORE_EXTERNAL_ID_SIZE + 1];
+    api_run record = helper_start(h->store);
+
+    assert_int_equal(store_set_external_id(h->store, record.id, "job 1", NULL), BF_OK);
+    helper_append_samples(h->store, record.id, 0, 1);
+    assert_int_equal(list(h->store, runs), 1);
+    assert_string_equal(runs[0].external_id, "job 1");
+    memset(long_id, 'x', sizeof long_id - 1);
+    long_id[sizeof long_id - 1] = '\0';
+    assert_int_equal(store_set_external_id(h->store, record.id, long_id, NULL), BF_ELIMIT);
+    helper_finish(h->store, record.id, RUN_QUEUED);
+    assert_int_equal(store_set_external_id(h->store, record.id, "job 2", NULL), BF_ECONFLICT);
+    helper_claim(h->store);
+    assert_int_equal(list(h->store, runs), 1);
+    assert_string_equal(runs[0].external_id, "");
+}
+
+// I8
+static void what_the_executor_still_has_stays_running(void **state)
+{
+    helper_store *h = *state;
+    store_running runs[SIZE];
+    api_run first = helper_submit(h->store, "", 0), second = helper_submit(h->store, "", 0);
+
+    helper_claim(h->store);
+    helper_claim(h->store);
+    assert_int_equal(store_set_external_id(h->store, first.id, "job 1", NULL), BF_OK);
+    assert_int_equal(store_set_external_id(h->store, second.id, "job 2", NULL), BF_OK);
+    reopen(h, is_second, second.id);
+    assert_int_equal(helper_find(h->store, first.id).state, RUN_QUEUED);
+    assert_int_equal(helper_find(h->store, second.id).state, RUN_RUNNING);
+    assert_int_equal(list(h->store, runs), 1);
+    assert_string_equal(runs[0].external_id, "job 2");
+    reopen(h, NULL, NULL);
+    assert_int_equal(helper_find(h->store, second.id).state, RUN_QUEUED);
+    assert_int_equal(list(h->store, runs), 0);
+}
+
+#define STORE_TEST(name)                                                                           \
+    cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        STORE_TEST(running_runs_are_listed_the_oldest_first),
+        STORE_TEST(an_external_id_is_kept_while_its_run_is_running),
+        STORE_TEST(what_the_executor_still_has_stays_running),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
