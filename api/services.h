@@ -1,8 +1,8 @@
 /// What the API needs of the daemon, as a table of functions that the server fills.
 ///
 /// With it the whole API can be called without sockets, store or threads (the tests do).
-/// All functions are thread-safe. Those that write return when their change is on disk.
-/// Common errors: BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_ENOMEM.
+/// All functions are thread-safe. Those that write return when their change is on disk. Common errors:
+/// BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_ENOMEM.
 
 #pragma once
 
@@ -25,6 +25,7 @@ enum {
     API_KEY_SIZE = 256,          ///< bytes of an idempotency key with its terminator
     API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
     API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
+    API_ANY_REVISION = 0,                 ///< whatever the revision is
 };
 
 /// A run as the store knows it.
@@ -35,7 +36,7 @@ typedef struct api_run {
     int priority;               ///< higher runs first
     char label[API_LABEL_SIZE]; ///< the client's, "" if none
     char name[SCENE_NAME_SIZE]; ///< of the scenario
-    uint64_t revision;          ///< rises with every change of the row: the ETag
+    uint64_t revision;          ///< from 1, rises with every change of the row: the ETag
     double progress;            ///< 0 to 1
     int64_t created_ms;         ///< Unix time, ms
     int64_t started_ms;         ///< last start; 0: never
@@ -59,8 +60,7 @@ typedef struct api_submission {
     bf_buffer columns;            ///< of the curve, from scenario_columns()
     char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
     bool is_fresh;                ///< to be solved even if the results are known
-    bf_buffer identity;           ///< what the results follow from, next to model and solver: the
-                                  ///< resolved document without its name; empty: never shared
+    bf_buffer identity;           ///< the resolved document without its name; "": never cached
     char key[API_KEY_SIZE];       ///< the client's idempotency key, "" if none
     const char *body; ///< with a key: what else must be the same, n_body bytes; borrowed
     size_t n_body;    ///< bytes
@@ -111,7 +111,7 @@ typedef struct api_measurement_query {
     size_t limit;               ///< 1 .. API_LIST_MAX
 } api_measurement_query;
 
-/// A page of a list of measurements.
+/// A page of measurements.
 typedef struct api_measurement_list {
     size_t n;                            ///< measurements in this page
     bool has_more;                       ///< older ones follow
@@ -190,10 +190,12 @@ typedef struct api_services {
     bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
     /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running
-    /// one soon after. BF_ECONFLICT: it has ended.
-    bf_status (*cancel)(void *context, const char *id, api_run *ret_run, bf_error *err);
-    /// Stop a run if need be and remove it with its results.
-    bf_status (*remove)(void *context, const char *id, bf_error *err);
+    /// one soon after. revision is the one that it must have in the transaction that decides, or
+    /// API_ANY_REVISION. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.
+    bf_status (*cancel)(void *context, const char *id, uint64_t revision, api_run *ret_run,
+                        bf_error *err);
+    /// Stop a run if need be and remove it with its results. revision as for cancel.
+    bf_status (*remove)(void *context, const char *id, uint64_t revision, bf_error *err);
     /// Append a stored text to *out. BF_ECONFLICT: the run has none yet.
     bf_status (*read_text)(void *context, const char *id, api_text which, bf_buffer *out,
                            bf_error *err);

@@ -12,19 +12,21 @@
 #include <stdio.h>
 #include <string.h>
 
-bool api_route_blocks(const char *method, const char *path)
+// A request that asks for no format that there is will be refused, which is no work.
+api_cost api_request_cost(const api_request *request)
 {
-    const route *found = routes_find(method, path, NULL);
+    const route *found = routes_find(request->method, request->path, NULL);
+    const media *chosen = NULL;
+    query q = { 0 };
 
-    return found != NULL && found->blocks;
-}
-
-bool api_route_makes_work(const char *method, const char *path)
-{
-    route_params params = { 0 };
-
-    return strcmp(method, "POST") == 0 && routes_find(method, path, &params) != NULL &&
-           params.n == 0;
+    if (found == NULL)
+        return API_COST_NONE;
+    bool can_be_work =
+        found->text_cost > found->cost && query_parse(request->query, &q, NULL) == BF_OK &&
+        media_choose(found->formats, query_value(&q, "format"),
+                     request->header(request->header_context, "Accept"), &chosen, NULL) == BF_OK;
+    bool is_text = can_be_work && (chosen->format == MEDIA_JSON || chosen->format == MEDIA_CSV);
+    return is_text ? found->text_cost : found->cost;
 }
 
 bool api_route_exists(const char *path)
@@ -182,14 +184,17 @@ void exchange__let_revalidate(exchange *x)
     api_response_header(x->response, "Cache-Control", "private, no-cache");
 }
 
-bf_status exchange__check_match(exchange *x, const api_run *record, bf_error *err)
+bf_status exchange__check_match(exchange *x, const api_run *record, uint64_t *ret_revision,
+                                bf_error *err)
 {
     const char *wanted = exchange__header(x, "If-Match");
     char tag[EXCHANGE_ETAG_SIZE];
 
     snprintf(tag, sizeof tag, "r%" PRIu64, record->revision);
-    if (wanted == NULL || precondition_holds(wanted, tag))
+    if (wanted == NULL || precondition_holds(wanted, tag)) {
+        *ret_revision = wanted == NULL ? API_ANY_REVISION : record->revision;
         return BF_OK;
+    }
     return exchange__refuse(x, 412, err,
                             "the run is not in the state that If-Match names: it is \"%s\"", tag);
 }

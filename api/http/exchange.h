@@ -5,7 +5,7 @@
 /// (routes.h).
 ///
 /// Threads  api_handle() may be called from any thread at the same time; it blocks while a service
-///          writes to disk, which api_route_blocks() tells before.
+///          reads or writes the disk, which api_request_cost() tells before.
 
 #pragma once
 
@@ -33,6 +33,14 @@ typedef struct api_wait {
     bool is_for_change;    ///< or for another revision of it:
     uint64_t revision;     ///< than this one
 } api_wait;
+
+/// How much handling a request takes.
+typedef enum api_cost {
+    API_COST_NONE,   ///< nothing that an event loop could not do
+    API_COST_HEALTH, ///< at most one short write of the store; it must not wait behind other requests
+    API_COST_STORE, ///< waits for the disk
+    API_COST_WORK,  ///< and computes for long, or makes the daemon do so: limited by the work quota
+} api_cost;
 
 /// A request. Everything is borrowed.
 typedef struct api_request {
@@ -65,8 +73,9 @@ typedef struct api_response {
     api_wait wait;      ///< what it is worth waiting for with this answer
 } api_response;
 
-/// True if handling this request can wait for the disk, so that an event loop hands it to a thread.
-bool api_route_blocks(const char *method, const char *path);
+/// How much handling a request takes: API_COST_NONE where no route has its path and method. Reads the
+/// method, the path, the query's format and the Accept header; not the body.
+api_cost api_request_cost(const api_request *request);
 
 /// Handle a request. Always fills *response; HEAD is handled as GET with body or stream left in (the
 /// transport leaves them out). BF_ENOMEM becomes a 503.
@@ -79,9 +88,6 @@ bool api_wait_is_over(const api_services *services, const api_wait *wait);
 /// that was accepted stays accepted, whatever became of it since.
 void api_handle_again(const api_services *services, const api_request *request,
                       api_response *response);
-
-/// True if the request lets the daemon work: a POST that is not about a run that is there already.
-bool api_route_makes_work(const char *method, const char *path);
 
 /// True if a route has this path.
 bool api_route_exists(const char *path);

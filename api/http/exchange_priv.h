@@ -95,8 +95,11 @@ bool exchange__is_known(exchange *x, const char *format, ...) __attribute__((for
 /// one of its bytes.
 void exchange__let_revalidate(exchange *x);
 
-/// BF_EINPUT, as a 412, if the request wants another state of the run to be changed (If-Match).
-BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record, bf_error *err);
+/// Compare If-Match with the run. *ret_revision is the revision that a change of the run has to find:
+/// the run's, API_ANY_REVISION where the request has no If-Match. BF_EINPUT, as a 412: the header names
+/// other states.
+BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
+                                              uint64_t *ret_revision, bf_error *err);
 
 /// Let the answer wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
 /// is_for_change, for another revision. Does nothing when it has waited, or the run has ended.

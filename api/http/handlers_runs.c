@@ -226,15 +226,49 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
     return run_json_write(&record, &x->response->body, err);
 }
 
+// A change of the run that the path names.
+typedef bf_status change_fn(exchange *x, const char *id, uint64_t revision, api_run *record,
+                            bf_error *err);
+
+// If-Match is compared with the run as it is found, and the revision that it was found with again by
+// the change itself. Where another change came between, the run is looked at anew.
+static bf_status change_run(exchange *x, change_fn *change, api_run *ret_run, bf_error *err)
+{
+    api_run record;
+    bf_status status;
+
+    do {
+        uint64_t revision = API_ANY_REVISION;
+        status = exchange__find_run(x, &record, err);
+        if (status == BF_OK)
+            status = exchange__check_match(x, &record, &revision, err);
+        if (status != BF_OK)
+            return status;
+        status = change(x, x->params.values[0], revision, &record, err);
+    } while (status == BF_EINPUT);
+    if (status == BF_OK)
+        *ret_run = record;
+    return status;
+}
+
+static bf_status cancel(exchange *x, const char *id, uint64_t revision, api_run *record,
+                        bf_error *err)
+{
+    return x->services->cancel(x->services->context, id, revision, record, err);
+}
+
+static bf_status remove_run(exchange *x, const char *id, uint64_t revision, api_run *record,
+                            bf_error *err)
+{
+    (void)record;
+    return x->services->remove(x->services->context, id, revision, err);
+}
+
 bf_status handlers_runs_cancel(exchange *x, bf_error *err)
 {
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status == BF_OK)
-        status = exchange__check_match(x, &record, err);
-    if (status == BF_OK)
-        status = x->services->cancel(x->services->context, x->params.values[0], &record, err);
+    bf_status status = change_run(x, cancel, &record, err);
     if (status != BF_OK)
         return status;
     x->response->status = run_state_is_end(record.state) ? 200 : 202;
@@ -245,11 +279,7 @@ bf_status handlers_runs_remove(exchange *x, bf_error *err)
 {
     api_run record;
 
-    bf_status status = exchange__find_run(x, &record, err);
-    if (status == BF_OK)
-        status = exchange__check_match(x, &record, err);
-    if (status == BF_OK)
-        status = x->services->remove(x->services->context, record.id, err);
+    bf_status status = change_run(x, remove_run, &record, err);
     if (status == BF_OK)
         x->response->status = 204;
     return status;

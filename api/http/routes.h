@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "api/http/exchange.h"
 #include "core/base/status.h"
 
 #include <stdbool.h>
@@ -25,7 +26,8 @@ typedef struct route {
     const char *method;    ///< "GET", ...
     const char *path;      ///< template: "/v1/runs/{id}"
     route_handler *handle; ///< what answers
-    bool blocks;           ///< it may wait for the disk or compute for long
+    api_cost cost;         ///< what an answer takes,
+    api_cost text_cost;    ///< or of one as JSON or CSV, if that is more
     const char *query;     ///< query parameters that it knows, words; "" none
     const char *formats;   ///< formats that it answers in, words of media.h, the default first
     const char *summary;   ///< what it does, one line, for documents

@@ -68,13 +68,15 @@ static bf_status list(void *context, const api_list_query *query, api_run_list *
     return store_list(((service *)context)->store, query, ret_list, err);
 }
 
-static bf_status cancel(void *context, const char *id, api_run *ret_run, bf_error *err)
+// The revision is compared when the run is first found; what this call itself changes is no reason to refuse.
+static bf_status cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
+                        bf_error *err)
 {
     service *s = context;
     api_run found;
 
     for (int i = 0; i < RETRIES; i++) {
-        bf_status status = store_cancel(s->store, id, &found, err);
+        bf_status status = store_cancel(s->store, id, revision, &found, err);
         if (status == BF_OK && found.state == RUN_RUNNING)
             status = supervisor_cancel(s->supervisor, id, NULL);
         else if (status != BF_OK)
@@ -83,19 +85,21 @@ static bf_status cancel(void *context, const char *id, api_run *ret_run, bf_erro
             *ret_run = found;
             return BF_OK;
         }
+        revision = API_ANY_REVISION;
         pause_before_retry();
     }
     return bf_fail(err, BF_EBUSY, "", "run %s cannot be stopped at the moment", id);
 }
 
-static bf_status remove_run(void *context, const char *id, bf_error *err)
+static bf_status remove_run(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     service *s = context;
 
     for (int i = 0; i < RETRIES; i++) {
-        bf_status status = store_remove(s->store, id, err);
+        bf_status status = store_remove(s->store, id, revision, err);
         if (status != BF_ECONFLICT)
             return status;
+        revision = API_ANY_REVISION;
         status = supervisor_kill(s->supervisor, id, err);
         if (status != BF_OK)
             return status;

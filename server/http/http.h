@@ -2,7 +2,7 @@
 /// <microhttpd.h> is http.c (with its private parts in http_*.c).
 ///
 /// Threads  libmicrohttpd runs a small pool of epoll threads. Requests that may wait for the disk
-///          (api_route_blocks) suspend their connection and are handled by a pool of request
+///          (api_request_cost) suspend their connection and are handled by a pool of request
 ///          threads; all others are answered on the epoll thread. Event streams suspend while they
 ///          have nothing to send; http_notify() wakes those that follow the run. An answer that waits
 ///          for a run (`Prefer: wait`, `?wait=`) holds no thread either: its connection stays

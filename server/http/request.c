@@ -240,12 +240,13 @@ void http__request_handle_again(http_request *r)
 // False: the client has asked too often, and was told so. Who is on this machine may.
 static bool check_rate(http_request *r)
 {
+    const api_request request = view(r);
     bf_error err = { 0 };
 
     if (r->client.is_local || is_about_health(r))
         return true;
     r->verdict = http_limit_take(r->server->limit, r->client.key,
-                                 api_route_makes_work(r->method, r->path), clock_monotonic_ms());
+                                 api_request_cost(&request) == API_COST_WORK, clock_monotonic_ms());
     if (!r->verdict.is_refused)
         return true;
     (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
@@ -254,12 +255,21 @@ static bool check_rate(http_request *r)
     return false;
 }
 
+// True if handling it can wait for the disk, so that it is for a request thread.
+static bool can_block(const api_request *request)
+{
+    bool is_ready = strcmp(request->path, "/readyz") == 0;
+
+    return api_request_cost(request) > API_COST_HEALTH || is_ready;
+}
+
 static bool dispatch(http_request *r)
 {
     http__connection_deadline(r->connection, -1);
     if (!check_rate(r))
         return http__respond(r);
-    if (!api_route_blocks(r->method, r->path) && !http__file_may_be(r->server, r->path)) {
+    const api_request request = view(r);
+    if (!can_block(&request) && !http__file_may_be(r->server, r->path)) {
         http__request_handle(r);
         return http__respond(r);
     }

@@ -177,11 +177,14 @@ BF_MUST_CHECK bf_status store_list_running(store *s, size_t size, store_running 
                                            size_t *ret_n, bf_error *err);
 
 /// Cancel a queued run (status and end events). A running one is returned as it is, for the
-/// supervisor to stop. BF_ECONFLICT: it has ended.
-BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err);
+/// supervisor to stop. revision is the one that it must have, or API_ANY_REVISION. BF_EINPUT: it has
+/// another one; BF_ECONFLICT: it has ended.
+BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run,
+                                     bf_error *err);
 
-/// Remove a run that is not running, with all it has alone (I9). BF_ECONFLICT: it is running.
-BF_MUST_CHECK bf_status store_remove(store *s, const char *id, bf_error *err);
+/// Remove a run that is not running, with all it has alone (I9). revision as for store_cancel().
+/// BF_ECONFLICT: it is running.
+BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err);
 
 /// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and
 /// BF_ECONFLICT when I13 allows no further one.

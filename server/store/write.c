@@ -5,15 +5,26 @@
 /// A change of one run, and what became of it.
 typedef struct change_context {
     const char *id;
+    uint64_t revision;          ///< that the run must have, or API_ANY_REVISION
     const store_ending *ending; ///< of store_finish()
     store__row row;
 } change_context;
+
+static bf_status check_revision(const api_run *record, uint64_t expected, bf_error *err)
+{
+    if (expected == API_ANY_REVISION || record->revision == expected)
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "", "the run has revision %llu, not %llu",
+                   (unsigned long long)record->revision, (unsigned long long)expected);
+}
 
 static bf_status find_changed(store__connection *writer, store__operation *operation, bf_error *err)
 {
     change_context *context = operation->context;
 
     bf_status status = store__find_row(writer, context->id, &context->row, err);
+    if (status == BF_OK)
+        status = check_revision(&context->row.run, context->revision, err);
     if (status == BF_OK)
         memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
     return status;
@@ -74,9 +85,9 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     return store__move_row(writer, row, RUN_CANCELLED, err);
 }
 
-bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err)
+bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run, bf_error *err)
 {
-    change_context context = { .id = id };
+    change_context context = { .id = id, .revision = revision };
 
     bf_status status = store__write(s, apply_cancel, &context, err);
     if (status == BF_OK)
@@ -87,6 +98,7 @@ bf_status store_cancel(store *s, const char *id, api_run *ret_run, bf_error *err
 /// A run to be removed, and then its results, step by step.
 typedef struct remove_context {
     const char *id;
+    uint64_t revision; ///< that the run must have, or API_ANY_REVISION
     int64_t results;
     bool is_over; ///< nothing is left
 } remove_context;
@@ -97,6 +109,8 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     store__row row;
 
     bf_status status = store__find_row(writer, context->id, &row, err);
+    if (status == BF_OK)
+        status = check_revision(&row.run, context->revision, err);
     if (status != BF_OK)
         return status;
     if (row.run.state == RUN_RUNNING)
@@ -113,9 +127,9 @@ static bf_status apply_sweep(store__connection *writer, store__operation *operat
     return store__sweep_results(writer, context->results, &context->is_over, err);
 }
 
-bf_status store_remove(store *s, const char *id, bf_error *err)
+bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err)
 {
-    remove_context context = { .id = id };
+    remove_context context = { .id = id, .revision = revision };
 
     bf_status status = store__write(s, apply_remove, &context, err);
     // The run is gone with the first step. What a failure leaves over is deleted in time.

@@ -46,11 +46,12 @@ typedef struct helper_daemon {
     size_t n_events;                                          ///< of them
     helper_measurement measurements[HELPER_MEASUREMENTS_MAX]; ///< oldest first
     size_t n_measurements;                                    ///< of them
-    bf_status refusal;         ///< not BF_OK: submit, add_measurement, ready fail with it
-    api_list_query last_query; ///< what list() was asked
-    api_submission submitted;  ///< last accepted, without its buffers
-    size_t n_submitted;        ///< accepted so far
-    bool is_replay;            ///< submit says that its answer is given again
+    bf_status refusal;          ///< not BF_OK: submit, add_measurement, ready fail with it
+    api_list_query last_query;  ///< what list() was asked
+    api_submission submitted;   ///< last accepted, without its buffers
+    size_t n_submitted;         ///< accepted so far
+    bool is_replay;             ///< submit says that its answer is given again
+    unsigned n_changes_between; ///< calls of cancel and remove before which the run changes
 } helper_daemon;
 
 /// The table of *d.

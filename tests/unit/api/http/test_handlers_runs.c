@@ -249,6 +249,36 @@ static void cancel_tells_whether_the_run_still_runs(void **state)
     ask("POST", "/v1/runs/" ID_3 "/cancel", NULL, NULL, NULL, 409);
 }
 
+// Between the look at the run and its change another client may change it.
+static void if_match_holds_until_the_change(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_QUEUED);
+    ask_daemon.n_changes_between = 1;
+    ask("POST", RUN_1 "/cancel", NULL, "If-Match: \"r1\"\n", NULL, 412);
+    assert_true(ask_body_has("it is \\\"r2\\\""));
+    assert_int_equal(ask_daemon.runs[0].record.state, RUN_QUEUED);
+    ask_daemon.n_changes_between = 1;
+    ask("DELETE", RUN_1, NULL, "If-Match: \"r2\"\n", NULL, 412);
+    ask_get(RUN_1, NULL, NULL, 200);
+    ask_daemon.n_changes_between = 1;
+    ask("POST", RUN_1 "/cancel", NULL, "If-Match: \"r3\", \"r4\"\n", NULL, 200);
+    ask_daemon.n_changes_between = 2;
+    ask("DELETE", RUN_1, NULL, "If-Match: *\n", NULL, 204);
+}
+
+// Without If-Match a change goes through whatever the revision has become.
+static void a_change_without_if_match_needs_no_revision(void **state)
+{
+    (void)state;
+    ask_add_run(RUN_QUEUED);
+    ask_daemon.n_changes_between = 1;
+    ask("POST", RUN_1 "/cancel", NULL, NULL, NULL, 200);
+    ask_daemon.n_changes_between = 1;
+    ask("DELETE", RUN_1, NULL, NULL, NULL, 204);
+    assert_int_equal(ask_daemon.n_changes_between, 0);
+}
+
 static void a_removed_run_is_gone(void **state)
 {
     (void)state;
@@ -280,6 +310,8 @@ int main(void)
         ASK_TEST(the_longest_link_fits),
         ASK_TEST(bad_list_queries_name_the_parameter),
         ASK_TEST(cancel_tells_whether_the_run_still_runs),
+        ASK_TEST(if_match_holds_until_the_change),
+        ASK_TEST(a_change_without_if_match_needs_no_revision),
         ASK_TEST(a_removed_run_is_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

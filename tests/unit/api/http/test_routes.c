@@ -99,14 +99,58 @@ static void allow_lists_the_methods_of_a_path(void **state)
     assert_string_equal(allow, "POST, OPTIONS");
 }
 
-static void what_may_wait_for_the_disk_is_told_before(void **state)
+static const char *give_accept(void *accept, const char *name)
+{
+    return strcmp(name, "Accept") == 0 ? accept : NULL;
+}
+
+static api_cost cost_of(const char *method, const char *path, const char *asked, char *accept)
+{
+    const api_request request = { .method = method,
+                                  .path = path,
+                                  .query = asked,
+                                  .header = give_accept,
+                                  .header_context = accept };
+
+    return api_request_cost(&request);
+}
+
+static void the_cost_of_a_request_is_told_before(void **state)
 {
     (void)state;
-    assert_true(api_route_blocks("POST", "/v1/runs"));
-    assert_true(api_route_blocks("HEAD", "/v1/runs/abc/curve"));
-    assert_false(api_route_blocks("GET", "/livez"));
-    assert_false(api_route_blocks("GET", "/nowhere"));
-    assert_false(api_route_blocks("OPTIONS", "/v1/runs"));
+    assert_int_equal(cost_of("POST", "/v1/runs", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("POST", "/v1/validate", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("POST", "/v1/runs/abc/cancel", "", NULL), API_COST_STORE);
+    assert_int_equal(cost_of("HEAD", "/v1/runs/abc/curve", "", NULL), API_COST_STORE);
+    assert_int_equal(cost_of("GET", "/v1/examples", "", NULL), API_COST_NONE);
+    assert_int_equal(cost_of("GET", "/nowhere", "", NULL), API_COST_NONE);
+    assert_int_equal(cost_of("OPTIONS", "/v1/runs", "", NULL), API_COST_NONE);
+}
+
+static void health_waits_behind_nothing(void **state)
+{
+    (void)state;
+    assert_int_equal(cost_of("GET", "/livez", "", NULL), API_COST_HEALTH);
+    assert_int_equal(cost_of("GET", "/readyz", "", NULL), API_COST_HEALTH);
+    assert_int_equal(cost_of("GET", "/metrics", "", NULL), API_COST_HEALTH);
+}
+
+// Comparisons, archives and tables of millions of numbers as text take seconds of a processor.
+static void long_answers_are_work(void **state)
+{
+    static const char path[] = "/v1/runs/abc/snapshots/7", parts[] = "/v1/runs/abc/parts/7";
+    char csv[] = "text/csv", png[] = "image/png";
+
+    (void)state;
+    assert_int_equal(cost_of("GET", "/v1/compare", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("GET", "/v1/runs/abc/results.zip", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("GET", path, "", NULL), API_COST_STORE);
+    assert_int_equal(cost_of("GET", path, "format=json", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("GET", path, "", csv), API_COST_WORK);
+    assert_int_equal(cost_of("GET", path, "", png), API_COST_STORE);
+    assert_int_equal(cost_of("GET", parts, "format=csv", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("GET", parts, "format=vtp", NULL), API_COST_STORE);
+    assert_int_equal(cost_of("GET", parts, "format=pdf", NULL), API_COST_STORE);
 }
 
 static void no_two_routes_are_the_same(void **state)
@@ -148,7 +192,9 @@ int main(void)
         cmocka_unit_test(paths_that_are_not_in_the_table_find_nothing),
         cmocka_unit_test(a_parameter_has_a_limit),
         cmocka_unit_test(allow_lists_the_methods_of_a_path),
-        cmocka_unit_test(what_may_wait_for_the_disk_is_told_before),
+        cmocka_unit_test(the_cost_of_a_request_is_told_before),
+        cmocka_unit_test(health_waits_behind_nothing),
+        cmocka_unit_test(long_answers_are_work),
         cmocka_unit_test(no_two_routes_are_the_same),
         cmocka_unit_test(every_row_of_the_table_is_complete),
     };

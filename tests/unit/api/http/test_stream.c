@@ -218,7 +218,7 @@ static void a_removed_run_ends_its_streams(void **state)
     helper_add_event(&d, of, API_EVENT_STATUS, "{}");
     stream_cursor cursor = begin(&d, STREAM_NDJSON, false, 1, 0);
     assert_int_equal(drain(&d, &cursor, LIMIT, &out), BODY_WAIT);
-    assert_int_equal(services.remove(&d, ID_1, NULL), BF_OK);
+    assert_int_equal(services.remove(&d, ID_1, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(next(&d, &cursor, LIMIT, &out), BODY_DONE);
     buffer_fini(&out);
 }

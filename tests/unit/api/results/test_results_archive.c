@@ -259,7 +259,8 @@ static void a_run_that_is_removed_meanwhile_ends_in_a_failure(void **unused)
     assert_int_equal(
         results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
     assert_int_equal(body.next_chunk(body.state, &services, 1, &zip, &where, NULL), BF_OK);
-    assert_int_equal(services.remove(services.context, of->record.id, NULL), BF_OK);
+    assert_int_equal(services.remove(services.context, of->record.id, API_ANY_REVISION, NULL),
+                     BF_OK);
     assert_int_equal(make_all(&body, 65536, &zip, NULL), BF_ENOTFOUND);
     body.destroy(body.state);
     buffer_fini(&zip);

@@ -257,7 +257,7 @@ static void a_killed_run_has_stopped_when_the_call_returns(void **state)
     assert_int_equal(store_find(w->store, record.id, &after, NULL), BF_OK);
     assert_int_equal(after.state, RUN_CANCELLED);
     assert_true(helper_is_childless());
-    assert_int_equal(store_remove(w->store, record.id, NULL), BF_OK);
+    assert_int_equal(store_remove(w->store, record.id, API_ANY_REVISION, NULL), BF_OK);
 }
 
 static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **state)

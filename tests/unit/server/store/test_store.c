@@ -182,7 +182,7 @@ static void a_run_changes_only_along_the_arrows(void **state)
     uint64_t revision = helper_find(s, record.id).revision;
     for (int to = 0; to < RUN_STATE_COUNT; to++)
         assert_int_equal(try_to_finish(s, record.id, (run_state)to), BF_ECONFLICT);
-    assert_int_equal(store_cancel(s, record.id, &record, NULL), BF_ECONFLICT);
+    assert_int_equal(store_cancel(s, record.id, API_ANY_REVISION, &record, NULL), BF_ECONFLICT);
     assert_int_equal(helper_find(s, record.id).state, RUN_SUCCEEDED);
     assert_int_equal(helper_find(s, record.id).revision, revision);
 }
@@ -192,7 +192,7 @@ static void a_queued_run_is_cancelled_at_once(void **state)
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_submit(s, "", 0);
 
-    assert_int_equal(store_cancel(s, record.id, &record, NULL), BF_OK);
+    assert_int_equal(store_cancel(s, record.id, API_ANY_REVISION, &record, NULL), BF_OK);
     assert_int_equal(record.state, RUN_CANCELLED);
     assert_true(record.finished_ms > 0);
     helper_events events = helper_read_events(s, record.id, 0);
@@ -209,11 +209,28 @@ static void a_running_run_is_left_to_the_supervisor(void **state)
     api_run before = helper_start(s);
     api_run record = { 0 };
 
-    assert_int_equal(store_cancel(s, before.id, &record, NULL), BF_OK);
+    assert_int_equal(store_cancel(s, before.id, API_ANY_REVISION, &record, NULL), BF_OK);
     assert_int_equal(record.state, RUN_RUNNING);
     assert_int_equal(record.revision, before.revision);
-    assert_int_equal(store_remove(s, before.id, NULL), BF_ECONFLICT);
+    assert_int_equal(store_remove(s, before.id, API_ANY_REVISION, NULL), BF_ECONFLICT);
     assert_int_equal(helper_find(s, before.id).last_event, before.last_event);
+}
+
+static void only_the_revision_that_is_expected_is_changed(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run record = helper_submit(s, "", 0);
+    uint64_t before = record.revision;
+
+    assert_int_equal(store_cancel(s, record.id, before + 1, &record, NULL), BF_EINPUT);
+    assert_int_equal(store_remove(s, record.id, before + 1, NULL), BF_EINPUT);
+    assert_int_equal(helper_find(s, record.id).state, RUN_QUEUED);
+    assert_int_equal(helper_find(s, record.id).revision, before);
+    assert_int_equal(store_cancel(s, record.id, before, &record, NULL), BF_OK);
+    assert_true(record.revision > before);
+    assert_int_equal(store_cancel(s, record.id, before, &record, NULL), BF_EINPUT);
+    assert_int_equal(store_remove(s, record.id, before, NULL), BF_EINPUT);
+    assert_int_equal(store_remove(s, record.id, record.revision, NULL), BF_OK);
 }
 
 static void an_unknown_run_is_not_found(void **state)
@@ -230,9 +247,9 @@ static void an_unknown_run_is_not_found(void **state)
 
     assert_int_equal(store_find(s, unknown, &record, &err), BF_ENOTFOUND);
     assert_non_null(strstr(err.text, unknown));
-    assert_int_equal(store_cancel(s, unknown, &record, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_cancel(s, unknown, API_ANY_REVISION, &record, NULL), BF_ENOTFOUND);
     assert_int_equal(try_to_finish(s, unknown, RUN_FAILED), BF_ENOTFOUND);
-    assert_int_equal(store_remove(s, unknown, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_remove(s, unknown, API_ANY_REVISION, NULL), BF_ENOTFOUND);
     assert_int_equal(store_append(s, &batch, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_text(s, unknown, API_TEXT_SCENARIO, &out, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_curve(s, unknown, 0, &curve, NULL), BF_ENOTFOUND);
@@ -263,7 +280,7 @@ static void a_removed_run_leaves_nothing_behind(void **state)
         snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", tables[i]);
         assert_true(helper_store_sql(h, sql) > 0);
     }
-    assert_int_equal(store_remove(h->store, record.id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(store_find(h->store, record.id, &record, NULL), BF_ENOTFOUND);
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", tables[i]);
@@ -279,12 +296,13 @@ static void event_ids_are_never_used_again(void **state)
     api_run record = helper_submit(h->store, "", 0);
     uint64_t newest = record.last_event;
 
-    assert_int_equal(store_remove(h->store, record.id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
     assert_true(helper_submit(h->store, "", 0).last_event > newest);
     helper_store_close(h);
     helper_store_open(h);
     record = helper_claim(h->store);
-    assert_int_equal(store_remove(h->store, helper_submit(h->store, "", 0).id, NULL), BF_OK);
+    assert_int_equal(
+        store_remove(h->store, helper_submit(h->store, "", 0).id, API_ANY_REVISION, NULL), BF_OK);
     assert_true(helper_submit(h->store, "", 0).last_event > record.last_event + 1);
 }
 
@@ -345,6 +363,7 @@ int main(void)
         STORE_TEST(a_run_changes_only_along_the_arrows),
         STORE_TEST(a_queued_run_is_cancelled_at_once),
         STORE_TEST(a_running_run_is_left_to_the_supervisor),
+        STORE_TEST(only_the_revision_that_is_expected_is_changed),
         STORE_TEST(an_unknown_run_is_not_found),
         STORE_TEST(a_removed_run_leaves_nothing_behind),
         STORE_TEST(event_ids_are_never_used_again),

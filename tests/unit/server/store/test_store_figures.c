@@ -44,7 +44,7 @@ static void figures_follow_what_is_written(void **state)
     assert_int_equal(f.n_runs[RUN_QUEUED], 1);
     (void)helper_finish(s, claimed.id, RUN_FAILED);
     (void)await_figures(s, RUN_FAILED, 1);
-    assert_int_equal(store_remove(s, claimed.id, NULL), BF_OK);
+    assert_int_equal(store_remove(s, claimed.id, API_ANY_REVISION, NULL), BF_OK);
     f = await_figures(s, RUN_FAILED, 0);
     assert_int_equal(f.n_runs[RUN_QUEUED], 1);
 }

@@ -149,8 +149,8 @@ static void removing_runs_leaves_measurements_alone(void **state)
     api_measurement added = add(h->store, "", 3);
     api_run record = helper_submit(h->store, "", 0);
 
-    assert_int_equal(store_remove(h->store, record.id, NULL), BF_OK);
-    assert_int_equal(store_remove(h->store, added.id, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, added.id, API_ANY_REVISION, NULL), BF_ENOTFOUND);
     assert_int_equal(store_remove_measurement(h->store, record.id, NULL), BF_ENOTFOUND);
     assert_stored(h->store, &added);
 }

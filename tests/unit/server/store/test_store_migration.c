@@ -181,9 +181,9 @@ static void a_run_of_an_older_store_is_removed_with_all_it_has(void **state)
 
     make_old(h, 2);
     helper_store_open(h);
-    assert_int_equal(store_remove(h->store, run_a, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, run_a, API_ANY_REVISION, NULL), BF_OK);
     check_results(h->store, run_b);
-    assert_int_equal(store_remove(h->store, run_b, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, run_b, API_ANY_REVISION, NULL), BF_OK);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         assert_int_equal(helper_store_sql(h, counts[i]), 0);
     check_soundness(h);

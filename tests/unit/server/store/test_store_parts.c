@@ -162,7 +162,7 @@ static void a_removed_run_leaves_no_parts(void **state)
 
     assert_int_equal(append(h->store, record.id, 0, &all_parts, true), BF_OK);
     helper_finish(h->store, record.id, RUN_SUCCEEDED);
-    assert_int_equal(store_remove(h->store, record.id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM chunks"), 0);
 }
 

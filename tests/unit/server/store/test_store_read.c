@@ -208,7 +208,7 @@ static void a_removed_run_has_no_events(void **state)
     taken t = { .events = events };
 
     copy_ids(runs, 2, ids);
-    assert_int_equal(store_remove(s, ids[0], NULL), BF_OK);
+    assert_int_equal(store_remove(s, ids[0], API_ANY_REVISION, NULL), BF_OK);
     assert_int_equal(
         store_read_events(s, (const char(*)[API_ID_SIZE])ids, 2, 0, SIZE_MAX, take, &t, NULL),
         BF_OK);

@@ -253,7 +253,7 @@ static void removing_one_leaves_the_others_theirs(void **state)
     solve(h->store, runs[0].id);
     runs[1] = submit(h->store, "work", "b");
     runs[2] = submit(h->store, "work", "c");
-    assert_int_equal(store_remove(h->store, runs[0].id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, runs[0].id, API_ANY_REVISION, NULL), BF_OK);
     check_results(h->store, runs[1].id);
     bf_buffer told = told_of(h->store, runs[2].id, runs[0].id, "no longer anywhere");
     assert_non_null(strstr(told.bytes, "/snapshots/2"));
@@ -268,7 +268,7 @@ static void removing_one_leaves_the_others_theirs(void **state)
     for (size_t i = 0; i < list.n; i++) {
         check_results(h->store, list.runs[i].id);
         assert_true(list.runs[i].is_cached);
-        assert_int_equal(store_remove(h->store, list.runs[i].id, NULL), BF_OK);
+        assert_int_equal(store_remove(h->store, list.runs[i].id, API_ANY_REVISION, NULL), BF_OK);
     }
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         assert_int_equal(count(h, tables[i]), 0);
@@ -302,7 +302,7 @@ static void only_success_is_shared(void **state)
         assert_string_equal(helper_claim(s).id, first.id);
         api_run second = submit(s, "work", "second");
         assert_false(second.is_cached);
-        assert_int_equal(store_cancel(s, second.id, &second, NULL), BF_OK);
+        assert_int_equal(store_cancel(s, second.id, API_ANY_REVISION, &second, NULL), BF_OK);
         end(s, first.id, ends[i]);
     }
     solve(s, submit(s, "", "first").id);
@@ -454,7 +454,7 @@ static void large_results_go_step_by_step_also_after_a_crash(void **state)
     helper_await_sql(h, "SELECT count(*) FROM chunks", 0);
     helper_await_sql(h, "SELECT count(*) FROM results", 1);
     assert_int_equal(count(h, "snapshots"), 0);
-    assert_int_equal(store_remove(h->store, next.id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, next.id, API_ANY_REVISION, NULL), BF_OK);
 }
 
 #define STORE_TEST(name)                                                                           \

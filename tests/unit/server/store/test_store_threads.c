@@ -127,13 +127,13 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     // Refused, left as it was, and read: nothing to be told.
     ending.run_id = second.id;
     assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_ECONFLICT);
-    assert_int_equal(store_cancel(h->store, first.id, &record, NULL), BF_OK);
+    assert_int_equal(store_cancel(h->store, first.id, API_ANY_REVISION, &record, NULL), BF_OK);
     assert_int_equal(store_ready(h->store, NULL), BF_OK);
     helper_find(h->store, first.id);
     expect_heard(&ear, 4, first.id);
-    assert_int_equal(store_cancel(h->store, second.id, &record, NULL), BF_OK);
+    assert_int_equal(store_cancel(h->store, second.id, API_ANY_REVISION, &record, NULL), BF_OK);
     expect_heard(&ear, 5, second.id);
-    assert_int_equal(store_remove(h->store, second.id, NULL), BF_OK);
+    assert_int_equal(store_remove(h->store, second.id, API_ANY_REVISION, NULL), BF_OK);
     expect_heard(&ear, 6, second.id);
     helper_store_close(h);
     lock_fini(&ear.lock);
