@@ -1,7 +1,7 @@
 // A polytope of triangles inside a - b grows at the side that is nearest to the origin, until that
 // side lies on the border of a - b: the way out is then the shortest.
 
-#include "core/convex/gjk_priv.h"
+#include "core/convex/convex_priv.h"
 
 #include <float.h>
 
@@ -23,7 +23,7 @@ typedef struct polytope {
     const gjk_pair *pair;
     double size;
     int n_points, n_sides, n_rim;
-    gjk__point point[POINTS_MAX];
+    minkowski__point point[POINTS_MAX];
     side sides[FACES_MAX];
     int rim_side[FACES_MAX], rim_edge[FACES_MAX]; // what new sides will stand on, in order
 } polytope;
@@ -107,7 +107,7 @@ static void close_up(polytope *p)
 
 /// Add a point beyond a side. Returns false if there is no room, or rounding spoils the rim; the
 /// sides are then as good as they were.
-static bool grow(polytope *p, int at, gjk__point point)
+static bool grow(polytope *p, int at, minkowski__point point)
 {
     double margin = ROUNDING * p->size;
 
@@ -185,10 +185,10 @@ static bool fill_up(polytope *p)
 
     while (p->n_points < 4) {
         int n = list_directions(p, directions);
-        gjk__point best = p->point[0];
+        minkowski__point best = p->point[0];
         double farthest = 0.0;
         for (int k = 0; k < n; k++) {
-            gjk__point trial = gjk__support(p->pair, directions[k]);
+            minkowski__point trial = minkowski__support(p->pair, directions[k]);
             double off = measure_off(p, trial.at);
             if (off > farthest) {
                 farthest = off;
@@ -218,7 +218,7 @@ static void make_tetrahedron(polytope *p)
     vec3 normal = vec3_cross(vec3_sub(p->point[1].at, a), vec3_sub(p->point[2].at, a));
 
     if (vec3_dot(normal, vec3_sub(p->point[3].at, a)) > 0.0) {
-        gjk__point swap = p->point[1];
+        minkowski__point swap = p->point[1];
         p->point[1] = p->point[2];
         p->point[2] = swap;
     }
@@ -234,53 +234,53 @@ static void make_tetrahedron(polytope *p)
     }
 }
 
-/// Shares of a point in the plane of a side; returns the least of them.
-static double find_shares(const polytope *p, const side *s, vec3 at, double *ret_shares)
+/// Weights of a point in the plane of a side; returns the least of them.
+static double find_weights(const polytope *p, const side *s, vec3 at, double *ret_weights)
 {
     double sum = 0.0;
 
     for (int k = 0; k < 3; k++) {
         vec3 to_next = vec3_sub(p->point[s->corner[(k + 1) % 3]].at, at);
         vec3 to_last = vec3_sub(p->point[s->corner[(k + 2) % 3]].at, at);
-        ret_shares[k] = vec3_dot(vec3_cross(to_next, to_last), s->normal);
-        sum += ret_shares[k];
+        ret_weights[k] = vec3_dot(vec3_cross(to_next, to_last), s->normal);
+        sum += ret_weights[k];
     }
     for (int k = 0; k < 3; k++)
-        ret_shares[k] /= sum;
-    return fmin(ret_shares[0], fmin(ret_shares[1], ret_shares[2]));
+        ret_weights[k] /= sum;
+    return fmin(ret_weights[0], fmin(ret_weights[1], ret_weights[2]));
 }
 
 /// The touch at the foot of the origin on a side. A face of the difference may be several sides in
 /// one plane: the witnesses are those of the one that has the foot in it.
-static gjk_touch touch_at(const polytope *p, const side *best)
+static gjk_result touch_at(const polytope *p, const side *best)
 {
     vec3 foot = vec3_scale(best->normal, best->distance);
-    double shares[3], trial[3], most = find_shares(p, best, foot, shares), slack = 1e-12;
+    double weights[3], trial[3], most = find_weights(p, best, foot, weights), slack = 1e-12;
     const side *holder = best;
-    gjk__point points[3];
+    minkowski__point points[3];
 
     for (int k = 0; k < p->n_sides && most < 0.0; k++) {
         const side *s = &p->sides[k];
         bool is_in_plane = !s->is_dropped && s->distance - best->distance < slack * p->size &&
                            vec3_dot(s->normal, best->normal) > 1.0 - slack;
-        if (is_in_plane && find_shares(p, s, foot, trial) > most) {
+        if (is_in_plane && find_weights(p, s, foot, trial) > most) {
             holder = s;
-            most = find_shares(p, s, foot, shares);
+            most = find_weights(p, s, foot, weights);
         }
     }
     for (int k = 0; k < 3; k++)
         points[k] = p->point[holder->corner[k]];
-    gjk_touch touch = gjk__touch_of(p->pair, points, shares, 3);
+    gjk_result touch = minkowski__witnesses(p->pair, points, weights, 3);
     touch.distance = -best->distance;
     touch.normal = best->normal;
     return touch;
 }
 
 /// Points and lines that touch: no depth, and any direction at right angles to them is as good.
-static gjk_touch touch_flat(const polytope *p, vec3 axis)
+static gjk_result touch_flat(const polytope *p, vec3 axis)
 {
     double length = vec3_length(axis);
-    gjk_touch touch = gjk__touch_of(p->pair, p->point, (double[]){ 1.0 }, 1);
+    gjk_result touch = minkowski__witnesses(p->pair, p->point, (double[]){ 1.0 }, 1);
 
     touch.normal = length > 0.0 ? vec3_scale(axis, 1.0 / length) : (vec3){ 1.0, 0.0, 0.0 };
     if (p->n_points == 2)
@@ -291,12 +291,12 @@ static gjk_touch touch_flat(const polytope *p, vec3 axis)
     return touch;
 }
 
-gjk_touch gjk__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 axis)
+gjk_result epa__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 axis)
 {
     polytope p;
 
     p.pair = pair;
-    p.size = gjk__size(pair);
+    p.size = minkowski__size(pair);
     take_simplex(&p, start);
     if (!fill_up(&p))
         return touch_flat(&p, axis);
@@ -304,7 +304,7 @@ gjk_touch gjk__penetrate(const gjk_pair *pair, const gjk__simplex *start, vec3 a
     side best = p.sides[nearest_side(&p)];
     for (int at = nearest_side(&p); at != NO_FACE; at = nearest_side(&p)) {
         best = p.sides[at];
-        gjk__point point = gjk__support(pair, best.normal);
+        minkowski__point point = minkowski__support(pair, best.normal);
         if (!is_seen(&best, point.at, ROUNDING * p.size) || !grow(&p, at, point))
             break;
     }

@@ -4,7 +4,7 @@
 
 #include "core/convex/gjk.h"
 
-#include "core/convex/gjk_priv.h"
+#include "core/convex/convex_priv.h"
 
 #include <float.h>
 
@@ -25,50 +25,22 @@ gjk_pair gjk_pair_of(const hull *a, vec3 x_a, const mat3 *r_a, const hull *b, ve
     return (gjk_pair){ a, b, mat3_between(r_a, r_b), mat3_apply_back(r_a, vec3_sub(x_b, x_a)) };
 }
 
-double gjk__size(const gjk_pair *pair)
-{
-    return pair->a->radius + pair->b->radius + vec3_length(pair->shift);
-}
-
-gjk__point gjk__support(const gjk_pair *pair, vec3 d)
-{
-    size_t of_a = hull_support(pair->a, d);
-    size_t of_b = hull_support(pair->b, mat3_apply_back(&pair->turn, vec3_scale(d, -1.0)));
-    vec3 at_b = vec3_add(mat3_apply(&pair->turn, hull_vertex(pair->b, of_b)), pair->shift);
-
-    return (gjk__point){ vec3_sub(hull_vertex(pair->a, of_a), at_b), (uint8_t)of_a, (uint8_t)of_b };
-}
-
-gjk_touch gjk__touch_of(const gjk_pair *pair, const gjk__point *points, const double *shares, int n)
-{
-    gjk_touch touch = { .n_vertices = n };
-
-    for (int k = 0; k < n; k++) {
-        vec3 at_b = mat3_apply(&pair->turn, hull_vertex(pair->b, points[k].of_b));
-        touch.on_a = vec3_along(touch.on_a, shares[k], hull_vertex(pair->a, points[k].of_a));
-        touch.on_b = vec3_along(touch.on_b, shares[k], vec3_add(at_b, pair->shift));
-        touch.of_a[k] = points[k].of_a;
-        touch.of_b[k] = points[k].of_b;
-    }
-    return touch;
-}
-
-/// Keep only corner i, corners i and j, or i, j and k, with their shares.
+/// Keep only corner i, corners i and j, or i, j and k, with their weights.
 static void keep_one(gjk__simplex *s, int i)
 {
     *s = (gjk__simplex){ 1, { s->point[i] }, { 1.0 } };
 }
 
-static void keep_two(gjk__simplex *s, int i, int j, double share_j)
+static void keep_two(gjk__simplex *s, int i, int j, double weight_j)
 {
-    *s = (gjk__simplex){ 2, { s->point[i], s->point[j] }, { 1.0 - share_j, share_j } };
+    *s = (gjk__simplex){ 2, { s->point[i], s->point[j] }, { 1.0 - weight_j, weight_j } };
 }
 
-static void keep_three(gjk__simplex *s, int i, int j, int k, const double *shares)
+static void keep_three(gjk__simplex *s, int i, int j, int k, const double *weights)
 {
     *s = (gjk__simplex){ 3,
                          { s->point[i], s->point[j], s->point[k] },
-                         { shares[0], shares[1], shares[2] } };
+                         { weights[0], weights[1], weights[2] } };
 }
 
 static void reduce_segment(gjk__simplex *s, int i, int j)
@@ -90,7 +62,7 @@ static void reduce_triangle(gjk__simplex *s, int i, int j, int k)
     vec3 a = s->point[i].at, b = s->point[j].at, c = s->point[k].at;
     vec3 ab = vec3_sub(b, a), ac = vec3_sub(c, a), normal = vec3_cross(ab, ac);
     double area = vec3_dot(normal, normal);
-    // Shares by areas: each vanishes on the side opposite its corner.
+    // Weights by areas: each vanishes on the side opposite its corner.
     double u = vec3_dot(vec3_cross(b, c), normal);
     double v = vec3_dot(vec3_cross(c, a), normal);
     double w = vec3_dot(vec3_cross(a, b), normal);
@@ -106,9 +78,9 @@ static void reduce_triangle(gjk__simplex *s, int i, int j, int k)
     for (int side = 0; side < 3; side++) {
         gjk__simplex trial = *s;
         reduce_segment(&trial, sides[side][0], sides[side][1]);
-        vec3 at = vec3_scale(trial.point[0].at, trial.share[0]);
+        vec3 at = vec3_scale(trial.point[0].at, trial.weight[0]);
         if (trial.n == 2)
-            at = vec3_along(at, trial.share[1], trial.point[1].at);
+            at = vec3_along(at, trial.weight[1], trial.point[1].at);
         if (vec3_dot(at, at) < nearest) {
             nearest = vec3_dot(at, at);
             best = trial;
@@ -122,7 +94,7 @@ static vec3 nearest_point(const gjk__simplex *s)
     vec3 at = { 0.0, 0.0, 0.0 };
 
     for (int k = 0; k < s->n; k++)
-        at = vec3_along(at, s->share[k], s->point[k].at);
+        at = vec3_along(at, s->weight[k], s->point[k].at);
     if (s->n != 3)
         return at;
     // The foot of the origin on the plane has less rounding than the sum.
@@ -164,7 +136,7 @@ static void reduce(gjk__simplex *s)
 {
     switch (s->n) {
     case 1:
-        s->share[0] = 1.0;
+        s->weight[0] = 1.0;
         break;
     case 2:
         reduce_segment(s, 1, 0);
@@ -178,7 +150,7 @@ static void reduce(gjk__simplex *s)
     }
 }
 
-static bool has_point(const gjk__simplex *s, const gjk__point *p)
+static bool has_point(const gjk__simplex *s, const minkowski__point *p)
 {
     for (int k = 0; k < s->n; k++)
         if (s->point[k].of_a == p->of_a && s->point[k].of_b == p->of_b)
@@ -192,12 +164,12 @@ static bool has_point(const gjk__simplex *s, const gjk__point *p)
 static outcome search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simplex *ret_simplex,
                       double *ret_gap)
 {
-    double size = gjk__size(pair), nearest = DBL_MAX;
+    double size = minkowski__size(pair), nearest = DBL_MAX;
     gjk__simplex s = { .n = 0 };
 
     *ret_gap = 0.0;
     for (int round = 0; round < ROUNDS_MAX; round++) {
-        gjk__point p = gjk__support(pair, *axis);
+        minkowski__point p = minkowski__support(pair, *axis);
         double beyond = vec3_dot(p.at, *axis), length = vec3_length(*axis);
         *ret_gap = -beyond / length;
         // With *axis = -v: v.v - v.p is what the round can gain, times |v|.
@@ -236,14 +208,14 @@ double gjk_find_gap(const gjk_pair *pair, vec3 *axis)
     return gap;
 }
 
-gjk_touch gjk_measure(const gjk_pair *pair, vec3 axis)
+gjk_result gjk_measure(const gjk_pair *pair, vec3 axis)
 {
     gjk__simplex simplex;
     double gap;
 
     if (search(pair, false, &axis, &simplex, &gap) == TOGETHER)
-        return gjk__penetrate(pair, &simplex, axis);
-    gjk_touch touch = gjk__touch_of(pair, simplex.point, simplex.share, simplex.n);
+        return epa__penetrate(pair, &simplex, axis);
+    gjk_result touch = minkowski__witnesses(pair, simplex.point, simplex.weight, simplex.n);
     touch.distance = vec3_length(axis);
     touch.normal = vec3_scale(axis, 1.0 / touch.distance);
     return touch;

@@ -14,14 +14,14 @@
 
 /// Two hulls, the second as seen from the first.
 typedef struct gjk_pair {
-    const hull *a; ///< borrowed
-    const hull *b; ///< borrowed
-    mat3 turn;     ///< from b's frame into a's
-    vec3 shift;    ///< origin of b in a's frame, m
+    const hull *a;    ///< borrowed
+    const hull *b;    ///< borrowed
+    mat3 rotation;    ///< from b's frame into a's
+    vec3 translation; ///< origin of b in a's frame, m
 } gjk_pair;
 
 /// What was found.
-typedef struct gjk_touch {
+typedef struct gjk_result {
     double distance; ///< m; below 0: minus the depth of penetration
     vec3 normal;     ///< see above
     vec3 on_a;      ///< witnesses: the points of a and b that are nearest to each other, or deepest
@@ -29,7 +29,7 @@ typedef struct gjk_touch {
     int n_vertices; ///< 1 to 3: they mix these vertices
     uint8_t of_a[3]; ///< numbers of vertices of a
     uint8_t of_b[3]; ///< same of b
-} gjk_touch;
+} gjk_result;
 
 /// The pair of two hulls at places x with rotations r.
 gjk_pair gjk_pair_of(const hull *a, vec3 x_a, const mat3 *r_a, const hull *b, vec3 x_b,
@@ -42,4 +42,4 @@ double gjk_find_gap(const gjk_pair *pair, vec3 *axis);
 
 /// Distance or depth. axis as above. Where more than one direction has the least depth, one of
 /// them.
-gjk_touch gjk_measure(const gjk_pair *pair, vec3 axis);
+gjk_result gjk_measure(const gjk_pair *pair, vec3 axis);

@@ -2,7 +2,6 @@
 
 #include "core/base/check.h"
 #include "core/base/polygon.h"
-#include "core/scene/shape.h"
 
 #include <float.h>
 #include <stdbool.h>
@@ -121,7 +120,7 @@ void hull_from_outline(const vec2 *outline, size_t n, double bottom, double top,
 {
     double points[HULL_VERTICES_MAX][3];
 
-    BF_CHECK(n >= 3 && n <= SCENE_VERTICES_MAX);
+    BF_CHECK(n >= 3 && n <= HULL_POINTS_MAX);
     for (size_t k = 0; k < n; k++) {
         memcpy(points[k], (double[]){ outline[k].x, outline[k].y, bottom }, sizeof points[k]);
         memcpy(points[n + k], (double[]){ outline[k].x, outline[k].y, top }, sizeof points[k]);
@@ -158,8 +157,8 @@ static bool is_between(const hull *h, size_t k, double tolerance)
                 continue;
             vec3 from = hull_vertex(h, i), along = vec3_sub(hull_vertex(h, j), from);
             vec3 to = vec3_sub(at, from);
-            double length = vec3_length(along), share = vec3_dot(to, along) / (length * length);
-            if (share > 0.0 && share < 1.0 &&
+            double length = vec3_length(along), weight = vec3_dot(to, along) / (length * length);
+            if (weight > 0.0 && weight < 1.0 &&
                 vec3_length(vec3_cross(to, along)) <= tolerance * length)
                 return true;
         }
@@ -293,7 +292,7 @@ bf_status hull_from_points(const double (*points)[3], size_t n, hull *ret_hull, 
 {
     hull h;
 
-    BF_CHECK(n >= 1 && n <= SCENE_VERTICES_MAX);
+    BF_CHECK(n >= 1 && n <= HULL_POINTS_MAX);
     hull_set_points(points, n, &h);
     double tolerance = FLAT * measure_extent(&h);
     drop_straight(&h, tolerance);
@@ -301,32 +300,21 @@ bf_status hull_from_points(const double (*points)[3], size_t n, hull *ret_hull, 
     if (is_closed)
         drop_inner(&h);
     if (!is_closed || !find_edges(&h))
-        return bf_fail(err, BF_EINPUT, "/cargo/shape/vertices_m",
+        return bf_fail(err, BF_EINPUT, "",
                        "is degenerate: the faces of the hull cannot be told apart");
     *ret_hull = h;
     return BF_OK;
 }
 
-bf_status hull_of_shape(const scene_shape *shape, hull *ret_hull, bf_error *err)
+void hull_from_cylinder(double radius, double height, hull *ret_hull)
 {
-    shape_footprint footprint = shape_footprint_of(shape);
-    vec2 outline[SCENE_VERTICES_MAX + 1];
-    size_t n = HULL_CYLINDER_SIDES;
+    vec2 outline[HULL_CYLINDER_SIDES];
 
-    if (shape->type == SCENE_HULL)
-        return hull_from_points((const double(*)[3])shape->vertices, shape->n_vertices, ret_hull,
-                                err);
-    for (size_t k = 0; k < n; k++) {
-        double angle = 2.0 * M_PI * ((double)k + 0.5) / (double)n;
-        outline[k] = (vec2){ shape->radius * cos(angle), shape->radius * sin(angle) };
+    for (size_t k = 0; k < HULL_CYLINDER_SIDES; k++) {
+        double angle = 2.0 * M_PI * ((double)k + 0.5) / (double)HULL_CYLINDER_SIDES;
+        outline[k] = (vec2){ radius * cos(angle), radius * sin(angle) };
     }
-    if (shape->type != SCENE_CYLINDER)
-        n = polygon_convex_hull(footprint.corners, footprint.n_corners, outline);
-    if (shape->type == SCENE_PRISM)
-        hull_from_outline(outline, n, 0.0, shape->height, ret_hull);
-    else
-        hull_from_outline(outline, n, -0.5 * shape->height, 0.5 * shape->height, ret_hull);
-    return BF_OK;
+    hull_from_outline(outline, HULL_CYLINDER_SIDES, -0.5 * height, 0.5 * height, ret_hull);
 }
 
 void hull_move(hull *h, vec3 centre, const mat3 *axes)
@@ -345,7 +333,7 @@ void hull_move(hull *h, vec3 centre, const mat3 *axes)
 
 size_t hull_support(const hull *h, vec3 d)
 {
-    _Alignas(64) double reach[HULL_VERTICES_MAX];
+    _Alignas(64) double along[HULL_VERTICES_MAX];
     double best[HULL_LANES];
     size_t n = (h->n_vertices + HULL_LANES - 1) / HULL_LANES * HULL_LANES, found = 0;
 
@@ -354,13 +342,13 @@ size_t hull_support(const hull *h, vec3 d)
     for (size_t k = 0; k < n; k += HULL_LANES) {
         for (size_t lane = 0; lane < HULL_LANES; lane++) {
             double r = d.x * h->x[k + lane] + d.y * h->y[k + lane] + d.z * h->z[k + lane];
-            reach[k + lane] = r;
+            along[k + lane] = r;
             best[lane] = r > best[lane] ? r : best[lane];
         }
     }
     for (size_t lane = 1; lane < HULL_LANES; lane++)
         best[0] = best[lane] > best[0] ? best[lane] : best[0];
-    while (found + 1 < h->n_vertices && reach[found] != best[0])
+    while (found + 1 < h->n_vertices && along[found] != best[0])
         found++;
     return found;
 }

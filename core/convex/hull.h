@@ -9,14 +9,15 @@
 #pragma once
 
 #include "core/base/status.h"
+#include "core/base/vec2.h"
 #include "core/base/vec3.h"
-#include "core/scene/scene.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
-    HULL_VERTICES_MAX = 2 * SCENE_VERTICES_MAX, ///< a prism has its outline twice
+    HULL_POINTS_MAX = 64, ///< points that a hull is made of, corners of an outline
+    HULL_VERTICES_MAX = 2 * HULL_POINTS_MAX,    ///< a prism has its outline twice
     HULL_FACES_MAX = 2 * HULL_VERTICES_MAX - 4, ///< by Euler's formula, all triangles
     HULL_EDGES_MAX = 3 * HULL_VERTICES_MAX - 6, ///< same
     HULL_CORNERS_MAX = 2 * HULL_EDGES_MAX,      ///< of all faces together
@@ -67,19 +68,18 @@ static inline vec3 hull_vertex(const hull *h, size_t k)
 /// The points alone, 1 to HULL_VERTICES_MAX of them, without faces.
 void hull_set_points(const double (*points)[3], size_t n, hull *ret_hull);
 
-/// The convex hull of 4 to SCENE_VERTICES_MAX points; those inside it, or inside a face or an edge,
+/// The convex hull of 4 to HULL_POINTS_MAX points; those inside it, or inside a face or an edge,
 /// are dropped. BF_EINPUT: they enclose no volume, or so little that faces cannot be told apart.
 BF_MUST_CHECK bf_status hull_from_points(const double (*points)[3], size_t n, hull *ret_hull,
                                          bf_error *err);
 
-/// An upright prism on a convex counter-clockwise outline of 3 to SCENE_VERTICES_MAX corners
+/// An upright prism on a convex counter-clockwise outline of 3 to HULL_POINTS_MAX corners
 /// without straight ones, from z = bottom to z = top.
 void hull_from_outline(const vec2 *outline, size_t n, double bottom, double top, hull *ret_hull);
 
-/// The hull of a checked shape in its own frame: a cylinder as a prism of HULL_CYLINDER_SIDES sides
-/// whose corners lie on the circle; prisms from z = 0 up, boxes and cylinders around the origin.
-/// BF_EINPUT as hull_from_points().
-BF_MUST_CHECK bf_status hull_of_shape(const scene_shape *shape, hull *ret_hull, bf_error *err);
+/// An upright cylinder around the origin as a prism of HULL_CYLINDER_SIDES sides, whose corners lie on the
+/// circle.
+void hull_from_cylinder(double radius, double height, hull *ret_hull);
 
 /// Volume, centre of mass and inertia of a hull with faces.
 hull_mass hull_measure(const hull *h);

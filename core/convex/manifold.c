@@ -9,7 +9,7 @@
 /// Sine of the angle below which edges are parallel and span no plane.
 #define PARALLEL 1e-6
 
-/// What is deepest in the region may lie this share of the depth above the deepest vertex, which
+/// What is deepest in the region may lie this weight of the depth above the deepest vertex, which
 /// may reach over the side of the reference.
 #define OVERHANG 0.02
 
@@ -45,9 +45,9 @@ static void clip(ring *polygon, vec3 inward, double offset)
     for (size_t k = 0, last = from.n - 1; k < from.n && polygon->n + 2 <= MANIFOLD_POINTS_MAX;
          last = k++) {
         if ((height[k] < 0.0) != (height[last] < 0.0)) {
-            double share = height[last] / (height[last] - height[k]);
+            double weight = height[last] / (height[last] - height[k]);
             polygon->at[polygon->n++] =
-                vec3_along(from.at[last], share, vec3_sub(from.at[k], from.at[last]));
+                vec3_along(from.at[last], weight, vec3_sub(from.at[k], from.at[last]));
         }
         if (height[k] >= 0.0)
             polygon->at[polygon->n++] = from.at[k];
@@ -76,7 +76,7 @@ static void clip_by_sides(const hull *h, size_t face, ring *polygon)
     }
 }
 
-/// All corners of a polygon as points below a plane, with their shares; normal points out of the
+/// All corners of a polygon as points below a plane, with their weights; normal points out of the
 /// solid. No depth is less than `least`.
 static void weigh_points(const ring *polygon, vec3 normal, double offset, double least,
                          manifold_point *ret_points)
@@ -96,7 +96,7 @@ static void weigh_points(const ring *polygon, vec3 normal, double offset, double
         side_last = side;
     }
     for (size_t k = 0; k < n; k++)
-        ret_points[k].share = outline > 0.0 ? ret_points[k].share / outline : 1.0 / (double)n;
+        ret_points[k].weight = outline > 0.0 ? ret_points[k].weight / outline : 1.0 / (double)n;
 }
 
 /// Add the corners of the polygon that are above the plane by less than near.
@@ -113,7 +113,7 @@ static void add_coming(ring *polygon, vec3 normal, double offset, double near, m
             m->point[m->n++] = points[k];
 }
 
-/// Points and shares of what of the polygon is below a plane, and of what comes near it.
+/// Points and weights of what of the polygon is below a plane, and of what comes near it.
 static void take_points(ring *polygon, vec3 normal, double offset, double near, manifold *m)
 {
     m->n = 0;
@@ -176,8 +176,8 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
 {
     const hull *a = pair->a, *b = pair->b;
     vec3 p = hull_vertex(a, of_a->from), u = vec3_sub(hull_vertex(a, of_a->to), p);
-    vec3 q = vec3_add(mat3_apply(&pair->turn, hull_vertex(b, of_b->from)), pair->shift);
-    vec3 q_end = vec3_add(mat3_apply(&pair->turn, hull_vertex(b, of_b->to)), pair->shift);
+    vec3 q = vec3_add(mat3_apply(&pair->rotation, hull_vertex(b, of_b->from)), pair->translation);
+    vec3 q_end = vec3_add(mat3_apply(&pair->rotation, hull_vertex(b, of_b->to)), pair->translation);
     vec3 v = vec3_sub(q_end, q), across = vec3_cross(u, v);
     double length = vec3_length(across);
 
@@ -194,7 +194,7 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
     // Where the lines come nearest: p + s u and q + t v.
     double s = vec3_dot(vec3_cross(to, v), across) / (length * length);
     double t = vec3_dot(vec3_cross(to, u), across) / (length * length);
-    vec3 against = mat3_apply_back(&pair->turn, vec3_scale(m->normal, -1.0));
+    vec3 against = mat3_apply_back(&pair->rotation, vec3_scale(m->normal, -1.0));
     vec3 v_own = vec3_sub(hull_vertex(b, of_b->to), hull_vertex(b, of_b->from));
     m->is_least = s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0 &&
                   is_between(u, a->normal[of_a->left], a->normal[of_a->right], m->normal) &&
@@ -210,20 +210,21 @@ static void find_at_edges(const gjk_pair *pair, const hull_edge *of_a, const hul
 /// Turn a region from b's frame, where its normal points to a, into a's.
 static void turn_over(const gjk_pair *pair, manifold *m)
 {
-    m->normal = mat3_apply(&pair->turn, vec3_scale(m->normal, -1.0));
+    m->normal = mat3_apply(&pair->rotation, vec3_scale(m->normal, -1.0));
     for (size_t k = 0; k < m->n; k++)
-        m->point[k].at = vec3_add(mat3_apply(&pair->turn, m->point[k].at), pair->shift);
+        m->point[k].at = vec3_add(mat3_apply(&pair->rotation, m->point[k].at), pair->translation);
 }
 
 void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
                    manifold *ret_manifold)
 {
     if (feature.kind == MANIFOLD_FACE_A) {
-        find_at_face(pair->a, feature.of_a, pair->b, &pair->turn, pair->shift, near, ret_manifold);
+        find_at_face(pair->a, feature.of_a, pair->b, &pair->rotation, pair->translation, near,
+                     ret_manifold);
     } else if (feature.kind == MANIFOLD_FACE_B) {
         static const mat3 still = { { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
-        mat3 back = mat3_between(&pair->turn, &still);
-        vec3 shift = vec3_scale(mat3_apply(&back, pair->shift), -1.0);
+        mat3 back = mat3_between(&pair->rotation, &still);
+        vec3 shift = vec3_scale(mat3_apply(&back, pair->translation), -1.0);
         find_at_face(pair->b, feature.of_b, pair->a, &back, shift, near, ret_manifold);
         turn_over(pair, ret_manifold);
     } else {
@@ -232,7 +233,7 @@ void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
     }
 }
 
-void manifold_from_touch(const gjk_touch *touch, manifold *ret_manifold)
+void manifold_from_result(const gjk_result *touch, manifold *ret_manifold)
 {
     ret_manifold->normal = touch->normal;
     ret_manifold->depth = -touch->distance;
@@ -276,9 +277,9 @@ static bool find_edge(const hull *h, const uint8_t *vertices, int n, uint16_t *r
     return false;
 }
 
-manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_touch *touch)
+manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_result *touch)
 {
-    vec3 against = mat3_apply_back(&pair->turn, vec3_scale(touch->normal, -1.0));
+    vec3 against = mat3_apply_back(&pair->rotation, vec3_scale(touch->normal, -1.0));
     double facing_a, facing_b;
     manifold_feature feature = { MANIFOLD_EDGES, 0, 0 };
     uint16_t face_a = (uint16_t)find_facing(pair->a, touch->normal, &facing_a);

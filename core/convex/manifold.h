@@ -1,12 +1,12 @@
 /// The region where two convex hulls press on each other: a polygon, a line or a point, as contact
-/// points with depths and shares.
+/// points with depths and weights.
 ///
 /// A face that carries the least depth of penetration (gjk.h) is the reference. The face of the
 /// other hull that looks most against it is clipped by the planes through the reference's sides and
 /// by its own plane; what is left are the contact points, so that a box rests on a box on up to
 /// eight of them. Where two edges cross there is one point.
 ///
-/// Shares   what part of stiffness and dashpot of the contact acts in a point: half the two sides
+/// Weights   what part of stiffness and dashpot of the contact acts in a point: half the two sides
 ///          of the polygon that meet there, divided by its outline. They sum to 1, however many
 ///          points there are and however close some are together, and change smoothly as the bodies
 ///          move. A flat contact thus has stiffness k, an edge that lies in a face k/2, as half of
@@ -19,7 +19,7 @@
 
 #include "core/convex/gjk.h"
 
-enum { MANIFOLD_POINTS_MAX = 2 * SCENE_VERTICES_MAX + 2 }; ///< two faces clipped, and once more
+enum { MANIFOLD_POINTS_MAX = 2 * HULL_POINTS_MAX + 2 }; ///< two faces clipped, and once more
 
 /// What carries the least depth.
 typedef enum manifold_kind {
@@ -38,9 +38,9 @@ typedef struct manifold_feature {
 
 /// A contact point.
 typedef struct manifold_point {
-    vec3 at;      ///< in the middle of the overlap, m
-    double depth; ///< along the normal, m; < 0: apart
-    double share; ///< see above
+    vec3 at;       ///< in the middle of the overlap, m
+    double depth;  ///< along the normal, m; < 0: apart
+    double weight; ///< see above
 } manifold_point;
 
 /// The region.
@@ -63,7 +63,7 @@ typedef struct manifold_plane {
 } manifold_plane;
 
 /// The feature that carries a touch which gjk_measure() found to overlap.
-manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_touch *touch);
+manifold_feature manifold_feature_of(const gjk_pair *pair, const gjk_result *touch);
 
 /// The region at a feature, in a's frame. While is_least holds the feature still carries the
 /// (locally) least depth, and no search is needed. kind is not MANIFOLD_NONE.
@@ -71,7 +71,7 @@ void manifold_find(const gjk_pair *pair, manifold_feature feature, double near,
                    manifold *ret_manifold);
 
 /// The single point of a touch, in a's frame.
-void manifold_from_touch(const gjk_touch *touch, manifold *ret_manifold);
+void manifold_from_result(const gjk_result *touch, manifold *ret_manifold);
 
 /// The region of a hull at x with rotation r below the surface of a solid; its normal is the
 /// plane's. All in the world's frame.

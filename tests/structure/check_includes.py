@@ -8,7 +8,7 @@ import tree
 # Folder: the folders of ours that it may include from.
 ARROWS = {
     "core/base": {"core/base"},
-    "core/convex": {"core/base", "core/scene", "core/convex"},
+    "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},

@@ -103,7 +103,7 @@ static void add_point(const body_state *s, const body_body *body, const micro_la
                       const manifold_point *point, patch *p)
 {
     double force =
-        body__press(s, law, point->depth, point->share, body__velocity(body, point->at).z);
+        body__press(s, law, point->depth, point->weight, body__velocity(body, point->at).z);
 
     if (force == 0.0)
         return;

@@ -22,7 +22,7 @@ static body_spot spot_of(const spots *from, size_t k)
     if (region->is_round)
         return region->spots[k];
     const manifold_point *point = &region->hull.point[k];
-    return (body_spot){ point->at, region->hull.normal, point->depth, point->share };
+    return (body_spot){ point->at, region->hull.normal, point->depth, point->weight };
 }
 
 static spots find_spots(const body_region *region)

@@ -3,12 +3,41 @@
 #include "core/micro/body/body_priv.h"
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
 
 /// Cosine of the angle within which a face looks down.
 #define FLAT (1.0 - 1e-9)
+
+_Static_assert((int)HULL_POINTS_MAX >= (int)SCENE_VERTICES_MAX,
+               "a hull has room for the points of a shape");
+
+/// The hull of a checked shape in its own frame: prisms from z = 0 up, boxes and cylinders around the
+/// origin.
+static bf_status find_hull(const scene_shape *shape, hull *ret_hull, bf_error *err)
+{
+    shape_footprint footprint;
+    vec2 outline[SCENE_VERTICES_MAX + 1];
+    bf_error fault = { .code = BF_OK };
+
+    if (shape->type == SCENE_HULL) {
+        if (hull_from_points((const double(*)[3])shape->vertices, shape->n_vertices, ret_hull,
+                             &fault) == BF_OK)
+            return BF_OK;
+        return bf_fail(err, BF_EINPUT, "/cargo/shape/vertices_m", "%s", fault.text);
+    }
+    if (shape->type == SCENE_CYLINDER) {
+        hull_from_cylinder(shape->radius, shape->height, ret_hull);
+        return BF_OK;
+    }
+    footprint = shape_footprint_of(shape);
+    size_t n = polygon_convex_hull(footprint.corners, footprint.n_corners, outline);
+    double bottom = shape->type == SCENE_PRISM ? 0.0 : -0.5 * shape->height;
+    hull_from_outline(outline, n, bottom, bottom + shape->height, ret_hull);
+    return BF_OK;
+}
 
 static hull_mass mass_of(const scene_shape *shape, const hull *h)
 {
@@ -87,7 +116,7 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
     body_kind *kind = ret_kind;
     vec3 moments;
 
-    bf_status status = hull_of_shape(shape, &kind->shape, err);
+    bf_status status = find_hull(shape, &kind->shape, err);
     if (status != BF_OK)
         return status;
     kind->mass = from->mass;

@@ -31,7 +31,7 @@ static bool search(const gjk_pair *pair, double near, body_memory *memory, manif
     memory->gap = gjk_find_gap(pair, &memory->axis);
     if (memory->gap > near)
         return false;
-    gjk_touch touch = gjk_measure(pair, memory->axis);
+    gjk_result touch = gjk_measure(pair, memory->axis);
     memory->axis = touch.normal;
     memory->gap = touch.distance > near ? touch.distance : 0.0;
     if (touch.distance > 0.0 && touch.distance >= near)
@@ -41,7 +41,7 @@ static bool search(const gjk_pair *pair, double near, body_memory *memory, manif
     // What is apart may be nearest in a corner, which no feature carries.
     bool is_carried = ret_manifold->is_least || touch.distance <= 0.0;
     if (ret_manifold->n == 0 || !is_carried)
-        manifold_from_touch(&touch, ret_manifold);
+        manifold_from_result(&touch, ret_manifold);
     if (!is_carried)
         memory->feature.kind = MANIFOLD_NONE;
     return true;
@@ -51,8 +51,9 @@ bool body__find_manifold(const gjk_pair *pair, double near, body_memory *memory,
                          manifold *ret_manifold)
 {
     if (vec3_dot(memory->axis, memory->axis) == 0.0)
-        memory->axis =
-            vec3_dot(pair->shift, pair->shift) > 0.0 ? pair->shift : (vec3){ 1.0, 0.0, 0.0 };
+        memory->axis = vec3_dot(pair->translation, pair->translation) > 0.0
+                           ? pair->translation
+                           : (vec3){ 1.0, 0.0, 0.0 };
     if (memory->feature.kind != MANIFOLD_NONE) {
         manifold_find(pair, memory->feature, near, ret_manifold);
         memory->axis = ret_manifold->normal;
@@ -69,7 +70,7 @@ static bool add_point(const body_state *s, const micro_law *law, body_pair *pair
     const body_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
     vec3 velocity = vec3_sub(body__velocity(b, point->at), body__velocity(a, point->at));
     double approach = vec3_dot(velocity, normal);
-    double press = body__press(s, law, point->depth, point->share, approach);
+    double press = body__press(s, law, point->depth, point->weight, approach);
 
     if (press == 0.0)
         return false;

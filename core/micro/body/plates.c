@@ -145,7 +145,7 @@ static bool push_point(const body_state *s, size_t k, const micro_law *law, vec3
     const body_body *body = &s->bodies[k];
     vec3 velocity = body__velocity(body, point->at);
     double approach = vec3_dot(velocity, normal);
-    double press = body__press(s, law, point->depth, point->share, approach);
+    double press = body__press(s, law, point->depth, point->weight, approach);
 
     if (press == 0.0)
         return false;

@@ -32,7 +32,7 @@ mat3 helper_hull_rotation(bf_random *random)
 
 void helper_hull_random(bf_random *random, size_t n, double radius, hull *ret_hull)
 {
-    double points[SCENE_VERTICES_MAX][3];
+    double points[HULL_POINTS_MAX][3];
 
     for (size_t k = 0; k < n; k++) {
         vec3 at = vec3_scale(point_in_ball(random), radius);
@@ -57,7 +57,7 @@ void helper_hull_box(double length, double width, double height, hull *ret_hull)
 /// Vertex k of b in a's frame.
 static vec3 vertex_of_b(const gjk_pair *p, size_t k)
 {
-    return vec3_add(mat3_apply(&p->turn, hull_vertex(p->b, k)), p->shift);
+    return vec3_add(mat3_apply(&p->rotation, hull_vertex(p->b, k)), p->translation);
 }
 
 /// How far b begins beyond the end of a along a unit vector from a to b.
@@ -79,8 +79,8 @@ static double largest_gap(const gjk_pair *p)
     for (size_t f = 0; f < p->a->n_faces; f++)
         largest = fmax(largest, measure_gap(p, p->a->normal[f]));
     for (size_t f = 0; f < p->b->n_faces; f++)
-        largest =
-            fmax(largest, measure_gap(p, vec3_scale(mat3_apply(&p->turn, p->b->normal[f]), -1.0)));
+        largest = fmax(largest,
+                       measure_gap(p, vec3_scale(mat3_apply(&p->rotation, p->b->normal[f]), -1.0)));
     for (size_t i = 0; i < p->a->n_edges; i++) {
         vec3 of_a =
             vec3_sub(hull_vertex(p->a, p->a->edge[i].to), hull_vertex(p->a, p->a->edge[i].from));
@@ -144,7 +144,7 @@ static double least_distance(const gjk_pair *p)
         size_t first = p->b->first[f], n = (size_t)(p->b->first[f + 1] - p->b->first[f]);
         for (size_t k = 0; k < n; k++)
             corners[k] = vertex_of_b(p, p->b->corner[first + k]);
-        vec3 normal = mat3_apply(&p->turn, p->b->normal[f]);
+        vec3 normal = mat3_apply(&p->rotation, p->b->normal[f]);
         for (size_t k = 0; k < p->a->n_vertices; k++)
             least = fmin(least, to_face(hull_vertex(p->a, k), corners, n, normal));
     }

@@ -75,7 +75,7 @@ static void libccd_finds_the_same_contacts_and_depths(void **state)
         ccd_real_t depth;
         ccd_vec3_t direction, position;
         gjk_pair pair = make_pair(&random, k, &a, &b, &at_a, &at_b);
-        gjk_touch touch = gjk_measure(&pair, (vec3){ 1.0, 0.0, 0.0 });
+        gjk_result touch = gjk_measure(&pair, (vec3){ 1.0, 0.0, 0.0 });
         int is_apart = ccdGJKPenetration(&at_a, &at_b, &ccd, &depth, &direction, &position);
         if (fabs(touch.distance) < 1e-6)
             continue;

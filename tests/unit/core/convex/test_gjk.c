@@ -21,13 +21,13 @@ static mat3 turn_about_z(double angle)
 }
 
 // The witnesses are as far apart as it says, along the normal, whichever direction it began with.
-static gjk_touch measure(const gjk_pair *pair)
+static gjk_result measure(const gjk_pair *pair)
 {
     const vec3 starts[] = { { 1.0, 0.0, 0.0 }, { -0.3, 0.2, -1.0 }, { 0.0, -1.0, 0.1 } };
-    gjk_touch first = gjk_measure(pair, starts[0]);
+    gjk_result first = gjk_measure(pair, starts[0]);
 
     for (int k = 0; k < 3; k++) {
-        gjk_touch t = gjk_measure(pair, starts[k]);
+        gjk_result t = gjk_measure(pair, starts[k]);
         assert_near(t.distance, first.distance, 1e-12);
         assert_near(vec3_length(t.normal), 1.0, 1e-12);
         vec3 between = vec3_sub(t.on_b, t.on_a);
@@ -47,7 +47,7 @@ static void boxes_apart_face_to_face_edge_to_edge_and_corner_to_corner(void **st
     helper_hull_box(2.0, 2.0, 2.0, &a);
     helper_hull_box(1.0, 1.0, 1.0, &b);
     gjk_pair faces = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.75, 0.2, -0.3 }, &still);
-    gjk_touch t = measure(&faces);
+    gjk_result t = measure(&faces);
     assert_near(t.distance, 0.25, 1e-12);
     assert_near(t.normal.x, 1.0, 1e-12);
     gjk_pair edges = gjk_pair_of(&a, origin, &still, &b, (vec3){ 1.8, 1.9, 0.3 }, &still);
@@ -66,7 +66,7 @@ static void boxes_in_each_other_come_out_the_shortest_way(void **state)
     helper_hull_box(2.0, 2.0, 2.0, &a);
     helper_hull_box(1.0, 1.0, 1.0, &b);
     gjk_pair faces = gjk_pair_of(&a, origin, &still, &b, (vec3){ 0.2, -1.3, 0.4 }, &still);
-    gjk_touch t = measure(&faces);
+    gjk_result t = measure(&faces);
     assert_near(t.distance, -0.2, 1e-12);
     assert_near(t.normal.y, -1.0, 1e-12);
     gjk_pair same = gjk_pair_of(&a, origin, &still, &b, origin, &still);
@@ -86,7 +86,7 @@ static void points_stand_for_balls(void **state)
     const double point[1][3] = { { 0.0, 0.0, 0.0 } };
     hull_set_points(point, 1, &a);
     gjk_pair points = gjk_pair_of(&a, origin, &still, &a, (vec3){ 2.0, 3.0, 6.0 }, &still);
-    gjk_touch t = measure(&points);
+    gjk_result t = measure(&points);
     assert_near(t.distance, 7.0, 1e-12);
     assert_near(t.normal.z, 6.0 / 7.0, 1e-12);
     helper_hull_box(2.0, 4.0, 6.0, &b);
@@ -118,7 +118,7 @@ static void touching_is_neither_apart_nor_deep(void **state)
     hull_set_points(segment, 2, &s);
     mat3 quarter = turn_about_z(M_PI / 2.0);
     gjk_pair crossing = gjk_pair_of(&s, origin, &still, &s, origin, &quarter);
-    gjk_touch t = gjk_measure(&crossing, (vec3){ 1.0, 0.0, 0.0 });
+    gjk_result t = gjk_measure(&crossing, (vec3){ 1.0, 0.0, 0.0 });
     assert_near(t.distance, 0.0, 1e-12);
     assert_near(fabs(t.normal.z), 1.0, 1e-9);
     gjk_pair above = gjk_pair_of(&s, origin, &still, &s, (vec3){ 0.3, 0.2, 0.5 }, &quarter);
@@ -133,7 +133,7 @@ static void thin_plates_are_no_harder(void **state)
     helper_hull_box(1.0, 1.0, 1e-6, &plate);
     helper_hull_box(0.1, 0.1, 0.1, &box);
     gjk_pair on = gjk_pair_of(&plate, origin, &still, &box, (vec3){ 0.2, 0.1, 0.05 }, &still);
-    gjk_touch t = measure(&on);
+    gjk_result t = measure(&on);
     assert_near(t.distance, -5e-7, 1e-12);
     assert_near(t.normal.z, 1.0, 1e-9);
     gjk_pair through = gjk_pair_of(&plate, origin, &still, &box, (vec3){ 0.2, 0.1, 0.01 }, &still);

@@ -25,7 +25,7 @@ static double sum_shares(const manifold *m)
     double sum = 0.0;
 
     for (size_t k = 0; k < m->n; k++)
-        sum += m->point[k].share;
+        sum += m->point[k].weight;
     return sum;
 }
 
@@ -35,13 +35,13 @@ static double sum_press(const manifold *m)
     double sum = 0.0;
 
     for (size_t k = 0; k < m->n; k++)
-        sum += m->point[k].share * m->point[k].depth;
+        sum += m->point[k].weight * m->point[k].depth;
     return sum;
 }
 
 static manifold_feature find(const gjk_pair *pair, manifold *m)
 {
-    gjk_touch touch = gjk_measure(pair, (vec3){ 0.1, 0.2, 1.0 });
+    gjk_result touch = gjk_measure(pair, (vec3){ 0.1, 0.2, 1.0 });
 
     assert_true(touch.distance <= 0.0);
     manifold_feature feature = manifold_feature_of(pair, &touch);
@@ -68,7 +68,7 @@ static void a_box_rests_on_a_box_on_its_four_corners(void **state)
         assert_near(fabs(m.point[k].at.y - 0.25), 1.0, 1e-12);
         assert_near(m.point[k].at.z, 0.995, 1e-12);
         assert_near(m.point[k].depth, 0.01, 1e-12);
-        assert_near(m.point[k].share, 0.25, 1e-12);
+        assert_near(m.point[k].weight, 0.25, 1e-12);
     }
 }
 
@@ -92,7 +92,7 @@ static void what_reaches_over_the_side_is_cut_away(void **state)
     find(&star, &m);
     assert_int_equal(m.n, 8);
     for (size_t k = 0; k < 8; k++)
-        assert_near(m.point[k].share, 0.125, 1e-12);
+        assert_near(m.point[k].weight, 0.125, 1e-12);
 }
 
 // Crossed wedges touch in one point, half way along both.
@@ -111,7 +111,7 @@ static void crossing_edges_have_one_point(void **state)
     assert_true(m.is_least);
     assert_int_equal(m.n, 1);
     assert_near(m.depth, 0.01, 1e-12);
-    assert_near(m.point[0].share, 0.25, 0.0);
+    assert_near(m.point[0].weight, 0.25, 0.0);
     vec3 at = mat3_apply(&up, m.point[0].at), normal = mat3_apply(&up, m.normal);
     assert_near(normal.z, 1.0, 1e-12);
     assert_near(at.x, 0.1, 1e-12);
@@ -152,7 +152,7 @@ static void random_pairs_have_their_depth_and_shares_that_sum_to_one(void **stat
         helper_hull_box(helper_hull_number(&random, 0.5, 2.0), 0.5, 1.0, &b);
         vec3 at = vec3_scale(r_a.row[0], helper_hull_number(&random, 0.5, 1.2));
         gjk_pair pair = gjk_pair_of(&a, origin, &r_a, &b, at, &r_b);
-        gjk_touch touch = gjk_measure(&pair, (vec3){ 1.0, 0.0, 0.0 });
+        gjk_result touch = gjk_measure(&pair, (vec3){ 1.0, 0.0, 0.0 });
         if (touch.distance >= -1e-6)
             continue;
         manifold_feature feature = manifold_feature_of(&pair, &touch);
@@ -162,7 +162,7 @@ static void random_pairs_have_their_depth_and_shares_that_sum_to_one(void **stat
         assert_near(sum_shares(&m), feature.kind == MANIFOLD_EDGES ? 0.25 : 1.0, 1e-12);
         for (size_t p = 0; p < m.n; p++) {
             assert_true(m.point[p].depth >= 0.0 && m.point[p].depth <= m.depth + 1e-12);
-            assert_true(m.point[p].share >= 0.0);
+            assert_true(m.point[p].weight >= 0.0);
             for (size_t f = 0; f < a.n_faces && feature.kind == MANIFOLD_FACE_A; f++)
                 assert_true(vec3_dot(a.normal[f], m.point[p].at) <= a.offset[f] + 1e-9 ||
                             f != feature.of_a);
@@ -185,7 +185,7 @@ static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
     manifold_feature feature = find(&pair, &m);
     mat3 leaning = turn_about((vec3){ 0.0, 1.0, 0.0 }, 0.01);
     for (int k = 0; k < 20; k++) {
-        pair.shift.x = 0.099 * k;
+        pair.translation.x = 0.099 * k;
         manifold_find(&pair, feature, 0.0, &m);
         assert_true(m.is_least);
         assert_near(sum_press(&m), 0.01, 1e-12);
@@ -195,7 +195,7 @@ static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
     manifold_find(&tilted, (manifold_feature){ MANIFOLD_FACE_A, 1, 0 }, 0.0, &m);
     assert_false(m.is_least);
     // Apart along its normal there is nothing.
-    pair.shift.z = 2.01;
+    pair.translation.z = 2.01;
     manifold_find(&pair, feature, 0.0, &m);
     assert_int_equal(m.n, 0);
     assert_true(m.depth <= 0.0);
@@ -204,16 +204,15 @@ static void a_feature_is_kept_while_it_is_the_least_and_no_longer(void **state)
 static void a_prism_lies_on_a_plane_with_all_its_face(void **state)
 {
     (void)state;
-    const scene_shape shape = { .type = SCENE_CYLINDER, .radius = 0.5, .height = 1.0 };
     const manifold_plane floor = { .normal = { 0.0, 0.0, 1.0 }, .offset = 2.0 };
     hull h;
     manifold m;
-    assert_int_equal(hull_of_shape(&shape, &h, NULL), BF_OK);
+    hull_from_cylinder(0.5, 1.0, &h);
     manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.49 }, &still, &floor, 0.0, &m);
     assert_int_equal(m.n, 32);
     assert_near(sum_press(&m), 0.01, 1e-12);
     for (size_t k = 0; k < m.n; k++)
-        assert_near(m.point[k].share, 1.0 / 32.0, 1e-12);
+        assert_near(m.point[k].weight, 1.0 / 32.0, 1e-12);
     manifold_on_plane(&h, (vec3){ 1.0, 1.0, 2.5 }, &still, &floor, 0.0, &m);
     assert_int_equal(m.n, 0);
 }
@@ -241,17 +240,14 @@ static void a_strip_of_a_plane_ends(void **state)
 static void caps_of_cylinders_in_the_same_place_fit_into_the_room(void **state)
 {
     (void)state;
-    double outline[SCENE_VERTICES_MAX][3];
-    const scene_shape shape = {
-        .type = SCENE_PRISM, .height = 1.0, .n_vertices = 64, .vertices = outline
-    };
+    vec2 outline[HULL_POINTS_MAX];
     hull h;
     manifold m;
-    for (int k = 0; k < 64; k++) {
-        outline[k][0] = cos(2.0 * M_PI * k / 64.0);
-        outline[k][1] = sin(2.0 * M_PI * k / 64.0);
+    for (int k = 0; k < HULL_POINTS_MAX; k++) {
+        double angle = 2.0 * M_PI * k / HULL_POINTS_MAX;
+        outline[k] = (vec2){ cos(angle), sin(angle) };
     }
-    assert_int_equal(hull_of_shape(&shape, &h, NULL), BF_OK);
+    hull_from_outline(outline, HULL_POINTS_MAX, 0.0, 1.0, &h);
     for (int k = 0; k < 20; k++) {
         mat3 r = turn_about((vec3){ 0.0, 0.0, 1.0 }, 0.005 * k);
         gjk_pair pair = gjk_pair_of(&h, origin, &still, &h, (vec3){ 0.0, 0.0, 0.99 }, &r);
