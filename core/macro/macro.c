@@ -11,6 +11,21 @@ enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
 
 static const double cfl_slack = 1e-9; // for steps that meet the bound in decimal
 
+#define X(suffix) macro_sweep_fn macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+macro_sweep_fn *macro__sweep_of(cpu_level level, bool is_narrow)
+{
+    static macro_sweep_fn *const builds[][2] = {
+#define X(suffix) { macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix },
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    return builds[level][is_narrow];
+}
+
 macro_def macro_def_default(void)
 {
     return (macro_def){
@@ -90,7 +105,6 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->def = *def;
     s->def.v1 = s->def.v2 = NULL;
     s->def.closed1 = s->def.closed2 = NULL;
-    s->variant = variant_best();
     mollifier_init(&s->along, def->mollifier, def->grid.d1);
     mollifier_init(&s->across, def->mollifier, def->grid.d2);
     s->lambda1 = def->dt / def->grid.d1;
@@ -99,6 +113,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n2 = (ptrdiff_t)def->grid.n2;
     s->n_blocks = round_up(s->n1) / BLOCK_CELLS;
     s->n_words = block_set_words(s->n_blocks);
+    s->sweep = macro__sweep_of(cpu_best(), s->n_words == 1);
     // Block -1 is convolved too, and so is the whole last block.
     s->margin = BLOCK_CELLS + round_up(s->along.reach);
     s->stride = s->margin + s->n_blocks * BLOCK_CELLS + round_up(s->along.reach + 1);
@@ -204,10 +219,7 @@ static void sweep_band(void *context, size_t k)
 {
     macro_solver *s = context;
 
-    if (s->n_words == 1)
-        s->variant->sweep_narrow_band(&s->bands[k]);
-    else
-        s->variant->sweep_band(&s->bands[k]);
+    s->sweep(&s->bands[k]);
 }
 
 void macro_step(macro_solver *s)

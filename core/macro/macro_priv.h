@@ -21,10 +21,10 @@
 
 #pragma once
 
+#include "core/base/cpu.h"
 #include "core/macro/active_blocks.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
-#include "core/macro/variant.h"
 
 /// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
 /// r holds the faces (i, r - 1/2), 0 <= r <= n2.
@@ -103,31 +103,39 @@ typedef struct macro_band {
     uint64_t *empty;            ///< an empty set
 } macro_band;
 
+/// Advance the band's rows by one step.
+typedef void macro_sweep_fn(macro_band *band);
+
+/// The build of macro__sweep_band() for an instruction set, and for grids whose sets of blocks are a single
+/// word (is_narrow: there the loops over words vanish, which are a third of the work of a small grid) or
+/// have any number. All builds give the same bits.
+macro_sweep_fn *macro__sweep_of(cpu_level level, bool is_narrow);
+
 /// The solver.
 struct macro_solver {
-    macro_def def;          ///< without its arrays
-    const variant *variant; ///< of the step
-    mollifier along;        ///< weights along x1
-    mollifier across;       ///< weights along x2
-    double lambda1;         ///< dt/dx1
-    double lambda2;         ///< dt/dx2
-    double plain1;          ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
-    ptrdiff_t n1;           ///< cells of a row
-    ptrdiff_t n2;           ///< rows
-    ptrdiff_t n_blocks;     ///< blocks of a row
-    size_t n_words;         ///< words of a set of blocks
-    ptrdiff_t margin;       ///< doubles before cell 0, a multiple of BLOCK_CELLS
-    ptrdiff_t stride;       ///< doubles from row to row, a multiple of BLOCK_CELLS
-    ptrdiff_t n_ring;       ///< places of a ring
-    macro_faces faces1;     ///< n2 rows
-    macro_faces faces2;     ///< n2 + 1 rows
-    macro_state now;        ///< at the present time
-    macro_state next;       ///< what a step writes
-    double *zero_row;       ///< a row of zeros
-    double *cost;           ///< per row: estimated work in the step before
-    int n_bands;            ///< bands, one per thread
-    macro_band *bands;      ///< n_bands of them
-    uint64_t steps;         ///< made since t = 0
+    macro_def def;         ///< without its arrays
+    macro_sweep_fn *sweep; ///< macro__sweep_of()
+    mollifier along;       ///< weights along x1
+    mollifier across;      ///< weights along x2
+    double lambda1;        ///< dt/dx1
+    double lambda2;        ///< dt/dx2
+    double plain1;         ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
+    ptrdiff_t n1;          ///< cells of a row
+    ptrdiff_t n2;          ///< rows
+    ptrdiff_t n_blocks;    ///< blocks of a row
+    size_t n_words;        ///< words of a set of blocks
+    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of BLOCK_CELLS
+    ptrdiff_t stride;      ///< doubles from row to row, a multiple of BLOCK_CELLS
+    ptrdiff_t n_ring;      ///< places of a ring
+    macro_faces faces1;    ///< n2 rows
+    macro_faces faces2;    ///< n2 + 1 rows
+    macro_state now;       ///< at the present time
+    macro_state next;      ///< what a step writes
+    double *zero_row;      ///< a row of zeros
+    double *cost;          ///< per row: estimated work in the step before
+    int n_bands;           ///< bands, one per thread
+    macro_band *bands;     ///< n_bands of them
+    uint64_t steps;        ///< made since t = 0
 };
 
 /// Cell 0 of row j of rows.
@@ -163,15 +171,18 @@ void macro__fill_margins(const macro_solver *s, double *row);
 /// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
 
-#ifdef MACRO_VARIANT
-/// For the files that are compiled several times: MACRO_VARIANT is the instruction set, MACRO_WIDTH is
-/// `narrow` where a set is one word, else `wide`. Each build's functions have names of their own.
-#define MACRO_JOIN(name, width, variant)          name##_##width##_##variant
-#define MACRO_JOIN_EXPANDED(name, width, variant) MACRO_JOIN(name, width, variant)
-#define MACRO_NAME(name)                          MACRO_JOIN_EXPANDED(name, MACRO_WIDTH, MACRO_VARIANT)
-#define macro__push_begin                         MACRO_NAME(macro__push_begin)
-#define macro__push_make                          MACRO_NAME(macro__push_make)
-#define macro__sweep_band                         MACRO_NAME(macro__sweep_band)
+#ifdef CPU_BUILD
+/// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's
+/// functions have names of their own.
+#if MACRO_IS_NARROW
+#define macro__push_begin CPU_NAME(macro__push_begin_narrow)
+#define macro__push_make  CPU_NAME(macro__push_make_narrow)
+#define macro__sweep_band CPU_NAME(macro__sweep_band_narrow)
+#else
+#define macro__push_begin CPU_NAME(macro__push_begin_wide)
+#define macro__push_make  CPU_NAME(macro__push_make_wide)
+#define macro__sweep_band CPU_NAME(macro__sweep_band_wide)
+#endif
 
 /// Words of a set of blocks, known to the compiler where it is one.
 static inline size_t macro__words(const macro_solver *s)

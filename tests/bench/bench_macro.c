@@ -8,7 +8,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
-#include "core/macro/variant.h"
+#include "core/base/cpu.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
 #include "core/scene/velocity_field.h"
@@ -189,7 +189,7 @@ int main(int argc, char **argv)
     double rate = (double)w.n_cells * EXAMPLE_STEPS / wall;
     uint64_t digest_one, digest_many;
 
-    printf("instruction set                 %s\n", variant_best()->name);
+    printf("instruction set                 %s\n", cpu_level_name(cpu_best()));
     printf("direct sum                      %.2f M cell-steps/s\n", direct_rate / 1e6);
     printf("Example 1, 1 thread             %.4f s, %.0f M cell-steps/s\n", wall, rate / 1e6);
     printf("ratio to the direct sum         %.0f\n", rate / direct_rate);

@@ -26,11 +26,10 @@ STANDARD = {
     "strings.h",
 }
 
-# Beyond that: instruction sets, the choice between them, and the calendar (not the clock).
+# Beyond that: instruction sets, threads, and the calendar (not the clock).
 ALSO = {
     "core/base/simd.h": {"immintrin.h"},
     "core/base/team.c": {"linux/futex.h", "pthread.h", "sched.h", "signal.h", "sys/syscall.h", "unistd.h"},
-    "core/macro/variant.c": {"pthread.h"},
     "api/results/run_json.c": {"time.h"},
     "api/results/results_png.c": {"setjmp.h"},
 }

@@ -11,6 +11,21 @@
 
 #include <math.h>
 
+#define X(suffix) extern const disk_kernels disk_kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+const disk_kernels *disk_kernels_of(cpu_level level)
+{
+    static const disk_kernels *const builds[] = {
+#define X(suffix) &disk_kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    return builds[level];
+}
+
 enum { TURNS = 2 }; // extremes of one step are read while those of the next are written
 
 // A share's extremes, in cache lines of their own.
@@ -123,7 +138,7 @@ static disk_step make_step(const disk_state *s)
 static uint64_t advance_burst(disk_state *s, const disk_step *step, uint64_t n, bool *ret_suspect)
 {
     burst b = { .s = s,
-                .kernels = disk_kernels_available()[0],
+                .kernels = disk_kernels_of(cpu_best()),
                 .step = *step,
                 .n_wanted = s->steps == 0 ? 1 : n };
 

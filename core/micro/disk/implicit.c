@@ -4,6 +4,21 @@
 
 #include <math.h>
 
+#define X(suffix) extern const implicit_kernels implicit_kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+const implicit_kernels *disk_implicit__kernels(cpu_level level)
+{
+    static const implicit_kernels *const builds[] = {
+#define X(suffix) &implicit_kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    return builds[level];
+}
+
 static void *alloc_or_fail(size_t n, size_t size, bool *has_failed)
 {
     void *block = memory_alloc(n, size);
@@ -64,7 +79,7 @@ implicit_state *disk_implicit__create(const disk_state *s)
     z->extremes = alloc_or_fail(n_places / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
     z->rounds = find_rounds(s);
     z->skin = s->radius_min;
-    z->kernels = disk_implicit__kernels()[0];
+    z->kernels = disk_implicit__kernels(cpu_best());
     return has_failed ? disk_implicit__destroy(z) : z;
 }
 

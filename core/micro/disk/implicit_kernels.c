@@ -2,8 +2,7 @@
 #include "core/base/simd_rows.h"
 #include "core/micro/disk/implicit_priv.h"
 
-// IMPLICIT_KERNELS_TABLE and IMPLICIT_KERNELS_NAME come from the build, which compiles this file once per
-// instruction set.
+// This file is compiled once per instruction set.
 
 // A quotient that is not yet divided.
 typedef struct quotient {
@@ -262,10 +261,9 @@ static implicit_extremes move(disk_state *s, const implicit_body *bodies, size_t
     return fold(&all);
 }
 
-extern const implicit_kernels IMPLICIT_KERNELS_TABLE;
+extern const implicit_kernels CPU_NAME(implicit_kernels);
 
-const implicit_kernels IMPLICIT_KERNELS_TABLE = {
-    .name = IMPLICIT_KERNELS_NAME,
+const implicit_kernels CPU_NAME(implicit_kernels) = {
     .begin = begin,
     .relax = relax,
     .predict = predict,

@@ -25,6 +25,7 @@
 
 #pragma once
 
+#include "core/base/cpu.h"
 #include "core/micro/disk/disk_priv.h"
 
 #include <stdbool.h>
@@ -184,8 +185,8 @@ void disk_implicit__meet(const disk_state *s, implicit_state *z, size_t piece, d
 /// Keep the impulses of a piece's contacts in its pairs.
 void disk_implicit__keep(implicit_state *z, size_t piece);
 
-/// All variants that this processor can run, fastest first; NULL-terminated.
-const implicit_kernels *const *disk_implicit__kernels(void);
+/// The build for an instruction set.
+const implicit_kernels *disk_implicit__kernels(cpu_level level);
 
 /// Make up to n steps, at least one, on pairs that are good. Returns how many; *ret_suspect: the last one
 /// needs disk__check().

@@ -5,9 +5,8 @@
 
 #include <math.h>
 
-// DISK_KERNELS_TABLE and DISK_KERNELS_NAME come from the build, which compiles this file once per
-// instruction set. Functions with a flag `plain` are inlined with a constant, once for scenes of one
-// kind on one belt and once for all others.
+// This file is compiled once per instruction set. Functions with a flag `plain` are inlined with a constant,
+// once for scenes of one kind on one belt and once for all others.
 
 #define INLINED static inline __attribute__((always_inline))
 
@@ -529,10 +528,9 @@ static void touch(const disk_step *step, size_t first, size_t last, disk_extreme
         touch_solids(step, first, last, false, extremes);
 }
 
-extern const disk_kernels DISK_KERNELS_TABLE;
+extern const disk_kernels CPU_NAME(disk_kernels);
 
-const disk_kernels DISK_KERNELS_TABLE = {
-    .name = DISK_KERNELS_NAME,
+const disk_kernels CPU_NAME(disk_kernels) = {
     .touch = touch,
     .advance = advance,
     .tanh_of = tanh_of,

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "core/base/cpu.h"
 #include "core/micro/disk/disk_priv.h"
 
 #include <stdbool.h>
@@ -31,8 +32,6 @@ typedef struct disk_extremes {
 
 /// The table of one instruction set.
 typedef struct disk_kernels {
-    const char *name; ///< of the instruction set, "avx512", "avx2", "base"
-
     /// Forces of the solids on touches first <= k < last of the list, left in step->next for advance():
     /// all touches of a group must be among them. Raises the overlaps of *extremes.
     void (*touch)(const disk_step *step, size_t first, size_t last, disk_extremes *extremes);
@@ -60,5 +59,5 @@ void disk__count_steps(disk_state *s, uint64_t n, double travel, double move,
 /// tile fits, or single steps would end within it, and nothing has changed.
 uint64_t disk__advance_tile(disk_state *s, const disk_step *step, uint64_t n, bool *ret_suspect);
 
-/// All variants that this processor can run, fastest first; NULL-terminated.
-const disk_kernels *const *disk_kernels_available(void);
+/// The build for an instruction set.
+const disk_kernels *disk_kernels_of(cpu_level level);

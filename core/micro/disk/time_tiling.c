@@ -273,7 +273,7 @@ uint64_t disk__advance_tile(disk_state *s, const disk_step *step, uint64_t n, bo
     if (s->tiles.kept == NULL || n_steps < 2 || n < (uint64_t)n_steps || s->steps == 0 ||
         !(s->travel + 2.0 * s->move * n_steps <= 0.5 * s->skin))
         return 0;
-    tile w = { .s = s, .kernels = disk_kernels_available()[0], .step = *step, .n_levels = n_steps };
+    tile w = { .s = s, .kernels = disk_kernels_of(cpu_best()), .step = *step, .n_levels = n_steps };
     team_run(s->n_shares, make_levels, &w);
     outcome o = judge(&w);
     if (!o.holds) {

@@ -138,12 +138,12 @@ static void the_other_gates_agree_with_the_direct_sum(void **state)
     }
 }
 
-static uint64_t digest_with(const scene *s, const variant *chosen)
+static uint64_t digest_with(const scene *s, macro_sweep_fn *sweep)
 {
     macro_solver *solver = NULL;
 
     assert_int_equal(macro_create(&s->def, &solver, NULL), BF_OK);
-    solver->variant = chosen;
+    solver->sweep = sweep;
     assert_int_equal(macro_set_density(solver, s->rho, grid_cells(&s->def.grid), NULL), BF_OK);
     for (int step = 0; step < 60; step++)
         macro_step(solver);
@@ -156,10 +156,11 @@ static void every_instruction_set_gives_the_same_bits(void **state)
 {
     (void)state;
     for (unsigned seed = 31; seed <= 34; seed++) {
-        scene *s = random_scene(seed, MACRO_GATE_SHARP, seed % 2 == 0 ? LONG_ROWS : SHORT_ROWS);
-        uint64_t digest = digest_with(s, variant_best());
-        for (const variant *const *k = variant_available(); *k != NULL; k++)
-            assert_true(digest_with(s, *k) == digest);
+        const bool is_narrow = seed % 2 != 0;
+        scene *s = random_scene(seed, MACRO_GATE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
+        uint64_t digest = digest_with(s, macro__sweep_of(CPU_BASE, is_narrow));
+        for (cpu_level level = CPU_BASE; level <= cpu_best(); level++)
+            assert_true(digest_with(s, macro__sweep_of(level, is_narrow)) == digest);
         free(s);
     }
 }
@@ -169,9 +170,8 @@ static void both_builds_give_the_same_bits(void **state)
 {
     (void)state;
     scene *s = random_scene(41, MACRO_GATE_SHARP, SHORT_ROWS);
-    variant wide_only = *variant_best();
-    wide_only.sweep_narrow_band = wide_only.sweep_band;
-    assert_true(digest_with(s, &wide_only) == digest_with(s, variant_best()));
+    assert_true(digest_with(s, macro__sweep_of(cpu_best(), false)) ==
+                digest_with(s, macro__sweep_of(cpu_best(), true)));
     free(s);
 }
 
