@@ -1,4 +1,4 @@
-/// Comparisons of lanes (lanes.h). Comparisons with a NaN are false.
+/// Comparisons of lanes (simd.h). Comparisons with a NaN are false.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-/// The inner loops of the macroscopic solver: rows of cells, in blocks of BLOCK_CELLS (block_set.h).
+/// The inner loops of the macroscopic solver: rows of cells, in blocks of BLOCK_CELLS (active_blocks.h).
 ///
 /// For the files that are compiled once per instruction set (core/CMakeLists.txt), so that the loops are
 /// inlined there with the registers at hand; all variants give the same bits (core/base/simd.h).
@@ -176,7 +176,7 @@ static inline ptrdiff_t kernels_end_of_word(ptrdiff_t low, ptrdiff_t b_max)
 }
 
 /// out = rho - lambda (after - before): fluxes through the faces after and before each cell; out may be
-/// rho. Marks the blocks of the range in two sets (block_set.h): those with a new density >= 1, and
+/// rho. Marks the blocks of the range in two sets (active_blocks.h): those with a new density >= 1, and
 /// those whose first cell has one. Other blocks of the sets stay as they are.
 static inline void kernels_update(const double *rho, double lambda, const double *after,
                                   const double *before, ptrdiff_t b_min, ptrdiff_t b_max,

@@ -9,7 +9,7 @@
 ///
 /// Work is left out where it would be exactly nothing: rows are swept from their first to their last
 /// non-zero block; I is made only for faces with a packed cell at a side; an x2 flux only where the
-/// static velocity is not zero or a cell is packed. Sets of blocks (block_set.h) say where. They may
+/// static velocity is not zero or a cell is packed. Sets of blocks (active_blocks.h) say where. They may
 /// hold too much, never too little: a flux made without need is exactly zero.
 ///
 /// Rows have `margin` doubles before cell 0 and room for the mollifier's reach behind the last cell.

@@ -6,9 +6,9 @@
 // Each figure is the best of several repetitions. Before a figure is printed, its work is checked: both
 // solvers must give the same density, and Example 1 the reference answers.
 
+#include "core/base/cpu.h"
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
-#include "core/base/cpu.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
 #include "core/scene/velocity_field.h"

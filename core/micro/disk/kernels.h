@@ -1,7 +1,7 @@
 /// The inner loops of the planar path with explicit steps, in groups of DISK_GROUP parts.
 ///
 /// The same source is compiled once per instruction set (core/CMakeLists.txt). All variants give the
-/// same bits: lanes.h says why.
+/// same bits: core/base/simd.h says why.
 
 #pragma once
 
