@@ -6,8 +6,8 @@
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
 typedef struct micro_backend {
-    double (*dt_stable)(const micro_def *def); ///< def is checked but for dt
-    double (*dt_chosen)(const micro_def *def); ///< for dt = 0; at most dt_stable
+    /// Largest stable step of MICRO_VERLET, s; def is checked but for dt
+    double (*dt_stable)(const micro_def *def);
     /// micro_create()
     bf_status (*create)(const micro_def *def, void **ret_state, bf_error *err);
     /// micro_destroy()
@@ -26,8 +26,8 @@ typedef struct micro_backend {
     bf_status (*load)(void *state, const void *bytes, size_t n, bf_error *err);
 } micro_backend;
 
-/// Upright cylinders on belts; planar.c and planar_*.c.
+/// Upright cylinders on belts: disk/.
 extern const micro_backend micro__planar;
 
-/// Rigid bodies in 3-D; spatial.c and spatial_*.c.
+/// Rigid bodies in 3-D: body/.
 extern const micro_backend micro__spatial;

@@ -2,12 +2,14 @@
 
 #include <math.h>
 
+double contact_law_compliance(const scene_material *m, double reduction)
+{
+    return (1.0 - m->poisson_ratio * m->poisson_ratio) * reduction / m->young_modulus;
+}
+
 double contact_law_modulus(const scene_material *a, const scene_material *b, double reduction)
 {
-    double soft_a = (1.0 - a->poisson_ratio * a->poisson_ratio) * reduction / a->young_modulus;
-    double soft_b = (1.0 - b->poisson_ratio * b->poisson_ratio) * reduction / b->young_modulus;
-
-    return 1.0 / (soft_a + soft_b);
+    return 1.0 / (contact_law_compliance(a, reduction) + contact_law_compliance(b, reduction));
 }
 
 static micro_law contact_law_with(const scene_contact *contact, double stiffness)

@@ -13,6 +13,9 @@ typedef struct micro_law {
     double tanh_spin;   ///< lambda_ang, s
 } micro_law;
 
+/// The compliance (1 - nu^2)/E of a material with E divided by reduction, 1/Pa.
+double contact_law_compliance(const scene_material *m, double reduction);
+
 /// 1/E* = (1 - nu_a^2)/E_a + (1 - nu_b^2)/E_b, both E divided by reduction; Pa.
 double contact_law_modulus(const scene_material *a, const scene_material *b, double reduction);
 

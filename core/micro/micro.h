@@ -116,6 +116,9 @@ micro_def micro_def_default(void);
 /// dashpot, frictions); what dt = 0 chooses is at most this.
 double micro_dt_stable(const micro_def *def);
 
+/// The step that dt = 0 stands for, s; of MICRO_IMPLICIT it depends on n_parts.
+double micro_dt_chosen(const micro_def *def);
+
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
 /// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond
 /// micro_dt_stable(), which the text names; BF_ENOMEM.

@@ -34,24 +34,6 @@ static void destroy_run(void *solver)
     memory_free(run);
 }
 
-// The integrator's own choice of a step is cut so that samples come at their times.
-static bf_status create_solver(const scene *s, run_micro__setup *setup, micro_solver **ret_solver,
-                               bf_error *err)
-{
-    const bool is_chosen = setup->def.dt == 0.0;
-    micro_solver *solver = NULL;
-
-    bf_status status = micro_create(&setup->def, &solver, err);
-    if (status == BF_OK && is_chosen) {
-        setup->def.dt = run_micro__fit_step(s, micro_dt(solver));
-        solver = micro_destroy(solver);
-        status = micro_create(&setup->def, &solver, err);
-    }
-    if (status == BF_OK)
-        *ret_solver = solver;
-    return status;
-}
-
 static bf_status fill_run(const scene *s, int n_threads, micro_run *run, bf_error *err)
 {
     run_micro__setup setup;
@@ -65,7 +47,7 @@ static bf_status fill_run(const scene *s, int n_threads, micro_run *run, bf_erro
         return bf_fail(err, BF_ENOMEM, "", "no memory for the density of the parts");
     bf_status status = run_micro__init_setup(s, n_threads, &setup, err);
     if (status == BF_OK)
-        status = create_solver(s, &setup, &run->solver, err);
+        status = micro_create(&setup.def, &run->solver, err);
     run_micro__fini_setup(&setup);
     return status;
 }

@@ -3,25 +3,22 @@
 
 #include <math.h>
 
-// Let the solver itself refuse what it cannot take, with the first part alone: that costs little and
-// tells the step that it chooses.
-static bf_status probe(const scene *s, const micro_def *def, double *ret_dt, bf_error *err)
+// Let the solver itself refuse what it cannot take, with the first part alone: that costs little.
+static bf_status probe(const micro_def *def, bf_error *err)
 {
     micro_def first = *def;
     micro_solver *solver = NULL;
 
     first.n_parts = 1;
     bf_status status = micro_create(&first, &solver, err);
-    if (status != BF_OK)
-        return status;
-    *ret_dt = def->dt > 0.0 ? def->dt : run_micro__fit_step(s, micro_dt(solver));
-    micro_destroy(solver);
-    return BF_OK;
+    if (status == BF_OK)
+        micro_destroy(solver);
+    return status;
 }
 
 static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
 {
-    double stable = micro_dt_stable(def), dt = 0.0;
+    double stable = micro_dt_stable(def);
     bf_error err;
 
     if (def->dt > stable * (1.0 + RUN__STABLE_SLACK))
@@ -31,7 +28,7 @@ static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
     else if (s->micro.step > s->duration)
         faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
                    s->micro.step);
-    else if (probe(s, def, &dt, &err) != BF_OK || run_micro__check_count(s, dt, &err) != BF_OK)
+    else if (probe(def, &err) != BF_OK || run_micro__check_count(s, def->dt, &err) != BF_OK)
         faults_add_error(faults, &err);
 }
 

@@ -10,7 +10,7 @@
 
 /// A definition with what it borrows; must stay where it is. run_micro__fini_setup().
 typedef struct run_micro__setup {
-    micro_def def;                     ///< ready, but for dt 0: "auto" of the implicit integrator
+    micro_def def;                     ///< ready, with the step that the run takes
     micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
     placement placement;               ///< def.poses, def.part_kinds
 } run_micro__setup;

@@ -64,6 +64,13 @@ bf_status run_micro__check_count(const scene *s, double dt, bf_error *err)
                    "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
 }
 
+// The step that "auto" stands for: the paper's, where that is stable, or the implicit integrator's own.
+static double choose_step(const micro_def *def)
+{
+    return def->integrator == MICRO_VERLET ? fmin(1e-5, micro_dt_stable(def))
+                                           : micro_dt_chosen(def);
+}
+
 bf_status run_micro__init_setup(const scene *s, int n_threads, run_micro__setup *setup,
                                 bf_error *err)
 {
@@ -78,9 +85,8 @@ bf_status run_micro__init_setup(const scene *s, int n_threads, run_micro__setup 
     setup->def.poses = setup->placement.poses;
     setup->def.part_kinds = setup->placement.kinds;
     setup->def.n_threads = n_threads;
-    // The paper's step, where that is stable; the implicit integrator chooses by itself.
-    if (setup->def.dt == 0.0 && s->micro.integrator == SCENE_VERLET)
-        setup->def.dt = run_micro__fit_step(s, fmin(1e-5, micro_dt_stable(&setup->def)));
+    if (setup->def.dt == 0.0)
+        setup->def.dt = run_micro__fit_step(s, choose_step(&setup->def));
     return BF_OK;
 }
 

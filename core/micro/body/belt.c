@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/micro/friction.h"
 
 #include <float.h>
 #include <math.h>
@@ -190,8 +191,8 @@ static double find_spin_torque(const body_state *s, const body_body *body, const
     double inverse_inertia = up.x * up.x / kind->inertia.x + up.y * up.y / kind->inertia.y +
                              up.z * up.z / kind->inertia.z;
 
-    double brake = law->friction * kind->spin_radius * flat * p->sum * law->tanh_spin *
-                   body__theta(law->tanh_spin * fabs(body->w.z));
+    double brake = friction_secant(law->friction * kind->spin_radius * flat, p->sum, law->tanh_spin,
+                                   fabs(body->w.z));
     return -brake * body->w.z / (1.0 + s->def.dt * brake * inverse_inertia);
 }
 

@@ -2,16 +2,12 @@
 
 #include "core/base/memory.h"
 #include "core/micro/body/body_priv.h"
-#include "core/micro/implicit_step.h"
 
 #include <float.h>
 #include <math.h>
 
 /// Of the smallest ball around a body: how far parts may move before the list is made anew, twice.
 #define SKIN 0.25
-
-/// Of the largest stable step of MICRO_VERLET: what is chosen where none is given.
-#define CHOSEN 0.25
 
 static bf_status init_kinds(body_state *s, const micro_def *def, bf_error *err)
 {
@@ -144,17 +140,6 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
     return BF_OK;
 }
 
-static double dt_stable(const micro_def *def)
-{
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_stable(def) : body__dt_stable(def);
-}
-
-static double dt_chosen(const micro_def *def)
-{
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, false)
-                                             : CHOSEN * body__dt_stable(def);
-}
-
 static uint64_t steps(const void *state)
 {
     const body_state *s = state;
@@ -163,8 +148,7 @@ static uint64_t steps(const void *state)
 }
 
 const micro_backend micro__spatial = {
-    .dt_stable = dt_stable,
-    .dt_chosen = dt_chosen,
+    .dt_stable = body__dt_stable,
     .create = create,
     .destroy = destroy,
     .advance = body__advance,

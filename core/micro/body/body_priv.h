@@ -68,26 +68,6 @@ static inline double body__press(const body_state *s, const micro_law *law, doub
     return s->def.tension || force > 0.0 ? force : 0.0;
 }
 
-/// tanh(z)/z for z >= 0: Lambert's continued fraction at z/8, doubled three times, with a relative
-/// error within 1e-12; by arithmetic alone, so that every machine gives the same bits.
-static inline double body__theta(double z)
-{
-    double y2 = z * z / 64.0;
-    double up = (y2 * 21.0 + 1260.0) * y2 + 10395.0;
-    double down = ((y2 + 210.0) * y2 + 4725.0) * y2 + 10395.0;
-
-    // tanh 2y = 2 tanh y / (1 + tanh^2 y); at 18 tanh is 1 to the last bit.
-    if (z >= 18.0)
-        return 1.0 / z;
-    for (int k = 0; k < 3; k++) {
-        double twice = up * down;
-        down = y2 * (up * up) + down * down;
-        up = twice;
-        y2 *= 4.0;
-    }
-    return up / down;
-}
-
 /// Friction (7) on b for a normal force, by the velocity of b against a at right angles to the
 /// normal.
 vec3 body__rub(const micro_law *law, double force, vec3 slip);

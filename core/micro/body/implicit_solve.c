@@ -1,6 +1,7 @@
 // The impulses of a patch.
 
 #include "core/micro/body/implicit_priv.h"
+#include "core/micro/friction.h"
 
 #include <math.h>
 
@@ -160,7 +161,7 @@ static double find_grip(const body_patch *p, double press, double slip_x, double
 {
     double slip = sqrt(slip_x * slip_x + slip_y * slip_y);
 
-    return p->friction * fabs(press) * p->rate * body__theta(p->rate * slip);
+    return friction_secant(p->friction, press, p->rate, slip);
 }
 
 static void add_sliding(const body_patch *p, const double q[6], contact_law_of_patch *law)
@@ -186,8 +187,8 @@ static double find_brake(const body_patch *p, double x, double y, double spin)
         sum += fabs(p->point[k].press) * (dx * dx + dy * dy);
     }
     double flat = fmin(1.0, sqrt(sum / p->press) / kind->flat_gyration);
-    return law->friction * kind->spin_radius * flat * p->press * law->tanh_spin *
-           body__theta(law->tanh_spin * fabs(spin));
+    return friction_secant(law->friction * kind->spin_radius * flat, p->press, law->tanh_spin,
+                           fabs(spin));
 }
 
 /// The belt's friction, by the slip in the centre of pressure.

@@ -86,9 +86,9 @@ static body_face weigh_face(const hull *h, size_t number)
 
 static void find_laws(const micro_def *def, const scene_material *material, body_kind *kind)
 {
-    double poisson = material->poisson_ratio, reduction = def->modulus_reduction;
+    const double reduction = def->modulus_reduction;
 
-    kind->softness = (1.0 - poisson * poisson) * reduction / material->young_modulus;
+    kind->softness = contact_law_compliance(material, reduction);
     kind->floor = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material, &def->conveyor,
                                       reduction, kind->radius);
     kind->solid = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material, &def->handling,

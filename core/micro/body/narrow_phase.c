@@ -1,6 +1,7 @@
 // What acts between two parts.
 
 #include "core/micro/body/body_priv.h"
+#include "core/micro/friction.h"
 
 #include <math.h>
 
@@ -9,10 +10,8 @@
 
 vec3 body__rub(const micro_law *law, double force, vec3 slip)
 {
-    double rate = law->tanh_linear;
-
     return vec3_scale(slip,
-                      -law->friction * fabs(force) * rate * body__theta(rate * vec3_length(slip)));
+                      -friction_secant(law->friction, force, law->tanh_linear, vec3_length(slip)));
 }
 
 void body__note(body_report *report, double overlap, double radius)

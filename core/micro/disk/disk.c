@@ -3,7 +3,6 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
-#include "core/micro/implicit_step.h"
 #include "core/micro/neighbours_priv.h"
 
 #include <math.h>
@@ -11,8 +10,6 @@
 
 static const double skin_share = 0.25; // of the radius
 enum { TILED_PARTS = 150000 };         // from here on parts are too many for caches
-
-static const double chosen_share = 0.25; // of the stable step: keeps U(t) within about 1 % of N
 
 static void destroy(void *state)
 {
@@ -55,11 +52,6 @@ static disk_law make_law(const scene_contact *contact)
                        .tanh_linear = contact->tanh_linear };
 }
 
-static double softness_of(const scene_material *m, double reduction)
-{
-    return (1.0 - m->poisson_ratio * m->poisson_ratio) * reduction / m->young_modulus;
-}
-
 // What does not need memory.
 static void set_constants(disk_state *s, const micro_def *def)
 {
@@ -73,7 +65,7 @@ static void set_constants(disk_state *s, const micro_def *def)
     s->def.part_kinds = NULL;
     s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
     s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
-    s->handling_softness = softness_of(&def->handling, def->modulus_reduction);
+    s->handling_softness = contact_law_compliance(&def->handling, def->modulus_reduction);
     s->belt =
         contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
                             &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
@@ -92,12 +84,13 @@ static disk_kind make_kind(const disk_state *s, const micro_kind *kind)
     const double r = kind->shape.radius;
 
     // Theta = m r^2 / 2.
-    return (disk_kind){ .row = { .radius = r,
-                                 .softness = softness_of(&kind->material, s->def.modulus_reduction),
-                                 .inverse_mass = 1.0 / kind->mass },
-                        .brake =
-                            2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
-                        .height = kind->shape.height };
+    return (disk_kind){
+        .row = { .radius = r,
+                 .softness = contact_law_compliance(&kind->material, s->def.modulus_reduction),
+                 .inverse_mass = 1.0 / kind->mass },
+        .brake = 2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
+        .height = kind->shape.height
+    };
 }
 
 static bf_status copy_kinds(disk_state *s, const micro_def *def)
@@ -241,18 +234,6 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
                                                : disk__advance_verlet(s, n, err);
 }
 
-static double dt_stable(const micro_def *def)
-{
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_stable(def)
-                                             : disk__dt_stable_verlet(def);
-}
-
-static double dt_chosen(const micro_def *def)
-{
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, true)
-                                             : chosen_share * disk__dt_stable_verlet(def);
-}
-
 static uint64_t steps(const void *state)
 {
     const disk_state *s = state;
@@ -261,8 +242,7 @@ static uint64_t steps(const void *state)
 }
 
 const micro_backend micro__planar = {
-    .dt_stable = dt_stable,
-    .dt_chosen = dt_chosen,
+    .dt_stable = disk__dt_stable_verlet,
     .create = create,
     .destroy = destroy,
     .advance = advance,

@@ -1,25 +1,9 @@
 #include "core/base/simd_compare.h"
 #include "core/base/simd_rows.h"
 #include "core/micro/disk/implicit_priv.h"
+#include "core/micro/friction.h"
 
 // This file is compiled once per instruction set.
-
-// A quotient that is not yet divided.
-typedef struct quotient {
-    lanes up;
-    lanes down;
-} quotient;
-
-// theta(z) = tanh(z)/z for z >= 0, relative error below 2e-4: Lambert's fraction up to 4.9, where it is
-// 1/z to that accuracy, and c/z from there on.
-static inline quotient theta_of(lanes z)
-{
-    lanes low = lanes_min(z, lanes_all(4.9)), beyond = z - low, q = low * low;
-
-    return (quotient){ ((q + 378.0) * q + 17325.0) * q + 135135.0,
-                       (((q * 28.0 + 3150.0) * q + 62370.0) * q + 135135.0) *
-                           (beyond * (1.0 / 4.9) + 1.0) };
-}
 
 static inline lanes size_of(lanes x)
 {
@@ -94,7 +78,7 @@ static inline lanes rub(const implicit_block *block, size_t lane, lanes press, l
 {
     lanes give = lanes_load(block->give_slip + lane);
     lanes most = press * lanes_load(block->friction + lane), rate = lanes_load(block->rate + lane);
-    quotient theta = theta_of(rate * size_of(slip));
+    friction_quotient theta = friction_theta_quick(rate * size_of(slip));
     lanes grip = most * rate * theta.up;
     lanes free_slip = slip - give * lanes_load(block->sliding + lane);
 
@@ -152,7 +136,8 @@ static inline void pull_lanes(const disk_state *s, double drag, const ground *g,
 {
     lanes *v = low->column, *pulled = high->column + 1;
     lanes ux = v[0] - g->vx, uy = v[1] - g->vy;
-    quotient theta = theta_of(s->belt.tanh_linear * lanes_sqrt(ux * ux + uy * uy));
+    friction_quotient theta =
+        friction_theta_quick(s->belt.tanh_linear * lanes_sqrt(ux * ux + uy * uy));
     lanes grip = g->grip * drag * theta.up, ratio = grip / (theta.down + grip);
     lanes pull_x = ratio * (pulled[0] - ux), pull_y = ratio * (pulled[1] - uy);
 
@@ -225,7 +210,7 @@ static implicit_extremes predict(const disk_state *s, const implicit_step *step,
         number_rows(place, at);
         lanes_quad row = lanes_quad_load(&s->now->x, at), more = lanes_quad_load(&s->now->spin, at);
         lanes *x = row.column, spin = more.column[0], r = more.column[1], give = more.column[3];
-        quotient theta = theta_of(s->belt.tanh_spin * size_of(spin));
+        friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin));
         lanes loose = theta.down / (theta.down + rate * g.grip * load_brakes(s, place) * theta.up);
         lanes_quad low = { { step->keep * x[2], step->keep * x[3], s->spin_damping * spin * loose,
                              give } };

@@ -2,6 +2,7 @@
 
 #include "core/base/simd_compare.h"
 #include "core/base/simd_rows.h"
+#include "core/micro/friction.h"
 
 #include <math.h>
 
@@ -15,54 +16,10 @@ enum {
     GROUPS_AT_ONCE = 4,
 };
 
-// Numerator and denominator.
-typedef struct quotient {
-    lanes up;
-    lanes down;
-} quotient;
-
-// Where tanh is 1 to the last bit.
-static const double tanh_end = 18.0;
-
-// tanh(y)/y for y^2 by Lambert's continued fraction.
-INLINED quotient lambert(lanes y2)
-{
-    return (quotient){ (y2 + 105.0) * y2 + 945.0, (y2 * 15.0 + 420.0) * y2 + 945.0 };
-}
-
-// tanh(8 y), by tanh 2y = 2 tanh y/(1 + tanh^2 y): doubling raises the error of the fraction less than
-// the way to 1 lowers it. The relative error is below 1e-12, largest at 8 y = 5.5.
-INLINED quotient tanh_quotient(lanes y)
-{
-    const double end = tanh_end / 8.0;
-    lanes within = lanes_min(lanes_max(y, lanes_all(-end)), lanes_all(end));
-    quotient t = lambert(within * within);
-
-    t.up *= within;
-    for (int k = 0; k < 3; k++)
-        t = (quotient){ (t.up + t.up) * t.down, t.up * t.up + t.down * t.down };
-    return t;
-}
-
-// tanh(8 y)/(8 y) for y^2, likewise; beyond the end 1/(8 y).
-INLINED quotient theta_quotient(lanes y2)
-{
-    const double end2 = tanh_end * tanh_end / 64.0;
-    lanes end = lanes_all(end2), square = lanes_min(y2, end);
-    quotient t = lambert(square);
-
-    for (int k = 0; k < 3; k++, square *= 4.0)
-        t = (quotient){ t.up * t.down, square * (t.up * t.up) + t.down * t.down };
-    // The factor is 1 for lanes within the end.
-    if (lanes_less(end, y2) != 0)
-        t.down *= lanes_sqrt(lanes_max(y2, end) / end);
-    return t;
-}
-
 static void tanh_of(size_t n, const double *x, double *ret_y)
 {
     for (size_t k = 0; k < n; k += LANES) {
-        quotient t = tanh_quotient(lanes_load_any(x + k) * 0.125);
+        friction_quotient t = friction_tanh(lanes_load_any(x + k) * 0.125);
         lanes y = t.up / t.down;
         memcpy(ret_y + k, &y, sizeof y);
     }
@@ -128,7 +85,7 @@ typedef struct contact {
 // Friction (7), and the sums.
 INLINED void add_contact(const contact *c, lanes friction, bool plain, loads *sum)
 {
-    quotient t = tanh_quotient(c->sliding);
+    friction_quotient t = friction_tanh(c->sliding);
     lanes size = plain ? c->force : lanes_max(c->force, -c->force);
     lanes rub = friction * size * (t.up / t.down);
 
@@ -234,7 +191,7 @@ INLINED motion make_own_motion(const motion *common, const disk_step *step, size
 INLINED void move(const motion *m, parts *own, const loads *sum)
 {
     lanes sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
-    quotient t = theta_quotient((sx * sx + sy * sy) * m->belt_rate2);
+    friction_quotient t = friction_theta((sx * sx + sy * sy) * m->belt_rate2);
     lanes drag = m->grip * m->belt_drag * t.up / t.down;
     lanes impulse = m->dt_force * m->inverse_mass;
 
@@ -248,7 +205,7 @@ INLINED void move(const motion *m, parts *own, const loads *sum)
 INLINED void turn(const motion *m, parts *own, const loads *sum)
 {
     lanes w = m->keep_spin * own->spin + m->dt_force * m->inverse_inertia * sum->torque;
-    quotient t = theta_quotient(w * w * m->spin_rate2);
+    friction_quotient t = friction_theta(w * w * m->spin_rate2);
 
     own->spin = w * t.down / (t.down + m->grip * m->brake * t.up);
 }
@@ -309,6 +266,14 @@ INLINED loaded load_lanes(const disk_step *step, const pair_law *law, size_t pla
     return (loaded){ own, sum };
 }
 
+// speed2 where a part is in the scene; 0 for pads and for parts that are gone, which stand far away.
+INLINED lanes speed2_in_scene(const parts *own, lanes speed2)
+{
+    lanes far = lanes_max(lanes_max(own->x, -own->x), lanes_max(own->y, -own->y));
+
+    return lanes_where_less(far, lanes_all(0.5 * DISK_FAR), speed2);
+}
+
 INLINED void move_lanes(const disk_step *step, const motion *common, size_t place, bool plain,
                         loaded *l, greatest *of_all)
 {
@@ -321,7 +286,7 @@ INLINED void move_lanes(const disk_step *step, const motion *common, size_t plac
     lanes_column_store(&step->next[place].spin, l->own.spin);
     lanes_store(step->heading + place, lanes_load(step->heading + place) + m.dt * l->own.spin);
     lanes speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
-    of_all->speed2 = lanes_max(speed2, of_all->speed2);
+    of_all->speed2 = lanes_max(speed2_in_scene(&l->own, speed2), of_all->speed2);
     of_all->sum += speed2 + l->own.spin * l->own.spin;
 }
 

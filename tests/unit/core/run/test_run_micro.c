@@ -324,6 +324,33 @@ static void the_step_that_is_named_is_stable(void **state)
     scene_fini(&s);
 }
 
+// The implicit integrator's own step is shorter for more parts; the count that is checked is that of the
+// run: one part makes at most 10^9 steps in the time, 192 parts more.
+static void steps_of_the_implicit_integrator_are_counted_for_all_parts(void **state)
+{
+    (void)state;
+    for (int is_one = 0; is_one < 2; is_one++) {
+        bf_faults faults = { 0 };
+        bf_error err = { 0 };
+        scene s;
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        if (is_one)
+            s.initial.n_rows = s.initial.n_columns = 1;
+        s.micro.integrator = SCENE_IMPLICIT;
+        s.micro.modulus_reduction = 1.0;
+        s.micro.step = 0.0;
+        s.duration = 3e5;
+        s.output.curve_every = s.output.snapshot_every = 3e4;
+        run_check(&s, RUN_MICRO, &faults);
+        assert_int_equal(faults.n, is_one ? 0 : 1);
+        if (!is_one) {
+            assert_int_equal(faults_status(&faults, &err), BF_ELIMIT);
+            assert_string_equal(err.pointer, "/duration_s");
+        }
+        scene_fini(&s);
+    }
+}
+
 // 20,000 snapshots of 10,000 parts of 6 doubles are 9.6 GB; of 100,000 parts whose Gaussians reach
 // over all 10,000 cells 2e13 values.
 static void results_that_are_too_large_are_refused(void **state)
@@ -442,6 +469,7 @@ int main(void)
         cmocka_unit_test(a_mix_of_shapes_moves_in_space),
         cmocka_unit_test(steps_that_are_unstable_or_too_many_are_refused),
         cmocka_unit_test(the_step_that_is_named_is_stable),
+        cmocka_unit_test(steps_of_the_implicit_integrator_are_counted_for_all_parts),
         cmocka_unit_test(results_that_are_too_large_are_refused),
         cmocka_unit_test(parts_inside_a_plate_are_refused),
         cmocka_unit_test(the_examples_may_begin_where_the_plate_is_steep),

@@ -1,0 +1,110 @@
+/// The frictions (7) and (8), and tanh, of which both are made.
+///
+///     sliding   f_s = -mu |f_c| tanh(lambda_lin |u|) u/|u|         u the slip                      (7)
+///     spin      t_s = -mu r_s |f_c| tanh(lambda_ang |w|) sgn(w)    w the spin about the normal     (8)
+///
+/// Written with theta(z) = tanh(z)/z neither divides by a slip that may be 0: f_s = -g u with
+/// the secant coefficient
+///
+///     g = mu |f_c| lambda theta(lambda |u|)                        N s/m, or N m s
+///
+/// which implicit steps take at the velocity known so far and multiply by that at the end of the step.
+///
+/// tanh is made of +, -, * and / alone, by a continued fraction and the doubling
+/// tanh 2y = 2 tanh y / (1 + tanh^2 y), so that every processor gives the same bits. There are three
+/// fractions: results depend on the last bit of each, so one cannot stand for another.
+///
+///     friction_tanh, friction_theta         lanes, within 1e-12: explicit steps in the plane
+///     friction_theta_quick                  lanes, within 2e-4: the secants of implicit steps in the plane,
+///                                           which are approximations anyway
+///     friction_theta_of                     one number, within 1e-12: bodies in space
+
+#pragma once
+
+#include "core/base/simd.h"
+#include "core/base/simd_compare.h"
+
+#include <math.h>
+
+/// A quotient that is not yet divided.
+typedef struct friction_quotient {
+    lanes up;   ///< numerator
+    lanes down; ///< denominator
+} friction_quotient;
+
+/// Where tanh is 1 to the last bit.
+#define FRICTION_TANH_END 18.0
+
+/// Compiled into the loop that calls it.
+#define FRICTION_INLINED static inline __attribute__((always_inline))
+
+/// tanh(y)/y for y^2, by Lambert's continued fraction.
+FRICTION_INLINED friction_quotient friction_lambert(lanes y2)
+{
+    return (friction_quotient){ (y2 + 105.0) * y2 + 945.0, (y2 * 15.0 + 420.0) * y2 + 945.0 };
+}
+
+/// tanh(8 y). Doubling raises the error of the fraction less than the way to 1 lowers it; the relative
+/// error is largest at 8 y = 5.5.
+FRICTION_INLINED friction_quotient friction_tanh(lanes y)
+{
+    const double end = FRICTION_TANH_END / 8.0;
+    lanes within = lanes_min(lanes_max(y, lanes_all(-end)), lanes_all(end));
+    friction_quotient t = friction_lambert(within * within);
+
+    t.up *= within;
+    for (int k = 0; k < 3; k++)
+        t = (friction_quotient){ (t.up + t.up) * t.down, t.up * t.up + t.down * t.down };
+    return t;
+}
+
+/// theta(8 y) for y^2, likewise; beyond the end 1/(8 y).
+FRICTION_INLINED friction_quotient friction_theta(lanes y2)
+{
+    const double end2 = FRICTION_TANH_END * FRICTION_TANH_END / 64.0;
+    lanes end = lanes_all(end2), square = lanes_min(y2, end);
+    friction_quotient t = friction_lambert(square);
+
+    for (int k = 0; k < 3; k++, square *= 4.0)
+        t = (friction_quotient){ t.up * t.down, square * (t.up * t.up) + t.down * t.down };
+    // The factor is 1 for lanes within the end.
+    if (lanes_less(end, y2) != 0)
+        t.down *= lanes_sqrt(lanes_max(y2, end) / end);
+    return t;
+}
+
+/// theta(z) for z >= 0: Lambert's fraction up to 4.9, where it is 1/z to that accuracy, and c/z from
+/// there on.
+FRICTION_INLINED friction_quotient friction_theta_quick(lanes z)
+{
+    lanes low = lanes_min(z, lanes_all(4.9)), beyond = z - low, q = low * low;
+
+    return (friction_quotient){ ((q + 378.0) * q + 17325.0) * q + 135135.0,
+                                (((q * 28.0 + 3150.0) * q + 62370.0) * q + 135135.0) *
+                                    (beyond * (1.0 / 4.9) + 1.0) };
+}
+
+/// theta(z) for z >= 0: the fraction at z/8, doubled three times.
+static inline double friction_theta_of(double z)
+{
+    double y2 = z * z / 64.0;
+    double up = (y2 * 21.0 + 1260.0) * y2 + 10395.0;
+    double down = ((y2 + 210.0) * y2 + 4725.0) * y2 + 10395.0;
+
+    if (z >= FRICTION_TANH_END)
+        return 1.0 / z;
+    for (int k = 0; k < 3; k++) {
+        double twice = up * down;
+        down = y2 * (up * up) + down * down;
+        up = twice;
+        y2 *= 4.0;
+    }
+    return up / down;
+}
+
+/// The secant coefficient of (7), N s/m, for mu, a normal force or impulse, lambda and |u|; of (8), N m s,
+/// with mu r_s for mu and |w| for |u|.
+static inline double friction_secant(double mu, double normal, double lambda, double speed)
+{
+    return mu * fabs(normal) * lambda * friction_theta_of(lambda * speed);
+}
