@@ -1,8 +1,8 @@
 // Unit tests of the spatial path: bodies against the closed forms of mechanics.
 
+#include "core/micro/friction.h"
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
-#include "core/micro/friction.h"
 #include "tests/unit/core/helper_spatial.h"
 
 #include <math.h>

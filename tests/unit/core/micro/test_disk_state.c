@@ -247,8 +247,8 @@ static void a_part_at_rest_keeps_its_list(void **state)
     (void)state;
     helper_disks *d = helper_disks_make(1.0, 0.2, 0.5);
 
-    d->path[0] = (scene_point){ 0.5, 0.0 };
-    d->path[1] = (scene_point){ 0.5, 0.2 };
+    d->path[0] = (vec2){ 0.5, 0.0 };
+    d->path[1] = (vec2){ 0.5, 0.2 };
     helper_disks_block(d, 2, 0.005);
     helper_disks_add(d, 0.48, 0.1);
     d->def.dt = 5e-5;
