@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/micro/micro.h"
+#include "core/scene/surroundings.h"
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
 typedef struct micro_backend {
@@ -25,6 +26,10 @@ typedef struct micro_backend {
     /// micro_load()
     bf_status (*load)(void *state, const void *bytes, size_t n, bf_error *err);
 } micro_backend;
+
+/// The definition's domain, edges and belts, copied: surroundings_fini(). BF_ENOMEM.
+BF_MUST_CHECK bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
+                                                 bf_error *err);
 
 /// Upright cylinders on belts: disk/.
 extern const micro_backend micro__planar;

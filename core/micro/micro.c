@@ -74,6 +74,14 @@ static bf_status check_step(const micro_def *def, bf_error *err)
                    stable);
 }
 
+bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy, bf_error *err)
+{
+    surroundings around = { .domain = def->domain, .n_belts = def->n_belts, .belts = def->belts };
+
+    memcpy(around.edges, def->edges, sizeof around.edges);
+    return surroundings_copy(&around, ret_copy, err);
+}
+
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
 {
     bf_status status = micro__check(def, err);

@@ -2,11 +2,11 @@
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
 #include "core/run/counter.h"
 #include "core/run/run_priv.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
-#include "core/scene/velocity_field.h"
 
 typedef struct macro_run {
     macro_solver *solver;
@@ -16,7 +16,7 @@ typedef struct macro_run {
     counter_cells counters[SCENE_COUNTERS_MAX];
 } macro_run;
 
-static macro_def def_of(const scene *s, const field *f, int n_threads)
+static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
 {
     static const macro_gate gates[] = {
         [SCENE_HEAVISIDE_SHARP] = MACRO_GATE_SHARP,
@@ -44,7 +44,7 @@ static macro_def def_of(const scene *s, const field *f, int n_threads)
 static bf_status create_solver(const scene *s, int n_threads, macro_solver **ret_solver,
                                bf_error *err)
 {
-    field *f = NULL;
+    velocity_field *f = NULL;
     bf_status status = velocity_field_create(s, &f, err);
 
     if (status != BF_OK)

@@ -2,10 +2,10 @@
 
 #include "core/base/memory.h"
 #include "core/base/random.h"
-#include "core/base/vec2.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
 #include "core/scene/placement_priv.h"
+#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,18 +33,13 @@ static double find_support(const shape_footprint *footprint, scene_pose pose, ve
 double placement__excess(const scene *s, const shape_footprint *footprint, scene_pose pose,
                          scene_side side)
 {
-    static const vec2 outward[SCENE_SIDE_COUNT] = { [SCENE_WEST] = { -1.0, 0.0 },
-                                                    [SCENE_EAST] = { 1.0, 0.0 },
-                                                    [SCENE_SOUTH] = { 0.0, -1.0 },
-                                                    [SCENE_NORTH] = { 0.0, 1.0 } };
-    const double excess[SCENE_SIDE_COUNT] = { [SCENE_WEST] = s->domain.x_min - pose.x,
-                                              [SCENE_EAST] = pose.x - s->domain.x_max,
-                                              [SCENE_SOUTH] = s->domain.y_min - pose.y,
-                                              [SCENE_NORTH] = pose.y - s->domain.y_max };
+    const surroundings around = surroundings_of(s);
+    const double excess = surroundings_excess(&around, side, (vec2){ pose.x, pose.y });
+    const vec2 outward = vec2_scale(surroundings_side(&around, side).inward, -1.0);
 
     if (s->edges[side] != SCENE_EDGE_WALL)
-        return excess[side];
-    return excess[side] + fmax(find_support(footprint, pose, outward[side]), 0.0);
+        return excess;
+    return excess + fmax(find_support(footprint, pose, outward), 0.0);
 }
 
 static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)

@@ -4,7 +4,7 @@
 #include "core/base/polygon.h"
 #include "core/scene/mix.h"
 #include "core/scene/placement_priv.h"
-#include "core/scene/velocity_field.h"
+#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -39,16 +39,15 @@ static int compare_places(const void *a, const void *b)
     return of_a->part < of_b->part ? -1 : of_a->part > of_b->part;
 }
 
-static piece piece_of(const scene *s, const scene_obstacle *obstacle, size_t k)
+static piece piece_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
 {
-    vec2 start = obstacle->path[k], end = obstacle->path[k + 1];
-    vec2 upstream = velocity_field_upstream(s, obstacle, k);
-    vec2 through = vec2_scale(upstream, -obstacle->thickness);
-    vec2 back_start = vec2_add(start, through), back_end = vec2_add(end, through);
+    surroundings_piece p = surroundings_piece_of(around, obstacle, k);
+    vec2 through = vec2_scale(p.upstream, -p.thickness);
+    vec2 back_start = vec2_add(p.start, through), back_end = vec2_add(p.end, through);
 
-    if (vec2_cross(vec2_sub(end, start), upstream) > 0.0)
-        return (piece){ { end, start, back_start, back_end } };
-    return (piece){ { start, end, back_end, back_start } };
+    if (vec2_cross(vec2_sub(p.end, p.start), p.upstream) > 0.0)
+        return (piece){ { p.end, p.start, back_start, back_end } };
+    return (piece){ { p.start, p.end, back_end, back_start } };
 }
 
 static bool is_overlapping(const findings *f, size_t k, const piece *plate)
@@ -106,6 +105,7 @@ static void check_piece(findings *f, const scene_obstacle *obstacle, const piece
 
 bf_status placement_check_plates(const scene *s, const placement *p, bf_faults *faults)
 {
+    const surroundings around = surroundings_of(s);
     findings f = { .s = s, .p = p, .faults = faults };
 
     f.places = memory_alloc(p->n, sizeof *f.places);
@@ -119,7 +119,7 @@ bf_status placement_check_plates(const scene *s, const placement *p, bf_faults *
     qsort(f.places, p->n, sizeof *f.places, compare_places);
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            piece plate = piece_of(s, &s->obstacles[k], m);
+            piece plate = piece_of(&around, &s->obstacles[k], m);
             check_piece(&f, &s->obstacles[k], &plate);
         }
     }

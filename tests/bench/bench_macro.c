@@ -9,9 +9,9 @@
 #include "core/base/cpu.h"
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
-#include "core/scene/velocity_field.h"
 #include "tests/reference/direct.h"
 #include "tests/unit/core/helper_scene.h"
 
@@ -27,7 +27,7 @@ static const double reference_upstream = 11.747285; // parts with x < 0.75 m at 
 // Example 1 at the paper's grid, refined by a whole number in each direction.
 typedef struct work {
     scene scene;
-    field *field;
+    velocity_field *field;
     macro_def def;
     double *rho;
     size_t n_cells;

@@ -3,12 +3,10 @@
 #include "core/micro/body/body_priv.h"
 
 #include "core/base/memory.h"
-#include "core/base/polygon.h"
+#include "core/micro/backend.h"
 #include "core/micro/friction.h"
 
-#include <float.h>
 #include <math.h>
-#include <string.h>
 
 static const vec3 nothing = { 0.0, 0.0, 0.0 };
 static const manifold_plane floor_plane = { .normal = { 0.0, 0.0, 1.0 } };
@@ -25,64 +23,28 @@ typedef struct patch {
 
 bf_status body__floor_init(body_state *s, const micro_def *def, bf_error *err)
 {
-    s->belts = memory_alloc(def->n_belts, sizeof *s->belts);
     s->ground = memory_alloc(def->n_parts, sizeof *s->ground);
-    if (s->belts == NULL || s->ground == NULL)
+    if (s->ground == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
-    for (size_t k = 0; k < def->n_belts; k++) {
-        const scene_belt *from = &def->belts[k];
-        body_belt *belt = &s->belts[s->n_belts++];
-        *belt = (body_belt){ .velocity = { from->velocity.x, from->velocity.y, 0.0 },
-                             .n_points = from->n_points };
-        if (from->n_points == 0)
-            continue;
-        belt->polygon = memory_alloc(from->n_points, sizeof *belt->polygon);
-        if (belt->polygon == NULL)
-            return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
-        memcpy(belt->polygon, from->polygon, from->n_points * sizeof *belt->polygon);
-    }
     for (size_t k = 0; k < def->n_parts; k++)
         s->ground[k].clear = -1.0;
-    return BF_OK;
+    return micro__copy_surroundings(def, &s->around, err);
 }
 
 void body__floor_fini(body_state *s)
 {
-    for (size_t k = 0; k < s->n_belts; k++)
-        memory_free(s->belts[k].polygon);
-    memory_free(s->belts);
+    surroundings_fini(&s->around);
     memory_free(s->ground);
 }
 
 bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
 {
-    const vec2 at = { x, y };
+    vec2 velocity;
+    bool is_on_belt =
+        surroundings_belt_at(&s->around, (vec2){ x, y }, (double)s->steps * s->def.dt, &velocity);
 
-    *ret_velocity = nothing;
-    for (size_t k = s->n_belts; k-- > 0;) {
-        const body_belt *belt = &s->belts[k];
-        if (belt->n_points != 0 &&
-            !polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
-            continue;
-        *ret_velocity = belt->velocity;
-        return true;
-    }
-    return false;
-}
-
-/// How far the nearest border of any belt is.
-static double distance_to_border(const body_state *s, vec2 at)
-{
-    double nearest = DBL_MAX;
-
-    for (size_t k = 0; k < s->n_belts; k++) {
-        const body_belt *belt = &s->belts[k];
-        for (size_t m = 0; m < belt->n_points; m++)
-            nearest =
-                fmin(nearest, polygon_segment_distance(at, belt->polygon[m],
-                                                       belt->polygon[(m + 1) % belt->n_points]));
-    }
-    return nearest;
+    *ret_velocity = (vec3){ velocity.x, velocity.y, 0.0 };
+    return is_on_belt;
 }
 
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
@@ -92,7 +54,8 @@ bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
 
     if (!(vec2_length(vec2_sub(at, ground->at)) < ground->clear)) {
         ground->at = at;
-        ground->clear = distance_to_border(s, at) - s->reach[k] - SCENE_TOLERANCE;
+        ground->clear =
+            surroundings_border_distance(&s->around, at) - s->reach[k] - SCENE_TOLERANCE;
         (void)body__belt_at(s, at.x, at.y, &ground->velocity);
     }
     *ret_velocity = ground->velocity;

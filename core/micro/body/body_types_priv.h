@@ -6,6 +6,7 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
+#include "core/scene/surroundings.h"
 
 enum {
     BODY_BLOCK = 16,      ///< parts that one thread handles together
@@ -122,13 +123,6 @@ typedef struct body_map {
     size_t capacity; ///< room in plate
 } body_map;
 
-/// A belt: a copy.
-typedef struct body_belt {
-    vec3 velocity;   ///< m/s
-    size_t n_points; ///< 0: covers everything
-    vec2 *polygon;   ///< owned
-} body_belt;
-
 /// Where around a part one belt is under all of it.
 typedef struct body_ground {
     vec2 at; ///< m
@@ -179,8 +173,7 @@ typedef struct body_state {
     body_plate *plates;                  ///< see there
     body_map map;                        ///< of plates
     double map_range;       ///< from a part's centre to plates that the map has to show, m
-    size_t n_belts;         ///< later ones win
-    body_belt *belts;       ///< see there
+    surroundings around;    ///< a copy: belts and edges
     size_t n_blocks;        ///< of parts
     body_report *reports;   ///< one a block
     uint64_t steps;         ///< since t = 0

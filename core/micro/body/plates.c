@@ -15,9 +15,6 @@
 
 enum { CELLS_A_SIDE_MAX = 256 };
 
-/// A sine below this, between belt and plate, is rounding: they are parallel.
-#define PARALLEL 1e-12
-
 /// Most looks of a cell at a plate when the map is made. Where cells grow together to keep to it,
 /// one is left at last: it must not be smaller.
 #define LOOKS_MAX 1e8
@@ -27,17 +24,18 @@ enum { CELLS_A_SIDE_MAX = 256 };
 
 static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, size_t k)
 {
-    vec2 start = obstacle->path[k], to = vec2_sub(obstacle->path[k + 1], start);
-    vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
-    double length = vec2_length(to), half = 0.5 * obstacle->thickness;
-    vec3 belt, along = { to.x / length, to.y / length, 0.0 };
-    (void)body__belt_at(s, middle.x, middle.y, &belt);
-    vec3 left = { -along.y, along.x, 0.0 };
-    bool is_downstream = vec3_dot(left, belt) > PARALLEL * vec3_length(belt);
-    vec3 across = is_downstream ? vec3_scale(left, -1.0) : left;
+    const surroundings_piece piece = surroundings_piece_of(&s->around, obstacle, k);
+    const vec2 to = vec2_sub(piece.end, piece.start);
+    const vec2 middle = vec2_add(piece.start, vec2_scale(to, 0.5));
+    const double half = 0.5 * piece.thickness;
+    // Rounded by one division, which is nearer to a unit vector than piece.along.
+    const vec3 along = { to.x / piece.length, to.y / piece.length, 0.0 };
+    const vec3 left = { -along.y, along.x, 0.0 };
+    const bool is_left = vec2_cross(piece.along, piece.upstream) > 0.0;
+    const vec3 across = is_left ? left : vec3_scale(left, -1.0);
 
     return (body_plate){ vec3_along((vec3){ middle.x, middle.y, 0.0 }, -half, across), along,
-                         across, 0.5 * length, half };
+                         across, 0.5 * piece.length, half };
 }
 
 /// Distance from a point of the plane to a plate, 0 inside.
@@ -288,18 +286,12 @@ static void visit_plates(body_state *s, size_t k, double near, body_visit *visit
 }
 
 /// The wall on a side of the domain.
-static manifold_plane wall_of(const scene_rect *d, int side)
+static manifold_plane wall_of(const surroundings *around, int side)
 {
-    switch (side) {
-    case SCENE_WEST:
-        return (manifold_plane){ .normal = { 1.0, 0.0, 0.0 }, .offset = d->x_min };
-    case SCENE_EAST:
-        return (manifold_plane){ .normal = { -1.0, 0.0, 0.0 }, .offset = -d->x_max };
-    case SCENE_SOUTH:
-        return (manifold_plane){ .normal = { 0.0, 1.0, 0.0 }, .offset = d->y_min };
-    default:
-        return (manifold_plane){ .normal = { 0.0, -1.0, 0.0 }, .offset = -d->y_max };
-    }
+    const surroundings_line line = surroundings_side(around, (scene_side)side);
+
+    return (manifold_plane){ .normal = { line.inward.x, line.inward.y, 0.0 },
+                             .offset = vec2_dot(line.inward, line.at) };
 }
 
 /// True if the ball around part k is nearer to a plane than `near`.
@@ -317,9 +309,9 @@ static void visit_walls(const body_state *s, size_t k, double near, body_visit *
 
     law.friction = 0.0; // walls slip freely
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (s->def.edges[side] != SCENE_EDGE_WALL)
+        if (s->around.edges[side] != SCENE_EDGE_WALL)
             continue;
-        manifold_plane wall = wall_of(&s->def.domain, side);
+        manifold_plane wall = wall_of(&s->around, side);
         if (!is_near_plane(s, k, &wall, near))
             continue;
         body__find_at_plane(s, body, &wall, near, &region);
@@ -340,8 +332,8 @@ size_t body__solids_count(const body_state *s, size_t k, double range)
     size_t n = 0;
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        manifold_plane wall = wall_of(&s->def.domain, side);
-        n += s->def.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
+        manifold_plane wall = wall_of(&s->around, side);
+        n += s->around.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
     }
     if (s->n_plates == 0)
         return n;

@@ -94,16 +94,6 @@ static double drift(body_body *body, double dt)
     return vec3_dot(way, way);
 }
 
-static bool is_outside(const micro_def *def, vec3 x)
-{
-    const scene_rect *d = &def->domain;
-
-    return (x.x < d->x_min && def->edges[SCENE_WEST] != SCENE_EDGE_WALL) ||
-           (x.x > d->x_max && def->edges[SCENE_EAST] != SCENE_EDGE_WALL) ||
-           (x.y < d->y_min && def->edges[SCENE_SOUTH] != SCENE_EDGE_WALL) ||
-           (x.y > d->y_max && def->edges[SCENE_NORTH] != SCENE_EDGE_WALL);
-}
-
 static body_load load_of(body_state *s, size_t k, body_report *report)
 {
     double mass = s->kinds[s->bodies[k].kind].mass;
@@ -127,7 +117,7 @@ void body__drift(body_state *s, size_t k, body_report *report)
             report->bad_part = k;
         return;
     }
-    s->is_gone[k] = is_outside(&s->def, body->x);
+    s->is_gone[k] = surroundings_is_outside(&s->around, (vec2){ body->x.x, body->x.y });
 }
 
 static void move_part(body_state *s, size_t k, body_report *report)

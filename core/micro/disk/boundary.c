@@ -9,35 +9,12 @@
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
-#include "core/base/vec2.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double parallel = 1e-12; // sines below it are rounding
-
-// A straight piece of a plate.
-typedef struct segment {
-    vec2 start;
-    vec2 along;    // unit tangent
-    vec2 upstream; // unit normal of the side that cargo runs against
-    double length;
-} segment;
-
-static segment make_segment(const disk_state *s, const scene_obstacle *obstacle, size_t k)
-{
-    vec2 start = obstacle->path[k];
-    vec2 to = vec2_sub(obstacle->path[k + 1], start);
-    double length = vec2_length(to);
-    vec2 along = vec2_scale(to, 1.0 / length), left = vec2_turn_left(along);
-    vec2 middle = vec2_add(start, vec2_scale(to, 0.5));
-    disk_belt belt = disk__belt_at(s, middle.x, middle.y);
-    vec2 velocity = { belt.vx, belt.vy };
-    bool is_downstream = vec2_dot(left, velocity) > parallel * vec2_length(velocity);
-
-    return (segment){ start, along, is_downstream ? vec2_scale(left, -1.0) : left, length };
-}
 
 // Adds a face from a to b with the solid on the right of the way from a to b.
 static void add_face(disk_state *s, vec2 a, vec2 b, double depth)
@@ -62,7 +39,7 @@ static void add_arc(disk_state *s, vec2 p, double radius, vec2 e, vec2 f)
 }
 
 // The side of a segment with normal n, moved along n.
-static void add_side(disk_state *s, const segment *g, vec2 n, double shift, double depth)
+static void add_side(disk_state *s, const surroundings_piece *g, vec2 n, double shift, double depth)
 {
     vec2 a = vec2_add(g->start, vec2_scale(n, shift));
     vec2 b = vec2_add(a, vec2_scale(g->along, g->length));
@@ -74,7 +51,7 @@ static void add_side(disk_state *s, const segment *g, vec2 n, double shift, doub
 }
 
 // The end of a segment at p, across it; out points away from the segment.
-static void add_end(disk_state *s, const segment *g, vec2 p, vec2 out, double thickness)
+static void add_end(disk_state *s, const surroundings_piece *g, vec2 p, vec2 out, double thickness)
 {
     vec2 down = vec2_scale(g->upstream, -1.0);
     vec2 q = vec2_add(p, vec2_scale(down, thickness));
@@ -86,13 +63,15 @@ static void add_end(disk_state *s, const segment *g, vec2 p, vec2 out, double th
     add_arc(s, q, 0.0, out, down);
 }
 
-static void add_free_end(disk_state *s, const segment *g, vec2 p, vec2 out, double thickness)
+static void add_free_end(disk_state *s, const surroundings_piece *g, vec2 p, vec2 out,
+                         double thickness)
 {
     add_end(s, g, p, out, thickness);
     add_arc(s, p, 0.0, out, g->upstream);
 }
 
-static void add_joint(disk_state *s, const segment *a, const segment *b, double thickness)
+static void add_joint(disk_state *s, const surroundings_piece *a, const surroundings_piece *b,
+                      double thickness)
 {
     double turn = vec2_cross(a->along, b->along);
     bool is_left = vec2_cross(a->along, a->upstream) > 0.0;
@@ -119,11 +98,11 @@ static bool is_closed(const scene_obstacle *obstacle)
 static void add_plate(disk_state *s, const scene_obstacle *obstacle)
 {
     const size_t n = obstacle->n_points - 1;
-    const segment first = make_segment(s, obstacle, 0);
-    segment last = first;
+    const surroundings_piece first = surroundings_piece_of(&s->around, obstacle, 0);
+    surroundings_piece last = first;
 
     for (size_t k = 0; k < n; k++) {
-        segment g = make_segment(s, obstacle, k);
+        surroundings_piece g = surroundings_piece_of(&s->around, obstacle, k);
         vec2 down = vec2_scale(g.upstream, -1.0);
         add_side(s, &g, g.upstream, 0.0, obstacle->thickness);
         add_side(s, &g, down, obstacle->thickness, 0.0);
@@ -139,23 +118,18 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
     add_free_end(s, &last, obstacle->path[n], last.along, obstacle->thickness);
 }
 
-static void add_walls(disk_state *s, const micro_def *def)
+static void add_walls(disk_state *s)
 {
-    const scene_rect *d = &def->domain;
-    const disk_face walls[SCENE_SIDE_COUNT] = {
-        [SCENE_WEST] = { .px = d->x_min, .py = d->y_min, .nx = 1.0 },
-        [SCENE_EAST] = { .px = d->x_max, .py = d->y_min, .nx = -1.0 },
-        [SCENE_SOUTH] = { .px = d->x_min, .py = d->y_min, .ny = 1.0 },
-        [SCENE_NORTH] = { .px = d->x_min, .py = d->y_max, .ny = -1.0 },
-    };
-
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (def->edges[side] != SCENE_EDGE_WALL)
-            continue;
-        disk_face wall = walls[side];
-        wall.from = -INFINITY;
-        wall.to = wall.depth = INFINITY;
-        s->faces[s->n_faces++] = wall;
+        const surroundings_line line = surroundings_side(&s->around, (scene_side)side);
+        if (s->around.edges[side] == SCENE_EDGE_WALL)
+            s->faces[s->n_faces++] = (disk_face){ .px = line.at.x,
+                                                  .py = line.at.y,
+                                                  .nx = line.inward.x,
+                                                  .ny = line.inward.y,
+                                                  .from = -INFINITY,
+                                                  .to = INFINITY,
+                                                  .depth = INFINITY };
     }
 }
 
@@ -172,7 +146,7 @@ bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err)
     s->arcs = memory_alloc(n_arcs, sizeof *s->arcs);
     if (s->faces == NULL || s->arcs == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-    add_walls(s, def);
+    add_walls(s);
     for (size_t k = 0; k < def->n_obstacles; k++)
         add_plate(s, &def->obstacles[k]);
     return BF_OK;

@@ -20,9 +20,7 @@ static void destroy(void *state)
     disk__implicit_fini(s);
     disk__solids_fini(s);
     disk__tiles_fini(s);
-    for (size_t k = 0; s->grounds != NULL && k < s->n_grounds; k++)
-        memory_free(s->grounds[k].polygon);
-    memory_free(s->grounds);
+    surroundings_fini(&s->around);
     memory_free(s->now);
     memory_free(s->next);
     memory_free(s->heading);
@@ -116,24 +114,6 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
     return BF_OK;
 }
 
-static bf_status copy_belts(disk_state *s, const micro_def *def)
-{
-    s->grounds = memory_alloc(def->n_belts, sizeof *s->grounds);
-    if (s->grounds == NULL)
-        return BF_ENOMEM;
-    for (; s->n_grounds < def->n_belts; s->n_grounds++) {
-        const scene_belt *belt = &def->belts[s->n_grounds];
-        disk_ground *g = &s->grounds[s->n_grounds];
-        *g = (disk_ground){ belt->velocity, belt->n_points, NULL };
-        g->polygon = memory_alloc(belt->n_points, sizeof *g->polygon);
-        if (g->polygon == NULL)
-            return BF_ENOMEM;
-        if (belt->n_points > 0)
-            memcpy(g->polygon, belt->polygon, belt->n_points * sizeof *g->polygon);
-    }
-    return BF_OK;
-}
-
 static bf_status make_arrays(disk_state *s)
 {
     const size_t n = (size_t)s->void_place + 1, n_groups = s->void_place / DISK_GROUP;
@@ -200,10 +180,12 @@ static bool is_tiled(const micro_def *def)
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
     set_constants(s, def);
-    if (copy_kinds(s, def) != BF_OK || copy_belts(s, def) != BF_OK || make_arrays(s) != BF_OK ||
+    if (copy_kinds(s, def) != BF_OK || make_arrays(s) != BF_OK ||
         (is_tiled(def) && disk__tiles_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
-    bf_status status = disk__solids_init(s, def, err);
+    bf_status status = micro__copy_surroundings(def, &s->around, err);
+    if (status == BF_OK)
+        status = disk__solids_init(s, def, err);
     if (status != BF_OK)
         return status;
     s->definition = disk__digest_definition(s);

@@ -73,8 +73,7 @@ typedef struct disk_state {
     size_t n_watches;         ///< sorted by place
     size_t watches_capacity;  ///< room
     disk_watch *watches;      ///< see there
-    size_t n_grounds;         ///< belts
-    disk_ground *grounds;     ///< see there; later ones win
+    surroundings around;      ///< a copy: belts and edges
     struct neighbours_cells *cells;     ///< storage of the cell grid
     int n_shares;                       ///< threads that take part
     disk_share shares[DISK_SHARES_MAX]; ///< one each
@@ -146,16 +145,13 @@ static inline void disk__swap(disk_state *s)
 /// are not in touch.
 double disk__overlap(const disk_state *s, const disk_row *part, uint32_t feature, bool *ret_counts);
 
-/// Lay out faces and arcs of the definition's walls and obstacles; grounds must be there. BF_ENOMEM.
+/// Lay out faces and arcs of the definition's walls and obstacles; s->around must be there. BF_ENOMEM.
 BF_MUST_CHECK bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err);
 void disk__solids_fini(disk_state *s);
 
 /// Find the touches, or the watches and belts, of the live places. BF_ENOMEM.
 BF_MUST_CHECK bf_status disk__find_touches(disk_state *s);
 BF_MUST_CHECK bf_status disk__find_watches(disk_state *s);
-
-/// True if a place is outside the domain, beyond an edge that is not a wall.
-bool disk__is_outside(const disk_state *s, double x, double y);
 
 /// Put all parts into the places of their numbers, with what belongs to their kinds and without place
 /// and velocity; disk__rebuild() must follow.

@@ -5,6 +5,7 @@
 
 #include "core/micro/contact_law.h"
 #include "core/micro/micro.h"
+#include "core/scene/surroundings.h"
 
 enum {
     DISK_GROUP = 8,       ///< places that are handled together
@@ -129,13 +130,6 @@ typedef struct disk_tiles {
     uint64_t n_made;     ///< tiles that counted
     uint64_t n_put_back; ///< tiles that did not
 } disk_tiles;
-
-/// A copy of what belts_under() needs of a belt.
-typedef struct disk_ground {
-    vec2 velocity;   ///< m/s
-    size_t n_points; ///< 0: covers the domain
-    vec2 *polygon;   ///< owned
-} disk_ground;
 
 /// The list of neighbours, by groups: slot s of the parts of group g is the DISK_GROUP entries from
 /// neighbour[(first[g] + s) * DISK_GROUP] on, one for each part of the group: places of neighbours

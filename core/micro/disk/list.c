@@ -26,7 +26,7 @@ static void find_gone(disk_state *s)
     }
     s->n_watches = 0;
     for (size_t place = 0; place < s->n_live; place++)
-        if (disk__is_outside(s, s->now[place].x, s->now[place].y))
+        if (surroundings_is_outside(&s->around, (vec2){ s->now[place].x, s->now[place].y }))
             s->is_gone[s->number[place]] = 1;
 }
 

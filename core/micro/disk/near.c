@@ -3,7 +3,6 @@
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
-#include "core/base/polygon.h"
 #include "core/micro/neighbours_priv.h"
 
 #include <math.h>
@@ -12,8 +11,8 @@
 
 disk_row disk__pad(const disk_state *s, size_t place)
 {
-    const scene_rect *d = &s->def.domain;
-    const scene_edge *edges = s->def.edges;
+    const scene_rect *d = &s->around.domain;
+    const scene_edge *edges = s->around.edges;
     const double away = DISK_FAR + 4.0 * s->radius_max * (double)place;
     disk_row row = s->kinds[0].row;
 
@@ -31,26 +30,13 @@ disk_row disk__pad(const disk_state *s, size_t place)
     return row;
 }
 
-bool disk__is_outside(const disk_state *s, double x, double y)
-{
-    const scene_rect *d = &s->def.domain;
-    const scene_edge *edges = s->def.edges;
-
-    return (x < d->x_min && edges[SCENE_WEST] != SCENE_EDGE_WALL) ||
-           (x > d->x_max && edges[SCENE_EAST] != SCENE_EDGE_WALL) ||
-           (y < d->y_min && edges[SCENE_SOUTH] != SCENE_EDGE_WALL) ||
-           (y > d->y_max && edges[SCENE_NORTH] != SCENE_EDGE_WALL);
-}
-
 disk_belt disk__belt_at(const disk_state *s, double x, double y)
 {
-    for (size_t k = s->n_grounds; k-- > 0;) {
-        const disk_ground *g = &s->grounds[k];
-        if (g->n_points == 0 ||
-            polygon_holds(g->polygon, g->n_points, (vec2){ x, y }, SCENE_TOLERANCE))
-            return (disk_belt){ g->velocity.x, g->velocity.y, 1.0 };
-    }
-    return (disk_belt){ 0.0, 0.0, 0.0 };
+    vec2 velocity;
+    bool is_on_belt =
+        surroundings_belt_at(&s->around, (vec2){ x, y }, (double)s->steps * s->def.dt, &velocity);
+
+    return (disk_belt){ velocity.x, velocity.y, is_on_belt ? 1.0 : 0.0 };
 }
 
 // A box that holds all centres in question; sides may be infinite.
@@ -174,22 +160,14 @@ bf_status disk__find_touches(disk_state *s)
 
 static bool is_near_open_edge(const disk_state *s, const disk_row *part, double margin)
 {
-    return disk__is_outside(s, part->x - margin, part->y - margin) ||
-           disk__is_outside(s, part->x + margin, part->y + margin);
+    return surroundings_is_outside(&s->around, (vec2){ part->x - margin, part->y - margin }) ||
+           surroundings_is_outside(&s->around, (vec2){ part->x + margin, part->y + margin });
 }
 
 static bool is_near_border(const disk_state *s, const disk_row *part, double margin)
 {
-    const vec2 at = { part->x, part->y };
-
-    for (size_t k = 0; k < s->n_grounds; k++) {
-        const disk_ground *g = &s->grounds[k];
-        for (size_t m = 0; m < g->n_points; m++)
-            if (polygon_segment_distance(at, g->polygon[m], g->polygon[(m + 1) % g->n_points]) <=
-                margin + SCENE_TOLERANCE)
-                return true;
-    }
-    return false;
+    return surroundings_border_distance(&s->around, (vec2){ part->x, part->y }) <=
+           margin + SCENE_TOLERANCE;
 }
 
 bf_status disk__find_watches(disk_state *s)
@@ -220,7 +198,7 @@ void disk__look(disk_state *s, disk_row *rows, size_t watch_first, size_t watch_
         disk_row *part = &rows[w->place];
         if (w->gone != DISK_HERE)
             continue;
-        if (disk__is_outside(s, part->x, part->y)) {
+        if (surroundings_is_outside(&s->around, (vec2){ part->x, part->y })) {
             *w = (disk_watch){ w->place, left, s->heading[w->place], *part };
             s->is_gone[s->number[w->place]] = 1;
             *part = disk__pad(s, w->place);

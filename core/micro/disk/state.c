@@ -129,8 +129,8 @@ uint64_t disk__digest_definition(const disk_state *s)
                                (double)s->n };
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
 
-    digest = digest_add(digest, &s->def.domain, sizeof s->def.domain);
-    digest = digest_add(digest, s->def.edges, sizeof s->def.edges);
+    digest = digest_add(digest, &s->around.domain, sizeof s->around.domain);
+    digest = digest_add(digest, s->around.edges, sizeof s->around.edges);
     digest = digest_add(digest, &s->cargo, sizeof s->cargo);
     digest = digest_add(digest, &s->handling, sizeof s->handling);
     digest = digest_add(digest, s->kinds, s->n_kinds * sizeof *s->kinds);
@@ -138,10 +138,10 @@ uint64_t disk__digest_definition(const disk_state *s)
         digest = digest_add(digest, s->kind_of, s->n * sizeof *s->kind_of);
     digest = digest_add(digest, s->faces, s->n_faces * sizeof *s->faces);
     digest = digest_add(digest, s->arcs, s->n_arcs * sizeof *s->arcs);
-    for (size_t k = 0; k < s->n_grounds; k++) {
-        const disk_ground *g = &s->grounds[k];
-        digest = digest_add(digest, &g->velocity, sizeof g->velocity);
-        digest = digest_add(digest, g->polygon, g->n_points * sizeof *g->polygon);
+    for (size_t k = 0; k < s->around.n_belts; k++) {
+        const scene_belt *belt = &s->around.belts[k];
+        digest = digest_add(digest, &belt->velocity, sizeof belt->velocity);
+        digest = digest_add(digest, belt->polygon, belt->n_points * sizeof *belt->polygon);
     }
     return digest;
 }

@@ -1,9 +1,9 @@
 // What the paper says must come out, and the reference answers of its Examples.
 
 #include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
 #include "core/run/run.h"
 #include "core/scene/density.h"
-#include "core/scene/velocity_field.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
 
@@ -144,7 +144,7 @@ static void a_part_slides_along_an_obstacle_at_belt_speed_times_cosine(void **st
         helper_scene_add_obstacle(&s, path, 2, SCENE_FIELD)->slide_width = 0.3;
         helper_scene_resolve(&s);
 
-        field *f = NULL;
+        velocity_field *f = NULL;
         macro_solver *solver = NULL;
         macro_def def = macro_def_default();
         assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);

@@ -7,11 +7,11 @@
 ///     field   B: v = |v_T| n      -thickness <= d < 0
 ///             C: v = (v_T . t) t  0 <= d <= slide_width
 ///     wall    C as above; no flux through faces whose cell-centre link crosses the line (11b)
-///     sealed  line shut as above; B: 0 <= d < band; C: band <= d <= band + slide_width
+///     sealed  line closed as above; B: 0 <= d < band; C: band <= d <= band + slide_width
 ///     A       everywhere else: v_T of the belt under x, zero off every belt
 ///
-/// Borders are taken with SCENE_TOLERANCE in favour of the band, and of C on the line itself.
-/// Velocities are evaluated at face centres. Where n . v_T = 0 the normal is t turned left.
+/// v_T and the segments are those of surroundings.h. Borders are taken with SCENE_TOLERANCE in favour of
+/// the band, and of C on the line itself. Velocities are evaluated at face centres.
 
 #pragma once
 
@@ -19,27 +19,24 @@
 #include "core/scene/scene.h"
 
 /// Carrying velocity and closed faces on a grid; layout of faces as in grid.h. Owned.
-typedef struct field {
+typedef struct velocity_field {
     bf_grid grid;     ///< the cells between the faces
     double *v1;       ///< x1 velocity on the (n1 + 1) * n2 x1-faces, m/s; 0 on closed ones
     double *v2;       ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
     uint8_t *closed1; ///< nonzero: nothing crosses this x1-face
     uint8_t *closed2; ///< same for the x2-faces
-} field;
+} velocity_field;
 
-/// Build the field of a checked scenario on its grid. The caller owns *ret_field: velocity_field_destroy().
-/// BF_ENOMEM.
-BF_MUST_CHECK bf_status velocity_field_create(const scene *s, field **ret_field, bf_error *err);
+/// Build the field of a checked scenario on its grid, by the belts at t = 0. The caller owns *ret_field:
+/// velocity_field_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status velocity_field_create(const scene *s, velocity_field **ret_field,
+                                              bf_error *err);
 
 /// Free a field; NULL is fine. Always returns NULL.
-field *velocity_field_destroy(field *f);
+velocity_field *velocity_field_destroy(velocity_field *f);
 
 /// v_stat at one point by the rules above, for the whole scene; m/s.
 vec2 velocity_field_at(const scene *s, vec2 at);
 
-/// Unit normal of piece k (from 0) of an obstacle on its upstream side, by the belt under the piece's
-/// middle.
-vec2 velocity_field_upstream(const scene *s, const scene_obstacle *obstacle, size_t k);
-
-/// True if the link between two neighbouring cell centres crosses a shut line (`wall`, `sealed`).
-bool velocity_field_is_shut(const scene *s, vec2 from, vec2 to);
+/// True if the link between two neighbouring cell centres crosses a closed line (`wall`, `sealed`).
+bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to);

@@ -1,7 +1,7 @@
 // Unit tests of the static velocity field and of closed faces. Velocities are derived from section
 // 3.1: v_T on the free belt, |v_T| n in the outward band B, (v_T . t) t in the slide zone C.
 
-#include "core/scene/velocity_field.h"
+#include "core/macro/velocity_field.h"
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
@@ -17,9 +17,9 @@
 static const double speed = 0.395; // of the paper's belt, m/s
 static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
 
-static field *create(const scene *s)
+static velocity_field *create(const scene *s)
 {
-    field *f = NULL;
+    velocity_field *f = NULL;
     assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
     return f;
 }
@@ -278,7 +278,7 @@ static void draw_scene(scene *s, bf_random *random)
 }
 
 /// Compare face (i, j) of one axis with the plain rules.
-static void check_face(const scene *s, const field *f, int axis, size_t i, size_t j)
+static void check_face(const scene *s, const velocity_field *f, int axis, size_t i, size_t j)
 {
     const bf_grid *g = &f->grid;
     size_t k = axis == 0 ? j * (g->n1 + 1) + i : j * g->n1 + i;
@@ -291,7 +291,7 @@ static void check_face(const scene *s, const field *f, int axis, size_t i, size_
     size_t n = axis == 0 ? g->n1 : g->n2, along = axis == 0 ? i : j;
     scene_side low = axis == 0 ? SCENE_WEST : SCENE_SOUTH;
     scene_side high = axis == 0 ? SCENE_EAST : SCENE_NORTH;
-    bool is_closed = velocity_field_is_shut(s, from, to) ||
+    bool is_closed = velocity_field_is_closed(s, from, to) ||
                      (along == 0 && s->edges[low] == SCENE_EDGE_WALL) ||
                      (along == n && s->edges[high] == SCENE_EDGE_WALL);
     vec2 v = velocity_field_at(s, at);
@@ -309,7 +309,7 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
     for (int round = 0; round < 300; round++) {
         scene s;
         draw_scene(&s, &random);
-        field *f = create(&s);
+        velocity_field *f = create(&s);
         for (size_t j = 0; j < f->grid.n2; j++) {
             for (size_t i = 0; i <= f->grid.n1; i++)
                 check_face(&s, f, 0, i, j);
@@ -324,7 +324,7 @@ static void the_field_on_a_grid_is_the_plain_rule_at_every_face(void **state)
 }
 
 /// Mark every cell that open faces link with cell start. stack has room for all cells.
-static void flood(const field *f, size_t start, uint8_t *reached, size_t *stack)
+static void flood(const velocity_field *f, size_t start, uint8_t *reached, size_t *stack)
 {
     size_t n1 = f->grid.n1, n2 = f->grid.n2, n = 0;
 
@@ -384,7 +384,7 @@ static void nothing_is_linked_across_a_closed_line(void **state)
         helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
         helper_scene_add_obstacle(&s, path, n, round % 2 == 0 ? SCENE_SEALED : SCENE_WALL);
         helper_scene_resolve(&s);
-        field *f = create(&s);
+        velocity_field *f = create(&s);
         size_t n_cells = grid_cells(&f->grid);
         uint8_t *reached = memory_alloc(n_cells, 1), *is_inside = memory_alloc(n_cells, 1);
         size_t *stack = memory_alloc(n_cells, sizeof *stack);
@@ -426,7 +426,7 @@ static void no_way_leads_behind_a_line_from_wall_to_wall(void **state)
         helper_scene_belt(&s, 1.0, 0.5, cell, &somewhere, 1);
         helper_scene_add_obstacle(&s, path, n, SCENE_SEALED);
         helper_scene_resolve(&s);
-        field *f = create(&s);
+        velocity_field *f = create(&s);
         size_t n_cells = grid_cells(&f->grid);
         uint8_t *reached = memory_alloc(n_cells, 1);
         size_t *stack = memory_alloc(n_cells, sizeof *stack);
@@ -456,7 +456,7 @@ static void cells_on_the_line_lie_upstream_and_are_not_cut_off(void **state)
         helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
         helper_scene_add_obstacle(&s, reversed ? swapped : path, 2, SCENE_SEALED);
         helper_scene_resolve(&s);
-        field *f = create(&s);
+        velocity_field *f = create(&s);
         size_t n1 = f->grid.n1;
         for (size_t j = 1; j < 59; j++) {
             size_t i = 40 + j;
@@ -476,7 +476,7 @@ static void a_line_along_faces_shuts_just_these(void **state)
 
     (void)state;
     helper_scene_example(&s, 90.0, SCENE_SEALED);
-    field *f = create(&s);
+    velocity_field *f = create(&s);
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     for (size_t j = 0; j < n2; j++) {
         for (size_t i = 0; i <= n1; i++)
@@ -496,7 +496,7 @@ static void the_papers_field_shuts_nothing_but_walls(void **state)
 
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_FIELD);
-    field *f = create(&s);
+    velocity_field *f = create(&s);
     for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
         assert_false(f->closed1[k]);
     velocity_field_destroy(f);
@@ -512,7 +512,7 @@ static void open_edges_carry_and_walls_do_not(void **state)
     helper_scene_add_belt(&s, (vec2){ 0.3, 0.1 }, NULL, 0);
     s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
     helper_scene_resolve(&s);
-    field *f = create(&s);
+    velocity_field *f = create(&s);
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     for (size_t j = 0; j < n2; j++) {
         assert_true(f->v1[j * (n1 + 1)] == 0.3 && !f->closed1[j * (n1 + 1)]);
@@ -536,7 +536,7 @@ static void no_component_exceeds_the_speed_of_the_fastest_belt(void **state)
         scene s;
         draw_scene(&s, &random);
         double most = scene_belt_speed(&s) * (1.0 + 1e-14);
-        field *f = create(&s);
+        velocity_field *f = create(&s);
         for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++)
             assert_true(fabs(f->v1[k]) <= most);
         for (size_t k = 0; k < f->grid.n1 * (f->grid.n2 + 1); k++)
@@ -553,7 +553,7 @@ static void without_memory_no_field_is_given_or_lost(void **state)
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     for (size_t n = 1;; n++) {
-        field *f = (field *)&s; // poison
+        velocity_field *f = (velocity_field *)&s; // poison
         bf_error err = { 0 };
         memory_plan_fault(n, 0);
         bf_status status = velocity_field_create(&s, &f, &err);

@@ -1,0 +1,101 @@
+/// What is around the parts: belts under them, plates in their way, edges of the domain.
+///
+/// Both models, the placement of parts and the checks ask here, and nowhere else,
+///
+///     which belt carries a point at a time, and how fast;
+///     what a straight piece of a plate is: tangent, length, thickness and upstream side;
+///     what a side of the domain is, and whether a point is outside.
+///
+/// A solver may prepare what it needs of the answers once and keep it for its loops.
+///
+/// Units    SI.
+/// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along
+///          the belt has no upstream side of its own: the left one, seen from its start, counts.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/base/vec2.h"
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// The surroundings, borrowed from a scene, or with belts of their own after surroundings_copy().
+typedef struct surroundings {
+    scene_rect domain;                  ///< m
+    scene_edge edges[SCENE_SIDE_COUNT]; ///< what its sides are
+    size_t n_belts;                     ///< belts
+    const scene_belt *belts;            ///< where they overlap the later one wins
+} surroundings;
+
+/// A straight piece of a plate.
+typedef struct surroundings_piece {
+    vec2 start;    ///< of its upstream face, m
+    vec2 end;      ///< of its upstream face, m
+    vec2 along;    ///< unit tangent t from start to end
+    vec2 upstream; ///< unit normal n of the upstream side: n . v_T <= 0 for the belt in its middle
+    double length; ///< m
+    double thickness; ///< of the plate, downstream of the line from start to end, m
+} surroundings_piece;
+
+/// The straight line that a side of the domain lies on.
+typedef struct surroundings_line {
+    vec2 at;     ///< a point of it, m
+    vec2 inward; ///< unit normal into the domain
+} surroundings_line;
+
+/// The surroundings of a scene, which must outlive them.
+surroundings surroundings_of(const scene *s);
+
+/// A copy of *from with belts of its own: surroundings_fini(). BF_ENOMEM; *ret_copy is then empty.
+BF_MUST_CHECK bf_status surroundings_copy(const surroundings *from, surroundings *ret_copy,
+                                          bf_error *err);
+
+/// Free what a copy owns and zero it.
+void surroundings_fini(surroundings *copy);
+
+/// True if a belt carries the point at time t, s; *ret_velocity is its velocity, m/s, and zero off every
+/// belt. Belts are constant: nothing depends on t yet.
+bool surroundings_belt_at(const surroundings *around, vec2 at, double t, vec2 *ret_velocity);
+
+/// Distance from a point to the nearest border of a belt, m; DBL_MAX if no belt has one.
+double surroundings_border_distance(const surroundings *around, vec2 at);
+
+/// The upstream normal of a piece with unit tangent `along` on a belt.
+vec2 surroundings_upstream(vec2 along, vec2 belt);
+
+/// Piece k, 0 <= k < n_points - 1, of an obstacle's plate, by the belts at t = 0.
+surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
+                                         size_t k);
+
+/// The line of a side of the domain.
+surroundings_line surroundings_side(const surroundings *around, scene_side side);
+
+/// How far a point lies beyond a side of the domain, m; negative inside.
+static inline double surroundings_excess(const surroundings *around, scene_side side, vec2 at)
+{
+    const scene_rect *d = &around->domain;
+
+    switch (side) {
+    case SCENE_WEST:
+        return d->x_min - at.x;
+    case SCENE_EAST:
+        return at.x - d->x_max;
+    case SCENE_SOUTH:
+        return d->y_min - at.y;
+    default:
+        return at.y - d->y_max;
+    }
+}
+
+/// True if a point has left the domain: it lies beyond a side that is not a wall.
+static inline bool surroundings_is_outside(const surroundings *around, vec2 at)
+{
+    bool is_outside = false;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        is_outside |= around->edges[side] != SCENE_EDGE_WALL &&
+                      surroundings_excess(around, (scene_side)side, at) > 0.0;
+    return is_outside;
+}
