@@ -285,21 +285,78 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 
-bf_status store_append(store *s, const store_batch *batch, bf_error *err)
+static bf_status begin_context(const store_batch *batch, append_context *context, bf_error *err)
 {
-    append_context context = { .batch = batch };
+    *context = (append_context){ .batch = batch };
+    context->packed = memory_alloc(2 * batch->n + 1, sizeof *context->packed);
+    return context->packed == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
+}
 
-    context.packed = memory_alloc(2 * batch->n + 1, sizeof *context.packed);
-    if (context.packed == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = pack_all(&context, err);
-    if (status == BF_OK)
-        status = store__write(s, apply_append, &context, err);
+static void end_context(append_context *context, bf_status status)
+{
+    const store_batch *batch = context->batch;
+
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
     for (size_t i = 0; i <= 2 * batch->n; i++)
-        buffer_fini(&context.packed[i]);
-    memory_free(context.packed);
-    buffer_fini(&context.columns);
+        buffer_fini(&context->packed[i]);
+    memory_free(context->packed);
+    buffer_fini(&context->columns);
+}
+
+bf_status store_append(store *s, const store_batch *batch, bf_error *err)
+{
+    append_context context;
+
+    bf_status status = begin_context(batch, &context, err);
+    if (status != BF_OK)
+        return status;
+    status = pack_all(&context, err);
+    if (status == BF_OK)
+        status = store__write(s, apply_append, &context, err);
+    end_context(&context, status);
+    return status;
+}
+
+/// A batch that nobody waits for; freed by finish_append().
+typedef struct begun_append {
+    store__operation operation;
+    append_context context;
+    store_appended *appended;
+    void *appended_context;
+} begun_append;
+
+static bf_status prepare_append(store__operation *operation, bf_error *err)
+{
+    return pack_all(operation->context, err);
+}
+
+static void finish_append(store__operation *operation)
+{
+    begun_append *begun = (begun_append *)operation; // its first member
+
+    end_context(&begun->context, operation->status);
+    begun->appended(begun->appended_context, operation->status, &operation->error);
+    memory_free(begun);
+}
+
+bf_status store_begin_append(store *s, const store_batch *batch, store_appended *appended,
+                             void *appended_context, bf_error *err)
+{
+    begun_append *begun = memory_alloc(1, sizeof *begun);
+
+    if (begun == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    begun->operation = (store__operation){ .apply = apply_append,
+                                           .prepare = prepare_append,
+                                           .finish = finish_append,
+                                           .context = &begun->context };
+    begun->appended = appended;
+    begun->appended_context = appended_context;
+    bf_status status = begin_context(batch, &begun->context, err);
+    if (status == BF_OK)
+        store__begin_write(s, &begun->operation);
+    else
+        memory_free(begun);
     return status;
 }

@@ -73,7 +73,7 @@ bool store_is_alive(store *s)
 
     lock_take(&s->lock);
     pulse_ask(&s->tally.pulse);
-    lock_wake_all(&s->queued);
+    lock_wake_all(&s->writing.filled);
     lock_give(&s->lock);
     return is_alive;
 }

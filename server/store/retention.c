@@ -144,7 +144,7 @@ void store__take_care(store *s)
     char quoted[LOG_QUOTED_SIZE];
 
     lock_assert_held(&s->lock);
-    if (s->is_stopping || clock_monotonic_ms() < s->care.next_ms)
+    if (s->writing.is_stopping || clock_monotonic_ms() < s->care.next_ms)
         return;
     step st = {
         .writer = &s->writer, .limits = s->retention, .answers_ms = s->answers_ms, .care = s->care
@@ -170,6 +170,6 @@ void store_set_retention(store *s, const store_retention *retention)
     lock_take(&s->lock);
     s->retention = *retention;
     s->care.next_ms = 0;
-    lock_wake_all(&s->queued);
+    lock_wake_all(&s->writing.filled);
     lock_give(&s->lock);
 }

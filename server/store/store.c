@@ -130,7 +130,8 @@ static store *create(const store_options *options)
     s->lock_file = -1;
     store__init_pool(&s->pool);
     lock_init(&s->lock);
-    lock_condition_init(&s->queued);
+    lock_condition_init(&s->preparing.filled);
+    lock_condition_init(&s->writing.filled);
     lock_condition_init(&s->done);
     return s;
 }
@@ -154,7 +155,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
     if (status == BF_OK)
         status = store__count(s, &s->tally.figures, err);
     if (status == BF_OK)
-        status = store__start_thread(s, err);
+        status = store__start_threads(s, err);
     if (status == BF_OK)
         *ret_store = s;
     else
@@ -166,14 +167,15 @@ store *store_close(store *s)
 {
     if (s == NULL)
         return NULL;
-    store__stop_thread(s);
+    store__stop_threads(s);
     // The last connection to close copies the log into the database.
     store__fini_pool(&s->pool);
     store__disconnect(&s->writer);
     if (s->lock_file >= 0)
         close(s->lock_file);
     lock_condition_fini(&s->done);
-    lock_condition_fini(&s->queued);
+    lock_condition_fini(&s->writing.filled);
+    lock_condition_fini(&s->preparing.filled);
     lock_fini(&s->lock);
     memory_free(s);
     return NULL;

@@ -48,20 +48,40 @@ typedef enum store__results {
 typedef struct store__operation store__operation;
 
 /// Do a write inside a transaction that is open; not BF_OK undoes what it wrote. Runs on the
-/// store's thread while the caller waits.
+/// store's thread.
 typedef bf_status store__apply(store__connection *writer, store__operation *operation,
                                bf_error *err);
 
-/// A write that waits for its turn; on its caller's stack.
+/// What an operation that nobody waits for needs before it is applied. Runs on the preparing thread; if it
+/// fails, the operation is not applied.
+typedef bf_status store__prepare(store__operation *operation, bf_error *err);
+
+/// Tell the result of an operation that nobody waits for, and free it. Runs on the store's thread after the
+/// commit, or on the preparing thread if it could not be prepared.
+typedef void store__finish(store__operation *operation);
+
+/// A write that waits for its turn; on its caller's stack, or, with prepare and finish, on the heap.
 struct store__operation {
     store__apply *apply;       ///< what to do
-    void *context;             ///< for apply
+    store__prepare *prepare;   ///< what to do before; NULL: nothing
+    store__finish *finish;     ///< how it ends; NULL: its caller waits for is_done
+    void *context;             ///< for these
     char changed[API_ID_SIZE]; ///< set by apply: the run that it changed; "" none
-    bf_status status;          ///< result, once is_done
+    bf_status status;          ///< result, once it is done
     bf_error error;            ///< of a status that is not BF_OK
     bool is_done;              ///< written under the store's lock
-    store__operation *next;    ///< in the queue
+    store__operation *next;    ///< in a queue
 };
+
+/// Operations that wait for a thread, and that thread; under the store's lock.
+typedef struct store__queue {
+    pthread_t thread;        ///< that takes them
+    bool has_thread;         ///< it runs
+    bool is_stopping;        ///< no further operations
+    lock_condition filled;   ///< there are operations, or is_stopping
+    store__operation *first; ///< that waits
+    store__operation *last;  ///< NULL if there are none
+} store__queue;
 
 /// A key that a request uses at the moment; on its caller's stack.
 typedef struct store__key {
@@ -97,14 +117,10 @@ struct store {
     int lock_file;                    ///< descriptor that holds the flock; -1: none
     store__connection writer;         ///< the store's thread's, once that runs
     store__pool pool;                 ///< readers
-    bool has_thread;                  ///< thread runs
-    pthread_t thread;                 ///< the store's thread
     lock lock;                        ///< guards what follows
-    lock_condition queued;            ///< an operation waits, or is_stopping
+    store__queue preparing;           ///< operations that are prepared, one after the other
+    store__queue writing;             ///< operations that are applied, by the store's thread
     lock_condition done;              ///< operations are done
-    store__operation *first;          ///< queue of operations
-    store__operation *last;           ///< its end; NULL if empty
-    bool is_stopping;                 ///< no further operations
     store__key *keys;                 ///< of the submissions under way
     store_retention retention;        ///< see store_options
     store__care care;                 ///< the store's thread's
@@ -145,14 +161,18 @@ BF_MUST_CHECK bf_status store__identify(struct sqlite3 *db, const char *path, in
 /// Check that the file is a store of ours and bring its tables to this program's version.
 BF_MUST_CHECK bf_status store__migrate(store__connection *writer, const char *path, bf_error *err);
 
-/// Start the store's thread.
-BF_MUST_CHECK bf_status store__start_thread(store *s, bf_error *err);
+/// Start the preparing thread and the store's thread.
+BF_MUST_CHECK bf_status store__start_threads(store *s, bf_error *err);
 
-/// Let the thread finish what waits, and join it.
-void store__stop_thread(store *s);
+/// Let the threads finish what waits, and join them.
+void store__stop_threads(store *s);
 
 /// Let the store's thread do an operation and wait until it is on disk.
 BF_MUST_CHECK bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err);
+
+/// Let the store's threads prepare, do and finish an operation, without waiting for it. Operations that are
+/// begun one after the other are applied in that order.
+void store__begin_write(store *s, store__operation *operation);
 
 /// Prepare an empty pool.
 void store__init_pool(store__pool *pool);

@@ -90,21 +90,47 @@ static void tell_listener(const store *s, const store__operation *first)
             s->listener(s->listener_context, o->changed);
 }
 
-static store__operation *take_all(store *s)
+static store__operation *take_all(store *s, store__queue *queue)
 {
     lock_assert_held(&s->lock);
-    store__operation *first = s->first;
-    s->first = s->last = NULL;
+    store__operation *first = queue->first;
+    queue->first = queue->last = NULL;
     return first;
 }
 
-static void answer_group(store *s, store__operation *first)
+static void enqueue(store *s, store__queue *queue, store__operation *operation)
 {
     lock_assert_held(&s->lock);
+    BF_CHECK(!queue->is_stopping);
+    operation->next = NULL;
+    if (queue->last == NULL)
+        queue->first = operation;
+    else
+        queue->last->next = operation;
+    queue->last = operation;
+    lock_wake_all(&queue->filled);
+}
+
+// Operations without a waiting caller are finished before the lock is taken: they may take a while.
+static void finish_group(store *s, store__operation *first)
+{
+    store__operation *awaited = NULL;
+
     while (first != NULL) {
         store__operation *next = first->next;
-        first->is_done = true;
+        if (first->finish != NULL) {
+            first->finish(first);
+        } else {
+            first->next = awaited;
+            awaited = first;
+        }
         first = next;
+    }
+    lock_take(&s->lock);
+    while (awaited != NULL) {
+        store__operation *next = awaited->next;
+        awaited->is_done = true;
+        awaited = next;
     }
     lock_wake_all(&s->done);
 }
@@ -136,11 +162,13 @@ static int64_t due_ms(const store *s)
 // Sleep until there are operations, the end, a question for the pulse, or something is due.
 static void wait_for_work(store *s)
 {
+    const store__queue *queue = &s->writing;
     bool is_time = true;
 
     lock_assert_held(&s->lock);
-    while (is_time && s->first == NULL && !s->is_stopping && !pulse_is_asked(&s->tally.pulse))
-        is_time = lock_wait(&s->queued, &s->lock, due_ms(s));
+    while (is_time && queue->first == NULL && !queue->is_stopping &&
+           !pulse_is_asked(&s->tally.pulse))
+        is_time = lock_wait(&s->writing.filled, &s->lock, due_ms(s));
     pulse_answer(&s->tally.pulse);
 }
 
@@ -149,8 +177,7 @@ static void do_group(store *s, store__operation *first)
     lock_give(&s->lock);
     apply_group(&s->writer, first);
     tell_listener(s, first);
-    lock_take(&s->lock);
-    answer_group(s, first);
+    finish_group(s, first);
     s->tally.has_changed = true;
 }
 
@@ -159,9 +186,9 @@ static void *write_groups(void *context)
     store *s = context;
 
     lock_take(&s->lock);
-    while (s->first != NULL || !s->is_stopping) {
+    while (s->writing.first != NULL || !s->writing.is_stopping) {
         wait_for_work(s);
-        store__operation *first = take_all(s);
+        store__operation *first = take_all(s, &s->writing);
         if (first != NULL)
             do_group(s, first);
         store__take_care(s);
@@ -171,43 +198,79 @@ static void *write_groups(void *context)
     return NULL;
 }
 
-bf_status store__start_thread(store *s, bf_error *err)
+// One after the other, so that each can be written as soon as it is ready.
+static void *prepare_all(void *context)
+{
+    store *s = context;
+    store__queue *queue = &s->preparing;
+
+    lock_take(&s->lock);
+    while (queue->first != NULL || !queue->is_stopping) {
+        store__operation *first = queue->first;
+        if (first == NULL) {
+            lock_wait(&queue->filled, &s->lock, -1);
+            continue;
+        }
+        queue->first = first->next;
+        if (queue->first == NULL)
+            queue->last = NULL;
+        lock_give(&s->lock);
+        bf_status status = first->status = first->prepare(first, &first->error);
+        if (status != BF_OK)
+            first->finish(first);
+        lock_take(&s->lock);
+        if (status == BF_OK)
+            enqueue(s, &s->writing, first);
+    }
+    lock_give(&s->lock);
+    return NULL;
+}
+
+static bf_status start_thread(store *s, store__queue *queue, void *(*loop)(void *), bf_error *err)
 {
     sigset_t all, before;
 
     // Signals are for the daemon's own threads.
     sigfillset(&all);
     BF_CHECK(pthread_sigmask(SIG_SETMASK, &all, &before) == 0);
-    int code = pthread_create(&s->thread, NULL, write_groups, s);
+    int code = pthread_create(&queue->thread, NULL, loop, s);
     BF_CHECK(pthread_sigmask(SIG_SETMASK, &before, NULL) == 0);
     if (code != 0)
         return bf_fail(err, BF_ESYSTEM, "", "cannot start the store's thread: %s", strerror(code));
-    s->has_thread = true;
+    queue->has_thread = true;
     return BF_OK;
 }
 
-void store__stop_thread(store *s)
+bf_status store__start_threads(store *s, bf_error *err)
 {
-    if (!s->has_thread)
-        return;
-    lock_take(&s->lock);
-    s->is_stopping = true;
-    lock_wake_all(&s->queued);
-    lock_give(&s->lock);
-    BF_CHECK(pthread_join(s->thread, NULL) == 0);
-    s->has_thread = false;
+    bf_status status = start_thread(s, &s->writing, write_groups, err);
+
+    return status == BF_OK ? start_thread(s, &s->preparing, prepare_all, err) : status;
 }
 
-static void enqueue(store *s, store__operation *operation)
+static void stop_thread(store *s, store__queue *queue)
 {
-    lock_assert_held(&s->lock);
-    BF_CHECK(!s->is_stopping);
-    if (s->last == NULL)
-        s->first = operation;
-    else
-        s->last->next = operation;
-    s->last = operation;
-    lock_wake_all(&s->queued);
+    if (!queue->has_thread)
+        return;
+    lock_take(&s->lock);
+    queue->is_stopping = true;
+    lock_wake_all(&queue->filled);
+    lock_give(&s->lock);
+    BF_CHECK(pthread_join(queue->thread, NULL) == 0);
+    queue->has_thread = false;
+}
+
+void store__stop_threads(store *s)
+{
+    stop_thread(s, &s->preparing);
+    stop_thread(s, &s->writing);
+}
+
+void store__begin_write(store *s, store__operation *operation)
+{
+    lock_take(&s->lock);
+    enqueue(s, &s->preparing, operation);
+    lock_give(&s->lock);
 }
 
 bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err)
@@ -215,7 +278,7 @@ bf_status store__write(store *s, store__apply *apply, void *context, bf_error *e
     store__operation operation = { .apply = apply, .context = context };
 
     lock_take(&s->lock);
-    enqueue(s, &operation);
+    enqueue(s, &s->writing, &operation);
     while (!operation.is_done)
         lock_wait(&s->done, &s->lock, -1);
     lock_give(&s->lock);

@@ -3,12 +3,17 @@
 
 #include "tests/unit/server/helper_store.h"
 
+#include "core/base/memory.h"
 #include "server/base/lock.h"
+#include "server/base/metrics.h"
 
+#include <math.h>
+#include <sqlite3.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { N_WRITERS = 4, N_READERS = 12, N_RUNS = 12 };
 
@@ -139,6 +144,174 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     lock_fini(&ear.lock);
 }
 
+/// What became of batches that nobody waited for.
+typedef struct outcome {
+    lock lock;
+    lock_condition changed;
+    size_t n;         ///< answers
+    bf_status last;   ///< of them
+    bf_status failed; ///< the last that was not BF_OK
+} outcome;
+
+static void note_outcome(void *context, bf_status status, const bf_error *err)
+{
+    outcome *o = context;
+
+    lock_take(&o->lock);
+    o->n++;
+    o->last = status;
+    if (status != BF_OK) {
+        o->failed = status;
+        assert_int_equal(err->code, status);
+    }
+    lock_wake_all(&o->changed);
+    lock_give(&o->lock);
+}
+
+static void await_outcomes(outcome *o, size_t n)
+{
+    lock_take(&o->lock);
+    while (o->n < n)
+        lock_wait(&o->changed, &o->lock, -1);
+    lock_give(&o->lock);
+}
+
+static size_t count_outcomes(outcome *o)
+{
+    lock_take(&o->lock);
+    size_t n = o->n;
+    lock_give(&o->lock);
+    return n;
+}
+
+static void begin_outcome(outcome *o)
+{
+    *o = (outcome){ .n = 0 };
+    lock_init(&o->lock);
+    lock_condition_init(&o->changed);
+}
+
+static void end_outcome(outcome *o)
+{
+    lock_condition_fini(&o->changed);
+    lock_fini(&o->lock);
+}
+
+static double read_metric(const char *name)
+{
+    bf_buffer text = { 0 };
+
+    assert_int_equal(metrics_write(&text, NULL), BF_OK);
+    const char *at = strstr(text.bytes, name);
+    assert_non_null(at);
+    double value = strtod(at + strlen(name), NULL);
+    buffer_fini(&text);
+    return value;
+}
+
+static store_batch batch_of(const char *id, store_item *item, const bf_grid *grid)
+{
+    return (store_batch){
+        .run_id = id, .n = 1, .items = item, .progress = 0.5, .eta_s = NAN, .grid = grid
+    };
+}
+
+// While another connection holds the file, what is begun gathers: the first batch may be waiting for the
+// file already, and all others are of one commit.
+static void batches_of_several_runs_share_a_commit(void **state)
+{
+    enum { N = 8 };
+    helper_store *h = *state;
+    store_item items[N];
+    store_batch batches[N];
+    api_run records[N];
+    bf_grid grid = helper_grid();
+    sqlite3 *holder = NULL;
+    char path[128];
+    outcome o;
+
+    begin_outcome(&o);
+    for (int i = 0; i < N; i++) {
+        records[i] = helper_start(h->store);
+        helper_snapshot_item(records[i].id, 0, &items[i]);
+        batches[i] = batch_of(records[i].id, &items[i], &grid);
+    }
+    double n_commits = read_metric("\nbeltflow_store_commit_operations_count ");
+    double n_operations = read_metric("\nbeltflow_store_commit_operations_sum ");
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    assert_int_equal(sqlite3_open(path, &holder), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(holder, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    for (int i = 0; i < N; i++)
+        assert_int_equal(store_begin_append(h->store, &batches[i], note_outcome, &o, NULL), BF_OK);
+    usleep(300000); // so that all of them are compressed
+    assert_int_equal(count_outcomes(&o), 0);
+    assert_int_equal(sqlite3_exec(holder, "COMMIT", NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(holder);
+    await_outcomes(&o, N);
+    assert_int_equal(o.failed, BF_OK);
+    assert_true(read_metric("\nbeltflow_store_commit_operations_sum ") - n_operations == N);
+    assert_true(read_metric("\nbeltflow_store_commit_operations_count ") - n_commits <= 2);
+    for (int i = 0; i < N; i++) {
+        assert_int_equal(helper_find(h->store, records[i].id).n_snapshots, 1);
+        helper_item_fini(&items[i]);
+    }
+    end_outcome(&o);
+}
+
+// I4: what follows a gap is refused with it.
+static void batches_that_nobody_waits_for_are_stored_in_their_order(void **state)
+{
+    enum { N = 50 };
+    store *s = ((helper_store *)*state)->store;
+    api_run record = helper_start(s);
+    store_item items[N];
+    store_batch batches[N];
+    outcome o;
+
+    begin_outcome(&o);
+    for (uint64_t i = 0; i < N; i++) {
+        helper_curve_item(record.id, i < 40 ? i : i + 1, 1, &items[i]);
+        batches[i] = batch_of(record.id, &items[i], NULL);
+        assert_int_equal(store_begin_append(s, &batches[i], note_outcome, &o, NULL), BF_OK);
+    }
+    await_outcomes(&o, N);
+    assert_int_equal(o.failed, BF_ECORRUPT);
+    assert_int_equal(o.last, BF_ECORRUPT);
+    assert_int_equal(helper_find(s, record.id).n_samples, 40);
+    for (size_t i = 0; i < N; i++)
+        helper_item_fini(&items[i]);
+    end_outcome(&o);
+}
+
+static void without_memory_a_batch_is_refused_once(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run record = helper_start(s);
+    bf_grid grid = helper_grid();
+    size_t n_faults = 1;
+    store_item item;
+    outcome o;
+
+    begin_outcome(&o);
+    helper_snapshot_item(record.id, 0, &item);
+    store_batch batch = batch_of(record.id, &item, &grid);
+    for (size_t n = 1; n_faults > 0; n++) {
+        size_t n_before = count_outcomes(&o);
+        memory_plan_fault(n, 0);
+        bf_status status = store_begin_append(s, &batch, note_outcome, &o, NULL);
+        if (status == BF_OK)
+            await_outcomes(&o, n_before + 1);
+        else
+            assert_int_equal(count_outcomes(&o), n_before);
+        n_faults = memory_faults();
+        memory_plan_fault(0, 0);
+        assert_int_equal(status == BF_OK ? o.last : status, n_faults > 0 ? BF_ENOMEM : BF_OK);
+    }
+    assert_int_equal(helper_find(s, record.id).n_snapshots, 1);
+    helper_item_fini(&item);
+    end_outcome(&o);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -147,6 +320,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STORE_TEST(threads_write_while_others_read),
         STORE_TEST(the_listener_hears_of_each_change_and_of_nothing_else),
+        STORE_TEST(batches_of_several_runs_share_a_commit),
+        STORE_TEST(batches_that_nobody_waits_for_are_stored_in_their_order),
+        STORE_TEST(without_memory_a_batch_is_refused_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
