@@ -9,7 +9,7 @@
 
 #pragma once
 
-#include "server/store/store.h"
+#include "server/store/work.h"
 
 #include <stdbool.h>
 

@@ -48,6 +48,14 @@ BF_MUST_CHECK bf_status store__sweep_results(store__connection *writer, int64_t 
 BF_MUST_CHECK bf_status store__remove_row(store__connection *writer, const store__row *row,
                                           bool *ret_is_over, bf_error *err);
 
+/// A key that a request uses at the moment; on its caller's stack.
+typedef struct store__key {
+    const char *route;                        ///< keys of different routes are different keys
+    const char *text;                         ///< the key; "": none
+    unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
+    struct store__key *next;                  ///< in the store's list
+} store__key;
+
 /// Use a key for a request with this body, or BF_ECONFLICT: it is in use. No key is always free.
 /// store__free_key() ends it.
 BF_MUST_CHECK bf_status store__use_key(store *s, store__key *key, const void *body, size_t n_body,

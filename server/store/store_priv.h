@@ -5,7 +5,7 @@
 #include "server/base/lock.h"
 #include "server/store/connection_priv.h"
 #include "server/store/figures_priv.h"
-#include "server/store/store.h"
+#include "server/store/work.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -52,8 +52,7 @@ typedef struct store__operation store__operation;
 typedef bf_status store__apply(store__connection *writer, store__operation *operation,
                                bf_error *err);
 
-/// What an operation that nobody waits for needs before it is applied. Runs on the preparing thread; if it
-/// fails, the operation is not applied.
+/// What comes before apply, on the preparing thread; if it fails, the operation is not applied.
 typedef bf_status store__prepare(store__operation *operation, bf_error *err);
 
 /// Tell the result of an operation that nobody waits for, and free it. Runs on the store's thread after the
@@ -82,14 +81,6 @@ typedef struct store__queue {
     store__operation *first; ///< that waits
     store__operation *last;  ///< NULL if there are none
 } store__queue;
-
-/// A key that a request uses at the moment; on its caller's stack.
-typedef struct store__key {
-    const char *route;                        ///< keys of different routes are different keys
-    const char *text;                         ///< the key; "": none
-    unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
-    struct store__key *next;                  ///< in the store's list
-} store__key;
 
 /// What the store's thread does by itself.
 typedef struct store__care {
@@ -121,7 +112,7 @@ struct store {
     store__queue preparing;           ///< operations that are prepared, one after the other
     store__queue writing;             ///< operations that are applied, by the store's thread
     lock_condition done;              ///< operations are done
-    store__key *keys;                 ///< of the submissions under way
+    struct store__key *keys;          ///< of the submissions under way
     store_retention retention;        ///< see store_options
     store__care care;                 ///< the store's thread's
     store__tally tally;               ///< figures, and the thread's pulse

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "server/base/lock.h"
-#include "server/store/store.h"
+#include "server/store/work.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,0 +1,94 @@
+/// What the supervisor does with the store: it takes runs from the queue, stores what they tell, and says
+/// how they end. Threads, errors and invariants are those of store.h.
+
+#pragma once
+
+#include "server/store/store.h"
+
+/// A claimed run. Buffers are the caller's: store_job_fini().
+typedef struct store_job {
+    api_run run;          ///< now running
+    bf_buffer scenario;   ///< resolved document
+    bf_buffer columns;    ///< of its curve
+    bf_buffer checkpoint; ///< n = 0: none
+    uint64_t step;        ///< of the checkpoint
+    double wall_s;        ///< solving time of earlier attempts
+} store_job;
+
+/// Take the next queued run (highest priority, then oldest) and make it running. BF_ENOTFOUND:
+/// none is queued.
+BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
+
+/// Free what *job owns and zero it. NULL is fine.
+void store_job_fini(store_job *job);
+
+/// One thing that a running run told, ready for the store.
+typedef struct store_item {
+    api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE or _SNAPSHOT
+    bf_buffer event;       ///< data of the event: a JSON object
+    uint64_t first;        ///< curve: index of the first sample; snapshot: its index
+    size_t n;              ///< curve: samples
+    bf_buffer t;           ///< curve: n doubles
+    bf_buffer values;      ///< curve: n rows of doubles
+    api_snapshot snapshot; ///< snapshot
+    bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
+    bf_buffer parts;       ///< snapshot: rows of doubles, uncompressed; empty if there are none
+} store_item;
+
+/// A batch of what one running run told, in order.
+typedef struct store_batch {
+    const char *run_id;     ///< whose
+    size_t n;               ///< items
+    store_item *items;      ///< in the order in which they came
+    double progress;        ///< 0 to 1
+    double eta_s;           ///< NAN: unknown
+    double wall_s;          ///< solving time so far, all attempts
+    const bf_grid *grid;    ///< of the snapshots; NULL: as before
+    api_parts parts;        ///< of the snapshots, where grid is given
+    uint64_t step;          ///< of checkpoint
+    const void *checkpoint; ///< n_checkpoint bytes; NULL: keep the one before
+    size_t n_checkpoint;    ///< bytes
+} store_batch;
+
+/// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
+/// not fit the run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots
+/// that are stored already are left out, and their events with them; of a curve item that is stored
+/// in part the rest is stored, and its event not told again for the part that was (I4): the store
+/// cuts t, values and event data by events_curve().
+BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
+
+/// What became of a batch; err is of a status that is not BF_OK. Called once, on a thread of the store's,
+/// after the commit. Must not block and must not call the store.
+typedef void store_appended(void *context, bf_status status, const bf_error *err);
+
+/// Store a batch as store_append() does, but without waiting: it is compressed on a thread of the store's
+/// and committed together with what else waits. *batch and all that it points at must stay as they are
+/// until `appended` is called. Batches are stored in the order of these calls; one that follows a batch
+/// that failed may be refused for the gap. Before store_finish() of a run, and before store_close(), all
+/// of its batches must have been answered. Not BF_OK: nothing was begun, and `appended` is not called.
+BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
+                                           store_appended *appended, void *appended_context,
+                                           bf_error *err);
+
+/// How a run ends or goes back to the queue.
+typedef struct store_ending {
+    const char *run_id;  ///< whose
+    run_state state;     ///< an end, or RUN_QUEUED to hand it back
+    bf_error error;      ///< of RUN_FAILED
+    const char *summary; ///< summary.json, n_summary bytes; NULL: none
+    size_t n_summary;    ///< bytes
+} store_ending;
+
+/// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or
+/// back to the queue. BF_ECONFLICT: not running.
+BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
+                                     bf_error *err);
+
+/// Keep the executor's id of a running run's job, so that the daemon after this one finds it again. It is
+/// forgotten when the run ends or is queued again. BF_ECONFLICT: the run is not running.
+BF_MUST_CHECK bf_status store_set_external_id(store *s, const char *id, const char *external_id,
+                                              bf_error *err);
+
+/// Read the runs that are running, at most `size` of them, the oldest first.
+BF_MUST_CHECK bf_status store_list_running(store *s, size_t size, store_running *ret_runs,
+                                           size_t *ret_n, bf_error *err);
