@@ -102,6 +102,8 @@ typedef struct body_region {
     manifold hull;                   ///< see there
 } body_region;
 
+enum { BODY_NO_PLATE = -1 };
+
 /// A straight plate that stands on the belt without end upwards.
 typedef struct body_plate {
     vec3 middle;           ///< z = 0
@@ -109,6 +111,9 @@ typedef struct body_plate {
     vec3 across;           ///< unit vector to the upstream side
     double half_length;    ///< m
     double half_thickness; ///< m
+    int32_t joined[2];     ///< the plates of the same obstacle at its start and at its end;
+                           ///< BODY_NO_PLATE: it ends there
+    double bend[2];        ///< sine of the angle by which the path turns left there
 } body_plate;
 
 /// Which plates are near a place: the numbers plate[first[c]] .. of cell c.

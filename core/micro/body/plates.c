@@ -1,9 +1,13 @@
-// Plates and walls. A segment of an obstacle is a plate of its own, without end upwards; a wall is
+// Plates and walls. A straight piece of an obstacle's path is a plate, without end upwards; a wall is
 // a half space.
 //
 // While the centre of a body is between the ends of a plate, the side of the plate on which it is
 // pushes it back, however thin the plate and however deep the body is in it. Near the ends the
 // least depth counts.
+//
+// Where a path bends, two plates meet. On the inner side of the bend both are felt. On its outer side the
+// corner belongs to one of them, so that it is felt once; and where the outer side is the downstream one,
+// both are prolonged until their downstream faces meet.
 
 #include "core/micro/body/body_priv.h"
 
@@ -22,9 +26,17 @@ enum { CELLS_A_SIDE_MAX = 256 };
 /// Half the height of the cuboid that stands for a plate near a body, in radii of the body.
 #define TALL 8.0
 
-static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, size_t k)
+/// A sine below this, between two segments of a path, is rounding: they make one plate.
+#define STRAIGHT 1e-9
+
+static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, vec2 start,
+                             vec2 end)
 {
-    const surroundings_piece piece = surroundings_piece_of(&s->around, obstacle, k);
+    vec2 ends[] = { start, end };
+    scene_obstacle straight = *obstacle;
+    straight.path = ends;
+    straight.n_points = 2;
+    const surroundings_piece piece = surroundings_piece_of(&s->around, &straight, 0);
     const vec2 to = vec2_sub(piece.end, piece.start);
     const vec2 middle = vec2_add(piece.start, vec2_scale(to, 0.5));
     const double half = 0.5 * piece.thickness;
@@ -34,8 +46,93 @@ static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle
     const bool is_left = vec2_cross(piece.along, piece.upstream) > 0.0;
     const vec3 across = is_left ? left : vec3_scale(left, -1.0);
 
-    return (body_plate){ vec3_along((vec3){ middle.x, middle.y, 0.0 }, -half, across), along,
-                         across, 0.5 * piece.length, half };
+    return (body_plate){ .middle = vec3_along((vec3){ middle.x, middle.y, 0.0 }, -half, across),
+                         .along = along,
+                         .across = across,
+                         .half_length = 0.5 * piece.length,
+                         .half_thickness = half,
+                         .joined = { BODY_NO_PLATE, BODY_NO_PLATE } };
+}
+
+/// Sine of the angle by which a path turns left at point k.
+static double measure_bend(const scene_obstacle *obstacle, size_t k)
+{
+    vec2 before = vec2_sub(obstacle->path[k], obstacle->path[k - 1]);
+    vec2 after = vec2_sub(obstacle->path[k + 1], obstacle->path[k]);
+
+    return vec2_cross(before, after) / (vec2_length(before) * vec2_length(after));
+}
+
+static bool is_straight(const scene_obstacle *obstacle, size_t k)
+{
+    vec2 before = vec2_sub(obstacle->path[k], obstacle->path[k - 1]);
+    vec2 after = vec2_sub(obstacle->path[k + 1], obstacle->path[k]);
+
+    return fabs(measure_bend(obstacle, k)) < STRAIGHT && vec2_dot(before, after) > 0.0;
+}
+
+/// Prolong a plate beyond its start (end = 0) or its end (end = 1).
+static void prolong(body_plate *plate, int end, double length)
+{
+    plate->middle = vec3_along(plate->middle, (end == 0 ? -0.5 : 0.5) * length, plate->along);
+    plate->half_length += 0.5 * length;
+}
+
+/// Join the last two plates, between which the path bends. With the upstream side inside the bend their
+/// downstream faces meet at thickness tan(angle / 2) beyond the joint; at bends of more than a right angle
+/// the plates are prolonged by their thickness.
+static void join_plates(body_state *s, double bend)
+{
+    const int32_t last = (int32_t)s->n_plates - 1;
+    body_plate *before = &s->plates[last - 1], *after = &s->plates[last];
+    double cosine = vec3_dot(before->along, after->along);
+    double upstream_bend = bend * vec3_cross(before->along, before->across).z;
+
+    before->joined[1] = last;
+    after->joined[0] = last - 1;
+    before->bend[1] = after->bend[0] = bend;
+    if (upstream_bend > 0.0) {
+        double half_tangent = cosine > 0.0 ? fabs(bend) / (1.0 + cosine) : 1.0;
+        prolong(before, 1, 2.0 * before->half_thickness * half_tangent);
+        prolong(after, 0, 2.0 * after->half_thickness * half_tangent);
+    }
+}
+
+static void make_plates(body_state *s, const scene_obstacle *obstacle)
+{
+    for (size_t first = 0, last = 1; last < obstacle->n_points; first = last++) {
+        while (last + 1 < obstacle->n_points && is_straight(obstacle, last))
+            last++;
+        s->plates[s->n_plates++] =
+            make_plate(s, obstacle, obstacle->path[first], obstacle->path[last]);
+        if (first > 0)
+            join_plates(s, measure_bend(obstacle, first));
+    }
+}
+
+/// True if a point is beyond the start (end = 0) or the end (end = 1) of a plate.
+static bool is_beyond(const body_plate *plate, int end, double x, double y)
+{
+    double a = vec3_dot((vec3){ x - plate->middle.x, y - plate->middle.y, 0.0 }, plate->along);
+
+    return end == 0 ? a < -plate->half_length : a > plate->half_length;
+}
+
+/// True if a body with its centre at a point on the outer side of a bend is felt by the plate beyond the
+/// joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
+static bool is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
+{
+    const vec3 to = { x - plate->middle.x, y - plate->middle.y, 0.0 };
+    const double left = vec3_cross(plate->along, to).z;
+
+    for (int end = 0; end < 2; end++) {
+        if (plate->joined[end] == BODY_NO_PLATE || !is_beyond(plate, end, x, y) ||
+            plate->bend[end] * left > 0.0)
+            continue;
+        if (end == 0 || !is_beyond(&s->plates[plate->joined[end]], 0, x, y))
+            return true;
+    }
+    return false;
 }
 
 /// Distance from a point of the plane to a plate, 0 inside.
@@ -114,8 +211,7 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
     if (s->plates == NULL || s->near == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     for (size_t k = 0; k < def->n_obstacles; k++)
-        for (size_t m = 0; m + 1 < def->obstacles[k].n_points; m++)
-            s->plates[s->n_plates++] = make_plate(s, &def->obstacles[k], m);
+        make_plates(s, &def->obstacles[k]);
     if (make_map(s, &def->domain) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     return BF_OK;
@@ -253,7 +349,8 @@ static bool find_at_plate(body_state *s, size_t k, uint32_t number, double near,
     body_memory passing = { 0 };
 
     region->is_round = false;
-    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k] + near) {
+    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k] + near ||
+        is_felt_beyond_joint(s, plate, body->x.x, body->x.y)) {
         forget(s->near[k], number);
         return false;
     }

@@ -1,0 +1,111 @@
+// Unit tests of plates whose paths bend: bodies feel a joint once, and there is no gap behind it.
+
+#include "tests/unit/core/helper_scene.h"
+#include "tests/unit/core/helper_spatial.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+// A box that the belt drives against a plate and along it, over the middle of its path.
+static uint64_t digest_of_slide(bool has_point_between)
+{
+    const double angle = M_PI / 3.0;
+    helper_spatial h;
+
+    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.006));
+    h.def.n_belts = h.def.n_obstacles = 1;
+    h.path[0] = (vec2){ -0.25, -0.25 * tan(angle) };
+    h.path[1] = (vec2){ 0.0, 0.0 };
+    h.path[2] = (vec2){ 0.25, 0.25 * tan(angle) };
+    h.obstacle.n_points = has_point_between ? 3 : 2;
+    if (!has_point_between)
+        h.path[1] = h.path[2];
+    h.poses[0] = (scene_pose){ -0.03 * sin(angle) - 0.08 * cos(angle),
+                               0.03 * cos(angle) - 0.08 * sin(angle), angle };
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.6);
+    assert_true(s->bodies[0].x.y > 0.0); // it has passed the point
+    uint64_t digest = helper_spatial_digest(s);
+    micro__spatial.destroy(s);
+    return digest;
+}
+
+static void a_point_on_a_straight_path_changes_nothing(void **state)
+{
+    (void)state;
+    assert_true(digest_of_slide(true) == digest_of_slide(false));
+}
+
+// The force on a box whose front face overlaps the tip of a path by a hundredth of a millimetre.
+static vec3 force_at_tip(size_t n_points)
+{
+    helper_spatial h;
+    body_load load = { .torque = { 0.0, 0.0, 0.0 } };
+    body_report report = { .bad_part = SIZE_MAX };
+
+    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.02));
+    h.def.n_belts = h.def.n_obstacles = 1;
+    h.path[0] = (vec2){ 0.1, -0.2 };
+    h.path[1] = (vec2){ 0.0, 0.0 };
+    h.path[2] = (vec2){ 0.1, 0.2 };
+    h.obstacle.n_points = n_points;
+    h.poses[0] = (scene_pose){ -0.03, 0.0, 0.0 };
+    body_state *s = helper_spatial_start(&h);
+    s->bodies[0].x.x = -0.02 + 1e-5;
+    s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
+    body__solids_push(s, 0, &load, &report);
+    micro__spatial.destroy(s);
+    return load.force;
+}
+
+// With two points there is only the plate below the tip.
+static void the_outer_side_of_a_bend_pushes_once(void **state)
+{
+    (void)state;
+    vec3 one = force_at_tip(2), both = force_at_tip(3);
+    assert_true(one.x < 0.0);
+    assert_near(both.x, one.x, 1e-9 * fabs(one.x));
+}
+
+// A plate of 5 cm that opens upstream by a right angle. A small disk comes from downstream, on a belt of
+// its own, towards the corner, where the two downstream faces meet at sqrt(2) thicknesses behind the tip.
+static void there_is_no_gap_behind_a_bend(void **state)
+{
+    (void)state;
+    const double thickness = 0.05, corner = M_SQRT2 * thickness;
+    const vec2 behind[] = { { 0.01, -0.2 }, { 0.3, -0.2 }, { 0.3, 0.2 }, { 0.01, 0.2 } };
+    vec2 polygon[4];
+    helper_spatial h;
+
+    helper_spatial_init(&h, helper_spatial_cylinder(0.005, 0.01));
+    h.def.n_belts = 2;
+    h.def.n_obstacles = 1;
+    h.obstacle.thickness = thickness;
+    h.obstacle.n_points = 3;
+    h.path[0] = (vec2){ -0.2, -0.2 };
+    h.path[1] = (vec2){ 0.0, 0.0 };
+    h.path[2] = (vec2){ -0.2, 0.2 };
+    for (int k = 0; k < 4; k++)
+        polygon[k] = behind[k];
+    h.belts[1] = (scene_belt){ .velocity = { -0.4, 0.0 }, .n_points = 4, .polygon = polygon };
+    h.poses[0] = (scene_pose){ corner + 0.03, 0.0, 0.0 };
+    body_state *s = helper_spatial_start(&h);
+    helper_spatial_run(s, 0.5);
+    assert_true(s->bodies[0].x.x > corner);
+    micro__spatial.destroy(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_point_on_a_straight_path_changes_nothing),
+        cmocka_unit_test(the_outer_side_of_a_bend_pushes_once),
+        cmocka_unit_test(there_is_no_gap_behind_a_bend),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
