@@ -160,20 +160,12 @@ static bf_status start_store(parts *p, bf_error *err)
     const config *c = &p->settings;
     const store_options options = { .directory = c->data,
                                     .queue_limit = c->queue_limit,
+                                    .client_quota = c->queue_share,
                                     .listener = on_commit,
                                     .listener_context = &p->gate,
                                     .answers_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
     return store_open(&options, &p->service.store, err);
-}
-
-static bf_status start_share(parts *p, bf_error *err)
-{
-    const config *c = &p->settings;
-
-    if (c->queue_share == 0)
-        return BF_OK;
-    return queue_share_create(c->queue_share, c->queue_limit, &p->service.share, err);
 }
 
 static bf_status start_supervisor(parts *p, bf_error *err)
@@ -199,8 +191,6 @@ static bf_status start(parts *p, bf_error *err)
     bf_status status = start_store(p, err);
 
     if (status == BF_OK)
-        status = start_share(p, err);
-    if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)
         status = start_http(p, err);
@@ -215,7 +205,6 @@ static void stop(parts *p)
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
     p->service.store = store_close(p->service.store);
-    p->service.share = queue_share_destroy(p->service.share);
 }
 
 // What the daemon does, in words, in STATUS_SIZE bytes.
@@ -266,6 +255,7 @@ static void apply(parts *p)
 
     log_set_level(config_log_level(&p->settings));
     store_set_queue_limit(p->service.store, p->settings.queue_limit);
+    store_set_client_quota(p->service.store, p->settings.queue_share);
     store_set_retention(p->service.store, &retention);
     supervisor_reconfigure(p->service.supervisor, &supervising);
     if (http_reconfigure(p->http, &serving, &err) != BF_OK)

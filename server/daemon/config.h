@@ -44,7 +44,7 @@
     X(streams, NUMBER, "1000", 1, 100000, RELOAD, "event streams at once")                         \
     X(downloads, NUMBER, "16", 1, 10000, RELOAD, "results.zip that are sent at once")              \
     X(waits, NUMBER, "1000", 0, 100000, RELOAD, "requests that wait for a run at once")            \
-    X(queue_share, NUMBER, "250", 0, 1000000, RESTART,                                             \
+    X(queue_share, NUMBER, "250", 0, 1000000, RELOAD,                                              \
       "runs of one client that may wait; 0: no limit")                                             \
     X(requests_per_minute, NUMBER, "6000", 0, 1000000, RELOAD, "of one client; 0: no limit")       \
     X(work_per_minute, NUMBER, "600", 0, 1000000, RELOAD, "requests that make work; 0: no limit")  \

@@ -20,30 +20,6 @@ static bf_status refuse_draining(bf_error *err)
     return bf_fail(err, BF_EBUSY, "", "the daemon is stopping");
 }
 
-static bool is_queued(void *context, const char *run_id)
-{
-    service *s = context;
-    api_run found;
-
-    return store_find(s->store, run_id, &found, NULL) == BF_OK && found.state == RUN_QUEUED;
-}
-
-// Submits within the client's share of the queue.
-static bf_status submit_of_client(service *s, const api_submission *submission,
-                                  api_acceptance *ret_acceptance, bf_error *err)
-{
-    bool is_limited = s->share != NULL && submission->client[0] != '\0';
-
-    if (!is_limited)
-        return store_submit(s->store, submission, ret_acceptance, err);
-    bf_status status = queue_share_take(s->share, submission->client, is_queued, s, err);
-    if (status != BF_OK)
-        return status;
-    status = store_submit(s->store, submission, ret_acceptance, err);
-    queue_share_settle(s->share, submission->client, status == BF_OK ? ret_acceptance->id : NULL);
-    return status;
-}
-
 static bf_status submit(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
@@ -51,7 +27,7 @@ static bf_status submit(void *context, const api_submission *submission,
 
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    bf_status status = submit_of_client(s, submission, ret_acceptance, err);
+    bf_status status = store_submit(s->store, submission, ret_acceptance, err);
     if (status == BF_OK)
         supervisor_wake(s->supervisor);
     return status;

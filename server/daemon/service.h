@@ -6,7 +6,6 @@
 
 #include "api/services.h"
 #include "server/run/supervisor.h"
-#include "server/store/queue_share.h"
 #include "server/store/store.h"
 
 #include <stdatomic.h>
@@ -16,7 +15,6 @@
 typedef struct service {
     store *store;            ///< open
     supervisor *supervisor;  ///< running
-    queue_share *share;      ///< what each client may fill of the queue; NULL: all of it
     atomic_bool is_draining; ///< the daemon stops: nothing new is accepted
 } service;
 

@@ -67,6 +67,11 @@ void store_set_queue_limit(store *s, size_t limit)
     s->queue_limit = limit;
 }
 
+void store_set_client_quota(store *s, size_t quota)
+{
+    s->client_quota = quota;
+}
+
 bool store_is_alive(store *s)
 {
     bool is_alive = !pulse_is_asked(&s->tally.pulse);

@@ -122,6 +122,7 @@ static store *create(const store_options *options)
     if (s == NULL)
         return NULL;
     s->queue_limit = options->queue_limit;
+    s->client_quota = options->client_quota;
     s->answers_ms = options->answers_ms == 0 ? STORE__ANSWERS_MS : options->answers_ms;
     s->retention = options->retention;
     s->care.every_ms = options->care_ms == 0 ? STORE__CARE_MS : options->care_ms;

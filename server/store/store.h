@@ -76,6 +76,7 @@ typedef bool store_still_runs(void *context, const store_running *running);
 typedef struct store_options {
     const char *directory;    ///< data directory, created if missing; holds beltflow.db
     size_t queue_limit;       ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
+    size_t client_quota;      ///< most of them of one client, beyond it BF_ELIMIT; 0: no quota
     store_listener *listener; ///< NULL: none
     void *listener_context;   ///< given to it
     store_still_runs *still_runs; ///< asked for each run that was running (I8); NULL: none still is
@@ -94,7 +95,9 @@ BF_MUST_CHECK bf_status store_open(const store_options *options, store **ret_sto
 store *store_close(store *s);
 
 /// Accept a run: a new id, state queued, its first status event; where the results are known and the
-/// submission does not want them fresh, state succeeded with all that it has. See api_services.submit.
+/// submission does not want them fresh, state succeeded with all that it has. In one transaction and in
+/// this order: the answer to its key, known results, the client's quota, the queue's limit; so that a
+/// replay always gets its first answer. See api_services.submit.
 BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
                                      api_acceptance *ret_acceptance, bf_error *err);
 
@@ -158,8 +161,9 @@ typedef struct store_figures {
 /// thread hangs. Never waits for the disk.
 void store_read_figures(store *s, store_figures *ret_figures);
 
-/// Let more or fewer runs wait; see store_options.
+/// Let more or fewer runs wait, in all and of each client; see store_options.
 void store_set_queue_limit(store *s, size_t limit);
+void store_set_client_quota(store *s, size_t quota);
 
 /// Ask the store's thread for a sign of life, and true if it has given all that it was asked for before.
 bool store_is_alive(store *s);

@@ -1,4 +1,4 @@
-/// Private parts of the store, shared by store*.c; nothing else includes this.
+/// Private parts of the store.
 
 #pragma once
 
@@ -102,6 +102,7 @@ struct store {
     char directory[STORE__PATH_SIZE]; ///< of the data
     char path[STORE__PATH_SIZE];      ///< of the database
     _Atomic size_t queue_limit;       ///< see store_options
+    _Atomic size_t client_quota;      ///< see store_options
     int64_t answers_ms;               ///< see store_options
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
@@ -221,7 +222,7 @@ BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t numbe
 BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t number, store__text kind,
                                         bf_buffer *out, bf_error *err);
 
-/// Append bytes in compressed form to *out.
+/// Append bytes, compressed, to *out.
 BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
 
 /// Append what was packed to *out. BF_ECORRUPT: damaged.
@@ -245,6 +246,5 @@ BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t 
                                              uint64_t index, api_snapshot *ret_snapshot,
                                              bf_error *err);
 
-/// Under the store's lock, which is given meanwhile: do one step of what the store's thread does by
-/// itself, if it is time.
+/// Under the store's lock, which is given meanwhile: do one step of the store's own work, if it is time.
 void store__take_care(store *s);

@@ -1,5 +1,6 @@
 // Accepting runs. In one transaction: the first answer to the key is looked for; without one, known
-// results; without them, there is a new run to be solved; and the answer is kept under the key.
+// results; without them, there is a new run to be solved, if the client's quota and then the queue have
+// room; and the answer is kept under the key.
 
 #include "server/store/share_priv.h"
 
@@ -24,15 +25,32 @@ typedef struct submit_context {
     api_acceptance accepted;
 } submit_context;
 
-static bf_status count_queued(store__connection *writer, bf_error *err)
+static bf_status read_count(store__query *q, size_t *ret_n, bf_error *err)
 {
     bool has_row = false;
 
-    store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
-    bf_status status = store__next(&q, &has_row, err);
+    bf_status status = store__next(q, &has_row, err);
     if (status == BF_OK)
-        writer->queued_at_most = (size_t)sqlite3_column_int64(q.statement, 0);
-    store__end(&q);
+        *ret_n = (size_t)sqlite3_column_int64(q->statement, 0);
+    store__end(q);
+    return status;
+}
+
+// The client's places in the queue are counted up to the quota, by an index of those that wait.
+static bf_status check_quota(store__connection *writer, const char *client, size_t quota,
+                             bf_error *err)
+{
+    size_t n = 0;
+
+    if (quota == 0 || client[0] == '\0')
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED_OF);
+    store__bind_text(&q, client, strlen(client));
+    store__bind_integer(&q, (int64_t)quota);
+    bf_status status = read_count(&q, &n, err);
+    if (status == BF_OK && n >= quota)
+        return bf_fail(err, BF_ELIMIT, "", "%zu runs of %s wait already, its share of the queue", n,
+                       client);
     return status;
 }
 
@@ -41,8 +59,10 @@ static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *
 {
     bf_status status = BF_OK;
 
-    if (writer->queued_at_most >= limit)
-        status = count_queued(writer, err);
+    if (writer->queued_at_most >= limit) {
+        store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED);
+        status = read_count(&q, &writer->queued_at_most, err);
+    }
     if (status != BF_OK)
         return status;
     if (writer->queued_at_most >= limit)
@@ -60,7 +80,9 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
     store__row *row = &context->row;
 
     row->run.state = RUN_QUEUED;
-    bf_status status = enter_queue(writer, context->store->queue_limit, err);
+    bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
+    if (status == BF_OK)
+        status = enter_queue(writer, context->store->queue_limit, err);
     if (status == BF_OK)
         status = store__insert_results(writer, is_nameable ? context->digest : NULL, row, err);
     if (status == BF_OK)

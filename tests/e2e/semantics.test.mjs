@@ -162,6 +162,27 @@ test("a client has its share of the queue, and its rate", async (t) => {
   assert.equal((await d.get("/version", someone)).status, 200);
 });
 
+test("a replay gets its first answer, also when the share and the queue are full", async (t) => {
+  const d = await daemon(t, { trusted_proxies: "127.0.0.1", queue_share: 1, queue_limit: 2 });
+  const keyed = { ...someone, "idempotency-key": '"once"' };
+  await d.reached((await d.submit(endless(), { priority: 1 })).id, "running");
+  const first = await post(d, tiny(), keyed);
+  assert.equal(first.status, 201, first.text);
+  assert.equal((await post(d, tiny(), someone)).status, 429);
+  const replay = async () => {
+    const again = await post(d, tiny(), keyed);
+    assert.deepEqual([again.status, again.text], [201, first.text]);
+  };
+  await replay();
+  await d.submit(tiny());
+  assert.equal((await post(d, tiny(), { "x-forwarded-for": "198.51.100.2" })).status, 503);
+  await replay();
+  // The replays took no places: with its run gone, the client may queue one, and one only.
+  await d.post(`/v1/runs/${first.json.id}/cancel`, "");
+  assert.equal((await post(d, tiny(), someone)).status, 201);
+  assert.equal((await post(d, tiny(), someone)).status, 429);
+});
+
 test("a page elsewhere may read what the settings let it", async (t) => {
   const d = await daemon(t, { cors_origins: "https://plan.example" });
   const headers = { origin: "https://plan.example", "access-control-request-method": "DELETE" };
