@@ -103,6 +103,7 @@ static ptrdiff_t round_up(ptrdiff_t n)
 static void lay_out(macro_solver *s, const macro_def *def)
 {
     s->def = *def;
+    s->definition = macro__digest_definition(def);
     s->def.v1 = s->def.v2 = NULL;
     s->def.closed1 = s->def.closed2 = NULL;
     mollifier_init(&s->along, def->mollifier, def->grid.d1);

@@ -136,6 +136,7 @@ struct macro_solver {
     int n_bands;           ///< bands, one per thread
     macro_band *bands;     ///< n_bands of them
     uint64_t steps;        ///< made since t = 0
+    uint64_t definition;   ///< macro__digest_definition()
 };
 
 /// Cell 0 of row j of rows.
@@ -170,6 +171,9 @@ void macro__fill_margins(const macro_solver *s, double *row);
 
 /// Set margins, span and sets of row j of `now` from its densities.
 void macro__measure_row(macro_solver *s, ptrdiff_t j);
+
+/// Digest of all of a definition but the number of threads: of what a checkpoint belongs to.
+uint64_t macro__digest_definition(const macro_def *def);
 
 #ifdef CPU_BUILD
 /// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's

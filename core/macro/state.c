@@ -1,23 +1,11 @@
 // The density from outside: setting, reading, measuring, saving.
 
+#include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/macro_priv.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { STATE_MAGIC = 0x42464d31 }; // "BFM1"
-
-// What stands before the densities of a saved state.
-typedef struct state_header {
-    uint32_t magic;
-    uint32_t gate;
-    uint64_t n1;
-    uint64_t n2;
-    uint64_t steps;
-    double dt;
-    uint64_t digest; // macro_digest()
-} state_header;
 
 void macro__fill_margins(const macro_solver *s, double *row)
 {
@@ -196,62 +184,46 @@ uint64_t macro_digest(const macro_solver *s)
     return digest;
 }
 
-static state_header header_of(const macro_solver *s)
+// Everything that steers the solution but the number of threads, so that a checkpoint fits no other one.
+uint64_t macro__digest_definition(const macro_def *def)
 {
-    return (state_header){
-        .magic = STATE_MAGIC,
-        .gate = (uint32_t)s->def.gate,
-        .n1 = s->def.grid.n1,
-        .n2 = s->def.grid.n2,
-        .steps = s->steps,
-        .dt = s->def.dt,
-        .digest = macro_digest(s),
-    };
+    const bf_grid *g = &def->grid;
+    const double numbers[] = { (double)g->n1,  (double)g->n2,   g->lower1,        g->lower2,
+                               g->d1,          g->d2,           def->dt,          def->dispersion,
+                               def->mollifier, def->gate_width, (double)def->gate };
+    const size_t n_faces1 = (g->n1 + 1) * g->n2, n_faces2 = g->n1 * (g->n2 + 1);
+    uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
+
+    digest = digest_add(digest, def->mirror, sizeof def->mirror);
+    digest = digest_add(digest, def->v1, def->v1 == NULL ? 0 : n_faces1 * sizeof *def->v1);
+    digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
+    digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
+    return digest_add(digest, def->closed2, def->closed2 == NULL ? 0 : n_faces2);
 }
 
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 {
-    const state_header header = header_of(s);
-    const size_t n_rho = grid_cells(&s->def.grid) * sizeof(double);
+    checkpoint_writer w;
 
-    if (buffer_reserve(out, sizeof header + n_rho) == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
-    memcpy(out->bytes + out->n, &header, sizeof header);
-    out->n += sizeof header;
-    for (size_t j = 0; j < s->def.grid.n2; j++) {
-        memcpy(out->bytes + out->n, macro_row(s, j), s->def.grid.n1 * sizeof(double));
-        out->n += s->def.grid.n1 * sizeof(double);
-    }
-    return BF_OK;
-}
-
-// The digest that a solver with these densities and steps would have.
-static uint64_t digest_of(const state_header *header, const char *rho)
-{
-    const size_t row_bytes = (size_t)header->n1 * sizeof(double);
-    uint64_t digest = digest_add(DIGEST_START, &header->steps, sizeof header->steps);
-
-    for (size_t j = 0; j < header->n2; j++)
-        digest = digest_add(digest, rho + j * row_bytes, row_bytes);
-    return digest;
+    checkpoint_begin(&w, out, CHECKPOINT_MACRO, s->definition);
+    checkpoint_write(&w, &s->steps, sizeof s->steps);
+    for (size_t j = 0; j < s->def.grid.n2; j++)
+        checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+    return checkpoint_end(&w, err);
 }
 
 bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err)
 {
-    const state_header own = header_of(s);
-    const char *rho = (const char *)bytes + sizeof own;
-    state_header header;
+    checkpoint_reader r;
+    uint64_t steps;
 
-    if (n < sizeof header)
-        return bf_fail(err, BF_ECORRUPT, "", "a checkpoint of %zu bytes is too short", n);
-    memcpy(&header, bytes, sizeof header);
-    if (header.magic != own.magic || header.gate != own.gate || header.n1 != own.n1 ||
-        header.n2 != own.n2 || header.dt != own.dt ||
-        n != sizeof header + grid_cells(&s->def.grid) * sizeof(double))
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint belongs to another grid or step");
-    if (digest_of(&header, rho) != header.digest)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    take_density(s, rho);
-    s->steps = header.steps;
+    bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_MACRO, s->definition, err);
+    if (status != BF_OK)
+        return status;
+    if (!checkpoint_read(&r, &steps, sizeof steps) ||
+        r.n_left != grid_cells(&s->def.grid) * sizeof(double))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    take_density(s, r.at);
+    s->steps = steps;
     return BF_OK;
 }

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "core/base/checkpoint.h"
 #include "core/micro/micro.h"
 #include "core/scene/surroundings.h"
 
@@ -21,10 +22,11 @@ typedef struct micro_backend {
     micro_totals (*measure)(const void *state);
     /// micro_steps()
     uint64_t (*steps)(const void *state);
-    /// micro_save()
-    bf_status (*save)(const void *state, bf_buffer *out, bf_error *err);
-    /// micro_load()
-    bf_status (*load)(void *state, const void *bytes, size_t n, bf_error *err);
+    /// Write the state as the payload of a checkpoint.
+    void (*save)(const void *state, checkpoint_writer *w);
+    /// Take a state that save() wrote, to the payload's end; else as micro_load().
+    bf_status (*load)(void *state, checkpoint_reader *r, bf_error *err);
+    checkpoint_kind kind; ///< of its checkpoints
 } micro_backend;
 
 /// The definition's domain, edges and belts, copied: surroundings_fini(). BF_ENOMEM.

@@ -5,6 +5,7 @@
 #include "core/micro/backend.h"
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
+#include "core/scene/definition.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,6 +20,7 @@ struct micro_solver {
     void *state;
     size_t n_parts;
     double dt;
+    uint64_t definition; // digest, to which checkpoints belong
 };
 
 micro_def micro_def_default(void)
@@ -82,6 +84,34 @@ bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
     return surroundings_copy(&around, ret_copy, err);
 }
 
+// Everything that steers the solution but the number of threads and the path, which is the checkpoint's
+// kind.
+static uint64_t digest_definition(const micro_def *def)
+{
+    const double numbers[] = { def->start_velocity.x, def->start_velocity.y, def->modulus_reduction,
+                               def->damping,          def->gravity,          def->dt,
+                               def->tension,          def->integrator,       (double)def->n_parts };
+    uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
+
+    digest = definition_add_rect(digest, &def->domain);
+    digest = digest_add(digest, def->edges, sizeof def->edges);
+    digest = definition_add_belts(digest, def->n_belts, def->belts);
+    digest = definition_add_obstacles(digest, def->n_obstacles, def->obstacles);
+    for (size_t k = 0; k < def->n_kinds; k++) {
+        const micro_kind *kind = &def->kinds[k];
+        digest = definition_add_shape(digest, &kind->shape);
+        digest = definition_add_materials(digest, 1, &kind->material);
+        digest = digest_add(digest, &kind->mass, sizeof kind->mass);
+        digest = digest_add(digest, &kind->spin_radius, sizeof kind->spin_radius);
+    }
+    digest = definition_add_poses(digest, def->n_parts, def->poses);
+    digest = digest_add(digest, def->part_kinds,
+                        def->part_kinds == NULL ? 0 : def->n_parts * sizeof *def->part_kinds);
+    digest = definition_add_contacts(digest, def->contact);
+    digest = definition_add_materials(digest, 1, &def->conveyor);
+    return definition_add_materials(digest, 1, &def->handling);
+}
+
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
 {
     bf_status status = micro__check(def, err);
@@ -96,7 +126,10 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
     micro_solver *s = memory_alloc(1, sizeof *s);
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
-    *s = (micro_solver){ .backend = backend, .n_parts = def->n_parts, .dt = own.dt };
+    *s = (micro_solver){ .backend = backend,
+                         .n_parts = def->n_parts,
+                         .dt = own.dt,
+                         .definition = digest_definition(&own) };
     if ((status = backend->create(&own, &s->state, err)) != BF_OK) {
         memory_free(s);
         return status;
@@ -177,10 +210,17 @@ uint64_t micro_digest(const micro_solver *s)
 
 bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
-    return s->backend->save(s->state, out, err);
+    checkpoint_writer w;
+
+    checkpoint_begin(&w, out, s->backend->kind, s->definition);
+    s->backend->save(s->state, &w);
+    return checkpoint_end(&w, err);
 }
 
 bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err)
 {
-    return s->backend->load(s->state, bytes, n, err);
+    checkpoint_reader r;
+
+    bf_status status = checkpoint_open(&r, bytes, n, s->backend->kind, s->definition, err);
+    return status == BF_OK ? s->backend->load(s->state, &r, err) : status;
 }

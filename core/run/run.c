@@ -1,16 +1,17 @@
 #include "core/run/run.h"
 
 #include "core/base/check.h"
+#include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/run/run_priv.h"
+#include "core/scene/definition.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    BATCH = 256,                   // samples that wait for a frame
-    CHECKPOINT_MAGIC = 0x31524642, // "BFR1"
+    BATCH = 256, // samples that wait for a frame
     COLUMNS_MAX = SCENE_COUNTERS_MAX + 1,
 };
 
@@ -23,20 +24,17 @@ typedef struct schedule {
 } schedule;
 
 // What stands before the solver's state in a checkpoint.
-typedef struct checkpoint_header {
-    uint32_t magic;
-    uint32_t model;
+typedef struct saved_header {
     uint64_t step;
     uint64_t sample_index, n_samples;
     uint64_t snapshot_index, n_snapshots;
     double parts_start;
     double peak;
-    uint64_t digest; // of the members above
-} checkpoint_header;
+} saved_header;
 
 struct run {
-    const scene *scene;
     run_model model;
+    uint64_t definition; // digest of scenario and model, to which checkpoints belong
     const run_backend *backend;
     void *solver;
     run_plan plan;
@@ -93,8 +91,8 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     run *r = memory_alloc(1, sizeof *r);
     if (r == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
-    r->scene = s;
     r->model = model;
+    r->definition = digest_add(definition_digest(s), &model, sizeof model);
     r->backend = backends[model];
     r->n_columns = (uint32_t)s->n_counters + 1;
     r->samples.every = s->output.curve_every;
@@ -125,11 +123,6 @@ run *run_destroy(run *r)
     return NULL;
 }
 
-static uint64_t header_digest(const checkpoint_header *h)
-{
-    return digest_add(DIGEST_START, h, offsetof(checkpoint_header, digest));
-}
-
 // Moves a schedule on to its first multiple that lies after a step.
 static void move_past(schedule *s, uint64_t step, double dt)
 {
@@ -146,17 +139,15 @@ static void restore_schedule(schedule *s, uint64_t index, uint64_t n, double dt)
 
 bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
 {
-    checkpoint_header h;
-    bf_status status;
+    checkpoint_reader reader;
+    saved_header h;
 
-    if (n < sizeof h)
-        return bf_fail(err, BF_ECORRUPT, "", "a checkpoint of %zu bytes is too short", n);
-    memcpy(&h, bytes, sizeof h);
-    if (h.magic != CHECKPOINT_MAGIC || h.digest != header_digest(&h))
+    bf_status status = checkpoint_open(&reader, bytes, n, CHECKPOINT_RUN, r->definition, err);
+    if (status != BF_OK)
+        return status;
+    if (!checkpoint_read(&reader, &h, sizeof h) || h.step > r->plan.n_steps)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    if (h.model != (uint32_t)r->model || h.step > r->plan.n_steps)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint belongs to another run");
-    status = r->backend->load(r->solver, (const char *)bytes + sizeof h, n - sizeof h, err);
+    status = r->backend->load(r->solver, reader.at, reader.n_left, err);
     if (status != BF_OK)
         return status;
     r->step = r->first_step = h.step;
@@ -214,22 +205,22 @@ static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
 
 static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 {
-    checkpoint_header h = { .magic = CHECKPOINT_MAGIC,
-                            .model = (uint32_t)r->model,
-                            .step = r->step,
-                            .sample_index = r->samples.index,
-                            .n_samples = r->samples.n,
-                            .snapshot_index = r->snapshots.index,
-                            .n_snapshots = r->snapshots.n,
-                            .parts_start = r->parts_start,
-                            .peak = r->peak };
-    bf_status status;
+    const saved_header h = { .step = r->step,
+                             .sample_index = r->samples.index,
+                             .n_samples = r->samples.n,
+                             .snapshot_index = r->snapshots.index,
+                             .n_snapshots = r->snapshots.n,
+                             .parts_start = r->parts_start,
+                             .peak = r->peak };
+    checkpoint_writer w;
 
-    h.digest = header_digest(&h);
     r->checkpoint.n = 0;
-    if (buffer_append(&r->checkpoint, &h, sizeof h) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
-    if ((status = r->backend->save(r->solver, &r->checkpoint, err)) != BF_OK)
+    checkpoint_begin(&w, &r->checkpoint, CHECKPOINT_RUN, r->definition);
+    checkpoint_write(&w, &h, sizeof h);
+    bf_status status = r->backend->save(r->solver, &r->checkpoint, err);
+    if (status == BF_OK)
+        status = checkpoint_end(&w, err);
+    if (status != BF_OK)
         return status;
     const frame f = { .type = FRAME_CHECKPOINT,
                       .bytes = {

@@ -157,4 +157,5 @@ const micro_backend micro__spatial = {
     .steps = steps,
     .save = body__save,
     .load = body__load,
+    .kind = CHECKPOINT_BODY,
 };

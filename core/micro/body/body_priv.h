@@ -29,6 +29,7 @@
 
 #pragma once
 
+#include "core/base/checkpoint.h"
 #include "core/micro/body/body_types_priv.h"
 
 /// What acts on a body: sums about its centre of mass.
@@ -152,12 +153,12 @@ BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
 /// Free it.
 void body__implicit_fini(body_state *s);
 
-/// Append the impulses of the last step, BODY_HOLD_BYTES each, and count them. BF_ENOMEM.
-BF_MUST_CHECK bf_status body__implicit_save(const body_state *s, bf_buffer *out, uint32_t *ret_n);
+/// Write the impulses of the last step. Returns how many there are.
+uint64_t body__implicit_save(const body_state *s, checkpoint_writer *w);
 
 /// Take n of them back, into the listed pairs and into the places of the parts with solids, which are empty.
 /// Returns false if they are not of these.
-bool body__implicit_load(const body_state *s, const char *bytes, size_t n, body_pair *listed,
+bool body__implicit_load(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
                          size_t n_pairs, body_hold (*holds)[BODY_HOLDS]);
 
 /// Make n implicit steps. Errors as of micro_advance().
@@ -176,5 +177,5 @@ double body__dt_stable(const micro_def *def);
 bf_status body__advance(void *state, uint64_t n, bf_error *err);
 micro_part body__part(const void *state, size_t k);
 micro_totals body__measure(const void *state);
-bf_status body__save(const void *state, bf_buffer *out, bf_error *err);
-bf_status body__load(void *state, const void *bytes, size_t n, bf_error *err);
+void body__save(const void *state, checkpoint_writer *w);
+bf_status body__load(void *state, checkpoint_reader *r, bf_error *err);

@@ -13,7 +13,6 @@ enum {
     BODY_PLATES_NEAR = 4, ///< plates whose contact a part can remember
     BODY_SPOTS_MAX = 2,   ///< contact points of cylinders in closed form
     BODY_HOLDS = 8,       ///< solids whose impulses a part can remember
-    BODY_HOLD_BYTES = 64, ///< of a saved impulse
 };
 
 /// A face that presses with all of itself, weighted with the shares of its corners.

@@ -14,10 +14,8 @@ typedef struct saved_hold {
     double twist[3];
 } saved_hold;
 
-_Static_assert(sizeof(saved_hold) == BODY_HOLD_BYTES, "the size that a header counts with");
-
-static bf_status save_hold(uint32_t a, uint32_t b, const body_hold *hold, bf_buffer *out,
-                           uint32_t *n)
+/// Returns how many it wrote.
+static uint64_t save_hold(uint32_t a, uint32_t b, const body_hold *hold, checkpoint_writer *w)
 {
     const saved_hold saved = { a,
                                b,
@@ -27,23 +25,21 @@ static bf_status save_hold(uint32_t a, uint32_t b, const body_hold *hold, bf_buf
                                { hold->twist.x, hold->twist.y, hold->twist.z } };
 
     if (hold->key == 0)
-        return BF_OK;
-    (*n)++;
-    return buffer_append(out, &saved, sizeof saved);
+        return 0;
+    checkpoint_write(w, &saved, sizeof saved);
+    return 1;
 }
 
-bf_status body__implicit_save(const body_state *s, bf_buffer *out, uint32_t *ret_n)
+uint64_t body__implicit_save(const body_state *s, checkpoint_writer *w)
 {
-    bf_status status = BF_OK;
-    uint32_t n = 0;
+    uint64_t n = 0;
 
-    for (size_t k = 0; k < s->n_pairs && status == BF_OK; k++)
-        status = save_hold(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].hold, out, &n);
+    for (size_t k = 0; k < s->n_pairs; k++)
+        n += save_hold(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].hold, w);
     for (size_t k = 0; k < s->n; k++)
-        for (size_t m = 0; m < BODY_HOLDS && status == BF_OK; m++)
-            status = save_hold((uint32_t)k, BODY_STILL, &s->implicit->holds[k][m], out, &n);
-    *ret_n = n;
-    return status;
+        for (size_t m = 0; m < BODY_HOLDS; m++)
+            n += save_hold((uint32_t)k, BODY_STILL, &s->implicit->holds[k][m], w);
+    return n;
 }
 
 /// The next free place of a part; NULL if there is none.
@@ -68,14 +64,15 @@ static body_hold *locate(const body_state *s, const saved_hold *saved, body_pair
     return *cursor < n_pairs ? &listed[*cursor].hold : NULL;
 }
 
-bool body__implicit_load(const body_state *s, const char *bytes, size_t n, body_pair *listed,
+bool body__implicit_load(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
                          size_t n_pairs, body_hold (*holds)[BODY_HOLDS])
 {
     size_t cursor = 0;
     saved_hold saved;
 
-    for (size_t k = 0; k < n; k++, bytes += sizeof saved) {
-        memcpy(&saved, bytes, sizeof saved);
+    for (uint64_t k = 0; k < n; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved))
+            return false;
         body_hold *hold = locate(s, &saved, listed, n_pairs, &cursor, holds);
         if (hold == NULL)
             return false;

@@ -2,28 +2,21 @@
 
 #include "core/micro/body/implicit_priv.h"
 
-#include "core/base/digest.h"
 #include "core/base/memory.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { STATE_MAGIC = 0x42465331 }; // "BFS1"
-
 /// What stands first in a saved state; then come n saved_part, n_pairs saved_pair, n_near
 /// saved_near, and n_holds impulses of MICRO_IMPLICIT.
 typedef struct saved_header {
-    uint32_t magic;
-    uint32_t n_holds;
-    uint64_t n;
     uint64_t steps;
     uint64_t n_pairs;
     uint64_t n_near;
+    uint64_t n_holds;
     uint64_t n_presses;
-    double dt;
     double largest_overlap;
     double overlap_share;
-    uint64_t digest; // of the header with 0 in its place, and of all that follows
 } saved_header;
 
 typedef struct saved_part {
@@ -113,64 +106,44 @@ static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
 }
 
 /// Append all that follows the header, and count it.
-static bf_status save_items(const body_state *s, bf_buffer *out, saved_header *header)
+static void save_near(const body_state *s, size_t k, checkpoint_writer *w, saved_header *header)
 {
-    bf_status status = BF_OK;
-
-    for (size_t k = 0; k < s->n && status == BF_OK; k++) {
-        const saved_part part = save_part(s, k);
-        status = buffer_append(out, &part, sizeof part);
+    for (size_t place = 0; place < BODY_PLATES_NEAR; place++) {
+        const body_near *near = &s->near[k][place];
+        if (near->plate == 0)
+            continue;
+        const saved_near saved = { save_memory(k, near->plate - 1u, &near->memory), place };
+        header->n_near++;
+        checkpoint_write(w, &saved, sizeof saved);
     }
-    for (size_t k = 0; k < s->n_pairs && status == BF_OK; k++) {
+}
+
+void body__save(const void *state, checkpoint_writer *w)
+{
+    const body_state *s = state;
+    saved_header header = { .steps = s->steps,
+                            .n_presses = s->n_presses,
+                            .largest_overlap = s->largest_overlap,
+                            .overlap_share = s->overlap_share };
+
+    checkpoint_write(w, &header, sizeof header);
+    for (size_t k = 0; k < s->n; k++) {
+        const saved_part part = save_part(s, k);
+        checkpoint_write(w, &part, sizeof part);
+    }
+    for (size_t k = 0; k < s->n_pairs; k++) {
         const body_pair *pair = &s->pairs[k];
         const saved_pair saved = save_memory(pair->a, pair->b, &pair->memory);
         if (is_empty(&pair->memory) && pair->hold.key == 0)
             continue;
-        header->n_pairs++;
-        status = buffer_append(out, &saved, sizeof saved);
+        header.n_pairs++;
+        checkpoint_write(w, &saved, sizeof saved);
     }
-    for (size_t k = 0; s->near != NULL && k < s->n; k++) {
-        for (size_t place = 0; place < BODY_PLATES_NEAR && status == BF_OK; place++) {
-            const body_near *near = &s->near[k][place];
-            const saved_near saved = { save_memory(k, near->plate - 1u, &near->memory), place };
-            if (near->plate == 0)
-                continue;
-            header->n_near++;
-            status = buffer_append(out, &saved, sizeof saved);
-        }
-    }
-    if (s->implicit != NULL && status == BF_OK)
-        status = body__implicit_save(s, out, &header->n_holds);
-    return status;
-}
-
-static uint64_t digest_state(saved_header header, const char *items, size_t n)
-{
-    header.digest = 0;
-    return digest_add(digest_add(DIGEST_START, &header, sizeof header), items, n);
-}
-
-bf_status body__save(const void *state, bf_buffer *out, bf_error *err)
-{
-    const body_state *s = state;
-    const size_t start = out->n;
-    saved_header header = { .magic = STATE_MAGIC,
-                            .n = s->n,
-                            .steps = s->steps,
-                            .n_presses = s->n_presses,
-                            .dt = s->def.dt,
-                            .largest_overlap = s->largest_overlap,
-                            .overlap_share = s->overlap_share };
-
-    if (buffer_append(out, &header, sizeof header) != BF_OK ||
-        save_items(s, out, &header) != BF_OK) {
-        buffer_truncate(out, start);
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
-    }
-    const size_t items = start + sizeof header;
-    header.digest = digest_state(header, out->bytes + items, out->n - items);
-    memcpy(out->bytes + start, &header, sizeof header);
-    return BF_OK;
+    for (size_t k = 0; s->near != NULL && k < s->n; k++)
+        save_near(s, k, w, &header);
+    if (s->implicit != NULL)
+        header.n_holds = body__implicit_save(s, w);
+    checkpoint_rewrite(w, &header, sizeof header);
 }
 
 /// What is loaded, until it is known to be sound.
@@ -190,19 +163,6 @@ static void drop_arrival(arrival *a)
     memory_free(a->pairs);
     memory_free(a->near);
     memory_free(a->holds);
-}
-
-static bool is_whole(const body_state *s, const saved_header *header, const char *bytes, size_t n)
-{
-    // No count can be larger than the bytes, so the sums below do not overflow.
-    if (header->magic != STATE_MAGIC || header->n != s->n || header->dt != s->def.dt ||
-        header->n_pairs > n || header->n_near > n || (header->n_near > 0 && s->near == NULL) ||
-        (header->n_holds > 0 && s->implicit == NULL))
-        return false;
-    return n == sizeof *header + header->n * sizeof(saved_part) +
-                    header->n_pairs * sizeof(saved_pair) + header->n_near * sizeof(saved_near) +
-                    (size_t)header->n_holds * BODY_HOLD_BYTES &&
-           header->digest == digest_state(*header, bytes + sizeof *header, n - sizeof *header);
 }
 
 static body_body load_part(const saved_part *saved, uint32_t kind)
@@ -247,13 +207,14 @@ static const hull *hull_of(const body_state *s, size_t k)
     return &s->kinds[s->bodies[k].kind].shape;
 }
 
-static bool load_pairs(const body_state *s, const char **at, arrival *a)
+static bool load_pairs(const body_state *s, checkpoint_reader *r, arrival *a)
 {
     saved_pair saved;
 
-    for (size_t k = 0; k < a->header.n_pairs; k++, *at += sizeof saved) {
+    for (size_t k = 0; k < a->header.n_pairs; k++) {
         body_pair *pair = &a->pairs[k];
-        memcpy(&saved, *at, sizeof saved);
+        if (!checkpoint_read(r, &saved, sizeof saved))
+            return false;
         bool is_after =
             k == 0 || pair[-1].a < saved.a || (pair[-1].a == saved.a && pair[-1].b < saved.b);
         if (saved.a >= saved.b || saved.b >= s->n || !is_after)
@@ -267,13 +228,13 @@ static bool load_pairs(const body_state *s, const char **at, arrival *a)
     return true;
 }
 
-static bool load_near(const body_state *s, const char **at, arrival *a)
+static bool load_near(const body_state *s, checkpoint_reader *r, arrival *a)
 {
     saved_near saved;
 
-    for (size_t k = 0; k < a->header.n_near; k++, *at += sizeof saved) {
-        memcpy(&saved, *at, sizeof saved);
-        if (saved.pair.a >= s->n || saved.pair.b >= s->n_plates || saved.place >= BODY_PLATES_NEAR)
+    for (size_t k = 0; k < a->header.n_near; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= s->n ||
+            saved.pair.b >= s->n_plates || saved.place >= BODY_PLATES_NEAR)
             return false;
         const hull *shape = hull_of(s, saved.pair.a);
         const sizes n = { 6, 12, shape->n_faces, shape->n_edges };
@@ -285,18 +246,20 @@ static bool load_near(const body_state *s, const char **at, arrival *a)
     return true;
 }
 
-static bool load_items(const body_state *s, const char *at, arrival *a)
+static bool load_items(const body_state *s, checkpoint_reader *r, arrival *a)
 {
     saved_part saved;
 
-    for (size_t k = 0; k < s->n; k++, at += sizeof saved) {
-        memcpy(&saved, at, sizeof saved);
+    for (size_t k = 0; k < s->n; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved))
+            return false;
         a->bodies[k] = load_part(&saved, s->bodies[k].kind);
         a->is_gone[k] = saved.is_gone != 0;
     }
-    return load_pairs(s, &at, a) && load_near(s, &at, a) &&
+    return load_pairs(s, r, a) && load_near(s, r, a) &&
            (s->implicit == NULL ||
-            body__implicit_load(s, at, a->header.n_holds, a->pairs, a->header.n_pairs, a->holds));
+            body__implicit_load(s, r, a->header.n_holds, a->pairs, a->header.n_pairs, a->holds)) &&
+           r->n_left == 0;
 }
 
 /// Make the arrival the state; what it replaces is left in it.
@@ -325,16 +288,16 @@ static void move_in(body_state *s, arrival *a)
     *a = old;
 }
 
-bf_status body__load(void *state, const void *bytes, size_t n, bf_error *err)
+bf_status body__load(void *state, checkpoint_reader *r, bf_error *err)
 {
     body_state *s = state;
     bf_status status = BF_OK;
     arrival a = { 0 };
 
-    if (n >= sizeof a.header)
-        memcpy(&a.header, bytes, sizeof a.header);
-    if (n < sizeof a.header || !is_whole(s, &a.header, bytes, n))
-        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged or of another scenario");
+    if (!checkpoint_read(r, &a.header, sizeof a.header) ||
+        a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
+        (a.header.n_near > 0 && s->near == NULL))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     a.bodies = memory_alloc(s->n, sizeof *a.bodies);
     a.is_gone = memory_alloc(s->n, sizeof *a.is_gone);
     a.pairs = a.header.n_pairs > 0 ? memory_alloc(a.header.n_pairs, sizeof *a.pairs) : NULL;
@@ -343,8 +306,8 @@ bf_status body__load(void *state, const void *bytes, size_t n, bf_error *err)
     if (a.bodies == NULL || a.is_gone == NULL || (a.header.n_pairs > 0 && a.pairs == NULL) ||
         (s->near != NULL && a.near == NULL) || (s->implicit != NULL && a.holds == NULL))
         status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
-    else if (!load_items(s, (const char *)bytes + sizeof a.header, &a))
-        status = bf_fail(err, BF_ECORRUPT, "", "the saved state does not fit the scenario");
+    else if (!load_items(s, r, &a))
+        status = bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     else
         move_in(s, &a);
     drop_arrival(&a);

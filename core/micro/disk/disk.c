@@ -188,7 +188,6 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         status = disk__solids_init(s, def, err);
     if (status != BF_OK)
         return status;
-    s->definition = disk__digest_definition(s);
     start_parts(s, def);
     return disk__rebuild(s, err);
 }
@@ -233,4 +232,5 @@ const micro_backend micro__planar = {
     .steps = steps,
     .save = disk__save,
     .load = disk__load,
+    .kind = CHECKPOINT_DISK,
 };

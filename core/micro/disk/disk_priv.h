@@ -27,6 +27,7 @@
 #pragma once
 
 #include "core/base/buffer.h"
+#include "core/base/checkpoint.h"
 #include "core/micro/disk/disk_types_priv.h"
 
 /// The planar solver.
@@ -81,7 +82,6 @@ typedef struct disk_state {
     uint64_t steps;                     ///< made since t = 0
     double largest_overlap;             ///< m, of any contact since the start
     double overlap_share;               ///< see micro_totals
-    uint64_t definition;                ///< digest of all that a saved state must agree with
     uint64_t n_builds;                  ///< how often the list was made
     void *implicit;                     ///< what disk_implicit.c keeps between steps; NULL at first
 } disk_state;
@@ -157,14 +157,11 @@ BF_MUST_CHECK bf_status disk__find_watches(disk_state *s);
 /// and velocity; disk__rebuild() must follow.
 void disk__place_parts(disk_state *s);
 
-/// Digest of all that a saved state must agree with.
-uint64_t disk__digest_definition(const disk_state *s);
-
 /// Members of micro_backend.
 micro_part disk__part(const void *state, size_t k);
 micro_totals disk__measure(const void *state);
-BF_MUST_CHECK bf_status disk__save(const void *state, bf_buffer *out, bf_error *err);
-BF_MUST_CHECK bf_status disk__load(void *state, const void *bytes, size_t n, bf_error *err);
+void disk__save(const void *state, checkpoint_writer *w);
+BF_MUST_CHECK bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err);
 
 /// A row far away and at rest, of its own for each place, in touch with nothing.
 disk_row disk__pad(const disk_state *s, size_t place);
@@ -193,14 +190,13 @@ BF_MUST_CHECK bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_err
 /// Free s->implicit; NULL is fine.
 void disk__implicit_fini(disk_state *s);
 
-/// Append what MICRO_IMPLICIT needs beyond rows, headings and steps (the impulses of the last step, and
-/// which pairs it looks at); nothing if s->implicit is NULL. BF_ENOMEM: *out is as before.
-BF_MUST_CHECK bf_status disk__implicit_save(const disk_state *s, bf_buffer *out, bf_error *err);
+/// Write what MICRO_IMPLICIT needs beyond rows, headings and steps (the impulses of the last step, and
+/// which pairs it looks at); nothing if s->implicit is NULL.
+void disk__implicit_save(const disk_state *s, checkpoint_writer *w);
 
-/// Take that back; n = 0 makes s->implicit as at first. Looks at nothing in s that changes with time, so
+/// Take that back, to the end of the payload; nothing makes s->implicit as at first. Looks at nothing in s that changes with time, so
 /// the order of this and of taking the rows is free. BF_ECORRUPT or BF_ENOMEM: s is as before.
-BF_MUST_CHECK bf_status disk__implicit_load(disk_state *s, const void *bytes, size_t n,
-                                            bf_error *err);
+BF_MUST_CHECK bf_status disk__implicit_load(disk_state *s, checkpoint_reader *r, bf_error *err);
 
 /// Largest stable step of MICRO_VERLET for a checked definition of cylinders, s.
 double disk__dt_stable_verlet(const micro_def *def);

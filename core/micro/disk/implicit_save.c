@@ -1,17 +1,13 @@
 // What MICRO_IMPLICIT keeps between steps, as bytes.
 
-#include "core/base/memory.h"
 #include "core/micro/disk/implicit_priv.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { STATE_MAGIC = 0x42464931 }; // "BFI1"
-
 // What stands before the pairs.
 typedef struct state_header {
-    uint32_t magic;
-    uint32_t is_chosen;
+    uint64_t is_chosen;
     uint64_t n_pairs;
     double travel;
     double move;
@@ -27,45 +23,35 @@ typedef struct state_pair {
 
 static state_header header_of(const implicit_state *z)
 {
-    state_header header = { .magic = STATE_MAGIC,
-                            .is_chosen = z->is_chosen,
-                            .n_pairs = z->n_pairs,
-                            .travel = z->travel,
-                            .move = z->move };
+    state_header header = {
+        .is_chosen = z->is_chosen, .n_pairs = z->n_pairs, .travel = z->travel, .move = z->move
+    };
 
     for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
         header.group[g] = z->group[g];
     return header;
 }
 
-bf_status disk__implicit_save(const disk_state *s, bf_buffer *out, bf_error *err)
+void disk__implicit_save(const disk_state *s, checkpoint_writer *w)
 {
     const implicit_state *z = s->implicit;
 
     if (!z)
-        return BF_OK;
-    state_header header = header_of(z);
-    char *bytes = buffer_reserve(out, sizeof header + z->n_pairs * sizeof(state_pair));
-    if (!bytes)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for the state of %zu pairs", z->n_pairs);
-    memcpy(bytes, &header, sizeof header);
-    bytes += sizeof header;
+        return;
+    const state_header header = header_of(z);
+    checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < z->n_pairs; k++) {
         const implicit_pair *p = &z->pairs[k];
-        state_pair pair = { { p->number[0], p->number[1] }, p->normal, p->sliding };
-        memcpy(bytes + k * sizeof pair, &pair, sizeof pair);
+        const state_pair pair = { { p->number[0], p->number[1] }, p->normal, p->sliding };
+        checkpoint_write(w, &pair, sizeof pair);
     }
-    out->n += sizeof header + z->n_pairs * sizeof(state_pair);
-    return BF_OK;
 }
 
-static bool is_header_sound(const state_header *h, size_t n_bytes)
+static bool is_header_sound(const state_header *h)
 {
-    bool is_sound = h->magic == STATE_MAGIC && h->is_chosen <= 1 && h->travel >= 0.0 &&
-                    h->move >= 0.0 && isfinite(h->travel) && isfinite(h->move) &&
-                    h->group[0] == 0 && h->group[IMPLICIT_GROUPS] == h->n_pairs &&
-                    h->n_pairs <= n_bytes / sizeof(state_pair) &&
-                    n_bytes == sizeof *h + h->n_pairs * sizeof(state_pair);
+    bool is_sound = h->is_chosen <= 1 && h->travel >= 0.0 && h->move >= 0.0 &&
+                    isfinite(h->travel) && isfinite(h->move) && h->group[0] == 0 &&
+                    h->group[IMPLICIT_GROUPS] == h->n_pairs;
 
     for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
         is_sound = is_sound && h->group[g] <= h->group[g + 1];
@@ -117,7 +103,7 @@ static bool take_pairs(const disk_state *s, implicit_state *z, const char *bytes
 static bf_status take_state(const disk_state *s, implicit_state *z, const state_header *header,
                             const char *bytes, bf_error *err)
 {
-    z->is_chosen = header->is_chosen;
+    z->is_chosen = header->is_chosen != 0;
     z->n_pairs = header->n_pairs;
     z->travel = header->travel;
     z->move = header->move;
@@ -131,20 +117,20 @@ static bf_status take_state(const disk_state *s, implicit_state *z, const state_
     return status;
 }
 
-bf_status disk__implicit_load(disk_state *s, const void *bytes, size_t n, bf_error *err)
+bf_status disk__implicit_load(disk_state *s, checkpoint_reader *r, bf_error *err)
 {
     state_header header;
     implicit_state *z = NULL;
     bf_status status = BF_OK;
 
-    if (n > 0) {
-        if (n < sizeof header)
-            return bf_fail(err, BF_ECORRUPT, "", "%zu bytes are no saved pairs of parts", n);
-        memcpy(&header, bytes, sizeof header);
-        if (!is_header_sound(&header, n))
+    if (r->n_left > 0) {
+        const char *pairs = NULL;
+        if (checkpoint_read(r, &header, sizeof header) && is_header_sound(&header))
+            pairs = checkpoint_read_items(r, header.n_pairs, sizeof(state_pair));
+        if (pairs == NULL || r->n_left > 0)
             return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
         z = disk_implicit__create(s);
-        status = z ? take_state(s, z, &header, (const char *)bytes + sizeof header, err)
+        status = z ? take_state(s, z, &header, pairs, err)
                    : bf_fail(err, BF_ENOMEM, "", "no memory for the solver");
     }
     if (status != BF_OK) {

@@ -2,12 +2,8 @@
 
 #include "core/micro/disk/disk_priv.h"
 
-#include "core/base/digest.h"
-
 #include <math.h>
 #include <string.h>
-
-enum { STATE_MAGIC = 0x42465031 }; // "BFP1"
 
 // A part as it is saved.
 typedef struct saved_part {
@@ -15,14 +11,11 @@ typedef struct saved_part {
 } saved_part;
 
 // What stands before the parts of a saved state; what the integrator adds stands behind them.
-typedef struct state_header {
-    uint64_t magic;
-    uint64_t definition;
+typedef struct saved_header {
     uint64_t steps;
     double largest_overlap;
     double overlap_share;
-    uint64_t digest; // of the header with this zero, the parts and what is behind them
-} state_header;
+} saved_header;
 
 // The watch of a part that left after the last list was made, or NULL.
 static const disk_watch *find_left(const disk_state *s, uint32_t place)
@@ -121,64 +114,17 @@ micro_totals disk__measure(const void *state)
     return totals;
 }
 
-uint64_t disk__digest_definition(const disk_state *s)
-{
-    const double numbers[] = { s->def.dt,        s->def.damping,      s->def.gravity,
-                               s->def.tension,   s->def.integrator,   s->handling_softness,
-                               s->belt.friction, s->belt.tanh_linear, s->belt.tanh_spin,
-                               (double)s->n };
-    uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
-
-    digest = digest_add(digest, &s->around.domain, sizeof s->around.domain);
-    digest = digest_add(digest, s->around.edges, sizeof s->around.edges);
-    digest = digest_add(digest, &s->cargo, sizeof s->cargo);
-    digest = digest_add(digest, &s->handling, sizeof s->handling);
-    digest = digest_add(digest, s->kinds, s->n_kinds * sizeof *s->kinds);
-    if (s->kind_of != NULL)
-        digest = digest_add(digest, s->kind_of, s->n * sizeof *s->kind_of);
-    digest = digest_add(digest, s->faces, s->n_faces * sizeof *s->faces);
-    digest = digest_add(digest, s->arcs, s->n_arcs * sizeof *s->arcs);
-    for (size_t k = 0; k < s->around.n_belts; k++) {
-        const scene_belt *belt = &s->around.belts[k];
-        digest = digest_add(digest, &belt->velocity, sizeof belt->velocity);
-        digest = digest_add(digest, belt->polygon, belt->n_points * sizeof *belt->polygon);
-    }
-    return digest;
-}
-
-// The digest that belongs into a saved state.
-static uint64_t digest_saved(state_header header, const char *behind, size_t n)
-{
-    header.digest = 0;
-    return digest_add(digest_add(DIGEST_START, &header, sizeof header), behind, n);
-}
-
-bf_status disk__save(const void *state, bf_buffer *out, bf_error *err)
+void disk__save(const void *state, checkpoint_writer *w)
 {
     const disk_state *s = state;
-    const size_t start = out->n, n_bytes = sizeof(state_header) + s->n * sizeof(saved_part);
-    state_header header = { .magic = STATE_MAGIC,
-                            .definition = s->definition,
-                            .steps = s->steps,
-                            .largest_overlap = s->largest_overlap,
-                            .overlap_share = s->overlap_share };
+    const saved_header header = { s->steps, s->largest_overlap, s->overlap_share };
 
-    if (buffer_reserve(out, n_bytes) == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for a checkpoint");
+    checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = read_part(s, k);
-        memcpy(out->bytes + start + sizeof header + k * sizeof part, &part, sizeof part);
+        checkpoint_write(w, &part, sizeof part);
     }
-    out->n += n_bytes;
-    bf_status status = disk__implicit_save(s, out, err);
-    if (status != BF_OK) {
-        buffer_truncate(out, start);
-        return status;
-    }
-    header.digest =
-        digest_saved(header, out->bytes + start + sizeof header, out->n - start - sizeof header);
-    memcpy(out->bytes + start, &header, sizeof header);
-    return BF_OK;
+    disk__implicit_save(s, w);
 }
 
 static void take_parts(disk_state *s, const char *parts)
@@ -197,22 +143,17 @@ static void take_parts(disk_state *s, const char *parts)
     }
 }
 
-bf_status disk__load(void *state, const void *bytes, size_t n, bf_error *err)
+bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err)
 {
     disk_state *s = state;
-    const size_t n_parts = s->n * sizeof(saved_part);
-    state_header header;
+    saved_header header;
+    const char *parts = NULL;
 
-    if (n < sizeof header + n_parts)
-        return bf_fail(err, BF_ECORRUPT, "", "a checkpoint of %zu bytes is too short", n);
-    memcpy(&header, bytes, sizeof header);
-    if (header.magic != STATE_MAGIC || header.definition != s->definition)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint belongs to another definition");
-    const char *parts = (const char *)bytes + sizeof header;
-    if (digest_saved(header, parts, n - sizeof header) != header.digest)
-        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    const size_t n_behind = n - sizeof header - n_parts;
-    bf_status status = disk__implicit_load(s, parts + n_parts, n_behind, err);
+    if (checkpoint_read(r, &header, sizeof header))
+        parts = checkpoint_read_items(r, s->n, sizeof(saved_part));
+    if (parts == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
+    bf_status status = disk__implicit_load(s, r, err);
     if (status != BF_OK)
         return status;
     take_parts(s, parts);
