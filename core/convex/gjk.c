@@ -26,17 +26,17 @@ gjk_pair gjk_pair_of(const hull *a, vec3 x_a, const mat3 *r_a, const hull *b, ve
 }
 
 /// Keep only corner i, corners i and j, or i, j and k, with their weights.
-static void keep_one(gjk__simplex *s, int i)
+static void select_one(gjk__simplex *s, int i)
 {
     *s = (gjk__simplex){ 1, { s->point[i] }, { 1.0 } };
 }
 
-static void keep_two(gjk__simplex *s, int i, int j, double weight_j)
+static void select_two(gjk__simplex *s, int i, int j, double weight_j)
 {
     *s = (gjk__simplex){ 2, { s->point[i], s->point[j] }, { 1.0 - weight_j, weight_j } };
 }
 
-static void keep_three(gjk__simplex *s, int i, int j, int k, const double *weights)
+static void select_three(gjk__simplex *s, int i, int j, int k, const double *weights)
 {
     *s = (gjk__simplex){ 3,
                          { s->point[i], s->point[j], s->point[k] },
@@ -49,11 +49,11 @@ static void reduce_segment(gjk__simplex *s, int i, int j)
     double length_squared = vec3_dot(along, along), t = -vec3_dot(s->point[i].at, along);
 
     if (t <= 0.0 || length_squared == 0.0)
-        keep_one(s, i);
+        select_one(s, i);
     else if (t >= length_squared)
-        keep_one(s, j);
+        select_one(s, j);
     else
-        keep_two(s, i, j, t / length_squared);
+        select_two(s, i, j, t / length_squared);
 }
 
 /// Reduce to the part of triangle i, j, k that is nearest to the origin, by the regions around it.
@@ -69,7 +69,7 @@ static void reduce_triangle(gjk__simplex *s, int i, int j, int k)
 
     if (area > 0.0 && u > 0.0 && v > 0.0 && w > 0.0) {
         double sum = u + v + w;
-        keep_three(s, i, j, k, (double[]){ u / sum, v / sum, w / sum });
+        select_three(s, i, j, k, (double[]){ u / sum, v / sum, w / sum });
         return;
     }
     const int sides[3][2] = { { i, j }, { j, k }, { i, k } };

@@ -167,7 +167,7 @@ static bool is_between(const hull *h, size_t k, double tolerance)
 }
 
 /// Keep the vertices that are marked.
-static void keep_vertices(hull *h, const bool *is_kept)
+static void compact_vertices(hull *h, const bool *is_kept)
 {
     double kept[HULL_VERTICES_MAX][3];
     size_t n = 0;
@@ -186,7 +186,7 @@ static void drop_straight(hull *h, double tolerance)
         for (size_t m = 0; m < h->n_vertices; m++)
             is_kept[m] = m != k || !is_between(h, k, tolerance);
         if (!is_kept[k])
-            keep_vertices(h, is_kept);
+            compact_vertices(h, is_kept);
     }
 }
 

@@ -1,7 +1,7 @@
-/// Asking a thread whether it is alive: somebody asks, and the thread answers when it comes by. A thread
-/// that hangs does not. Nobody asks of himself, so a thread sleeps as long as nobody wants to know.
+/// Signs of life of a thread: the watchdog asks, and the thread answers in its next turn. A thread that hangs
+/// does not. Without a watchdog no thread is woken for it.
 ///
-/// Threads  any. Who asks also wakes the thread, in the thread's own way.
+/// Threads  any. Whoever asks also wakes the thread, in the thread's own way.
 
 #pragma once
 

@@ -91,7 +91,7 @@ typedef enum metrics_id {
 /// Add to a counter or gauge; series is the label's value as a number of its list, 0 without labels.
 void metrics_add(metrics_id metric, size_t series, int64_t n);
 
-/// Set a gauge, or a counter that somebody else counts.
+/// Set a gauge, or a counter whose value is counted elsewhere.
 void metrics_set(metrics_id metric, size_t series, int64_t value);
 
 /// Count a value in a histogram.
