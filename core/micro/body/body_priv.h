@@ -145,7 +145,14 @@ size_t body__first_of(size_t block);
 size_t body__last_of(const body_state *s, size_t block);
 
 /// BF_ENUMERIC: a part flew off or is not finite; the text names the first one.
-BF_MUST_CHECK bf_status body__check(const body_state *s, bf_error *err);
+BF_MUST_CHECK bf_status body__check(const void *state, bf_error *err);
+
+/// What the reports of a step come to: DRIVER_SUSPECT, DRIVER_STALE or DRIVER_MADE.
+driver_outcome body__judge(const body_state *s);
+
+/// Members of driver_solver for both integrators.
+int body__begin(const void *state, driver_progress *ret_progress);
+void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress);
 
 /// What MICRO_IMPLICIT needs beside the rest. BF_ENOMEM.
 BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
@@ -161,8 +168,8 @@ uint64_t body__implicit_save(const body_state *s, checkpoint_writer *w);
 bool body__implicit_load(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
                          size_t n_pairs, body_hold (*holds)[BODY_HOLDS]);
 
-/// Make n implicit steps. Errors as of micro_advance().
-BF_MUST_CHECK bf_status body__implicit_advance(body_state *s, uint64_t n, bf_error *err);
+/// MICRO_IMPLICIT for the driver.
+extern const driver_solver body__implicit;
 
 /// Note a contact that presses.
 void body__note(body_report *report, double overlap, double radius);

@@ -95,6 +95,7 @@ typedef struct body_shelf {
 /// What body_state.implicit points to.
 typedef struct implicit_solver {
     int rounds;                      ///< of relaxation in a step
+    double keep;                     ///< what the damping leaves of a velocity in a step
     body_hold (*holds)[BODY_HOLDS];  ///< by part: of its contacts with solids
     body_mover *movers;              ///< scratch, by part
     uint64_t *used;                  ///< scratch, by part: colours taken
@@ -130,6 +131,3 @@ void body_implicit__relax(const body_solver *z, body_patch *patch);
 
 /// Keep the impulse of a patch for the next step.
 void body_implicit__keep(body_patch *patch);
-
-/// Make up to n steps, until the list is stale or a part is bad. Returns how many.
-uint64_t body_implicit__burst(body_state *s, uint64_t n);

@@ -86,6 +86,8 @@ bf_status body__list(body_state *s, bf_error *err)
     s->spare = swap;
     s->spare_capacity = swap_capacity;
     s->n_pairs = s->first_pair[s->n];
+    for (size_t block = 0; block < s->n_blocks; block++)
+        s->reports[block].is_stale = false;
     s->is_listed = true;
     return BF_OK;
 }

@@ -78,6 +78,8 @@ typedef struct disk_state {
     struct neighbours_cells *cells;     ///< storage of the cell grid
     int n_shares;                       ///< threads that take part
     disk_share shares[DISK_SHARES_MAX]; ///< one each
+    const struct disk_kernels *kernels; ///< of explicit steps
+    disk_extremes_line *extremes;       ///< scratch: of two explicit steps, DISK_SHARES_MAX each
     disk_tiles tiles;                   ///< of explicit steps
     uint64_t steps;                     ///< made since t = 0
     double largest_overlap;             ///< m, of any contact since the start

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/micro/contact_law.h"
+#include "core/micro/driver.h"
 #include "core/micro/micro.h"
 #include "core/scene/surroundings.h"
 
@@ -102,6 +103,12 @@ typedef struct disk_share {
     size_t watch_last;  ///< see there
 } disk_share;
 
+/// Extremes of a share, in cache lines of their own.
+typedef struct disk_extremes_line {
+    _Alignas(64) driver_extremes of; ///< see there
+    char padding[64];                ///< the next line is often fetched along with it
+} disk_extremes_line;
+
 /// Groups that make a step together when several steps are under way, and where their touches and
 /// watches begin; all end where those of the next block begin.
 typedef struct disk_block {
@@ -120,7 +127,7 @@ typedef struct disk_kept {
     double spin; ///< rad/s
 } disk_kept;
 
-/// What several steps in one pass need, see disk_tiles.c.
+/// What several steps in one pass need, see explicit.c.
 typedef struct disk_tiles {
     disk_kept *kept;     ///< by place; NULL: steps are made one by one
     disk_block *blocks;  ///< n_blocks of the present list, and one more

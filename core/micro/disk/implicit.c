@@ -1,3 +1,8 @@
+// Implicit steps of disks.
+//
+// A team meets between the phases of a step. In a phase every member takes its part of the chunks of places
+// or of the pieces of a group, none of which writes what another one reads.
+
 #include "core/base/memory.h"
 #include "core/micro/disk/implicit_priv.h"
 #include "core/micro/implicit_step.h"
@@ -80,12 +85,28 @@ implicit_state *disk_implicit__create(const disk_state *s)
     z->rounds = find_rounds(s);
     z->skin = s->radius_min;
     z->kernels = disk_implicit__kernels(cpu_best());
+    z->step = (implicit_step){ .keep = exp(-s->def.damping * s->def.dt),
+                               .drag = s->def.dt * s->belt.friction * s->def.gravity *
+                                       s->belt.tanh_linear };
     return has_failed ? disk_implicit__destroy(z) : z;
 }
 
 void disk__implicit_fini(disk_state *s)
 {
     s->implicit = disk_implicit__destroy(s->implicit);
+}
+
+// True if a next step like the last one, which moved parts by up to `move`, could make parts touch that
+// are not in the pairs, after parts have travelled so far since these were chosen, m.
+static bool is_stale(const implicit_state *z, double travel, double move)
+{
+    return travel + 1.25 * move > 0.5 * z->skin;
+}
+
+// The same of the list.
+static bool is_list_stale(const disk_state *s, double travel, double move)
+{
+    return travel + 1.25 * move > 0.5 * s->skin;
 }
 
 // The list with the skin that pairs are chosen from.
@@ -98,18 +119,20 @@ static bf_status rebuild(disk_state *s, implicit_state *z, bf_error *err)
 
 // The list and the pairs as the next step needs them. The list alone is made anew if it is of another
 // age than the pairs, as after a load.
-static bf_status refresh(disk_state *s, implicit_state *z, bf_error *err)
+static bf_status refresh(void *state, bf_error *err)
 {
-    bool is_stale = !z->is_chosen || disk_implicit__is_stale(z, z->travel, z->move);
+    disk_state *s = state;
+    implicit_state *z = s->implicit;
+    bool must_choose = !z->is_chosen || is_stale(z, z->travel, z->move);
 
-    if (is_stale || disk_implicit__is_list_stale(s, s->travel, z->move)) {
+    if (must_choose || is_list_stale(s, s->travel, z->move)) {
         bf_status status = rebuild(s, z, err);
-        if (status == BF_OK && is_stale)
+        if (status == BF_OK && must_choose)
             status = disk_implicit__choose(s, z, err);
         if (status != BF_OK)
             return status;
     }
-    if (is_stale) {
+    if (must_choose) {
         z->is_current = z->is_chosen = true;
         z->travel = 0.0;
     }
@@ -119,22 +142,201 @@ static bf_status refresh(disk_state *s, implicit_state *z, bf_error *err)
     return BF_OK;
 }
 
+static implicit_state *state_of(const driver_member *m)
+{
+    return ((disk_state *)m->state)->implicit;
+}
+
+// The pieces of one group after those of the other. Groups of one piece are all the first member's, who
+// need not wait between them.
+static void share_groups(const driver_member *m, driver_work *work)
+{
+    const size_t *piece = state_of(m)->group_piece;
+    bool is_alone = true;
+
+    for (size_t g = 0; g < IMPLICIT_GROUPS; g++) {
+        const size_t n = piece[g + 1] - piece[g];
+        if (n == 0)
+            continue;
+        if (n > 1 || !is_alone)
+            driver_wait(m);
+        is_alone = n == 1;
+        driver_share(m, piece[g], piece[g + 1], work);
+    }
+    driver_wait(m);
+}
+
+static size_t count_chunks(const disk_state *s)
+{
+    return (s->n_padded + IMPLICIT_CHUNK - 1) / IMPLICIT_CHUNK;
+}
+
+// Up to the next group of parts; places between the last part and that are pads.
+static size_t end_of_chunk(const disk_state *s, size_t chunk)
+{
+    size_t end = (chunk + 1) * IMPLICIT_CHUNK;
+
+    return end < s->n_padded ? end : s->n_padded;
+}
+
+static driver_extremes join_chunks(const disk_state *s)
+{
+    const implicit_state *z = s->implicit;
+    driver_extremes all = { 0 };
+
+    for (size_t c = 0; c < count_chunks(s); c++)
+        driver_join(&all, &z->extremes[c]);
+    return all;
+}
+
+static void predict_chunk(const driver_member *m, size_t chunk)
+{
+    const disk_state *s = m->state;
+    implicit_state *z = s->implicit;
+
+    z->extremes[chunk] =
+        z->kernels->predict(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+}
+
+static void pull_chunk(const driver_member *m, size_t chunk)
+{
+    const disk_state *s = m->state;
+    implicit_state *z = s->implicit;
+
+    z->kernels->pull(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+}
+
+static void move_chunk(const driver_member *m, size_t chunk)
+{
+    disk_state *s = m->state;
+    implicit_state *z = s->implicit;
+
+    z->extremes[chunk] =
+        z->kernels->move(s, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+}
+
+static void meet_piece(const driver_member *m, size_t piece)
+{
+    const double *near = m->step;
+
+    disk_implicit__meet(m->state, state_of(m), piece, *near);
+}
+
+static void relax_piece(const driver_member *m, size_t piece)
+{
+    implicit_state *z = state_of(m);
+    const implicit_piece *p = &z->pieces[piece];
+
+    z->kernels->relax(z->bodies, &z->blocks[p->block], p->n_blocks);
+}
+
+static void keep_piece(const driver_member *m, size_t piece)
+{
+    disk_implicit__keep(state_of(m), piece);
+}
+
+static void look_share(const driver_member *m, size_t k)
+{
+    disk_state *s = m->state;
+    const disk_share *of = &s->shares[k];
+
+    disk__look(s, s->now, of->watch_first, of->watch_last, DISK_GONE);
+}
+
+// Pairs and parts of a step, and what is left of its contacts for the next one.
+static void make_phases(driver_member *m)
+{
+    const disk_state *s = m->state;
+    const implicit_state *z = s->implicit;
+    const size_t n_chunks = count_chunks(s);
+
+    driver_share(m, 0, n_chunks, predict_chunk);
+    driver_wait(m);
+    const double near = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2); // gaps that may close
+    m->step = &near;
+    share_groups(m, meet_piece);
+    for (int round = 0; round < z->rounds; round++) {
+        if (round > 0) {
+            driver_share(m, 0, n_chunks, pull_chunk);
+            driver_wait(m);
+        }
+        share_groups(m, relax_piece);
+    }
+    driver_share(m, 0, z->group_piece[IMPLICIT_GROUPS], keep_piece);
+    driver_share(m, 0, n_chunks, move_chunk);
+    driver_wait(m);
+    driver_share(m, 0, (size_t)s->n_shares, look_share);
+}
+
+static void raise_overlaps(const implicit_state *z, driver_extremes *largest)
+{
+    for (size_t k = 0; k < z->group_piece[IMPLICIT_GROUPS]; k++) {
+        const implicit_piece *p = &z->pieces[k];
+        largest->overlap = p->overlap > largest->overlap ? p->overlap : largest->overlap;
+        largest->overlap_share =
+            p->share > largest->overlap_share ? p->share : largest->overlap_share;
+    }
+}
+
+static driver_outcome step(driver_member *m)
+{
+    const disk_state *s = m->state;
+    const implicit_state *z = s->implicit;
+    driver_progress *p = &m->progress;
+
+    make_phases(m);
+    const driver_extremes e = join_chunks(s);
+    p->last_bound = s->def.dt * sqrt(e.speed2);
+    p->pair_bound += p->last_bound;
+    p->displacement_bound += p->last_bound;
+    if (m->index == 0)
+        raise_overlaps(z, &p->largest);
+    driver_wait(m);
+    if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min)
+        return DRIVER_SUSPECT;
+    return is_stale(z, p->pair_bound, p->last_bound) ||
+                   is_list_stale(s, p->displacement_bound, p->last_bound)
+               ? DRIVER_STALE
+               : DRIVER_MADE;
+}
+
+static int begin(const void *state, driver_progress *ret_progress)
+{
+    const disk_state *s = state;
+    const implicit_state *z = s->implicit;
+
+    *ret_progress = (driver_progress){ .displacement_bound = s->travel, .pair_bound = z->travel };
+    return s->n_shares;
+}
+
+static void end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
+{
+    disk_state *s = state;
+    implicit_state *z = s->implicit;
+
+    (void)outcome;
+    s->steps += n;
+    s->travel = progress->displacement_bound;
+    z->travel = progress->pair_bound;
+    z->move = progress->last_bound;
+    s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
+    s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
+}
+
+static bf_status check(const void *state, bf_error *err)
+{
+    return disk__check(state, err);
+}
+
 bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err)
 {
+    static const driver_solver solver = {
+        .refresh = refresh, .begin = begin, .step = step, .end = end, .check = check
+    };
+
     if (!s->implicit)
         s->implicit = disk_implicit__create(s);
-    implicit_state *z = s->implicit;
-    if (!z)
+    if (!s->implicit)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the solver");
-
-    while (n > 0) {
-        bool is_suspect = false;
-        bf_status status = refresh(s, z, err);
-        if (status != BF_OK)
-            return status;
-        n -= disk_implicit__burst(s, z, n, &is_suspect);
-        if (is_suspect && (status = disk__check(s, err)) != BF_OK)
-            return status;
-    }
-    return BF_OK;
+    return driver_advance(&solver, s, n, err);
 }

@@ -184,9 +184,9 @@ static inline void note_speeds(greatest *all, lanes x, lanes y, lanes vx, lanes 
     all->sum += x * 0.0 + y * 0.0 + speed2 + spin * spin;
 }
 
-static implicit_extremes fold(const greatest *all)
+static driver_extremes fold(const greatest *all)
 {
-    implicit_extremes e = { .speed2 = lanes_peak(all->speed2) };
+    driver_extremes e = { .speed2 = lanes_peak(all->speed2) };
 
     for (int k = 0; k < LANES; k++)
         e.sum += all->sum[k];
@@ -198,8 +198,8 @@ static lanes load_brakes(const disk_state *s, size_t place)
     return s->is_plain ? lanes_all(s->plain_brake) : lanes_load(s->brake + place);
 }
 
-static implicit_extremes predict(const disk_state *s, const implicit_step *step,
-                                 implicit_body *bodies, size_t first, size_t last)
+static driver_extremes predict(const disk_state *s, const implicit_step *step,
+                               implicit_body *bodies, size_t first, size_t last)
 {
     const lanes zero = lanes_all(0.0), rate = lanes_all(s->belt.tanh_spin * s->def.dt);
     greatest all = { zero, zero };
@@ -224,7 +224,7 @@ static implicit_extremes predict(const disk_state *s, const implicit_step *step,
     return fold(&all);
 }
 
-static implicit_extremes move(disk_state *s, const implicit_body *bodies, size_t first, size_t last)
+static driver_extremes move(disk_state *s, const implicit_body *bodies, size_t first, size_t last)
 {
     const lanes zero = lanes_all(0.0), h = lanes_all(s->def.dt);
     greatest all = { zero, zero };

@@ -93,12 +93,6 @@ typedef struct implicit_piece {
     double share;    ///< largest overlap / smaller radius
 } implicit_piece;
 
-/// What a chunk of places tells of its parts.
-typedef struct implicit_extremes {
-    double speed2; ///< largest v^2, m2/s2
-    double sum;    ///< of all that has to be finite: not so if anything is not
-} implicit_extremes;
-
 /// The numbers of a step.
 typedef struct implicit_step {
     double keep; ///< what the damping D leaves of a velocity
@@ -117,16 +111,15 @@ typedef struct implicit_kernels {
 
     /// Bodies of the places first .. last - 1, both multiples of IMPLICIT_WIDTH, as they would move in a
     /// step without contacts. Returns what is true of them before and then.
-    implicit_extremes (*predict)(const disk_state *s, const implicit_step *step,
-                                 implicit_body *bodies, size_t first, size_t last);
+    driver_extremes (*predict)(const disk_state *s, const implicit_step *step,
+                               implicit_body *bodies, size_t first, size_t last);
 
     /// Let the belts pull at the bodies as they move now, instead of as they did before.
     void (*pull)(const disk_state *s, const implicit_step *step, implicit_body *bodies,
                  size_t first, size_t last);
 
     /// Rows and headings at the end of the step. Returns what is true of them.
-    implicit_extremes (*move)(disk_state *s, const implicit_body *bodies, size_t first,
-                              size_t last);
+    driver_extremes (*move)(disk_state *s, const implicit_body *bodies, size_t first, size_t last);
 } implicit_kernels;
 
 /// What disk_state.implicit points to.
@@ -137,6 +130,7 @@ typedef struct implicit_state {
     double travel;                   ///< m, no part has moved farther since they were
     double move;                     ///< m, farthest move of a part in the last step
     const implicit_kernels *kernels; ///< those of this processor
+    implicit_step step;              ///< the same in every step
     int rounds;                      ///< of relaxation in a step
     size_t n_pairs;                  ///< in order of groups
     implicit_pair *pairs;            ///< see there
@@ -157,7 +151,7 @@ typedef struct implicit_state {
     implicit_block *blocks;                  ///< scratch, by pieces
     size_t blocks_capacity;                  ///< room
     implicit_body *bodies;                   ///< scratch, by place
-    implicit_extremes *extremes;             ///< scratch, of each chunk of places
+    driver_extremes *extremes;               ///< scratch, of each chunk of places
 } implicit_state;
 
 /// Make and free the state; NULL: no memory. Destroying returns NULL and takes it.
@@ -187,18 +181,3 @@ void disk_implicit__keep(implicit_state *z, size_t piece);
 
 /// The build for an instruction set.
 const implicit_kernels *disk_implicit__kernels(cpu_level level);
-
-/// Make up to n steps, at least one, on pairs that are good. Returns how many; *ret_suspect: the last one
-/// needs disk__check().
-uint64_t disk_implicit__burst(disk_state *s, implicit_state *z, uint64_t n, bool *ret_suspect);
-
-/// True if a next step like the last one, which moved parts by up to `move`, could make parts touch
-/// that are not in the pairs (in the list), after parts have travelled so far since they were made, m.
-static inline bool disk_implicit__is_stale(const implicit_state *z, double travel, double move)
-{
-    return travel + 1.25 * move > 0.5 * z->skin;
-}
-static inline bool disk_implicit__is_list_stale(const disk_state *s, double travel, double move)
-{
-    return travel + 1.25 * move > 0.5 * s->skin;
-}

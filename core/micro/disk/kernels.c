@@ -296,7 +296,7 @@ static void raise(double *largest, double to)
 }
 
 INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, bool plain,
-                            disk_extremes *extremes)
+                            driver_extremes *extremes)
 {
     raise(&extremes->overlap, lanes_peak(overlap));
     raise(&extremes->overlap_share,
@@ -304,7 +304,7 @@ INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, boo
 }
 
 INLINED void advance_groups(const disk_step *step, size_t first, size_t last, bool plain,
-                            disk_extremes *extremes)
+                            driver_extremes *extremes)
 {
     const disk_state *s = step->state;
     const pair_law law = make_law(s, &s->cargo, s->kinds[0].row.softness);
@@ -325,7 +325,7 @@ INLINED void advance_groups(const disk_step *step, size_t first, size_t last, bo
         extremes->sum += of_all.sum[k];
 }
 
-static void advance(const disk_step *step, size_t first, size_t last, disk_extremes *extremes)
+static void advance(const disk_step *step, size_t first, size_t last, driver_extremes *extremes)
 {
     if (step->state->is_plain)
         advance_groups(step, first, last, true, extremes);
@@ -468,7 +468,7 @@ INLINED void keep_pushes(const disk_step *step, const touch_lanes *t, size_t n, 
 }
 
 INLINED void touch_solids(const disk_step *step, size_t first, size_t last, bool plain,
-                          disk_extremes *extremes)
+                          driver_extremes *extremes)
 {
     const disk_state *s = step->state;
     const pair_law law = make_law(s, &s->handling, s->handling_softness);
@@ -485,7 +485,7 @@ INLINED void touch_solids(const disk_step *step, size_t first, size_t last, bool
     raise_overlaps(s, sum.overlap, sum.overlap_share, plain, extremes);
 }
 
-static void touch(const disk_step *step, size_t first, size_t last, disk_extremes *extremes)
+static void touch(const disk_step *step, size_t first, size_t last, driver_extremes *extremes)
 {
     if (step->state->is_plain)
         touch_solids(step, first, last, true, extremes);

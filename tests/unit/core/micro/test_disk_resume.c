@@ -61,7 +61,7 @@ static void one_and_two_threads_give_the_same_bits(void **state)
 
 // One step of all parts by a table of kernels, into copies of what it writes.
 static void step_with(const disk_kernels *kernels, disk_state *s, disk_row *rows, double *heading,
-                      disk_extremes *extremes)
+                      driver_extremes *extremes)
 {
     const disk_step step = { .state = s,
                              .now = s->now,
@@ -71,7 +71,7 @@ static void step_with(const disk_kernels *kernels, disk_state *s, disk_row *rows
                              .dt_force = s->def.dt,
                              .keep = 1.0 };
 
-    *extremes = (disk_extremes){ 0 };
+    *extremes = (driver_extremes){ 0 };
     memcpy(heading, s->heading, s->n_padded * sizeof *heading);
     memcpy(rows, s->now, s->n_padded * sizeof *rows);
     kernels->touch(&step, 0, s->n_touches, extremes);
@@ -83,7 +83,7 @@ static void check_builds(disk_state *s)
     const size_t n = s->n_padded;
     disk_row *rows = memory_alloc(2 * n, sizeof *rows);
     double *heading = memory_alloc(2 * n, sizeof *heading);
-    disk_extremes extremes[2];
+    driver_extremes extremes[2];
 
     assert_non_null(rows);
     assert_non_null(heading);

@@ -1,8 +1,7 @@
-// A step: every pair once, then every part by the sum of what acts on it.
+// Explicit steps: every pair once, then every part by the sum of what acts on it. Blocks of parts are shared
+// out to the members of a team.
 
 #include "core/micro/body/body_priv.h"
-
-#include "core/base/team.h"
 
 #include <math.h>
 
@@ -21,9 +20,9 @@ size_t body__last_of(const body_state *s, size_t block)
     return last < s->n ? last : s->n;
 }
 
-static void meet_block(void *context, size_t block)
+static void meet_block(const driver_member *m, size_t block)
 {
-    body_state *s = context;
+    body_state *s = m->state;
     size_t last = s->first_pair[body__last_of(s, block)];
 
     s->reports[block].n_presses = 0;
@@ -120,13 +119,13 @@ void body__drift(body_state *s, size_t k, body_report *report)
     s->is_gone[k] = surroundings_is_outside(&s->around, (vec2){ body->x.x, body->x.y });
 }
 
-static void move_part(body_state *s, size_t k, body_report *report)
+static void move_part(body_state *s, size_t k, bool is_first, body_report *report)
 {
     body_body *body = &s->bodies[k];
     const double dt = s->def.dt, skin = 0.5 * s->list.skin;
 
     // The first step is by forward Euler: with the velocities of the start.
-    if (s->steps > 0) {
+    if (!is_first) {
         body_load load = load_of(s, k, report);
         double push = dt / s->kinds[body->kind].mass;
         body->v = vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), push, load.force);
@@ -137,17 +136,19 @@ static void move_part(body_state *s, size_t k, body_report *report)
     report->is_stale |= dx * dx + dy * dy > skin * skin;
 }
 
-static void move_block(void *context, size_t block)
+static void move_block(const driver_member *m, size_t block)
 {
-    body_state *s = context;
+    body_state *s = m->state;
+    const bool is_first = s->steps + m->n_made == 0;
 
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++)
         if (!s->is_gone[k])
-            move_part(s, k, &s->reports[block]);
+            move_part(s, k, is_first, &s->reports[block]);
 }
 
-bf_status body__check(const body_state *s, bf_error *err)
+bf_status body__check(const void *state, bf_error *err)
 {
+    const body_state *s = state;
     size_t bad = SIZE_MAX;
 
     for (size_t block = 0; block < s->n_blocks; block++)
@@ -162,38 +163,66 @@ bf_status body__check(const body_state *s, bf_error *err)
                    body->x.y, body->x.z, vec3_length(body->v));
 }
 
-static bf_status step(body_state *s, bf_error *err)
+driver_outcome body__judge(const body_state *s)
 {
-    if (!s->is_listed && body__list(s, err) != BF_OK)
-        return BF_ENOMEM;
-    team_for(s->def.n_threads, s->n_blocks, meet_block, s);
-    team_for(s->def.n_threads, s->n_blocks, move_block, s);
-    s->steps++;
+    driver_outcome outcome = DRIVER_MADE;
+
     for (size_t block = 0; block < s->n_blocks; block++) {
-        body_report *report = &s->reports[block];
-        s->is_listed &= !report->is_stale;
-        report->is_stale = false;
+        if (s->reports[block].bad_part != SIZE_MAX)
+            return DRIVER_SUSPECT;
+        if (s->reports[block].is_stale)
+            outcome = DRIVER_STALE;
     }
-    return body__check(s, err);
+    return outcome;
 }
 
-static bf_status advance_verlet(body_state *s, uint64_t n, bf_error *err)
+static bf_status refresh(void *state, bf_error *err)
 {
-    bf_status status = BF_OK;
+    body_state *s = state;
 
-    for (uint64_t k = 0; k < n && status == BF_OK; k++)
-        status = step(s, err);
-    return status;
+    return s->is_listed ? BF_OK : body__list(s, err);
+}
+
+int body__begin(const void *state, driver_progress *ret_progress)
+{
+    const body_state *s = state;
+
+    *ret_progress = (driver_progress){ .displacement_bound = 0.0 };
+    return s->def.n_threads;
+}
+
+static driver_outcome step(driver_member *m)
+{
+    const body_state *s = m->state;
+
+    driver_share(m, 0, s->n_blocks, meet_block);
+    driver_wait(m);
+    driver_share(m, 0, s->n_blocks, move_block);
+    driver_wait(m);
+    return body__judge(s);
+}
+
+void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
+{
+    body_state *s = state;
+
+    (void)progress;
+    s->steps += n;
+    s->is_listed = outcome == DRIVER_MADE;
 }
 
 bf_status body__advance(void *state, uint64_t n, bf_error *err)
 {
+    static const driver_solver explicit = { .refresh = refresh,
+                                            .begin = body__begin,
+                                            .step = step,
+                                            .end = body__end,
+                                            .check = body__check };
     body_state *s = state;
 
     for (size_t block = 0; block < s->n_blocks; block++)
         s->reports[block] = (body_report){ .bad_part = SIZE_MAX };
-    bf_status status =
-        s->implicit != NULL ? body__implicit_advance(s, n, err) : advance_verlet(s, n, err);
+    bf_status status = driver_advance(s->implicit != NULL ? &body__implicit : &explicit, s, n, err);
     if (n > 0)
         s->n_presses = 0;
     for (size_t block = 0; block < s->n_blocks; block++) {
