@@ -286,27 +286,19 @@ static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
     return status;
 }
 
-static void key_word(json_out *w, const char *key, const char *word)
-{
-    json_out_key(w, key);
-    if (word == NULL)
-        json_out_null(w);
-    else
-        json_out_string(w, word);
-}
-
 static void write_entry(json_out *w, const comparison *c, const entry *e)
 {
-    json_out_object(w);
-    json_out_key_string(w, "id", e->id);
-    json_out_key_string(w, "kind", e->is_run ? "run" : "measurement");
-    json_out_key_string(w, "label", e->is_run ? e->run.label : e->measurement.label);
-    key_word(w, "name", e->is_run ? e->run.name : NULL);
-    key_word(w, "model", e->is_run ? run_model_words[e->run.model] : NULL);
-    key_word(w, "status", e->is_run ? run_state_word(e->run.state) : NULL);
-    json_out_key_string(w, "column", c->column);
-    compare_json_figures(w, &e->figures);
-    json_out_object_end(w);
+    const compare_json_entry view = {
+        .id = e->id,
+        .kind = e->is_run ? "run" : "measurement",
+        .label = e->is_run ? e->run.label : e->measurement.label,
+        .name = e->is_run ? e->run.name : NULL,
+        .model = e->is_run ? run_model_words[e->run.model] : NULL,
+        .status = e->is_run ? run_state_word(e->run.state) : NULL,
+        .column = c->column,
+        .figures = e->figures,
+    };
+    members_write(w, &compare_json_compared, &view);
 }
 
 // The members of the comparison of an entry with the reference.
@@ -316,7 +308,7 @@ static bf_status write_measures(exchange *x, json_out *w, const comparison *c, c
     size_t n_pairs = c->n - 1;
 
     json_out_key(w, "curve");
-    compare_json_measures(w, &e->measures);
+    members_write(w, &compare_json_measures, &e->measures);
     json_out_key(w, "density");
     return handlers_compare__density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
 }

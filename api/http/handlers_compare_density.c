@@ -115,14 +115,13 @@ static compare_distance mean_of(const totals *all)
 static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b,
                            const compare_distance *d)
 {
-    json_out_object(w);
-    json_out_key_number(w, "t_s", a->t);
-    json_out_key_integer(w, "a", (int64_t)a->index);
-    json_out_key_integer(w, "b", (int64_t)b->index);
-    json_out_key_number(w, "mass_a", a->mass);
-    json_out_key_number(w, "mass_b", b->mass);
-    compare_json_distance(w, d);
-    json_out_object_end(w);
+    const compare_json_snapshots view = { .t = a->t,
+                                          .a = a->index,
+                                          .b = b->index,
+                                          .mass_a = a->mass,
+                                          .mass_b = b->mass,
+                                          .distance = *d };
+    members_write(w, &compare_json_density_distance, &view);
 }
 
 static size_t choose_stride(size_t n_common, size_t n_cells, size_t n_cells_max)
@@ -171,9 +170,7 @@ static bf_status write_sides(exchange *x, json_out *w, const side *a, const side
     json_out_array_end(w);
     compare_distance mean = mean_of(&all);
     json_out_key(w, "mean");
-    json_out_object(w);
-    compare_json_distance(w, &mean);
-    json_out_object_end(w);
+    members_write(w, &compare_json_distance, &mean);
     json_out_object_end(w);
     return status;
 }

@@ -64,16 +64,7 @@ static bf_status write_list(exchange *x, const api_measurement_list *list, bf_er
 {
     json_out w = json_out_to(&x->response->body);
 
-    json_out_object(&w);
-    json_out_key(&w, "measurements");
-    json_out_array(&w);
-    for (size_t i = 0; i < list->n; i++) {
-        json_out_object(&w);
-        measurement_json_members(&w, &list->items[i]);
-        json_out_object_end(&w);
-    }
-    json_out_array_end(&w);
-    json_out_object_end(&w);
+    members_write(&w, &measurement_list, list);
     return json_out_status(&w, err);
 }
 

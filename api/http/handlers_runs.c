@@ -119,15 +119,9 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
     bf_status status = read_submission(x, &submission, err);
     if (status != BF_OK)
         return status;
-    json_out w = json_out_to(&x->response->body);
-    json_out_object(&w);
-    json_out_key_bool(&w, "valid", true);
-    json_out_key_string(&w, "model", run_model_words[submission.model]);
-    json_out_key(&w, "resolved");
-    json_out_raw(&w, submission.scenario.bytes, submission.scenario.n);
-    json_out_object_end(&w);
+    status = submission_validation(&submission, &x->response->body, err);
     submission_fini(&submission);
-    return json_out_status(&w, err);
+    return status;
 }
 
 static bf_status read_model(const char *word, int *ret_model, bf_error *err)
@@ -171,16 +165,7 @@ static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err
 {
     json_out w = json_out_to(&x->response->body);
 
-    json_out_object(&w);
-    json_out_key(&w, "runs");
-    json_out_array(&w);
-    for (size_t i = 0; i < list->n; i++) {
-        json_out_object(&w);
-        run_json_members(&w, &list->runs[i]);
-        json_out_object_end(&w);
-    }
-    json_out_array_end(&w);
-    json_out_object_end(&w);
+    members_write(&w, &run_json_list, list);
     return json_out_status(&w, err);
 }
 

@@ -26,7 +26,6 @@ typedef struct picture_query {
 bf_status handlers_snapshots_list(exchange *x, bf_error *err)
 {
     api_snapshot_list list = { 0 };
-    char url[API_ID_SIZE + 32];
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
@@ -38,10 +37,9 @@ bf_status handlers_snapshots_list(exchange *x, bf_error *err)
     status = x->services->list_snapshots(x->services->context, record.id, &list, err);
     if (status != BF_OK)
         return status;
-    snprintf(url, sizeof url, "/v1/runs/%s", record.id);
     status = x->media->format == MEDIA_PVD
                  ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
-                 : results_snapshots_json(&list, url, &x->response->body, err);
+                 : results_snapshots_json(&list, record.id, &x->response->body, err);
     buffer_fini(&list.items);
     return status;
 }

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 json_out json_out_to(bf_buffer *buffer)
 {
@@ -160,6 +161,21 @@ void json_out_raw(json_out *w, const char *json, size_t n)
     put_value(w, json, n);
 }
 
+void json_out_time(json_out *w, int64_t unix_ms)
+{
+    time_t seconds = (time_t)(unix_ms / 1000);
+    struct tm tm;
+    char text[80];
+
+    if (unix_ms <= 0 || gmtime_r(&seconds, &tm) == NULL) {
+        json_out_null(w);
+        return;
+    }
+    snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", tm.tm_year + 1900,
+             tm.tm_mon + 1, tm.tm_mday, tm.tm_hour, tm.tm_min, tm.tm_sec, (int)(unix_ms % 1000));
+    json_out_string(w, text);
+}
+
 void json_out_numbers(json_out *w, const double *values, size_t n, size_t stride)
 {
     json_out_array(w);
@@ -190,13 +206,4 @@ void json_out_key_bool(json_out *w, const char *key, bool value)
 {
     json_out_key(w, key);
     json_out_bool(w, value);
-}
-
-void json_out_key_pair(json_out *w, const char *key, double first, double second)
-{
-    json_out_key(w, key);
-    json_out_array(w);
-    json_out_number(w, first);
-    json_out_number(w, second);
-    json_out_array_end(w);
 }

@@ -40,6 +40,9 @@ void json_out_bool(json_out *w, bool value);
 void json_out_null(json_out *w);
 void json_out_raw(json_out *w, const char *json, size_t n);
 
+/// A point in time (Unix ms): "2026-01-31T12:00:00.000Z"; 0 is null.
+void json_out_time(json_out *w, int64_t unix_ms);
+
 /// An array of n numbers, each stride doubles after the one before.
 void json_out_numbers(json_out *w, const double *values, size_t n, size_t stride);
 
@@ -48,6 +51,3 @@ void json_out_key_string(json_out *w, const char *key, const char *text);
 void json_out_key_number(json_out *w, const char *key, double value);
 void json_out_key_integer(json_out *w, const char *key, int64_t value);
 void json_out_key_bool(json_out *w, const char *key, bool value);
-
-/// A key and an array of two numbers.
-void json_out_key_pair(json_out *w, const char *key, double first, double second);

@@ -1,6 +1,6 @@
-/// Objects of a document as tables: which members they have, where each lies in a C struct, and
-/// what a person must know of it. Reading and writing go by these tables, so that adding a member
-/// is one line; the README's list is compared with them.
+/// Objects of JSON documents as tables: which members they have, where each lies in a C struct, and
+/// what a person must know of it. Documents of clients are read, answers are written, and both are
+/// described (JSON Schema, README) by these tables, so that adding a member is one line.
 
 #pragma once
 
@@ -10,67 +10,77 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// What a member is in JSON and in C.
-typedef enum member_kind {
-    MEMBER_NUMBER,   ///< number: double
-    MEMBER_STEP,     ///< number, not 0, or "auto": double, 0 for "auto"
-    MEMBER_COUNT,    ///< whole number: uint32_t
-    MEMBER_SEED,     ///< whole number below 2^53: uint64_t
-    MEMBER_PRIORITY, ///< whole number within the member's range: int
-    MEMBER_BOOL,     ///< boolean: bool
-    MEMBER_TEXT,     ///< string: char[limit]
-    MEMBER_WORD,     ///< one of words: an enum, its index
-    MEMBER_POINT,    ///< [x, y]: two doubles
-    MEMBER_INTERVAL, ///< [from, to]: two doubles
-    MEMBER_NUMBERS,  ///< list of numbers: pointer to doubles, and a count
-    MEMBER_POINTS,   ///< list of [x, y]: pointer to pairs of doubles, and a count
-    MEMBER_OUTLINE,  ///< list of [x, y]: pointer to triples of doubles, and a count
-    MEMBER_VERTICES, ///< list of [x, y, z]: the same
-    MEMBER_POSES,    ///< list of [x, y] or [x, y, degrees]: pointer to scene_pose, and a count
-    MEMBER_OBJECT,   ///< object: a struct described by table
-    MEMBER_LIST,     ///< list of objects: pointer to structs described by table, and a count
-    MEMBER_MIX,      ///< object, or list of objects: structs in place, described by table where
-                     ///< there is one object and by items where there is a list, and a count
-    MEMBER_KIND_COUNT
+typedef struct member member;
+typedef struct member_table member_table;
+
+/// In which of its forms an object is described.
+typedef enum member_view {
+    MEMBER_GIVEN,    ///< as a client may send it: what has a default may be missing
+    MEMBER_RESOLVED, ///< a client's document with every default filled in
+    MEMBER_ANSWER,   ///< as the service answers
+} member_view;
+
+/// What a member is in JSON and in C. Those of member_kinds.c serve every table; a table whose
+/// member is like no other has its own.
+typedef struct member_kind {
+    const char *text; ///< for people, "list of numbers"; of clients' documents
+    const char *type; ///< its schema as short text (schema.h); NULL: write_schema has it
+    /// Read a value into the member's place in *item; NULL: it stands in answers only.
+    void (*read)(json_in *in, const struct json_t *value, const member *m, void *item);
+    /// Write the member's value in *item; NULL: who writes the object does it (long lists).
+    void (*write)(json_out *w, const member *m, const void *item);
+    /// Write the members of its schema into an object that is open; NULL: type says it all.
+    void (*write_schema)(json_out *w, const member *m, member_view view);
 } member_kind;
 
 /// Flags of a member.
 enum {
-    MEMBER_FORM = 1, ///< another form of giving something: the table's finish reads it, and it
-                     ///< is never written
+    MEMBER_FORM = 1,       ///< another way to say something: the table's post_read reads it, and it
+                           ///< is never written
     MEMBER_OMIT_EMPTY = 2, ///< a list that is not written when it has no items
+    MEMBER_OPTIONAL = 4,   ///< answers: it may be missing
+    MEMBER_FILE = 8,       ///< in files only: not in the document of the API
+    MEMBER_SERVED = 16,    ///< its rule is false in files only: in answers it is always there
+    MEMBER_INIT = 32,      ///< its default is what the table's init puts there
 };
 
 /// Which numbers are in range. Core checks it, except for the document's own members.
 typedef struct member_range {
-    const char *text;  ///< for people, "> 0"
     double minimum;    ///< smallest, -INFINITY: any
     double maximum;    ///< largest, INFINITY: any
     bool excludes_min; ///< minimum itself is out of range
     bool excludes_max; ///< maximum itself is out of range
 } member_range;
 
-typedef struct member_table member_table;
+enum { MEMBER_TEXT_SIZE = 160 }; ///< bytes of a text that is made of a member, with its terminator
 
 /// A member of an object.
-typedef struct member {
-    const char *name;          ///< in the document, with its unit
-    member_kind kind;          ///< see there
-    unsigned flags;            ///< MEMBER_FORM, MEMBER_OMIT_EMPTY
+struct member {
+    const char *name; ///< in the document, with its unit; NULL: the members of `table`, whose
+                      ///< struct is at offset, stand in this object (a common part)
+    const member_kind *kind;   ///< see there
+    unsigned flags;            ///< MEMBER_FORM, ...
     unsigned tags;             ///< objects with a tag: bit k: is a member under tag k; 0: always
     size_t offset;             ///< of its place in the struct, bytes
-    size_t offset_n;           ///< lists: of the size_t count
-    size_t offset_list;        ///< MEMBER_MIX: of the bool that tells a list from one object
+    size_t offset_n;           ///< lists: of the size_t count; links: of the uint64_t for {n}
+    size_t offset_list;        ///< ONE_OR_LIST: of the bool that tells a list from one object
     size_t least;              ///< lists: fewest items; texts: fewest bytes
-    size_t limit;              ///< lists: most items; texts: bytes with the terminator
+    size_t limit;              ///< lists: most items; texts: bytes with the terminator; 0: any
     const char *unit;          ///< "m", or NULL
     const member_range *range; ///< or NULL: any
-    const char *standard;      ///< the default as text; NULL: none, a fault if it is missing
-    const char *const *words;  ///< MEMBER_WORD: the words, NULL-terminated
-    const member_table *table; ///< MEMBER_OBJECT, MEMBER_LIST, MEMBER_MIX
-    const member_table *items; ///< MEMBER_MIX: of an item of the list
+    const char *default_text; ///< a default that no number or word is: JSON "[]", "{}", or text for
+                              ///< people; NULL without MEMBER_INIT: a fault if it is missing
+    const char *const *words; ///< ENUM: the words, NULL-terminated
+    const member_table *table; ///< OBJECT, LIST, ONE_OR_LIST
+    const member_table *items; ///< ONE_OR_LIST: of an item of the list
     const char *help;          ///< one phrase for people
-} member;
+    const char *type; ///< answers: its schema as short text if it is narrower than its kind's
+    const char *null; ///< answers: what null says; NULL: it is never null
+    const char *path; ///< links: "/v1/runs/{id}/parts/{n}"
+    /// Answers: true if the member stands in the object that *item is, which is optional then; NULL:
+    /// always.
+    bool (*applies)(const void *item);
+};
 
 /// How the members of an object exclude each other.
 typedef enum member_choice {
@@ -81,30 +91,95 @@ typedef enum member_choice {
 
 /// An object.
 struct member_table {
-    const char *title;     ///< "belt"
+    const char *title;     ///< "belt"; of an answer the name of its schema, "RunError"
     size_t n;              ///< members
     const member *members; ///< in the order in which they are written
-    size_t size;           ///< of the struct, bytes; lists only
+    size_t size;           ///< of the struct, bytes; lists and defaults only
     member_choice choice;  ///< see there
     size_t offset_choice;  ///< MEMBER_ONE_OF: of the enum
     /// Where something can be given in several forms: the names of the members of each form, exactly
     /// one of which stands there; both lists end with NULL. NULL: there are no forms.
     const char *const *const *forms;
-    /// Give an item of a list its defaults before it is read; NULL: zeros.
-    void (*begin)(void *item);
+    /// Give an item its defaults, to begin the reading of one in a list and to name them; NULL: zeros.
+    /// place counts where the object stands at several places with defaults of their own.
+    void (*init)(void *item, size_t place);
+    size_t n_places; ///< of init; 0: one
     /// Read what the members cannot say (MEMBER_FORM); NULL: nothing.
-    void (*finish)(json_in *in, const struct json_t *object, void *item);
+    void (*post_read)(json_in *in, const struct json_t *object, void *item);
 };
+
+/// A row of a table: MEMBER("t_s", number, offsetof(s, t), "Its time", .unit = "s"), with a kind of its
+/// own, or for the members of another table; and a table of the rows of an array.
+#define MEMBER(name_, kind_, offset_, ...) MEMBER_OF(name_, &member_##kind_, offset_, __VA_ARGS__)
+#define MEMBER_OF(name_, kind_, offset_, ...)                                                      \
+    {                                                                                              \
+        .name = (name_), .kind = (kind_), .offset = (offset_), .help = __VA_ARGS__                 \
+    }
+#define MEMBER_INLINE(table_, offset_)                                                             \
+    {                                                                                              \
+        .table = (table_), .offset = (offset_)                                                     \
+    }
+#define MEMBER_TABLE(title_, array)                                                                \
+    .title = (title_), .members = (array), .n = sizeof(array) / sizeof *(array)
+
+/// The kinds, with what lies at the member's offset.
+extern const member_kind member_number;   ///< number: double; not finite: null
+extern const member_kind member_step;     ///< number, not 0, or "auto": double, 0 for "auto"
+extern const member_kind member_count;    ///< whole number: uint32_t
+extern const member_kind member_seed;     ///< whole number below 2^53: uint64_t
+extern const member_kind member_int;      ///< whole number within the member's range: int
+extern const member_kind member_size;     ///< whole number: uint64_t; answers
+extern const member_kind member_bool;     ///< boolean: bool
+extern const member_kind member_text;     ///< string: char[limit]
+extern const member_kind member_string;   ///< string: const char *, NULL: null; answers
+extern const member_kind member_enum;     ///< one of words: an enum, its index
+extern const member_kind member_point;    ///< [x, y]: two doubles
+extern const member_kind member_interval; ///< [from, to]: two doubles
+extern const member_kind member_numbers;  ///< list of numbers: pointer to doubles, and a count
+extern const member_kind member_points;   ///< list of [x, y]: pointer to scene_point, and a count
+extern const member_kind member_outline;  ///< list of [x, y]: pointer to triples, and a count
+extern const member_kind member_vertices; ///< list of [x, y, z]: pointer to triples, and a count
+extern const member_kind member_poses;    ///< list of [x, y] or [x, y, degrees]: pointer to
+                                          ///< scene_pose, and a count
+extern const member_kind member_object;   ///< object: a struct described by table
+extern const member_kind member_list;     ///< list of objects: pointer to structs described by
+                                          ///< table, and a count
+extern const member_kind member_one_or_list; ///< object, or list of objects: structs in place,
+                                             ///< described by table where there is one object and
+                                             ///< by items where there is a list, and a count
+extern const member_kind member_array; ///< list of objects: structs in place, and a count; answers
+extern const member_kind member_time;  ///< string: int64_t, Unix time in ms, 0: null; answers
+extern const member_kind member_raw;   ///< JSON text: const char *, and its bytes; answers
+extern const member_kind member_shape; ///< [rows, columns]: of a bf_grid; answers
+extern const member_kind member_link; ///< path of a resource: its {id} is the char[] at offset, its
+                                      ///< {n} the uint64_t at offset_n; answers
+extern const member_kind member_described; ///< anything that its object's writer writes; answers
 
 /// Read an object into its struct. Members that are missing leave their place as it was, faults
 /// are noted and leave it too. What lists own is allocated and put into the struct, with faults too.
 void members_read(json_in *in, const struct json_t *value, const member_table *table, void *item);
 
-/// Read one member's value into its place.
-void members_read_value(json_in *in, const struct json_t *value, const member *m, void *item);
-
-/// Write an object.
+/// Write an object; or its members into an object that is open.
 void members_write(json_out *w, const member_table *table, const void *item);
+void members_write_into(json_out *w, const member_table *table, const void *item);
 
-/// True if the member can stand in the object that *item is (by its tag or its choice).
+/// True if the member can stand in the object that *item is (by its tag, its choice, its rule).
 bool members_applies(const member_table *table, const member *m, const void *item);
+
+/// True if a member of a client's document may be missing.
+bool members_has_default(const member *m);
+
+/// The default for people ("0.005", "inflow"), "" if there is none, and the range ("> 0"), "" if it
+/// is any, in MEMBER_TEXT_SIZE bytes.
+void members_default_text(const member_table *table, const member *m, char *ret_text);
+void members_range_text(const member_range *range, char *ret_text);
+
+/// Write the default as a JSON value under the key "default". False: it is a text for people only,
+/// and nothing is written.
+bool members_write_default(json_out *w, const member_table *table, const member *m);
+
+/// Write the reference to the schema of a table's object.
+void members_write_ref(json_out *w, const member_table *table, member_view view);
+
+/// Copy the name of that schema, "Belt" or "ResolvedBelt", to ret_name (MEMBER_TEXT_SIZE bytes).
+void members_schema_name(const member_table *table, member_view view, char *ret_name);

@@ -185,8 +185,8 @@ static void write_components(json_out *w)
     json_out_object(w);
     json_out_key(w, "schemas");
     json_out_object(w);
-    openapi__write_member_schemas(w);
-    openapi__write_schemas(w);
+    openapi__write_input_schemas(w);
+    openapi__write_output_schemas(w);
     json_out_object_end(w);
     json_out_key(w, "responses");
     json_out_object(w);

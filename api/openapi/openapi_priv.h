@@ -1,5 +1,5 @@
 /// The tables of the OpenAPI document and what writes them. Types are short texts as in
-/// api/json/schema.h; "#Name" is the schema of openapi_schemas.c with this name.
+/// api/json/schema.h; "#Name" is the schema of output_schemas.c with this name.
 
 #pragma once
 
@@ -12,21 +12,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// A member of an object in an answer.
-typedef struct openapi_member {
-    const char *name; ///< with '?' at its end if it may be missing; NULL ends a list
-    const char *type; ///< see above
-    const char *help; ///< what it is, with its unit
-} openapi_member;
-
-/// A schema under /components/schemas. One of members, type, one_of and write says what it is.
+/// A schema under /components/schemas. One of table, type, one_of and write says what it is.
 typedef struct openapi_schema {
-    const char *name;              ///< "Run"
-    const char *help;              ///< what it is
-    const openapi_member *members; ///< an object with these
-    const openapi_member *more;    ///< further members, NULL: none
+    const char *name;           ///< "Share"; NULL: the title of the table
+    const char *help;           ///< what it is
+    const member_table *table;  ///< an object with these members
+    size_t tag;                 ///< of a table with a tag: which one
     const char *others;         ///< type of members of any other name, "" any; NULL: there are none
-    const char *type;           ///< a type as above, with the limits below
+    const char *type;           ///< a type as short text, with the limits below
     const char *limits;         ///< JSON members that narrow type, "\"minimum\":0"; NULL: none
     const char *one_of;         ///< names of schemas, one of which it is: words
     void (*write)(json_out *w); ///< writes all of it but the description
@@ -80,15 +73,11 @@ typedef struct openapi_operation {
 /// The tables; *ret_n is how many rows.
 const openapi_operation *openapi__operations(size_t *ret_n);
 const openapi_schema *openapi__schemas(size_t *ret_n);
-const openapi_schema *openapi__event_schemas(size_t *ret_n);
 const openapi_parameter *openapi__parameters(size_t *ret_n);
 const openapi_header *openapi__headers(size_t *ret_n);
 
 /// first_steps.md, Markdown.
 extern const char openapi__first_steps[];
-
-/// The members of a run, which its status events have, too.
-extern const openapi_member openapi__run_members[];
 
 /// HTTP statuses of the refusals that any request can meet, and headers of every answer: words.
 extern const char openapi__common_refusals[];
@@ -109,13 +98,13 @@ void openapi__write_headers(json_out *w, const char *words);
 void openapi__write_refusals_of(json_out *w, const openapi_operation *operation);
 
 /// Write the members of /components/schemas, /paths, /components/responses, /components/headers.
-void openapi__write_schemas(json_out *w);
-void openapi__write_member_schemas(json_out *w);
+void openapi__write_output_schemas(json_out *w);
+void openapi__write_input_schemas(json_out *w);
 void openapi__write_paths(json_out *w);
 void openapi__write_refusals(json_out *w);
 void openapi__write_header_components(json_out *w);
 
-/// Write what openapi_schemas.c has no rows for: enumerations of the code's tables.
+/// Write what output_schemas.c has no rows for: enumerations of the code's tables.
 void openapi__write_states(json_out *w);
 void openapi__write_models(json_out *w);
 void openapi__write_colormaps(json_out *w);

@@ -1,62 +1,101 @@
 #include "api/results/compare_json.h"
 
-typedef struct figure {
-    const char *key;
-    double value;
-} figure;
+#define AT(place) offsetof(compare_figures, place)
+static const member figures_members[] = {
+    MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s",
+           .null = "not known"),
+    MEMBER("t_end_s", number, AT(t_end), "Time of the last sample", .unit = "s",
+           .null = "not known"),
+    MEMBER("parts_start", number, AT(parts_start), "First value", .unit = "parts",
+           .null = "not known"),
+    MEMBER("parts_end", number, AT(parts_end), "Last value", .unit = "parts", .null = "not known"),
+    MEMBER("drain_time_s", number, AT(drain_time), "First time with at most 1 % of the first value",
+           .unit = "s", .null = "never"),
+    MEMBER("t10_s", number, AT(t10), "When 10 % of what leaves has left", .unit = "s",
+           .null = "nothing left"),
+    MEMBER("t90_s", number, AT(t90), "When 90 % of what leaves has left", .unit = "s",
+           .null = "nothing left"),
+    MEMBER("throughput_per_s", number, AT(throughput), "Mean outflow from t10_s to t90_s",
+           .unit = "parts/s", .null = "nothing left"),
+};
+const member_table compare_json_figures = { MEMBER_TABLE("CompareFigures", figures_members) };
+#undef AT
 
-static void write_figures(json_out *w, const figure *figures, size_t n)
-{
-    for (size_t k = 0; k < n; k++)
-        json_out_key_number(w, figures[k].key, figures[k].value);
-}
+#define AT(place) offsetof(compare_json_entry, place)
+static const member compared_members[] = {
+    MEMBER("id", string, AT(id), "Identifier of the run or measurement", .type = "#Id"),
+    MEMBER("kind", string, AT(kind), "Which of both it is", .type = "#ComparedKind"),
+    MEMBER("label", string, AT(label), "The client's own name of it"),
+    MEMBER("name", string, AT(name), "Name of the scenario", .null = "it was measured"),
+    MEMBER("model", string, AT(model), "Which solver", .type = "#Model", .null = "it was measured"),
+    MEMBER("status", string, AT(status), "State of the run", .type = "#RunStatus",
+           .null = "it was measured"),
+    MEMBER("column", string, AT(column), "The column of its curve", .type = "#CounterId"),
+    MEMBER_INLINE(&compare_json_figures, AT(figures)),
+};
+const member_table compare_json_compared = { MEMBER_TABLE("Compared", compared_members) };
+#undef AT
 
-void compare_json_figures(json_out *w, const compare_figures *f)
-{
-    const figure figures[] = {
-        { "t_start_s", f->t_start },
-        { "t_end_s", f->t_end },
-        { "parts_start", f->parts_start },
-        { "parts_end", f->parts_end },
-        { "drain_time_s", f->drain_time },
-        { "t10_s", f->t10 },
-        { "t90_s", f->t90 },
-        { "throughput_per_s", f->throughput },
-    };
-    write_figures(w, figures, sizeof figures / sizeof *figures);
-}
+#define AT(place) offsetof(compare_measures, place)
+static const member measures_members[] = {
+    MEMBER("t_start_s", number, AT(t_start), "Start of the common interval", .unit = "s"),
+    MEMBER("t_end_s", number, AT(t_end), "End of the common interval", .unit = "s"),
+    MEMBER("l1", number, AT(l1), "Mean absolute difference", .unit = "parts", .null = "not known"),
+    MEMBER("l2", number, AT(l2), "Root mean square of the difference", .unit = "parts",
+           .null = "not known"),
+    MEMBER("largest", number, AT(largest), "Largest absolute difference", .unit = "parts",
+           .null = "not known"),
+    MEMBER("largest_at_s", number, AT(largest_at), "When it is reached first", .unit = "s",
+           .null = "not known"),
+    MEMBER("drain_time_a_s", number, AT(drain_time_a),
+           "First time with at most 1 % of a's first value", .unit = "s", .null = "never"),
+    MEMBER("drain_time_b_s", number, AT(drain_time_b),
+           "First time with at most 1 % of b's first value", .unit = "s", .null = "never"),
+    MEMBER("drain_time_gap_s", number, AT(drain_gap), "That of b minus that of a", .unit = "s",
+           .null = "one of them never drains"),
+    MEMBER("rate_a_per_s", number, AT(rate_a), "Mean outflow of a", .unit = "parts/s",
+           .null = "not known"),
+    MEMBER("rate_b_per_s", number, AT(rate_b), "Mean outflow of b", .unit = "parts/s",
+           .null = "not known"),
+    MEMBER("throughput_a_per_s", number, AT(throughput_a),
+           "Mean outflow of a between 10 and 90 % of what leaves", .unit = "parts/s",
+           .null = "nothing left"),
+    MEMBER("throughput_b_per_s", number, AT(throughput_b),
+           "Mean outflow of b between 10 and 90 % of what leaves", .unit = "parts/s",
+           .null = "nothing left"),
+    MEMBER("throughput_gap_per_s", number, AT(throughput_gap), "That of b minus that of a",
+           .unit = "parts/s", .null = "nothing left of one of them"),
+};
+const member_table compare_json_measures = { MEMBER_TABLE("CurveMeasures", measures_members) };
+#undef AT
 
-void compare_json_measures(json_out *w, const compare_measures *m)
-{
-    const figure figures[] = {
-        { "t_start_s", m->t_start },
-        { "t_end_s", m->t_end },
-        { "l1", m->l1 },
-        { "l2", m->l2 },
-        { "largest", m->largest },
-        { "largest_at_s", m->largest_at },
-        { "drain_time_a_s", m->drain_time_a },
-        { "drain_time_b_s", m->drain_time_b },
-        { "drain_time_gap_s", m->drain_gap },
-        { "rate_a_per_s", m->rate_a },
-        { "rate_b_per_s", m->rate_b },
-        { "throughput_a_per_s", m->throughput_a },
-        { "throughput_b_per_s", m->throughput_b },
-        { "throughput_gap_per_s", m->throughput_gap },
-    };
+#define AT(place) offsetof(compare_distance, place)
+static const member distance_members[] = {
+    MEMBER("mean_abs", number, AT(mean_abs), "Mean absolute difference of a cell's density",
+           .null = "not known"),
+    MEMBER("l1", number, AT(l1),
+           "Sum of the absolute differences divided by the sum of the densities: 0 the same, 1 "
+           "nothing in common",
+           .null = "both are empty"),
+    MEMBER("emd_x_m", number, AT(emd_x),
+           "Earth mover's distance of the densities summed across the belt", .unit = "m",
+           .null = "one is empty"),
+    MEMBER("emd_y_m", number, AT(emd_y),
+           "Earth mover's distance of the densities summed along the belt", .unit = "m",
+           .null = "one is empty"),
+};
+const member_table compare_json_distance = { MEMBER_TABLE("Distance", distance_members) };
+#undef AT
 
-    json_out_object(w);
-    write_figures(w, figures, sizeof figures / sizeof *figures);
-    json_out_object_end(w);
-}
-
-void compare_json_distance(json_out *w, const compare_distance *d)
-{
-    const figure figures[] = {
-        { "mean_abs", d->mean_abs },
-        { "l1", d->l1 },
-        { "emd_x_m", d->emd_x },
-        { "emd_y_m", d->emd_y },
-    };
-    write_figures(w, figures, sizeof figures / sizeof *figures);
-}
+#define AT(place) offsetof(compare_json_snapshots, place)
+static const member snapshots_members[] = {
+    MEMBER("t_s", number, AT(t), "The common time", .unit = "s"),
+    MEMBER("a", size, AT(a), "Number of a's snapshot"),
+    MEMBER("b", size, AT(b), "Number of b's snapshot"),
+    MEMBER("mass_a", number, AT(mass_a), "Parts in the domain of a", .null = "not known"),
+    MEMBER("mass_b", number, AT(mass_b), "Parts in the domain of b", .null = "not known"),
+    MEMBER_INLINE(&compare_json_distance, AT(distance)),
+};
+const member_table compare_json_density_distance = { MEMBER_TABLE("DensityDistance",
+                                                                  snapshots_members) };
+#undef AT

@@ -2,15 +2,45 @@
 
 #pragma once
 
-#include "api/json/json_out.h"
+#include "api/json/members.h"
 #include "core/compare/compare.h"
 
-/// Write the members of a curve's figures into the object that is open: t_start_s, t_end_s,
-/// parts_start, parts_end, drain_time_s, t10_s, t90_s, throughput_per_s.
-void compare_json_figures(json_out *w, const compare_figures *f);
+#include <stdbool.h>
+#include <stdint.h>
 
-/// Write the measures between two curves as an object.
-void compare_json_measures(json_out *w, const compare_measures *m);
+/// The figures of a curve (compare_figures), which stand among the members of what it is of.
+extern const member_table compare_json_figures;
 
-/// Write the members of the distance of two densities: mean_abs, l1, emd_x_m, emd_y_m.
-void compare_json_distance(json_out *w, const compare_distance *d);
+/// The measures between two curves (compare_measures).
+extern const member_table compare_json_measures;
+
+/// The distance of two densities (compare_distance).
+extern const member_table compare_json_distance;
+
+/// A run or a measurement that is compared.
+typedef struct compare_json_entry {
+    const char *id;          ///< of the run or the measurement
+    const char *kind;        ///< "run" or "measurement"
+    const char *label;       ///< the client's
+    const char *name;        ///< of the scenario; NULL: it was measured
+    const char *model;       ///< word of the solver; NULL: it was measured
+    const char *status;      ///< word of the run's state; NULL: it was measured
+    const char *column;      ///< of its curve that is compared
+    compare_figures figures; ///< of that column
+} compare_json_entry;
+
+/// Its object; the struct is the one above.
+extern const member_table compare_json_compared;
+
+/// The distance of two densities at a common time.
+typedef struct compare_json_snapshots {
+    double t;                  ///< the common time, s
+    uint64_t a;                ///< number of a's snapshot
+    uint64_t b;                ///< number of b's snapshot
+    double mass_a;             ///< parts in the domain of a
+    double mass_b;             ///< parts in the domain of b
+    compare_distance distance; ///< of the two
+} compare_json_snapshots;
+
+/// Its object; the struct is the one above.
+extern const member_table compare_json_density_distance;

@@ -4,67 +4,107 @@
 #include "api/results/run_json.h"
 #include "core/base/check.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-// The end of every event. An event that ran out of memory leaves no part of itself behind.
-static bf_status finish(json_out *w, size_t start, bf_error *err)
+#define RUN "Identifier of the run"
+
+// An event that ran out of memory leaves no part of itself behind.
+static bf_status finish(const json_out *w, size_t start, bf_error *err)
 {
-    json_out_object_end(w);
     bf_status status = json_out_status(w, err);
-    if (status != BF_OK && w->buffer->bytes != NULL) {
-        w->buffer->n = start;
-        w->buffer->bytes[start] = '\0';
-    }
+
+    if (status != BF_OK)
+        buffer_truncate(w->buffer, start);
     return status;
 }
 
-static json_out begin(const char *run_id, bf_buffer *out)
+static bf_status write_event(const member_table *table, const void *item, bf_buffer *out,
+                             bf_error *err)
 {
+    size_t start = out->n;
     json_out w = json_out_to(out);
 
-    json_out_object(&w);
-    json_out_key_string(&w, "run", run_id);
-    return w;
+    members_write(&w, table, item);
+    return finish(&w, start, err);
 }
+
+static const member status_members[] = {
+    MEMBER("run", text, offsetof(api_run, id), RUN, .type = "#Id"),
+    MEMBER_INLINE(&run_json, 0),
+};
+const member_table events_status_data = { MEMBER_TABLE("StatusEvent", status_members) };
 
 bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err)
 {
-    size_t start = out->n;
-    json_out w = begin(record->id, out);
-
-    run_json_members(&w, record);
-    return finish(&w, start, err);
+    return write_event(&events_status_data, record, out, err);
 }
+
+typedef struct progress_event {
+    const char *run;
+    double t;
+    double progress;
+    double steps_per_s;
+    double eta;
+} progress_event;
+
+#define AT(place) offsetof(progress_event, place)
+static const member progress_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "Simulated time", .unit = "s"),
+    MEMBER("progress", number, AT(progress), "Completed fraction of the time steps",
+           .type = "#Share"),
+    MEMBER("steps_per_s", number, AT(steps_per_s), "Time steps per second of wall time",
+           .unit = "1/s", .null = "not known"),
+    MEMBER("eta_s", number, AT(eta), "Remaining wall time", .unit = "s", .null = "not known"),
+};
+const member_table events_progress_data = { MEMBER_TABLE("ProgressEvent", progress_members) };
+#undef AT
 
 bf_status events_progress(const char *run_id, const frame_progress *p, double steps_per_s,
                           bf_buffer *out, bf_error *err)
 {
-    size_t start = out->n;
-    double share = p->n_steps == 0 ? 1.0 : (double)p->step / (double)p->n_steps;
-    bool is_known = steps_per_s > 0.0;
-
-    json_out w = begin(run_id, out);
-    json_out_key_number(&w, "t_s", p->t);
-    json_out_key_number(&w, "progress", fmin(share, 1.0));
-    json_out_key_number(&w, "steps_per_s", is_known ? steps_per_s : (double)NAN);
+    double fraction = p->n_steps == 0 ? 1.0 : (double)p->step / (double)p->n_steps;
     double left = p->step < p->n_steps ? (double)(p->n_steps - p->step) : 0.0;
-    json_out_key_number(&w, "eta_s", is_known ? left / steps_per_s : (double)NAN);
-    return finish(&w, start, err);
+    bool is_known = steps_per_s > 0.0;
+    const progress_event event = { .run = run_id,
+                                   .t = p->t,
+                                   .progress = fmin(fraction, 1.0),
+                                   .steps_per_s = is_known ? steps_per_s : (double)NAN,
+                                   .eta = is_known ? left / steps_per_s : (double)NAN };
+
+    return write_event(&events_progress_data, &event, out, err);
 }
+
+typedef struct curve_event {
+    const char *run;
+    uint64_t first;
+    const double *t;
+    size_t n;
+} curve_event;
+
+#define AT(place) offsetof(curve_event, place)
+static const member curve_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("first", size, AT(first), "Index of the first of these samples in the whole curve"),
+    MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
+    MEMBER("left_domain", described, 0, "Parts that have left the domain at each time",
+           .type = "[number]"),
+};
+const member_table events_curve_data = { MEMBER_TABLE("CurveEvent", curve_members) };
+#undef AT
 
 bf_status events_curve(const char *run_id, const frame_curve *c, const char *columns,
                        bf_buffer *out, bf_error *err)
 {
+    const curve_event event = { .run = run_id, .first = c->first, .t = c->t, .n = c->n };
     size_t start = out->n;
     char name[SCENE_ID_SIZE];
+    json_out w = json_out_to(out);
 
-    json_out w = begin(run_id, out);
-    json_out_key_integer(&w, "first", (int64_t)c->first);
-    json_out_key(&w, "t_s");
-    json_out_numbers(&w, c->t, c->n, 1);
+    json_out_object(&w);
+    members_write_into(&w, &events_curve_data, &event);
     for (size_t column = 0; column < c->n_columns; column++) {
         bool has_name = api_take_column(&columns, name);
         BF_CHECK(has_name);
@@ -72,44 +112,75 @@ bf_status events_curve(const char *run_id, const frame_curve *c, const char *col
         json_out_numbers(&w, c->values + column, c->n, c->n_columns);
     }
     BF_CHECK(*columns == '\0');
+    json_out_object_end(&w);
     return finish(&w, start, err);
 }
 
-bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool has_parts,
+typedef struct snapshot_event {
+    char run[API_ID_SIZE];
+    bool has_parts;
+    uint64_t index;
+    double t;
+    double peak;
+    double mass;
+    bf_grid grid;
+} snapshot_event;
+
+static bool has_parts(const void *item)
+{
+    const snapshot_event *event = item;
+
+    return event->has_parts;
+}
+
+#define AT(place) offsetof(snapshot_event, place)
+static const member snapshot_members[] = {
+    MEMBER("run", text, AT(run), RUN, .type = "#Id"),
+    MEMBER("n", size, AT(index), "Number of the snapshot, from 0"),
+    MEMBER("t_s", number, AT(t), "Its time", .unit = "s"),
+    MEMBER("peak", number, AT(peak), "Largest density; 1 is close packing"),
+    MEMBER("mass", number, AT(mass), "Parts in the domain"),
+    MEMBER("shape", shape, AT(grid), "Rows along y and columns along x"),
+    MEMBER("url", link, AT(run), "Its density", .path = "/v1/runs/{id}/snapshots/{n}",
+           .offset_n = AT(index)),
+    MEMBER("parts_url", link, AT(run), "Its parts (microscopic model)",
+           .path = "/v1/runs/{id}/parts/{n}", .offset_n = AT(index), .applies = has_parts),
+    MEMBER("data", described, 0,
+           "With `inline=1`: the grid as float32, little-endian, rows along y, in base64",
+           .type = "#Base64", .null = "it is too large, or removed", .flags = MEMBER_OPTIONAL),
+};
+const member_table events_snapshot_data = { MEMBER_TABLE("SnapshotEvent", snapshot_members) };
+#undef AT
+
+bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool with_parts,
                           bf_buffer *out, bf_error *err)
 {
-    size_t start = out->n;
-    char url[API_ID_SIZE + 64];
+    snapshot_event event = { .has_parts = with_parts,
+                             .index = s->index,
+                             .t = s->t,
+                             .peak = s->peak,
+                             .mass = s->mass,
+                             .grid = { .n1 = s->n1, .n2 = s->n2 } };
 
-    snprintf(url, sizeof url, "/v1/runs/%s/snapshots/%" PRIu64, run_id, s->index);
-    json_out w = begin(run_id, out);
-    json_out_key_integer(&w, "n", (int64_t)s->index);
-    json_out_key_number(&w, "t_s", s->t);
-    json_out_key_number(&w, "peak", s->peak);
-    json_out_key_number(&w, "mass", s->mass);
-    json_out_key(&w, "shape");
-    json_out_array(&w);
-    json_out_integer(&w, s->n2);
-    json_out_integer(&w, s->n1);
-    json_out_array_end(&w);
-    json_out_key_string(&w, "url", url);
-    if (has_parts) {
-        snprintf(url, sizeof url, "/v1/runs/%s/parts/%" PRIu64, run_id, s->index);
-        json_out_key_string(&w, "parts_url", url);
-    }
-    return finish(&w, start, err);
+    snprintf(event.run, sizeof event.run, "%s", run_id);
+    return write_event(&events_snapshot_data, &event, out, err);
 }
+
+#define AT(place) offsetof(api_run, place)
+static const member end_members[] = {
+    MEMBER("run", text, AT(id), RUN, .type = "#Id"),
+    MEMBER_OF("status", &run_json_state_kind, AT(state), "How the run ended"),
+    MEMBER("progress", number, AT(progress), "Completed fraction of the simulated time",
+           .type = "#Share"),
+    MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not known"),
+    MEMBER("n_samples", size, AT(n_samples), "Samples of its curve"),
+    MEMBER("n_snapshots", size, AT(n_snapshots), "Its snapshots"),
+    MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
+};
+const member_table events_end_data = { MEMBER_TABLE("EndEvent", end_members) };
+#undef AT
 
 bf_status events_end(const api_run *record, bf_buffer *out, bf_error *err)
 {
-    size_t start = out->n;
-    json_out w = begin(record->id, out);
-
-    json_out_key_string(&w, "status", run_state_word(record->state));
-    json_out_key_number(&w, "progress", record->progress);
-    run_json_time(&w, "finished_at", record->finished_ms);
-    json_out_key_integer(&w, "n_samples", (int64_t)record->n_samples);
-    json_out_key_integer(&w, "n_snapshots", (int64_t)record->n_snapshots);
-    run_json_error(&w, &record->error);
-    return finish(&w, start, err);
+    return write_event(&events_end_data, record, out, err);
 }

@@ -5,11 +5,20 @@
 
 #pragma once
 
+#include "api/json/members.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 #include "core/run/frame.h"
 
 #include <stdbool.h>
+
+/// The data of each kind of event. Of a curve event there is one more list for each counter, under its
+/// id; `data` of a snapshot event is added where a stream is asked for it.
+extern const member_table events_status_data;
+extern const member_table events_progress_data;
+extern const member_table events_curve_data;
+extern const member_table events_snapshot_data;
+extern const member_table events_end_data;
 
 /// {"run", "id", "status", "progress", ...}: the run as GET /v1/runs/{id} shows it.
 BF_MUST_CHECK bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err);

@@ -2,7 +2,6 @@
 
 #include "api/json/utf8.h"
 #include "api/results/results.h"
-#include "api/results/run_json.h"
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
 
@@ -25,44 +24,30 @@ typedef struct body {
     size_t n_counts;
 } body;
 
-static const member_range not_negative = { .text = ">= 0", .minimum = 0.0, .maximum = INFINITY };
+static const member_range not_negative = { .minimum = 0.0, .maximum = INFINITY };
 
+#define AT(place) offsetof(body, place)
 static const member members[] = {
-    { .name = "label",
-      .kind = MEMBER_TEXT,
-      .offset = offsetof(body, label),
-      .limit = API_LABEL_SIZE,
-      .standard = "empty",
-      .help = "the client's own name of the measurement" },
-    { .name = "counter",
-      .kind = MEMBER_TEXT,
-      .offset = offsetof(body, counter),
-      .least = 1,
-      .limit = SCENE_ID_SIZE,
-      .standard = COUNTER_DEFAULT,
-      .help = "which column of a curve was measured" },
-    { .name = "t_s",
-      .kind = MEMBER_NUMBERS,
-      .offset = offsetof(body, t),
-      .offset_n = offsetof(body, n_t),
-      .least = SAMPLES_MIN,
-      .limit = API_MEASUREMENT_SAMPLES_MAX,
-      .unit = "s",
-      .help = "times of the samples, rising" },
-    { .name = COUNT_COLUMN,
-      .kind = MEMBER_NUMBERS,
-      .offset = offsetof(body, counts),
-      .offset_n = offsetof(body, n_counts),
-      .least = SAMPLES_MIN,
-      .limit = API_MEASUREMENT_SAMPLES_MAX,
-      .unit = "parts",
-      .range = &not_negative,
-      .help = "what was counted at these times" },
+    MEMBER("label", text, AT(label), "the client's own name of the measurement",
+           .limit = API_LABEL_SIZE, .flags = MEMBER_INIT),
+    MEMBER("counter", text, AT(counter), "which column of a curve was measured", .least = 1,
+           .limit = SCENE_ID_SIZE, .flags = MEMBER_INIT),
+    MEMBER("t_s", numbers, AT(t), "times of the samples, rising", .unit = "s", .offset_n = AT(n_t),
+           .least = SAMPLES_MIN, .limit = API_MEASUREMENT_SAMPLES_MAX),
+    MEMBER(COUNT_COLUMN, numbers, AT(counts), "what was counted at these times", .unit = "parts",
+           .range = &not_negative, .offset_n = AT(n_counts), .least = SAMPLES_MIN,
+           .limit = API_MEASUREMENT_SAMPLES_MAX),
 };
+#undef AT
 
-const member_table measurement_members = { .title = "measurement",
-                                           .n = sizeof members / sizeof *members,
-                                           .members = members };
+static void init_body(void *item, size_t place)
+{
+    (void)place;
+    *(body *)item = (body){ .counter = COUNTER_DEFAULT };
+}
+
+const member_table measurement_members = { MEMBER_TABLE("measurement", members),
+                                           .size = sizeof(body), .init = init_body };
 
 // Samples that are checked, and the lines in which they stand (NULL: JSON).
 typedef struct samples {
@@ -150,10 +135,11 @@ bf_status measurement_read_json(const char *json, size_t n, measurement *ret_mea
 {
     json_in in = json_in_to(faults);
     struct json_t *root = json_in_parse(&in, json, n);
-    body b = { .counter = COUNTER_DEFAULT };
+    body b;
 
     if (root == NULL)
         return json_in_status(&in, err);
+    init_body(&b, 0);
     bf_status status = read_body(&in, root, &b, ret_measurement, err);
     json_in_free(root);
     memory_free(b.t);
@@ -268,36 +254,64 @@ bf_status measurement_read_csv(const char *text, size_t n, const char *label, co
     return status;
 }
 
-void measurement_json_members(json_out *w, const api_measurement *about)
-{
-    char url[API_ID_SIZE + 32];
+#define AT(place) offsetof(api_measurement, place)
+static const member link_members[] = {
+    MEMBER("self", link, AT(id), "The resource itself", .path = "/v1/measurements/{id}"),
+};
+const member_table measurement_links = { MEMBER_TABLE("SelfLinks", link_members) };
 
-    json_out_key_string(w, "id", about->id);
-    json_out_key_string(w, "label", about->label);
-    json_out_key_string(w, "counter", about->counter);
-    run_json_time(w, "created_at", about->created_ms);
-    json_out_key_integer(w, "n_samples", (int64_t)about->n_samples);
-    json_out_key_number(w, "t_start_s", about->t_start);
-    json_out_key_number(w, "t_end_s", about->t_end);
-    snprintf(url, sizeof url, "/v1/measurements/%s", about->id);
-    json_out_key(w, "links");
-    json_out_object(w);
-    json_out_key_string(w, "self", url);
-    json_out_object_end(w);
-}
+static const member item_members[] = {
+    MEMBER("id", text, AT(id), "Identifier of the measurement", .type = "#Id"),
+    MEMBER("label", text, AT(label),
+           "The client's own name of the measurement; empty if none was given"),
+    MEMBER("counter", text, AT(counter), "Which column of a curve was measured",
+           .type = "#CounterId"),
+    MEMBER("created_at", time, AT(created_ms), "When it was stored"),
+    MEMBER("n_samples", size, AT(n_samples), "Number of samples"),
+    MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s"),
+    MEMBER("t_end_s", number, AT(t_end), "Time of the last sample", .unit = "s"),
+    MEMBER("links", object, 0, "Its resource", .table = &measurement_links),
+};
+const member_table measurement_item = { MEMBER_TABLE("MeasurementItem", item_members),
+                                        .size = sizeof(api_measurement) };
+#undef AT
+
+#define AT(place) offsetof(api_measurement_list, place)
+static const member measurement_list_members[] = {
+    MEMBER("measurements", array, AT(items), "A page of the list, newest first", .offset_n = AT(n),
+           .table = &measurement_item),
+};
+const member_table measurement_list = { MEMBER_TABLE("MeasurementList", measurement_list_members) };
+#undef AT
+
+// A measurement with its samples, as it is answered.
+typedef struct stored {
+    api_measurement about;
+    const double *t;
+    const double *counts;
+    size_t n;
+} stored;
+
+#define AT(place) offsetof(stored, place)
+static const member stored_members[] = {
+    MEMBER_INLINE(&measurement_item, AT(about)),
+    MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
+    MEMBER(COUNT_COLUMN, numbers, AT(counts), "What was counted at each time", .unit = "parts",
+           .offset_n = AT(n)),
+};
+const member_table measurement_stored = { MEMBER_TABLE("StoredMeasurement", stored_members) };
+#undef AT
 
 bf_status measurement_json(const api_measurement *about, const api_curve *curve, bf_buffer *out,
                            bf_error *err)
 {
+    const stored view = { .about = *about,
+                          .t = (const double *)(const void *)curve->t.bytes,
+                          .counts = (const double *)(const void *)curve->values.bytes,
+                          .n = curve->n };
     json_out w = json_out_to(out);
 
-    json_out_object(&w);
-    measurement_json_members(&w, about);
-    json_out_key(&w, "t_s");
-    json_out_numbers(&w, (const double *)(const void *)curve->t.bytes, curve->n, 1);
-    json_out_key(&w, COUNT_COLUMN);
-    json_out_numbers(&w, (const double *)(const void *)curve->values.bytes, curve->n, 1);
-    json_out_object_end(&w);
+    members_write(&w, &measurement_stored, &view);
     return json_out_status(&w, err);
 }
 

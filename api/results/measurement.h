@@ -37,11 +37,14 @@ BF_MUST_CHECK bf_status measurement_read_csv(const char *text, size_t n, const c
                                              const char *counter, measurement *ret_measurement,
                                              bf_faults *faults, bf_error *err);
 
-/// Write the members of a measurement into the object that is open: id, label, counter, created_at,
-/// n_samples, t_start_s, t_end_s, links.
-void measurement_json_members(json_out *w, const api_measurement *about);
+/// What is answered: a measurement without its samples (the struct is api_measurement) and its links,
+/// one with them, and a page of a list (api_measurement_list).
+extern const member_table measurement_item;
+extern const member_table measurement_links;
+extern const member_table measurement_stored;
+extern const member_table measurement_list;
 
-/// Append a measurement with its samples as JSON: the members above, t_s, count.
+/// Append a measurement with its samples as JSON.
 BF_MUST_CHECK bf_status measurement_json(const api_measurement *about, const api_curve *curve,
                                          bf_buffer *out, bf_error *err);
 

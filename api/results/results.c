@@ -6,7 +6,6 @@
 #include "api/results/results_priv.h"
 #include "core/base/check.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -68,15 +67,29 @@ bf_status results_curve_csv(const api_curve *curve, bf_buffer *out, bf_error *er
     return results__finish(status, out, n_before, err);
 }
 
+typedef struct curve_times {
+    const double *t;
+    size_t n;
+} curve_times;
+
+#define AT(place) offsetof(curve_times, place)
+static const member curve_members[] = {
+    MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
+    MEMBER("left_domain", described, 0, "Parts that have left the domain at each time",
+           .type = "[number]"),
+};
+const member_table results_curve_members = { MEMBER_TABLE("Curve", curve_members) };
+#undef AT
+
 bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *err)
 {
+    const curve_times times = { .t = doubles_of(&curve->t), .n = curve->n };
     const char *names = curve->columns.bytes;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
     json_out_object(&w);
-    json_out_key(&w, "t_s");
-    json_out_numbers(&w, doubles_of(&curve->t), curve->n, 1);
+    members_write_into(&w, &results_curve_members, &times);
     for (size_t c = 0; c < curve->n_columns; c++) {
         char key[SCENE_ID_SIZE];
         bool has_name = api_take_column(&names, key);
@@ -88,88 +101,127 @@ bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *e
     return results__finish(json_out_status(&w, err), out, n_before, err);
 }
 
-static void write_grid(json_out *w, const bf_grid *grid)
+#define AT(place) offsetof(bf_grid, place)
+static const member grid_members[] = {
+    MEMBER("origin_m", point, AT(lower1), "Corner with the smallest x and y", .unit = "m, m"),
+    MEMBER("cell_m", point, AT(d1), "Edges of a cell along x and y", .unit = "m, m"),
+    MEMBER("shape", shape, 0, "Rows along y and columns along x"),
+};
+const member_table results_grid_members = { MEMBER_TABLE("Grid", grid_members) };
+#undef AT
+_Static_assert(offsetof(bf_grid, lower2) == offsetof(bf_grid, lower1) + sizeof(double) &&
+                   offsetof(bf_grid, d2) == offsetof(bf_grid, d1) + sizeof(double),
+               "a point is two doubles");
+
+// A snapshot in a list: of a run, or of the files in a directory.
+typedef struct snapshot_item {
+    char run[API_ID_SIZE]; // "": files
+    bool has_parts;
+    api_snapshot snapshot;
+} snapshot_item;
+
+static bool is_file(const void *item)
 {
-    json_out_object(w);
-    json_out_key_pair(w, "origin_m", grid->lower1, grid->lower2);
-    json_out_key_pair(w, "cell_m", grid->d1, grid->d2);
-    json_out_key(w, "shape");
-    json_out_array(w);
-    json_out_integer(w, (int64_t)grid->n2);
-    json_out_integer(w, (int64_t)grid->n1);
-    json_out_array_end(w);
-    json_out_object_end(w);
+    const snapshot_item *of = item;
+
+    return of->run[0] == '\0';
 }
 
-// Where a result of a snapshot is in a directory, or below the run.
-static void write_file(json_out *w, const char *key, results_files file, uint64_t index)
+static bool is_resource(const void *item)
 {
+    return !is_file(item);
+}
+
+static bool has_parts_file(const void *item)
+{
+    const snapshot_item *of = item;
+
+    return is_file(item) && of->has_parts;
+}
+
+static bool has_parts_resource(const void *item)
+{
+    const snapshot_item *of = item;
+
+    return is_resource(item) && of->has_parts;
+}
+
+static void write_file(json_out *w, results_files file, const void *item)
+{
+    const snapshot_item *of = item;
     char name[RESULTS_FILES_NAME_SIZE];
 
-    (void)results_files_name(file, index, name);
-    json_out_key_string(w, key, name);
+    (void)results_files_name(file, of->snapshot.index, name);
+    json_out_string(w, name);
 }
 
-static void write_url(json_out *w, const char *key, const char *run_url, const char *folder,
-                      uint64_t index)
+static void write_snapshot_file(json_out *w, const member *m, const void *item)
 {
-    char url[512];
-
-    snprintf(url, sizeof url, "%s/%s/%" PRIu64, run_url, folder, index);
-    json_out_key_string(w, key, url);
+    (void)m;
+    write_file(w, RESULTS_FILES_SNAPSHOT, item);
 }
 
-static void write_parts(json_out *w, const api_parts *parts)
+static void write_parts_file(json_out *w, const member *m, const void *item)
 {
-    const char *const *columns = results_parts_columns(parts->n_values);
-
-    json_out_key(w, "parts");
-    json_out_object(w);
-    json_out_key_integer(w, "rows", (int64_t)parts->n_parts);
-    json_out_key(w, "columns");
-    json_out_array(w);
-    for (uint32_t k = 0; k < parts->n_values; k++)
-        json_out_string(w, columns[k]);
-    json_out_array_end(w);
-    json_out_object_end(w);
+    (void)m;
+    write_file(w, RESULTS_FILES_PARTS, item);
 }
 
-static void write_snapshot(json_out *w, const api_snapshot *item, bool has_parts,
-                           const char *run_url)
+static const member_kind member_snapshot_file = { .type = "string", .write = write_snapshot_file };
+static const member_kind member_parts_file = { .type = "string", .write = write_parts_file };
+
+#define AT(place) offsetof(snapshot_item, place)
+static const member item_members[] = {
+    MEMBER("n", size, AT(snapshot.index), "Number of the snapshot, from 0"),
+    MEMBER("t_s", number, AT(snapshot.t), "Its time", .unit = "s"),
+    MEMBER("file", snapshot_file, 0, "Its density", .flags = MEMBER_FILE, .applies = is_file),
+    MEMBER("url", link, AT(run), "Its density", .path = "/v1/runs/{id}/snapshots/{n}",
+           .offset_n = AT(snapshot.index), .flags = MEMBER_SERVED, .applies = is_resource),
+    MEMBER("peak", number, AT(snapshot.peak), "Largest density; 1 is close packing"),
+    MEMBER("mass", number, AT(snapshot.mass), "Parts in the domain"),
+    MEMBER("parts_file", parts_file, 0, "Its parts", .flags = MEMBER_FILE,
+           .applies = has_parts_file),
+    MEMBER("parts_url", link, AT(run), "Its parts (microscopic model)",
+           .path = "/v1/runs/{id}/parts/{n}", .offset_n = AT(snapshot.index),
+           .applies = has_parts_resource),
+};
+const member_table results_snapshot_item_members = { MEMBER_TABLE("SnapshotItem", item_members) };
+#undef AT
+
+static bool list_has_parts(const void *item)
 {
-    json_out_object(w);
-    json_out_key_integer(w, "n", (int64_t)item->index);
-    json_out_key_number(w, "t_s", item->t);
-    if (run_url == NULL)
-        write_file(w, "file", RESULTS_FILES_SNAPSHOT, item->index);
-    else
-        write_url(w, "url", run_url, "snapshots", item->index);
-    json_out_key_number(w, "peak", item->peak);
-    json_out_key_number(w, "mass", item->mass);
-    if (has_parts && run_url == NULL)
-        write_file(w, "parts_file", RESULTS_FILES_PARTS, item->index);
-    else if (has_parts)
-        write_url(w, "parts_url", run_url, "parts", item->index);
-    json_out_object_end(w);
+    const api_snapshot_list *list = item;
+
+    return list->parts.n_values > 0;
 }
 
-bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_url, bf_buffer *out,
+#define AT(place) offsetof(api_snapshot_list, place)
+static const member snapshots_members[] = {
+    MEMBER("grid", object, AT(grid), "Grid of every snapshot", .table = &results_grid_members),
+    MEMBER("parts", object, AT(parts), "Layout of the parts of every snapshot (microscopic model)",
+           .table = &results_parts_layout_members, .applies = list_has_parts),
+    MEMBER("snapshots", described, 0, "The snapshots so far", .type = "[#SnapshotItem]"),
+};
+const member_table results_snapshots_members = { MEMBER_TABLE("SnapshotList", snapshots_members) };
+#undef AT
+
+bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id, bf_buffer *out,
                                  bf_error *err)
 {
     const api_snapshot *items = (const api_snapshot *)(const void *)list->items.bytes;
-    bool has_parts = list->parts.n_values > 0;
+    snapshot_item item = { .has_parts = list_has_parts(list) };
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
+    snprintf(item.run, sizeof item.run, "%s", run_id == NULL ? "" : run_id);
     json_out_object(&w);
-    json_out_key(&w, "grid");
-    write_grid(&w, &list->grid);
-    if (has_parts)
-        write_parts(&w, &list->parts);
+    members_write_into(&w, &results_snapshots_members, list);
     json_out_key(&w, "snapshots");
     json_out_array(&w);
-    for (size_t k = 0; k < list->n; k++)
-        write_snapshot(&w, &items[k], has_parts, run_url);
+    for (size_t k = 0; k < list->n; k++) {
+        item.snapshot = items[k];
+        members_write(&w, &results_snapshot_item_members, &item);
+    }
     json_out_array_end(&w);
     json_out_object_end(&w);
     return results__finish(json_out_status(&w, err), out, n_before, err);

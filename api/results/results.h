@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "api/json/members.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
 #include "api/results/results_files.h"
@@ -17,6 +18,17 @@ typedef struct results_timing {
     double wall_s;      ///< wall time spent solving, all attempts together
     uint32_t n_threads; ///< threads used
 } results_timing;
+
+/// The objects below as tables, for the document of the API. Of a curve there is one more list for each
+/// counter, under its id.
+extern const member_table results_curve_members;
+extern const member_table results_grid_members;
+extern const member_table results_snapshot_members;
+extern const member_table results_snapshot_item_members;
+extern const member_table results_snapshots_members;
+extern const member_table results_parts_members;
+extern const member_table results_parts_layout_members;
+extern const member_table results_summary_members; ///< its tag is the model
 
 /// Append curve.csv's header line, "t_s,<columns>\n".
 BF_MUST_CHECK bf_status results_curve_csv_header(const char *columns, bf_buffer *out,
@@ -83,10 +95,10 @@ BF_MUST_CHECK bf_status results_series_pvd(const api_snapshot_list *list, result
                                            bf_buffer *out, bf_error *err);
 
 /// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}; with
-/// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_url NULL:
-/// files are named snapshots/NNNNNN.npy and parts/NNNNNN.npy; else "url" and "parts_url" lead to what
-/// is below run_url.
-BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_url,
+/// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_id NULL:
+/// files are named snapshots/NNNNNN.npy and parts/NNNNNN.npy; else "url" and "parts_url" are the
+/// resources of that run.
+BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id,
                                                bf_buffer *out, bf_error *err);
 
 /// Append summary.json. scenario is the resolved document.

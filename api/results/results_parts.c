@@ -67,21 +67,51 @@ static void write_row(json_out *w, const double *row, uint32_t n_values)
     json_out_array_end(w);
 }
 
+static void write_columns(json_out *w, const member *m, const void *item)
+{
+    const api_parts *parts = (const api_parts *)(const void *)((const char *)item + m->offset);
+    const char *const *columns = results_parts_columns(parts->n_values);
+
+    json_out_array(w);
+    for (uint32_t k = 0; k < parts->n_values; k++)
+        json_out_string(w, columns[k]);
+    json_out_array_end(w);
+}
+
+static const member_kind member_columns = { .type = "[string]", .write = write_columns };
+
+#define COLUMNS "Names of the values of a part, with their units"
+static const member layout_members[] = {
+    MEMBER("rows", size, offsetof(api_parts, n_parts), "Parts, in the order of their placement"),
+    MEMBER("columns", columns, 0, COLUMNS),
+};
+const member_table results_parts_layout_members = { MEMBER_TABLE("PartsLayout", layout_members) };
+
+typedef struct parts_view {
+    api_snapshot snapshot;
+    api_parts parts;
+} parts_view;
+
+#define AT(place) offsetof(parts_view, place)
+static const member parts_members[] = {
+    MEMBER("n", size, AT(snapshot.index), "Number of the snapshot"),
+    MEMBER("t_s", number, AT(snapshot.t), "Its time", .unit = "s"),
+    MEMBER("columns", columns, AT(parts), COLUMNS),
+    MEMBER("parts", described, 0, "The values of each part; null: it has left the domain",
+           .type = "[[number?]?]"),
+};
+const member_table results_parts_members = { MEMBER_TABLE("Parts", parts_members) };
+#undef AT
+
 bf_status results_parts_json(const double *rows, const api_parts *parts,
                              const api_snapshot *snapshot, bf_buffer *out, bf_error *err)
 {
-    const char *const *columns = results_parts_columns(parts->n_values);
+    const parts_view view = { .snapshot = *snapshot, .parts = *parts };
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
     json_out_object(&w);
-    json_out_key_integer(&w, "n", (int64_t)snapshot->index);
-    json_out_key_number(&w, "t_s", snapshot->t);
-    json_out_key(&w, "columns");
-    json_out_array(&w);
-    for (uint32_t v = 0; v < parts->n_values; v++)
-        json_out_string(&w, columns[v]);
-    json_out_array_end(&w);
+    members_write_into(&w, &results_parts_members, &view);
     json_out_key(&w, "parts");
     json_out_array(&w);
     for (uint64_t k = 0; k < parts->n_parts; k++)

@@ -27,20 +27,33 @@ static void write_density(json_out *w, const bf_grid *grid, const float *rho)
     json_out_array_end(w);
 }
 
+typedef struct snapshot_view {
+    api_snapshot of;
+    bf_grid grid;
+} snapshot_view;
+
+#define AT(place) offsetof(snapshot_view, place)
+static const member snapshot_members[] = {
+    MEMBER("n", size, AT(of.index), "Number of the snapshot, from 0"),
+    MEMBER("t_s", number, AT(of.t), "Its time", .unit = "s"),
+    MEMBER("peak", number, AT(of.peak), "Largest density"),
+    MEMBER("mass", number, AT(of.mass), "Parts in the domain"),
+    MEMBER_INLINE(&results_grid_members, AT(grid)),
+    MEMBER("density", described, 0, "Rows along y of cells along x; 1 is close packing",
+           .type = "[[number?]]"),
+};
+const member_table results_snapshot_members = { MEMBER_TABLE("Snapshot", snapshot_members) };
+#undef AT
+
 bf_status results_snapshot_json(const float *rho, const bf_grid *grid, const api_snapshot *snapshot,
                                 bf_buffer *out, bf_error *err)
 {
+    const snapshot_view view = { .of = *snapshot, .grid = *grid };
     size_t n_before = out->n;
     json_out w = json_out_to(out);
 
     json_out_object(&w);
-    json_out_key_integer(&w, "n", (int64_t)snapshot->index);
-    json_out_key_number(&w, "t_s", snapshot->t);
-    json_out_key_number(&w, "peak", snapshot->peak);
-    json_out_key_number(&w, "mass", snapshot->mass);
-    json_out_key_pair(&w, "origin_m", grid->lower1, grid->lower2);
-    json_out_key_pair(&w, "cell_m", grid->d1, grid->d2);
-    json_out_key_pair(&w, "shape", (double)grid->n2, (double)grid->n1);
+    members_write_into(&w, &results_snapshot_members, &view);
     write_density(&w, grid, rho);
     json_out_object_end(&w);
     return results__finish(json_out_status(&w, err), out, n_before, err);

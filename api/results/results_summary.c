@@ -54,22 +54,40 @@ static void warn(json_out *w, const char *format, ...)
     json_out_string(w, text);
 }
 
-static void write_warnings(json_out *w, const scene *s, const frame_begin *begin,
-                           const frame_end *end)
-{
-    bool is_macro = begin->model == RUN_MACRO;
-    double positive = scene_step_positive(s);
+// What a summary is written from.
+typedef struct summary_view {
+    run_model model;
+    const char *solver_version;
+    frame_begin begin;
+    frame_end end;
+    results_timing timing;
+    uint64_t n_threads;
+    bool is_stopped;
+    double n_left;
+    double work_per_s; // cell or particle steps
+    double packing_density;
+    const scene *scene;
+    const char *scenario;
+    size_t n_scenario;
+} summary_view;
 
-    json_out_key(w, "warnings");
+static void write_warnings(json_out *w, const member *m, const void *item)
+{
+    const summary_view *of = item;
+    const frame_end *end = &of->end;
+    bool is_macro = of->begin.model == RUN_MACRO;
+    double positive = scene_step_positive(of->scene);
+
+    (void)m;
     json_out_array(w);
     if (end->stopped != 0)
-        warn(w, "stopped on request at t = %.6g s of %.6g s", end->t, begin->duration);
+        warn(w, "stopped on request at t = %.6g s of %.6g s", end->t, of->begin.duration);
     if (is_macro && end->peak > density_trusted)
         warn(w, "the largest density, %.4g, is above %.4g of close packing", end->peak,
              density_trusted);
-    if (is_macro && begin->dt >= positive)
-        warn(w, "the step, %.6g s, is not below %.6g s: densities may become negative", begin->dt,
-             positive);
+    if (is_macro && of->begin.dt >= positive)
+        warn(w, "the step, %.6g s, is not below %.6g s: densities may become negative",
+             of->begin.dt, positive);
     if (end->overlap_share > overlap_trusted)
         warn(w,
              "parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
@@ -78,53 +96,80 @@ static void write_warnings(json_out *w, const scene *s, const frame_begin *begin
     json_out_array_end(w);
 }
 
-// How much work it was, in the model's own measure.
-static void write_work(json_out *w, const frame_begin *begin, const frame_end *end,
-                       const results_timing *timing)
+static void write_path(json_out *w, const member *m, const void *item)
 {
-    bool has_parts = begin->n_values > 0;
-    double n = has_parts ? (double)begin->n_parts : (double)end->n_cells;
+    const summary_view *of = item;
 
-    json_out_key_integer(w, "steps", (int64_t)end->n_steps);
-    if (has_parts)
-        json_out_key_string(w, "path",
-                            begin->n_values == FRAME_VALUES_PLANAR ? "planar" : "spatial");
-    json_out_key_integer(w, has_parts ? "parts" : "cells", (int64_t)n);
-    json_out_key_number(w, "step_s", begin->dt);
-    json_out_key_number(w, "duration_s", end->t);
-    json_out_key_number(w, "wall_time_s", timing->wall_s);
-    json_out_key_number(w, has_parts ? "particle_steps_per_s" : "cell_steps_per_s",
-                        n * (double)end->n_steps / timing->wall_s);
+    (void)m;
+    json_out_string(w, of->begin.n_values == FRAME_VALUES_PLANAR ? "planar" : "spatial");
 }
 
-static void write_figures(json_out *w, const frame_begin *begin, const frame_end *end,
-                          const results_timing *timing)
+static void write_digest(json_out *w, const member *m, const void *item)
 {
+    const summary_view *of = item;
     char digest[20];
 
-    json_out_key_bool(w, "stopped", end->stopped != 0);
-    write_work(w, begin, end, timing);
-    json_out_key_integer(w, "threads", timing->n_threads);
-    json_out_key_integer(w, "samples", (int64_t)end->n_samples);
-    json_out_key_integer(w, "snapshots", (int64_t)end->n_snapshots);
-    json_out_key_number(w, "parts_start", end->parts_start);
-    json_out_key_number(w, "parts_end", end->parts_end);
-    json_out_key_number(w, "parts_left", end->parts_start - end->parts_end);
-    json_out_key_number(w, "largest_density", end->peak);
-    if (begin->n_values > 0) {
-        json_out_key_number(w, "largest_overlap_m", end->largest_overlap);
-        json_out_key_number(w, "largest_overlap_share", end->overlap_share);
-        json_out_key_integer(w, "contacts", (int64_t)end->n_contacts);
-        json_out_key_number(w, "kinetic_energy_j", end->kinetic_energy);
-    }
-    snprintf(digest, sizeof digest, "%016" PRIx64, end->digest);
-    json_out_key_string(w, "digest", digest);
+    (void)m;
+    snprintf(digest, sizeof digest, "%016" PRIx64, of->end.digest);
+    json_out_string(w, digest);
 }
+
+static const member_kind member_warnings = { .type = "[string]", .write = write_warnings };
+static const member_kind member_path = { .type = "string", .write = write_path };
+static const member_kind member_digest = { .type = "string", .write = write_digest };
+
+#define AT(place) offsetof(summary_view, place)
+#define MACRO     (1U << RUN_MACRO)
+#define MICRO     (1U << RUN_MICRO)
+static const member summary_members[] = {
+    MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words),
+    MEMBER("solver_version", string, AT(solver_version), "Version of the solver"),
+    MEMBER("stopped", bool, AT(is_stopped), "It was stopped before its end"),
+    MEMBER("steps", size, AT(end.n_steps), "Time steps"),
+    MEMBER("path", path, 0, "Equations of motion: planar or spatial", .tags = MICRO),
+    MEMBER("parts", size, AT(begin.n_parts), "Parts at the start", .tags = MICRO),
+    MEMBER("cells", size, AT(end.n_cells), "Cells of the grid", .tags = MACRO),
+    MEMBER("step_s", number, AT(begin.dt), "Length of a time step", .unit = "s"),
+    MEMBER("duration_s", number, AT(end.t), "Simulated time that was reached", .unit = "s"),
+    MEMBER("wall_time_s", number, AT(timing.wall_s), "Wall time spent solving", .unit = "s"),
+    MEMBER("particle_steps_per_s", number, AT(work_per_s),
+           "Parts times time steps per second of wall time", .unit = "1/s", .tags = MICRO,
+           .null = "not known"),
+    MEMBER("cell_steps_per_s", number, AT(work_per_s),
+           "Cells times time steps per second of wall time", .unit = "1/s", .tags = MACRO,
+           .null = "not known"),
+    MEMBER("threads", size, AT(n_threads), "Threads used"),
+    MEMBER("samples", size, AT(end.n_samples), "Samples of the curve"),
+    MEMBER("snapshots", size, AT(end.n_snapshots), "Number of snapshots"),
+    MEMBER("parts_start", number, AT(end.parts_start), "Parts in the domain at the start"),
+    MEMBER("parts_end", number, AT(end.parts_end), "Parts in the domain at the end"),
+    MEMBER("parts_left", number, AT(n_left), "Parts that left the domain"),
+    MEMBER("largest_density", number, AT(end.peak), "At any time; 1 is close packing"),
+    MEMBER("largest_overlap_m", number, AT(end.largest_overlap),
+           "Largest overlap of two parts at any time", .unit = "m", .tags = MICRO),
+    MEMBER("largest_overlap_share", number, AT(end.overlap_share),
+           "Largest overlap divided by the smaller part's radius", .tags = MICRO),
+    MEMBER("contacts", size, AT(end.n_contacts), "Contacts at the end", .tags = MICRO),
+    MEMBER("kinetic_energy_j", number, AT(end.kinetic_energy), "Of all parts at the end",
+           .unit = "J", .tags = MICRO),
+    MEMBER("digest", digest, 0, "Digest of the final state: the same for the same results"),
+    MEMBER("packing_density_per_m2", number, AT(packing_density), "Parts in close packing",
+           .unit = "1/m2"),
+    MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
+    MEMBER("cached", described, 0, "The results were known from an earlier run", .type = "boolean",
+           .flags = MEMBER_OPTIONAL),
+    MEMBER("scenario", raw, AT(scenario), "What was solved, with every default filled in",
+           .offset_n = AT(n_scenario), .type = "#ResolvedScenario"),
+};
+const member_table results_summary_members = { MEMBER_TABLE("Summary", summary_members),
+                                               .choice = MEMBER_TAGGED };
+#undef AT
 
 bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
                           const frame_begin *begin, const frame_end *end,
                           const results_timing *timing, bf_buffer *out, bf_error *err)
 {
+    double n_items = model == RUN_MICRO ? (double)begin->n_parts : (double)end->n_cells;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
     scene s;
@@ -132,15 +177,20 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     bf_status status = read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
-    json_out_object(&w);
-    json_out_key_string(&w, "model", run_model_words[model]);
-    json_out_key_string(&w, "solver_version", BELTFLOW_VERSION);
-    write_figures(&w, begin, end, timing);
-    json_out_key_number(&w, "packing_density_per_m2", scene_packing_density(&s));
-    write_warnings(&w, &s, begin, end);
-    json_out_key(&w, "scenario");
-    json_out_raw(&w, scenario, n_scenario);
-    json_out_object_end(&w);
+    const summary_view of = { .model = model,
+                              .solver_version = BELTFLOW_VERSION,
+                              .begin = *begin,
+                              .end = *end,
+                              .timing = *timing,
+                              .n_threads = timing->n_threads,
+                              .is_stopped = end->stopped != 0,
+                              .n_left = end->parts_start - end->parts_end,
+                              .work_per_s = n_items * (double)end->n_steps / timing->wall_s,
+                              .packing_density = scene_packing_density(&s),
+                              .scene = &s,
+                              .scenario = scenario,
+                              .n_scenario = n_scenario };
+    members_write(&w, &results_summary_members, &of);
     scene_fini(&s);
     status = json_out_status(&w, err);
     if (status != BF_OK)

@@ -1,91 +1,104 @@
 #include "api/results/run_json.h"
 
-#include <stdio.h>
-#include <time.h>
+#include <string.h>
 
-void run_json_time(json_out *w, const char *key, int64_t unix_ms)
+static void write_status_word(json_out *w, const member *m, const void *item)
 {
-    time_t seconds = (time_t)(unix_ms / 1000);
-    struct tm tm;
-    char text[80];
+    bf_status code;
 
-    json_out_key(w, key);
-    if (unix_ms <= 0 || gmtime_r(&seconds, &tm) == NULL) {
+    memcpy(&code, (const char *)item + m->offset, sizeof code);
+    json_out_string(w, bf_status_word(code));
+}
+
+static const member_kind member_status_word = { .type = "#ErrorCode", .write = write_status_word };
+
+#define AT(place) offsetof(bf_error, place)
+static const member error_members[] = {
+    MEMBER("code", status_word, AT(code), "Kind of failure"),
+    MEMBER("pointer", text, AT(pointer), "Place in the scenario; empty if there is none",
+           .type = "#JsonPointer"),
+    MEMBER("detail", text, AT(text), "What happened, for people"),
+};
+const member_table run_json_error = { MEMBER_TABLE("RunError", error_members) };
+#undef AT
+
+static void write_error(json_out *w, const member *m, const void *item)
+{
+    const bf_error *error = (const bf_error *)(const void *)((const char *)item + m->offset);
+
+    if (error->code == BF_OK)
         json_out_null(w);
-        return;
-    }
-    snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", tm.tm_year + 1900,
-             tm.tm_mon + 1, tm.tm_mday, tm.tm_hour, tm.tm_min, tm.tm_sec, (int)(unix_ms % 1000));
-    json_out_string(w, text);
+    else
+        members_write(w, &run_json_error, error);
 }
 
-void run_json_error(json_out *w, const bf_error *error)
+const member_kind run_json_error_kind = { .type = "#RunError", .write = write_error };
+
+static void write_state(json_out *w, const member *m, const void *item)
 {
-    json_out_key(w, "error");
-    if (error->code == BF_OK) {
-        json_out_null(w);
-        return;
-    }
-    json_out_object(w);
-    json_out_key_string(w, "code", bf_status_word(error->code));
-    json_out_key_string(w, "pointer", error->pointer);
-    json_out_key_string(w, "detail", error->text);
-    json_out_object_end(w);
+    run_state state;
+
+    memcpy(&state, (const char *)item + m->offset, sizeof state);
+    json_out_string(w, run_state_word(state));
 }
 
-// What there is below a run of a model; cancel is for POST.
-static void write_links(json_out *w, const char *id, run_model model)
+const member_kind run_json_state_kind = { .type = "#RunStatus", .write = write_state };
+
+static bool has_parts(const void *item)
 {
-    static const struct {
-        const char *key;
-        const char *path;
-        bool needs_parts;
-    } parts[] = {
-        { "scenario", "scenario", false },    { "summary", "summary", false },
-        { "curve", "curve", false },          { "snapshots", "snapshots", false },
-        { "series", "snapshots.pvd", false }, { "parts_series", "parts.pvd", true },
-        { "results", "results.zip", false },  { "events", "events", false },
-        { "cancel", "cancel", false },
-    };
-    char url[API_ID_SIZE + 32];
+    const api_run *record = item;
 
-    json_out_key(w, "links");
-    json_out_object(w);
-    snprintf(url, sizeof url, "/v1/runs/%s", id);
-    json_out_key_string(w, "self", url);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        if (parts[i].needs_parts && model != RUN_MICRO)
-            continue;
-        snprintf(url, sizeof url, "/v1/runs/%s/%s", id, parts[i].path);
-        json_out_key_string(w, parts[i].key, url);
-    }
-    json_out_object_end(w);
+    return record->model == RUN_MICRO;
 }
 
-void run_json_members(json_out *w, const api_run *record)
-{
-    json_out_key_string(w, "id", record->id);
-    json_out_key_string(w, "status", run_state_word(record->state));
-    json_out_key_number(w, "progress", record->progress);
-    json_out_key_string(w, "model", run_model_words[record->model]);
-    json_out_key_string(w, "label", record->label);
-    json_out_key_integer(w, "priority", record->priority);
-    json_out_key_string(w, "name", record->name);
-    run_json_time(w, "created_at", record->created_ms);
-    run_json_time(w, "started_at", record->started_ms);
-    run_json_time(w, "finished_at", record->finished_ms);
-    json_out_key_number(w, "eta_s", record->eta_s);
-    run_json_error(w, &record->error);
-    json_out_key_bool(w, "cached", record->is_cached);
-    write_links(w, record->id, record->model);
-}
+#define AT(place) offsetof(api_run, place)
+#define LINK(name, path_, ...)                                                                     \
+    MEMBER(name, link, AT(id), __VA_ARGS__, .path = "/v1/runs/{id}" path_)
+static const member link_members[] = {
+    LINK("self", "", "The run"),
+    LINK("scenario", "/scenario", "Its resolved scenario"),
+    LINK("summary", "/summary", "Its summary, once it has ended"),
+    LINK("curve", "/curve", "Its outflow curve so far"),
+    LINK("snapshots", "/snapshots", "Its snapshots so far"),
+    LINK("series", "/snapshots.pvd", "Its snapshots in time, for ParaView"),
+    LINK("parts_series", "/parts.pvd", "Its parts in time, for ParaView (microscopic model)",
+         .applies = has_parts),
+    LINK("results", "/results.zip", "All its results in one archive, once it has ended"),
+    LINK("events", "/events", "Its event stream"),
+    LINK("cancel", "/cancel", "POST here to stop it"),
+};
+const member_table run_json_links = { MEMBER_TABLE("RunLinks", link_members) };
+
+static const member run_members[] = {
+    MEMBER("id", text, AT(id), "Identifier of the run", .type = "#Id"),
+    MEMBER_OF("status", &run_json_state_kind, AT(state), "State of the run"),
+    MEMBER("progress", number, AT(progress), "Completed fraction of the simulated time",
+           .type = "#Share"),
+    MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words, .type = "#Model"),
+    MEMBER("label", text, AT(label), "The client's own name of the run; empty if none was given"),
+    MEMBER("priority", int, AT(priority), "Runs of higher priority are solved first"),
+    MEMBER("name", text, AT(name), "Name of the scenario"),
+    MEMBER("created_at", time, AT(created_ms), "When it was accepted"),
+    MEMBER("started_at", time, AT(started_ms), "When it was last started", .null = "never"),
+    MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),
+    MEMBER("eta_s", number, AT(eta_s), "Remaining wall time", .unit = "s", .null = "not known"),
+    MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
+    MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
+    MEMBER("links", object, 0, "Its resources", .table = &run_json_links),
+};
+const member_table run_json = { MEMBER_TABLE("Run", run_members), .size = sizeof(api_run) };
+#undef AT
+
+static const member list_members[] = {
+    MEMBER("runs", array, offsetof(api_run_list, runs), "A page of the list, newest first",
+           .offset_n = offsetof(api_run_list, n), .table = &run_json),
+};
+const member_table run_json_list = { MEMBER_TABLE("RunList", list_members) };
 
 bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err)
 {
     json_out w = json_out_to(out);
 
-    json_out_object(&w);
-    run_json_members(&w, record);
-    json_out_object_end(&w);
+    members_write(&w, &run_json, record);
     return json_out_status(&w, err);
 }

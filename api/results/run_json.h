@@ -2,20 +2,24 @@
 
 #pragma once
 
-#include "api/json/json_out.h"
+#include "api/json/members.h"
 #include "api/services.h"
 
-#include <stdint.h>
+/// A run, and its links; the struct of both is api_run.
+extern const member_table run_json;
+extern const member_table run_json_links;
 
-/// Write the members of a run into the object that is open: id, status, progress, model, label,
-/// priority, name, created_at, started_at, finished_at, eta_s, error, cached, links.
-void run_json_members(json_out *w, const api_run *record);
+/// A page of a list of runs; the struct is api_run_list.
+extern const member_table run_json_list;
+
+/// Why a run failed; the struct is bf_error.
+extern const member_table run_json_error;
+
+/// The kind of a member that is a bf_error: null where its code is BF_OK.
+extern const member_kind run_json_error_kind;
+
+/// The kind of a member that is a run_state.
+extern const member_kind run_json_state_kind;
 
 /// Append the run as an object.
 BF_MUST_CHECK bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err);
-
-/// Write the member error: null, or {"code", "pointer", "detail"}.
-void run_json_error(json_out *w, const bf_error *error);
-
-/// Write a member that is a point in time (Unix ms): "2026-01-31T12:00:00.000Z"; 0 is null.
-void run_json_time(json_out *w, const char *key, int64_t unix_ms);

@@ -26,13 +26,13 @@ static bool has_any(const json_t *object, const char *const *names)
     return false;
 }
 
-static const member *find_member(const char *name)
+static void read_value(json_in *in, const json_t *value, const char *name, obstacle_form *form)
 {
     const member *m = scenario_members_obstacle.members;
 
     while (strcmp(m->name, name) != 0)
         m++;
-    return m;
+    m->kind->read(in, value, m, form);
 }
 
 // False: a fault was noted.
@@ -45,7 +45,7 @@ static bool read_form(json_in *in, const json_t *object, const char *const *name
         const json_t *value = json_object_get(object, *name);
         size_t mark = json_pointer_enter(&in->pointer, *name, strlen(*name));
         if (value != NULL)
-            members_read_value(in, value, find_member(*name), form);
+            read_value(in, value, *name, form);
         else
             json_in_fault(in, "is missing beside %s", name == names ? names[1] : names[0]);
         json_pointer_leave(&in->pointer, mark);

@@ -6,66 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-// Lines of the tables, by kind. Where the default `std` is NULL the member must be there.
-#define LINE(name_, kind_, at, unit_, std, help_)                                                  \
-    .name = (name_), .kind = (kind_), .offset = (at), .unit = (unit_), .standard = (std),          \
-    .help = (help_)
-#define NUMBER(name, at, unit, range_, std, help)                                                  \
-    {                                                                                              \
-        LINE(name, MEMBER_NUMBER, at, unit, std, help), .range = (range_)                          \
-    }
-#define NUMBER_OF(tags_, name, at, unit, range_, std, help)                                        \
-    {                                                                                              \
-        LINE(name, MEMBER_NUMBER, at, unit, std, help), .range = (range_), .tags = (tags_)         \
-    }
-#define STEP(name, at, std, help)                                                                  \
-    {                                                                                              \
-        LINE(name, MEMBER_STEP, at, "s", std, help), .range = &positive                            \
-    }
-#define COUNT(name, at, std, help)                                                                 \
-    {                                                                                              \
-        LINE(name, MEMBER_COUNT, at, NULL, std, help), .range = &from_one                          \
-    }
-#define SEED(name, at, std, help)                                                                  \
-    {                                                                                              \
-        LINE(name, MEMBER_SEED, at, NULL, std, help), .range = &seeds                              \
-    }
-#define BOOL(name, at, std, help)                                                                  \
-    {                                                                                              \
-        LINE(name, MEMBER_BOOL, at, NULL, std, help)                                               \
-    }
-#define POINT(name, at, help)                                                                      \
-    {                                                                                              \
-        LINE(name, MEMBER_POINT, at, "m", NULL, help)                                              \
-    }
-#define INTERVAL(name, at, std, help)                                                              \
-    {                                                                                              \
-        LINE(name, MEMBER_INTERVAL, at, "m", std, help)                                            \
-    }
-#define ID(at, std, help)                                                                          \
-    {                                                                                              \
-        LINE("id", MEMBER_TEXT, at, NULL, std, help), .least = 1, .limit = SCENE_ID_SIZE           \
-    }
-#define WORD(name, at, words_, std, help)                                                          \
-    {                                                                                              \
-        LINE(name, MEMBER_WORD, at, NULL, std, help), .words = (words_)                            \
-    }
-#define OBJECT(name, at, table_, std, help)                                                        \
-    {                                                                                              \
-        LINE(name, MEMBER_OBJECT, at, NULL, std, help), .table = &(table_)                         \
-    }
-#define FORM(name, kind, place, unit, help)                                                        \
-    {                                                                                              \
-        LINE(name, kind, offsetof(obstacle_form, place), unit, NULL, help), .flags = MEMBER_FORM   \
-    }
-#define TABLE(title_, array)                                                                       \
-    .title = (title_), .members = (array), .n = sizeof(array) / sizeof *(array)
-
-static const member_range positive = { "> 0", 0, INFINITY, true, false };
-static const member_range not_negative = { ">= 0", 0, INFINITY, false, false };
-static const member_range from_one = { ">= 1", 1, INFINITY, false, false };
-static const member_range below_half = { ">= 0, < 0.5", 0, 0.5, false, true };
-static const member_range seeds = { ">= 0, < 2^53", 0, 9007199254740991.0, false, false };
+static const member_range positive = { 0, INFINITY, true, false };
+static const member_range not_negative = { 0, INFINITY, false, false };
+static const member_range from_one = { 1, INFINITY, false, false };
+static const member_range below_half = { 0, 0.5, false, true };
+static const member_range seeds = { 0, 9007199254740991.0, false, false };
 
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
 static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
@@ -86,67 +31,111 @@ HAS_WORDS(integrator_words, SCENE_INTEGRATOR_COUNT);
 HAS_WORDS(path_words, SCENE_PATH_COUNT);
 _Static_assert(sizeof(scene_edge) == sizeof(unsigned), "words are read into unsigned");
 
+// A function that gives the struct of a table the defaults that core has for this part of a scene.
+#define INIT_PART(name, part)                                                                      \
+    static void init_##name(void *item, size_t place)                                              \
+    {                                                                                              \
+        scene s;                                                                                   \
+        (void)place;                                                                               \
+        scene_init(&s);                                                                            \
+        memcpy(item, &(part), sizeof(part));                                                       \
+    }
+INIT_PART(scene, s)
+INIT_PART(edges, s.edges)
+INIT_PART(shape, s.cargo[0].shape)
+INIT_PART(cargo, s.cargo[0])
+INIT_PART(initial, s.initial)
+INIT_PART(output, s.output)
+INIT_PART(macro, s.macro)
+INIT_PART(micro, s.micro)
+INIT_PART(contact, s.micro.contact[place])
+
+static void init_belt(void *item, size_t place)
+{
+    (void)place;
+    scene_belt_init(item);
+}
+
+static void init_obstacle(void *item, size_t place)
+{
+    (void)place;
+    scene_obstacle_init(item);
+}
+
+static void init_counter(void *item, size_t place)
+{
+    (void)place;
+    scene_counter_init(item);
+}
+
 #define AT(place) offsetof(scene_rect, place)
 static const member rect_members[] = {
-    INTERVAL("x_m", AT(x_min), NULL, "from and to along the belt"),
-    INTERVAL("y_m", AT(y_min), NULL, "from and to across the belt"),
+    MEMBER("x_m", interval, AT(x_min), "from and to along the belt", .unit = "m"),
+    MEMBER("y_m", interval, AT(y_min), "from and to across the belt", .unit = "m"),
 };
-static const member_table rect_table = { TABLE("rectangle", rect_members) };
+static const member_table rect_table = { MEMBER_TABLE("rectangle", rect_members) };
 #undef AT
 
 #define AT(side) ((side) * sizeof(scene_edge))
 static const member edge_members[] = {
-    WORD("west", AT(SCENE_WEST), edge_words, "inflow", "the side x = x_min"),
-    WORD("east", AT(SCENE_EAST), edge_words, "outflow", "the side x = x_max"),
-    WORD("south", AT(SCENE_SOUTH), edge_words, "wall", "the side y = y_min"),
-    WORD("north", AT(SCENE_NORTH), edge_words, "wall", "the side y = y_max"),
+    MEMBER("west", enum, AT(SCENE_WEST), "the side x = x_min", .words = edge_words,
+           .flags = MEMBER_INIT),
+    MEMBER("east", enum, AT(SCENE_EAST), "the side x = x_max", .words = edge_words,
+           .flags = MEMBER_INIT),
+    MEMBER("south", enum, AT(SCENE_SOUTH), "the side y = y_min", .words = edge_words,
+           .flags = MEMBER_INIT),
+    MEMBER("north", enum, AT(SCENE_NORTH), "the side y = y_max", .words = edge_words,
+           .flags = MEMBER_INIT),
 };
-static const member_table edge_table = { TABLE("edges", edge_members) };
+static const member_table edge_table = { MEMBER_TABLE("edges", edge_members),
+                                         .size = sizeof(scene_edge[SCENE_SIDE_COUNT]),
+                                         .init = init_edges };
 #undef AT
 
 #define AT(place) offsetof(scene_belt, place)
 static const member belt_members[] = {
-    ID(AT(id), "main, belt-2, ...", "its name"),
-    { LINE("velocity_m_s", MEMBER_POINT, AT(velocity), "m/s", "[0.395, 0]", "of the surface") },
-    { LINE("polygon_m", MEMBER_POINTS, AT(polygon), "m", "the domain",
-           "corners of a simple polygon"),
-      .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX, .flags = MEMBER_OMIT_EMPTY },
+    MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("velocity_m_s", point, AT(velocity), "of the surface", .unit = "m/s",
+           .flags = MEMBER_INIT),
+    MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
+           .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "the domain"),
 };
-static void begin_belt(void *item)
-{
-    scene_belt_init(item);
-}
-static const member_table belt_table = { TABLE("belt", belt_members), .size = sizeof(scene_belt),
-                                         .begin = begin_belt };
+static const member_table belt_table = { MEMBER_TABLE("belt", belt_members),
+                                         .size = sizeof(scene_belt), .init = init_belt };
 #undef AT
 
 #define AT(place) offsetof(scene_obstacle, place)
 static const member obstacle_members[] = {
-    ID(AT(id), "obstacle-1, ...", "its name"),
-    FORM("end_m", MEMBER_POINT, end, "m", "first form: end of the upstream face"),
-    FORM("angle_deg", MEMBER_NUMBER, angle, "deg",
-         "first form: direction from start to end, from the x axis"),
-    FORM("length_m", MEMBER_NUMBER, length, "m", "first form: of the upstream face, > 0"),
-    FORM("from_m", MEMBER_POINT, from, "m", "second form: start of the upstream face"),
-    FORM("to_m", MEMBER_POINT, to, "m", "second form: end of the upstream face"),
-    { LINE("path_m", MEMBER_POINTS, AT(path), "m", "from another form",
-           "third form: corners of the upstream face"),
-      .offset_n = AT(n_points), .least = 2, .limit = SCENE_POINTS_MAX },
-    NUMBER("thickness_m", AT(thickness), "m", &positive, "0.005", "of the plate, downstream"),
-    WORD("treatment", AT(treatment), treatment_words, "sealed",
-         "how the macroscopic model holds cargo"),
-    NUMBER("band_m", AT(band), "m", &positive, "8/sqrt(sigma)",
-           "width of the outward field (sealed)"),
-    NUMBER("slide_width_m", AT(slide_width), "m", &positive, "3/sqrt(sigma) if sealed, else 0.02",
-           "width of the slide zone"),
+    MEMBER("id", text, AT(id), "its name", .default_text = "obstacle-1, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("end_m", point, offsetof(obstacle_form, end), "first form: end of the upstream face",
+           .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("angle_deg", number, offsetof(obstacle_form, angle),
+           "first form: direction from start to end, from the x axis", .unit = "deg",
+           .flags = MEMBER_FORM),
+    MEMBER("length_m", number, offsetof(obstacle_form, length),
+           "first form: of the upstream face, > 0", .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("from_m", point, offsetof(obstacle_form, from),
+           "second form: start of the upstream face", .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("to_m", point, offsetof(obstacle_form, to), "second form: end of the upstream face",
+           .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("path_m", points, AT(path), "third form: corners of the upstream face", .unit = "m",
+           .offset_n = AT(n_points), .least = 2, .limit = SCENE_POINTS_MAX,
+           .default_text = "from another form"),
+    MEMBER("thickness_m", number, AT(thickness), "of the plate, downstream", .unit = "m",
+           .range = &positive, .flags = MEMBER_INIT),
+    MEMBER("treatment", enum, AT(treatment), "how the macroscopic model holds cargo",
+           .words = treatment_words, .flags = MEMBER_INIT),
+    MEMBER("band_m", number, AT(band), "width of the outward field (sealed)", .unit = "m",
+           .range = &positive, .default_text = "8/sqrt(sigma)"),
+    MEMBER("slide_width_m", number, AT(slide_width), "width of the slide zone", .unit = "m",
+           .range = &positive, .default_text = "3/sqrt(sigma) if sealed, else 0.02"),
 };
-static void begin_obstacle(void *item)
-{
-    scene_obstacle_init(item);
-}
 const member_table scenario_members_obstacle = {
-    TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle), .begin = begin_obstacle,
-    .forms = obstacle_form_members, .finish = obstacle_form_read
+    MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
+    .init = init_obstacle, .forms = obstacle_form_members, .post_read = obstacle_form_read
 };
 #undef AT
 
@@ -154,93 +143,103 @@ const member_table scenario_members_obstacle = {
 #define OF(shape) (1U << (shape))
 #define UPRIGHT   (OF(SCENE_CYLINDER) | OF(SCENE_BOX) | OF(SCENE_PRISM))
 static const member shape_members[] = {
-    WORD("type", AT(type), shape_words, "cylinder",
-         "kind of shape; says which other members there are"),
-    NUMBER_OF(OF(SCENE_CYLINDER), "radius_m", AT(radius), "m", &positive, "0.012", "of a cylinder"),
-    NUMBER_OF(OF(SCENE_BOX), "length_m", AT(length), "m", &positive, NULL, "of a box along x"),
-    NUMBER_OF(OF(SCENE_BOX), "width_m", AT(width), "m", &positive, NULL, "of a box along y"),
-    NUMBER_OF(UPRIGHT, "height_m", AT(height), "m", &positive, "0.008", "of cylinder, box, prism"),
-    { LINE("outline_m", MEMBER_OUTLINE, AT(vertices), "m", NULL,
-           "of a prism: convex, counter-clockwise"),
-      .offset_n = AT(n_vertices), .least = 3, .limit = SCENE_VERTICES_MAX,
-      .tags = OF(SCENE_PRISM) },
-    { LINE("vertices_m", MEMBER_VERTICES, AT(vertices), "m", NULL, "of a convex hull"),
-      .offset_n = AT(n_vertices), .least = 4, .limit = SCENE_VERTICES_MAX, .tags = OF(SCENE_HULL) },
+    MEMBER("type", enum, AT(type), "kind of shape; says which other members there are",
+           .words = shape_words, .flags = MEMBER_INIT),
+    MEMBER("radius_m", number, AT(radius), "of a cylinder", .unit = "m", .range = &positive,
+           .tags = OF(SCENE_CYLINDER), .flags = MEMBER_INIT),
+    MEMBER("length_m", number, AT(length), "of a box along x", .unit = "m", .range = &positive,
+           .tags = OF(SCENE_BOX)),
+    MEMBER("width_m", number, AT(width), "of a box along y", .unit = "m", .range = &positive,
+           .tags = OF(SCENE_BOX)),
+    MEMBER("height_m", number, AT(height), "of cylinder, box, prism", .unit = "m",
+           .range = &positive, .tags = UPRIGHT, .flags = MEMBER_INIT),
+    MEMBER("outline_m", outline, AT(vertices), "of a prism: convex, counter-clockwise", .unit = "m",
+           .offset_n = AT(n_vertices), .least = 3, .limit = SCENE_VERTICES_MAX,
+           .tags = OF(SCENE_PRISM)),
+    MEMBER("vertices_m", vertices, AT(vertices), "of a convex hull", .unit = "m",
+           .offset_n = AT(n_vertices), .least = 4, .limit = SCENE_VERTICES_MAX,
+           .tags = OF(SCENE_HULL)),
 };
-static const member_table shape_table = { TABLE("shape", shape_members), .choice = MEMBER_TAGGED };
+static const member_table shape_table = { MEMBER_TABLE("shape", shape_members),
+                                          .size = sizeof(scene_shape), .init = init_shape,
+                                          .choice = MEMBER_TAGGED };
 #undef AT
 
 #define AT(place) offsetof(scene_material, place)
 static const member material_members[] = {
-    NUMBER("young_modulus_pa", AT(young_modulus), "Pa", &positive, "of the material", "E"),
-    NUMBER("poisson_ratio", AT(poisson_ratio), NULL, &below_half, "of the material", "nu"),
+    MEMBER("young_modulus_pa", number, AT(young_modulus), "E", .unit = "Pa", .range = &positive,
+           .default_text = "of the material"),
+    MEMBER("poisson_ratio", number, AT(poisson_ratio), "nu", .range = &below_half,
+           .default_text = "of the material"),
 };
-static const member_table material_table = { TABLE("material", material_members) };
+static const member_table material_table = { MEMBER_TABLE("material", material_members) };
 #undef AT
 
 #define AT(place) offsetof(scene_cargo, place)
 #define CARGO_MEMBERS                                                                              \
-    OBJECT("shape", AT(shape), shape_table, "{}", "of every part"),                                \
-        NUMBER("mass_kg", AT(mass), "kg", &positive, "7850 kg/m3 times the volume", "of a part"),  \
-        OBJECT("material", AT(material), material_table, "210e9 Pa, 0.28", "steel")
+    MEMBER("shape", object, AT(shape), "of every part", .table = &shape_table,                     \
+           .default_text = "{}"),                                                                  \
+        MEMBER("mass_kg", number, AT(mass), "of a part", .unit = "kg", .range = &positive,         \
+               .default_text = "7850 kg/m3 times the volume"),                                     \
+        MEMBER("material", object, AT(material), "steel", .table = &material_table,                \
+               .flags = MEMBER_INIT)
 static const member cargo_members[] = { CARGO_MEMBERS };
-static const member_table cargo_table = { TABLE("cargo", cargo_members) };
+static const member_table cargo_table = { MEMBER_TABLE("cargo", cargo_members),
+                                          .size = sizeof(scene_cargo), .init = init_cargo };
 
 static const member kind_members[] = {
-    NUMBER("share", AT(share), NULL, &positive, "1",
-           "how many parts are of the kind, in proportion to all shares"),
+    MEMBER("share", number, AT(share),
+           "how many parts are of the kind, in proportion to all shares", .range = &positive,
+           .flags = MEMBER_INIT),
     CARGO_MEMBERS,
-    NUMBER("spin_friction_radius_m", AT(spin_friction_radius), "m", &not_negative,
-           "that of micro if given, else 2/3 of the footprint's radius",
-           "lever of the spin friction"),
+    MEMBER("spin_friction_radius_m", number, AT(spin_friction_radius), "lever of the spin friction",
+           .unit = "m", .range = &not_negative,
+           .default_text = "that of micro if given, else 2/3 of the footprint's radius"),
 };
-static void begin_kind(void *item)
-{
-    scene_cargo_init(item);
-}
-static const member_table kind_table = { TABLE("kind", kind_members), .size = sizeof(scene_cargo),
-                                         .begin = begin_kind };
+static const member_table kind_table = { MEMBER_TABLE("kind", kind_members),
+                                         .size = sizeof(scene_cargo), .init = init_cargo };
 #undef AT
 
 #define AT(place) offsetof(scene_initial, place)
 static const member hexagonal_members[] = {
-    COUNT("rows", AT(n_rows), NULL, "rows, each along the belt"),
-    COUNT("columns", AT(n_columns), NULL, "parts a row"),
-    POINT("first_m", AT(first), "first centre of the first row"),
-    NUMBER("spacing_m", AT(spacing), "m", &positive, NULL, "between neighbours"),
+    MEMBER("rows", count, AT(n_rows), "rows, each along the belt", .range = &from_one),
+    MEMBER("columns", count, AT(n_columns), "parts a row", .range = &from_one),
+    MEMBER("first_m", point, AT(first), "first centre of the first row", .unit = "m"),
+    MEMBER("spacing_m", number, AT(spacing), "between neighbours", .unit = "m", .range = &positive),
 };
-static const member_table hexagonal_table = { TABLE("hexagonal", hexagonal_members) };
+static const member_table hexagonal_table = { MEMBER_TABLE("hexagonal", hexagonal_members) };
 
 static const member random_members[] = {
-    COUNT("count", AT(n_random), NULL, "parts"),
-    OBJECT("region", AT(region), rect_table, NULL, "centres lie in it"),
-    SEED("seed", AT(seed), "1", "of the generator"),
+    MEMBER("count", count, AT(n_random), "parts", .range = &from_one),
+    MEMBER("region", object, AT(region), "centres lie in it", .table = &rect_table),
+    MEMBER("seed", seed, AT(seed), "of the generator", .range = &seeds, .flags = MEMBER_INIT),
 };
-static const member_table random_table = { TABLE("random", random_members) };
+static const member_table random_table = { MEMBER_TABLE("random", random_members),
+                                           .size = sizeof(scene_initial), .init = init_initial };
 
 static const member initial_members[SCENE_INITIAL_COUNT] = {
-    [SCENE_INITIAL_POSITIONS] = { LINE("positions_m", MEMBER_POSES, AT(poses), "m, m, deg",
-                                       "see initial", "[x, y] or [x, y, heading] of every part"),
-                                  .offset_n = AT(n_poses), .least = 1, .limit = SCENE_PARTS_MAX },
-    [SCENE_INITIAL_HEXAGONAL] =
-        OBJECT("hexagonal", 0, hexagonal_table, "see initial", "rows of a hexagonal packing"),
-    [SCENE_INITIAL_RANDOM] =
-        OBJECT("random", 0, random_table, "see initial", "random places without overlaps"),
+    [SCENE_INITIAL_POSITIONS] =
+        MEMBER("positions_m", poses, AT(poses), "[x, y] or [x, y, heading] of every part",
+               .unit = "m, m, deg", .offset_n = AT(n_poses), .least = 1, .limit = SCENE_PARTS_MAX,
+               .default_text = "see initial"),
+    [SCENE_INITIAL_HEXAGONAL] = MEMBER("hexagonal", object, 0, "rows of a hexagonal packing",
+                                       .table = &hexagonal_table, .default_text = "see initial"),
+    [SCENE_INITIAL_RANDOM] = MEMBER("random", object, 0, "random places without overlaps",
+                                    .table = &random_table, .default_text = "see initial"),
 };
-static const member_table initial_table = { TABLE("initial", initial_members),
+static const member_table initial_table = { MEMBER_TABLE("initial", initial_members),
                                             .choice = MEMBER_ONE_OF, .offset_choice = AT(type) };
 #undef AT
 
 #define AT(place) offsetof(scene_counter, place)
 static const member counter_members[] = {
-    ID(AT(id), "upstream, upstream-2, ...", "its name, a column of the curve"),
-    INTERVAL("x_m", AT(rect.x_min), "the domain's", "parts from x on and before x"),
-    INTERVAL("y_m", AT(rect.y_min), "the domain's", "parts from y on and before y"),
+    MEMBER("id", text, AT(id), "its name, a column of the curve",
+           .default_text = "upstream, upstream-2, ...", .least = 1, .limit = SCENE_ID_SIZE),
+    MEMBER("x_m", interval, AT(rect.x_min), "parts from x on and before x", .unit = "m",
+           .default_text = "the domain's"),
+    MEMBER("y_m", interval, AT(rect.y_min), "parts from y on and before y", .unit = "m",
+           .default_text = "the domain's"),
 };
-static void begin_counter(void *item)
-{
-    scene_counter_init(item);
-}
 // A curve event has these members beside one for each counter.
 static void refuse_reserved_id(json_in *in, const struct json_t *object, void *item)
 {
@@ -256,109 +255,144 @@ static void refuse_reserved_id(json_in *in, const struct json_t *object, void *i
         json_pointer_leave(&in->pointer, mark);
     }
 }
-static const member_table counter_table = { TABLE("counter", counter_members),
-                                            .size = sizeof(scene_counter), .begin = begin_counter,
-                                            .finish = refuse_reserved_id };
+static const member_table counter_table = { MEMBER_TABLE("counter", counter_members),
+                                            .size = sizeof(scene_counter), .init = init_counter,
+                                            .post_read = refuse_reserved_id };
 #undef AT
 
 #define AT(place) offsetof(scene_output, place)
 static const member output_members[] = {
-    NUMBER("curve_every_s", AT(curve_every), "s", &positive, "0.01", "samples of the curve"),
-    NUMBER("snapshot_every_s", AT(snapshot_every), "s", &positive, "0.1", "density snapshots"),
+    MEMBER("curve_every_s", number, AT(curve_every), "samples of the curve", .unit = "s",
+           .range = &positive, .flags = MEMBER_INIT),
+    MEMBER("snapshot_every_s", number, AT(snapshot_every), "density snapshots", .unit = "s",
+           .range = &positive, .flags = MEMBER_INIT),
 };
-static const member_table output_table = { TABLE("output", output_members) };
+static const member_table output_table = { MEMBER_TABLE("output", output_members),
+                                           .size = sizeof(scene_output), .init = init_output };
 #undef AT
 
 #define AT(place) offsetof(scene_macro, place)
 static const member macro_members[] = {
-    NUMBER("cell_m", AT(cell), "m", &positive, "0.005", "edge of a cell"),
-    STEP("step_s", AT(step), "0.00125", "time step; auto: the largest stable and positive one"),
-    WORD("scheme", AT(scheme), scheme_words, "roe", "numerical scheme"),
-    WORD("heaviside", AT(heaviside), heaviside_words, "sharp", "what lets the dispersion act"),
-    NUMBER("heaviside_width", AT(heaviside_width), NULL, &positive, "0.05", "xi of smooth"),
-    NUMBER("dispersion_m_s", AT(dispersion), "m/s", &not_negative,
-           "twice the speed of the fastest belt", "epsilon"),
-    NUMBER("mollifier_per_m2", AT(mollifier), "1/m2", &positive, "10000", "sigma"),
-    NUMBER("initial_mollifier_per_m2", AT(initial_mollifier), "1/m2", &positive, "2500",
-           "sigma_0 of the density at the start"),
-    NUMBER("packing_density_per_m2", AT(packing), "1/m2", &positive,
-           "close packing of the shape, cut to four digits", "rho_max, parts/m2 at density 1"),
+    MEMBER("cell_m", number, AT(cell), "edge of a cell", .unit = "m", .range = &positive,
+           .flags = MEMBER_INIT),
+    MEMBER("step_s", step, AT(step), "time step; auto: the largest stable and positive one",
+           .unit = "s", .range = &positive, .flags = MEMBER_INIT),
+    MEMBER("scheme", enum, AT(scheme), "numerical scheme", .words = scheme_words,
+           .flags = MEMBER_INIT),
+    MEMBER("heaviside", enum, AT(heaviside), "what lets the dispersion act",
+           .words = heaviside_words, .flags = MEMBER_INIT),
+    MEMBER("heaviside_width", number, AT(heaviside_width), "xi of smooth", .range = &positive,
+           .flags = MEMBER_INIT),
+    MEMBER("dispersion_m_s", number, AT(dispersion), "epsilon", .unit = "m/s",
+           .range = &not_negative, .default_text = "twice the speed of the fastest belt"),
+    MEMBER("mollifier_per_m2", number, AT(mollifier), "sigma", .unit = "1/m2", .range = &positive,
+           .flags = MEMBER_INIT),
+    MEMBER("initial_mollifier_per_m2", number, AT(initial_mollifier),
+           "sigma_0 of the density at the start", .unit = "1/m2", .range = &positive,
+           .flags = MEMBER_INIT),
+    MEMBER("packing_density_per_m2", number, AT(packing), "rho_max, parts/m2 at density 1",
+           .unit = "1/m2", .range = &positive,
+           .default_text = "close packing of the shape, cut to four digits"),
 };
-static const member_table macro_table = { TABLE("macro", macro_members) };
+static const member_table macro_table = { MEMBER_TABLE("macro", macro_members),
+                                          .size = sizeof(scene_macro), .init = init_macro };
 #undef AT
 
 #define AT(place) offsetof(scene_micro, place)
 static const member micro_members[] = {
-    WORD("integrator", AT(integrator), integrator_words, "verlet", "time integration"),
-    WORD("path", AT(path), path_words, "auto",
-         "equations of motion; auto: planar where all parts are cylinders"),
-    STEP("step_s", AT(step), "1e-05; auto if implicit",
-         "time step; auto: chosen by the integrator, and stable"),
-    NUMBER("modulus_reduction", AT(modulus_reduction), NULL, &from_one, "1000000",
-           "all moduli are divided by it"),
-    BOOL("tension", AT(tension), "false", "contacts may pull"),
-    NUMBER("damping_per_s", AT(damping), "1/s", &not_negative, "0.1", "D of the integration"),
-    NUMBER("gravity_m_s2", AT(gravity), "m/s2", &not_negative, "9.81", "of the place"),
-    NUMBER("spin_friction_radius_m", AT(spin_friction_radius), "m", &not_negative,
-           "2/3 of the footprint's radius", "lever of the spin friction"),
+    MEMBER("integrator", enum, AT(integrator), "time integration", .words = integrator_words,
+           .flags = MEMBER_INIT),
+    MEMBER("path", enum, AT(path),
+           "equations of motion; auto: planar where all parts are cylinders", .words = path_words,
+           .flags = MEMBER_INIT),
+    MEMBER("step_s", step, AT(step), "time step; auto: chosen by the integrator, and stable",
+           .unit = "s", .range = &positive, .default_text = "1e-05; auto if implicit"),
+    MEMBER("modulus_reduction", number, AT(modulus_reduction), "all moduli are divided by it",
+           .range = &from_one, .flags = MEMBER_INIT),
+    MEMBER("tension", bool, AT(tension), "contacts may pull", .flags = MEMBER_INIT),
+    MEMBER("damping_per_s", number, AT(damping), "D of the integration", .unit = "1/s",
+           .range = &not_negative, .flags = MEMBER_INIT),
+    MEMBER("gravity_m_s2", number, AT(gravity), "of the place", .unit = "m/s2",
+           .range = &not_negative, .flags = MEMBER_INIT),
+    MEMBER("spin_friction_radius_m", number, AT(spin_friction_radius), "lever of the spin friction",
+           .unit = "m", .range = &not_negative, .default_text = "2/3 of the footprint's radius"),
 };
-static const member_table micro_table = { TABLE("micro", micro_members) };
+static const member_table micro_table = { MEMBER_TABLE("micro", micro_members),
+                                          .size = sizeof(scene_micro), .init = init_micro };
 
 static const member materials_members[] = {
-    OBJECT("conveyor", AT(conveyor), material_table, "40e9 Pa, 0.05", "of the belts"),
-    OBJECT("handling", AT(handling), material_table, "70e9 Pa, 0.34", "of obstacles and walls"),
+    MEMBER("conveyor", object, AT(conveyor), "of the belts", .table = &material_table,
+           .flags = MEMBER_INIT),
+    MEMBER("handling", object, AT(handling), "of obstacles and walls", .table = &material_table,
+           .flags = MEMBER_INIT),
 };
-static const member_table materials_table = { TABLE("materials", materials_members) };
+static const member_table materials_table = { MEMBER_TABLE("materials", materials_members),
+                                              .size = sizeof(scene_micro), .init = init_micro };
 #undef AT
 
 #define AT(place) offsetof(scene_contact, place)
 static const member contact_members[] = {
-    NUMBER("length_m", AT(length), "m", &positive, "0.008", "of the contact line"),
-    NUMBER("damping_n_s_m", AT(damping), "N s/m", &not_negative, "119, 230, 120", "d"),
-    NUMBER("friction", AT(friction), NULL, &not_negative, "0.15, 1.0, 0.19", "mu"),
-    NUMBER("tanh_linear_s_m", AT(tanh_linear), "s/m", &positive, "10", "lambda_lin"),
-    NUMBER("tanh_spin_s", AT(tanh_spin), "s", &positive, "1", "lambda_ang"),
+    MEMBER("length_m", number, AT(length), "of the contact line", .unit = "m", .range = &positive,
+           .flags = MEMBER_INIT),
+    MEMBER("damping_n_s_m", number, AT(damping), "d", .unit = "N s/m", .range = &not_negative,
+           .flags = MEMBER_INIT),
+    MEMBER("friction", number, AT(friction), "mu", .range = &not_negative, .flags = MEMBER_INIT),
+    MEMBER("tanh_linear_s_m", number, AT(tanh_linear), "lambda_lin", .unit = "s/m",
+           .range = &positive, .flags = MEMBER_INIT),
+    MEMBER("tanh_spin_s", number, AT(tanh_spin), "lambda_ang", .unit = "s", .range = &positive,
+           .flags = MEMBER_INIT),
 };
-static const member_table contact_table = { TABLE("contact", contact_members) };
+static const member_table contact_table = { MEMBER_TABLE("contact", contact_members),
+                                            .size = sizeof(scene_contact), .init = init_contact,
+                                            .n_places = SCENE_PAIR_COUNT };
 #undef AT
 
 #define AT(pair) ((pair) * sizeof(scene_contact))
 static const member contacts_members[] = {
-    OBJECT("cargo_cargo", AT(SCENE_CARGO_CARGO), contact_table, "{}", "part on part"),
-    OBJECT("conveyor_cargo", AT(SCENE_CONVEYOR_CARGO), contact_table, "{}", "belt on part"),
-    OBJECT("handling_cargo", AT(SCENE_HANDLING_CARGO), contact_table, "{}",
-           "obstacle or wall on part"),
+    MEMBER("cargo_cargo", object, AT(SCENE_CARGO_CARGO), "part on part", .table = &contact_table,
+           .default_text = "{}"),
+    MEMBER("conveyor_cargo", object, AT(SCENE_CONVEYOR_CARGO), "belt on part",
+           .table = &contact_table, .default_text = "{}"),
+    MEMBER("handling_cargo", object, AT(SCENE_HANDLING_CARGO), "obstacle or wall on part",
+           .table = &contact_table, .default_text = "{}"),
 };
-static const member_table contacts_table = { TABLE("contacts", contacts_members) };
+static const member_table contacts_table = { MEMBER_TABLE("contacts", contacts_members) };
 #undef AT
 
 #define AT(place) offsetof(scene, place)
-#define LIST(name, items, n_items, table_, least_, most, std, help)                                \
-    {                                                                                              \
-        LINE(name, MEMBER_LIST, AT(items), NULL, std, help),                                       \
-            .offset_n = AT(n_items), .table = &(table_), .least = (least_), .limit = (most)        \
-    }
 static const member top_members[] = {
-    { LINE("name", MEMBER_TEXT, AT(name), NULL, "empty", "for people"), .limit = SCENE_NAME_SIZE },
-    NUMBER("duration_s", AT(duration), "s", &positive, NULL, "simulated time"),
-    OBJECT("domain", AT(domain), rect_table, NULL, "the rectangle that is looked at"),
-    OBJECT("edges", AT(edges), edge_table, "{}", "what the sides of the domain are"),
-    LIST("belts", belts, n_belts, belt_table, 1, SCENE_BELTS_MAX, "[{}]",
-         "conveyors; where they overlap the later one wins"),
-    LIST("obstacles", obstacles, n_obstacles, scenario_members_obstacle, 0, SCENE_OBSTACLES_MAX,
-         "[]", "deflectors standing on the belts"),
-    { LINE("cargo", MEMBER_MIX, AT(cargo), NULL, NULL,
-           "what is transported; a list is a mix of kinds"),
-      .offset_n = AT(n_cargo), .offset_list = AT(is_mix), .table = &cargo_table,
-      .items = &kind_table, .least = 1, .limit = SCENE_KINDS_MAX },
-    SEED("cargo_seed", AT(cargo_seed), "1", "of the order in which parts of a mix get their kinds"),
-    OBJECT("initial", AT(initial), initial_table, NULL, "where it is at the start; one member"),
-    LIST("counters", counters, n_counters, counter_table, 1, SCENE_COUNTERS_MAX, "[{}]",
-         "parts in a rectangle over time"),
-    OBJECT("output", AT(output), output_table, "{}", "when results are taken"),
-    OBJECT("macro", AT(macro), macro_table, "{}", "of the macroscopic model"),
-    OBJECT("micro", AT(micro), micro_table, "{}", "of the microscopic model"),
-    OBJECT("materials", AT(micro), materials_table, "{}", "elastic constants"),
-    OBJECT("contacts", AT(micro.contact), contacts_table, "{}", "contact laws"),
+    MEMBER("name", text, AT(name), "for people", .limit = SCENE_NAME_SIZE, .flags = MEMBER_INIT),
+    MEMBER("duration_s", number, AT(duration), "simulated time", .unit = "s", .range = &positive),
+    MEMBER("domain", object, AT(domain), "the rectangle that is looked at", .table = &rect_table),
+    MEMBER("edges", object, AT(edges), "what the sides of the domain are", .table = &edge_table,
+           .default_text = "{}"),
+    MEMBER("belts", list, AT(belts), "conveyors; where they overlap the later one wins",
+           .table = &belt_table, .offset_n = AT(n_belts), .least = 1, .limit = SCENE_BELTS_MAX,
+           .default_text = "[{}]"),
+    MEMBER("obstacles", list, AT(obstacles), "deflectors standing on the belts",
+           .table = &scenario_members_obstacle, .offset_n = AT(n_obstacles), .least = 0,
+           .limit = SCENE_OBSTACLES_MAX, .default_text = "[]"),
+    MEMBER("cargo", one_or_list, AT(cargo), "what is transported; a list is a mix of kinds",
+           .offset_n = AT(n_cargo), .offset_list = AT(is_mix), .table = &cargo_table,
+           .items = &kind_table, .least = 1, .limit = SCENE_KINDS_MAX),
+    MEMBER("cargo_seed", seed, AT(cargo_seed),
+           "of the order in which parts of a mix get their kinds", .range = &seeds,
+           .flags = MEMBER_INIT),
+    MEMBER("initial", object, AT(initial), "where it is at the start; one member",
+           .table = &initial_table),
+    MEMBER("counters", list, AT(counters), "parts in a rectangle over time",
+           .table = &counter_table, .offset_n = AT(n_counters), .least = 1,
+           .limit = SCENE_COUNTERS_MAX, .default_text = "[{}]"),
+    MEMBER("output", object, AT(output), "when results are taken", .table = &output_table,
+           .default_text = "{}"),
+    MEMBER("macro", object, AT(macro), "of the macroscopic model", .table = &macro_table,
+           .default_text = "{}"),
+    MEMBER("micro", object, AT(micro), "of the microscopic model", .table = &micro_table,
+           .default_text = "{}"),
+    MEMBER("materials", object, AT(micro), "elastic constants", .table = &materials_table,
+           .default_text = "{}"),
+    MEMBER("contacts", object, AT(micro.contact), "contact laws", .table = &contacts_table,
+           .default_text = "{}"),
 };
-const member_table scenario_members = { TABLE("scenario", top_members) };
+const member_table scenario_members = { MEMBER_TABLE("scenario", top_members),
+                                        .size = sizeof(scene), .init = init_scene };

@@ -17,44 +17,34 @@ typedef struct body {
     bool is_fresh;
 } body;
 
-static const member_range priorities = { .text = "-100 to 100",
-                                         .minimum = -API_PRIORITY_MAX,
+static const member_range priorities = { .minimum = -API_PRIORITY_MAX,
                                          .maximum = API_PRIORITY_MAX };
 
+#define AT(place) offsetof(body, place)
 static const member members[] = {
-    { .name = "scenario",
-      .kind = MEMBER_OBJECT,
-      .offset = offsetof(body, scenario),
-      .table = &scenario_members,
-      .help = "what to solve" },
-    { .name = "model",
-      .kind = MEMBER_WORD,
-      .offset = offsetof(body, model),
-      .standard = "macro",
-      .words = run_model_words,
-      .help = "which solver" },
-    { .name = "label",
-      .kind = MEMBER_TEXT,
-      .offset = offsetof(body, label),
-      .limit = API_LABEL_SIZE,
-      .standard = "empty",
-      .help = "the client's own name of the run" },
-    { .name = "priority",
-      .kind = MEMBER_PRIORITY,
-      .offset = offsetof(body, priority),
-      .range = &priorities,
-      .standard = "0",
-      .help = "higher ones first" },
-    { .name = "fresh",
-      .kind = MEMBER_BOOL,
-      .offset = offsetof(body, is_fresh),
-      .standard = "false",
-      .help = "solve it even if the results are known" },
+    MEMBER("scenario", object, AT(scenario), "what to solve", .table = &scenario_members),
+    MEMBER("model", enum, AT(model), "which solver", .words = run_model_words,
+           .flags = MEMBER_INIT),
+    MEMBER("label", text, AT(label), "the client's own name of the run", .limit = API_LABEL_SIZE,
+           .flags = MEMBER_INIT),
+    MEMBER("priority", int, AT(priority), "higher ones first", .range = &priorities,
+           .flags = MEMBER_INIT),
+    MEMBER("fresh", bool, AT(is_fresh), "solve it even if the results are known",
+           .flags = MEMBER_INIT),
 };
+#undef AT
 
-const member_table submission_members = { .title = "submission",
-                                          .n = sizeof members / sizeof *members,
-                                          .members = members };
+static void init_body(void *item, size_t place)
+{
+    body *b = item;
+
+    (void)place;
+    *b = (body){ .model = RUN_MACRO };
+    scene_init(&b->scenario);
+}
+
+const member_table submission_members = { MEMBER_TABLE("submission", members), .size = sizeof(body),
+                                          .init = init_body };
 
 static bool check_model(json_in *in, run_model model)
 {
@@ -111,17 +101,46 @@ bf_status submission_read(const char *json, size_t n, api_submission *ret_submis
 {
     json_in in = json_in_to(faults);
     struct json_t *root = json_in_parse(&in, json, n);
-    body b = { .model = RUN_MACRO };
+    body b;
 
     if (root == NULL)
         return json_in_status(&in, err);
-    scene_init(&b.scenario);
+    init_body(&b, 0);
     bf_status status = read_body(&in, root, &b, err);
     json_in_free(root);
     if (status == BF_OK)
         status = make_submission(&b, ret_submission, err);
     scene_fini(&b.scenario);
     return status;
+}
+
+static void write_true(json_out *w, const member *m, const void *item)
+{
+    (void)m;
+    (void)item;
+    json_out_bool(w, true);
+}
+
+static const member_kind member_true = { .type = "boolean", .write = write_true };
+
+#define AT(place) offsetof(api_submission, place)
+static const member validation_members[] = {
+    MEMBER("valid", true, 0, "Always true: what is not valid is answered with a problem"),
+    MEMBER("model", enum, AT(model), "The model that it was checked for", .words = run_model_words,
+           .type = "#Model"),
+    MEMBER("resolved", raw, AT(scenario.bytes), "The scenario with every default filled in",
+           .offset_n = AT(scenario.n), .type = "#ResolvedScenario"),
+};
+const member_table submission_validation_members = { MEMBER_TABLE("Validation",
+                                                                  validation_members) };
+#undef AT
+
+bf_status submission_validation(const api_submission *submission, bf_buffer *out, bf_error *err)
+{
+    json_out w = json_out_to(out);
+
+    members_write(&w, &submission_validation_members, submission);
+    return json_out_status(&w, err);
 }
 
 void submission_fini(api_submission *submission)

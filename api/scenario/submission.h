@@ -24,5 +24,12 @@ extern const member_table submission_members;
 BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
                                         bf_faults *faults, bf_error *err);
 
+/// What POST /v1/validate answers to a submission that is valid; the struct is api_submission.
+extern const member_table submission_validation_members;
+
+/// Append it: {"valid", "model", "resolved"}.
+BF_MUST_CHECK bf_status submission_validation(const api_submission *submission, bf_buffer *out,
+                                              bf_error *err);
+
 /// Free what a submission owns and zero it. NULL is fine.
 void submission_fini(api_submission *submission);

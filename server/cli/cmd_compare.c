@@ -111,7 +111,7 @@ static bf_status print_json(const compare_arguments *a, const compare_result *re
     for (size_t i = 0; i < a->n; i++) {
         json_out_object(&w);
         json_out_key_string(&w, "path", a->paths[i]);
-        compare_json_figures(&w, &results[i].figures);
+        members_write_into(&w, &compare_json_figures, &results[i].figures);
         json_out_object_end(&w);
     }
     json_out_array_end(&w);
@@ -122,7 +122,7 @@ static bf_status print_json(const compare_arguments *a, const compare_result *re
         json_out_key_string(&w, "a", a->paths[0]);
         json_out_key_string(&w, "b", a->paths[i]);
         json_out_key(&w, "curve");
-        compare_json_measures(&w, &results[i].measures);
+        members_write(&w, &compare_json_measures, &results[i].measures);
         json_out_object_end(&w);
     }
     json_out_array_end(&w);

@@ -30,7 +30,7 @@ STANDARD = {
 ALSO = {
     "core/base/simd.h": {"immintrin.h"},
     "core/base/team.c": {"linux/futex.h", "pthread.h", "sched.h", "signal.h", "sys/syscall.h", "unistd.h"},
-    "api/results/run_json.c": {"time.h"},
+    "api/json/json_out.c": {"time.h"},
     "api/results/results_png.c": {"setjmp.h"},
 }
 

@@ -39,7 +39,8 @@ static void structure_has_its_commas(void **unused)
     json_out_key_number(&w, "n", 2.0);
     json_out_key_integer(&w, "i", -3);
     json_out_key_bool(&w, "b", false);
-    json_out_key_pair(&w, "p", 1.0, -0.5);
+    json_out_key(&w, "p");
+    json_out_numbers(&w, (const double[]){ 1.0, -0.5 }, 2, 1);
     json_out_object_end(&w);
     assert_int_equal(json_out_status(&w, NULL), BF_OK);
     assert_string_equal(b.bytes,

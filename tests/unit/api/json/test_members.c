@@ -38,7 +38,7 @@ static void check_range(json_t *root, json_t *object, const member *m, const cha
     json_t *value = json_object_get(object, m->name);
     const member_range *range = m->range;
 
-    if (value == NULL || range == NULL || !(json_is_number(value) || m->kind == MEMBER_STEP))
+    if (value == NULL || range == NULL || !(json_is_number(value) || m->kind == &member_step))
         return;
     json_incref(value);
     double below = range->excludes_min ? range->minimum : range->minimum - 1.0;

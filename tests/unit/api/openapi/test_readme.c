@@ -17,52 +17,33 @@
 
 static char readme[100000];
 
-static const char *const kind_words[MEMBER_KIND_COUNT] = {
-    [MEMBER_NUMBER] = "number",
-    [MEMBER_STEP] = "number or \"auto\"",
-    [MEMBER_COUNT] = "whole number",
-    [MEMBER_SEED] = "whole number",
-    [MEMBER_PRIORITY] = "whole number",
-    [MEMBER_BOOL] = "boolean",
-    [MEMBER_TEXT] = "string",
-    [MEMBER_POINT] = "[x, y]",
-    [MEMBER_INTERVAL] = "[from, to]",
-    [MEMBER_NUMBERS] = "list of numbers",
-    [MEMBER_POINTS] = "list of [x, y]",
-    [MEMBER_OUTLINE] = "list of [x, y]",
-    [MEMBER_VERTICES] = "list of [x, y, z]",
-    [MEMBER_POSES] = "list of [x, y] or [x, y, heading]",
-    [MEMBER_OBJECT] = "object",
-    [MEMBER_LIST] = "list of objects",
-    [MEMBER_MIX] = "object, or list of objects",
-};
-
 static void describe_kind(const member *m, char *text, size_t size)
 {
     size_t n = 0;
 
-    if (m->kind == MEMBER_TEXT)
+    if (m->kind == &member_text)
         snprintf(text, size, "string, at most %zu bytes", m->limit - 1);
     else if (m->offset_n != 0)
-        snprintf(text, size, "%s, %zu to %zu", kind_words[m->kind], m->least, m->limit);
-    else if (m->kind != MEMBER_WORD)
-        snprintf(text, size, "%s", kind_words[m->kind]);
-    for (size_t k = 0; m->kind == MEMBER_WORD && m->words[k] != NULL; k++)
+        snprintf(text, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
+    else if (m->kind != &member_enum)
+        snprintf(text, size, "%s", m->kind->text);
+    for (size_t k = 0; m->kind == &member_enum && m->words[k] != NULL; k++)
         n += (size_t)snprintf(text + n, size - n, "%s%s", k == 0 ? "" : ", ", m->words[k]);
 }
 
 // The line of the README for a member.
-static void describe(const member *m, const char *pointer, char *text, size_t size)
+static void describe(const member_table *table, const member *m, const char *pointer, char *text,
+                     size_t size)
 {
-    char kind[120];
-    const char *standard = m->standard != NULL             ? m->standard
-                           : (m->flags & MEMBER_FORM) != 0 ? ""
-                                                           : "must be given";
+    char kind[120], range[MEMBER_TEXT_SIZE], standard[MEMBER_TEXT_SIZE];
 
     describe_kind(m, kind, sizeof kind);
+    members_range_text(m->range, range);
+    members_default_text(table, m, standard);
+    if (!members_has_default(m) && (m->flags & MEMBER_FORM) == 0)
+        snprintf(standard, sizeof standard, "must be given");
     snprintf(text, size, "| `%s` | %s | %s | %s | %s | %s |\n", pointer, kind,
-             m->unit == NULL ? "" : m->unit, m->range == NULL ? "" : m->range->text, standard,
-             m->help);
+             m->unit == NULL ? "" : m->unit, range, standard, m->help);
 }
 
 static void check_lines(const member_table *table, const char *pointer)
@@ -70,12 +51,12 @@ static void check_lines(const member_table *table, const char *pointer)
     for (size_t k = 0; k < table->n; k++) {
         const member *m = &table->members[k];
         char at[BF_POINTER_SIZE];
-        char line[600];
+        char line[1000];
         snprintf(at, sizeof at, "%s/%s", pointer, m->name);
-        describe(m, at, line, sizeof line);
+        describe(table, m, at, line, sizeof line);
         if (strstr(readme, line) == NULL)
             fail_msg("api/README.md lacks the line\n%s", line);
-        snprintf(at, sizeof at, "%s/%s%s", pointer, m->name, m->kind == MEMBER_LIST ? "/n" : "");
+        snprintf(at, sizeof at, "%s/%s%s", pointer, m->name, m->kind == &member_list ? "/n" : "");
         if (m->table != NULL && m->table != &scenario_members)
             check_lines(m->table, at);
         snprintf(at, sizeof at, "%s/%s/n", pointer, m->name);

@@ -23,7 +23,7 @@ static void figures_are_members_with_their_units(void **state)
 
     (void)state;
     json_out_object(&w);
-    compare_json_figures(&w, &f);
+    members_write_into(&w, &compare_json_figures, &f);
     json_out_object_end(&w);
     assert_string_equal(out.bytes, "{\"t_start_s\":0,\"t_end_s\":6,\"parts_start\":192,"
                                    "\"parts_end\":0,\"drain_time_s\":null,\"t10_s\":0.5,"
@@ -40,7 +40,7 @@ static void measures_are_an_object_and_never_is_null(void **state)
     json_out w = json_out_to(&out);
 
     (void)state;
-    compare_json_measures(&w, &m);
+    members_write(&w, &compare_json_measures, &m);
     assert_string_equal(out.bytes,
                         "{\"t_start_s\":0,\"t_end_s\":6,\"l1\":1.5,\"l2\":2,\"largest\":0,"
                         "\"largest_at_s\":0,\"drain_time_a_s\":null,\"drain_time_b_s\":0,"
@@ -58,7 +58,7 @@ static void distances_are_members(void **state)
 
     (void)state;
     json_out_object(&w);
-    compare_json_distance(&w, &d);
+    members_write_into(&w, &compare_json_distance, &d);
     json_out_object_end(&w);
     assert_string_equal(out.bytes, "{\"mean_abs\":0.25,\"l1\":1,\"emd_x_m\":null,\"emd_y_m\":0.1}");
     buffer_fini(&out);

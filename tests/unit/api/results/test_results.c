@@ -249,8 +249,8 @@ static void snapshots_are_listed_with_their_grid(void **unused)
         "\"snapshots\":[{\"n\":0,\"t_s\":0,\"file\":\"snapshots/000000.npy\",\"peak\":1.25,"
         "\"mass\":192},{\"n\":12,\"t_s\":0.1,\"file\":\"snapshots/000012.npy\",\"peak\":1.5,"
         "\"mass\":191.5}]}");
-    assert_int_equal(results_snapshots_json(&list, "/v1/x", &urls, NULL), BF_OK);
-    assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/x/snapshots/12\""));
+    assert_int_equal(results_snapshots_json(&list, "x", &urls, NULL), BF_OK);
+    assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/runs/x/snapshots/12\""));
     assert_null(strstr(urls.bytes, "file"));
     assert_null(strstr(urls.bytes, "parts"));
     buffer_fini(&files);
@@ -271,8 +271,8 @@ static void snapshots_with_parts_say_where_they_are_and_what_their_columns_mean(
                                         "\"spin_rad_s\"]},\"snapshots\":["));
     assert_non_null(strstr(files.bytes, "\"mass\":191.5,\"parts_file\":\"parts/000012.npy\"}]}"));
     list.parts.n_values = FRAME_VALUES_SPATIAL;
-    assert_int_equal(results_snapshots_json(&list, "/v1/x", &urls, NULL), BF_OK);
-    assert_non_null(strstr(urls.bytes, "\"parts_url\":\"/v1/x/parts/12\""));
+    assert_int_equal(results_snapshots_json(&list, "x", &urls, NULL), BF_OK);
+    assert_non_null(strstr(urls.bytes, "\"parts_url\":\"/v1/runs/x/parts/12\""));
     assert_non_null(strstr(urls.bytes, "[\"x_m\",\"y_m\",\"z_m\",\"q_w\",\"q_x\",\"q_y\",\"q_z\","
                                        "\"vx_m_s\",\"vy_m_s\",\"vz_m_s\",\"wx_rad_s\","
                                        "\"wy_rad_s\",\"wz_rad_s\"]"));
@@ -358,7 +358,8 @@ static json_t *summarise(const frame_begin *b, const frame_end *e)
     bf_buffer out = { 0 };
 
     assert_int_equal(
-        results_summary(RUN_MACRO, scenario.bytes, scenario.n, b, e, &timing, &out, NULL), BF_OK);
+        results_summary((run_model)b->model, scenario.bytes, scenario.n, b, e, &timing, &out, NULL),
+        BF_OK);
     json_t *root = parse(&out);
     json_t *document = json_loadb(scenario.bytes, scenario.n, 0, NULL);
     assert_true(json_equal(json_object_get(root, "scenario"), document));

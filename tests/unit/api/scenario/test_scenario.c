@@ -361,41 +361,6 @@ static void writing_without_memory_leaves_the_buffer(void **unused)
     buffer_fini(&document);
 }
 
-// The default that a table names is the one that core has, wherever it is one number or word.
-static void check_defaults(const member_table *table, const json_t *object)
-{
-    for (size_t k = 0; k < table->n; k++) {
-        const member *m = &table->members[k];
-        const json_t *value = json_object_get(object, m->name);
-        char *end;
-        if (value == NULL || m->standard == NULL)
-            continue;
-        if (m->kind == MEMBER_OBJECT)
-            check_defaults(m->table, value);
-        if (m->kind == MEMBER_LIST && json_array_size(value) > 0)
-            check_defaults(m->table, json_array_get(value, 0));
-        if (m->kind == MEMBER_WORD)
-            assert_string_equal(json_string_value(value), m->standard);
-        double standard = strtod(m->standard, &end);
-        if (json_is_number(value) && *end == '\0')
-            assert_true(json_number_value(value) == standard);
-    }
-}
-
-static void the_tables_name_the_defaults_of_core(void **unused)
-{
-    bf_buffer document = document_quote(DOCUMENT_WITH("'obstacles': [{'from_m': [0, 0], 'to_m':"
-                                                      "[0.1, 0.5]}]"));
-    bf_buffer written = resolve(&document);
-    json_t *root = json_loadb(written.bytes, written.n, 0, NULL);
-
-    (void)unused;
-    check_defaults(&scenario_members, root);
-    json_decref(root);
-    buffer_fini(&document);
-    buffer_fini(&written);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,7 +378,6 @@ int main(void)
         cmocka_unit_test(columns_are_the_counters_and_left_domain),
         cmocka_unit_test(no_memory_is_reported_and_leaves_the_output),
         cmocka_unit_test(writing_without_memory_leaves_the_buffer),
-        cmocka_unit_test(the_tables_name_the_defaults_of_core),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,310 @@
+#include "api/json/members.h"
+
+#include "api/json/schema.h"
+#include "api/json/suggest.h"
+#include "core/base/check.h"
+
+#include <ctype.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdalign.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ITEM_SIZE = 16384 }; // bytes of the largest struct whose defaults are named
+
+static void *place_of(void *item, size_t offset)
+{
+    return (char *)item + offset;
+}
+
+static unsigned read_choice(const void *item, size_t offset)
+{
+    unsigned choice; // enums of the structs are unsigned
+
+    memcpy(&choice, (const char *)item + offset, sizeof choice);
+    return choice;
+}
+
+bool members_applies(const member_table *table, const member *m, const void *item)
+{
+    if (m->applies != NULL)
+        return m->applies(item);
+    if (table->choice == MEMBER_ONE_OF)
+        return (size_t)(m - table->members) == read_choice(item, table->offset_choice);
+    if (table->choice == MEMBER_TAGGED && m->tags != 0)
+        return (m->tags >> read_choice(item, table->members[0].offset) & 1U) != 0;
+    return true;
+}
+
+static const member *find_member(const member_table *table, const char *name)
+{
+    for (size_t k = 0; k < table->n; k++) {
+        if (strcmp(table->members[k].name, name) == 0)
+            return &table->members[k];
+    }
+    return NULL;
+}
+
+static const char *nearest_name(const member_table *table, const char *name)
+{
+    const char *nearest = NULL;
+    size_t least = SIZE_MAX;
+
+    for (size_t k = 0; k < table->n; k++) {
+        size_t distance = suggest_distance(name, table->members[k].name);
+        if (distance < least) {
+            least = distance;
+            nearest = table->members[k].name;
+        }
+    }
+    return nearest != NULL && suggest_is_near(nearest, least) ? nearest : NULL;
+}
+
+static void note_unknown(json_in *in, const json_t *object, const member_table *table)
+{
+    for (void *at = json_object_iter((json_t *)object); at != NULL;
+         at = json_object_iter_next((json_t *)object, at)) {
+        const char *name = json_object_iter_key(at);
+        if (find_member(table, name) != NULL)
+            continue;
+        const char *nearest = nearest_name(table, name);
+        size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+        if (nearest != NULL)
+            json_in_fault(in, "unknown member; \"%s\" is like it", nearest);
+        else
+            json_in_fault(in, "unknown member");
+        json_pointer_leave(&in->pointer, mark);
+    }
+}
+
+static void read_member(json_in *in, const json_t *object, const member_table *table,
+                        const member *m, void *item)
+{
+    const json_t *value = json_object_get(object, m->name);
+    size_t mark = json_pointer_enter(&in->pointer, m->name, strlen(m->name));
+
+    if (!members_applies(table, m, item)) {
+        if (value != NULL)
+            json_in_fault(in, "does not belong to this %s", table->title);
+    } else if (value != NULL) {
+        m->kind->read(in, value, m, item);
+    } else if (!members_has_default(m)) {
+        json_in_fault(in, "is missing");
+    }
+    json_pointer_leave(&in->pointer, mark);
+}
+
+// Sets the enum of a MEMBER_ONE_OF; false: there is not exactly one member.
+static bool choose_member(json_in *in, const json_t *object, const member_table *table, void *item)
+{
+    unsigned n_found = 0;
+    unsigned choice = 0;
+
+    for (unsigned k = 0; k < table->n; k++) {
+        if (json_object_get(object, table->members[k].name) != NULL) {
+            n_found++;
+            choice = k;
+        }
+    }
+    if (n_found != 1) {
+        json_in_fault(in, "must have exactly one of its members, not %u", n_found);
+        return false;
+    }
+    memcpy(place_of(item, table->offset_choice), &choice, sizeof choice);
+    return true;
+}
+
+void members_read(json_in *in, const struct json_t *value, const member_table *table, void *item)
+{
+    if (!json_in_is_object(in, value))
+        return;
+    note_unknown(in, value, table);
+    if (table->choice == MEMBER_ONE_OF && !choose_member(in, value, table, item))
+        return;
+    for (size_t k = 0; k < table->n; k++) {
+        const member *m = &table->members[k];
+        size_t n_faults = in->faults->n;
+        if ((m->flags & MEMBER_FORM) == 0)
+            read_member(in, value, table, m, item);
+        // Without its tag nothing can be said of the other members.
+        if (table->choice == MEMBER_TAGGED && k == 0 && in->faults->n != n_faults)
+            return;
+    }
+    if (table->post_read != NULL)
+        table->post_read(in, value, item);
+}
+
+static bool is_written(const member_table *table, const member *m, const void *item)
+{
+    size_t n = 1;
+
+    if ((m->flags & MEMBER_FORM) != 0 || (m->name != NULL && m->kind->write == NULL))
+        return false;
+    if ((m->flags & MEMBER_OMIT_EMPTY) != 0)
+        memcpy(&n, (const char *)item + m->offset_n, sizeof n);
+    return n > 0 && members_applies(table, m, item);
+}
+
+void members_write_into(json_out *w, const member_table *table, const void *item)
+{
+    for (size_t k = 0; k < table->n; k++) {
+        const member *m = &table->members[k];
+        if (!is_written(table, m, item))
+            continue;
+        if (m->name == NULL) {
+            members_write_into(w, m->table, (const char *)item + m->offset);
+            continue;
+        }
+        json_out_key(w, m->name);
+        m->kind->write(w, m, item);
+    }
+}
+
+void members_write(json_out *w, const member_table *table, const void *item)
+{
+    json_out_object(w);
+    members_write_into(w, table, item);
+    json_out_object_end(w);
+}
+
+void members_schema_name(const member_table *table, member_view view, char *ret_name)
+{
+    const char *prefix = view == MEMBER_RESOLVED ? "Resolved" : "";
+    int n = snprintf(ret_name, MEMBER_TEXT_SIZE, "%s%s", prefix, table->title);
+
+    BF_CHECK(n > 0 && n < MEMBER_TEXT_SIZE);
+    char *first = ret_name + strlen(prefix);
+    *first = (char)toupper((unsigned char)*first);
+}
+
+void members_write_ref(json_out *w, const member_table *table, member_view view)
+{
+    char name[MEMBER_TEXT_SIZE];
+
+    members_schema_name(table, view, name);
+    schema_write_ref(w, "schemas", name, strlen(name));
+}
+
+// ---- ranges and defaults as texts
+
+void members_range_text(const member_range *range, char *ret_text)
+{
+    static const double two_53 = 9007199254740992.0;
+    bool has_min = range != NULL && isfinite(range->minimum);
+    bool has_max = range != NULL && isfinite(range->maximum);
+    size_t n = 0;
+
+    ret_text[0] = '\0';
+    if (has_min && has_max && range->minimum < 0.0) {
+        snprintf(ret_text, MEMBER_TEXT_SIZE, "%g to %g", range->minimum, range->maximum);
+        return;
+    }
+    if (has_min)
+        n = (size_t)snprintf(ret_text, MEMBER_TEXT_SIZE, "%s %g%s",
+                             range->excludes_min ? ">" : ">=", range->minimum, has_max ? ", " : "");
+    if (has_max && range->maximum == two_53 - 1.0)
+        snprintf(ret_text + n, MEMBER_TEXT_SIZE - n, "< 2^53");
+    else if (has_max)
+        snprintf(ret_text + n, MEMBER_TEXT_SIZE - n, "%s %g",
+                 range->excludes_max ? "<" : "<=", range->maximum);
+}
+
+bool members_has_default(const member *m)
+{
+    return m->default_text != NULL || (m->flags & MEMBER_INIT) != 0;
+}
+
+// Appends the value of a member as JSON, of an object those of its members with their units.
+static void append_value(const member *m, const void *item, bf_buffer *out, bool *has_failed)
+{
+    const void *object = (const char *)item + m->offset;
+    json_out w = json_out_to(out);
+
+    if (m->table == NULL) {
+        m->kind->write(&w, m, item);
+        *has_failed |= w.has_failed;
+    }
+    for (size_t k = 0; m->table != NULL && k < m->table->n; k++) {
+        const member *part = &m->table->members[k];
+        *has_failed |= k > 0 && buffer_append(out, ", ", 2) != BF_OK;
+        append_value(part, object, out, has_failed);
+        if (part->unit != NULL)
+            *has_failed |= buffer_printf(out, " %s", part->unit) != BF_OK;
+    }
+}
+
+// Appends what init gives to the member: one value if it is the same at every place. False: there
+// are several, or it is not one JSON value.
+static bool append_init(const member_table *table, const member *m, bf_buffer *out,
+                        bool *has_failed)
+{
+    alignas(max_align_t) char item[ITEM_SIZE];
+    bf_buffer first = { 0 };
+    bool are_equal = true;
+
+    BF_CHECK(table->init != NULL && table->size > 0 && table->size <= sizeof item);
+    for (size_t place = 0; place < table->n_places || place == 0; place++) {
+        table->init(item, place);
+        *has_failed |= place > 0 && buffer_append(out, ", ", 2) != BF_OK;
+        size_t n = out->n;
+        append_value(m, item, out, has_failed);
+        if (*has_failed)
+            break;
+        if (place == 0)
+            *has_failed = buffer_printf(&first, "%s", out->bytes) != BF_OK;
+        else
+            are_equal = are_equal && strcmp(out->bytes + n, first.bytes) == 0;
+    }
+    if (!*has_failed && are_equal)
+        buffer_truncate(out, first.n);
+    buffer_fini(&first);
+    return are_equal && m->table == NULL;
+}
+
+void members_default_text(const member_table *table, const member *m, char *ret_text)
+{
+    bf_buffer text = { 0 };
+    bool has_failed = false;
+
+    ret_text[0] = '\0';
+    if (m->default_text != NULL)
+        snprintf(ret_text, MEMBER_TEXT_SIZE, "%s", m->default_text);
+    if (m->default_text != NULL || (m->flags & MEMBER_INIT) == 0)
+        return;
+    append_init(table, m, &text, &has_failed);
+    if (!has_failed && strcmp(text.bytes, "\"\"") == 0)
+        snprintf(ret_text, MEMBER_TEXT_SIZE, "empty");
+    else if (!has_failed && text.bytes[0] == '"')
+        snprintf(ret_text, MEMBER_TEXT_SIZE, "%.*s", (int)text.n - 2, text.bytes + 1);
+    else if (!has_failed)
+        snprintf(ret_text, MEMBER_TEXT_SIZE, "%s", text.bytes);
+    buffer_fini(&text);
+}
+
+static bool write_init(json_out *w, const member_table *table, const member *m)
+{
+    bf_buffer text = { 0 };
+
+    bool is_value = append_init(table, m, &text, &w->has_failed);
+    if (is_value && !w->has_failed) {
+        json_out_key(w, "default");
+        json_out_raw(w, text.bytes, text.n);
+    }
+    buffer_fini(&text);
+    return is_value;
+}
+
+bool members_write_default(json_out *w, const member_table *table, const member *m)
+{
+    const char *text = m->default_text;
+
+    if (text == NULL)
+        return write_init(w, table, m);
+    if (*text != '[' && *text != '{')
+        return false;
+    json_out_key(w, "default");
+    json_out_raw(w, text, strlen(text));
+    return true;
+}
