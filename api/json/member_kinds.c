@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "core/base/grid.h"
 #include "core/base/memory.h"
+#include "core/base/vec2.h"
 #include "core/scene/scene.h"
 
 #include <inttypes.h>
@@ -497,7 +498,7 @@ static void describe_pairs(json_out *w, const member *m, member_view view)
 }
 
 enum {
-    POINT_STRIDE = sizeof(scene_point) / sizeof(double),
+    POINT_STRIDE = sizeof(vec2) / sizeof(double),
     POSE_STRIDE = sizeof(scene_pose) / sizeof(double),
     VERTEX_STRIDE = 3
 };

@@ -123,27 +123,27 @@ struct member_table {
     .title = (title_), .members = (array), .n = sizeof(array) / sizeof *(array)
 
 /// The kinds, with what lies at the member's offset.
-extern const member_kind member_number;   ///< number: double; not finite: null
-extern const member_kind member_step;     ///< number, not 0, or "auto": double, 0 for "auto"
-extern const member_kind member_count;    ///< whole number: uint32_t
-extern const member_kind member_seed;     ///< whole number below 2^53: uint64_t
-extern const member_kind member_int;      ///< whole number within the member's range: int
-extern const member_kind member_size;     ///< whole number: uint64_t; answers
-extern const member_kind member_bool;     ///< boolean: bool
-extern const member_kind member_text;     ///< string: char[limit]
-extern const member_kind member_string;   ///< string: const char *, NULL: null; answers
-extern const member_kind member_enum;     ///< one of words: an enum, its index
-extern const member_kind member_point;    ///< [x, y]: two doubles
-extern const member_kind member_interval; ///< [from, to]: two doubles
-extern const member_kind member_numbers;  ///< list of numbers: pointer to doubles, and a count
-extern const member_kind member_points;   ///< list of [x, y]: pointer to scene_point, and a count
-extern const member_kind member_outline;  ///< list of [x, y]: pointer to triples, and a count
-extern const member_kind member_vertices; ///< list of [x, y, z]: pointer to triples, and a count
-extern const member_kind member_poses;    ///< list of [x, y] or [x, y, degrees]: pointer to
-                                          ///< scene_pose, and a count
-extern const member_kind member_object;   ///< object: a struct described by table
-extern const member_kind member_list;     ///< list of objects: pointer to structs described by
-                                          ///< table, and a count
+extern const member_kind member_number;      ///< number: double; not finite: null
+extern const member_kind member_step;        ///< number, not 0, or "auto": double, 0 for "auto"
+extern const member_kind member_count;       ///< whole number: uint32_t
+extern const member_kind member_seed;        ///< whole number below 2^53: uint64_t
+extern const member_kind member_int;         ///< whole number within the member's range: int
+extern const member_kind member_size;        ///< whole number: uint64_t; answers
+extern const member_kind member_bool;        ///< boolean: bool
+extern const member_kind member_text;        ///< string: char[limit]
+extern const member_kind member_string;      ///< string: const char *, NULL: null; answers
+extern const member_kind member_enum;        ///< one of words: an enum, its index
+extern const member_kind member_point;       ///< [x, y]: two doubles
+extern const member_kind member_interval;    ///< [from, to]: two doubles
+extern const member_kind member_numbers;     ///< list of numbers: pointer to doubles, and a count
+extern const member_kind member_points;      ///< list of [x, y]: pointer to vec2, and a count
+extern const member_kind member_outline;     ///< list of [x, y]: pointer to triples, and a count
+extern const member_kind member_vertices;    ///< list of [x, y, z]: pointer to triples, and a count
+extern const member_kind member_poses;       ///< list of [x, y] or [x, y, degrees]: pointer to
+                                             ///< scene_pose, and a count
+extern const member_kind member_object;      ///< object: a struct described by table
+extern const member_kind member_list;        ///< list of objects: pointer to structs described by
+                                             ///< table, and a count
 extern const member_kind member_one_or_list; ///< object, or list of objects: structs in place,
                                              ///< described by table where there is one object and
                                              ///< by items where there is a list, and a count

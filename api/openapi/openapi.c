@@ -92,8 +92,8 @@ static void write_description(json_out *w)
 {
     bf_buffer text = { 0 };
 
-    if (buffer_printf(&text, "%s\n\n## First steps\n\n%s", description, openapi__first_steps) ==
-        BF_OK)
+    if (buffer_printf(&text, "%s\n\n## First steps\n\n%s", description,
+                      openapi__first_steps->text) == BF_OK)
         json_out_key_string(w, "description", text.bytes);
     else
         w->has_failed = true;

@@ -76,8 +76,15 @@ const openapi_schema *openapi__schemas(size_t *ret_n);
 const openapi_parameter *openapi__parameters(size_t *ret_n);
 const openapi_header *openapi__headers(size_t *ret_n);
 
-/// first_steps.md, Markdown.
-extern const char openapi__first_steps[];
+/// A text that the build made from a file.
+typedef struct openapi_text {
+    const char *name; ///< of the file without its ending; NULL ends the list
+    const char *text; ///< n bytes and a terminating zero
+    size_t n;         ///< bytes
+} openapi_text;
+
+/// first_steps.md, Markdown, alone in its list.
+extern const openapi_text openapi__first_steps[];
 
 /// HTTP statuses of the refusals that any request can meet, and headers of every answer: words.
 extern const char openapi__common_refusals[];

@@ -1,20 +1,24 @@
 #include "api/scenario/examples.h"
 
-#include "api/scenario/examples_priv.h"
+#include "api/scenario/scenario_priv.h"
 
 #include <string.h>
 
 const example *examples_list(size_t *ret_n)
 {
-    *ret_n = examples__n;
+    size_t n = 0;
+
+    while (examples__list[n].name != NULL)
+        n++;
+    *ret_n = n;
     return examples__list;
 }
 
 const example *examples_find(const char *name)
 {
-    for (size_t k = 0; k < examples__n; k++) {
-        if (strcmp(examples__list[k].name, name) == 0)
-            return &examples__list[k];
+    for (const example *at = examples__list; at->name != NULL; at++) {
+        if (strcmp(at->name, name) == 0)
+            return at;
     }
     return NULL;
 }

@@ -1,8 +1,9 @@
-/// For the files of api that read a scenario as part of something else.
+/// Private to api/scenario.
 
 #pragma once
 
 #include "api/json/json_in.h"
+#include "api/scenario/examples.h"
 #include "core/run/run.h"
 #include "core/scene/scene.h"
 
@@ -12,3 +13,7 @@ bool scenario__complete(json_in *in, scene *s);
 
 /// Check a complete scenario for a model; faults as above.
 void scenario__check_model(json_in *in, const scene *s, run_model model);
+
+/// The ready scenarios by rising name, made by the build from the files of api/scenario/examples; the
+/// last one has no name.
+extern const example examples__list[];
