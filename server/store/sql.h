@@ -90,8 +90,8 @@
     X(REQUEST_STOP, "UPDATE runs SET stop_request = ?2 WHERE number = ?1")                         \
     X(SET_EXTERNAL_ID, "UPDATE runs SET external_id = ?2 WHERE id = ?1 AND state = 1")             \
     X(COUNT_QUEUED, "SELECT count(*) FROM runs WHERE state = 0")                                   \
-    X(COUNT_QUEUED_OF, "SELECT count(*) FROM (SELECT 1 FROM runs INDEXED BY runs_by_client "       \
-                       "WHERE state = 0 AND client <> '' AND client = ?1 LIMIT ?2)")               \
+    X(COUNT_QUEUED_OF, "SELECT count(*) FROM runs INDEXED BY runs_by_client WHERE state = 0 "      \
+                       "AND client <> '' AND client = ?1")                                         \
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
                      "ORDER BY id LIMIT 1")                                                        \

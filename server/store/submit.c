@@ -36,7 +36,7 @@ static bf_status read_count(store__query *q, size_t *ret_n, bf_error *err)
     return status;
 }
 
-// The client's places in the queue are counted up to the quota, by an index of those that wait.
+// The client's runs that wait are counted by an index that has no others.
 static bf_status check_quota(store__connection *writer, const char *client, size_t quota,
                              bf_error *err)
 {
@@ -46,7 +46,6 @@ static bf_status check_quota(store__connection *writer, const char *client, size
         return BF_OK;
     store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED_OF);
     store__bind_text(&q, client, strlen(client));
-    store__bind_integer(&q, (int64_t)quota);
     bf_status status = read_count(&q, &n, err);
     if (status == BF_OK && n >= quota)
         return bf_fail(err, BF_ELIMIT, "", "%zu runs of %s wait already, its share of the queue", n,
