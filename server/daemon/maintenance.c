@@ -1,4 +1,4 @@
-#include "server/cli/maintenance.h"
+#include "server/daemon/maintenance.h"
 
 #include "server/store/backup.h"
 #include "server/store/verify.h"
