@@ -60,12 +60,12 @@ static bf_status place_parts(const scene *s, macro_run *run, uint64_t *ret_n_par
 {
     const size_t n_cells = grid_cells(&run->grid);
     double *rho = memory_alloc(n_cells, sizeof *rho);
-    placement p = { 0 };
+    scene_placement p = { .n = 0 };
     bf_status status;
 
     if (rho == NULL)
         return bf_fail(err, BF_ENOMEM, "/macro/cell_m", "no memory for %zu cells", n_cells);
-    if ((status = placement_make(s, &p, err)) == BF_OK &&
+    if ((status = placement_of(s, &p, err)) == BF_OK &&
         (status = density_from_parts(&run->grid, run->packing, s->macro.initial_mollifier, p.poses,
                                      p.n, rho, err)) == BF_OK)
         status = macro_set_density(run->solver, rho, n_cells, err);

@@ -12,19 +12,15 @@
 typedef struct run_micro__setup {
     micro_def def;                     ///< ready, with the step that the run takes
     micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
-    placement placement;               ///< def.poses, def.part_kinds
+    scene_placement placement;         ///< def.poses, def.part_kinds
 } run_micro__setup;
 
-/// The definition of a checked scenario. BF_ENOMEM, BF_EINPUT as placement_make(); *setup is then empty.
+/// The definition of a checked scenario. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is then empty.
 BF_MUST_CHECK bf_status run_micro__init_setup(const scene *s, int n_threads,
                                               run_micro__setup *setup, bf_error *err);
 
 /// Free what the setup owns and zero it. NULL is fine.
 void run_micro__fini_setup(run_micro__setup *setup);
-
-/// The largest step not above dt that is not longer than the run and, where output.curve_every is
-/// longer, fits a whole number of times into it; s.
-double run_micro__fit_step(const scene *s, double dt);
 
 /// BF_ELIMIT if steps of dt are too many for the run.
 BF_MUST_CHECK bf_status run_micro__check_count(const scene *s, double dt, bf_error *err);

@@ -45,15 +45,6 @@ static void set_surroundings(const scene *s, micro_def *def)
     def->obstacles = s->obstacles;
 }
 
-double run_micro__fit_step(const scene *s, double dt)
-{
-    double every = s->output.curve_every;
-
-    if (every > dt)
-        dt = every / ceil(every / dt * (1.0 - 1e-12));
-    return fmin(dt, s->duration);
-}
-
 bf_status run_micro__check_count(const scene *s, double dt, bf_error *err)
 {
     double n = ceil(s->duration / dt);
@@ -75,7 +66,7 @@ bf_status run_micro__init_setup(const scene *s, int n_threads, run_micro__setup 
                                 bf_error *err)
 {
     *setup = (run_micro__setup){ .def = micro_def_default() };
-    bf_status status = placement_make(s, &setup->placement, err);
+    bf_status status = placement_of(s, &setup->placement, err);
     if (status != BF_OK)
         return status;
     set_kinds(s, setup);
@@ -86,7 +77,7 @@ bf_status run_micro__init_setup(const scene *s, int n_threads, run_micro__setup 
     setup->def.part_kinds = setup->placement.kinds;
     setup->def.n_threads = n_threads;
     if (setup->def.dt == 0.0)
-        setup->def.dt = run_micro__fit_step(s, choose_step(&setup->def));
+        setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
     return BF_OK;
 }
 

@@ -1,66 +1,106 @@
+// The checks of a scenario: every fault that can be found, with its pointer, in the order of the document's
+// members.
+
 #include "core/scene/scene.h"
 
-#include "core/scene/check_priv.h"
+#include "core/base/polygon.h"
 #include "core/scene/placement.h"
+#include "core/scene/shape.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-enum { TOLD_MAX = 4 }; ///< bad positions that are told of
+enum {
+    REPORTED_MAX = 4,    ///< bad positions that are reported
+    ROOM_FOR_INDEX = 24, ///< bytes of "/" and an index
+};
 
-#define ABOVE_0(pointer, member, high)   SCENE_CHECK__ABOVE_0(pointer, scene, member, high)
-#define FROM(pointer, member, low, high) SCENE_CHECK__FROM(pointer, scene, member, low, high)
-#define BELOW_HALF(pointer, member)      SCENE_CHECK__BELOW_HALF(pointer, scene, member)
+/// Largest ratio of the disk about the part that extends farthest to the smallest footprint: with
+/// more, far too many small parts fit into one cell of the search for overlaps.
+#define UNLIKE_MAX 1000.0
+
+/// A domain this near to a whole number of cells is one, relative to its length, and at most this
+/// part of a cell off.
+#define WHOLE     1e-6
+#define WHOLE_MAX 0.01
+
+/// Which ends of a range do not belong to it.
+enum { OPEN_LOW = 1, OPEN_HIGH = 2 };
+
+/// A number of a struct and the range it must keep to.
+typedef struct number_rule {
+    const char *pointer; ///< below that of the struct
+    size_t offset;       ///< of the double in the struct
+    double low;          ///< least
+    double high;         ///< most
+    unsigned open;       ///< OPEN_LOW, OPEN_HIGH
+} number_rule;
+
+/// Rules of a struct's member: above 0; from low to high; from 0 to below 0.5.
+#define ABOVE_0(pointer, type, member, high)                                                       \
+    {                                                                                              \
+        pointer, offsetof(type, member), 0.0, high, OPEN_LOW                                       \
+    }
+#define FROM(pointer, type, member, low, high)                                                     \
+    {                                                                                              \
+        pointer, offsetof(type, member), low, high, 0                                              \
+    }
+#define BELOW_HALF(pointer, type, member)                                                          \
+    {                                                                                              \
+        pointer, offsetof(type, member), 0.0, 0.5, OPEN_HIGH                                       \
+    }
+
 #define CONTACT(word, pair)                                                                        \
-    ABOVE_0("/contacts/" word "/length_m", micro.contact[pair].length, SCENE_LENGTH_MAX),          \
-        FROM("/contacts/" word "/damping_n_s_m", micro.contact[pair].damping, 0.0, 1e12),          \
-        FROM("/contacts/" word "/friction", micro.contact[pair].friction, 0.0, 1e6),               \
-        ABOVE_0("/contacts/" word "/tanh_linear_s_m", micro.contact[pair].tanh_linear, 1e12),      \
-        ABOVE_0("/contacts/" word "/tanh_spin_s", micro.contact[pair].tanh_spin, 1e12)
+    ABOVE_0("/contacts/" word "/length_m", scene, micro.contact[pair].length, SCENE_LENGTH_MAX),   \
+        FROM("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping, 0.0, 1e12),   \
+        FROM("/contacts/" word "/friction", scene, micro.contact[pair].friction, 0.0, 1e6),        \
+        ABOVE_0("/contacts/" word "/tanh_linear_s_m", scene, micro.contact[pair].tanh_linear,      \
+                1e12),                                                                             \
+        ABOVE_0("/contacts/" word "/tanh_spin_s", scene, micro.contact[pair].tanh_spin, 1e12)
 
-static const scene_check__rule number_rules[] = {
-    ABOVE_0("/duration_s", duration, 1e9),
-    ABOVE_0("/output/curve_every_s", output.curve_every, 1e9),
-    ABOVE_0("/output/snapshot_every_s", output.snapshot_every, 1e9),
-    ABOVE_0("/macro/cell_m", macro.cell, SCENE_LENGTH_MAX),
-    FROM("/macro/step_s", macro.step, 0.0, 1e9),
-    ABOVE_0("/macro/heaviside_width", macro.heaviside_width, 1e6),
-    FROM("/macro/dispersion_m_s", macro.dispersion, 0.0, 2.0 * SCENE_SPEED_MAX),
-    ABOVE_0("/macro/mollifier_per_m2", macro.mollifier, 1e18),
-    ABOVE_0("/macro/initial_mollifier_per_m2", macro.initial_mollifier, 1e18),
-    ABOVE_0("/macro/packing_density_per_m2", macro.packing, 1e18),
-    FROM("/micro/step_s", micro.step, 0.0, 1.0),
-    FROM("/micro/modulus_reduction", micro.modulus_reduction, 1.0, 1e15),
-    FROM("/micro/damping_per_s", micro.damping, 0.0, 1e9),
-    FROM("/micro/gravity_m_s2", micro.gravity, 0.0, 1e6),
-    FROM("/micro/spin_friction_radius_m", micro.spin_friction_radius, 0.0, SCENE_LENGTH_MAX),
-    ABOVE_0("/materials/conveyor/young_modulus_pa", micro.conveyor.young_modulus, 1e15),
-    BELOW_HALF("/materials/conveyor/poisson_ratio", micro.conveyor.poisson_ratio),
-    ABOVE_0("/materials/handling/young_modulus_pa", micro.handling.young_modulus, 1e15),
-    BELOW_HALF("/materials/handling/poisson_ratio", micro.handling.poisson_ratio),
+static const number_rule number_rules[] = {
+    ABOVE_0("/duration_s", scene, duration, 1e9),
+    ABOVE_0("/output/curve_every_s", scene, output.curve_every, 1e9),
+    ABOVE_0("/output/snapshot_every_s", scene, output.snapshot_every, 1e9),
+    ABOVE_0("/macro/cell_m", scene, macro.cell, SCENE_LENGTH_MAX),
+    FROM("/macro/step_s", scene, macro.step, 0.0, 1e9),
+    ABOVE_0("/macro/heaviside_width", scene, macro.heaviside_width, 1e6),
+    FROM("/macro/dispersion_m_s", scene, macro.dispersion, 0.0, 2.0 * SCENE_SPEED_MAX),
+    ABOVE_0("/macro/mollifier_per_m2", scene, macro.mollifier, 1e18),
+    ABOVE_0("/macro/initial_mollifier_per_m2", scene, macro.initial_mollifier, 1e18),
+    ABOVE_0("/macro/packing_density_per_m2", scene, macro.packing, 1e18),
+    FROM("/micro/step_s", scene, micro.step, 0.0, 1.0),
+    FROM("/micro/modulus_reduction", scene, micro.modulus_reduction, 1.0, 1e15),
+    FROM("/micro/damping_per_s", scene, micro.damping, 0.0, 1e9),
+    FROM("/micro/gravity_m_s2", scene, micro.gravity, 0.0, 1e6),
+    FROM("/micro/spin_friction_radius_m", scene, micro.spin_friction_radius, 0.0, SCENE_LENGTH_MAX),
+    ABOVE_0("/materials/conveyor/young_modulus_pa", scene, micro.conveyor.young_modulus, 1e15),
+    BELOW_HALF("/materials/conveyor/poisson_ratio", scene, micro.conveyor.poisson_ratio),
+    ABOVE_0("/materials/handling/young_modulus_pa", scene, micro.handling.young_modulus, 1e15),
+    BELOW_HALF("/materials/handling/poisson_ratio", scene, micro.handling.poisson_ratio),
     CONTACT("cargo_cargo", SCENE_CARGO_CARGO),
     CONTACT("conveyor_cargo", SCENE_CONVEYOR_CARGO),
     CONTACT("handling_cargo", SCENE_HANDLING_CARGO),
 };
 
-void scene_check__numbers(const void *item, const char *pointer, const scene_check__rule *rules,
-                          size_t n, bf_faults *faults)
+/// Note numbers of a struct that are out of range; pointer is that of the struct.
+static void check_numbers(const void *item, const char *pointer, const number_rule *rules, size_t n,
+                          bf_faults *faults)
 {
-    char at[BF_POINTER_SIZE];
+    char at[2 * BF_POINTER_SIZE];
 
     for (size_t k = 0; k < n; k++) {
-        const scene_check__rule *rule = &rules[k];
+        const number_rule *rule = &rules[k];
         double value = *(const double *)((const char *)item + rule->offset);
-        bool is_low =
-            rule->open & SCENE_CHECK__OPEN_LOW ? !(value > rule->low) : !(value >= rule->low);
-        bool is_high =
-            rule->open & SCENE_CHECK__OPEN_HIGH ? !(value < rule->high) : !(value <= rule->high);
+        bool is_low = rule->open & OPEN_LOW ? !(value > rule->low) : !(value >= rule->low);
+        bool is_high = rule->open & OPEN_HIGH ? !(value < rule->high) : !(value <= rule->high);
         if (!is_low && !is_high)
             continue;
         snprintf(at, sizeof at, "%s%s", pointer, rule->pointer);
         faults_add(faults, at, "must be %s %g and %s %g, not %g",
-                   rule->open & SCENE_CHECK__OPEN_LOW ? "above" : "at least", rule->low,
-                   rule->open & SCENE_CHECK__OPEN_HIGH ? "below" : "at most", rule->high, value);
+                   rule->open & OPEN_LOW ? "above" : "at least", rule->low,
+                   rule->open & OPEN_HIGH ? "below" : "at most", rule->high, value);
     }
 }
 
@@ -98,6 +138,342 @@ static void check_domain(const scene *s, bf_faults *faults)
     }
 }
 
+/// The id of an item of a list.
+typedef const char *id_of(const scene *s, size_t k);
+
+static const char *belt_id(const scene *s, size_t k)
+{
+    return s->belts[k].id;
+}
+
+static const char *obstacle_id(const scene *s, size_t k)
+{
+    return s->obstacles[k].id;
+}
+
+static const char *counter_id(const scene *s, size_t k)
+{
+    return s->counters[k].id;
+}
+
+bool scene_is_id(const char *text)
+{
+    size_t n = strnlen(text, SCENE_ID_SIZE);
+
+    return n >= 1 && n < SCENE_ID_SIZE &&
+           strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == n;
+}
+
+static void check_id(const scene *s, id_of *get, const char *list, size_t k, bf_faults *faults)
+{
+    const char *id = get(s, k);
+    char pointer[BF_POINTER_SIZE];
+
+    snprintf(pointer, sizeof pointer, "/%s/%zu/id", list, k);
+    if (!scene_is_id(id)) {
+        faults_add(faults, pointer, "must be 1 to %d letters, digits, '_', '.' and '-'",
+                   SCENE_ID_SIZE - 1);
+        return;
+    }
+    for (size_t m = 0; m < k; m++) {
+        if (strncmp(id, get(s, m), SCENE_ID_SIZE) == 0) {
+            faults_add(faults, pointer, "'%s' is the id of /%s/%zu too", id, list, m);
+            return;
+        }
+    }
+}
+
+static bool is_place(vec2 at)
+{
+    return fabs(at.x) <= SCENE_LENGTH_MAX && fabs(at.y) <= SCENE_LENGTH_MAX;
+}
+
+/// Note the first point that is no number or repeats the one before it; whole: point at the pointer
+/// itself instead of at the point. Returns true if there is none.
+static bool check_points(const vec2 *points, size_t n, const char *pointer, bool whole,
+                         bf_faults *faults)
+{
+    char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    for (size_t k = 0; k < n; k++) {
+        bool is_good = is_place(points[k]);
+        if (is_good &&
+            (k == 0 || vec2_length(vec2_sub(points[k], points[k - 1])) > SCENE_LENGTH_MIN))
+            continue;
+        if (whole)
+            snprintf(at, sizeof at, "%s", pointer);
+        else
+            snprintf(at, sizeof at, "%s/%zu", pointer, k);
+        if (is_good)
+            faults_add(faults, at, "point %zu repeats the one before it", k);
+        else
+            faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+        return false;
+    }
+    return true;
+}
+
+static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults *faults)
+{
+    size_t n = belt->n_points;
+    char last[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    if (n < 3 || n > SCENE_POINTS_MAX) {
+        faults_add(faults, pointer, "must have 3 to %d points, not %zu", SCENE_POINTS_MAX, n);
+        return;
+    }
+    if (!check_points(belt->polygon, n, pointer, false, faults))
+        return;
+    if (vec2_length(vec2_sub(belt->polygon[n - 1], belt->polygon[0])) <= SCENE_LENGTH_MIN) {
+        snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
+        faults_add(faults, last, "repeats the first point; a polygon closes itself");
+    } else if (!polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
+        faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
+    }
+}
+
+static void check_belts(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_belts < 1 || s->n_belts > SCENE_BELTS_MAX) {
+        faults_add_limit(faults, "/belts", "%zu belts, the limits are 1 and %d", s->n_belts,
+                         SCENE_BELTS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_belts; k++) {
+        const scene_belt *belt = &s->belts[k];
+        check_id(s, belt_id, "belts", k, faults);
+        snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
+        if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
+            faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
+        snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
+        if (belt->n_points != 0)
+            check_polygon(belt, pointer, faults);
+    }
+}
+
+static void check_width(double width, size_t k, const char *member, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (width > 0.0 && width <= SCENE_LENGTH_MAX)
+        return;
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu/%s", k, member);
+    faults_add(faults, pointer, "must be above 0 and at most %g, not %g", SCENE_LENGTH_MAX, width);
+}
+
+static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+    size_t n = obstacle->n_points;
+    // Two points may come from another form than a path.
+    bool whole = n == 2;
+
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
+    if (n < 2 || n > SCENE_POINTS_MAX)
+        faults_add(faults, pointer, "must have 2 to %d points, not %zu", SCENE_POINTS_MAX, n);
+    else
+        (void)check_points(obstacle->path, n, pointer, whole, faults);
+}
+
+static void check_obstacles(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_obstacles > SCENE_OBSTACLES_MAX) {
+        faults_add_limit(faults, "/obstacles", "%zu obstacles, the limit is %d", s->n_obstacles,
+                         SCENE_OBSTACLES_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *obstacle = &s->obstacles[k];
+        check_id(s, obstacle_id, "obstacles", k, faults);
+        check_path(obstacle, k, faults);
+        check_width(obstacle->thickness, k, "thickness_m", faults);
+        check_width(obstacle->band, k, "band_m", faults);
+        check_width(obstacle->slide_width, k, "slide_width_m", faults);
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/treatment", k);
+        if ((unsigned)obstacle->treatment >= SCENE_TREATMENT_COUNT)
+            faults_add(faults, pointer, "is not a treatment");
+    }
+}
+
+static void check_interval(double low, double high, size_t k, const char *member, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (fabs(low) <= SCENE_LENGTH_MAX && fabs(high) <= SCENE_LENGTH_MAX && low < high)
+        return;
+    snprintf(pointer, sizeof pointer, "/counters/%zu/%s", k, member);
+    faults_add(faults, pointer, "must be [from, to] with from < to, within %g m", SCENE_LENGTH_MAX);
+}
+
+static void check_counters(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_counters < 1 || s->n_counters > SCENE_COUNTERS_MAX) {
+        faults_add_limit(faults, "/counters", "%zu counters, the limits are 1 and %d",
+                         s->n_counters, SCENE_COUNTERS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_counters; k++) {
+        const scene_counter *counter = &s->counters[k];
+        check_id(s, counter_id, "counters", k, faults);
+        snprintf(pointer, sizeof pointer, "/counters/%zu/id", k);
+        if (strcmp(counter->id, "t_s") == 0 || strcmp(counter->id, "left_domain") == 0)
+            faults_add(faults, pointer, "'%s' is a column of every curve", counter->id);
+        check_interval(counter->rect.x_min, counter->rect.x_max, k, "x_m", faults);
+        check_interval(counter->rect.y_min, counter->rect.y_max, k, "y_m", faults);
+    }
+}
+
+static void check_items(const scene *s, bf_faults *faults)
+{
+    check_belts(s, faults);
+    check_obstacles(s, faults);
+    check_counters(s, faults);
+}
+
+static const number_rule kind_rules[] = {
+    ABOVE_0("/mass_kg", scene_cargo, mass, 1e9),
+    ABOVE_0("/material/young_modulus_pa", scene_cargo, material.young_modulus, 1e15),
+    BELOW_HALF("/material/poisson_ratio", scene_cargo, material.poisson_ratio),
+};
+
+/// What only a kind of a mix says itself.
+static const number_rule mix_rules[] = {
+    FROM("/spin_friction_radius_m", scene_cargo, spin_friction_radius, 0.0, SCENE_LENGTH_MAX),
+};
+
+/// What says how many parts are of a kind.
+static const number_rule share_rule = ABOVE_0("/share", scene_cargo, share, 1e9);
+
+/// The pointer of kind k: "/cargo", or "/cargo/<k>" in a mix.
+static const char *point_at(const scene *s, size_t k, char *room, size_t size)
+{
+    if (!s->is_mix)
+        return "/cargo";
+    snprintf(room, size, "/cargo/%zu", k);
+    return room;
+}
+
+static void check_cargo(const scene *s, bf_faults *faults)
+{
+    char room[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const scene_cargo *kind = &s->cargo[k];
+        const char *pointer = point_at(s, k, room, sizeof room);
+        check_numbers(kind, pointer, kind_rules, sizeof kind_rules / sizeof *kind_rules, faults);
+        if (s->is_mix)
+            check_numbers(kind, pointer, mix_rules, sizeof mix_rules / sizeof *mix_rules, faults);
+        if (s->micro.path == SCENE_PATH_PLANAR && kind->shape.type != SCENE_CYLINDER)
+            faults_add(faults, "/micro/path", "planar is for cylinders; %s has another shape",
+                       pointer);
+    }
+    if (s->cargo_seed >= UINT64_C(1) << 53)
+        faults_add(faults, "/cargo_seed", "must be below 2^53");
+}
+
+static void check_shapes(const scene *s, bf_faults *faults)
+{
+    double reach = 0.0, area = INFINITY;
+    size_t n_before = faults->n;
+    char room[BF_POINTER_SIZE], at[2 * BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const char *pointer = point_at(s, k, room, sizeof room);
+        if (s->is_mix)
+            check_numbers(&s->cargo[k], pointer, &share_rule, 1, faults);
+        snprintf(at, sizeof at, "%s/shape", pointer);
+        shape_check(&s->cargo[k].shape, at, faults);
+    }
+    for (size_t k = 0; k < s->n_cargo && faults->n == n_before; k++) {
+        shape_footprint f = shape_footprint_of(&s->cargo[k].shape);
+        reach = fmax(reach, f.reach);
+        area = fmin(area, f.area);
+    }
+    if (faults->n == n_before && s->n_cargo > 1 && M_PI * reach * reach > UNLIKE_MAX * area)
+        faults_add_limit(faults, "/cargo",
+                         "kinds are too unlike in size: the disk about the largest has %g times "
+                         "the area of the smallest, the limit is %g",
+                         M_PI * reach * reach / area, UNLIKE_MAX);
+}
+
+/// Note a length that is no whole number of cells, with the nearest cell edges that divide it.
+static void check_whole(double length, double cell, const char *axis, bf_faults *faults)
+{
+    double ratio = length / cell, n = round(ratio);
+
+    if (n >= 1.0 && fabs(ratio - n) <= fmin(WHOLE * n, WHOLE_MAX))
+        return;
+    double fewer = fmax(floor(ratio), 1.0), more = fmax(ceil(ratio), 1.0);
+    if (fewer < more)
+        faults_add(faults, "/macro/cell_m",
+                   "the domain's %.12g m along %s are %.12g cells of %.12g m; %.12g m (%.0f cells) "
+                   "or %.12g m (%.0f cells) would do",
+                   length, axis, ratio, cell, length / fewer, fewer, length / more, more);
+    else
+        faults_add(faults, "/macro/cell_m",
+                   "the domain's %.12g m along %s are %.12g cells of %.12g m; %.12g m (%.0f cells) "
+                   "would do",
+                   length, axis, ratio, cell, length / fewer, fewer);
+}
+
+/// Note a number beyond its limit.
+static void check_limit(double figure, double limit, const char *what, const char *pointer,
+                        bf_faults *faults)
+{
+    if (!(figure <= limit))
+        faults_add_limit(faults, pointer, "%.10g %s, the limit is %.10g", figure, what, limit);
+}
+
+static void check_work(const scene *s, double n_cells, bf_faults *faults)
+{
+    // A part reaches to where its Gaussian has fallen to 2^-53, see density.h.
+    double reached =
+        2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
+
+    // Too many parts are told of where they come from.
+    double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
+
+    check_limit(n_parts * fmin(reached, n_cells), SCENE_INITIAL_WORK_MAX,
+                "values to sum up for the density at the start", "/macro/initial_mollifier_per_m2",
+                faults);
+}
+
+/// Note a grid that is too large or does not fit the domain. Returns true if it is neither.
+static bool check_grid(const scene *s, double n1, double n2, bf_faults *faults)
+{
+    size_t n_before = faults->n;
+
+    check_whole(s->domain.x_max - s->domain.x_min, s->macro.cell, "x", faults);
+    check_whole(s->domain.y_max - s->domain.y_min, s->macro.cell, "y", faults);
+    check_limit(n1 * n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
+    check_limit(fmax(n1, n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m", faults);
+    return faults->n == n_before;
+}
+
+static void check_sizes(const scene *s, bf_faults *faults)
+{
+    double cell = s->macro.cell;
+    double n1 = fmax(round((s->domain.x_max - s->domain.x_min) / cell), 1.0);
+    double n2 = fmax(round((s->domain.y_max - s->domain.y_min) / cell), 1.0);
+    double n_snapshots = floor(s->duration / s->output.snapshot_every) + 2.0;
+
+    check_limit(floor(s->duration / s->output.curve_every) + 2.0, SCENE_SAMPLES_MAX,
+                "samples of the curve", "/output/curve_every_s", faults);
+    check_limit(n_snapshots, SCENE_SNAPSHOTS_MAX, "snapshots", "/output/snapshot_every_s", faults);
+    // What follows from a wrong cell would only repeat that it is wrong.
+    if (!check_grid(s, n1, n2, faults))
+        return;
+    check_limit(n_snapshots * n1 * n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
+                "bytes of snapshots", "/output/snapshot_every_s", faults);
+    check_work(s, n1 * n2, faults);
+}
+
 static void check_count(double n, const char *pointer, bf_faults *faults)
 {
     if (n < 1.0)
@@ -109,17 +485,17 @@ static void check_count(double n, const char *pointer, bf_faults *faults)
 static void check_positions(const scene_initial *initial, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
-    size_t n_told = 0;
+    size_t n_reported = 0;
 
     check_count((double)initial->n_poses, "/initial/positions_m", faults);
-    for (size_t k = 0; k < initial->n_poses && n_told < TOLD_MAX; k++) {
+    for (size_t k = 0; k < initial->n_poses && n_reported < REPORTED_MAX; k++) {
         scene_pose at = initial->poses[k];
         if (fabs(at.x) <= SCENE_LENGTH_MAX && fabs(at.y) <= SCENE_LENGTH_MAX &&
             isfinite(at.heading))
             continue;
         snprintf(pointer, sizeof pointer, "/initial/positions_m/%zu", k);
         faults_add(faults, pointer, "must be numbers within %g m", SCENE_LENGTH_MAX);
-        n_told++;
+        n_reported++;
     }
 }
 
@@ -175,38 +551,40 @@ static void check_initial(const scene *s, bf_faults *faults)
     }
 }
 
-/// Note cargo that finds no room, lies outside or overlaps. Needs sound domain, shape and source.
-static void check_placement(const scene *s, bf_faults *faults)
+/// Note cargo that finds no room, lies outside or overlaps. Needs sound domain, shape and source. The
+/// places are kept in the scene.
+static void check_placement(scene *s, bf_faults *faults)
 {
+    scene_placement p;
     bf_error err;
-    placement p;
 
     if (placement_make(s, &p, &err) != BF_OK) {
         faults_add_error(faults, &err);
         return;
     }
+    s->placement = p;
     bf_status status = placement_check(s, &p, faults);
     if (status != BF_OK) {
         (void)bf_fail(&err, status, "/initial", "no memory for %zu parts", p.n);
         faults_add_error(faults, &err);
     }
-    placement_fini(&p);
 }
 
-void scene_check(const scene *s, bf_faults *faults)
+void scene_check(scene *s, bf_faults *faults)
 {
     size_t n_before = faults->n;
 
+    placement_fini(&s->placement);
     check_domain(s, faults);
     size_t n_domain = faults->n;
-    scene_check__numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
+    check_numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
     check_words(s, faults);
-    scene_check__cargo(s, faults);
-    scene_check__items(s, faults);
+    check_cargo(s, faults);
+    check_items(s, faults);
     if (faults->n == n_before)
-        scene_check__sizes(s, faults);
+        check_sizes(s, faults);
     size_t n_others = faults->n;
-    scene_check__shapes(s, faults);
+    check_shapes(s, faults);
     check_initial(s, faults);
     if (n_domain == n_before && faults->n == n_others)
         check_placement(s, faults);

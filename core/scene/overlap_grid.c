@@ -9,10 +9,11 @@
 
 #define NOBODY UINT32_MAX
 
-bf_status overlap_grid_init(crowd *ret_crowd, const shape_footprint *footprints, size_t n_kinds,
-                            const uint32_t *kinds, const scene_pose *poses, size_t n, bf_error *err)
+bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footprints,
+                            size_t n_kinds, const uint32_t *kinds, const scene_pose *poses,
+                            size_t n, bf_error *err)
 {
-    crowd c = { .footprints = footprints, .kinds = kinds, .poses = poses };
+    overlap_grid c = { .footprints = footprints, .kinds = kinds, .poses = poses };
 
     for (size_t k = 0; k < n_kinds; k++)
         c.cell = fmax(c.cell, 2.0 * footprints[k].reach);
@@ -26,27 +27,27 @@ bf_status overlap_grid_init(crowd *ret_crowd, const shape_footprint *footprints,
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
     }
     memset(c.heads, 0xff, c.n_buckets * sizeof *c.heads);
-    *ret_crowd = c;
+    *ret_grid = c;
     return BF_OK;
 }
 
-void overlap_grid_fini(crowd *c)
+void overlap_grid_fini(overlap_grid *c)
 {
     if (c == NULL)
         return;
     memory_free(c->heads);
     memory_free(c->next);
-    *c = (crowd){ 0 };
+    *c = (overlap_grid){ 0 };
 }
 
-static size_t find_bucket(const crowd *c, int64_t column, int64_t row)
+static size_t find_bucket(const overlap_grid *c, int64_t column, int64_t row)
 {
     uint64_t mixed = (uint64_t)column * UINT64_C(0x9e3779b97f4a7c15) ^
                      (uint64_t)row * UINT64_C(0xc2b2ae3d27d4eb4f);
     return (size_t)(mixed ^ mixed >> 32) & (c->n_buckets - 1);
 }
 
-static const shape_footprint *footprint_of(const crowd *c, size_t k)
+static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
 {
     return &c->footprints[mix_kind(c->kinds, k)];
 }
@@ -73,7 +74,7 @@ static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shap
                             SCENE_TOLERANCE);
 }
 
-bool overlap_grid_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other)
+bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, size_t *ret_other)
 {
     const shape_footprint *own = footprint_of(c, part);
     int64_t column = (int64_t)floor(pose.x / c->cell), row = (int64_t)floor(pose.y / c->cell);
@@ -92,7 +93,7 @@ bool overlap_grid_overlaps(const crowd *c, size_t part, scene_pose pose, size_t 
     return false;
 }
 
-void overlap_grid_add(crowd *c, size_t k)
+void overlap_grid_add(overlap_grid *c, size_t k)
 {
     int64_t column = (int64_t)floor(c->poses[k].x / c->cell);
     int64_t row = (int64_t)floor(c->poses[k].y / c->cell);

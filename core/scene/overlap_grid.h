@@ -1,5 +1,5 @@
-/// Parts that lie on the belt, and the question whether one more overlaps any of them, answered by a
-/// hashed grid of cells: in constant time, however many there are.
+/// A set of parts, and whether one more would overlap any of them: by a hashed grid of cells, in constant
+/// time however many there are.
 
 #pragma once
 
@@ -10,8 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// The parts. Free with overlap_grid_fini().
-typedef struct crowd {
+/// The set. Free with overlap_grid_fini().
+typedef struct overlap_grid {
     const shape_footprint *footprints; ///< of every kind; borrowed
     const uint32_t *kinds;             ///< of parts 0, 1, ..., NULL: all are of kind 0; borrowed
     const scene_pose *poses;           ///< places of parts 0, 1, ...; borrowed
@@ -19,20 +19,20 @@ typedef struct crowd {
     size_t n_buckets;                  ///< a power of two
     uint32_t *heads;                   ///< first part of each bucket
     uint32_t *next;                    ///< next part of the same bucket
-} crowd;
+} overlap_grid;
 
-/// An empty crowd with room for n parts of n_kinds kinds, whose places will stand in poses.
+/// An empty set with room for n parts of n_kinds kinds, whose places will stand in poses.
 /// BF_ENOMEM.
-BF_MUST_CHECK bf_status overlap_grid_init(crowd *ret_crowd, const shape_footprint *footprints,
+BF_MUST_CHECK bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footprints,
                                           size_t n_kinds, const uint32_t *kinds,
                                           const scene_pose *poses, size_t n, bf_error *err);
 
-/// Free the crowd; NULL is fine.
-void overlap_grid_fini(crowd *c);
+/// Free the set; NULL is fine.
+void overlap_grid_fini(overlap_grid *c);
 
-/// True if the part of that number, put at pose, would overlap one of the crowd by more than
+/// True if the part of that number, put at pose, would overlap one of the set by more than
 /// SCENE_TOLERANCE; *ret_other is then which one.
-bool overlap_grid_overlaps(const crowd *c, size_t part, scene_pose pose, size_t *ret_other);
+bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, size_t *ret_other);
 
-/// Put part k, with its place in poses, into the crowd.
-void overlap_grid_add(crowd *c, size_t k);
+/// Put part k, with its place in poses, into the set.
+void overlap_grid_add(overlap_grid *c, size_t k);

@@ -1,13 +1,15 @@
 #include "core/scene/placement.h"
 
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/base/random.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
-#include "core/scene/placement_priv.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /// Most places that are tried for n random parts.
@@ -30,8 +32,10 @@ static double find_support(const shape_footprint *footprint, scene_pose pose, ve
     return support;
 }
 
-double placement__excess(const scene *s, const shape_footprint *footprint, scene_pose pose,
-                         scene_side side)
+/// How far a part extends over a side of the domain, m: with its footprint over a wall, with its centre
+/// over any side. Negative inside.
+static double excess_of(const scene *s, const shape_footprint *footprint, scene_pose pose,
+                        scene_side side)
 {
     const surroundings around = surroundings_of(s);
     const double excess = surroundings_excess(&around, side, (vec2){ pose.x, pose.y });
@@ -54,17 +58,17 @@ static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)
     }
 }
 
-static const shape_footprint *footprint_of(const crowd *c, size_t k)
+static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
 {
     return &c->footprints[mix_kind(c->kinds, k)];
 }
 
-static bool has_room(const scene *s, const crowd *c, size_t k, scene_pose pose)
+static bool has_room(const scene *s, const overlap_grid *c, size_t k, scene_pose pose)
 {
     size_t other;
 
     for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (placement__excess(s, footprint_of(c, k), pose, side) > 0.0)
+        if (excess_of(s, footprint_of(c, k), pose, side) > 0.0)
             return false;
     }
     return !overlap_grid_overlaps(c, k, pose, &other);
@@ -82,7 +86,7 @@ static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random 
 }
 
 /// Place parts at random until all have room, or too many places were tried. Returns how many.
-static size_t fill_crowd(const scene *s, crowd *c, scene_pose *ret_poses)
+static size_t fill_region(const scene *s, overlap_grid *c, scene_pose *ret_poses)
 {
     size_t n = 0;
     bf_random random;
@@ -128,7 +132,7 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose 
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
     size_t wanted = s->initial.n_random;
-    crowd c;
+    overlap_grid c;
 
     mix_footprints(s, footprints);
     double cover = measure_cover(s, footprints);
@@ -141,7 +145,7 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose 
     bf_status status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
-    size_t n = fill_crowd(s, &c, ret_poses);
+    size_t n = fill_region(s, &c, ret_poses);
     overlap_grid_fini(&c);
     if (n < wanted)
         return bf_fail(err, BF_EINPUT, "/initial/random",
@@ -151,9 +155,9 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose 
     return BF_OK;
 }
 
-bf_status placement_make(const scene *s, placement *ret_placement, bf_error *err)
+bf_status placement_make(const scene *s, scene_placement *ret_placement, bf_error *err)
 {
-    placement p = { .n = scene_parts(s) };
+    scene_placement p = { .n = scene_parts(s) };
 
     p.poses = memory_alloc(p.n, sizeof *p.poses);
     if (p.poses == NULL)
@@ -177,11 +181,243 @@ bf_status placement_make(const scene *s, placement *ret_placement, bf_error *err
     return BF_OK;
 }
 
-void placement_fini(placement *p)
+bf_status placement_of(const scene *s, scene_placement *ret_placement, bf_error *err)
+{
+    if (s->placement.n == 0)
+        return placement_make(s, ret_placement, err);
+    *ret_placement = s->placement;
+    ret_placement->is_borrowed = true;
+    return BF_OK;
+}
+
+void placement_fini(scene_placement *p)
 {
     if (p == NULL)
         return;
-    memory_free(p->poses);
-    memory_free(p->kinds);
-    *p = (placement){ 0 };
+    if (!p->is_borrowed) {
+        memory_free(p->poses);
+        memory_free(p->kinds);
+    }
+    *p = (scene_placement){ .n = 0 };
+}
+
+enum { REPORTED_MAX = 4 }; ///< faults of one kind that are reported
+
+/// What the check has found so far.
+typedef struct overlap_findings {
+    const scene *s;
+    const scene_placement *p;
+    shape_footprint footprints[SCENE_KINDS_MAX];
+    bf_faults *faults;
+    size_t n_outside;
+    size_t n_overlaps;
+} overlap_findings;
+
+/// Faults of one kind after which a check ends: a pattern is at fault as a whole, once.
+static size_t limit_reported(const scene *s)
+{
+    return s->initial.type == SCENE_INITIAL_POSITIONS ? REPORTED_MAX : 1;
+}
+
+static const shape_footprint *footprint_in(const overlap_findings *f, size_t k)
+{
+    return &f->footprints[mix_kind(f->p->kinds, k)];
+}
+
+/// The pointer of part k, in room of BF_POINTER_SIZE bytes where it must be made.
+static const char *point_at(const scene *s, size_t k, char *room)
+{
+    if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
+        return "/initial/hexagonal";
+    if (s->initial.type == SCENE_INITIAL_RANDOM)
+        return "/initial/random";
+    snprintf(room, BF_POINTER_SIZE, "/initial/positions_m/%zu", k);
+    return room;
+}
+
+/// Note a part that reaches over a side of the domain. Returns true if it does not.
+static bool check_inside(overlap_findings *f, size_t k)
+{
+    static const char *const words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
+    char room[BF_POINTER_SIZE];
+    scene_pose at = f->p->poses[k];
+
+    for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
+        double excess = excess_of(f->s, footprint_in(f, k), at, side);
+        if (excess <= SCENE_TOLERANCE)
+            continue;
+        f->n_outside++;
+        if (f->s->edges[side] == SCENE_EDGE_WALL)
+            faults_add(f->faults, point_at(f->s, k, room),
+                       "part %zu at (%g, %g) m reaches %g m over the %s wall", k, at.x, at.y,
+                       excess, words[side]);
+        else
+            faults_add(f->faults, point_at(f->s, k, room),
+                       "part %zu at (%g, %g) m lies %g m outside the domain in the %s", k, at.x,
+                       at.y, excess, words[side]);
+        return false;
+    }
+    return true;
+}
+
+/// Note an overlap of part k with another. Returns true if there is none.
+static bool check_free(overlap_findings *f, const overlap_grid *c, size_t k)
+{
+    scene_pose at = f->p->poses[k];
+    char room[BF_POINTER_SIZE];
+    size_t other;
+
+    if (!overlap_grid_overlaps(c, k, at, &other))
+        return true;
+    scene_pose with = f->p->poses[other];
+    double distance = vec2_length((vec2){ at.x - with.x, at.y - with.y });
+    const char *pointer = point_at(f->s, k, room);
+    f->n_overlaps++;
+    const shape_footprint *own = footprint_in(f, k), *its = footprint_in(f, other);
+    if (own->n_corners == 0 && its->n_corners == 0)
+        faults_add(f->faults, pointer,
+                   "part %zu at (%g, %g) m overlaps part %zu: they are %g m apart, the least is "
+                   "%g m",
+                   k, at.x, at.y, other, distance, own->reach + its->reach);
+    else
+        faults_add(f->faults, pointer, "part %zu at (%g, %g) m overlaps part %zu, %g m away", k,
+                   at.x, at.y, other, distance);
+    return false;
+}
+
+bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *faults)
+{
+    overlap_findings f = { .s = s, .p = p, .faults = faults };
+    size_t limit = limit_reported(s);
+    overlap_grid c;
+
+    mix_footprints(s, f.footprints);
+    bf_status status =
+        overlap_grid_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, NULL);
+    if (status != BF_OK)
+        return status;
+    for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit; k++) {
+        if (check_inside(&f, k) && check_free(&f, &c, k))
+            overlap_grid_add(&c, k);
+    }
+    overlap_grid_fini(&c);
+    return BF_OK;
+}
+
+/// A part by its place along x.
+typedef struct place {
+    double x;
+    uint32_t part;
+} place;
+
+/// What the check knows.
+typedef struct plate_findings {
+    const scene *s;
+    const scene_placement *p;
+    shape_footprint footprints[SCENE_KINDS_MAX];
+    double reach; ///< of the part that reaches farthest, m
+    place *places;
+    bf_faults *faults;
+    size_t n_reported;
+} plate_findings;
+
+/// One straight piece of a plate: its corners, counter-clockwise.
+typedef struct piece {
+    vec2 corners[4];
+} piece;
+
+static int compare_places(const void *a, const void *b)
+{
+    const place *of_a = a, *of_b = b;
+    if (of_a->x != of_b->x)
+        return of_a->x < of_b->x ? -1 : 1;
+    return of_a->part < of_b->part ? -1 : of_a->part > of_b->part;
+}
+
+static piece piece_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
+{
+    surroundings_piece p = surroundings_piece_of(around, obstacle, k);
+    vec2 through = vec2_scale(p.upstream, -p.thickness);
+    vec2 back_start = vec2_add(p.start, through), back_end = vec2_add(p.end, through);
+
+    if (vec2_cross(vec2_sub(p.end, p.start), p.upstream) > 0.0)
+        return (piece){ { p.end, p.start, back_start, back_end } };
+    return (piece){ { p.start, p.end, back_end, back_start } };
+}
+
+static bool is_overlapping(const plate_findings *f, size_t k, const piece *plate)
+{
+    const shape_footprint *footprint = &f->footprints[mix_kind(f->p->kinds, k)];
+    vec2 corners[SCENE_VERTICES_MAX + 1];
+    scene_pose at = f->p->poses[k];
+
+    if (footprint->n_corners == 0)
+        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->reach, plate->corners, 4,
+                                     SCENE_TOLERANCE);
+    shape_place(footprint, at, corners);
+    return polygon_overlaps(corners, footprint->n_corners, plate->corners, 4, SCENE_TOLERANCE);
+}
+
+/// The first place at or beyond x.
+static size_t find_first(const plate_findings *f, double x)
+{
+    size_t low = 0, high = f->p->n;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (f->places[middle].x < x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const piece *plate)
+{
+    scene_rect box = { INFINITY, -INFINITY, INFINITY, -INFINITY };
+    size_t limit = limit_reported(f->s);
+    char room[BF_POINTER_SIZE];
+
+    for (int k = 0; k < 4; k++) {
+        box.x_min = fmin(box.x_min, plate->corners[k].x - f->reach);
+        box.x_max = fmax(box.x_max, plate->corners[k].x + f->reach);
+        box.y_min = fmin(box.y_min, plate->corners[k].y - f->reach);
+        box.y_max = fmax(box.y_max, plate->corners[k].y + f->reach);
+    }
+    for (size_t i = find_first(f, box.x_min);
+         i < f->p->n && f->places[i].x <= box.x_max && f->n_reported < limit; i++) {
+        size_t k = f->places[i].part;
+        scene_pose at = f->p->poses[k];
+        if (at.y < box.y_min || at.y > box.y_max || !is_overlapping(f, k, plate))
+            continue;
+        f->n_reported++;
+        faults_add(f->faults, point_at(f->s, k, room),
+                   "part %zu at (%g, %g) m overlaps the plate of obstacle '%s', %g m thick", k,
+                   at.x, at.y, obstacle->id, obstacle->thickness);
+    }
+}
+
+bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_faults *faults)
+{
+    const surroundings around = surroundings_of(s);
+    plate_findings f = { .s = s, .p = p, .faults = faults };
+
+    f.places = memory_alloc(p->n, sizeof *f.places);
+    if (f.places == NULL)
+        return BF_ENOMEM;
+    mix_footprints(s, f.footprints);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        f.reach = fmax(f.reach, f.footprints[k].reach);
+    for (uint32_t k = 0; k < p->n; k++)
+        f.places[k] = (place){ p->poses[k].x, k };
+    qsort(f.places, p->n, sizeof *f.places, compare_places);
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
+            piece plate = piece_of(&around, &s->obstacles[k], m);
+            check_piece(&f, &s->obstacles[k], &plate);
+        }
+    }
+    memory_free(f.places);
+    return BF_OK;
 }

@@ -4,27 +4,27 @@
 
 #include "core/scene/scene.h"
 
-/// The places of all parts. Owned; free with placement_fini().
-typedef struct placement {
-    size_t n;          ///< parts
-    scene_pose *poses; ///< n of them
-    uint32_t *kinds;   ///< kind of each; NULL: all are of kind 0
-} placement;
-
 /// Place the parts of a scenario. Random places are drawn by a generator of our own from
 /// initial.seed, so the same scenario gives the same places on every machine.
+/// The caller owns *ret_placement: placement_fini().
 /// BF_ENOMEM; BF_EINPUT: no room for that many random parts without overlap.
-BF_MUST_CHECK bf_status placement_make(const scene *s, placement *ret_placement, bf_error *err);
+BF_MUST_CHECK bf_status placement_make(const scene *s, scene_placement *ret_placement,
+                                       bf_error *err);
+
+/// The places that scene_check() left in the scene, borrowed from it, or placement_make() where it was
+/// not checked: in either case placement_fini().
+BF_MUST_CHECK bf_status placement_of(const scene *s, scene_placement *ret_placement, bf_error *err);
 
 /// Free the places and zero *p. NULL is fine.
-void placement_fini(placement *p);
+void placement_fini(scene_placement *p);
 
 /// Note parts that reach outside the domain (over a wall) or have their centre outside (over an
 /// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part.
 /// O(n) by a cell grid. BF_ENOMEM.
-BF_MUST_CHECK bf_status placement_check(const scene *s, const placement *p, bf_faults *faults);
+BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,
+                                        bf_faults *faults);
 
 /// Note parts that overlap the plate of an obstacle by more than SCENE_TOLERANCE, for the microscopic
 /// model, where a plate is solid. BF_ENOMEM.
-BF_MUST_CHECK bf_status placement_check_plates(const scene *s, const placement *p,
+BF_MUST_CHECK bf_status placement_check_plates(const scene *s, const scene_placement *p,
                                                bf_faults *faults);

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/scene/placement.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -253,6 +254,7 @@ void scene_fini(scene *s)
     for (size_t k = 0; k < s->n_cargo; k++)
         memory_free(s->cargo[k].shape.vertices);
     memory_free(s->initial.poses);
+    placement_fini(&s->placement);
     *s = (scene){ 0 };
 }
 
@@ -305,18 +307,20 @@ bool scene_mirrors_walls(const scene *s)
     return true;
 }
 
-double scene_macro_step(const scene *s)
+double scene_fit_step(const scene *s, double most, bool is_below)
 {
-    double every = s->output.curve_every, bound = scene_step_positive(s);
+    double every = s->output.curve_every, step = is_below ? most * (1.0 - 1e-9) : most;
 
-    if (s->macro.step > 0.0)
-        return s->macro.step;
-    double step = bound * (1.0 - 1e-9);
-    if (every >= bound) {
-        double n = floor(every / bound) + 1.0;
-        step = every / n < bound ? every / n : every / (n + 1.0);
+    if (every >= most) {
+        double n = is_below ? floor(every / most) + 1.0 : ceil(every / most * (1.0 - 1e-12));
+        step = is_below && every / n >= most ? every / (n + 1.0) : every / n;
     }
     return fmin(step, s->duration);
+}
+
+double scene_macro_step(const scene *s)
+{
+    return s->macro.step > 0.0 ? s->macro.step : scene_fit_step(s, scene_step_positive(s), true);
 }
 
 // No component of v_stat exceeds the speed of the fastest belt in any region.

@@ -2,12 +2,12 @@
 ///
 /// The document that users write is JSON; api/scenario/scenario.h turns it into this struct and back. Here it
 /// has its defaults (scene_init) and its checks (scene_check); what the solvers need is
-/// derived from it by field.h (carrying velocity), placement.h (where the parts are), density.h
-/// and counter.h; mix.h says which part is of which kind of cargo.
+/// derived from it by surroundings.h (belts, plates, edges), placement.h (where the parts are) and density.h;
+/// mix.h says which part is of which kind of cargo.
 ///
 /// Units    SI: m, s, kg, m/s, Pa. Angles are radians in structs, degrees in documents.
 /// Source   Goettlich et al. 2014, sections 2 to 4; defaults are the paper's or this project's choice.
-/// Owns     the arrays of scene_types.h; scene_fini() frees them.
+/// Owns     the arrays of types.h; scene_fini() frees them.
 /// Errors   scene_check() notes every fault with its JSON pointer in the document. Beyond the names
 ///          of the struct members with their unit: cargo/shape/outline_m (prism) and vertices_m
 ///          (hull), contacts/cargo_cargo/{length_m, damping_n_s_m, friction, tanh_linear_s_m,
@@ -43,9 +43,11 @@ void scene_counter_init(scene_counter *c);
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 
 /// Check a resolved scenario, whatever the model: ranges, ids, geometry, sizes, cargo outside or
-/// overlapping. What one model cannot take is run_check()'s (core/run/run.h). Notes every fault it can find, of one kind
-/// of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM.
-void scene_check(const scene *s, bf_faults *faults);
+/// overlapping. What one model cannot take is run_check()'s (core/run/run.h). Notes every fault it can
+/// find, of one kind of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM. The places of
+/// the parts are then in s->placement, so that they are worked out once; after a change to cargo or its
+/// source the scene must be checked again.
+void scene_check(scene *s, bf_faults *faults);
 
 /// Free what *s owns and zero it. NULL is fine.
 void scene_fini(scene *s);
@@ -73,9 +75,13 @@ size_t scene_parts(const scene *s);
 /// no obstacle asks for one of the paper's own treatments.
 bool scene_mirrors_walls(const scene *s);
 
+/// The rule for the step "auto" of both models: the largest step that is at most `most` (is_below: less
+/// than it), not longer than the run, and, where output.curve_every is longer, fits a whole number of
+/// times into it; s.
+double scene_fit_step(const scene *s, double most, bool is_below);
+
 /// Time step of the macroscopic model, s: macro.step, or for "auto" the largest that is stable and
-/// positive, not longer than the run, and, where output.curve_every is longer, fits a whole number
-/// of times into it.
+/// positive by scene_fit_step().
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt (max|v_stat| + eps) <= dx, and the largest below which

@@ -109,10 +109,9 @@ typedef struct scene_contact {
 
 /// A kind of parts that are transported.
 typedef struct scene_cargo {
-    double share;      ///< how many parts are of it, in proportion to the sum of all shares, > 0
-                       ///< (default 1)
-    scene_shape shape; ///< see there
-    double mass;       ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    double share;                ///< parts of it in proportion to all shares, > 0 (default 1)
+    scene_shape shape;           ///< see there
+    double mass;                 ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
     scene_material material;     ///< (default 210e9 Pa, 0.28)
     double spin_friction_radius; ///< m, >= 0 (default that of micro if given, else 2/3 of the
                                  ///< footprint's radius)
@@ -132,6 +131,14 @@ typedef struct scene_pose {
     double y;       ///< m
     double heading; ///< rad, counter-clockwise from the x axis
 } scene_pose;
+
+/// The places of all parts at t = 0.
+typedef struct scene_placement {
+    size_t n;          ///< parts; 0: not placed yet
+    scene_pose *poses; ///< n of them
+    uint32_t *kinds;   ///< kind of each; NULL: all are of kind 0
+    bool is_borrowed;  ///< the arrays are another's
+} scene_placement;
 
 /// The source of cargo at t = 0. Only the members of its type count.
 typedef struct scene_initial {
@@ -205,18 +212,16 @@ typedef enum scene_path {
 
 /// Parameters of the microscopic model (1)-(9).
 typedef struct scene_micro {
-    scene_integrator integrator;             ///< (default SCENE_VERLET)
-    scene_path path;                         ///< (default SCENE_PATH_AUTO)
-    double step;                             ///< dt, s, > 0; 0 means "auto" (default 1e-5 for
-                                             ///< SCENE_VERLET, "auto" for SCENE_IMPLICIT)
-    double modulus_reduction;                ///< all moduli are divided by it, >= 1 (default 1e6)
-    bool tension;                            ///< contacts may pull (default false)
-    double damping;                          ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
-    double gravity;                          ///< m/s2, >= 0 (default 9.81)
-    double spin_friction_radius;             ///< m, >= 0 (default 2/3 of the radius of the first
-                                             ///< kind's footprint)
-    scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
-    scene_material handling;                 ///< (default 70e9 Pa, 0.34)
+    scene_integrator integrator; ///< (default SCENE_VERLET)
+    scene_path path;             ///< (default SCENE_PATH_AUTO)
+    double step;                 ///< dt, s, > 0; 0: "auto" (default 1e-5; 0 if implicit)
+    double modulus_reduction;    ///< all moduli are divided by it, >= 1 (default 1e6)
+    bool tension;                ///< contacts may pull (default false)
+    double damping;              ///< D of (12)-(13), 1/s, >= 0 (default 0.1)
+    double gravity;              ///< m/s2, >= 0 (default 9.81)
+    double spin_friction_radius; ///< m, >= 0 (default that of the first kind)
+    scene_material conveyor;     ///< (default 40e9 Pa, 0.05)
+    scene_material handling;     ///< (default 70e9 Pa, 0.34)
     scene_contact contact[SCENE_PAIR_COUNT]; ///< see there
 } scene_micro;
 
@@ -236,6 +241,7 @@ typedef struct scene {
     uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53
                                         ///< (default 1)
     scene_initial initial;              ///< see there
+    scene_placement placement;          ///< of initial; filled in by scene_check()
     size_t n_counters;                  ///< (default one)
     scene_counter *counters;            ///< (default "upstream": the domain)
     scene_output output;                ///< see there

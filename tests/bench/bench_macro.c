@@ -50,7 +50,7 @@ static void fail(const char *what)
 static work make_work(int refinement, int n_threads)
 {
     work w = { 0 };
-    placement p = { 0 };
+    scene_placement p = { 0 };
 
     helper_scene_example(&w.scene, 60.0, SCENE_SEALED);
     w.scene.obstacles[0].path[0] = (vec2){ 0.461325, 0.0 };

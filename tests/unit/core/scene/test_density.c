@@ -67,7 +67,7 @@ static void cells_far_from_cargo_are_exactly_zero(void **state)
 static void the_density_of_example_1_holds_its_192_parts(void **state)
 {
     scene s;
-    placement p;
+    scene_placement p;
     double sum = 0.0;
 
     (void)state;

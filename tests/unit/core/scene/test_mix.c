@@ -147,7 +147,7 @@ static void faults_of_a_kind_point_into_the_list(void **state)
     scene_fini(&s);
 }
 
-static size_t count_faults(const scene *s, const char *text)
+static size_t count_faults(scene *s, const char *text)
 {
     bf_faults faults = { 0 };
 
@@ -200,7 +200,7 @@ static void kinds_keep_off_walls_by_their_own_footprints(void **state)
 static void a_random_mix_has_its_shares_and_no_overlaps(void **state)
 {
     (void)state;
-    placement p = { 0 };
+    scene_placement p = { 0 };
     size_t n_boxes = 0;
     scene s;
     make_mix(&s, NULL, 0);
@@ -226,7 +226,7 @@ static void out_of_memory_anywhere_is_an_error(void **state)
 {
     (void)state;
     bf_status status = BF_ENOMEM;
-    placement p = { 0 };
+    scene_placement p = { 0 };
     scene s;
     make_mix(&s, NULL, 0);
     s.initial.type = SCENE_INITIAL_RANDOM;

@@ -17,9 +17,9 @@
 
 static const double radius = 0.012; // of the paper's cylinders, m
 
-static placement make(const scene *s)
+static scene_placement make(const scene *s)
 {
-    placement p = { 0 };
+    scene_placement p = { 0 };
     assert_int_equal(placement_make(s, &p, NULL), BF_OK);
     return p;
 }
@@ -28,7 +28,7 @@ static placement make(const scene *s)
 static const bf_faults *check(const scene *s)
 {
     static bf_faults faults;
-    placement p = make(s);
+    scene_placement p = make(s);
 
     faults = (bf_faults){ 0 };
     assert_int_equal(placement_check(s, &p, &faults), BF_OK);
@@ -65,7 +65,7 @@ static void listed_places_are_taken_as_they_are(void **state)
 
     (void)state;
     lay_out(&s, poses, 2);
-    placement p = make(&s);
+    scene_placement p = make(&s);
     assert_int_equal(p.n, 2);
     assert_memory_equal(p.poses, poses, sizeof poses);
     placement_fini(&p);
@@ -80,7 +80,7 @@ static void example_1_lies_in_16_rows_of_12(void **state)
 
     (void)state;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
-    placement p = make(&s);
+    scene_placement p = make(&s);
     double spacing = 1.02 * 2.0 * radius;
     assert_int_equal(p.n, 192);
     for (size_t k = 0; k < p.n; k++) {
@@ -265,7 +265,7 @@ static void random_places_are_free_inside_and_within_the_region(void **state)
         lay_out_random(&s, 150, region);
         if (is_box)
             turn_into_boxes(&s, 0.04, 0.01);
-        placement p = make(&s);
+        scene_placement p = make(&s);
         assert_int_equal(p.n, 150);
         for (size_t k = 0; k < p.n; k++) {
             assert_true(p.poses[k].x >= 0.0 && p.poses[k].x <= 0.4);
@@ -283,10 +283,10 @@ static void a_seed_gives_the_same_places_every_time_and_another_gives_others(voi
 
     (void)state;
     lay_out_random(&s, 50, (scene_rect){ 0.1, 0.4, 0.1, 0.4 });
-    placement a = make(&s), b = make(&s);
+    scene_placement a = make(&s), b = make(&s);
     assert_memory_equal(a.poses, b.poses, 50 * sizeof *a.poses);
     s.initial.seed = 2;
-    placement c = make(&s);
+    scene_placement c = make(&s);
     assert_memory_not_equal(a.poses, c.poses, 50 * sizeof *a.poses);
     // The first place comes straight from the generator.
     bf_random random;
@@ -307,7 +307,7 @@ static void too_many_random_parts_are_refused_and_the_output_untouched(void **st
 
     (void)state;
     for (size_t k = 0; k < sizeof many / sizeof *many; k++) {
-        placement p = { .n = 77 };
+        scene_placement p = { .n = 77 };
         bf_error err = { 0 };
         lay_out_random(&s, many[k], (scene_rect){ 0.1, 0.3, 0.1, 0.3 });
         assert_int_equal(placement_make(&s, &p, &err), BF_EINPUT);
@@ -326,7 +326,7 @@ static void without_memory_nothing_is_placed_or_lost(void **state)
     (void)state;
     lay_out_random(&s, 50, (scene_rect){ 0.1, 0.4, 0.1, 0.4 });
     for (size_t n = 1;; n++) {
-        placement p = { .n = 77 };
+        scene_placement p = { .n = 77 };
         memory_plan_fault(n, 0);
         bf_status status = placement_make(&s, &p, NULL);
         size_t n_faults = memory_faults();
@@ -339,7 +339,7 @@ static void without_memory_nothing_is_placed_or_lost(void **state)
         assert_int_equal(status, BF_ENOMEM);
         assert_int_equal(p.n, 77);
     }
-    placement p = make(&s);
+    scene_placement p = make(&s);
     for (size_t n = 1;; n++) {
         static bf_faults faults;
         memory_plan_fault(n, 0);
@@ -355,9 +355,30 @@ static void without_memory_nothing_is_placed_or_lost(void **state)
     scene_fini(&s);
 }
 
+static void a_checked_scene_lends_the_places_that_the_check_made(void **state)
+{
+    bf_faults faults = { 0 };
+    scene_placement p;
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    assert_int_equal(placement_of(&s, &p, NULL), BF_OK);
+    assert_false(p.is_borrowed); // not checked yet: places of its own
+    assert_int_equal(p.n, 192);
+    placement_fini(&p);
+    scene_check(&s, &faults);
+    assert_int_equal(placement_of(&s, &p, NULL), BF_OK);
+    assert_ptr_equal(p.poses, s.placement.poses);
+    placement_fini(&p);
+    assert_int_equal(s.placement.n, 192);
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_checked_scene_lends_the_places_that_the_check_made),
         cmocka_unit_test(listed_places_are_taken_as_they_are),
         cmocka_unit_test(example_1_lies_in_16_rows_of_12),
         cmocka_unit_test(cylinders_may_touch_but_not_overlap),

@@ -499,6 +499,7 @@ static void random_cargo_needs_a_sound_region(void **state)
     s.initial.type = SCENE_INITIAL_RANDOM;
     s.initial.n_random = 100;
     s.initial.region = (scene_rect){ 0.1, 0.5, 0.1, 0.5 };
+    const scene sound = s;
     scene random = s;
     static bf_faults faults;
     scene_check(&s, &faults);
@@ -507,10 +508,10 @@ static void random_cargo_needs_a_sound_region(void **state)
     scene_check(&random, &faults);
     random.initial.region.y_min = NAN;
     scene_check(&random, &faults);
-    random = s;
+    random = sound;
     random.initial.seed = UINT64_C(1) << 53;
     scene_check(&random, &faults);
-    random = s;
+    random = sound;
     random.initial.n_random = 0;
     scene_check(&random, &faults);
     random.initial.n_random = 400;
