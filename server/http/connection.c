@@ -31,11 +31,12 @@
 #include <unistd.h>
 
 enum {
-    WATCH_TICK_MS = 100,       // between two looks while there are connections
-    WATCH_TICK_LINGER_MS = 10, // while sockets linger
-    WATCH_LEFT_MS = 500,       // between two looks for clients that left
-    WATCH_DRAIN_READS = 8,     // reads of one lingering socket at one look
-    RESERVE_MAX = 16,          // connections kept for the daemon's health
+    WATCH_TICK_MS = 100,         // between two looks while there are connections
+    WATCH_TICK_LINGER_MS = 10,   // while sockets linger
+    WATCH_DISCONNECTED_MS = 500, // between two looks for disconnected clients
+    WATCH_DRAIN_READS = 8,       // reads of one lingering socket at one look
+    RESERVE_MAX = 16,            // connections kept for the daemon's health
+    LINGER_MS = 2000,            // for which a refused connection is drained
 };
 
 http_connection *http__connection_open(http *h, int fd)
@@ -68,7 +69,7 @@ static void start_lingering(http *h, int fd)
     if (copy < 0)
         return;
     h->linger_fds[h->n_lingering] = copy;
-    h->linger_until[h->n_lingering++] = clock_monotonic_ms() + HTTP_LINGER_MS;
+    h->linger_until[h->n_lingering++] = clock_monotonic_ms() + LINGER_MS;
     lock_wake_all(&h->changed);
 }
 
@@ -112,7 +113,7 @@ bool http__connection_is_reserved(const http_connection *c)
     return is_reserved;
 }
 
-static void cut_off_the_late(http *h, int64_t now_ms)
+static void cut_off_late(http *h, int64_t now_ms)
 {
     lock_assert_held(&h->lock);
     for (http_connection *c = h->connections; c != NULL; c = c->next) {
@@ -131,21 +132,21 @@ bool http__connection_has_hung_up(int fd)
 }
 
 // It hung up, and nothing of it is left to be read.
-static bool has_gone(int fd)
+static bool is_disconnected(int fd)
 {
     int n_unread = 0;
 
     return http__connection_has_hung_up(fd) && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
 }
 
-static void cut_off_the_gone(http *h)
+static void cut_off_disconnected(http *h)
 {
     lock_assert_held(&h->lock);
     for (http_connection *c = h->connections; c != NULL; c = c->next) {
-        bool has_left = c->deadline_ms >= 0 && has_gone(c->fd);
-        if (has_left && c->seems_left)
+        bool is_gone = c->deadline_ms >= 0 && is_disconnected(c->fd);
+        if (is_gone && c->seems_disconnected)
             (void)shutdown(c->fd, SHUT_RDWR);
-        c->seems_left = has_left;
+        c->seems_disconnected = is_gone;
     }
 }
 
@@ -164,7 +165,7 @@ static bool drain(int fd)
     return true;
 }
 
-static void drain_the_lingering(http *h, int64_t now_ms)
+static void drain_lingering(http *h, int64_t now_ms)
 {
     unsigned n_left = 0;
 
@@ -183,17 +184,16 @@ static void drain_the_lingering(http *h, int64_t now_ms)
 // One look at everything; returns when the next one is due, or -1.
 static int64_t look(http *h, int64_t now_ms)
 {
-    bool looks_for_the_gone = now_ms >= h->looked_ms + WATCH_LEFT_MS;
+    bool looks_for_disconnected = now_ms >= h->looked_ms + WATCH_DISCONNECTED_MS;
 
     lock_assert_held(&h->lock);
-    cut_off_the_late(h, now_ms);
-    if (looks_for_the_gone) {
+    cut_off_late(h, now_ms);
+    if (looks_for_disconnected) {
         h->looked_ms = now_ms;
-        cut_off_the_gone(h);
+        cut_off_disconnected(h);
     }
-    drain_the_lingering(h, now_ms);
-    http__stream_watch(h, now_ms);
-    int64_t due_ms = http__wait_watch(h, now_ms, looks_for_the_gone);
+    drain_lingering(h, now_ms);
+    int64_t due_ms = http__pull_watch(h, now_ms, looks_for_disconnected);
     if (h->n_lingering == 0 && h->connections == NULL)
         return -1;
     int64_t next_ms = now_ms + (h->n_lingering > 0 ? WATCH_TICK_LINGER_MS : WATCH_TICK_MS);
@@ -206,7 +206,7 @@ static void *watch(void *context)
 
     lock_take(&h->lock);
     while (!h->watch_ends) {
-        pulse_answer(&h->alive.pulse);
+        pulse_answer(&h->watch_pulse);
         (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
     }
     lock_give(&h->lock);

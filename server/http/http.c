@@ -16,7 +16,8 @@
 enum {
     OPTIONS_MAX = 16,
     STACK_SIZE = 2 * 1024 * 1024,
-    LENIENT = 0, // the guard is the strict one; MHD would answer with its own pages
+    STOP_MS = 1000, // for answers under way when stopping
+    LENIENT = 0,    // the guard is the strict one; MHD would answer with its own pages
 };
 
 // MHD must not decode: the guard does, strictly.
@@ -120,9 +121,8 @@ static bf_status prepare_policies(http *h, bf_error *err)
         status = http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err);
     if (status != BF_OK)
         return status;
-    h->cache = http__cache_create();
     h->cors_origins = memory_alloc(strlen(origins) + 1, 1);
-    if (h->cache == NULL || h->cors_origins == NULL)
+    if (h->cors_origins == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
     memcpy(h->cors_origins, origins, strlen(origins) + 1);
     return BF_OK;
@@ -219,7 +219,7 @@ unsigned http_port(const http *h)
 // Lets answers that are under way reach their clients.
 static void wait_for_requests(http *h)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + HTTP_STOP_MS;
+    int64_t deadline_ms = clock_monotonic_ms() + STOP_MS;
 
     lock_take(&h->lock);
     while (h->n_requests > 0 && lock_wait(&h->changed, &h->lock, deadline_ms))
@@ -233,8 +233,7 @@ http *http_stop(http *h)
         return NULL;
     if (h->daemon != NULL)
         (void)MHD_quiesce_daemon(h->daemon);
-    http__stream_end_all(h);
-    http__wait_end_all(h);
+    http__pull_stop_all(h);
     http__pool_end(h->pool);
     if (h->daemon != NULL)
         wait_for_requests(h);
@@ -247,7 +246,6 @@ http *http_stop(http *h)
         (void)close(h->listen_fd);
     if (h->web_fd >= 0)
         (void)close(h->web_fd);
-    h->cache = http__cache_destroy(h->cache);
     h->limit = http_limit_destroy(h->limit);
     memory_free(h->cors_origins);
     lock_condition_fini(&h->changed);

@@ -1,15 +1,13 @@
-/// The HTTP transport: libmicrohttpd in front of api_handle(). The only file that includes
-/// <microhttpd.h> is http.c (with its private parts in http_*.c).
+/// The HTTP transport: libmicrohttpd in front of api_handle(). Only files of this folder include
+/// <microhttpd.h>.
 ///
-/// Threads  libmicrohttpd runs a small pool of epoll threads. Requests that may wait for the disk
-///          (api_request_cost) suspend their connection and are handled by a pool of request
-///          threads; all others are answered on the epoll thread. Event streams suspend while they
-///          have nothing to send; http_notify() wakes those that follow the run. An answer that waits
-///          for a run (`Prefer: wait`, `?wait=`) holds no thread either: its connection stays
-///          suspended, and http_notify() has a request thread look again. Bodies that are made while
-///          they are sent (body_source) are made by the request threads.
-/// Order of stopping  http_stop(): quiesce, mark streams and waiting answers as ending, resume all,
-///          stop.
+/// Threads  libmicrohttpd runs a small pool of epoll threads, which serve connections and never wait.
+///          Requests that may wait for the disk (api_request_cost) suspend their connection and are
+///          handled by request threads; all others are answered on the epoll thread. Whatever is
+///          pulled (a body_source, or the wait for a run: `Prefer: wait`, `?wait=`) is worked on by
+///          request threads too, and is suspended and without a thread while there is nothing to do;
+///          http_notify() wakes what waits for the run.
+/// Order of stopping  http_stop(): quiesce, mark all that is pulled as ending, resume it, stop.
 
 #pragma once
 
@@ -25,7 +23,7 @@ typedef struct http_options {
     const api_services *services; ///< what the API asks
     const char *web_directory;    ///< files of the page; NULL: none
     unsigned n_threads;           ///< epoll threads, >= 1
-    unsigned n_request_threads;   ///< threads for requests that block, >= 1
+    unsigned n_request_threads;   ///< requests that may block, at once, >= 1
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
@@ -65,7 +63,8 @@ bool http_is_alive(http *h);
 /// The port that is listened on.
 unsigned http_port(const http *h);
 
-/// A run has changed: wake the streams that follow it and the answers that wait for it. Never blocks; any thread.
+/// A run has changed: wake the streams that follow it and the answers that wait for it. Any thread; never
+/// waits for the disk or a client.
 void http_notify(http *h, const char *run_id);
 
 /// Stop and free. NULL is fine. Always returns NULL.

@@ -1,33 +1,30 @@
-/// Private parts of the HTTP transport, shared by http.c and http_*.c.
+/// Private parts of the HTTP transport. README.md tells the way through its files.
 ///
 /// Life of a request (one http_request, made when its request line is parsed, freed when MHD says
 /// that it is completed):
 ///
-///     HEADER --guard--> BODY --complete--> WORKING (suspended, in the pool) --> READY --> SENT
-///                         |                   |                                   ^
-///                         |                   '--> WAITING (suspended, parked) ---|
-///                         '------- does not block --------------------------------'
+///     HEADER --guard--> BODY --complete--> WORKING --handled--> READY --> SENT
+///                         |                   |                   ^        |
+///                         |                   '--> LONG_POLL -----|        '--> its body is pulled
+///                         '------- does not block ----------------'
 ///
-/// A body that is made in pieces takes the request back to the pool for each of them (http_download.c).
-///
-/// Everything that more than one thread touches is under http.lock; the order of locks is http.lock,
-/// http_pool's lock, MHD's own. No callback of MHD holds MHD's lock when it calls us.
+/// In WORKING and LONG_POLL the connection is suspended. Everything that more than one thread touches
+/// is under http.lock; the order of locks is http.lock, http_pool's lock, MHD's own. No callback of
+/// MHD holds MHD's lock when it calls us.
 
 #pragma once
 
 #include "api/http/coding.h"
 #include "api/http/exchange.h"
+#include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
-#include "server/http/alive_priv.h"
 #include "server/http/client.h"
-#include "server/http/download_priv.h"
 #include "server/http/http.h"
 #include "server/http/limit.h"
-#include "server/http/page_priv.h"
-#include "server/http/stream_priv.h"
+#include "server/http/page.h"
+#include "server/http/pull.h"
 #include "server/http/trace.h"
-#include "server/http/wait_priv.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -40,14 +37,10 @@ struct MHD_Daemon;
 struct MHD_Response;
 
 enum {
-    HTTP_METHOD_SIZE = 32,           ///< bytes of a method with its terminator
-    HTTP_IDLE_S = 15,                ///< an inactive connection is closed after it
-    HTTP_STREAM_IDLE_S = 60,         ///< the same for a client that does not take its stream
-    HTTP_STREAM_BATCH = 64 * 1024,   ///< bytes that a stream reads from the store at once
-    HTTP_LINGER_MAX = 64,            ///< sockets that are drained after a refusal
-    HTTP_LINGER_MS = 2000,           ///< for how long
-    HTTP_STOP_MS = 1000,             ///< for answers under way when stopping
-    HTTP_POOL_QUEUE_PER_THREAD = 16, ///< requests that may wait for a request thread
+    HTTP_METHOD_SIZE = 32, ///< bytes of a method with its terminator
+    HTTP_IDLE_S = 15,      ///< an inactive connection is closed after it
+    HTTP_LINGER_MAX = 64,  ///< sockets that are drained after a refusal
+    HTTP_PROBES_MAX = 64,  ///< epoll threads that are asked whether they live
 };
 
 /// A connection's socket, from accept to close.
@@ -58,17 +51,17 @@ typedef struct http_connection {
     int fd;                           ///< MHD's socket; valid while in the list
     int64_t deadline_ms;              ///< shut down then (clock_monotonic_ms()); -1: never
     bool lingers;                     ///< was refused while its client may still be sending
-    bool seems_left;                  ///< its client had hung up at the last look
+    bool seems_disconnected;          ///< its client had hung up at the last look
 } http_connection;
 
 /// Where a request is in its life.
 typedef enum http_stage {
-    HTTP_STAGE_HEADER,  ///< the header is not checked yet
-    HTTP_STAGE_BODY,    ///< the body is being received
-    HTTP_STAGE_WORKING, ///< suspended, a request thread has it
-    HTTP_STAGE_WAITING, ///< suspended, its answer waits for a run
-    HTTP_STAGE_READY,   ///< the response is there
-    HTTP_STAGE_SENT,    ///< the response was given to MHD
+    HTTP_STAGE_HEADER,    ///< the header is not checked yet
+    HTTP_STAGE_BODY,      ///< the body is being received
+    HTTP_STAGE_WORKING,   ///< suspended, a request thread has it
+    HTTP_STAGE_LONG_POLL, ///< suspended, its answer waits for a run
+    HTTP_STAGE_READY,     ///< the response is there
+    HTTP_STAGE_SENT,      ///< the response was given to MHD; its body may still be pulled
 } http_stage;
 
 /// One request.
@@ -85,6 +78,7 @@ struct http_request {
     char method[HTTP_METHOD_SIZE]; ///< as sent
     char path[API_PATH_MAX];       ///< decoded
     char query[API_PATH_MAX];      ///< as sent
+    api_cost cost;                 ///< what handling it takes
     bf_buffer body;                ///< as received
     api_response response;         ///< what to answer
     http_file file;                ///< or a file instead of its body
@@ -95,12 +89,9 @@ struct http_request {
     http_trace trace;              ///< what identifies it
     http_client client;            ///< who sent it
     http_limit_verdict verdict;    ///< what the limits say of it
-    http_wait wait;                ///< of an answer that waits
     bool is_counted;               ///< in http.n_requests
-    bool is_stream;                ///< stream is in http.streams
-    http_stream stream;            ///< of a response that is one
-    bool is_download;              ///< in http.n_downloads
-    http_download download;        ///< of a response whose body is made in pieces
+    bool has_waited;               ///< its answer was a long poll's
+    http_pull pull;                ///< of its long poll, then of its response's body
     int64_t begun_ns;              ///< when its header was complete, clock_monotonic_ns()
 };
 
@@ -119,35 +110,32 @@ struct http {
     char *cors_origins;                    ///< as given; "": none
     http_proxies proxies;                  ///< whose X-Forwarded-For is believed
     http_limit *limit;                     ///< rates of clients
-    http_cache *cache;                     ///< encoded files of the page
     lock lock;                             ///< guards all that follows
     lock_condition changed;                ///< a connection came, a request went, or is_stopping
     http_connection *connections;          ///< open ones
     unsigned n_connections;                ///< how many
-    http_stream *streams;                  ///< under way
-    unsigned n_streams;                    ///< how many
-    unsigned n_downloads;                  ///< bodies in pieces under way
-    http_request *waits;                   ///< requests whose answers wait
-    unsigned n_waits;                      ///< how many
+    http_request *pulls;                   ///< requests with a pull under way
+    unsigned n_pulls[HTTP_PULL_KINDS];     ///< how many of each kind
     unsigned n_requests;                   ///< requests past their header
-    bool is_stopping;                      ///< streams end, nothing suspends any more
+    bool is_stopping;                      ///< pulls end, nothing suspends any more
     bool has_watch;                        ///< watch runs
     bool watch_ends;                       ///< it shall not
-    int64_t looked_ms;                     ///< when it last looked for clients that left
-    http_alive alive;                      ///< signs of life, see http_is_alive()
-    pthread_t watch;                       ///< deadlines, heartbeats, clients that left
+    int64_t looked_ms;                     ///< when it last looked for disconnected clients
+    pthread_t watch;                       ///< deadlines, heartbeats, disconnected clients
+    pulse watch_pulse;                     ///< of that thread
+    int probes[HTTP_PROBES_MAX];           ///< main's: connections to epoll threads; 0: none
     unsigned n_lingering;                  ///< sockets in linger
     int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
 
-// http_listen.c
+// listen.c
 
 /// Listen on "host:port". BF_EINPUT: not an address; BF_ESYSTEM: it cannot be used.
 BF_MUST_CHECK bf_status http__listen(const char *address, int *ret_fd, unsigned *ret_port,
                                      bf_error *err);
 
-// http_connection.c
+// connection.c
 
 /// A new connection (NULL: no memory), in the list, with the deadline for its first header.
 http_connection *http__connection_open(http *h, int fd);
@@ -164,28 +152,28 @@ bool http__connection_is_reserved(const http_connection *c);
 /// True if the client has closed its side, or the connection is broken.
 bool http__connection_has_hung_up(int fd);
 
-/// Start and stop the thread that watches deadlines and streams.
+/// Start and stop the thread that watches deadlines and pulls.
 BF_MUST_CHECK bf_status http__watch_start(http *h, bf_error *err);
 void http__watch_stop(http *h);
 
-// http_pool.c
+// probe.c
 
-/// Start n threads that handle requests.
-BF_MUST_CHECK bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *err);
+/// Close what the last probes have left open.
+void http__probe_end(http *h);
 
-/// Suspend the request's connection and queue it. False: the queue is full or the pool has ended;
-/// nothing was done.
-bool http__pool_give(http_pool *p, http_request *r);
+// pool.c
 
-/// Queue a request that waited, in spite of the limit of the queue. Under http.lock, and before
-/// http__pool_end().
-void http__pool_take_back(http_pool *p, http_request *r);
+/// Start the threads that handle n requests at a time.
+BF_MUST_CHECK bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err);
 
-/// Suspend and queue a request whose response is being sent, in spite of that limit, to make the next
-/// piece of its body. False: the pool has ended.
-bool http__pool_continue(http_pool *p, http_request *r);
+/// Suspend the request's connection and queue it to be handled. False: the queue is full or the pool
+/// has ended; nothing was done.
+bool http__pool_suspend(http_pool *p, http_request *r);
 
-/// Handle what is queued and end the threads. NULL is fine.
+/// Queue a suspended request whose pull goes on. Under http.lock, and before http__pool_end().
+void http__pool_push(http_pool *p, http_request *r);
+
+/// Do what is queued and end the threads. NULL is fine.
 void http__pool_end(http_pool *p);
 
 /// Free a pool that has ended. NULL is fine. Always returns NULL.
@@ -194,16 +182,7 @@ http_pool *http__pool_free(http_pool *p);
 /// Ask for a sign of life of any thread, and true if one has given what was asked for before.
 bool http__pool_is_alive(http_pool *p);
 
-// http_finish.c
-
-/// Add what the transport adds to an answer: encoding, range, and the headers of limits, origins and
-/// traces. Does nothing the second time.
-void http__finish(http_request *r);
-
-/// Say that the body is encoded; the entity tag becomes that of the encoded form.
-void http__finish_encoded(api_response *response, coding c);
-
-// http_request.c: what MHD's callbacks for requests come to.
+// request.c: what MHD's callbacks for requests come to.
 
 /// A new request, from the target of its request line, which is followed by the version in the same
 /// buffer. NULL: no memory.
@@ -214,22 +193,27 @@ http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char
 bool http__request_advance(http_request *r, const char *method, const char *version,
                            const char *bytes, size_t *n);
 
+/// On a request thread: do what the request is there for. False: it waits, and is not this thread's
+/// any more.
+bool http__request_work(http_request *r);
+
 /// The request is over, answered or not: log and free it. NULL is fine.
 void http__request_close(http_request *r);
-
-/// Handle the request by the API, and by the page where the API knows no such path.
-void http__request_handle(http_request *r);
-
-/// Make the answer anew after it has waited.
-void http__request_handle_again(http_request *r);
 
 /// A request header's value by its name, or NULL; context is the http_request.
 const char *http__request_header(void *context, const char *name);
 
-// http_respond.c
+// response.c
 
 /// Make the request's response a problem.
 void http__respond_refuse(http_request *r, int status, const bf_error *err);
+
+/// Add what the transport adds to an answer: encoding, range, and the headers of limits, origins and
+/// traces. Does nothing the second time.
+void http__finalize_response(http_request *r);
+
+/// Say that the body is encoded; the entity tag becomes that of the encoded form.
+void http__set_coding(api_response *response, coding c);
 
 /// Give the response to MHD. False: it cannot be sent, close the connection.
 bool http__respond(http_request *r);

@@ -1,9 +1,20 @@
-// Request threads: requests that may wait for the disk are handled here, so that the epoll threads
-// never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
-// nothing for it, until MHD_resume_connection(), after which the pool does not touch it any more.
-// The queue is bounded: what does not fit is refused at once. Requests that waited come back to it
-// beyond that bound, and so do those whose responses are being sent (http_download.c); both have limits
-// of their own.
+// Request threads: whatever may wait for the disk or compute for long is done here, so that the epoll
+// threads never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
+// nothing for it until MHD_resume_connection(), after which the pool does not touch it any more.
+//
+// Three lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request
+// threads that were asked for, n + 2 are started:
+//
+//     health     1 at a time      GET /readyz
+//     requests   n at a time      every other request
+//     chunks     n at a time      what is pulled (pull.c); requests and chunks together: n + 1
+//
+// So n long requests leave a thread to the streams, and n reads of a store that stalls leave one to
+// requests, and neither delays the answer whether the daemon is ready. Requests and chunks that wait take
+// turns.
+//
+// The queues of new requests are bounded: what does not fit is refused at once. Chunks are bounded by the
+// limits of their kinds.
 
 #include "server/http/http_priv.h"
 
@@ -12,79 +23,125 @@
 
 #include <microhttpd.h>
 
+enum { QUEUE_PER_THREAD = 16 }; // requests that may wait for a request thread
+
+typedef enum pool_lane { LANE_HEALTH, LANE_REQUESTS, LANE_CHUNKS, N_LANES } pool_lane;
+
 struct http_pool {
-    lock lock;              // guards the queue
-    lock_condition changed; // something was queued, or the end
-    http_request *first;    // queue, oldest first
-    http_request *last;     // its end
-    unsigned n_waiting;     // requests in it
-    unsigned n_max;         // at most
-    bool is_stopping;       // nothing more is queued
-    pulse pulse;            // of the threads: one must live
-    unsigned n_threads;     // started
-    pthread_t threads[];    // they
+    lock lock;                    // guards all but the threads
+    lock_condition changed;       // something was queued, or the end
+    http_request *first[N_LANES]; // queues, oldest first
+    http_request *last[N_LANES];  // their ends
+    unsigned n_waiting[N_LANES];  // requests in them
+    unsigned n_busy[N_LANES];     // threads that work on one
+    unsigned n;                   // request threads that were asked for
+    bool is_turn_of_chunks;       // if requests and chunks wait
+    bool is_stopping;             // nothing more is queued
+    pulse pulse;                  // of those that handle requests: one must live
+    unsigned n_threads;           // started
+    pthread_t threads[];          // they
 };
 
-// The oldest request, waiting for one. NULL: the pool ends and the queue is empty.
-static http_request *take(http_pool *p)
+static pool_lane lane_of(const http_request *r)
 {
-    lock_take(&p->lock);
-    pulse_answer(&p->pulse);
-    while (p->first == NULL && !p->is_stopping) {
-        (void)lock_wait(&p->changed, &p->lock, -1);
+    if (r->stage != HTTP_STAGE_WORKING)
+        return LANE_CHUNKS;
+    return r->cost == API_COST_HEALTH ? LANE_HEALTH : LANE_REQUESTS;
+}
+
+// True if a thread may take something of this lane now.
+static bool is_open(const http_pool *p, pool_lane lane)
+{
+    if (lane == LANE_HEALTH)
+        return p->n_busy[lane] == 0;
+    return p->n_busy[lane] < p->n && p->n_busy[LANE_REQUESTS] + p->n_busy[LANE_CHUNKS] < p->n + 1;
+}
+
+// The lane to take from next; N_LANES: there is nothing to do.
+static pool_lane choose_lane(const http_pool *p)
+{
+    bool can[N_LANES];
+
+    lock_assert_held(&p->lock);
+    for (pool_lane lane = LANE_HEALTH; lane < N_LANES; lane++)
+        can[lane] = p->first[lane] != NULL && is_open(p, lane);
+    if (can[LANE_HEALTH])
+        return LANE_HEALTH;
+    if (can[LANE_CHUNKS] && (p->is_turn_of_chunks || !can[LANE_REQUESTS]))
+        return LANE_CHUNKS;
+    return can[LANE_REQUESTS] ? LANE_REQUESTS : N_LANES;
+}
+
+static bool is_empty(const http_pool *p)
+{
+    return p->first[LANE_HEALTH] == NULL && p->first[LANE_REQUESTS] == NULL &&
+           p->first[LANE_CHUNKS] == NULL;
+}
+
+// All request threads hang if none of those that handle requests comes by.
+static void give_sign_of_life(http_pool *p)
+{
+    lock_assert_held(&p->lock);
+    if (p->n_busy[LANE_REQUESTS] < p->n)
         pulse_answer(&p->pulse);
+}
+
+// The next request, waiting for one. *lane is that of the request that is done (N_LANES: none), then
+// that of the next. NULL: the pool ends and the queues are empty.
+static http_request *take(http_pool *p, pool_lane *lane)
+{
+    http_request *r = NULL;
+
+    lock_take(&p->lock);
+    if (*lane != N_LANES)
+        p->n_busy[*lane]--;
+    give_sign_of_life(p);
+    while ((*lane = choose_lane(p)) == N_LANES && !(p->is_stopping && is_empty(p))) {
+        (void)lock_wait(&p->changed, &p->lock, -1);
+        give_sign_of_life(p);
     }
-    http_request *r = p->first;
-    if (r != NULL) {
-        p->first = r->next;
-        p->n_waiting -= r->stage == HTTP_STAGE_WORKING;
+    if (*lane != N_LANES) {
+        r = p->first[*lane];
+        p->first[*lane] = r->next;
+        p->n_waiting[*lane]--;
+        p->n_busy[*lane]++;
+        p->is_turn_of_chunks = *lane == LANE_REQUESTS;
     }
+    if (p->is_stopping)
+        lock_wake_all(&p->changed);
     lock_give(&p->lock);
     return r;
 }
 
-// Does what the request is here for. False: it was parked, and is not this thread's any more.
-static bool handle(http_request *r)
-{
-    if (r->stage == HTTP_STAGE_SENT) {
-        http__download_make(r);
-        return true;
-    }
-    if (r->stage == HTTP_STAGE_WORKING)
-        http__request_handle(r);
-    if (http__wait_goes_on(r))
-        return false;
-    http__finish(r);
-    r->stage = HTTP_STAGE_READY;
-    return true;
-}
-
 static void *work(void *context)
 {
+    http_pool *p = context;
+    pool_lane lane = N_LANES;
     http_request *r;
 
-    while ((r = take(context)) != NULL) {
+    while ((r = take(p, &lane)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
-        if (handle(r))
+        if (http__request_work(r))
             MHD_resume_connection(mhd);
     }
     return NULL;
 }
 
-bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *err)
+bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err)
 {
+    unsigned n_threads = n + 2;
     http_pool *p = memory_alloc(1, sizeof *p + n_threads * sizeof p->threads[0]);
 
     if (p == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for %u request threads", n_threads);
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %u request threads", n);
     lock_init(&p->lock);
     lock_condition_init(&p->changed);
-    p->n_max = n_threads * HTTP_POOL_QUEUE_PER_THREAD;
+    p->n = n;
     for (; p->n_threads < n_threads; p->n_threads++) {
         if (pthread_create(&p->threads[p->n_threads], NULL, work, p) != 0) {
             http__pool_end(p);
             (void)http__pool_free(p);
-            return bf_fail(err, BF_ESYSTEM, "", "cannot start %u request threads", n_threads);
+            return bf_fail(err, BF_ESYSTEM, "", "cannot start %u request threads", n);
         }
     }
     *ret_pool = p;
@@ -93,53 +150,45 @@ bf_status http__pool_start(unsigned n_threads, http_pool **ret_pool, bf_error *e
 
 static void append(http_pool *p, http_request *r)
 {
+    pool_lane lane = lane_of(r);
+
     lock_assert_held(&p->lock);
     r->next = NULL;
-    if (p->first == NULL)
-        p->first = r;
+    if (p->first[lane] == NULL)
+        p->first[lane] = r;
     else
-        p->last->next = r;
-    p->last = r;
+        p->last[lane]->next = r;
+    p->last[lane] = r;
+    p->n_waiting[lane]++;
 }
 
-bool http__pool_give(http_pool *p, http_request *r)
+bool http__pool_suspend(http_pool *p, http_request *r)
 {
+    http_stage before = r->stage;
+
+    r->stage = HTTP_STAGE_WORKING;
     lock_take(&p->lock);
-    bool has_room = p->n_waiting < p->n_max && !p->is_stopping;
+    bool has_room = p->n_waiting[lane_of(r)] < p->n * QUEUE_PER_THREAD && !p->is_stopping;
     if (has_room) {
         MHD_suspend_connection(r->mhd);
-        r->stage = HTTP_STAGE_WORKING;
         append(p, r);
-        p->n_waiting++;
     }
     lock_give(&p->lock);
     // Only now, so that the thread does not wake to wait for the lock.
     if (has_room)
         lock_wake_one(&p->changed);
+    else
+        r->stage = before;
     return has_room;
 }
 
-void http__pool_take_back(http_pool *p, http_request *r)
+void http__pool_push(http_pool *p, http_request *r)
 {
     lock_take(&p->lock);
-    BF_CHECK(!p->is_stopping && r->stage == HTTP_STAGE_WAITING);
+    BF_CHECK(!p->is_stopping && r->stage != HTTP_STAGE_WORKING);
     append(p, r);
     lock_give(&p->lock);
     lock_wake_one(&p->changed);
-}
-
-bool http__pool_continue(http_pool *p, http_request *r)
-{
-    lock_take(&p->lock);
-    bool goes_on = !p->is_stopping;
-    if (goes_on) {
-        MHD_suspend_connection(r->mhd);
-        append(p, r);
-    }
-    lock_give(&p->lock);
-    if (goes_on)
-        lock_wake_one(&p->changed);
-    return goes_on;
 }
 
 bool http__pool_is_alive(http_pool *p)

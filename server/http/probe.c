@@ -81,10 +81,10 @@ static bool is_full(http *h)
 
 static bool is_watch_alive(http *h)
 {
-    bool is_alive = !pulse_is_asked(&h->alive.pulse);
+    bool is_alive = !pulse_is_asked(&h->watch_pulse);
 
     lock_take(&h->lock);
-    pulse_ask(&h->alive.pulse);
+    pulse_ask(&h->watch_pulse);
     lock_wake_all(&h->changed);
     lock_give(&h->lock);
     return is_alive;
@@ -96,16 +96,16 @@ bool http_is_alive(http *h)
     bool is_alive = true;
 
     for (unsigned i = 0; i < n && i < HTTP_PROBES_MAX; i++)
-        is_alive = collect(&h->alive.probes[i]) && is_alive;
+        is_alive = collect(&h->probes[i]) && is_alive;
     is_alive = http__pool_is_alive(h->pool) && is_alive;
     is_alive = is_watch_alive(h) && is_alive;
     for (unsigned i = 0; i < n && i < HTTP_PROBES_MAX && !is_full(h); i++)
-        h->alive.probes[i] = ask(h, i);
+        h->probes[i] = ask(h, i);
     return is_alive;
 }
 
 void http__probe_end(http *h)
 {
     for (unsigned i = 0; i < HTTP_PROBES_MAX; i++)
-        (void)collect(&h->alive.probes[i]);
+        (void)collect(&h->probes[i]);
 }

@@ -13,9 +13,6 @@
 
 enum { ID_LENGTH = API_ID_SIZE - 1 };
 
-// What is answered even when all connections but the reserve are in use.
-static const char *const health_paths[] = { "/livez", "/readyz", "/metrics" };
-
 static http_connection *connection_of(struct MHD_Connection *mhd)
 {
     const union MHD_ConnectionInfo *info =
@@ -91,18 +88,9 @@ static void check_header(http_request *r, const char *method, const char *versio
     r->refusal = http_guard_verdict(&guard, method, version, &r->fault);
 }
 
-static bool is_about_health(const http_request *r)
-{
-    for (size_t i = 0; i < sizeof health_paths / sizeof *health_paths; i++) {
-        if (strcmp(r->path, health_paths[i]) == 0)
-            return true;
-    }
-    return false;
-}
-
 static void check_reserve(http_request *r)
 {
-    if (http__connection_is_reserved(r->connection) && !is_about_health(r))
+    if (http__connection_is_reserved(r->connection) && r->cost != API_COST_HEALTH)
         refuse(r, 503, BF_EBUSY, "too many connections are open");
 }
 
@@ -166,6 +154,18 @@ static void count(http_request *r, int change)
     r->is_counted = change > 0;
 }
 
+static api_request view(http_request *r)
+{
+    return (api_request){ .method = r->method,
+                          .path = r->path,
+                          .query = r->query,
+                          .header = http__request_header,
+                          .header_context = r,
+                          .body = r->body.bytes,
+                          .n_body = r->body.n,
+                          .client = r->client.is_local ? NULL : r->client.text };
+}
+
 static bool begin(http_request *r, const char *method, const char *version)
 {
     bool has_body = false;
@@ -174,8 +174,11 @@ static bool begin(http_request *r, const char *method, const char *version)
     count(r, 1);
     check_header(r, method, version);
     identify(r);
-    if (r->refusal == 0)
+    if (r->refusal == 0) {
+        const api_request request = view(r);
+        r->cost = api_request_cost(&request);
         check_reserve(r);
+    }
     if (r->refusal == 0)
         has_body = check_length(r);
     if (r->refusal != 0) {
@@ -209,44 +212,81 @@ static bool is_for_page(const http_request *r)
     return r->response.status == 404 && strncmp(r->path, "/v1/", 4) != 0;
 }
 
-static api_request view(http_request *r)
-{
-    return (api_request){ .method = r->method,
-                          .path = r->path,
-                          .query = r->query,
-                          .header = http__request_header,
-                          .header_context = r,
-                          .body = r->body.bytes,
-                          .n_body = r->body.n,
-                          .client = r->client.is_local ? NULL : r->client.text };
-}
-
-void http__request_handle(http_request *r)
+static void handle(http_request *r)
 {
     const api_request request = view(r);
 
     api_handle(&r->server->services, &request, &r->response);
     if (is_for_page(r))
-        http__file_answer(r);
+        http__page_answer(r);
 }
 
-void http__request_handle_again(http_request *r)
+// What a request is told that would have waited, where too many do.
+static void refuse_long_poll(http_request *r)
+{
+    bf_error err = { 0 };
+
+    r->response.wait.seconds = 0;
+    api_response_drop(&r->response, "Preference-Applied");
+    if (strcmp(r->method, "POST") == 0)
+        return; // it was accepted; waiting was only preferred
+    (void)bf_fail(&err, BF_EBUSY, "", "there are %u requests that wait, which is the limit",
+                  r->server->options.wait_limit);
+    http__respond_refuse(r, 503, &err);
+}
+
+// True if the answer, just made, waits for a run.
+static bool begin_long_poll(http_request *r)
+{
+    if (r->response.wait.seconds == 0)
+        return false;
+    if (!http__pull_begin_long_poll(r)) {
+        refuse_long_poll(r);
+        return false;
+    }
+    r->stage = HTTP_STAGE_LONG_POLL;
+    r->has_waited = true;
+    return true;
+}
+
+// The answer is made anew, unless there is nobody to read it.
+static void end_long_poll(http_request *r)
 {
     const api_request request = view(r);
 
-    api_handle_again(&r->server->services, &request, &r->response);
+    http__pull_end(r);
+    if (!r->pull.has_failed)
+        api_handle_again(&r->server->services, &request, &r->response);
+}
+
+bool http__request_work(http_request *r)
+{
+    if (r->stage == HTTP_STAGE_SENT)
+        return http__pull_work(r);
+    bool is_waiting = r->stage == HTTP_STAGE_LONG_POLL;
+    if (!is_waiting) {
+        handle(r);
+        is_waiting = begin_long_poll(r);
+    }
+    if (is_waiting) {
+        if (!http__pull_work(r))
+            return false;
+        end_long_poll(r);
+    }
+    http__finalize_response(r);
+    r->stage = HTTP_STAGE_READY;
+    return true;
 }
 
 // False: the client has asked too often, and was told so. Who is on this machine may.
 static bool check_rate(http_request *r)
 {
-    const api_request request = view(r);
     bf_error err = { 0 };
 
-    if (r->client.is_local || is_about_health(r))
+    if (r->client.is_local || r->cost == API_COST_HEALTH)
         return true;
-    r->verdict = http_limit_take(r->server->limit, r->client.key,
-                                 api_request_cost(&request) == API_COST_WORK, clock_monotonic_ms());
+    r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost == API_COST_WORK,
+                                 clock_monotonic_ms());
     if (!r->verdict.is_refused)
         return true;
     (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
@@ -255,12 +295,13 @@ static bool check_rate(http_request *r)
     return false;
 }
 
-// True if handling it can wait for the disk, so that it is for a request thread.
-static bool can_block(const api_request *request)
+// True if handling it can wait for the disk, so that it is for a request thread. Of what is about health
+// that is readiness alone, which writes to the store.
+static bool can_block(const http_request *r)
 {
-    bool is_ready = strcmp(request->path, "/readyz") == 0;
-
-    return api_request_cost(request) > API_COST_HEALTH || is_ready;
+    return r->cost == API_COST_HEALTH
+               ? strcmp(r->path, "/readyz") == 0
+               : r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
 }
 
 static bool dispatch(http_request *r)
@@ -268,12 +309,11 @@ static bool dispatch(http_request *r)
     http__connection_deadline(r->connection, -1);
     if (!check_rate(r))
         return http__respond(r);
-    const api_request request = view(r);
-    if (!can_block(&request) && !http__file_may_be(r->server, r->path)) {
-        http__request_handle(r);
+    if (!can_block(r)) {
+        handle(r);
         return http__respond(r);
     }
-    if (http__pool_give(r->server->pool, r))
+    if (http__pool_suspend(r->server->pool, r))
         return true;
     bf_error err = { 0 };
     (void)bf_fail(&err, BF_EBUSY, "", "too many requests are waiting");
@@ -292,7 +332,7 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
     case HTTP_STAGE_READY:
         return http__respond(r);
     case HTTP_STAGE_WORKING:
-    case HTTP_STAGE_WAITING:
+    case HTTP_STAGE_LONG_POLL:
     case HTTP_STAGE_SENT:
         break;
     }
@@ -328,7 +368,7 @@ static void log_request(const http_request *r)
 // What a client wants to wait for says nothing about the service.
 static bool is_timed(const http_request *r)
 {
-    return !r->response.source.is_stream && r->wait.deadline_ms == 0;
+    return !r->response.source.is_stream && !r->has_waited;
 }
 
 static void measure_request(const http_request *r)
@@ -343,9 +383,7 @@ void http__request_close(http_request *r)
 {
     if (r == NULL)
         return;
-    http__stream_end(r);
-    http__download_end(r);
-    http__wait_end(r);
+    http__pull_end(r);
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
     if (r->is_counted) {

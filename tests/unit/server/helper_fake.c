@@ -1,5 +1,6 @@
 #include "tests/unit/server/helper_fake.h"
 
+#include "server/base/clock.h"
 #include "server/base/metrics.h"
 
 #include <setjmp.h>
@@ -31,11 +32,34 @@ void fake_append(fake *f, bool is_end)
     lock_give(&f->lock);
 }
 
-void fake_hold(fake *f, bool is_held)
+void fake_hold(fake *f, fake_held held)
 {
     lock_take(&f->lock);
-    f->is_held = is_held;
+    f->held = held;
     lock_wake_all(&f->changed);
+    lock_give(&f->lock);
+}
+
+bool fake_wait_for_held(fake *f, unsigned n)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + 5000;
+
+    lock_take(&f->lock);
+    while (f->n_waiting < n && lock_wait(&f->changed, &f->lock, deadline_ms))
+        ;
+    bool is_reached = f->n_waiting >= n;
+    lock_give(&f->lock);
+    return is_reached;
+}
+
+static void wait_while_held(fake *f, fake_held which)
+{
+    lock_take(&f->lock);
+    f->n_waiting++;
+    lock_wake_all(&f->changed);
+    while (f->held == which)
+        (void)lock_wait(&f->changed, &f->lock, -1);
+    f->n_waiting--;
     lock_give(&f->lock);
 }
 
@@ -51,10 +75,10 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     ret_run->n_snapshots = f->n_snapshots;
     f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
-    void (*after_find)(void) = f->after_find;
+    void (*after_look)(void) = f->after_look;
     lock_give(&f->lock);
-    if (after_find != NULL)
-        after_find();
+    if (after_look != NULL)
+        after_look();
     return BF_OK;
 }
 
@@ -67,10 +91,12 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
     size_t n = 0;
 
     (void)n_runs;
+    wait_while_held(f, FAKE_HELD_EVENTS);
     lock_take(&f->lock);
     uint64_t n_events = f->n_events;
     bool has_ended = f->has_ended;
     bool is_broken = f->is_broken;
+    void (*after_look)(void) = f->after_look;
     f->n_reads++;
     lock_give(&f->lock);
     if (is_broken)
@@ -84,6 +110,8 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
         n += event.n;
         status = take(take_context, &event, err);
     }
+    if (after_look != NULL)
+        after_look();
     return status;
 }
 
@@ -159,15 +187,19 @@ static bf_status metrics(void *context, bf_buffer *out, bf_error *err)
 
 static bf_status ready(void *context, bf_error *err)
 {
-    fake *f = context;
-
     (void)err;
-    lock_take(&f->lock);
-    f->n_waiting++;
-    while (f->is_held)
-        (void)lock_wait(&f->changed, &f->lock, -1);
-    f->n_waiting--;
-    lock_give(&f->lock);
+    wait_while_held(context, FAKE_HELD_READY);
+    return BF_OK;
+}
+
+static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
+                      bf_error *err)
+{
+    (void)query;
+    (void)err;
+    wait_while_held(context, FAKE_HELD_LIST);
+    ret_list->n = 0;
+    ret_list->has_more = false;
     return BF_OK;
 }
 
@@ -186,6 +218,7 @@ api_services fake_services(fake *f)
 {
     return (api_services){ .context = f,
                            .find = find,
+                           .list = list,
                            .read_text = read_text,
                            .read_curve = read_curve,
                            .list_snapshots = list_snapshots,

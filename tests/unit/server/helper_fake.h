@@ -14,19 +14,28 @@
 
 enum { FAKE_CELLS = 65536 }; ///< of a snapshot
 
+/// Which of the services waits until the test lets it go on.
+typedef enum fake_held {
+    FAKE_HELD_NONE,
+    FAKE_HELD_READY,
+    FAKE_HELD_LIST,
+    FAKE_HELD_EVENTS
+} fake_held;
+
 /// The log, and what else a test can turn. Under lock.
 typedef struct fake {
-    lock lock;                ///< guards what follows
-    lock_condition changed;   ///< waiting, or is_held
-    uint64_t n_events;        ///< events of the log, ids from 1
-    bool has_ended;           ///< the last of them is `end`
-    bool is_held;             ///< ready() waits until it is not
-    bool is_broken;           ///< read_events() and read_snapshot() fail
-    unsigned n_waiting;       ///< calls of ready() that wait
-    unsigned n_finds;         ///< calls of find()
-    unsigned n_reads;         ///< calls of read_events() and read_snapshot()
-    uint64_t n_snapshots;     ///< of every run, of FAKE_CELLS noisy cells each
-    void (*after_find)(void); ///< called by find() when it has its answer; NULL: nothing
+    lock lock;              ///< guards what follows
+    lock_condition changed; ///< of n_waiting or held
+    uint64_t n_events;      ///< events of the log, ids from 1
+    bool has_ended;         ///< the last of them is `end`
+    fake_held held;         ///< this one waits: ready(), list() or read_events()
+    bool is_broken;         ///< read_events() and read_snapshot() fail
+    unsigned n_waiting;     ///< calls that wait because they are held
+    unsigned n_finds;       ///< calls of find()
+    unsigned n_reads;       ///< calls of read_events() and read_snapshot()
+    uint64_t n_snapshots;   ///< of every run, of FAKE_CELLS noisy cells each
+    void (*after_look)(
+        void); ///< called by find() and read_events() when they have their answer; NULL: nothing
 } fake;
 
 void fake_init(fake *f);
@@ -38,8 +47,11 @@ api_services fake_services(fake *f);
 /// Append an event; the last one if is_end.
 void fake_append(fake *f, bool is_end);
 
-/// Let ready() wait, or not any more.
-void fake_hold(fake *f, bool is_held);
+/// Let one of the services wait, and all others go on.
+void fake_hold(fake *f, fake_held held);
+
+/// Wait until n calls wait because they are held; false: they are fewer after five seconds.
+bool fake_wait_for_held(fake *f, unsigned n);
 
 /// A server on a free port with limits that tests seldom meet. change (NULL: none) may adjust the
 /// options before it starts.

@@ -17,7 +17,7 @@ int server_set_up(void **state)
 int server_tear_down(void **state)
 {
     (void)state;
-    fake_hold(&server_services, false);
+    fake_hold(&server_services, FAKE_HELD_NONE);
     server = http_stop(server);
     fake_fini(&server_services);
     return 0;

@@ -62,7 +62,7 @@ static void a_connection_serves_one_request_after_the_other(void **state)
         bool is_head = i % 5 == 4;
         const char *request = is_head      ? "HEAD /livez HTTP/1.1\r\n" HOST "\r\n"
                               : i % 2 == 0 ? "GET /livez HTTP/1.1\r\n" HOST "\r\n"
-                                           : "GET /readyz HTTP/1.1\r\n" HOST "\r\n";
+                                           : "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n";
         assert_true(client_send(fd, request));
         assert_true(client_read_response(fd, &rest, !is_head, &answer));
         assert_int_equal(client_status(&answer), 200);
@@ -77,7 +77,7 @@ static void requests_sent_at_once_are_answered_in_order(void **state)
 {
     static const char requests[] =
         "GET /livez HTTP/1.1\r\n" HOST "\r\n"
-        "GET /readyz HTTP/1.1\r\n" HOST "\r\n"
+        "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"
         "GET /nothing HTTP/1.1\r\n" HOST "\r\n"
         "POST /v1/validate HTTP/1.1\r\n" HOST
         "Content-Type: application/json\r\nContent-Length: 3\r\n\r\n{,}"
@@ -114,10 +114,10 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
 
     (void)state;
     server = fake_serve(&server_services, one_request_thread);
-    fake_hold(&server_services, true);
+    fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
-        assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST CLOSE "\r\n"));
+        assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST CLOSE "\r\n"));
         lock_take(&server_services.lock);
         bool has_begun = server_services.n_waiting > 0;
         lock_give(&server_services.lock);
@@ -140,7 +140,7 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
         }
         buffer_fini(&answer);
     }
-    fake_hold(&server_services, false);
+    fake_hold(&server_services, FAKE_HELD_NONE);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
         if (fds[i] < 0)
@@ -155,10 +155,33 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
     assert_int_equal(n_refused, N - TAKEN);
 }
 
+// Whether runs can be accepted is asked of a service whose request threads are all taken for long.
+static void readiness_does_not_wait_behind_long_requests(void **state)
+{
+    enum { N_REQUEST_THREADS = 4, N = 3 * N_REQUEST_THREADS };
+    int fds[N];
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    fake_hold(&server_services, FAKE_HELD_LIST);
+    for (int i = 0; i < N; i++) {
+        fds[i] = client_connect(http_port(server));
+        assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST CLOSE "\r\n"));
+    }
+    assert_true(fake_wait_for_held(&server_services, N_REQUEST_THREADS));
+    assert_int_equal(
+        client_ask(http_port(server), "GET /readyz HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+    assert_int_equal(
+        client_ask(http_port(server), "GET /version HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+    fake_hold(&server_services, FAKE_HELD_NONE);
+    for (int i = 0; i < N; i++)
+        assert_int_equal(close(fds[i]), 0);
+}
+
 static void *release_later(void *context)
 {
     (void)usleep(200000);
-    fake_hold(context, false);
+    fake_hold(context, FAKE_HELD_NONE);
     return NULL;
 }
 
@@ -170,10 +193,10 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
 
     (void)state;
     server = fake_serve(&server_services, one_request_thread);
-    fake_hold(&server_services, true);
+    fake_hold(&server_services, FAKE_HELD_LIST);
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
-        assert_true(client_send(fds[i], "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+        assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
     }
     (void)usleep(200000);
     assert_int_equal(pthread_create(&releaser, NULL, release_later, &server_services), 0);
@@ -317,6 +340,7 @@ int main(void)
         CASE(a_connection_serves_one_request_after_the_other),
         CASE(requests_sent_at_once_are_answered_in_order),
         CASE(what_the_queue_of_requests_cannot_take_is_refused),
+        CASE(readiness_does_not_wait_behind_long_requests),
         CASE(requests_under_way_are_answered_when_the_server_stops),
         CASE(the_last_connections_are_for_the_health_of_the_daemon),
         CASE(one_address_gets_no_more_than_its_share),

@@ -199,11 +199,11 @@ static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
 
     (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
-    fake_hold(&server_services, true);
+    fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
-    assert_true(client_send(fd, "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+    assert_true(client_send(fd, "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
     assert_false(client_read_until(fd, &rest, "\r\n\r\n", 1000));
-    fake_hold(&server_services, false);
+    fake_hold(&server_services, FAKE_HELD_NONE);
     assert_true(client_read_response(fd, &rest, true, &answer));
     assert_int_equal(client_status(&answer), 200);
     assert_int_equal(close(fd), 0);

@@ -111,12 +111,12 @@ static void request_threads_that_all_hang_give_none(void **state)
 {
     (void)state;
     server = fake_serve(&server_services, three_threads);
-    fake_hold(&server_services, true);
+    fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
-    assert_true(client_send(fd, "GET /readyz HTTP/1.1\r\n" HOST "\r\n"));
+    assert_true(client_send(fd, "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
     assert_true(is_alive_after(300));
     assert_false(is_alive_after(300));
-    fake_hold(&server_services, false);
+    fake_hold(&server_services, FAKE_HELD_NONE);
     assert_true(is_alive_after(300));
     assert_int_equal(close(fd), 0);
 }
@@ -127,7 +127,7 @@ static api_services hanging;
 static bf_status hang_in_metrics(void *context, bf_buffer *out, bf_error *err)
 {
     (void)out;
-    fake_hold(&server_services, true);
+    fake_hold(&server_services, FAKE_HELD_READY);
     return hanging.ready(context, err);
 }
 
@@ -149,7 +149,7 @@ static void one_thread_of_several_that_hangs_is_found(void **state)
     assert_true(client_send(fd, "GET /metrics HTTP/1.1\r\n" HOST "\r\n"));
     (void)is_alive_after(300); // was asked before the trouble began
     assert_false(is_alive_after(300));
-    fake_hold(&server_services, false);
+    fake_hold(&server_services, FAKE_HELD_NONE);
     (void)is_alive_after(300);
     assert_true(is_alive_after(300));
     assert_int_equal(close(fd), 0);

@@ -15,6 +15,8 @@
 #define HOST   "Host: a\r\n"
 #define EVENTS "/v1/runs/" FAKE_RUN "/events"
 #define STREAM "GET " EVENTS " HTTP/1.1\r\n" HOST "\r\n"
+#define LIVEZ  "GET /livez HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n"
+#define LIST   "GET /v1/runs HTTP/1.1\r\n" HOST "Connection: close\r\n\r\n"
 
 // Opens a stream and waits for its first bytes.
 static int open_stream(bf_buffer *answer)
@@ -212,7 +214,7 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     int fd = open_stream(&answer);
     wait_until_quiet();
     lock_take(&server_services.lock);
-    server_services.after_find = append_late;
+    server_services.after_look = append_late;
     lock_give(&server_services.lock);
     server_append(false);
     (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
@@ -393,6 +395,64 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     buffer_fini(&lazy);
 }
 
+// More streams than there are threads read a store that does not answer; connections are served by two
+// threads, which must not be among those that wait.
+static void a_store_that_stalls_stops_streams_and_nothing_else(void **state)
+{
+    enum { N = 20, N_REQUEST_THREADS = 4 };
+    int fds[N];
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    fake_hold(&server_services, FAKE_HELD_EVENTS);
+    for (int i = 0; i < N; i++) {
+        fds[i] = client_connect(http_port(server));
+        assert_true(client_send(fds[i], STREAM));
+    }
+    assert_true(fake_wait_for_held(&server_services, 1));
+    for (int i = 0; i < 3; i++) {
+        (void)usleep(200000);
+        assert_true(http_is_alive(server));
+        for (int k = 0; k < 4; k++) { // of each thread that serves connections
+            assert_int_equal(client_ask(http_port(server), LIVEZ, NULL), 200);
+            assert_int_equal(client_ask(http_port(server), LIST, NULL), 200);
+        }
+    }
+    fake_hold(&server_services, FAKE_HELD_NONE);
+    server_append(true);
+    for (int i = 0; i < N; i++) {
+        bf_buffer answer = { 0 };
+        assert_true(client_read_until(fds[i], &answer, "event: end\n", 5000));
+        assert_int_equal(close(fds[i]), 0);
+        buffer_fini(&answer);
+    }
+}
+
+// Long requests hold all request threads that they may; what happens is told all the same.
+static void long_requests_do_not_delay_streams(void **state)
+{
+    enum { N_REQUEST_THREADS = 4, N = 2 * N_REQUEST_THREADS };
+    bf_buffer answer = { 0 };
+    int fds[N];
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    int fd = open_stream(&answer);
+    fake_hold(&server_services, FAKE_HELD_LIST);
+    for (int i = 0; i < N; i++) {
+        fds[i] = client_connect(http_port(server));
+        assert_true(client_send(fds[i], LIST));
+    }
+    assert_true(fake_wait_for_held(&server_services, N_REQUEST_THREADS));
+    server_append(false);
+    assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", 5000));
+    assert_int_equal(close(fd), 0);
+    fake_hold(&server_services, FAKE_HELD_NONE);
+    for (int i = 0; i < N; i++)
+        assert_int_equal(close(fds[i]), 0);
+    buffer_fini(&answer);
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
@@ -410,6 +470,8 @@ int main(void)
         CASE(a_client_that_leaves_is_noticed),
         CASE(an_idle_stream_has_a_heartbeat),
         CASE(a_client_that_does_not_read_disturbs_nobody),
+        CASE(a_store_that_stalls_stops_streams_and_nothing_else),
+        CASE(long_requests_do_not_delay_streams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

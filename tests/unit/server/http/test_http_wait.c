@@ -172,7 +172,7 @@ static void an_end_between_the_last_look_and_the_sleep_is_not_missed(void **stat
     (void)state;
     server = fake_serve(&server_services, NULL);
     lock_take(&server_services.lock);
-    server_services.after_find = end_after_the_second_look;
+    server_services.after_look = end_after_the_second_look;
     lock_give(&server_services.lock);
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(end(begin("wait=60", ""), NULL), 200);

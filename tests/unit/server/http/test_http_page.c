@@ -13,7 +13,7 @@
 #define REST " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n"
 #define PAGE "<!doctype html><title>page</title>"
 
-static char folder[] = "/tmp/test_http_file_XXXXXX";
+static char folder[] = "/tmp/test_http_page_XXXXXX";
 static char web[64];
 
 static void write_file(const char *name, const char *text)
@@ -265,7 +265,7 @@ static void what_is_no_regular_file_is_not_opened(void **state)
     (void)snprintf(path, sizeof path, "%s/fifo.txt", web);
     assert_int_equal(mkfifo(path, 0600), 0);
     server = fake_serve(&server_services, with_web);
-    assert_false(http__file_open(server->web_fd, "/fifo.txt", CODING_IDENTITY, &file));
+    assert_false(http__page_open(server->web_fd, "/fifo.txt", CODING_IDENTITY, &file));
     assert_int_equal(file.fd, -1);
     assert_int_equal(unlink(path), 0);
 }

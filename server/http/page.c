@@ -1,11 +1,12 @@
 // The page's files: regular files below the web directory, each path component opened by itself
-// without following links, so that no path leads out of it. They are sent encoded to clients that take
-// that: from files beside them that the page's build made, else encoded once and kept in memory.
+// without following links, so that no path leads out of it. A client that takes it gets the encoded
+// form that the page's build wrote beside a file; nothing is encoded here.
 
-#include "server/http/http_priv.h"
+#include "server/http/page.h"
 
 #include "api/http/precondition.h"
 #include "server/http/encoding.h"
+#include "server/http/http_priv.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -14,10 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-    FILE_NAME_SIZE = 256,
-    FILE_ENCODE_MAX = 16 * 1024 * 1024, // larger files are sent as they are
-};
+enum { FILE_NAME_SIZE = 256 };
 
 static const struct {
     const char *ending;
@@ -147,7 +145,7 @@ static bool open_beside(int web_fd, const char *path, coding form, const struct 
     return true;
 }
 
-bool http__file_open(int web_fd, const char *path, coding form, http_file *ret_file)
+bool http__page_open(int web_fd, const char *path, coding form, http_file *ret_file)
 {
     struct stat facts;
 
@@ -176,7 +174,7 @@ bool http__file_open(int web_fd, const char *path, coding form, http_file *ret_f
     return false;
 }
 
-bool http__file_may_be(const http *h, const char *path)
+bool http__page_may_have(const http *h, const char *path)
 {
     return h->web_fd >= 0 && strncmp(path, "/v1/", 4) != 0 && !api_route_exists(path);
 }
@@ -187,7 +185,7 @@ static const struct {
     bool needs_no_folder; // it is also said where a folder was given that lacks the page
     const char *type;
     const char *text;
-} absences[] = {
+} placeholder_pages[] = {
     { "/", false, "text/plain; charset=utf-8",
       "This is beltflowd " BELTFLOW_VERSION ". Its page is not here: it is made when npm is there\n"
       "while Beltflow is built, and is looked for beside the program.\n"
@@ -199,22 +197,23 @@ static const struct {
       "here; it is drawn from <a href=\"/openapi.json\">/openapi.json</a>, which is.</p>\n" },
 };
 
-enum { N_ABSENCES = sizeof absences / sizeof *absences };
+enum { N_PLACEHOLDERS = sizeof placeholder_pages / sizeof *placeholder_pages };
 
-// Which absence a path is, or N_ABSENCES.
-static size_t find_absence(const http_request *r)
+// Which placeholder a path has, or N_PLACEHOLDERS.
+static size_t find_placeholder(const http_request *r)
 {
     size_t i = 0;
 
-    while (i < N_ABSENCES && (strcmp(r->path, absences[i].path) != 0 ||
-                              (r->server->web_fd >= 0 && !absences[i].needs_no_folder)))
+    while (i < N_PLACEHOLDERS &&
+           (strcmp(r->path, placeholder_pages[i].path) != 0 ||
+            (r->server->web_fd >= 0 && !placeholder_pages[i].needs_no_folder)))
         i++;
     return i;
 }
 
-static void explain_absence(http_request *r, size_t which)
+static void answer_placeholder(http_request *r, size_t which)
 {
-    const char *text = absences[which].text;
+    const char *text = placeholder_pages[which].text;
 
     api_response_fini(&r->response);
     if (buffer_append(&r->response.body, text, strlen(text)) != BF_OK) {
@@ -222,7 +221,7 @@ static void explain_absence(http_request *r, size_t which)
         return;
     }
     r->response.status = 200;
-    api_response_header(&r->response, "Content-Type", "%s", absences[which].type);
+    api_response_header(&r->response, "Content-Type", "%s", placeholder_pages[which].type);
     api_response_header(&r->response, "Content-Security-Policy", "%s", policy_of(r->path));
 }
 
@@ -241,35 +240,8 @@ static void answer_options(http_request *r)
     api_response_header(&r->response, "Allow", "GET, HEAD, OPTIONS");
 }
 
-// Reads all of an open file, from its start.
-static bool read_all(const http_file *file, bf_buffer *out)
-{
-    char *to = file->n > FILE_ENCODE_MAX ? NULL : buffer_reserve(out, (size_t)file->n);
-
-    if (to == NULL || pread(file->fd, to, (size_t)file->n, 0) != (ssize_t)file->n)
-        return false;
-    out->n += (size_t)file->n;
-    return true;
-}
-
-// The encoded form of an open file as the body of the response: from the cache, or made now.
-static bool encode_file(http_request *r, const http_file *file, coding form)
-{
-    bf_buffer plain = { 0 };
-    bf_buffer *body = &r->response.body;
-    http_cache *cache = r->server->cache;
-
-    if (http__cache_find(cache, r->path, file->etag, form, body))
-        return true;
-    bool is_made =
-        read_all(file, &plain) && http_encoding_pack(form, plain.bytes, plain.n, body) == BF_OK;
-    buffer_fini(&plain);
-    if (is_made)
-        http__cache_put(cache, r->path, file->etag, form, body);
-    return is_made;
-}
-
-// A range is one of the plain form, so a client that asks for one gets that, if it takes it.
+// True if the client is better served by the plain form: a range is one of that form, and little is won
+// by an encoded one of a file that is short or compressed.
 static bool wants_plain(http_request *r, const http_file *file)
 {
     const char *accepted = http__request_header(r, "Accept-Encoding");
@@ -279,8 +251,8 @@ static bool wants_plain(http_request *r, const http_file *file)
     return !pays && coding_quality(accepted, CODING_IDENTITY) > 0;
 }
 
-// Chooses the form in which the file is sent: one that lies beside it, else one that is made. The
-// body of the response has it if r->file does not.
+// Exchanges the plain file for the encoded one beside it that the client likes best, if that is as
+// good to the client as any.
 static coding choose_form(http_request *r, http_file *file)
 {
     static const coding offers[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
@@ -292,13 +264,13 @@ static coding choose_form(http_request *r, http_file *file)
     for (int c = chosen; c < CODING_IDENTITY; c++) {
         http_file beside;
         if (coding_quality(accepted, offers[c]) < coding_quality(accepted, offers[chosen]) ||
-            !http__file_open(r->server->web_fd, r->path, offers[c], &beside))
+            !http__page_open(r->server->web_fd, r->path, offers[c], &beside))
             continue;
         (void)close(file->fd);
         *file = beside;
         return offers[c];
     }
-    return encode_file(r, file, offers[chosen]) ? offers[chosen] : CODING_IDENTITY;
+    return CODING_IDENTITY;
 }
 
 static void answer_file(http_request *r, http_file *file)
@@ -315,12 +287,11 @@ static void answer_file(http_request *r, http_file *file)
     api_response_header(&r->response, "Referrer-Policy", "no-referrer");
     api_response_header(&r->response, "Content-Type", "%s", file->type);
     if (form != CODING_IDENTITY)
-        http__finish_encoded(&r->response, form);
+        http__set_coding(&r->response, form);
     if (known != NULL &&
         precondition_is_known(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
         r->response.status = 304;
-    if (r->response.body.n == 0)
-        r->file = *file;
+    r->file = *file;
 }
 
 static bool is_method(const http_request *r, const char *method)
@@ -328,15 +299,15 @@ static bool is_method(const http_request *r, const char *method)
     return strcmp(r->method, method) == 0;
 }
 
-void http__file_answer(http_request *r)
+void http__page_answer(http_request *r)
 {
     bool is_read = is_method(r, "GET") || is_method(r, "HEAD");
     http_file file = { .fd = -1 };
     bool is_there = r->server->web_fd >= 0 &&
-                    http__file_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
-    size_t absence = is_there ? N_ABSENCES : find_absence(r);
+                    http__page_open(r->server->web_fd, r->path, CODING_IDENTITY, &file);
+    size_t placeholder = is_there ? N_PLACEHOLDERS : find_placeholder(r);
 
-    if (!is_there && absence == N_ABSENCES)
+    if (!is_there && placeholder == N_PLACEHOLDERS)
         return;
     if (is_method(r, "OPTIONS"))
         answer_options(r);
@@ -345,7 +316,7 @@ void http__file_answer(http_request *r)
     else if (is_there)
         answer_file(r, &file);
     else
-        explain_absence(r, absence);
+        answer_placeholder(r, placeholder);
     r->response.route = METRICS_PAGE;
     if (file.fd >= 0 && r->file.fd < 0)
         (void)close(file.fd);

@@ -1,0 +1,381 @@
+// What is pulled chunk by chunk on the request threads: bodies that are made while they are sent (event
+// streams, downloads), and the end of a wait before the answer is made (long polls, whose chunks are
+// empty). While nothing can be sent, the connection is suspended and costs no thread.
+//
+// A pull is in exactly one of three places, and is touched by its owner there alone:
+//
+//     MHD        the connection is not suspended; MHD calls the reader
+//     a thread   it is suspended; the request is in the pool's queue, or a request thread has it
+//     nobody     it is suspended and parked; under http.lock anybody may queue it
+//
+// No wake-up may be lost, and MHD forbids to suspend what is suspended and to resume what is not.
+// Under http.lock each pull has a counter of wake-ups (n_notified) and one flag (is_parked).
+//
+//     request thread                               waker (any thread, after a commit)
+//     R1  lock; n_seen = n_notified; unlock        W1  lock
+//     R2  next_chunk (reads the store)             W2  n_notified++
+//     R3  bytes or the end: resume, to MHD         W3  if is_parked: is_parked = false, queue it
+//     R4  lock                                     W4  unlock
+//     R5  n_notified != n_seen: unlock, go to R1
+//     R6  is_parked = true; unlock
+//
+//     reader (MHD's thread)
+//     M1  bytes of the chunk left: hand them out
+//     M2  the chunk was the last: end
+//     M3  lock; suspend
+//     M4  the chunk ended in BODY_WAIT and n_notified == n_seen: is_parked = true, else queue it
+//     M5  unlock; return 0
+//
+// Take a commit that R2 did not see. It became visible after R2 began, so its waker runs W1 after R1. If
+// W2 comes before R4 (or M3), R5 (or M4) sees it and has the next chunk made. If it comes after R6 (or
+// M5), W3 sees the flag and queues the request. There is nothing in between, because R4 to R6, M3 to M5
+// and W1 to W4 exclude each other. Suspend (M3) and resume (R3) alternate: between them MHD calls
+// nothing for the connection.
+//
+// The same holds for all other reasons to wake: a heartbeat that is due, a client that disconnected, a
+// deadline (all three seen by the watching thread), and the end of the server (is_stopping), after
+// which nothing is parked or queued any more.
+//
+// A run that is computed commits many times a second, and many may wait for its end: two looks of a
+// long poll are LONG_POLL_PACE_MS apart, and the watching thread does those that were put off.
+
+#include "server/http/pull.h"
+
+#include "core/base/check.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/http/http_priv.h"
+
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <string.h>
+#include <sys/socket.h>
+
+enum {
+    STREAM_CHUNK = 64 * 1024,    // bytes of events that are read from the store at once
+    DOWNLOAD_CHUNK = 256 * 1024, // bytes of a download that are made at once
+    STREAM_IDLE_S = 60,     // a connection whose client takes none of its stream is closed then
+    STREAM_ACK_MS = 30000,  // and one whose client acknowledges nothing
+    LONG_POLL_PACE_MS = 20, // between two looks at a run that changes
+};
+
+#define NEVER INT64_MAX
+
+static bool is_source(const http_pull *p, http_pull_kind kind)
+{
+    return p->is_under_way && p->kind == kind;
+}
+
+static unsigned limit_of(const http *h, http_pull_kind kind)
+{
+    switch (kind) {
+    case HTTP_PULL_STREAM:
+        return h->options.stream_limit;
+    case HTTP_PULL_DOWNLOAD:
+        return h->options.download_limit;
+    case HTTP_PULL_LONG_POLL:
+    case HTTP_PULL_KINDS:
+        break;
+    }
+    return h->options.wait_limit;
+}
+
+// Puts the pull into the list. False: there are as many of its kind as may be.
+static bool begin(http_request *r, http_pull_kind kind)
+{
+    http *h = r->server;
+    http_pull *p = &r->pull;
+
+    p->kind = kind;
+    p->state = BODY_MORE;
+    p->sent_ms = clock_monotonic_ms();
+    lock_take(&h->lock);
+    // A long poll that begins now is answered at once.
+    bool is_too_late = h->is_stopping && kind != HTTP_PULL_LONG_POLL;
+    bool is_admitted = !is_too_late && h->n_pulls[kind] < limit_of(h, kind);
+    if (is_admitted) {
+        h->n_pulls[kind]++;
+        p->is_under_way = true;
+        p->previous = NULL;
+        p->next = h->pulls;
+        if (p->next != NULL)
+            p->next->pull.previous = r;
+        h->pulls = r;
+    }
+    lock_give(&h->lock);
+    return is_admitted;
+}
+
+bool http__pull_begin_body(http_request *r)
+{
+    unsigned ack_ms = STREAM_ACK_MS;
+
+    r->pull = (http_pull){ .source = r->response.source, .deadline_ms = NEVER };
+    if (!begin(r, r->pull.source.is_stream ? HTTP_PULL_STREAM : HTTP_PULL_DOWNLOAD))
+        return false;
+    if (!r->pull.source.is_stream)
+        return true;
+    metrics_add(METRICS_STREAMS, 0, 1);
+    (void)setsockopt(r->connection->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ack_ms, sizeof ack_ms);
+    (void)MHD_set_connection_option(r->mhd, MHD_CONNECTION_OPTION_TIMEOUT, (unsigned)STREAM_IDLE_S);
+    return true;
+}
+
+// The chunks of a long poll are empty; the last one comes when there is nothing to wait for any more.
+static bf_status next_look(void *state, const api_services *services, size_t limit_bytes,
+                           bf_buffer *out, body_state *ret_state, bf_error *err)
+{
+    const http_request *r = state;
+
+    (void)limit_bytes;
+    (void)out;
+    (void)err;
+    *ret_state = api_wait_is_over(services, &r->response.wait) ? BODY_DONE : BODY_WAIT;
+    return BF_OK;
+}
+
+bool http__pull_begin_long_poll(http_request *r)
+{
+    const api_wait *wait = &r->response.wait;
+    http_pull *p = &r->pull;
+
+    *p = (http_pull){ .source = { .state = r, .next_chunk = next_look, .n_runs = 1 },
+                      .pace_ms = LONG_POLL_PACE_MS,
+                      .deadline_ms = clock_monotonic_ms() + 1000 * (int64_t)wait->seconds };
+    p->source.runs = &wait->run;
+    return begin(r, HTTP_PULL_LONG_POLL);
+}
+
+void http__pull_end(http_request *r)
+{
+    http *h = r->server;
+    http_pull *p = &r->pull;
+
+    if (!p->is_under_way)
+        return;
+    lock_take(&h->lock);
+    BF_CHECK(!p->is_parked);
+    if (p->previous != NULL)
+        p->previous->pull.next = p->next;
+    else
+        h->pulls = p->next;
+    if (p->next != NULL)
+        p->next->pull.previous = p->previous;
+    h->n_pulls[p->kind]--;
+    lock_give(&h->lock);
+    if (is_source(p, HTTP_PULL_STREAM))
+        metrics_add(METRICS_STREAMS, 0, -1);
+    p->is_under_way = false;
+    buffer_fini(&p->chunk);
+}
+
+static void queue(http *h, http_request *r)
+{
+    lock_assert_held(&h->lock);
+    r->pull.is_parked = false;
+    http__pool_push(h->pool, r);
+}
+
+static bool waits_for(const body_source *source, const char *run_id)
+{
+    for (size_t i = 0; i < source->n_runs; i++) {
+        if (strcmp(source->runs[i], run_id) == 0)
+            return true;
+    }
+    return false;
+}
+
+void http_notify(http *h, const char *run_id)
+{
+    lock_take(&h->lock);
+    int64_t now_ms = h->pulls == NULL ? 0 : clock_monotonic_ms();
+    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+        http_pull *p = &r->pull;
+        if (!waits_for(&p->source, run_id))
+            continue;
+        p->n_notified++;
+        if (!p->is_parked)
+            continue;
+        int64_t due_ms = p->looked_ms + p->pace_ms;
+        if (due_ms <= now_ms) {
+            queue(h, r);
+        } else if (due_ms < p->due_ms) {
+            p->due_ms = due_ms;
+            lock_wake_all(&h->changed);
+        }
+    }
+    lock_give(&h->lock);
+}
+
+int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
+{
+    int64_t next_ms = NEVER;
+
+    lock_assert_held(&h->lock);
+    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+        http_pull *p = &r->pull;
+        if (!p->is_parked)
+            continue;
+        if (looks_for_disconnected)
+            p->is_disconnected = http__connection_has_hung_up(r->connection->fd);
+        p->owes_heartbeat =
+            p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms;
+        if (p->is_disconnected || p->owes_heartbeat || now_ms >= p->due_ms)
+            queue(h, r);
+        else if (p->due_ms < next_ms)
+            next_ms = p->due_ms;
+    }
+    return next_ms;
+}
+
+void http__pull_stop_all(http *h)
+{
+    lock_take(&h->lock);
+    h->is_stopping = true;
+    for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
+        if (r->pull.is_parked)
+            queue(h, r);
+    }
+    lock_give(&h->lock);
+}
+
+// Step R1. False: it ends, whatever the store has. A download that the server's end cuts off is no whole
+// one; a stream has no end of its own, and a long poll is answered.
+static bool look(http_request *r, bool *ret_owes_heartbeat)
+{
+    http *h = r->server;
+    http_pull *p = &r->pull;
+
+    lock_take(&h->lock);
+    p->n_seen = p->n_notified;
+    *ret_owes_heartbeat = p->owes_heartbeat;
+    p->owes_heartbeat = false;
+    bool is_stopping = h->is_stopping;
+    bool is_disconnected = p->is_disconnected;
+    lock_give(&h->lock);
+    p->has_failed = is_disconnected || (is_stopping && p->kind == HTTP_PULL_DOWNLOAD);
+    if (is_stopping || clock_monotonic_ms() >= p->deadline_ms)
+        p->state = BODY_DONE;
+    return !p->has_failed && p->state != BODY_DONE;
+}
+
+// Step R2. After a failure the body is cut off: the client must not take a part for the whole.
+static void make_chunk(http_request *r, bool owes_heartbeat)
+{
+    http_pull *p = &r->pull;
+    const body_source *source = &p->source;
+    char path[LOG_QUOTED_SIZE], text[LOG_QUOTED_SIZE];
+    bf_error err = { 0 };
+
+    p->n_taken = p->chunk.n = 0;
+    bf_status status = source->next_chunk(source->state, &r->server->services,
+                                          source->is_stream ? STREAM_CHUNK : DOWNLOAD_CHUNK,
+                                          &p->chunk, &p->state, &err);
+    if (status == BF_OK && owes_heartbeat && p->chunk.n == 0 && p->state == BODY_WAIT)
+        status = buffer_append(&p->chunk, source->heartbeat, strlen(source->heartbeat));
+    if (status == BF_OK)
+        return;
+    p->chunk.n = 0;
+    p->has_failed = true;
+    if (source->is_stream)
+        log_event(LOG_LEVEL_WARN, "stream_failed", "run=%s error=%s", source->runs[0],
+                  log_quote(err.text, text));
+    else
+        log_event(LOG_LEVEL_WARN, "download_failed", "path=%s error=%s", log_quote(r->path, path),
+                  log_quote(err.text, text));
+}
+
+// Steps R4 to R6, and the same from an empty chunk after which there is more: that goes behind all others
+// in the queue. False: it must go on at once, as something happened since the look.
+static bool leave(http_request *r)
+{
+    http *h = r->server;
+    http_pull *p = &r->pull;
+
+    if (p->state == BODY_WAIT)
+        buffer_fini(&p->chunk);
+    lock_take(&h->lock);
+    bool has_news = p->n_notified != p->n_seen;
+    bool can_leave = !h->is_stopping && (!has_news || p->pace_ms > 0 || p->state == BODY_MORE);
+    if (can_leave && p->state == BODY_MORE) {
+        queue(h, r);
+    } else if (can_leave) {
+        p->looked_ms = clock_monotonic_ms();
+        p->due_ms = has_news ? p->looked_ms + p->pace_ms : p->deadline_ms;
+        p->is_parked = true;
+        if (has_news)
+            lock_wake_all(&h->changed);
+    }
+    lock_give(&h->lock);
+    return can_leave;
+}
+
+bool http__pull_work(http_request *r)
+{
+    http_pull *p = &r->pull;
+    bool owes_heartbeat = false;
+
+    while (look(r, &owes_heartbeat)) {
+        make_chunk(r, owes_heartbeat);
+        if (p->chunk.n > 0 || p->state == BODY_DONE || p->has_failed)
+            return true;
+        if (leave(r))
+            return false;
+    }
+    return true;
+}
+
+// Steps M3 to M5. False: the server stops.
+static bool suspend(http_request *r)
+{
+    http *h = r->server;
+    http_pull *p = &r->pull;
+
+    if (p->state == BODY_WAIT)
+        buffer_fini(&p->chunk);
+    lock_take(&h->lock);
+    bool can_suspend = !h->is_stopping;
+    if (can_suspend) {
+        MHD_suspend_connection(r->mhd);
+        p->due_ms = p->deadline_ms;
+        p->is_parked = p->state == BODY_WAIT && p->n_notified == p->n_seen;
+        if (!p->is_parked)
+            queue(h, r);
+    }
+    lock_give(&h->lock);
+    return can_suspend;
+}
+
+static ssize_t hand_out(http_request *r, char *bytes, size_t n)
+{
+    http_pull *p = &r->pull;
+    size_t n_left = p->chunk.n - p->n_taken;
+
+    n = n < n_left ? n : n_left;
+    memcpy(bytes, p->chunk.bytes + p->n_taken, n);
+    p->n_taken += n;
+    if (p->kind != HTTP_PULL_STREAM)
+        return (ssize_t)n;
+    metrics_add(METRICS_STREAM_BYTES, 0, (int64_t)n);
+    p->sent_ms = clock_monotonic_ms(); // the watch reads it of parked ones only
+    return (ssize_t)n;
+}
+
+ssize_t http__pull_read(void *context, uint64_t position, char *bytes, size_t n)
+{
+    http_request *r = context;
+    http_pull *p = &r->pull;
+
+    (void)position;
+    if (p->n_taken < p->chunk.n)
+        return hand_out(r, bytes, n);
+    if (p->has_failed)
+        return MHD_CONTENT_READER_END_WITH_ERROR;
+    if (p->state == BODY_DONE)
+        return MHD_CONTENT_READER_END_OF_STREAM;
+    if (suspend(r))
+        return 0;
+    return p->kind == HTTP_PULL_STREAM ? MHD_CONTENT_READER_END_OF_STREAM
+                                       : MHD_CONTENT_READER_END_WITH_ERROR;
+}
