@@ -318,6 +318,46 @@ static void a_damaged_state_is_refused_and_changes_nothing(void **state)
     free(w);
 }
 
+static bf_status load_into(const world *w, const bf_buffer *saved)
+{
+    macro_solver *s = NULL;
+
+    assert_int_equal(macro_create(&w->def, &s, NULL), BF_OK);
+    bf_status status = macro_load(s, saved->bytes, saved->n, NULL);
+    macro_destroy(s);
+    return status;
+}
+
+static void a_state_of_a_definition_that_differs_in_one_number_is_refused(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    fill(w, 5, 38, 1, 23, 1.3);
+    macro_solver *s = start(w);
+    bf_buffer saved = { 0 };
+    advance(s, 3);
+    assert_int_equal(macro_save(s, &saved, NULL), BF_OK);
+    macro_destroy(s);
+    double *const numbers[] = { &w->def.grid.lower1, &w->def.grid.d2,   &w->def.dt,
+                                &w->def.dispersion,  &w->def.mollifier, &w->def.gate_width,
+                                &w->v1[0],           &w->v1[5 * 41 + 7] };
+    w->def.n_threads = 2;
+    assert_int_equal(load_into(w, &saved), BF_OK);
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        const double number = *numbers[k];
+        *numbers[k] = number == 0.0 ? 0x1p-40 : number * (1.0 - 0x1p-40);
+        assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
+        *numbers[k] = number;
+    }
+    w->def.gate = MACRO_GATE_NONE;
+    assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
+    w->def.gate = MACRO_GATE_SHARP;
+    w->closed1[0] = !w->closed1[0];
+    assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
+    buffer_fini(&saved);
+    free(w);
+}
+
 // A block of packed cells is pushed apart in both directions, as grad(eta * rho) demands.
 static void packed_cargo_spreads_on_a_standing_belt(void **state)
 {
@@ -490,6 +530,7 @@ int main(void)
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_saved_solver_goes_on_with_the_same_bits),
         cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),
+        cmocka_unit_test(a_state_of_a_definition_that_differs_in_one_number_is_refused),
         cmocka_unit_test(packed_cargo_spreads_on_a_standing_belt),
         cmocka_unit_test(cargo_below_close_packing_is_not_pushed),
         cmocka_unit_test(a_bad_def_is_refused_at_its_member),

@@ -159,6 +159,66 @@ static void a_damaged_or_foreign_checkpoint_is_refused(void **state)
     free_log(log);
 }
 
+// Changes one number of a scenario, of whose cargo there is one kind and which has one belt and one plate.
+static void change_scene(scene *s, int k)
+{
+    double *const numbers[] = { &s->belts[0].velocity.x,
+                                &s->obstacles[0].path[1].x,
+                                &s->obstacles[0].slide_width,
+                                &s->cargo[0].mass,
+                                &s->micro.contact[SCENE_HANDLING_CARGO].friction,
+                                &s->micro.damping,
+                                &s->macro.mollifier,
+                                &s->macro.initial_mollifier,
+                                &s->macro.dispersion,
+                                &s->macro.packing,
+                                &s->initial.spacing,
+                                &s->duration,
+                                &s->output.curve_every,
+                                &s->counters[0].rect.x_max };
+
+    *numbers[k] *= 1.0 + 0x1p-40;
+}
+
+enum { SCENE_CHANGES = 14 };
+
+static void check_foreign(run_model model, scene_path path, scene_integrator integrator)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+    scene s;
+
+    for (int k = -1; k < SCENE_CHANGES; k++) {
+        run *r = NULL;
+        make_jam(&s);
+        s.micro.path = path;
+        s.micro.integrator = integrator;
+        s.micro.step = 1e-5;
+        if (k < 0) {
+            log->model = model;
+            log->stop_at = 1;
+            assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+        } else {
+            change_scene(&s, k);
+        }
+        assert_int_equal(run_create(&s, model, 1, &r, NULL), BF_OK);
+        assert_int_equal(run_resume(r, log->checkpoint.bytes, log->checkpoint.n, NULL),
+                         k < 0 ? BF_OK : BF_ECORRUPT);
+        run_destroy(r);
+        scene_fini(&s);
+    }
+    free_log(log);
+}
+
+static void a_checkpoint_fits_no_scenario_that_differs_in_one_number(void **state)
+{
+    (void)state;
+    check_foreign(RUN_MACRO, SCENE_PATH_AUTO, SCENE_VERLET);
+    check_foreign(RUN_MICRO, SCENE_PATH_PLANAR, SCENE_VERLET);
+    check_foreign(RUN_MICRO, SCENE_PATH_PLANAR, SCENE_IMPLICIT);
+    check_foreign(RUN_MICRO, SCENE_PATH_SPATIAL, SCENE_VERLET);
+    check_foreign(RUN_MICRO, SCENE_PATH_SPATIAL, SCENE_IMPLICIT);
+}
+
 static bf_status refuse_snapshots(void *context, const frame *f, bf_error *err)
 {
     (void)context;
@@ -224,6 +284,7 @@ int main(void)
         cmocka_unit_test(threads_and_reports_change_no_result),
         cmocka_unit_test(a_run_stopped_anywhere_resumes_to_the_same_results),
         cmocka_unit_test(a_damaged_or_foreign_checkpoint_is_refused),
+        cmocka_unit_test(a_checkpoint_fits_no_scenario_that_differs_in_one_number),
         cmocka_unit_test(a_sink_that_fails_ends_the_run_with_its_error),
         cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error),
