@@ -1,165 +1,278 @@
 #include "core/micro/neighbours.h"
 
 #include "core/base/memory.h"
-#include "core/micro/neighbours_priv.h"
 
 #include <math.h>
 #include <string.h>
 
-// What a build reads.
-typedef struct source {
-    size_t n;
-    const double *x;
-    const double *y;
-    const double *reach; // NULL: all are reach0
-    double reach0;
-} source;
+enum { SPARE_CELLS = 64 }; // grids may have 4 cells a part and these
 
-static double reach_of(const source *from, size_t k)
+typedef struct bounds {
+    double x_min, x_max, y_min, y_max;
+} bounds;
+
+static bounds measure_bounds(size_t n, const neighbours_parts *parts, const uint8_t *skip)
 {
-    return from->reach != NULL ? from->reach[k] : from->reach0;
+    bounds b = { INFINITY, -INFINITY, INFINITY, -INFINITY };
+
+    for (size_t k = 0; k < n; k++) {
+        if (skip != NULL && skip[k] != 0)
+            continue;
+        b.x_min = fmin(b.x_min, parts->x[k * parts->stride]);
+        b.x_max = fmax(b.x_max, parts->x[k * parts->stride]);
+        b.y_min = fmin(b.y_min, parts->y[k * parts->stride]);
+        b.y_max = fmax(b.y_max, parts->y[k * parts->stride]);
+    }
+    return b;
 }
 
-static double largest_reach(const source *from, const uint8_t *is_gone)
+// Cells that a length takes, at least 1 and not more than most (what is not finite: most).
+static double count_along(double length, double edge, double most)
 {
-    double largest = from->reach != NULL ? 0.0 : from->reach0;
+    double n = floor(length / edge) + 1.0;
 
-    for (size_t k = 0; from->reach != NULL && k < from->n; k++)
-        if (is_gone == NULL || is_gone[k] == 0)
-            largest = fmax(largest, from->reach[k]);
-    return largest;
+    return n < most ? fmax(n, 1.0) : most;
 }
 
-static bool is_near(const pairs *p, const source *from, size_t k, size_t other)
+static void lay_out(neighbours_cells *cells, bounds b, size_t n, double edge)
 {
-    double dx = from->x[other] - from->x[k], dy = from->y[other] - from->y[k];
-    double range = reach_of(from, k) + reach_of(from, other) + p->skin;
+    const double most = 4.0 * (double)n + SPARE_CELLS;
+    const double extent = fmax(b.x_max - b.x_min, 0.0) + fmax(b.y_max - b.y_min, 0.0);
+
+    // A little more, so that rounding cannot put parts within an edge two cells apart.
+    edge = edge * (1.0 + 1e-9) + 1e-15 * extent;
+    double n_x = count_along(b.x_max - b.x_min, edge, most);
+    double n_y = count_along(b.y_max - b.y_min, edge, most);
+
+    while (n_x * n_y > most) {
+        edge *= 1.25;
+        n_x = count_along(b.x_max - b.x_min, edge, most);
+        n_y = count_along(b.y_max - b.y_min, edge, most);
+        if (!isfinite(edge))
+            n_x = n_y = 1.0;
+    }
+    cells->x_min = isfinite(b.x_min) ? b.x_min : 0.0;
+    cells->y_min = isfinite(b.y_min) ? b.y_min : 0.0;
+    cells->per_edge = 1.0 / edge;
+    cells->n_x = (size_t)n_x;
+    cells->n_y = (size_t)n_y;
+}
+
+static size_t clamp_cell(double at, size_t n)
+{
+    if (!(at >= 1.0))
+        return 0;
+    return at < (double)n ? (size_t)at : n - 1;
+}
+
+size_t neighbours_column(const neighbours_cells *cells, double x)
+{
+    return clamp_cell((x - cells->x_min) * cells->per_edge, cells->n_x);
+}
+
+size_t neighbours_row(const neighbours_cells *cells, double y)
+{
+    return clamp_cell((y - cells->y_min) * cells->per_edge, cells->n_y);
+}
+
+static bf_status reserve_cells(neighbours_cells *cells, size_t n)
+{
+    size_t n_cells = cells->n_x * cells->n_y;
+
+    if (memory_reserve(&cells->first, &cells->first_capacity, n_cells + 1, sizeof *cells->first) !=
+            0 ||
+        memory_reserve(&cells->order, &cells->order_capacity, n, sizeof *cells->order) != 0 ||
+        memory_reserve(&cells->cell_of, &cells->cell_capacity, n, sizeof *cells->cell_of) != 0)
+        return BF_ENOMEM;
+    memset(cells->first, 0, (n_cells + 1) * sizeof *cells->first);
+    return BF_OK;
+}
+
+bf_status neighbours_sort(neighbours_cells *cells, size_t n, const neighbours_parts *parts,
+                          const uint8_t *skip, double edge, bf_error *err)
+{
+    cells->n_live = 0;
+    lay_out(cells, measure_bounds(n, parts, skip), n, edge);
+    if (reserve_cells(cells, n) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the cells of %zu parts", n);
+    for (size_t k = 0; k < n; k++) {
+        cells->cell_of[k] = UINT32_MAX;
+        if (skip != NULL && skip[k] != 0)
+            continue;
+        size_t cell = neighbours_cell(cells, neighbours_column(cells, parts->x[k * parts->stride]),
+                                      neighbours_row(cells, parts->y[k * parts->stride]));
+        cells->cell_of[k] = (uint32_t)cell;
+        cells->first[cell + 1]++;
+        cells->n_live++;
+    }
+    for (size_t cell = 0; cell < cells->n_x * cells->n_y; cell++)
+        cells->first[cell + 1] += cells->first[cell];
+    // Filling from the end counts each cell's end down to its beginning.
+    for (size_t k = n; k-- > 0;)
+        if (cells->cell_of[k] != UINT32_MAX)
+            cells->order[--cells->first[cells->cell_of[k] + 1]] = (uint32_t)k;
+    memmove(cells->first, cells->first + 1, cells->n_x * cells->n_y * sizeof *cells->first);
+    cells->first[cells->n_x * cells->n_y] = (uint32_t)cells->n_live;
+    return BF_OK;
+}
+
+void neighbours_cells_fini(neighbours_cells *cells)
+{
+    if (cells == NULL)
+        return;
+    memory_free(cells->first);
+    memory_free(cells->order);
+    memory_free(cells->cell_of);
+    *cells = (neighbours_cells){ 0 };
+}
+
+static double radius_of(const neighbours_parts *parts, size_t k)
+{
+    return parts->radius[k * parts->radius_stride];
+}
+
+static uint32_t id_of(const neighbours_parts *parts, uint32_t k)
+{
+    return parts->id != NULL ? parts->id[k] : k;
+}
+
+static bool is_near(const neighbours_parts *parts, double skin, size_t k, size_t other)
+{
+    double dx = parts->x[other * parts->stride] - parts->x[k * parts->stride];
+    double dy = parts->y[other * parts->stride] - parts->y[k * parts->stride];
+    double range = radius_of(parts, k) + radius_of(parts, other) + skin;
 
     return dx * dx + dy * dy < range * range && other != k;
 }
 
-// Puts a number into the sorted run of n that ends at `end`.
-static void insert(uint32_t *end, size_t n, uint32_t number)
+// Puts a part among the n that stand sorted before `at`.
+static void insert(const neighbours_parts *parts, uint32_t *at, size_t n, size_t step,
+                   uint32_t part)
 {
-    for (; n > 0 && end[-1] > number; n--, end--)
-        *end = end[-1];
-    *end = number;
+    const uint32_t id = id_of(parts, part);
+
+    for (; n > 0 && id_of(parts, *(at - step)) > id; n--, at -= step)
+        *at = *(at - step);
+    *at = part;
 }
 
-// Adds the neighbours of k in one cell to the n that it has from *start on.
-static bf_status add_cell(pairs *p, const source *from, size_t k, size_t cell, size_t start,
-                          size_t *n)
+size_t neighbours_find(const neighbours_cells *cells, const neighbours_parts *parts, double skin,
+                       size_t k, uint32_t *ret, size_t step, size_t room)
 {
-    const uint32_t *first = p->cells->first;
-
-    for (size_t place = first[cell]; place < first[cell + 1]; place++) {
-        uint32_t other = p->cells->order[place];
-        if (!is_near(p, from, k, other))
-            continue;
-        if (memory_reserve(&p->neighbour, &p->capacity, start + *n + 1, sizeof *p->neighbour) != 0)
-            return BF_ENOMEM;
-        insert(p->neighbour + start + *n, *n, other);
-        ++*n;
-    }
-    return BF_OK;
-}
-
-// Lists the neighbours of k from place `start` on.
-static bf_status list_part(pairs *p, const source *from, size_t k, size_t start, size_t *ret_n)
-{
-    const neighbours_cells *cells = p->cells;
-    size_t column = neighbours__column(cells, from->x[k]), row = neighbours__row(cells, from->y[k]);
+    const size_t column = neighbours_column(cells, parts->x[k * parts->stride]);
+    const size_t row = neighbours_row(cells, parts->y[k * parts->stride]);
     size_t n = 0;
 
     for (size_t i = column > 0 ? column - 1 : 0; i <= column + 1 && i < cells->n_x; i++)
-        for (size_t j = row > 0 ? row - 1 : 0; j <= row + 1 && j < cells->n_y; j++)
-            if (add_cell(p, from, k, neighbours__cell(cells, i, j), start, &n) != BF_OK)
-                return BF_ENOMEM;
-    *ret_n = n;
-    return BF_OK;
+        for (size_t j = row > 0 ? row - 1 : 0; j <= row + 1 && j < cells->n_y; j++) {
+            const size_t cell = neighbours_cell(cells, i, j);
+            for (uint32_t at = cells->first[cell]; at < cells->first[cell + 1]; at++) {
+                uint32_t other = parts->order != NULL ? parts->order[at] : at;
+                if (!is_near(parts, skin, k, other))
+                    continue;
+                if (n == room)
+                    return SIZE_MAX;
+                insert(parts, ret + n * step, n, step, other);
+                n++;
+            }
+        }
+    return n;
+}
+
+static double largest_radius(const neighbours_parts *parts, size_t n, const uint8_t *is_gone)
+{
+    double largest = 0.0;
+
+    for (size_t k = 0; k < n; k++)
+        if (is_gone == NULL || is_gone[k] == 0)
+            largest = fmax(largest, radius_of(parts, k));
+    return largest;
 }
 
 // Room for n parts. The places where parts stood are read only after a build, so they need not stay.
-static bf_status reserve(pairs *p, size_t n)
+static bf_status reserve_parts(neighbours_list *list, size_t n)
 {
-    if (p->cells == NULL && (p->cells = memory_alloc(1, sizeof *p->cells)) == NULL)
-        return BF_ENOMEM;
-    if (p->start != NULL && p->n == n)
+    if (list->start != NULL && n <= list->parts_capacity)
         return BF_OK;
-    memory_free(p->start);
-    memory_free(p->x_built);
-    memory_free(p->y_built);
-    p->start = memory_alloc(n + 1, sizeof *p->start);
-    p->x_built = memory_alloc(n, sizeof *p->x_built);
-    p->y_built = memory_alloc(n, sizeof *p->y_built);
-    p->n = n;
-    if (p->start != NULL && p->x_built != NULL && p->y_built != NULL)
+    memory_free(list->start);
+    memory_free(list->x_built);
+    memory_free(list->y_built);
+    list->start = memory_alloc(n + 1, sizeof *list->start);
+    list->x_built = memory_alloc(n, sizeof *list->x_built);
+    list->y_built = memory_alloc(n, sizeof *list->y_built);
+    list->parts_capacity = n;
+    if (list->start != NULL && list->x_built != NULL && list->y_built != NULL)
         return BF_OK;
-    memory_free(p->start);
-    p->start = NULL;
+    memory_free(list->start);
+    list->start = NULL;
     return BF_ENOMEM;
 }
 
-static bf_status list_parts(pairs *p, const source *from)
+// Lists the neighbours of part k from index `start` on.
+static bf_status list_part(neighbours_list *list, const neighbours_parts *parts, size_t k,
+                           size_t start, size_t *ret_n)
+{
+    for (;;) {
+        size_t n = neighbours_find(&list->cells, parts, list->skin, k, list->neighbour + start, 1,
+                                   list->capacity - start);
+        if (n != SIZE_MAX) {
+            *ret_n = n;
+            return BF_OK;
+        }
+        if (memory_reserve(&list->neighbour, &list->capacity, list->capacity + 1,
+                           sizeof *list->neighbour) != 0)
+            return BF_ENOMEM;
+    }
+}
+
+static bf_status list_parts(neighbours_list *list, const neighbours_parts *parts)
 {
     size_t total = 0;
 
-    for (size_t k = 0; k < from->n; k++) {
+    if (memory_reserve(&list->neighbour, &list->capacity, list->n, sizeof *list->neighbour) != 0)
+        return BF_ENOMEM;
+    for (size_t k = 0; k < list->n; k++) {
         size_t n = 0;
         if (total > UINT32_MAX)
             return BF_ENOMEM;
-        p->start[k] = (uint32_t)total;
-        if (p->cells->cell_of[k] != UINT32_MAX && list_part(p, from, k, total, &n) != BF_OK)
+        list->start[k] = (uint32_t)total;
+        if (list->cells.cell_of[k] == UINT32_MAX)
+            continue;
+        if (list_part(list, parts, k, total, &n) != BF_OK)
             return BF_ENOMEM;
+        list->x_built[k] = parts->x[k * parts->stride];
+        list->y_built[k] = parts->y[k * parts->stride];
         total += n;
     }
-    p->start[from->n] = (uint32_t)total;
+    list->start[list->n] = (uint32_t)total;
     return total > UINT32_MAX ? BF_ENOMEM : BF_OK;
 }
 
-bf_status neighbours_build(pairs *p, size_t n, const double *x, const double *y,
-                           const double *reach, double reach0, const uint8_t *is_gone,
-                           bf_error *err)
+bf_status neighbours_build(neighbours_list *list, size_t n, neighbours_parts parts,
+                           const uint8_t *is_gone, bf_error *err)
 {
-    const source from = { n, x, y, reach, reach0 };
-
-    if (reserve(p, n) != BF_OK)
+    if (reserve_parts(list, n) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", n);
-    bf_status status = neighbours__sort(p->cells, n, x, y, 1, is_gone,
-                                        2.0 * largest_reach(&from, is_gone) + p->skin, err);
+    list->n = n;
+    bf_status status = neighbours_sort(&list->cells, n, &parts, is_gone,
+                                       2.0 * largest_radius(&parts, n, is_gone) + list->skin, err);
     if (status != BF_OK)
         return status;
-    if (list_parts(p, &from) != BF_OK)
+    parts.order = list->cells.order;
+    if (list_parts(list, &parts) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", n);
-    if (n > 0) {
-        memcpy(p->x_built, x, n * sizeof *x);
-        memcpy(p->y_built, y, n * sizeof *y);
-    }
-    p->n_builds++;
+    list->n_builds++;
     return BF_OK;
 }
 
-bool neighbours_are_stale(const pairs *p, const double *x, const double *y, const uint8_t *is_gone)
+void neighbours_fini(neighbours_list *list)
 {
-    const double most = 0.25 * p->skin * p->skin;
-
-    for (size_t k = 0; k < p->n; k++) {
-        double dx = x[k] - p->x_built[k], dy = y[k] - p->y_built[k];
-        if ((is_gone == NULL || is_gone[k] == 0) && !(dx * dx + dy * dy <= most))
-            return true;
-    }
-    return false;
-}
-
-void neighbours_fini(pairs *p)
-{
-    if (p == NULL)
+    if (list == NULL)
         return;
-    memory_free(p->start);
-    memory_free(p->neighbour);
-    memory_free(p->x_built);
-    memory_free(p->y_built);
-    neighbours__cells_fini(p->cells);
-    memory_free(p->cells);
-    *p = (pairs){ 0 };
+    memory_free(list->start);
+    memory_free(list->neighbour);
+    memory_free(list->x_built);
+    memory_free(list->y_built);
+    neighbours_cells_fini(&list->cells);
+    *list = (neighbours_list){ 0 };
 }

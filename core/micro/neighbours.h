@@ -1,11 +1,15 @@
-/// Broad phase: which parts are near each other, by a grid of cells and a list with a skin, O(n).
+/// Which parts are near each other: a grid of cells and the search in it, O(n) for all parts.
 ///
-/// The list holds every pair of parts whose centres are nearer in the plane than the sum of their reaches
-/// plus skin. It stays right until some part has moved by skin/2 since it was made. Each part's
-/// neighbours stand together and in a fixed order (by number), so that sums over them have the same
-/// bits however the work is shared out.
+/// A list of neighbours holds every pair of parts whose centres are nearer in the plane than the sum of
+/// their radii plus a skin. It stays right until some part has moved by half the skin: neighbours_holds().
+/// The neighbours of a part stand in the order of their ids, so that sums over them have the same bits
+/// however the work is shared out, and whenever the list was made.
 ///
-/// Units    m. Parts that are gone are in no pair.
+/// The search writes the neighbours of one part wherever they belong. neighbours_list has them part by
+/// part, for bodies; disks, which several lanes of a register handle together, lay them out in
+/// core/micro/disk/list.c.
+///
+/// Units    m. Parts that are gone are in no cell.
 
 #pragma once
 
@@ -15,27 +19,90 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// The list. Zero-initialise; neighbours_fini().
-typedef struct pairs {
-    double skin;         ///< m, > 0; set before the first neighbours_build()
-    size_t n;            ///< parts
-    uint32_t *start;     ///< n + 1 places in neighbour; part k's are start[k] .. start[k + 1] - 1
-    uint32_t *neighbour; ///< numbers of neighbours, rising for each part; every pair stands twice
-    size_t capacity;     ///< places of neighbour
+enum { NEIGHBOURS_STRIP = 16 }; ///< rows of cells in a strip
+
+/// Parts sorted into square cells. Zero-initialise; neighbours_cells_fini(). Cells are numbered in strips of
+/// NEIGHBOURS_STRIP rows, column by column within a strip, so that parts of neighbouring cells stand near
+/// each other when parts are sorted by cell.
+typedef struct neighbours_cells {
+    double x_min;          ///< west edge of the first cell, m
+    double y_min;          ///< south edge of the first cell, m
+    double per_edge;       ///< 1 / edge of a cell, 1/m
+    size_t n_x;            ///< cells in a row
+    size_t n_y;            ///< rows
+    size_t n_live;         ///< parts in cells
+    uint32_t *first;       ///< n_x n_y + 1 indices into order: where each cell begins
+    size_t first_capacity; ///< room
+    uint32_t *order;       ///< parts by cell; within a cell in their own order
+    size_t order_capacity; ///< room
+    uint32_t *cell_of;     ///< cell of each part; UINT32_MAX for those left out
+    size_t cell_capacity;  ///< room
+} neighbours_cells;
+
+/// Parts as the search sees them; arrays are the caller's.
+typedef struct neighbours_parts {
+    const double *x;       ///< of the centre of part k: x[k * stride], m
+    const double *y;       ///< likewise
+    size_t stride;         ///< doubles
+    const double *radius;  ///< of a ball around part k: radius[k * radius_stride], m
+    size_t radius_stride;  ///< doubles
+    const uint32_t *id;    ///< by which neighbours are sorted; NULL: the index k itself
+    const uint32_t *order; ///< that of the cells; NULL: parts stand in it
+} neighbours_parts;
+
+/// Sort n parts into cells with edges of at least `edge`, as many as is sensible for n; those with
+/// skip[k] != 0 are left out (NULL: none). Places that are not finite end up in some cell. BF_ENOMEM: the
+/// grid is empty.
+BF_MUST_CHECK bf_status neighbours_sort(neighbours_cells *cells, size_t n,
+                                        const neighbours_parts *parts, const uint8_t *skip,
+                                        double edge, bf_error *err);
+
+/// Free what the grid owns and zero it. NULL is fine.
+void neighbours_cells_fini(neighbours_cells *cells);
+
+/// Column and row of a place, moved into the grid.
+size_t neighbours_column(const neighbours_cells *cells, double x);
+size_t neighbours_row(const neighbours_cells *cells, double y);
+
+/// Number of the cell in a column and a row.
+static inline size_t neighbours_cell(const neighbours_cells *cells, size_t column, size_t row)
+{
+    size_t strip = row / NEIGHBOURS_STRIP, below = strip * NEIGHBOURS_STRIP;
+    size_t height = cells->n_y - below < NEIGHBOURS_STRIP ? cells->n_y - below : NEIGHBOURS_STRIP;
+
+    return below * cells->n_x + column * height + (row - below);
+}
+
+/// Write the neighbours of part k, in the order of their ids, to ret[0], ret[step], ret[2 step] and so on.
+/// Cells must have edges of at least the sum of any two radii plus skin. Returns how many there are;
+/// SIZE_MAX: more than `room`.
+size_t neighbours_find(const neighbours_cells *cells, const neighbours_parts *parts, double skin,
+                       size_t k, uint32_t *ret, size_t step, size_t room);
+
+/// True if a list holds while no part has moved farther than this since it was made.
+static inline bool neighbours_holds(double skin, double moved)
+{
+    return moved <= 0.5 * skin;
+}
+
+/// The list, part by part. Zero-initialise; neighbours_fini().
+typedef struct neighbours_list {
+    double skin;           ///< m, > 0; set before the first neighbours_build()
+    size_t n;              ///< parts
+    size_t parts_capacity; ///< room for parts
+    uint32_t *start;     ///< n + 1 indices of neighbour; part k's are start[k] .. start[k + 1] - 1
+    uint32_t *neighbour; ///< indices of neighbours, rising for each part; every pair stands twice
+    size_t capacity;     ///< room in neighbour
     double *x_built;     ///< x of each part when the list was made
     double *y_built;     ///< same for y
     uint64_t n_builds;   ///< how often the list was made
-    struct neighbours_cells *cells; ///< storage of the cell grid
-} pairs;
+    neighbours_cells cells; ///< storage of the grid
+} neighbours_list;
 
-/// Make the list of n parts at (x, y) with these reaches (NULL: all are reach0). is_gone may be NULL.
-/// BF_ENOMEM: the list is not usable until a build succeeds.
-BF_MUST_CHECK bf_status neighbours_build(pairs *p, size_t n, const double *x, const double *y,
-                                         const double *reach, double reach0, const uint8_t *is_gone,
-                                         bf_error *err);
-
-/// True if a part has moved by more than skin/2 since the list was made.
-bool neighbours_are_stale(const pairs *p, const double *x, const double *y, const uint8_t *is_gone);
+/// Make the list of n parts; n may differ from call to call. is_gone may be NULL. BF_ENOMEM: the list is not
+/// usable until a build succeeds.
+BF_MUST_CHECK bf_status neighbours_build(neighbours_list *list, size_t n, neighbours_parts parts,
+                                         const uint8_t *is_gone, bf_error *err);
 
 /// Free what the list owns and zero it. NULL is fine.
-void neighbours_fini(pairs *p);
+void neighbours_fini(neighbours_list *list);

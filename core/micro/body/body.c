@@ -29,14 +29,12 @@ static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
     s->n_blocks = (n + BODY_BLOCK - 1) / BODY_BLOCK;
     s->bodies = memory_alloc(n, sizeof *s->bodies);
     s->is_gone = memory_alloc(n, sizeof *s->is_gone);
-    s->x = memory_alloc(n, sizeof *s->x);
-    s->y = memory_alloc(n, sizeof *s->y);
     s->reach = memory_alloc(n, sizeof *s->reach);
     s->first_pair = memory_alloc(n + 1, sizeof *s->first_pair);
     s->cursor = memory_alloc(n, sizeof *s->cursor);
     s->reports = memory_alloc(s->n_blocks, sizeof *s->reports);
-    if (s->bodies == NULL || s->is_gone == NULL || s->x == NULL || s->y == NULL ||
-        s->reach == NULL || s->first_pair == NULL || s->cursor == NULL || s->reports == NULL)
+    if (s->bodies == NULL || s->is_gone == NULL || s->reach == NULL || s->first_pair == NULL ||
+        s->cursor == NULL || s->reports == NULL)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
     return BF_OK;
 }
@@ -104,8 +102,6 @@ static void destroy(void *state)
     memory_free(s->kinds);
     memory_free(s->bodies);
     memory_free(s->is_gone);
-    memory_free(s->x);
-    memory_free(s->y);
     memory_free(s->reach);
     memory_free(s->first_pair);
     memory_free(s->cursor);

@@ -51,6 +51,14 @@ static inline void body__push(body_load *load, const body_body *body, vec3 at, v
     load->torque = vec3_add(load->torque, vec3_cross(vec3_sub(at, body->x), force));
 }
 
+/// Square of how far part k has moved in the plane since the list was made, m2.
+static inline double body__moved2(const body_state *s, size_t k)
+{
+    double dx = s->bodies[k].x.x - s->list.x_built[k], dy = s->bodies[k].x.y - s->list.y_built[k];
+
+    return dx * dx + dy * dy;
+}
+
 /// The law of two parts.
 static inline micro_law body__law(const body_state *s, const body_kind *a, const body_kind *b)
 {

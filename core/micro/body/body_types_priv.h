@@ -158,12 +158,10 @@ typedef struct body_state {
     uint8_t *is_gone;    ///< by number
     body_near (*near)[BODY_PLATES_NEAR]; ///< by number; NULL without plates
     body_ground *ground;                 ///< by number
-    double *x;                           ///< for the list: x of the centres, m
-    double *y;                           ///< same for y
     double *reach;                       ///< radius of the ball around each body, m
     double reach_max;                    ///< m
     double reach_min;                    ///< m
-    pairs list;                          ///< neighbours
+    neighbours_list list;                ///< neighbours
     bool is_listed;                      ///< the list and what goes with it are right
     size_t n_pairs;                      ///< pairs in the list
     size_t neighbours_capacity;          ///< room

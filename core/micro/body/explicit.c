@@ -122,7 +122,7 @@ void body__drift(body_state *s, size_t k, body_report *report)
 static void move_part(body_state *s, size_t k, bool is_first, body_report *report)
 {
     body_body *body = &s->bodies[k];
-    const double dt = s->def.dt, skin = 0.5 * s->list.skin;
+    const double dt = s->def.dt;
 
     // The first step is by forward Euler: with the velocities of the start.
     if (!is_first) {
@@ -132,8 +132,7 @@ static void move_part(body_state *s, size_t k, bool is_first, body_report *repor
         body->w = body__turn(s, body, load.torque);
     }
     body__drift(s, k, report);
-    double dx = body->x.x - s->x[k], dy = body->x.y - s->y[k];
-    report->is_stale |= dx * dx + dy * dy > skin * skin;
+    report->is_stale |= !neighbours_holds(s->list.skin, sqrt(body__moved2(s, k)));
 }
 
 static void move_block(const driver_member *m, size_t block)

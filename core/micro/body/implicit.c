@@ -120,7 +120,6 @@ static void predict_part(body_state *s, size_t k, body_shelf *shelf)
     const body_kind *kind = &s->kinds[body->kind];
     const vec3 nothing = { 0.0, 0.0, 0.0 };
     body_mover *mover = &s->implicit->movers[k];
-    double dx = body->x.x - s->x[k], dy = body->x.y - s->y[k];
 
     mover->v = vec3_along(vec3_scale(body->v, s->implicit->keep), s->def.dt, s->gravity);
     mover->w = body__turn(s, body, nothing);
@@ -129,7 +128,7 @@ static void predict_part(body_state *s, size_t k, body_shelf *shelf)
     double before = vec3_length(body->v) + s->reach[k] * vec3_length(body->w);
     double then = vec3_length(mover->v) + s->reach[k] * vec3_length(mover->w);
     shelf->speed = fmax(shelf->speed, fmax(before, then));
-    shelf->moved2 = fmax(shelf->moved2, dx * dx + dy * dy);
+    shelf->moved2 = fmax(shelf->moved2, body__moved2(s, k));
 }
 
 static void predict_block(const driver_member *m, size_t block)
@@ -155,7 +154,7 @@ static bool find_near(const body_state *s, double *ret_near)
         moved2 = fmax(moved2, s->implicit->shelves[block].moved2);
     }
     *ret_near = fmin(2.0 * s->def.dt * speed, 0.5 * skin);
-    return 2.0 * sqrt(moved2) + *ret_near <= skin;
+    return neighbours_holds(skin, sqrt(moved2) + 0.5 * *ret_near);
 }
 
 static void meet_block(const driver_member *m, size_t block)

@@ -9,7 +9,7 @@
 /// Find the first pair of each part and make room for all.
 static bf_status count_pairs(body_state *s)
 {
-    const pairs *list = &s->list;
+    const neighbours_list *list = &s->list;
     size_t n = 0;
 
     for (size_t k = 0; k < s->n; k++) {
@@ -33,7 +33,7 @@ static bool is_before(const body_pair *left, const body_pair *right)
 /// old one finds what is remembered.
 static void write_pairs(body_state *s)
 {
-    const pairs *list = &s->list;
+    const neighbours_list *list = &s->list;
     size_t old = 0, n = 0;
 
     for (size_t k = 0; k < s->n; k++) {
@@ -55,7 +55,7 @@ static void write_pairs(body_state *s)
 /// its pairs come up.
 static void link_back(body_state *s)
 {
-    const pairs *list = &s->list;
+    const neighbours_list *list = &s->list;
     size_t *cursor = s->cursor;
 
     memcpy(cursor, s->first_pair, s->n * sizeof *cursor);
@@ -67,12 +67,14 @@ static void link_back(body_state *s)
 
 bf_status body__list(body_state *s, bf_error *err)
 {
+    const neighbours_parts parts = { .x = &s->bodies->x.x,
+                                     .y = &s->bodies->x.y,
+                                     .stride = sizeof *s->bodies / sizeof(double),
+                                     .radius = s->reach,
+                                     .radius_stride = 1 };
+
     s->is_listed = false;
-    for (size_t k = 0; k < s->n; k++) {
-        s->x[k] = s->bodies[k].x.x;
-        s->y[k] = s->bodies[k].x.y;
-    }
-    bf_status status = neighbours_build(&s->list, s->n, s->x, s->y, s->reach, 0.0, s->is_gone, err);
+    bf_status status = neighbours_build(&s->list, s->n, parts, s->is_gone, err);
     if (status != BF_OK)
         return status;
     if (count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX)

@@ -4,7 +4,6 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
-#include "core/micro/neighbours_priv.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,8 +38,7 @@ static void destroy(void *state)
     memory_free(s->list.scratch);
     memory_free(s->watches);
     memory_free(s->extremes);
-    neighbours__cells_fini(s->cells);
-    memory_free(s->cells);
+    neighbours_cells_fini(&s->cells);
     memory_free(s);
 }
 
@@ -130,12 +128,11 @@ static bf_status make_arrays(disk_state *s)
     s->place = memory_alloc(s->n, sizeof *s->place);
     s->is_gone = memory_alloc(s->n, sizeof *s->is_gone);
     s->list.first = memory_alloc(n_groups + 1, sizeof *s->list.first);
-    s->cells = memory_alloc(1, sizeof *s->cells);
     s->extremes = memory_alloc((size_t)2 * DISK_SHARES_MAX, sizeof *s->extremes);
     s->kernels = disk_kernels_of(cpu_best());
     if (s->now == NULL || s->next == NULL || s->heading == NULL || s->scratch == NULL ||
         s->is_touched == NULL || s->number == NULL || s->list.scratch == NULL || s->place == NULL ||
-        s->is_gone == NULL || s->list.first == NULL || s->cells == NULL || s->extremes == NULL)
+        s->is_gone == NULL || s->list.first == NULL || s->extremes == NULL)
         return BF_ENOMEM;
     if (s->is_plain)
         return BF_OK;

@@ -75,8 +75,8 @@ typedef struct disk_state {
     size_t watches_capacity;  ///< room
     disk_watch *watches;      ///< see there
     surroundings around;      ///< a copy: belts and edges
-    struct neighbours_cells *cells;     ///< storage of the cell grid
-    int n_shares;                       ///< threads that take part
+    neighbours_cells cells;   ///< storage of the grid
+    int n_shares;             ///< threads that take part
     disk_share shares[DISK_SHARES_MAX]; ///< one each
     const struct disk_kernels *kernels; ///< of explicit steps
     disk_extremes_line *extremes;       ///< scratch: of two explicit steps, DISK_SHARES_MAX each

@@ -6,6 +6,7 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/driver.h"
 #include "core/micro/micro.h"
+#include "core/micro/neighbours.h"
 #include "core/scene/surroundings.h"
 
 enum {

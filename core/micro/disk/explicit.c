@@ -71,14 +71,14 @@ static driver_outcome add_step(const disk_state *s, const driver_extremes *of_st
     progress->displacement_bound += progress->last_bound;
     if (!isfinite(of_step->sum) || progress->last_bound > 0.5 * s->radius_min)
         return DRIVER_SUSPECT;
-    return progress->displacement_bound <= 0.5 * s->skin ? DRIVER_MADE : DRIVER_STALE;
+    return neighbours_holds(s->skin, progress->displacement_bound) ? DRIVER_MADE : DRIVER_STALE;
 }
 
 static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
 
-    return s->travel > 0.5 * s->skin ? disk__rebuild(s, err) : BF_OK;
+    return neighbours_holds(s->skin, s->travel) ? BF_OK : disk__rebuild(s, err);
 }
 
 static int begin(const void *state, driver_progress *ret_progress)
@@ -371,7 +371,7 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
     *ret_most = n_steps > 0 && n_steps < n ? n_steps : n;
     // Twice the last speed is a guess, which saves tiles that would only be put back.
     if (s->tiles.kept == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
-        !(s->travel + 2.0 * s->move * (int)n_steps <= 0.5 * s->skin))
+        !neighbours_holds(s->skin, s->travel + 2.0 * s->move * (int)n_steps))
         return 0;
     tile w = { .s = s, .step = make_step(s, s->steps), .n_levels = (int)n_steps };
     team_run(s->n_shares, make_levels, &w);

@@ -96,17 +96,11 @@ void disk__implicit_fini(disk_state *s)
     s->implicit = disk_implicit__destroy(s->implicit);
 }
 
-// True if a next step like the last one, which moved parts by up to `move`, could make parts touch that
-// are not in the pairs, after parts have travelled so far since these were chosen, m.
-static bool is_stale(const implicit_state *z, double travel, double move)
+// False if a next step like the last one, which moved parts by up to `move`, could make parts touch that
+// are in no list with this skin, after parts have travelled so far since it was made, m.
+static bool holds(double skin, double travel, double move)
 {
-    return travel + 1.25 * move > 0.5 * z->skin;
-}
-
-// The same of the list.
-static bool is_list_stale(const disk_state *s, double travel, double move)
-{
-    return travel + 1.25 * move > 0.5 * s->skin;
+    return neighbours_holds(skin, travel + 1.25 * move);
 }
 
 // The list with the skin that pairs are chosen from.
@@ -123,9 +117,9 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
     implicit_state *z = s->implicit;
-    bool must_choose = !z->is_chosen || is_stale(z, z->travel, z->move);
+    bool must_choose = !z->is_chosen || !holds(z->skin, z->travel, z->move);
 
-    if (must_choose || is_list_stale(s, s->travel, z->move)) {
+    if (must_choose || !holds(s->skin, s->travel, z->move)) {
         bf_status status = rebuild(s, z, err);
         if (status == BF_OK && must_choose)
             status = disk_implicit__choose(s, z, err);
@@ -294,10 +288,10 @@ static driver_outcome step(driver_member *m)
     driver_wait(m);
     if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min)
         return DRIVER_SUSPECT;
-    return is_stale(z, p->pair_bound, p->last_bound) ||
-                   is_list_stale(s, p->displacement_bound, p->last_bound)
-               ? DRIVER_STALE
-               : DRIVER_MADE;
+    return holds(z->skin, p->pair_bound, p->last_bound) &&
+                   holds(s->skin, p->displacement_bound, p->last_bound)
+               ? DRIVER_MADE
+               : DRIVER_STALE;
 }
 
 static int begin(const void *state, driver_progress *ret_progress)

@@ -4,7 +4,6 @@
 
 #include "core/base/memory.h"
 #include "core/base/team.h"
-#include "core/micro/neighbours_priv.h"
 
 #include <math.h>
 #include <string.h>
@@ -66,9 +65,21 @@ static void take_moved(disk_state *s)
     }
 }
 
+// The rows in `now` for the search, once they are sorted by cell.
+static neighbours_parts parts_of(const disk_state *s)
+{
+    return (neighbours_parts){ .x = &s->now->x,
+                               .y = &s->now->y,
+                               .stride = DISK_ROW,
+                               .radius = &s->now->radius,
+                               .radius_stride = DISK_ROW,
+                               .id = s->number };
+}
+
 // Sorts live parts by cell to the front, gone ones behind the pads.
 static bf_status sort_parts(disk_state *s, bf_error *err)
 {
+    const neighbours_parts parts = parts_of(s);
     const size_t n_filed = s->n - s->n_live, filed_at = s->n_padded;
     uint8_t *skip = (uint8_t *)s->list.scratch;
     size_t to = 0;
@@ -76,24 +87,23 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     for (size_t place = 0; place < s->n_live; place++)
         skip[place] = s->is_gone[s->number[place]];
     bf_status status =
-        neighbours__sort(s->cells, s->n_live, &s->now->x, &s->now->y,
-                         sizeof *s->now / sizeof(double), skip, 2.0 * s->radius_max + s->skin, err);
+        neighbours_sort(&s->cells, s->n_live, &parts, skip, 2.0 * s->radius_max + s->skin, err);
     if (status != BF_OK)
         return status;
-    for (; to < s->cells->n_live; to++)
-        move_part(s, s->cells->order[to], to);
+    for (; to < s->cells.n_live; to++)
+        move_part(s, s->cells.order[to], to);
     for (; to % DISK_GROUP != 0; to++)
         fill_pad(s, to);
     s->n_padded = to;
     for (size_t place = 0; place < s->n_live; place++)
-        if (s->cells->cell_of[place] == UINT32_MAX)
+        if (s->cells.cell_of[place] == UINT32_MAX)
             move_part(s, place, to++);
     for (size_t k = 0; k < n_filed; k++)
         move_part(s, filed_at + k, to++);
     for (; to < s->void_place; to++)
         fill_pad(s, to);
     s->next[s->void_place] = s->now[s->void_place];
-    s->n_live = s->cells->n_live;
+    s->n_live = s->cells.n_live;
     take_moved(s);
     return BF_OK;
 }
@@ -111,63 +121,27 @@ typedef struct making {
     size_t n_pieces;
 } making;
 
-// The slots of a group while they are filled.
-typedef struct filling {
-    uint32_t *slots;
-    size_t room;
-    size_t n;
-} filling;
-
-// Puts a neighbour into its place among the n of a lane, by numbers. False: no room.
-static bool insert(const disk_state *s, filling *f, size_t lane, size_t n, uint32_t neighbour)
+// Lists the neighbours of a group's parts in up to `room` slots. Returns how many; SIZE_MAX: more.
+static size_t list_group(const disk_state *s, const neighbours_parts *parts, size_t group,
+                         uint32_t *slots, size_t room)
 {
-    uint32_t *at = f->slots + n * DISK_GROUP + lane;
+    size_t n[DISK_GROUP] = { 0 }, most = 0;
 
-    if (n == f->n) {
-        if (f->n == f->room)
-            return false;
-        for (size_t k = 0; k < DISK_GROUP; k++)
-            f->slots[n * DISK_GROUP + k] = s->void_place * DISK_ROW;
-        f->n++;
-    }
-    for (; n > 0 && s->number[at[-DISK_GROUP] / DISK_ROW] > s->number[neighbour];
-         n--, at -= DISK_GROUP)
-        *at = at[-DISK_GROUP];
-    *at = neighbour * DISK_ROW;
-    return true;
-}
-
-// Lists those parts of a cell that are near a part.
-static bool list_cell(const disk_state *s, size_t place, size_t cell, filling *f, size_t *n)
-{
-    const disk_row *part = &s->now[place];
-    const uint32_t *first = s->cells->first;
-
-    for (uint32_t other = first[cell]; other < first[cell + 1]; other++) {
-        const disk_row *with = &s->now[other];
-        double dx = with->x - part->x, dy = with->y - part->y;
-        double range = part->radius + with->radius + s->skin;
-        if (!(dx * dx + dy * dy < range * range) || other == place)
+    for (size_t lane = 0; lane < DISK_GROUP; lane++) {
+        const size_t place = group * DISK_GROUP + lane;
+        if (place >= s->n_live)
             continue;
-        if (!insert(s, f, place % DISK_GROUP, *n, other))
-            return false;
-        ++*n;
+        n[lane] = neighbours_find(&s->cells, parts, s->skin, place, slots + lane, DISK_GROUP, room);
+        if (n[lane] == SIZE_MAX)
+            return SIZE_MAX;
+        most = n[lane] > most ? n[lane] : most;
     }
-    return true;
-}
-
-static bool list_part(const disk_state *s, size_t place, filling *f)
-{
-    const neighbours_cells *c = s->cells;
-    size_t column = neighbours__column(c, s->now[place].x),
-           row = neighbours__row(c, s->now[place].y);
-    size_t n = 0;
-
-    for (size_t i = column > 0 ? column - 1 : 0; i <= column + 1 && i < c->n_x; i++)
-        for (size_t j = row > 0 ? row - 1 : 0; j <= row + 1 && j < c->n_y; j++)
-            if (!list_cell(s, place, neighbours__cell(c, i, j), f, &n))
-                return false;
-    return true;
+    for (size_t slot = 0; slot < most; slot++)
+        for (size_t lane = 0; lane < DISK_GROUP; lane++) {
+            uint32_t *at = &slots[slot * DISK_GROUP + lane];
+            *at = (slot < n[lane] ? *at : s->void_place) * DISK_ROW;
+        }
+    return most;
 }
 
 static void list_piece(void *context, size_t item)
@@ -175,19 +149,19 @@ static void list_piece(void *context, size_t item)
     making *m = context;
     piece *p = &m->pieces[item];
     disk_state *s = m->s;
+    const neighbours_parts parts = parts_of(s);
 
     p->n_slots = 0;
     for (size_t group = p->group_first; group < p->group_last; group++) {
         size_t at = p->slot_first + p->n_slots;
-        filling f = { s->list.neighbour + at * DISK_GROUP, p->slot_room - p->n_slots, 0 };
-        size_t end = (group + 1) * DISK_GROUP;
+        size_t n = list_group(s, &parts, group, s->list.neighbour + at * DISK_GROUP,
+                              p->slot_room - p->n_slots);
+        if (n == SIZE_MAX) {
+            p->is_short = true;
+            return;
+        }
         s->list.first[group] = (uint32_t)p->n_slots;
-        for (size_t place = group * DISK_GROUP; place < end && place < s->n_live; place++)
-            if (!list_part(s, place, &f)) {
-                p->is_short = true;
-                return;
-            }
-        p->n_slots += f.n;
+        p->n_slots += n;
     }
 }
 

@@ -3,7 +3,6 @@
 #include "core/micro/disk/disk_priv.h"
 
 #include "core/base/memory.h"
-#include "core/micro/neighbours_priv.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -105,7 +104,7 @@ static bool is_near(const disk_state *s, uint32_t feature, size_t place, double 
 
 static bf_status add_touches(disk_state *s, uint32_t feature, size_t cell, double margin)
 {
-    const uint32_t *first = s->cells->first;
+    const uint32_t *first = s->cells.first;
 
     for (uint32_t place = first[cell]; place < first[cell + 1]; place++) {
         if (!is_near(s, feature, place, margin))
@@ -120,12 +119,12 @@ static bf_status add_touches(disk_state *s, uint32_t feature, size_t cell, doubl
 
 static bf_status search_box(disk_state *s, uint32_t feature, const box *b, double margin)
 {
-    const neighbours_cells *c = s->cells;
-    size_t i_max = neighbours__column(c, b->x_max), j_max = neighbours__row(c, b->y_max);
+    const neighbours_cells *c = &s->cells;
+    size_t i_max = neighbours_column(c, b->x_max), j_max = neighbours_row(c, b->y_max);
 
-    for (size_t i = neighbours__column(c, b->x_min); i <= i_max; i++)
-        for (size_t j = neighbours__row(c, b->y_min); j <= j_max; j++)
-            if (add_touches(s, feature, neighbours__cell(c, i, j), margin) != BF_OK)
+    for (size_t i = neighbours_column(c, b->x_min); i <= i_max; i++)
+        for (size_t j = neighbours_row(c, b->y_min); j <= j_max; j++)
+            if (add_touches(s, feature, neighbours_cell(c, i, j), margin) != BF_OK)
                 return BF_ENOMEM;
     return BF_OK;
 }
