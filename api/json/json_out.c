@@ -1,7 +1,7 @@
 #include "api/json/json_out.h"
 
 #include "api/json/number.h"
-#include "api/json/utf8.h"
+#include "api/json/text.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -72,7 +72,7 @@ static void put_text(json_out *w, const char *text)
 
     put(w, "\"", 1);
     while (*at != '\0') {
-        size_t n = utf8_size(at);
+        size_t n = text_utf8_size(at);
         bool is_plain =
             n > 1 || (n == 1 && (unsigned char)*at >= 0x20 && *at != '"' && *at != '\\');
         if (is_plain) {

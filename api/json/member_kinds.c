@@ -1,7 +1,7 @@
 // The kinds of members: how a value of each is read, written and described.
 
-#include "api/json/angle.h"
 #include "api/json/members.h"
+#include "api/json/number.h"
 #include "api/json/schema.h"
 #include "core/base/check.h"
 #include "core/base/grid.h"
@@ -560,7 +560,7 @@ static void read_poses(json_in *in, const json_t *value, const member *m, void *
     double *numbers = read_tuples(in, value, m, item, 2, 3, POSE_STRIDE);
 
     for (size_t k = 0; numbers != NULL && k < json_array_size(value); k++)
-        numbers[k * POSE_STRIDE + 2] = angle_from_degrees(numbers[k * POSE_STRIDE + 2]);
+        numbers[k * POSE_STRIDE + 2] = number_from_degrees(numbers[k * POSE_STRIDE + 2]);
 }
 
 static void write_poses(json_out *w, const member *m, const void *item)
@@ -570,7 +570,7 @@ static void write_poses(json_out *w, const member *m, const void *item)
 
     json_out_array(w);
     for (size_t k = 0; k < n; k++) {
-        double tuple[3] = { poses[k].x, poses[k].y, angle_to_degrees(poses[k].heading) };
+        double tuple[3] = { poses[k].x, poses[k].y, number_to_degrees(poses[k].heading) };
         bool has_heading = poses[k].heading != 0.0 || signbit(poses[k].heading);
         json_out_numbers(w, tuple, has_heading ? 3 : 2, 1);
     }

@@ -1,7 +1,7 @@
 #include "api/json/members.h"
 
 #include "api/json/schema.h"
-#include "api/json/suggest.h"
+#include "api/json/text.h"
 #include "core/base/check.h"
 
 #include <ctype.h>
@@ -53,13 +53,13 @@ static const char *nearest_name(const member_table *table, const char *name)
     size_t least = SIZE_MAX;
 
     for (size_t k = 0; k < table->n; k++) {
-        size_t distance = suggest_distance(name, table->members[k].name);
+        size_t distance = text_distance(name, table->members[k].name);
         if (distance < least) {
             least = distance;
             nearest = table->members[k].name;
         }
     }
-    return nearest != NULL && suggest_is_near(nearest, least) ? nearest : NULL;
+    return nearest != NULL && text_is_near(nearest, least) ? nearest : NULL;
 }
 
 static void note_unknown(json_in *in, const json_t *object, const member_table *table)

@@ -1,4 +1,5 @@
-/// Numbers as text that reads back to the same bits, with as few digits as that takes.
+/// Numbers as text that reads back to the same bits, with as few digits as that takes; angles in degrees
+/// (documents) and radians (structs).
 
 #pragma once
 
@@ -16,3 +17,13 @@ int number_format_float(float value, char *ret_text);
 /// Read n bytes that are one decimal number and nothing else: no "nan", "inf" or hexadecimal. Returns
 /// 0, or -1 if they are anything else, too many, or beyond what a double holds (*ret_value untouched).
 int number_read(const char *text, size_t n, double *ret_value);
+
+/// Degrees to radians.
+double number_from_degrees(double degrees);
+
+/// The degrees that number_from_degrees() turns into these radians, bit by bit, if there are any;
+/// of several, those with the fewest digits. Else the nearest.
+double number_to_degrees(double radians);
+
+/// Cosine and sine of an angle in degrees; exact at multiples of 90.
+void number_direction(double degrees, double *ret_cos, double *ret_sin);

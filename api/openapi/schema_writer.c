@@ -10,7 +10,6 @@
 #include "core/base/check.h"
 
 #include <ctype.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 

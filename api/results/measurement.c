@@ -1,6 +1,6 @@
 #include "api/results/measurement.h"
 
-#include "api/json/utf8.h"
+#include "api/json/text.h"
 #include "api/results/results.h"
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
@@ -152,7 +152,7 @@ static void check_label(const char *label, bf_faults *faults)
     if (strlen(label) >= API_LABEL_SIZE)
         faults_add_limit(faults, "/label", "has %zu bytes, the limit is %d", strlen(label),
                          API_LABEL_SIZE - 1);
-    else if (!utf8_is_text(label))
+    else if (!text_is_utf8(label))
         faults_add(faults, "/label", "must be UTF-8");
 }
 

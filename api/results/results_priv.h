@@ -1,4 +1,4 @@
-/// What results.c and results_*.c share.
+/// Private to api/results.
 
 #pragma once
 

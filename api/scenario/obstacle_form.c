@@ -1,6 +1,6 @@
 #include "api/scenario/obstacle_form.h"
 
-#include "api/json/angle.h"
+#include "api/json/number.h"
 #include "api/scenario/scenario_members.h"
 #include "core/base/memory.h"
 
@@ -82,7 +82,7 @@ static vec2 start_of(const obstacle_form *form)
     double cosine;
     double sine;
 
-    angle_direction(form->angle, &cosine, &sine);
+    number_direction(form->angle, &cosine, &sine);
     return (vec2){ form->end.x - form->length * cosine, form->end.y - form->length * sine };
 }
 

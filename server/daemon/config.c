@@ -1,6 +1,6 @@
 #include "server/daemon/config.h"
 
-#include "api/json/suggest.h"
+#include "api/json/text.h"
 #include "core/base/check.h"
 
 #include <stdbool.h>
@@ -46,8 +46,8 @@ static bf_status refuse_unknown(const char *name, const char *where, bf_error *e
     const char *meant = "";
 
     for (size_t i = 0; i < N_ROWS; i++) {
-        size_t distance = suggest_distance(name, rows[i].name);
-        if (distance < nearest && suggest_is_near(rows[i].name, distance)) {
+        size_t distance = text_distance(name, rows[i].name);
+        if (distance < nearest && text_is_near(rows[i].name, distance)) {
             nearest = distance;
             meant = rows[i].name;
         }

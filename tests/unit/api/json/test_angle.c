@@ -1,6 +1,6 @@
 // Angles: degrees of a document, radians of a struct, and the same bits after the way there and back.
 
-#include "api/json/angle.h"
+#include "api/json/number.h"
 
 #include "core/base/random.h"
 
@@ -31,8 +31,8 @@ static void radians_of_any_degrees_come_back(void **unused)
         memcpy(&degrees, &bits, sizeof degrees);
         if (!isfinite(degrees))
             continue;
-        double radians = angle_from_degrees(degrees);
-        assert_true(same_bits(angle_from_degrees(angle_to_degrees(radians)), radians));
+        double radians = number_from_degrees(degrees);
+        assert_true(same_bits(number_from_degrees(number_to_degrees(radians)), radians));
     }
 }
 
@@ -43,11 +43,11 @@ static void radians_of_usual_degrees_come_back(void **unused)
     (void)unused;
     random_init(&random, 2);
     for (int k = 0; k < 100000; k++) {
-        double radians = angle_from_degrees(720.0 * random_unit(&random) - 360.0);
-        assert_true(same_bits(angle_from_degrees(angle_to_degrees(radians)), radians));
+        double radians = number_from_degrees(720.0 * random_unit(&random) - 360.0);
+        assert_true(same_bits(number_from_degrees(number_to_degrees(radians)), radians));
     }
-    assert_true(same_bits(angle_to_degrees(-0.0), -0.0));
-    assert_true(same_bits(angle_to_degrees(angle_from_degrees(4.9406564584124654e-324)), 0.0));
+    assert_true(same_bits(number_to_degrees(-0.0), -0.0));
+    assert_true(same_bits(number_to_degrees(number_from_degrees(4.9406564584124654e-324)), 0.0));
 }
 
 // A thousandth of a degree is written by a person: it must not come back with 17 digits.
@@ -56,7 +56,7 @@ static void short_degrees_stay_short(void **unused)
     (void)unused;
     for (int k = -360000; k <= 360000; k += 7) {
         double degrees = k / 1000.0;
-        assert_true(angle_to_degrees(angle_from_degrees(degrees)) == degrees);
+        assert_true(number_to_degrees(number_from_degrees(degrees)) == degrees);
     }
 }
 
@@ -70,7 +70,7 @@ static void a_quarter_turn_is_exact(void **unused)
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         double cosine;
         double sine;
-        angle_direction(expected[k][0], &cosine, &sine);
+        number_direction(expected[k][0], &cosine, &sine);
         assert_true(cosine == expected[k][1]);
         assert_true(sine == expected[k][2]);
     }
@@ -82,10 +82,10 @@ static void other_directions_are_those_of_the_circle(void **unused)
     double sine;
 
     (void)unused;
-    angle_direction(60.0, &cosine, &sine);
+    number_direction(60.0, &cosine, &sine);
     assert_true(fabs(cosine - 0.5) < 1e-15);
     assert_true(fabs(sine - sqrt(3.0) / 2.0) < 1e-15);
-    angle_direction(1e300, &cosine, &sine);
+    number_direction(1e300, &cosine, &sine);
     assert_true(fabs(cosine * cosine + sine * sine - 1.0) < 1e-15);
 }
 

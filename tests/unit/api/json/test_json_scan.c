@@ -2,7 +2,7 @@
 
 #include "api/json/json_scan.h"
 
-#include "api/json/suggest.h"
+#include "api/json/text.h"
 #include "api/scenario/scenario.h"
 #include "core/base/random.h"
 
@@ -98,19 +98,19 @@ static void any_bytes_are_scanned(void **unused)
 
 static void distances_count_edits(void **unused)
 {
-    char longer[SUGGEST_LENGTH_MAX + 2];
+    char longer[TEXT_LENGTH_MAX + 2];
 
     (void)unused;
     memset(longer, 'a', sizeof longer - 1);
     longer[sizeof longer - 1] = '\0';
-    assert_int_equal(suggest_distance("", ""), 0);
-    assert_int_equal(suggest_distance("", "abc"), 3);
-    assert_int_equal(suggest_distance("kitten", "sitting"), 3);
-    assert_int_equal(suggest_distance("duration", "duration_s"), 2);
-    assert_true(suggest_distance(longer, "a") == SIZE_MAX);
-    assert_int_equal(suggest_distance(longer + 1, longer + 1), 0);
-    assert_true(suggest_is_near("cell_m", 2));
-    assert_false(suggest_is_near("x_m", 2));
+    assert_int_equal(text_distance("", ""), 0);
+    assert_int_equal(text_distance("", "abc"), 3);
+    assert_int_equal(text_distance("kitten", "sitting"), 3);
+    assert_int_equal(text_distance("duration", "duration_s"), 2);
+    assert_true(text_distance(longer, "a") == SIZE_MAX);
+    assert_int_equal(text_distance(longer + 1, longer + 1), 0);
+    assert_true(text_is_near("cell_m", 2));
+    assert_false(text_is_near("x_m", 2));
 }
 
 int main(void)

@@ -1,4 +1,4 @@
-// The tables of the documents agree with core, which checks what they describe.
+// The tables of members: they agree with core, which checks what they describe, and answers follow them.
 
 #include "api/json/members.h"
 
@@ -96,10 +96,137 @@ static void what_is_out_of_the_tables_ranges_is_refused(void **unused)
     }
 }
 
+typedef struct inner {
+    double x;
+} inner;
+
+typedef struct outer {
+    char id[8];
+    uint64_t n;
+    bool has_more;
+    double unknown;
+    inner within;
+    size_t n_points;
+} outer;
+
+static bool has_more(const void *item)
+{
+    const outer *of = item;
+
+    return of->has_more;
+}
+
+static const member inner_members[] = { MEMBER("x_m", number, offsetof(inner, x), "a place") };
+static const member_table inner_table = { MEMBER_TABLE("Inner", inner_members) };
+
+static const member outer_members[] = {
+    MEMBER("self", link, offsetof(outer, id), "itself", .path = "/a/{id}/b/{n}",
+           .offset_n = offsetof(outer, n)),
+    MEMBER("more", size, offsetof(outer, n), "of some only", .applies = has_more),
+    MEMBER("unknown", number, offsetof(outer, unknown), "no number", .null = "not known"),
+    MEMBER_INLINE(&inner_table, offsetof(outer, within)),
+    MEMBER("within", object, offsetof(outer, within), "the same below", .table = &inner_table),
+    MEMBER("points", points, 0, "none", .flags = MEMBER_OMIT_EMPTY,
+           .offset_n = offsetof(outer, n_points)),
+    MEMBER("streamed", described, 0, "written by another", .type = "[number]"),
+};
+static const member_table outer_table = { MEMBER_TABLE("Outer", outer_members) };
+
+static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
+{
+    outer item = { .id = "7", .n = 3, .unknown = (double)NAN, .within = { 0.5 } };
+    bf_buffer out = { 0 };
+    json_out w = json_out_to(&out);
+
+    (void)unused;
+    json_out_array(&w);
+    members_write(&w, &outer_table, &item);
+    item.has_more = true;
+    members_write(&w, &outer_table, &item);
+    json_out_array_end(&w);
+    assert_string_equal(out.bytes, "[{\"self\":\"/a/7/b/3\",\"unknown\":null,\"x_m\":0.5,"
+                                   "\"within\":{\"x_m\":0.5}},"
+                                   "{\"self\":\"/a/7/b/3\",\"more\":3,\"unknown\":null,"
+                                   "\"x_m\":0.5,\"within\":{\"x_m\":0.5}}]");
+    buffer_fini(&out);
+}
+
+static void ranges_are_texts_made_from_the_numbers(void **unused)
+{
+    static const struct {
+        member_range range;
+        const char *text;
+    } pairs[] = {
+        { { 0, INFINITY, true, false }, "> 0" },
+        { { 0, INFINITY, false, false }, ">= 0" },
+        { { 0, 0.5, false, true }, ">= 0, < 0.5" },
+        { { 0, 9007199254740991.0, false, false }, ">= 0, < 2^53" },
+        { { -100, 100, false, false }, "-100 to 100" },
+        { { -INFINITY, INFINITY, false, false }, "" },
+    };
+    char text[MEMBER_TEXT_SIZE];
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
+        members_range_text(&pairs[k].range, text);
+        assert_string_equal(text, pairs[k].text);
+    }
+    members_range_text(NULL, text);
+    assert_string_equal(text, "");
+}
+
+// The member of a table, in *ret_table, at "a/b" below the scenario.
+static const member *find_row(const char *place, const member_table **ret_table)
+{
+    const member_table *table = &scenario_members;
+
+    for (;;) {
+        size_t n = strcspn(place, "/");
+        const member *m = table->members;
+        while (strlen(m->name) != n || memcmp(m->name, place, n) != 0)
+            m++;
+        *ret_table = table;
+        if (place[n] == '\0')
+            return m;
+        table = m->table;
+        place += n + 1;
+    }
+}
+
+static void defaults_are_those_of_core(void **unused)
+{
+    static const struct {
+        const char *place, *text;
+    } pairs[] = {
+        { "name", "empty" },
+        { "edges/east", "outflow" },
+        { "belts/velocity_m_s", "[0.395,0]" },
+        { "obstacles/thickness_m", "0.005" },
+        { "cargo/material", "210000000000 Pa, 0.28" },
+        { "micro/tension", "false" },
+        { "contacts/cargo_cargo/length_m", "0.008" }, // of each pair
+        { "contacts/cargo_cargo/friction", "0.15, 1, 0.19" },
+        { "obstacles/band_m", "8/sqrt(sigma)" }, // derived
+        { "duration_s", "" },                    // must be given
+    };
+    char text[MEMBER_TEXT_SIZE];
+    const member_table *table;
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
+        const member *m = find_row(pairs[k].place, &table);
+        members_default_text(table, m, text);
+        assert_string_equal(text, pairs[k].text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_out_of_the_tables_ranges_is_refused),
+        cmocka_unit_test(an_answer_has_the_members_of_its_table_in_their_order),
+        cmocka_unit_test(ranges_are_texts_made_from_the_numbers),
+        cmocka_unit_test(defaults_are_those_of_core),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 // UTF-8 as it may come from clients.
 
-#include "api/json/utf8.h"
+#include "api/json/text.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,12 +30,12 @@ static void characters_have_their_size(void **state)
 
     (void)state;
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
-        assert_int_equal(utf8_size(good[k].text), good[k].n);
-        assert_true(utf8_is_text(good[k].text));
+        assert_int_equal(text_utf8_size(good[k].text), good[k].n);
+        assert_true(text_is_utf8(good[k].text));
     }
-    assert_int_equal(utf8_size(""), 0);
-    assert_true(utf8_is_text(""));
-    assert_true(utf8_is_text("belt 7 \xc3\xbc \xf0\x9f\x93\xa6"));
+    assert_int_equal(text_utf8_size(""), 0);
+    assert_true(text_is_utf8(""));
+    assert_true(text_is_utf8("belt 7 \xc3\xbc \xf0\x9f\x93\xa6"));
 }
 
 // Stray, torn, overlong, a surrogate, beyond the last character.
@@ -54,10 +54,10 @@ static void other_bytes_are_no_text(void **state)
 
     (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        assert_int_equal(utf8_size(bad[k]), 0);
-        assert_false(utf8_is_text(bad[k]));
+        assert_int_equal(text_utf8_size(bad[k]), 0);
+        assert_false(text_is_utf8(bad[k]));
     }
-    assert_false(utf8_is_text("good, then \xff"));
+    assert_false(text_is_utf8("good, then \xff"));
 }
 
 int main(void)

@@ -1,6 +1,9 @@
-#include "api/json/utf8.h"
+#include "api/json/text.h"
 
-size_t utf8_size(const char *character)
+#include <stdint.h>
+#include <string.h>
+
+size_t text_utf8_size(const char *character)
 {
     const unsigned char *text = (const unsigned char *)character;
     static const struct {
@@ -27,11 +30,42 @@ size_t utf8_size(const char *character)
     return 0;
 }
 
-bool utf8_is_text(const char *text)
+bool text_is_utf8(const char *text)
 {
     size_t n = 0;
 
-    while ((n = utf8_size(text)) > 0)
+    while ((n = text_utf8_size(text)) > 0)
         text += n;
     return *text == '\0';
+}
+
+static size_t smaller(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+size_t text_distance(const char *a, const char *b)
+{
+    size_t row[TEXT_LENGTH_MAX + 1]; // distances of a's first bytes to b's first k
+    size_t n_a = strlen(a);
+    size_t n_b = strlen(b);
+
+    if (n_a > TEXT_LENGTH_MAX || n_b > TEXT_LENGTH_MAX)
+        return SIZE_MAX;
+    for (size_t k = 0; k <= n_b; k++)
+        row[k] = k;
+    for (size_t i = 0; i < n_a; i++) {
+        size_t diagonal = row[0]++;
+        for (size_t k = 0; k < n_b; k++) {
+            size_t replaced = diagonal + (a[i] != b[k]);
+            diagonal = row[k + 1];
+            row[k + 1] = smaller(replaced, 1 + smaller(row[k], diagonal));
+        }
+    }
+    return row[n_b];
+}
+
+bool text_is_near(const char *known, size_t distance)
+{
+    return distance <= strlen(known) / 2;
 }
