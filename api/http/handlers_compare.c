@@ -2,27 +2,40 @@
 //
 // Memory  two curves, then two snapshots, are held at a time, however many are compared.
 
-#include "api/http/handlers_compare_priv.h"
-
-#include "api/http/exchange_priv.h"
-#include "api/http/handlers.h"
+#include "api/http/http_priv.h"
+#include "api/json/json_out.h"
 #include "api/results/compare_json.h"
 #include "core/base/memory.h"
+#include "core/compare/compare.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 // Work of one request: beyond it every second, third, ... common snapshot is compared, and the last.
-enum { CELLS_MAX = 20000000 };
+enum {
+    CELLS_MAX = 20000000, // of all pairs
+    SNAPSHOTS_MAX = 200   // of one pair
+};
 
-typedef handlers_compare__entry entry;
+// A run or a measurement.
+typedef struct entry {
+    char id[API_ID_SIZE];        // as the query has it
+    char pointer[32];            // where: "/a", "/runs/2"
+    bool is_run;                 // which of the two is filled:
+    api_run run;                 // of a run
+    api_measurement measurement; // of a measurement
+    bf_buffer columns;           // of its curve
+    compare_figures figures;     // of its curve
+    compare_measures measures;   // against the reference, which is a; not filled of itself
+} entry;
 
 // What one request compares.
 typedef struct comparison {
     bool is_pair; // asked by a and b
     size_t n;
     size_t reference; // index
-    entry entries[HANDLERS_COMPARE__MAX];
+    entry entries[API_COMPARE_MAX];
     char column[SCENE_ID_SIZE]; // that is compared
 } comparison;
 
@@ -46,65 +59,49 @@ static bf_status read_pair(exchange *x, comparison *c, bf_error *err)
     c->is_pair = true;
     c->n = 2;
     for (size_t i = 0; i < 2; i++) {
-        const char *id = query_value(&x->query, names[i]);
+        const char *id = exchange__text(x, names[i]);
         entry *e = &c->entries[i];
-        snprintf(e->pointer, sizeof e->pointer, "/%s", names[i]);
         if (id == NULL)
-            return exchange__refuse(x, 400, err, "query parameter '%s' is missing: the id of a run",
-                                    names[i]);
-        if (!exchange__is_id(id))
-            return exchange__refuse_at(x, 404, e->pointer, err,
-                                       "there is nothing with the id '%.64s'", id);
+            return bf_fail(err, BF_EINPUT, "", "query parameter '%s' is missing: the id of a run",
+                           names[i]);
+        snprintf(e->pointer, sizeof e->pointer, "/%s", names[i]);
         snprintf(e->id, sizeof e->id, "%s", id);
     }
     return BF_OK;
 }
 
-static bf_status read_reference(exchange *x, comparison *c, bf_error *err)
+static bf_status read_runs(const exchange *x, comparison *c, bf_error *err)
 {
-    const char *id = query_value(&x->query, "reference");
+    const char *reference = exchange__text(x, "reference");
+    char ids[API_COMPARE_MAX][API_ID_SIZE];
 
-    for (size_t i = 0; i < c->n && id != NULL; i++) {
-        if (strcmp(c->entries[i].id, id) == 0) {
-            c->reference = i;
-            return BF_OK;
-        }
-    }
-    if (id == NULL)
-        return BF_OK;
-    return exchange__refuse_at(x, 400, "/reference", err, "'%.64s' is not one of the runs", id);
-}
-
-static bf_status read_runs(exchange *x, comparison *c, bf_error *err)
-{
-    char ids[HANDLERS_COMPARE__MAX][API_ID_SIZE];
-
-    bf_status status = exchange__read_ids(x, "runs", HANDLERS_COMPARE__MAX, ids, &c->n, err);
-    if (status != BF_OK)
-        return status;
-    if (c->n < 2)
-        return exchange__refuse(x, 400, err, "query parameter 'runs' needs two ids at least");
+    c->n = exchange__ids(x, "runs", ids);
+    if (c->n == 0)
+        return bf_fail(err, BF_EINPUT, "", "query parameter 'runs' is missing: ids with commas");
+    c->reference = reference == NULL ? 0 : c->n;
     for (size_t i = 0; i < c->n; i++) {
         memcpy(c->entries[i].id, ids[i], sizeof ids[i]);
         snprintf(c->entries[i].pointer, sizeof c->entries[i].pointer, "/runs/%zu", i);
+        if (reference != NULL && strcmp(ids[i], reference) == 0)
+            c->reference = i;
     }
-    return read_reference(x, c, err);
+    if (c->reference < c->n)
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "/reference", "'%.64s' is not one of the runs", reference);
 }
 
 static bf_status read_query(exchange *x, comparison *c, bf_error *err)
 {
-    bool has_pair = query_value(&x->query, "a") != NULL || query_value(&x->query, "b") != NULL;
-    bool has_runs =
-        query_value(&x->query, "runs") != NULL || query_value(&x->query, "reference") != NULL;
+    bool has_pair = exchange__text(x, "a") != NULL || exchange__text(x, "b") != NULL;
+    bool has_runs = exchange__text(x, "runs") != NULL || exchange__text(x, "reference") != NULL;
 
     if (has_pair && has_runs)
-        return exchange__refuse(x, 400, err,
-                                "either 'a' and 'b', or 'runs' and 'reference', not both");
+        return bf_fail(err, BF_EINPUT, "",
+                       "either 'a' and 'b', or 'runs' and 'reference', not both");
     if (!has_pair && !has_runs)
-        return exchange__refuse(x, 400, err,
-                                "query parameter 'runs' is missing: two to %d ids, "
-                                "with commas",
-                                HANDLERS_COMPARE__MAX);
+        return bf_fail(err, BF_EINPUT, "",
+                       "query parameter 'runs' is missing: two to %d ids, with commas",
+                       API_COMPARE_MAX);
     return has_pair ? read_pair(x, c, err) : read_runs(x, c, err);
 }
 
@@ -173,7 +170,7 @@ static const entry *find_lack(const comparison *c, const char *name)
 // The column that is asked for, else the first one of the reference that all have.
 static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
 {
-    const char *wanted = query_value(&x->query, "column");
+    const char *wanted = exchange__text(x, "column");
     const char *names = columns_of(&c->entries[c->reference]);
     const entry *lack = NULL;
 
@@ -286,6 +283,193 @@ static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
     return status;
 }
 
+// One of the two runs.
+typedef struct side {
+    const char *id;
+    api_snapshot_list list; // items owned
+} side;
+
+// Sums over the snapshots that were compared, of those figures that are known.
+typedef struct totals {
+    compare_distance sum;
+    size_t n_mean_abs, n_l1, n_emd_x, n_emd_y;
+} totals;
+
+static const api_snapshot *snapshot_at(const side *s, size_t i)
+{
+    return (const api_snapshot *)(const void *)s->list.items.bytes + i;
+}
+
+static bool have_same_grid(const bf_grid *a, const bf_grid *b)
+{
+    double near = 1e-9 * (a->d1 + a->d2);
+
+    return a->n1 == b->n1 && a->n2 == b->n2 && fabs(a->lower1 - b->lower1) <= near &&
+           fabs(a->lower2 - b->lower2) <= near && fabs(a->d1 - b->d1) * (double)a->n1 <= near &&
+           fabs(a->d2 - b->d2) * (double)a->n2 <= near;
+}
+
+// Moves to the next snapshots i of a and k of b that have the same time. False: there are none.
+static bool find_common(const side *a, const side *b, size_t *i, size_t *k)
+{
+    while (*i < a->list.n && *k < b->list.n) {
+        double t_a = snapshot_at(a, *i)->t, t_b = snapshot_at(b, *k)->t;
+        if (fabs(t_a - t_b) <= 1e-9 * (1.0 + fabs(t_a)))
+            return true;
+        if (t_a < t_b)
+            (*i)++;
+        else
+            (*k)++;
+    }
+    return false;
+}
+
+static size_t count_common(const side *a, const side *b)
+{
+    size_t n = 0;
+
+    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++)
+        n++;
+    return n;
+}
+
+static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out, bf_error *err)
+{
+    api_snapshot snapshot;
+    bf_grid grid;
+
+    bf_status status = x->services->read_snapshot(
+        x->services->context, s->id, snapshot_at(s, i)->index, &snapshot, &grid, out, err);
+    if (status == BF_OK && out->n != grid_cells(&s->list.grid) * sizeof(float))
+        return bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
+    return status;
+}
+
+static bf_status measure_distance(exchange *x, const side *a, size_t i, const side *b, size_t k,
+                                  compare_distance *ret_distance, bf_error *err)
+{
+    bf_buffer of_a = { 0 }, of_b = { 0 };
+
+    bf_status status = read_grid(x, a, i, &of_a, err);
+    if (status == BF_OK)
+        status = read_grid(x, b, k, &of_b, err);
+    if (status == BF_OK)
+        status = compare_densities(&a->list.grid, (const float *)(const void *)of_a.bytes,
+                                   (const float *)(const void *)of_b.bytes, ret_distance, err);
+    buffer_fini(&of_a);
+    buffer_fini(&of_b);
+    return status;
+}
+
+static void add_known(double value, double *sum, size_t *n)
+{
+    if (isfinite(value)) {
+        *sum += value;
+        (*n)++;
+    }
+}
+
+static void add_distance(const compare_distance *d, totals *all)
+{
+    add_known(d->mean_abs, &all->sum.mean_abs, &all->n_mean_abs);
+    add_known(d->l1, &all->sum.l1, &all->n_l1);
+    add_known(d->emd_x, &all->sum.emd_x, &all->n_emd_x);
+    add_known(d->emd_y, &all->sum.emd_y, &all->n_emd_y);
+}
+
+// 0 / 0 is not a number, which is what a mean of nothing is.
+static compare_distance mean_of(const totals *all)
+{
+    return (compare_distance){ .mean_abs = all->sum.mean_abs / (double)all->n_mean_abs,
+                               .l1 = all->sum.l1 / (double)all->n_l1,
+                               .emd_x = all->sum.emd_x / (double)all->n_emd_x,
+                               .emd_y = all->sum.emd_y / (double)all->n_emd_y };
+}
+
+static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b,
+                           const compare_distance *d)
+{
+    const compare_json_snapshots view = { .t = a->t,
+                                          .a = a->index,
+                                          .b = b->index,
+                                          .mass_a = a->mass,
+                                          .mass_b = b->mass,
+                                          .distance = *d };
+    members_write(w, &compare_json_density_distance, &view);
+}
+
+static size_t choose_stride(size_t n_common, size_t n_cells, size_t n_cells_max)
+{
+    size_t most = n_cells_max / n_cells;
+
+    most = most < 1 ? 1 : most > SNAPSHOTS_MAX ? SNAPSHOTS_MAX : most;
+    return n_common <= most ? 1 : (n_common + most - 1) / most;
+}
+
+static bf_status write_distances(exchange *x, json_out *w, const side *a, const side *b,
+                                 size_t n_common, size_t stride, totals *all, bf_error *err)
+{
+    size_t at = 0;
+
+    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++, at++) {
+        compare_distance distance;
+        if (at % stride != 0 && at + 1 != n_common)
+            continue;
+        bf_status status = measure_distance(x, a, i, b, k, &distance, err);
+        if (status != BF_OK)
+            return status;
+        add_distance(&distance, all);
+        write_distance(w, snapshot_at(a, i), snapshot_at(b, k), &distance);
+    }
+    return BF_OK;
+}
+
+static bf_status write_sides(exchange *x, json_out *w, const side *a, const side *b,
+                             size_t n_cells_max, bf_error *err)
+{
+    bool is_same = a->list.n > 0 && b->list.n > 0 && have_same_grid(&a->list.grid, &b->list.grid);
+    size_t n_common = count_common(a, b);
+    totals all = { .n_l1 = 0 };
+    bf_status status = BF_OK;
+
+    json_out_object(w);
+    json_out_key_bool(w, "same_grid", is_same);
+    json_out_key_integer(w, "n_common", (int64_t)n_common);
+    json_out_key(w, "snapshots");
+    json_out_array(w);
+    if (is_same) {
+        size_t stride = choose_stride(n_common, grid_cells(&a->list.grid), n_cells_max);
+        status = write_distances(x, w, a, b, n_common, stride, &all, err);
+    }
+    json_out_array_end(w);
+    compare_distance mean = mean_of(&all);
+    json_out_key(w, "mean");
+    members_write(w, &compare_json_distance, &mean);
+    json_out_object_end(w);
+    return status;
+}
+
+// Writes how far the densities of two entries are apart, as a value: null unless both are runs. At most
+// about n_cells_max cells are compared, but one snapshot in any case.
+static bf_status write_density(exchange *x, json_out *w, const entry *a, const entry *b,
+                               size_t n_cells_max, bf_error *err)
+{
+    side of_a = { .id = a->id }, of_b = { .id = b->id };
+
+    if (!a->is_run || !b->is_run) {
+        json_out_null(w);
+        return BF_OK;
+    }
+    bf_status status = x->services->list_snapshots(x->services->context, of_a.id, &of_a.list, err);
+    if (status == BF_OK)
+        status = x->services->list_snapshots(x->services->context, of_b.id, &of_b.list, err);
+    if (status == BF_OK)
+        status = write_sides(x, w, &of_a, &of_b, n_cells_max, err);
+    buffer_fini(&of_a.list.items);
+    buffer_fini(&of_b.list.items);
+    return status;
+}
+
 static void write_entry(json_out *w, const comparison *c, const entry *e)
 {
     const compare_json_entry view = {
@@ -310,7 +494,7 @@ static bf_status write_measures(exchange *x, json_out *w, const comparison *c, c
     json_out_key(w, "curve");
     members_write(w, &compare_json_measures, &e->measures);
     json_out_key(w, "density");
-    return handlers_compare__density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
+    return write_density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
 }
 
 static bf_status write_pair(exchange *x, json_out *w, const comparison *c, bf_error *err)
@@ -360,7 +544,7 @@ static bf_status compare_all(exchange *x, comparison *c, bf_error *err)
         status = measure_curves(x, c, err);
     if (status != BF_OK)
         return status;
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     json_out w = json_out_to(&x->response->body);
     json_out_object(&w);
     status = c->is_pair ? write_pair(x, &w, c, err) : write_all(x, &w, c, err);

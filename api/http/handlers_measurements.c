@@ -1,7 +1,6 @@
 // Measured curves: store, list, show, remove.
 
-#include "api/http/exchange_priv.h"
-#include "api/http/handlers.h"
+#include "api/http/http_priv.h"
 #include "api/json/number.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
@@ -20,8 +19,8 @@ static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_
 {
     const api_request *request = x->request;
     const char *body = request->body == NULL ? "" : request->body;
-    const char *label = query_value(&x->query, "label");
-    const char *counter = query_value(&x->query, "counter");
+    const char *label = exchange__text(x, "label");
+    const char *counter = exchange__text(x, "counter");
     size_t type;
 
     bf_status status = exchange__check_body(x, body_types, &type, err);
@@ -70,22 +69,18 @@ static bf_status write_list(exchange *x, const api_measurement_list *list, bf_er
 
 bf_status handlers_measurements_list(exchange *x, bf_error *err)
 {
-    api_measurement_query wanted = { .limit = 0 };
-    exchange_page page;
+    const exchange_page page = exchange__page(x);
+    api_measurement_query wanted = { .limit = page.limit };
 
-    bf_status status = exchange__read_page(x, &page, err);
-    if (status != BF_OK)
-        return status;
-    wanted.limit = page.limit;
     memcpy(wanted.label, page.label, sizeof wanted.label);
     memcpy(wanted.before, page.before, sizeof wanted.before);
     api_measurement_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    status = x->services->list_measurements(x->services->context, &wanted, list, err);
+    bf_status status = x->services->list_measurements(x->services->context, &wanted, list, err);
     if (status == BF_OK && list->has_more && list->n > 0)
         exchange__link_next(x, &page, "", list->items[list->n - 1].id);
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);
     memory_free(list);
@@ -96,7 +91,7 @@ static bf_status find_measurement(exchange *x, api_measurement *ret_measurement,
 {
     const char *id = x->params.values[0];
 
-    if (!exchange__is_id(id))
+    if (!param_is_id(id))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement '%s'", id);
     return x->services->find_measurement(x->services->context, id, ret_measurement, err);
 }
@@ -111,7 +106,7 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
     if (status != BF_OK)
         return status;
     // It never changes, but it may be removed.
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-%s", about.id, x->media->word))
         return BF_OK;
     status = x->services->read_measurement(x->services->context, about.id, &curve, err);

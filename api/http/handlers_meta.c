@@ -1,7 +1,6 @@
 // The service itself: ready scenarios, liveness, readiness, figures, version.
 
-#include "api/http/exchange_priv.h"
-#include "api/http/handlers.h"
+#include "api/http/http_priv.h"
 #include "api/json/json_in.h"
 #include "api/json/json_out.h"
 #include "api/openapi/openapi.h"
@@ -37,7 +36,7 @@ bf_status handlers_meta_examples(exchange *x, bf_error *err)
     const example *items = examples_list(&n);
     bf_status status = BF_OK;
 
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     json_out_object(&w);
     json_out_key(&w, "examples");
     json_out_array(&w);
@@ -54,7 +53,7 @@ bf_status handlers_meta_example(exchange *x, bf_error *err)
 
     if (item == NULL)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no example '%s'", x->params.values[0]);
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     json_out w = json_out_to(&x->response->body);
     json_out_raw(&w, item->document, item->n);
     return json_out_status(&w, err);
@@ -95,7 +94,7 @@ bf_status handlers_meta_version(exchange *x, bf_error *err)
 {
     json_out w = json_out_to(&x->response->body);
 
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     json_out_object(&w);
     json_out_key_string(&w, "name", "beltflow");
     json_out_key_string(&w, "version", BELTFLOW_VERSION);
@@ -107,6 +106,6 @@ bf_status handlers_meta_version(exchange *x, bf_error *err)
 
 bf_status handlers_meta_openapi(exchange *x, bf_error *err)
 {
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     return openapi_write(&x->response->body, err);
 }

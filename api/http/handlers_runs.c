@@ -1,7 +1,6 @@
 // Runs: accept (or only judge) a submission, list, show, cancel, remove.
 
-#include "api/http/exchange_priv.h"
-#include "api/http/handlers.h"
+#include "api/http/http_priv.h"
 #include "api/http/idempotency.h"
 #include "api/http/prefer.h"
 #include "api/results/run_json.h"
@@ -124,29 +123,21 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
     return status;
 }
 
-static bf_status read_model(const char *word, int *ret_model, bf_error *err)
+static api_list_query read_list_query(const exchange *x, const exchange_page *page)
 {
-    for (int i = 0; i < RUN_MODEL_COUNT; i++) {
-        if (strcmp(word, run_model_words[i]) == 0) {
-            *ret_model = i;
-            return BF_OK;
-        }
+    const char *state = exchange__text(x, "status");
+    const char *model = exchange__text(x, "model");
+    api_list_query list = { .state = -1, .model = -1, .limit = page->limit };
+
+    memcpy(list.label, page->label, sizeof list.label);
+    memcpy(list.before, page->before, sizeof list.before);
+    if (state != NULL)
+        list.state = (int)run_state_find(state);
+    for (int i = 0; i < RUN_MODEL_COUNT && model != NULL; i++) {
+        if (strcmp(model, run_model_words[i]) == 0)
+            list.model = i;
     }
-    return bf_fail(err, BF_EINPUT, "", "query parameter 'model' is no model: '%.32s'", word);
-}
-
-static bf_status read_list_query(const exchange *x, const exchange_page *page, api_list_query *list,
-                                 bf_error *err)
-{
-    const char *state = query_value(&x->query, "status");
-    const char *model = query_value(&x->query, "model");
-
-    *list = (api_list_query){ .state = -1, .model = -1, .limit = page->limit };
-    memcpy(list->label, page->label, sizeof list->label);
-    memcpy(list->before, page->before, sizeof list->before);
-    if (state != NULL && (list->state = run_state_find(state)) == RUN_STATE_COUNT)
-        return bf_fail(err, BF_EINPUT, "", "query parameter 'status' is no status: '%.32s'", state);
-    return model == NULL ? BF_OK : read_model(model, &list->model, err);
+    return list;
 }
 
 static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *list,
@@ -171,21 +162,16 @@ static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err
 
 bf_status handlers_runs_list(exchange *x, bf_error *err)
 {
-    api_list_query list_query;
-    exchange_page page;
+    const exchange_page page = exchange__page(x);
+    const api_list_query list_query = read_list_query(x, &page);
 
-    bf_status status = exchange__read_page(x, &page, err);
-    if (status == BF_OK)
-        status = read_list_query(x, &page, &list_query, err);
-    if (status != BF_OK)
-        return status;
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    status = x->services->list(x->services->context, &list_query, list, err);
+    bf_status status = x->services->list(x->services->context, &list_query, list, err);
     if (status == BF_OK && list->has_more && list->n > 0)
         add_next_link(x, &page, &list_query, list->runs[list->n - 1].id);
-    exchange__let_revalidate(x);
+    exchange__cache_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);
     memory_free(list);
@@ -197,17 +183,15 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
 bf_status handlers_runs_show(exchange *x, bf_error *err)
 {
     bool has_state = exchange__header(x, "If-None-Match") != NULL;
-    uint64_t seconds = 0;
+    unsigned seconds = (unsigned)exchange__whole(x, "wait");
     api_run record;
 
-    bf_status status = query_number(&x->query, "wait", 0, API_WAIT_MAX_S, &seconds, err);
-    if (status == BF_OK)
-        status = exchange__find_run(x, &record, err);
+    bf_status status = exchange__find_run(x, &record, err);
     if (status != BF_OK)
         return status;
-    exchange__let_revalidate(x);
-    if (exchange__is_known(x, "r%" PRIu64, record.revision) || !has_state)
-        exchange__wait(x, &record, (unsigned)seconds, has_state);
+    exchange__cache_revalidate(x);
+    if (exchange__match_etag(x, "r%" PRIu64, record.revision) || !has_state)
+        exchange__wait(x, &record, seconds, has_state);
     return run_json_write(&record, &x->response->body, err);
 }
 

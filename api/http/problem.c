@@ -1,6 +1,4 @@
-// Problem documents (RFC 9457): one table of HTTP statuses, one writer.
-
-#include "api/http/exchange_priv.h"
+#include "api/http/problem.h"
 
 #include "api/json/json_out.h"
 #include "core/base/check.h"
@@ -10,62 +8,37 @@
 
 enum { RETRY_AFTER_S = 5 }; // for what is full or stopping at the moment
 
-static const problem__kind kinds[] = {
-    { 400, "bad-request", "Bad Request" },
-    { 403, "forbidden", "Forbidden" },
-    { 404, "not-found", "Not Found" },
-    { 405, "method-not-allowed", "Method Not Allowed" },
-    { 406, "not-acceptable", "Not Acceptable" },
-    { 408, "request-timeout", "Request Timeout" },
-    { 409, "conflict", "Conflict" },
-    { 411, "length-required", "Length Required" },
-    { 412, "precondition-failed", "Precondition Failed" },
-    { 413, "content-too-large", "Content Too Large" },
-    { 414, "uri-too-long", "URI Too Long" },
-    { 415, "unsupported-media-type", "Unsupported Media Type" },
-    { 416, "range-not-satisfiable", "Range Not Satisfiable" },
-    { 417, "expectation-failed", "Expectation Failed" },
-    { 422, "bad-document", "Unprocessable Content" },
-    { 429, "too-many-requests", "Too Many Requests" },
-    { 431, "header-too-large", "Request Header Fields Too Large" },
-    { 500, "internal-error", "Internal Server Error" },
-    { 501, "not-implemented", "Not Implemented" },
-    { 503, "unavailable", "Service Unavailable" },
-    { 505, "http-version", "HTTP Version Not Supported" },
+static const problem_kind kinds[] = {
+#define X(status, word, title, headers, codes, when) { status, word, title, headers, codes, when },
+    PROBLEM_LIST(X)
+#undef X
 };
 
-const problem__kind *problem__kinds(size_t *ret_n)
+enum { N_KINDS = sizeof kinds / sizeof *kinds };
+
+const problem_kind *problem_kinds(size_t *ret_n)
 {
-    *ret_n = sizeof kinds / sizeof *kinds;
+    *ret_n = N_KINDS;
     return kinds;
 }
 
-static size_t find_kind(int status)
+static const problem_kind *find_kind(int status)
 {
     size_t i = 0;
 
-    while (i < sizeof kinds / sizeof *kinds && kinds[i].status != status)
+    while (i < N_KINDS && kinds[i].status != status)
         i++;
-    BF_CHECK(i < sizeof kinds / sizeof *kinds);
-    return i;
+    BF_CHECK(i < N_KINDS);
+    return &kinds[i];
 }
 
-int problem__status(bf_status code)
+int problem_status(bf_status code)
 {
-    switch (code) {
-    case BF_EINPUT:
-    case BF_ELIMIT:
-        return 400;
-    case BF_ENOTFOUND:
-        return 404;
-    case BF_ECONFLICT:
-        return 409;
-    case BF_ENOMEM:
-    case BF_EBUSY:
-        return 503;
-    default:
-        return 500;
+    for (size_t i = 0; i < N_KINDS; i++) {
+        if ((kinds[i].codes & PROBLEM_OF(code)) != 0)
+            return kinds[i].status;
     }
+    return 500;
 }
 
 // A decoded path is made a URI reference again.
@@ -120,22 +93,22 @@ static void write_detail(json_out *w, const bf_error *error, const bf_faults *fa
     json_out_key_string(w, "detail", text);
 }
 
-void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
-                    const bf_faults *faults)
+void problem_write(api_response *response, int status, const char *instance, const bf_error *error,
+                   const bf_faults *faults)
 {
-    size_t kind = find_kind(status);
+    const problem_kind *kind = find_kind(status);
     char text[API_PATH_MAX];
 
     api_response_fini(response);
     response->status = status;
-    if (status == 429 || status == 503)
+    if (strcmp(kind->headers, "Retry-After") == 0)
         api_response_header(response, "Retry-After", "%d", RETRY_AFTER_S);
     api_response_header(response, "Cache-Control", "no-store");
     json_out w = json_out_to(&response->body);
     json_out_object(&w);
-    snprintf(text, sizeof text, "/problems/%s", kinds[kind].word);
+    snprintf(text, sizeof text, "/problems/%s", kind->word);
     json_out_key_string(&w, "type", text);
-    json_out_key_string(&w, "title", kinds[kind].title);
+    json_out_key_string(&w, "title", kind->title);
     json_out_key_integer(&w, "status", status);
     write_detail(&w, error, faults);
     encode_path(instance, text, sizeof text);
@@ -145,12 +118,12 @@ void problem__write(api_response *response, int status, const char *instance, co
     if (json_out_status(&w, NULL) == BF_OK)
         api_response_header(response, "Content-Type", "application/problem+json");
     else
-        buffer_fini(&response->body); // the status alone has to say it
+        buffer_fini(&response->body); // without memory the status alone
 }
 
 void api_problem(api_response *response, int status, const char *instance, const bf_error *error)
 {
-    problem__write(response, status, instance, error, NULL);
+    problem_write(response, status, instance, error, NULL);
 }
 
 void api_problem_identify(api_response *response, const char *request_id)

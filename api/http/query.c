@@ -1,10 +1,8 @@
 #include "api/http/query.h"
 
-#include "api/json/number.h"
 #include "core/base/check.h"
 
-#include <inttypes.h>
-#include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 static int read_hex(char c)
@@ -113,78 +111,71 @@ const char *query_value(const query *q, const char *name)
     return NULL;
 }
 
-static bool has_word(const char *words, const char *word)
+// The row of a parameter that a query can have, or NULL.
+static const param *find_row(const param *const *params, const char *name)
 {
-    size_t n = strlen(word);
-
-    while (*words != '\0') {
-        size_t length = strcspn(words, " ");
-        if (length == n && memcmp(words, word, n) == 0)
-            return true;
-        words += length;
-        words += strspn(words, " ");
+    for (; *params != NULL; params++) {
+        if (strcmp((*params)->in, "query") == 0 && strcmp((*params)->name, name) == 0)
+            return *params;
     }
-    return false;
+    return NULL;
 }
 
-bf_status query_allow(const query *q, const char *known, bf_error *err)
+void query_list_known(const param *const *params, char *ret_text)
 {
+    size_t n = 0;
+
+    ret_text[0] = '\0';
+    for (; *params != NULL; params++) {
+        if (strcmp((*params)->in, "query") == 0)
+            n += (size_t)snprintf(ret_text + n, QUERY_KNOWN_SIZE - n, "%s%s", n > 0 ? " " : "",
+                                  (*params)->name);
+        BF_CHECK(n < QUERY_KNOWN_SIZE);
+    }
+}
+
+static bf_status refuse_unknown(const param *const *params, const char *name, bf_error *err)
+{
+    char known[QUERY_KNOWN_SIZE];
+
+    query_list_known(params, known);
+    return bf_fail(err, BF_EINPUT, "", "query parameter '%.64s' is not known here; known: %s", name,
+                   *known == '\0' ? "none" : known);
+}
+
+bf_status query_check(const query *q, const param *const *params, bf_error *err)
+{
+    param_value unused;
+
     for (size_t i = 0; i < q->n; i++) {
         const char *name = q->text + q->params[i].name;
-        if (!has_word(known, name))
-            return bf_fail(err, BF_EINPUT, "",
-                           "query parameter '%.64s' is not known here; known: %s", name,
-                           *known == '\0' ? "none" : known);
+        if (find_row(params, name) == NULL)
+            return refuse_unknown(params, name, err);
+    }
+    for (; *params != NULL; params++) {
+        const char *text = query_value(q, (*params)->name);
+        if (strcmp((*params)->in, "query") != 0)
+            continue;
+        if (text == NULL && (*params)->is_required)
+            text = "";
+        bf_status status = text == NULL ? BF_OK : param_read(*params, text, &unused, err);
+        if (status != BF_OK)
+            return status;
     }
     return BF_OK;
 }
 
-int query_read_number(const char *text, uint64_t *ret_value)
+bool query_read(const query *q, const param *const *params, const char *name,
+                param_value *ret_value)
 {
-    uint64_t value = 0;
-
-    if (*text == '\0')
-        return -1;
-    for (; *text != '\0'; text++) {
-        if (*text < '0' || *text > '9' || __builtin_mul_overflow(value, 10, &value) ||
-            __builtin_add_overflow(value, (uint64_t)(*text - '0'), &value))
-            return -1;
-    }
-    *ret_value = value;
-    return 0;
-}
-
-bf_status query_number(const query *q, const char *name, uint64_t least, uint64_t most,
-                       uint64_t *ret_value, bf_error *err)
-{
+    const param *row = find_row(params, name);
     const char *text = query_value(q, name);
-    uint64_t value = 0;
 
-    BF_CHECK(least <= most);
+    BF_CHECK(row != NULL);
     if (text == NULL)
-        return BF_OK;
-    if (query_read_number(text, &value) != 0 || value < least || value > most)
-        return bf_fail(err, BF_EINPUT, "",
-                       "query parameter '%s' must be a whole number from %" PRIu64 " to %" PRIu64
-                       ", not '%.64s'",
-                       name, least, most, text);
-    *ret_value = value;
-    return BF_OK;
-}
-
-bf_status query_real(const query *q, const char *name, double least, double most, double *ret_value,
-                     bf_error *err)
-{
-    const char *text = query_value(q, name);
-    double value = 0.0;
-
-    BF_CHECK(least <= most);
+        text = row->default_text;
     if (text == NULL)
-        return BF_OK;
-    if (number_read(text, strlen(text), &value) != 0 || value < least || value > most)
-        return bf_fail(err, BF_EINPUT, "",
-                       "query parameter '%s' must be a number from %g to %g, not '%.64s'", name,
-                       least, most, text);
-    *ret_value = value;
-    return BF_OK;
+        return false;
+    BF_CHECK(param_read(row, text, ret_value, NULL) == BF_OK);
+    return true;
 }

@@ -2,14 +2,17 @@
 
 #pragma once
 
+#include "api/http/param.h"
 #include "core/base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
-    QUERY_PARAMS_MAX = 16, ///< parameters in one query
-    QUERY_SIZE = 2048,     ///< bytes of a query with its terminator
+    QUERY_PARAMS_MAX = 16,  ///< parameters in one query
+    QUERY_SIZE = 2048,      ///< bytes of a query with its terminator
+    QUERY_KNOWN_SIZE = 120, ///< bytes of the names that a route knows, with spaces and a terminator
 };
 
 /// One parameter.
@@ -33,18 +36,15 @@ BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error
 /// The value of a parameter, or NULL if it was not given.
 const char *query_value(const query *q, const char *name);
 
-/// BF_EINPUT if a parameter is not one of the words in known ("status label limit").
-BF_MUST_CHECK bf_status query_allow(const query *q, const char *known, bf_error *err);
+/// Check a query against the parameters that a route has (NULL behind the last one): it has no other
+/// one, each value is one of its kind, and what is required is there. Errors as of param_kind.
+BF_MUST_CHECK bf_status query_check(const query *q, const param *const *params, bf_error *err);
 
-/// Read the parameter name as a decimal number of least .. most into *ret_value; *ret_value stays as
-/// it was if the parameter was not given. BF_EINPUT: not a number, or out of range.
-BF_MUST_CHECK bf_status query_number(const query *q, const char *name, uint64_t least,
-                                     uint64_t most, uint64_t *ret_value, bf_error *err);
+/// Read the parameter name of a query that was checked: its value, else its default. False: there is
+/// neither (*ret_value untouched).
+bool query_read(const query *q, const param *const *params, const char *name,
+                param_value *ret_value);
 
-/// Same for a decimal number ("1.25", "0.5e-3") of least .. most.
-BF_MUST_CHECK bf_status query_real(const query *q, const char *name, double least, double most,
-                                   double *ret_value, bf_error *err);
-
-/// Read text that is nothing but decimal digits, at least one. Returns 0, or -1 if it is anything
-/// else or beyond 2^64 - 1 (*ret_value untouched).
-int query_read_number(const char *text, uint64_t *ret_value);
+/// Write the names of the parameters that a query can have, with spaces between, "" for none, into
+/// ret_text, QUERY_KNOWN_SIZE bytes.
+void query_list_known(const param *const *params, char *ret_text);

@@ -1,12 +1,36 @@
-// Headers of a response, beyond adding one.
+// Responses: their headers, and their end.
 
 #include "api/http/exchange.h"
 
 #include "core/base/check.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+
+void api_response_header(api_response *response, const char *name, const char *format, ...)
+{
+    va_list args;
+
+    BF_CHECK(response->n_headers < API_HEADERS_MAX);
+    api_header *header = &response->headers[response->n_headers++];
+    header->name = name;
+    va_start(args, format);
+    int n = vsnprintf(header->value, sizeof header->value, format, args);
+    va_end(args);
+    BF_CHECK(n >= 0 && (size_t)n < sizeof header->value);
+}
+
+void api_response_fini(api_response *response)
+{
+    if (response == NULL)
+        return;
+    buffer_fini(&response->body);
+    if (response->source.next_chunk != NULL)
+        response->source.destroy(response->source.state);
+    *response = (api_response){ 0 };
+}
 
 static api_header *find(api_response *response, const char *name)
 {

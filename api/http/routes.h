@@ -1,37 +1,67 @@
-/// The routes of the API: one table from which requests are dispatched, Allow headers are made and
-/// documents are written.
+/// The routes of the API: one table, routes_table.c, from which requests are dispatched and read, Allow
+/// headers are made and documents are written.
 
 #pragma once
 
 #include "api/http/exchange.h"
+#include "api/http/param.h"
 #include "core/base/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
 enum {
+    ROUTES_ANSWERS_MAX = 3, ///< answers of a route that are no refusals
     ROUTES_PARAMS_MAX = 2,  ///< parameters in a path template
     ROUTES_PARAM_SIZE = 65, ///< bytes of a parameter's value with its terminator
     ROUTES_ALLOW_SIZE = 64, ///< bytes of an Allow header's value with its terminator
 };
 
-/// One exchange that is being handled; exchange_priv.h.
+/// One exchange that is being handled; http_priv.h.
 typedef struct exchange exchange;
 
 /// Handle an exchange: fill its response. On failure the response becomes a problem document.
-typedef bf_status route_handler(exchange *x, bf_error *err);
+typedef bf_status route_handler_fn(exchange *x, bf_error *err);
+
+/// What a client has to be allowed to do.
+typedef enum route_scope {
+    ROUTE_OPEN,  ///< nothing: tells nothing of the runs
+    ROUTE_READ,  ///< read runs and results
+    ROUTE_WRITE, ///< submit, change and remove them
+} route_scope;
+
+/// An answer that is no problem document.
+typedef struct route_answer {
+    int status;          ///< HTTP status; 0: no answer
+    const char *schema;  ///< schema of the body as JSON; NULL: no body, or no JSON
+    const char *headers; ///< names of headers, words of api/openapi/headers.c
+    const char *help;    ///< when it is given
+    const char *formats; ///< words of media.h, where only some of the route's have it; else NULL
+} route_answer;
 
 /// One route. HEAD goes where GET goes; OPTIONS is answered for every path.
 typedef struct route {
-    const char *method;    ///< "GET", ...
-    const char *path;      ///< template: "/v1/runs/{id}"
-    route_handler *handle; ///< what answers
-    api_cost cost;         ///< what an answer takes,
-    api_cost text_cost;    ///< or of one as JSON or CSV, if that is more
-    const char *query;     ///< query parameters that it knows, words; "" none
-    const char *formats;   ///< formats that it answers in, words of media.h, the default first
-    const char *summary;   ///< what it does, one line, for documents
+    const char *method;         ///< "GET", ...
+    const char *path;           ///< template: "/v1/runs/{id}"
+    route_handler_fn *handle;   ///< what answers
+    api_cost cost;              ///< what an answer takes,
+    api_cost text_cost;         ///< or of one as JSON or CSV, if that is more
+    route_scope scope;          ///< what it is for
+    const char *formats;        ///< formats that it answers in, words of media.h, the default first
+    const param *const *params; ///< of path, query and header, NULL behind the last one
+    const char *id;             ///< operationId, for programs that are made from the document
+    const char *tag;            ///< under which the document lists it
+    const char *summary;        ///< what it does, one line
+    const char *help;           ///< what a client should know beyond that
+    const char *body;           ///< schema of the request's body as JSON; NULL: it has none
+    const char *body_formats;   ///< formats of the body, words of media.h; NULL: JSON only
+    const char *refusals;       ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
+    route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;
+
+/// HTTP statuses of the refusals that any request can meet, and the headers of every answer: words.
+#define ROUTES_COMMON_REFUSALS "400 405 406 414 429 500 501 503"
+#define ROUTES_COMMON_HEADERS  "Vary X-Request-Id RateLimit-Policy RateLimit"
 
 /// Values of the parameters of a path, in the order of the template.
 typedef struct route_params {

@@ -106,78 +106,64 @@ static void the_densest_query_fits(void **state)
 
 static void only_known_parameters_are_allowed(void **state)
 {
+    static const param status = { .name = "status", .in = "query", .kind = &param_text };
+    static const param model = { .name = "model", .in = "query", .kind = &param_text };
+    static const param limit = { .name = "limit", .in = "query", .kind = &param_text };
+    static const param id = { .name = "id", .in = "path", .kind = &param_text };
+    const param *const all[] = { &id, &status, &model, &limit, NULL };
+    const param *const few[] = { &id, &status, &model, NULL };
+    const param *const none[] = { &id, NULL };
     query q = parse("status=queued&limit=1");
     bf_error err = { 0 };
 
     (void)state;
-    assert_int_equal(query_allow(&q, "status model limit", &err), BF_OK);
-    assert_int_equal(query_allow(&q, "status model limits", &err), BF_EINPUT);
-    assert_non_null(strstr(err.text, "'limit'"));
-    assert_non_null(strstr(err.text, "status model limits"));
-    assert_int_equal(query_allow(&q, "", &err), BF_EINPUT);
+    assert_int_equal(query_check(&q, all, &err), BF_OK);
+    assert_int_equal(query_check(&q, few, &err), BF_EINPUT);
+    assert_string_equal(err.text, "query parameter 'limit' is not known here; known: status model");
+    assert_int_equal(query_check(&q, none, &err), BF_EINPUT);
+    assert_string_equal(err.text, "query parameter 'status' is not known here; known: none");
+    q = parse("id=1");
+    assert_int_equal(query_check(&q, few, &err), BF_EINPUT);
     q = parse("status%20model=1");
-    assert_int_equal(query_allow(&q, "status model", &err), BF_EINPUT);
+    assert_int_equal(query_check(&q, few, &err), BF_EINPUT);
 }
 
-static void numbers_are_whole_and_within_their_range(void **state)
+static void a_value_that_is_not_given_is_the_default(void **state)
 {
-    static const char *const bad[] = { "n=",
-                                       "n=0",
-                                       "n=201",
-                                       "n=-1",
-                                       "n=1.5",
-                                       "n=+1",
-                                       "n=1x",
-                                       "n=18446744073709551616",
-                                       "n=99999999999999999999999" };
-    uint64_t value = 50;
+    static const param given = { .name = "n", .in = "query", .kind = &param_whole, .most = 200 };
+    static const param other = { .name = "m", .in = "query", .kind = &param_whole, .most = 9 };
+    static const param usual = {
+        .name = "k", .in = "query", .kind = &param_whole, .default_text = "50", .most = 200
+    };
+    const param *const rows[] = { &given, &other, &usual, NULL };
+    param_value value = { .whole = 7 };
     query q = parse("n=200");
 
     (void)state;
-    assert_int_equal(query_number(&q, "m", 1, 200, &value, NULL), BF_OK);
-    assert_int_equal(value, 50);
-    assert_int_equal(query_number(&q, "n", 1, 200, &value, NULL), BF_OK);
-    assert_int_equal(value, 200);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        bf_error err = { 0 };
-        q = parse(bad[i]);
-        assert_int_equal(query_number(&q, "n", 1, 200, &value, &err), BF_EINPUT);
-        assert_non_null(strstr(err.text, "'n'"));
-        assert_int_equal(value, 200);
-    }
+    assert_int_equal(query_check(&q, rows, NULL), BF_OK);
+    assert_false(query_read(&q, rows, "m", &value));
+    assert_int_equal(value.whole, 7);
+    assert_true(query_read(&q, rows, "n", &value));
+    assert_int_equal(value.whole, 200);
+    assert_true(query_read(&q, rows, "k", &value));
+    assert_int_equal(value.whole, 50);
 }
 
-static void decimals_are_numbers_within_their_range(void **state)
+static void what_is_required_must_be_given(void **state)
 {
-    static const char *const bad[] = { "m=",    "m=0.05", "m=10.5", "m=nan", "m=inf",
-                                       "m=0x1", "m=1,5",  "m=1 ",   "m=--1", "m=1e" };
-    double value = 2.0;
-    query q = parse("m=1.25e0");
+    static const param runs = { .name = "runs",
+                                .in = "query",
+                                .kind = &param_ids,
+                                .least = 1,
+                                .most = 4,
+                                .is_required = true };
+    const param *const rows[] = { &runs, NULL };
+    query q = parse("");
+    bf_error err = { 0 };
 
     (void)state;
-    assert_int_equal(query_real(&q, "n", 0.1, 10.0, &value, NULL), BF_OK);
-    assert_true(value == 2.0);
-    assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, NULL), BF_OK);
-    assert_true(value == 1.25);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        bf_error err = { 0 };
-        q = parse(bad[i]);
-        assert_int_equal(query_real(&q, "m", 0.1, 10.0, &value, &err), BF_EINPUT);
-        assert_non_null(strstr(err.text, "'m' must be a number from 0.1 to 10"));
-        assert_true(value == 1.25);
-    }
-}
-
-static void the_largest_number_is_2_to_the_64_less_1(void **state)
-{
-    uint64_t value = 0;
-
-    (void)state;
-    assert_int_equal(query_read_number("18446744073709551615", &value), 0);
-    assert_true(value == UINT64_MAX);
-    assert_int_equal(query_read_number("18446744073709551616", &value), -1);
-    assert_true(value == UINT64_MAX);
-    assert_int_equal(query_read_number("", &value), -1);
+    assert_int_equal(query_check(&q, rows, &err), BF_EINPUT);
+    assert_string_equal(err.text, "query parameter 'runs' is missing: ids with commas");
 }
 
 int main(void)
@@ -190,9 +176,8 @@ int main(void)
         cmocka_unit_test(limits_hold_to_the_byte_and_to_the_parameter),
         cmocka_unit_test(the_densest_query_fits),
         cmocka_unit_test(only_known_parameters_are_allowed),
-        cmocka_unit_test(numbers_are_whole_and_within_their_range),
-        cmocka_unit_test(decimals_are_numbers_within_their_range),
-        cmocka_unit_test(the_largest_number_is_2_to_the_64_less_1),
+        cmocka_unit_test(a_value_that_is_not_given_is_the_default),
+        cmocka_unit_test(what_is_required_must_be_given),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

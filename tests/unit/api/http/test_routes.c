@@ -166,6 +166,49 @@ static void no_two_routes_are_the_same(void **state)
     }
 }
 
+static bool has_param(const route *row, const param_kind *kind)
+{
+    size_t k = 0;
+
+    while (row->params[k] != NULL && row->params[k]->kind != kind)
+        k++;
+    return row->params[k] != NULL;
+}
+
+static size_t count_path_params(const route *row)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; row->params[k] != NULL; k++)
+        n += strcmp(row->params[k]->in, "path") == 0;
+    return n;
+}
+
+static size_t count_braces(const char *template)
+{
+    size_t n = 0;
+
+    for (; *template != '\0'; template ++)
+        n += *template == '{';
+    return n;
+}
+
+// What changes something needs the right to write; what only reads does not.
+static void scopes_follow_from_methods(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        bool is_get = strcmp(table[i].method, "GET") == 0;
+        bool is_validation = strcmp(table[i].path, "/v1/validate") == 0;
+        assert_int_equal(table[i].scope == ROUTE_WRITE, !is_get && !is_validation);
+        if (table[i].scope == ROUTE_OPEN)
+            assert_memory_not_equal(table[i].path, "/v1/", 4);
+    }
+}
+
 // Formats that can be chosen by ?format= need the parameter, others must not have it.
 static void every_row_of_the_table_is_complete(void **state)
 {
@@ -180,7 +223,8 @@ static void every_row_of_the_table_is_complete(void **state)
         assert_true(strlen(table[i].summary) > 10);
         assert_int_equal(media_choose(table[i].formats, NULL, NULL, &chosen, NULL), BF_OK);
         assert_memory_equal(table[i].formats, chosen->word, strlen(chosen->word));
-        assert_int_equal(strstr(table[i].query, "format") != NULL, has_choice);
+        assert_int_equal(has_param(&table[i], &param_format), has_choice);
+        assert_int_equal(count_path_params(&table[i]), count_braces(table[i].path));
     }
 }
 
@@ -196,6 +240,7 @@ int main(void)
         cmocka_unit_test(health_waits_behind_nothing),
         cmocka_unit_test(long_answers_are_work),
         cmocka_unit_test(no_two_routes_are_the_same),
+        cmocka_unit_test(scopes_follow_from_methods),
         cmocka_unit_test(every_row_of_the_table_is_complete),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

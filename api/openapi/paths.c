@@ -29,23 +29,25 @@ static void write_formats(json_out *w, const char *formats)
     json_out_object_end(w);
 }
 
-static void write_parameter_schema(json_out *w, const openapi_parameter *p, const char *formats)
+static void write_parameter_schema(json_out *w, const param *p, const char *formats)
 {
-    if (p->type == NULL) {
+    if (p->kind == &param_format) {
         write_formats(w, formats);
         return;
     }
     json_out_object(w);
-    schema_write_members(w, p->type);
+    schema_write_members(w, p->type == NULL ? p->kind->type : p->type);
+    if (p->kind->write_bounds != NULL)
+        p->kind->write_bounds(p, w);
     schema_write_limits(w, p->limits);
-    if (p->standard != NULL) {
+    if (p->default_text != NULL) {
         json_out_key(w, "default");
-        json_out_raw(w, p->standard, strlen(p->standard));
+        json_out_raw(w, p->default_text, strlen(p->default_text));
     }
     json_out_object_end(w);
 }
 
-static void write_parameter(json_out *w, const openapi_parameter *p, const char *formats)
+static void write_parameter(json_out *w, const param *p, const char *formats)
 {
     json_out_object(w);
     json_out_key_string(w, "name", p->name);
@@ -53,7 +55,7 @@ static void write_parameter(json_out *w, const openapi_parameter *p, const char 
     json_out_key_string(w, "description", p->help);
     if (p->is_required)
         json_out_key_bool(w, "required", true);
-    if (p->type != NULL && p->type[0] == '[') {
+    if (p->kind == &param_ids) {
         json_out_key_string(w, "style", "form");
         json_out_key_bool(w, "explode", false);
     }
@@ -62,45 +64,23 @@ static void write_parameter(json_out *w, const openapi_parameter *p, const char 
     json_out_object_end(w);
 }
 
-// Parameters of one kind; words are their names. Returns how many.
-static size_t write_parameters(json_out *w, const route *r, const char *in, const char *words)
+// The parameters of a route: those of its path, or the others. No member where there are none.
+static void write_parameters(json_out *w, const route *r, bool of_path)
 {
     size_t count = 0;
 
-    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n, count++) {
-        const openapi_parameter *p = openapi__parameter(in, r->path, words, n);
-        BF_CHECK(p != NULL);
+    for (size_t k = 0; r->params[k] != NULL; k++) {
+        const param *p = r->params[k];
+        if ((strcmp(p->in, "path") == 0) != of_path)
+            continue;
+        if (count++ == 0) {
+            json_out_key(w, "parameters");
+            json_out_array(w);
+        }
         write_parameter(w, p, r->formats);
     }
-    return count;
-}
-
-static void write_path_parameters(json_out *w, const route *r)
-{
-    const char *at = strchr(r->path, '{');
-
-    if (at == NULL)
-        return;
-    json_out_key(w, "parameters");
-    json_out_array(w);
-    for (; at != NULL; at = strchr(at, '{')) {
-        size_t n = strcspn(++at, "}");
-        const openapi_parameter *p = openapi__parameter("path", r->path, at, n);
-        BF_CHECK(p != NULL);
-        write_parameter(w, p, NULL);
-    }
-    json_out_array_end(w);
-}
-
-static void write_request_parameters(json_out *w, const route *r, const openapi_operation *o)
-{
-    if (r->query[0] == '\0' && o->headers == NULL)
-        return;
-    json_out_key(w, "parameters");
-    json_out_array(w);
-    write_parameters(w, r, "query", r->query);
-    write_parameters(w, r, "header", o->headers);
-    json_out_array_end(w);
+    if (count > 0)
+        json_out_array_end(w);
 }
 
 // References to the ready examples of a kind: "run" as bodies, "scenario" as scenarios.
@@ -163,14 +143,14 @@ static void write_content(json_out *w, const char *formats, const char *schema)
     json_out_object_end(w);
 }
 
-static void write_body(json_out *w, const openapi_operation *o)
+static void write_body(json_out *w, const route *r)
 {
-    if (o->body == NULL)
+    if (r->body == NULL)
         return;
     json_out_key(w, "requestBody");
     json_out_object(w);
     json_out_key_bool(w, "required", true);
-    write_content(w, o->body_formats == NULL ? "json" : o->body_formats, o->body);
+    write_content(w, r->body_formats == NULL ? "json" : r->body_formats, r->body);
     json_out_object_end(w);
 }
 
@@ -208,11 +188,11 @@ void openapi__write_headers(json_out *w, const char *words)
     json_out_key(w, "headers");
     json_out_object(w);
     write_header_refs(w, words);
-    write_header_refs(w, openapi__common_headers);
+    write_header_refs(w, ROUTES_COMMON_HEADERS);
     json_out_object_end(w);
 }
 
-static void write_answer(json_out *w, const route *r, const openapi_answer *answer)
+static void write_answer(json_out *w, const route *r, const route_answer *answer)
 {
     bool has_body = answer->status != 204 && answer->status != 304;
     char status[16];
@@ -229,28 +209,27 @@ static void write_answer(json_out *w, const route *r, const openapi_answer *answ
 
 static void write_operation(json_out *w, const route *r)
 {
-    const openapi_operation *o = openapi__operation(r->method, r->path);
     char method[8] = "";
 
-    BF_CHECK(o != NULL && strlen(r->method) < sizeof method);
+    BF_CHECK(strlen(r->method) < sizeof method);
     for (size_t k = 0; r->method[k] != '\0'; k++)
         method[k] = (char)tolower((unsigned char)r->method[k]);
     json_out_key(w, method);
     json_out_object(w);
-    json_out_key_string(w, "operationId", o->id);
+    json_out_key_string(w, "operationId", r->id);
     json_out_key_string(w, "summary", r->summary);
-    json_out_key_string(w, "description", o->help);
+    json_out_key_string(w, "description", r->help);
     json_out_key(w, "tags");
     json_out_array(w);
-    json_out_string(w, o->tag);
+    json_out_string(w, r->tag);
     json_out_array_end(w);
-    write_request_parameters(w, r, o);
-    write_body(w, o);
+    write_parameters(w, r, false);
+    write_body(w, r);
     json_out_key(w, "responses");
     json_out_object(w);
-    for (size_t k = 0; k < OPENAPI_ANSWERS_MAX && o->answers[k].status != 0; k++)
-        write_answer(w, r, &o->answers[k]);
-    openapi__write_refusals_of(w, o);
+    for (size_t k = 0; k < ROUTES_ANSWERS_MAX && r->answers[k].status != 0; k++)
+        write_answer(w, r, &r->answers[k]);
+    openapi__write_refusals_of(w, r);
     json_out_object_end(w);
     json_out_object_end(w);
 }
@@ -275,7 +254,7 @@ void openapi__write_paths(json_out *w)
             continue;
         json_out_key(w, routes[k].path);
         json_out_object(w);
-        write_path_parameters(w, &routes[k]);
+        write_parameters(w, &routes[k], true);
         for (size_t i = k; i < n; i++) {
             if (strcmp(routes[i].path, routes[k].path) == 0)
                 write_operation(w, &routes[i]);

@@ -1,4 +1,4 @@
-/// What the handlers share while they answer one request.
+/// What the handlers share while they answer one request, and the handlers.
 
 #pragma once
 
@@ -19,7 +19,7 @@ struct exchange {
     api_response *response;       ///< filled by the handler
     const route *route;           ///< found in the table
     route_params params;          ///< of the path
-    query query;                  ///< parsed, only names that the route knows
+    query query;                  ///< parsed, and checked against the rows of the route
     const media *media;           ///< the representation that was chosen
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
@@ -38,13 +38,13 @@ bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer,
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
 
-/// True if text has the form of an id.
-bool exchange__is_id(const char *text);
-
-/// Read the query parameter name as "id,id,...": 1 to most different ids. *ret_n is how many.
-BF_MUST_CHECK bf_status exchange__read_ids(exchange *x, const char *name, size_t most,
-                                           char (*ret_ids)[API_ID_SIZE], size_t *ret_n,
-                                           bf_error *err);
+/// Read a parameter of the route that the query has, else its default. As text: NULL if it was not
+/// given, and no default. As a whole number: 0 if there is neither. As ids: returns how many, 0 if it
+/// was not given; ret_ids has room for the most that its row allows.
+const char *exchange__text(const exchange *x, const char *name);
+uint64_t exchange__whole(const exchange *x, const char *name);
+double exchange__real(const exchange *x, const char *name);
+size_t exchange__ids(const exchange *x, const char *name, char (*ret_ids)[API_ID_SIZE]);
 
 /// Which page of a list is asked for, by the parameters label, cursor and limit.
 typedef struct exchange_page {
@@ -53,9 +53,8 @@ typedef struct exchange_page {
     size_t limit;               ///< 1 .. API_LIST_MAX
 } exchange_page;
 
-/// Read the page that is asked for.
-BF_MUST_CHECK bf_status exchange__read_page(const exchange *x, exchange_page *ret_page,
-                                            bf_error *err);
+/// The page that is asked for.
+exchange_page exchange__page(const exchange *x);
 
 /// Add the Link to the page that follows last_id. filters stands for further parameters:
 /// "&status=failed".
@@ -71,8 +70,8 @@ BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *typ
 /// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
 
-/// Let the answer be kept for ever: it never changes.
-void exchange__let_keep(exchange *x);
+/// Allow the answer to be cached without asking again: it never changes.
+void exchange__cache_immutable(exchange *x);
 
 /// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is no number, or the
 /// run has none of it yet.
@@ -89,11 +88,12 @@ bool exchange__is_unchanged(exchange *x, const char *format, ...)
 
 /// The same for what is cheap to write: the handler goes on and writes what a 200 has, so that the
 /// transport knows its length.
-bool exchange__is_known(exchange *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
+bool exchange__match_etag(exchange *x, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
-/// Let the answer be kept and asked for again by its entity tag: that of exchange__is_unchanged(), or
-/// one of its bytes.
-void exchange__let_revalidate(exchange *x);
+/// Allow the answer to be cached and asked for again by its entity tag: that of
+/// exchange__is_unchanged() or exchange__match_etag(), or else one of its bytes.
+void exchange__cache_revalidate(exchange *x);
 
 /// Compare If-Match with the run. *ret_revision is the revision that a change of the run has to find:
 /// the run's, API_ANY_REVISION where the request has no If-Match. BF_EINPUT, as a 412: the header names
@@ -108,19 +108,48 @@ void exchange__wait(exchange *x, const api_run *record, unsigned seconds, bool i
 /// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
 void exchange__prefer_wait(exchange *x, const api_run *record);
 
-/// Make the response a problem document with the errors of faults (NULL: none).
-void problem__write(api_response *response, int status, const char *instance, const bf_error *error,
-                    const bf_faults *faults);
+/// Runs: accept, list, show, stop, remove; and what accepting would say.
+route_handler_fn handlers_runs_submit;
+route_handler_fn handlers_runs_validate;
+route_handler_fn handlers_runs_list;
+route_handler_fn handlers_runs_show;
+route_handler_fn handlers_runs_cancel;
+route_handler_fn handlers_runs_remove;
 
-/// A kind of problem document.
-typedef struct problem__kind {
-    int status;        ///< HTTP status
-    const char *word;  ///< last segment of the problem's type
-    const char *title; ///< of the problem
-} problem__kind;
+/// What a run has given so far.
+route_handler_fn handlers_results_scenario;
+route_handler_fn handlers_results_summary;
+route_handler_fn handlers_results_curve;
 
-/// All kinds, by rising status; *ret_n is how many.
-const problem__kind *problem__kinds(size_t *ret_n);
+/// Its density snapshots.
+route_handler_fn handlers_results_snapshots;
+route_handler_fn handlers_results_snapshot;
 
-/// The HTTP status of a failure.
-int problem__status(bf_status code);
+/// The parts of a microscopic run.
+route_handler_fn handlers_results_parts;
+route_handler_fn handlers_results_parts_series;
+
+/// All results at once.
+route_handler_fn handlers_results_archive;
+
+/// Event streams of one run and of several.
+route_handler_fn handlers_results_events;
+route_handler_fn handlers_results_events_of_runs;
+
+/// Measured curves.
+route_handler_fn handlers_measurements_add;
+route_handler_fn handlers_measurements_list;
+route_handler_fn handlers_measurements_show;
+route_handler_fn handlers_measurements_remove;
+
+/// Runs and measurements against each other.
+route_handler_fn handlers_compare_runs;
+
+/// The service itself.
+route_handler_fn handlers_meta_examples;
+route_handler_fn handlers_meta_example;
+route_handler_fn handlers_meta_livez;
+route_handler_fn handlers_meta_readyz;
+route_handler_fn handlers_meta_metrics;
+route_handler_fn handlers_meta_version;
+route_handler_fn handlers_meta_openapi;
