@@ -2,8 +2,8 @@
 // then back in the reverse order. SIGHUP lets it read its settings again.
 //
 // Threads  signals are blocked before the first thread starts, so that every thread inherits that
-//          and only main takes them. A commit of the store's thread reaches the streams through
-//          `gate`, because HTTP starts after the store and stops before it.
+//          and only main takes them. A commit of the store's thread reaches supervisor and streams through
+//          `commit_listener`, because they start after the store and stop before it.
 // Watchdog main asks every part for a sign of life each half interval of the service manager's, and
 //          says that the daemon lives only if all have answered what they were asked before. Without
 //          a watchdog main sleeps until a signal comes.
@@ -17,6 +17,7 @@
 #include "server/daemon/notify.h"
 #include "server/daemon/service.h"
 #include "server/http/http.h"
+#include "server/run/local_executor.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -32,17 +33,19 @@ enum { EXIT_SETTINGS = 2, STATUS_SIZE = 200, HOUR_MS = 3600 * 1000, DAY_MS = 24 
 
 const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
 
-// The way from the store to the streams.
-typedef struct gate {
-    lock lock;  // guards http
-    http *http; // NULL while there is none
-} gate;
+// Who is notified of commits.
+typedef struct commit_listener {
+    lock lock;              // guards what follows
+    http *http;             // NULL while there is none
+    supervisor *supervisor; // NULL while there is none
+} commit_listener;
 
 // The daemon: its settings and parts.
 typedef struct parts {
     const config_flags *flags; // of the command line, for reading the settings again
     config settings;           // that count at the moment
-    gate gate;
+    commit_listener commit_listener;
+    executor *executor;
     service service;
     http *http;
 } parts;
@@ -99,19 +102,24 @@ static sigset_t prepare_process(void)
 
 static void on_commit(void *context, const char *run_id)
 {
-    gate *g = context;
+    parts *p = context;
+    commit_listener *listener = &p->commit_listener;
 
-    lock_take(&g->lock);
-    if (g->http != NULL)
-        http_notify(g->http, run_id);
-    lock_give(&g->lock);
+    service_notify(&p->service, run_id);
+    lock_take(&listener->lock);
+    if (listener->supervisor != NULL)
+        supervisor_notify(listener->supervisor);
+    if (listener->http != NULL)
+        http_notify(listener->http, run_id);
+    lock_give(&listener->lock);
 }
 
-static void set_gate(gate *g, http *h)
+static void set_commit_listener(commit_listener *listener, supervisor *s, http *h)
 {
-    lock_take(&g->lock);
-    g->http = h;
-    lock_give(&g->lock);
+    lock_take(&listener->lock);
+    listener->supervisor = s;
+    listener->http = h;
+    lock_give(&listener->lock);
 }
 
 static supervisor_options options_of_supervisor(const parts *p)
@@ -119,7 +127,7 @@ static supervisor_options options_of_supervisor(const parts *p)
     const config *c = &p->settings;
 
     return (supervisor_options){ .store = p->service.store,
-                                 .program = c->program,
+                                 .executor = p->executor,
                                  .n_workers = (unsigned)c->workers,
                                  .n_threads = (unsigned)c->threads,
                                  .memory_bytes = c->run_memory_bytes,
@@ -162,7 +170,9 @@ static bf_status start_store(parts *p, bf_error *err)
                                     .queue_limit = c->queue_limit,
                                     .client_quota = c->queue_share,
                                     .listener = on_commit,
-                                    .listener_context = &p->gate,
+                                    .listener_context = p,
+                                    .still_runs = supervisor_still_runs,
+                                    .still_runs_context = p->executor,
                                     .answers_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
     return store_open(&options, &p->service.store, err);
@@ -171,7 +181,11 @@ static bf_status start_store(parts *p, bf_error *err)
 static bf_status start_supervisor(parts *p, bf_error *err)
 {
     const supervisor_options options = options_of_supervisor(p);
-    return supervisor_start(&options, &p->service.supervisor, err);
+
+    bf_status status = supervisor_start(&options, &p->service.supervisor, err);
+    if (status == BF_OK)
+        set_commit_listener(&p->commit_listener, p->service.supervisor, NULL);
+    return status;
 }
 
 static bf_status start_http(parts *p, bf_error *err)
@@ -182,14 +196,16 @@ static bf_status start_http(parts *p, bf_error *err)
     options.services = &services;
     bf_status status = http_start(&options, &p->http, err);
     if (status == BF_OK)
-        set_gate(&p->gate, p->http);
+        set_commit_listener(&p->commit_listener, p->service.supervisor, p->http);
     return status;
 }
 
 static bf_status start(parts *p, bf_error *err)
 {
-    bf_status status = start_store(p, err);
+    bf_status status = local_executor_create(p->settings.program, &p->executor, err);
 
+    if (status == BF_OK)
+        status = start_store(p, err);
     if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)
@@ -200,10 +216,13 @@ static bf_status start(parts *p, bf_error *err)
 static void stop(parts *p)
 {
     service_drain(&p->service);
-    set_gate(&p->gate, NULL);
+    // Requests that wait for a run to end need the supervisor until HTTP has stopped.
+    set_commit_listener(&p->commit_listener, p->service.supervisor, NULL);
     p->http = http_stop(p->http);
+    set_commit_listener(&p->commit_listener, NULL, NULL);
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
+    p->executor = local_executor_destroy(p->executor);
     p->service.store = store_close(p->service.store);
 }
 
@@ -334,7 +353,8 @@ static int attend(parts *p, const sigset_t *signals)
 
 static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
 {
-    lock_init(&p->gate.lock);
+    lock_init(&p->commit_listener.lock);
+    service_init(&p->service);
     bf_status status = start(p, err);
     if (status == BF_OK) {
         announce(p);
@@ -343,7 +363,8 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
         notify_stopping("handing back what is being solved");
     }
     stop(p);
-    lock_fini(&p->gate.lock);
+    service_fini(&p->service);
+    lock_fini(&p->commit_listener.lock);
     if (status == BF_OK)
         log_event(LOG_LEVEL_INFO, "stopped", NULL);
     return status;

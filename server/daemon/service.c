@@ -3,17 +3,16 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
-#include <time.h>
+#include <string.h>
 
-// Between the moment when the store has made a run running and the supervisor knows its child, and
-// again when it ends, the two see it differently. Such a request is tried again for a while.
-enum { RETRY_MS = 20, RETRIES = 100 };
+enum { REMOVE_MS = 60000 }; // for a run that is running to end
 
-static void pause_before_retry(void)
-{
-    const struct timespec pause = { .tv_nsec = RETRY_MS * 1000000L };
-    (void)nanosleep(&pause, NULL);
-}
+// A request that waits for a commit of a run; on its caller's stack.
+struct service_waiter {
+    const char *run_id;
+    bool is_notified;
+    service_waiter *next;
+};
 
 static bf_status refuse_draining(bf_error *err)
 {
@@ -48,40 +47,55 @@ static bf_status list(void *context, const api_list_query *query, api_run_list *
 static bf_status cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
                         bf_error *err)
 {
-    service *s = context;
-    api_run found;
-
-    for (int i = 0; i < RETRIES; i++) {
-        bf_status status = store_cancel(s->store, id, revision, &found, err);
-        if (status == BF_OK && found.state == RUN_RUNNING)
-            status = supervisor_cancel(s->supervisor, id, NULL);
-        else if (status != BF_OK)
-            return status;
-        if (status == BF_OK) {
-            *ret_run = found;
-            return BF_OK;
-        }
-        revision = API_ANY_REVISION;
-        pause_before_retry();
-    }
-    return bf_fail(err, BF_EBUSY, "", "run %s cannot be stopped at the moment", id);
+    return store_cancel(((service *)context)->store, id, revision, ret_run, err);
 }
 
+static void add_waiter(service *s, service_waiter *w)
+{
+    lock_take(&s->lock);
+    w->next = s->waiters;
+    s->waiters = w;
+    lock_give(&s->lock);
+}
+
+static void remove_waiter(service *s, service_waiter *w)
+{
+    lock_take(&s->lock);
+    service_waiter **at = &s->waiters;
+    while (*at != w)
+        at = &(*at)->next;
+    *at = w->next;
+    lock_give(&s->lock);
+}
+
+// Wait until a commit has changed the run. False: the deadline has come.
+static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
+{
+    lock_take(&s->lock);
+    while (!w->is_notified && lock_wait(&s->committed, &s->lock, deadline_ms))
+        ;
+    bool is_notified = w->is_notified;
+    w->is_notified = false;
+    lock_give(&s->lock);
+    return is_notified;
+}
+
+// A run that is running is asked to stop by the first attempt, and removed when it has.
 static bf_status remove_run(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     service *s = context;
+    service_waiter waiter = { .run_id = id };
+    int64_t deadline_ms = clock_monotonic_ms() + REMOVE_MS;
+    bf_status status;
 
-    for (int i = 0; i < RETRIES; i++) {
-        bf_status status = store_remove(s->store, id, revision, err);
-        if (status != BF_ECONFLICT)
-            return status;
+    add_waiter(s, &waiter);
+    do {
+        status = store_remove(s->store, id, revision, err);
         revision = API_ANY_REVISION;
-        status = supervisor_kill(s->supervisor, id, err);
-        if (status != BF_OK)
-            return status;
-        if (i > 0)
-            pause_before_retry();
-    }
+    } while (status == BF_ECONFLICT && await_commit(s, &waiter, deadline_ms));
+    remove_waiter(s, &waiter);
+    if (status != BF_ECONFLICT)
+        return status;
     return bf_fail(err, BF_EBUSY, "", "run %s cannot be removed at the moment", id);
 }
 
@@ -215,4 +229,27 @@ api_services service_table(service *s)
 void service_drain(service *s)
 {
     atomic_store(&s->is_draining, true);
+}
+
+void service_init(service *s)
+{
+    lock_init(&s->lock);
+    lock_condition_init(&s->committed);
+}
+
+void service_fini(service *s)
+{
+    lock_condition_fini(&s->committed);
+    lock_fini(&s->lock);
+}
+
+void service_notify(service *s, const char *run_id)
+{
+    lock_take(&s->lock);
+    for (service_waiter *w = s->waiters; w != NULL; w = w->next) {
+        if (strcmp(w->run_id, run_id) == 0)
+            w->is_notified = true;
+    }
+    lock_wake_all(&s->committed);
+    lock_give(&s->lock);
 }

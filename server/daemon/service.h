@@ -5,18 +5,31 @@
 #pragma once
 
 #include "api/services.h"
+#include "server/base/lock.h"
 #include "server/run/supervisor.h"
 #include "server/store/store.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>
 
-/// The daemon's parts. Zero-initialise and fill in; owns nothing.
+typedef struct service_waiter service_waiter;
+
+/// The daemon's parts. Zero-initialise, service_init() and fill in; owns nothing.
 typedef struct service {
-    store *store;            ///< open
-    supervisor *supervisor;  ///< running
-    atomic_bool is_draining; ///< the daemon stops: nothing new is accepted
+    store *store;             ///< open
+    supervisor *supervisor;   ///< running
+    atomic_bool is_draining;  ///< the daemon stops: nothing new is accepted
+    lock lock;                ///< guards waiters
+    lock_condition committed; ///< a waiter was notified
+    service_waiter *waiters;  ///< requests that wait for a commit of a run
 } service;
+
+/// Prepare the lock of *s, and free it.
+void service_init(service *s);
+void service_fini(service *s);
+
+/// A commit has changed this run. May be called by a store_listener.
+void service_notify(service *s, const char *run_id);
 
 /// The table for the API; *s must outlive its use.
 api_services service_table(service *s);

@@ -3,21 +3,19 @@
 #include "api/results/events.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/base/metrics.h"
 
 #include <math.h>
-#include <signal.h>
 #include <string.h>
 
-enum { LINES_LOGGED_MAX = 100 };
+enum { READ_CHUNK = 256 * 1024 };
 
 // The rate follows changes of the last few seconds, not of single reports.
 static const double rate_memory_s = 2.0;
 
-// Progress is told again after this share of the time so far: some thousand events at most, since the
-// store keeps them, however long a run takes.
-static const double progress_share = 1e-3;
+// The next progress event comes after this fraction of the time so far, so that a run has some thousand
+// events at most, however long it takes: the store has them all.
+static const double progress_fraction = 1e-3;
 
 static void free_item(store_item *item)
 {
@@ -28,7 +26,7 @@ static void free_item(store_item *item)
     buffer_fini(&item->parts);
 }
 
-static void free_gathered(supervisor__task *task)
+static void free_batch(supervisor__task *task)
 {
     for (size_t i = 0; i < task->n_items; i++)
         free_item(&task->items[i]);
@@ -37,7 +35,7 @@ static void free_gathered(supervisor__task *task)
 
 void supervisor__free_items(supervisor__task *task)
 {
-    free_gathered(task);
+    free_batch(task);
     free_item(&task->snapshot);
     task->has_snapshot = false;
 }
@@ -72,7 +70,7 @@ static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_erro
         buffer_append(&item->values, c->values, (size_t)c->n * c->n_columns * sizeof *c->values) !=
             BF_OK)
         return fail_memory(err);
-    return events_curve(task->job.run.id, c, task->job.columns.bytes, &item->event, err);
+    return events_curve(task->claimed.run.id, c, task->claimed.columns.bytes, &item->event, err);
 }
 
 // The snapshot that waits joins the batch, which takes it over.
@@ -88,7 +86,7 @@ static bf_status add_waiting(supervisor__task *task, bf_error *err)
     return BF_OK;
 }
 
-// A snapshot and its parts are one item, so that they are stored and told together.
+// A snapshot and its parts are one item, so that they are stored and published together.
 static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
 {
     bool has_parts = task->begin.n_values > 0;
@@ -102,7 +100,7 @@ static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, b
     task->has_snapshot = true;
     if (buffer_append(&item->rho, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho) != BF_OK)
         return fail_memory(err);
-    bf_status status = events_snapshot(task->job.run.id, s, has_parts, &item->event, err);
+    bf_status status = events_snapshot(task->claimed.run.id, s, has_parts, &item->event, err);
     return status == BF_OK && !has_parts ? add_waiting(task, err) : status;
 }
 
@@ -117,8 +115,8 @@ static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_erro
     return add_waiting(task, err);
 }
 
-// Bring the rate up to date and make the event of the newest progress; older ones in the same batch
-// would tell nobody anything.
+// Bring the rate up to date and make the event of the newest progress; older ones in the same batch are
+// out of date.
 static bf_status add_progress(supervisor__task *task, bf_error *err)
 {
     double now_s = clock_monotonic_s(), passed_s = now_s - task->rate_s;
@@ -132,28 +130,27 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
         task->rate_s = now_s;
         task->rate_step = task->progress.step;
     }
-    double pause_s = progress_share * supervisor__wall_s(task);
-    if (task->told_s > 0.0 && now_s < task->told_s + pause_s && !task->has_ended)
+    double wait_s = progress_fraction * supervisor__wall_s(task);
+    if (task->reported_s > 0.0 && now_s < task->reported_s + wait_s && !task->has_ended)
         return BF_OK;
-    task->told_s = now_s;
+    task->reported_s = now_s;
     task->has_progress = false;
     store_item *item = add_item(task, API_EVENT_PROGRESS);
-    return item == NULL
-               ? fail_memory(err)
-               : events_progress(task->job.run.id, &task->progress, task->rate, &item->event, err);
+    return item == NULL ? fail_memory(err)
+                        : events_progress(task->claimed.run.id, &task->progress, task->rate,
+                                          &item->event, err);
 }
 
-// Store what has come, with the checkpoint that came last (NULL: none).
-static bf_status flush(supervisor__task *task, store *s, const frame_bytes *checkpoint,
-                       bf_error *err)
+// Begin to store what has come, with the checkpoint that came last (NULL: none).
+static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
     bf_status status = add_progress(task, err);
 
     if (status != BF_OK || (task->n_items == 0 && checkpoint == NULL))
         return status;
     uint64_t step = task->progress.step, n_steps = task->begin.n_steps;
-    store_batch batch = {
-        .run_id = task->job.run.id,
+    task->batch = (store_batch){
+        .run_id = task->claimed.run.id,
         .n = task->n_items,
         .items = task->items,
         .progress = n_steps == 0 ? 0.0 : (double)step / (double)n_steps,
@@ -166,9 +163,15 @@ static bf_status flush(supervisor__task *task, store *s, const frame_bytes *chec
         .checkpoint = checkpoint == NULL ? NULL : checkpoint->bytes,
         .n_checkpoint = checkpoint == NULL ? 0 : checkpoint->n,
     };
-    status = store_append(s, &batch, err);
-    free_gathered(task);
-    return status;
+    supervisor__begin_write(task, SUPERVISOR_WRITE_BATCH);
+    return BF_OK;
+}
+
+void supervisor__finish_batch(supervisor__task *task)
+{
+    free_batch(task);
+    if (task->write.status != BF_OK)
+        supervisor__fail(task, &task->write.error);
 }
 
 static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf_error *err)
@@ -187,7 +190,7 @@ static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf
 static void count_steps(const supervisor__task *task, uint64_t step)
 {
     if (step > task->progress.step)
-        metrics_add(METRICS_SOLVER_STEPS, task->job.run.model,
+        metrics_add(METRICS_SOLVER_STEPS, task->claimed.run.model,
                     (int64_t)(step - task->progress.step));
 }
 
@@ -211,7 +214,7 @@ static bool is_in_order(const supervisor__task *task, frame_type type)
     return (type == FRAME_BEGIN) != task->has_begun && (type == FRAME_PARTS) == task->has_snapshot;
 }
 
-static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf_error *err)
+static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *err)
 {
     if (!is_in_order(task, f->type))
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
@@ -227,7 +230,7 @@ static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf
     case FRAME_PROGRESS:
         return take_progress(task, &f->progress, err);
     case FRAME_CHECKPOINT:
-        return flush(task, s, &f->bytes, err); // its bytes stand in the child's output only now
+        return begin_batch(task, &f->bytes, err); // its bytes stand in output only now
     case FRAME_END:
         count_steps(task, f->end.n_steps);
         task->end = f->end;
@@ -235,65 +238,69 @@ static bf_status take_frame(supervisor__task *task, store *s, const frame *f, bf
         return BF_OK;
     default:
         task->error = f->error.error;
-        task->is_doomed = true;
-        return flush(task, s, NULL, err);
+        task->failed = true;
+        return BF_OK;
     }
 }
 
-// Take the whole frames at the start of the child's output.
-static bf_status take_frames(supervisor__task *task, store *s, bf_error *err)
+// Take the whole frames at the start of the job's output, up to a checkpoint, which ends a batch.
+static bf_status take_frames(supervisor__task *task, bf_error *err)
 {
-    bf_buffer *in = &task->child.output;
+    const bf_buffer *in = &task->output;
     bf_status status = BF_OK;
-    size_t at = 0, used;
+    size_t used;
     frame f;
 
-    while (status == BF_OK && at < in->n && !task->is_doomed) {
-        status = frame_decode(in->bytes + at, in->n - at, &f, &used, err);
-        if (status != BF_OK || used == 0)
+    task->has_frames = true;
+    while (status == BF_OK && !task->write.is_pending && !task->failed) {
+        status = frame_decode(in->bytes + task->n_decoded, in->n - task->n_decoded, &f, &used, err);
+        if (status != BF_OK || used == 0) {
+            task->has_frames = false;
             break;
-        status = take_frame(task, s, &f, err);
-        at += used; // a multiple of 8, so the next one is aligned
+        }
+        status = take_frame(task, &f, err);
+        task->n_decoded += used; // a multiple of 8, so the next one is aligned
     }
-    if (status == BF_OK)
-        status = flush(task, s, NULL, err);
-    buffer_drop(in, at);
-    return status;
+    return status != BF_OK || task->write.is_pending ? status : begin_batch(task, NULL, err);
 }
 
-bool supervisor__listen(supervisor__task *task, store *s, size_t limit_bytes)
+// Take what the job has sent, about SUPERVISOR_READ_BYTES at most.
+static bf_status read_output(supervisor__task *task, bf_error *err)
+{
+    executor *e = task->supervisor->options.executor;
+    size_t n = 0, n_total = 0;
+
+    do {
+        char *end = buffer_reserve(&task->output, READ_CHUNK);
+        if (end == NULL)
+            return fail_memory(err);
+        task->state = e->functions->poll(e, task->job, end, READ_CHUNK, &n, &task->exit);
+        // After a failure only the job's end matters.
+        if (!task->failed)
+            task->output.n += n;
+        n_total += n;
+        task->has_more = n > 0;
+    } while (n > 0 && n_total < SUPERVISOR_READ_BYTES);
+    return BF_OK;
+}
+
+static bool is_over(const supervisor__task *task)
+{
+    return task->state == EXECUTOR_ENDED || task->state == EXECUTOR_LOST;
+}
+
+void supervisor__read_frames(supervisor__task *task)
 {
     bf_error err = { 0 };
     bf_status status = BF_OK;
 
-    bool has_more = child_read_output(&task->child, limit_bytes, &status);
+    buffer_drop(&task->output, task->n_decoded);
+    task->n_decoded = 0;
+    // Frames that a checkpoint left behind come first, so that output does not grow.
+    if ((task->failed || !task->has_frames) && !is_over(task))
+        status = read_output(task, &err);
+    if (status == BF_OK && !task->failed)
+        status = take_frames(task, &err);
     if (status != BF_OK)
-        (void)fail_memory(&err);
-    else if (!task->is_doomed)
-        status = take_frames(task, s, &err);
-    if (task->is_doomed)
-        task->child.output.n = 0;
-    if (status == BF_OK)
-        return has_more;
-    if (!task->is_doomed)
-        task->error = err;
-    task->is_doomed = true;
-    task->child.output.n = 0;
-    child_signal(&task->child, SIGKILL);
-    return false;
-}
-
-static void log_line(void *context, const char *line)
-{
-    supervisor__task *task = context;
-    char quoted[LOG_QUOTED_SIZE];
-
-    if (task->n_logged++ < LINES_LOGGED_MAX)
-        log_event(LOG_LEVEL_WARN, "run_said", "run=%s text=%s", task->job.run.id,
-                  log_quote(line, quoted));
-}
-
-void supervisor__log_words(supervisor__task *task)
-{
-    child_read_errors(&task->child, log_line, task);
+        supervisor__fail(task, &err);
 }

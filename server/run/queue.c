@@ -1,163 +1,180 @@
+// How runs get into the list of tasks, and the states that the store would not take.
+
 #include "server/run/supervisor_priv.h"
 
 #include "core/base/check.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
-#include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/epoll.h>
 
-enum { PAUSE_MOST_MS = 30000 };
+enum { BACKOFF_MAX_MS = 30000 };
 
-void supervisor__pause(supervisor *s)
+void supervisor__backoff(supervisor *s)
 {
-    s->claim_at_ms = clock_monotonic_ms() + s->pause_ms;
-    s->pause_ms = 2 * s->pause_ms < PAUSE_MOST_MS ? 2 * s->pause_ms : PAUSE_MOST_MS;
-    lock_take(&s->lock);
-    s->may_claim = true;
-    lock_give(&s->lock);
+    s->claim_at_ms = clock_monotonic_ms() + s->backoff_ms;
+    s->backoff_ms = 2 * s->backoff_ms < BACKOFF_MAX_MS ? 2 * s->backoff_ms : BACKOFF_MAX_MS;
+    supervisor_wake(s);
 }
 
-// Each debt is of a run that had a place, and no place is given away while there are debts, so there
-// is room.
-void supervisor__owe(supervisor *s, const char *run_id, run_state state)
+// Each pending update is of a run that was a task, and no task is made while there are any, so there is
+// room.
+void supervisor__defer(supervisor *s, const char *run_id, run_state state)
 {
-    BF_CHECK(s->n_debts < SUPERVISOR_WORKERS_MAX);
-    supervisor__debt *debt = &s->debts[s->n_debts++];
-    debt->state = state;
-    snprintf(debt->run_id, sizeof debt->run_id, "%s", run_id);
-    supervisor__pause(s);
+    BF_CHECK(s->n_pending < SUPERVISOR_WORKERS_MAX);
+    supervisor__pending_update *update = &s->pending[s->n_pending++];
+    update->state = state;
+    snprintf(update->run_id, sizeof update->run_id, "%s", run_id);
+    supervisor__backoff(s);
 }
 
-// False: the store cannot be told yet.
-static bool settle(supervisor *s)
+// Write the pending updates. False: the store still refuses.
+static bool retry_pending(supervisor *s)
 {
-    while (s->n_debts > 0) {
-        const supervisor__debt *debt = &s->debts[s->n_debts - 1];
-        store_ending ending = { .run_id = debt->run_id, .state = debt->state };
+    while (s->n_pending > 0) {
+        const supervisor__pending_update *update = &s->pending[s->n_pending - 1];
+        store_ending ending = { .run_id = update->run_id, .state = update->state };
         api_run after;
         bf_status status = store_finish(s->options.store, &ending, &after, NULL);
         if (status != BF_OK && status != BF_ENOTFOUND && status != BF_ECONFLICT) {
-            supervisor__pause(s);
+            supervisor__backoff(s);
             return false;
         }
-        log_event(LOG_LEVEL_INFO, "run_stored_late", "run=%s state=%s", debt->run_id,
-                  run_state_word(debt->state));
-        s->n_debts--;
+        log_event(LOG_LEVEL_INFO, "run_stored_late", "run=%s state=%s", update->run_id,
+                  run_state_word(update->state));
+        s->n_pending--;
     }
     return true;
 }
 
-bool supervisor__watch_fd(supervisor *s, int fd, uint32_t events, supervisor__watch *w)
+static bool is_claiming(const supervisor *s)
 {
-    struct epoll_event event = { .events = events, .data.ptr = w };
-
-    return epoll_ctl(s->epoll, EPOLL_CTL_ADD, fd, &event) == 0;
-}
-
-static bool watch_task(supervisor *s, supervisor__task *task)
-{
-    const child *c = &task->child;
-
-    return supervisor__watch_fd(s, c->in, EPOLLOUT, &task->watches[SUPERVISOR_IN]) &&
-           supervisor__watch_fd(s, c->out, EPOLLIN, &task->watches[SUPERVISOR_OUT]) &&
-           supervisor__watch_fd(s, c->err, EPOLLIN, &task->watches[SUPERVISOR_ERR]) &&
-           supervisor__watch_fd(s, c->pidfd, EPOLLIN, &task->watches[SUPERVISOR_END]);
-}
-
-static void end_claiming(supervisor *s, supervisor__task *task)
-{
-    lock_take(&s->lock);
-    s->is_claiming = false;
-    if (task != NULL) {
-        s->tasks[s->n_tasks++] = task;
-        s->may_claim = true;
-    }
-    lock_wake_all(&s->changed);
-    lock_give(&s->lock);
-}
-
-// A claimed run that cannot be started: back to the queue if that can pass, else it has failed, so
-// that it does not come first again and again.
-static void give_up(supervisor *s, const store_job *job, const bf_error *err)
-{
-    bool can_pass = err->code == BF_EBUSY || err->code == BF_ENOMEM;
-    store_ending ending = { .run_id = job->run.id,
-                            .state = can_pass ? RUN_QUEUED : RUN_FAILED,
-                            .error = *err };
-    api_run after;
-    bf_error why = { 0 };
-    char quoted[LOG_QUOTED_SIZE];
-
-    log_event(LOG_LEVEL_ERROR, "run_not_started", "run=%s error=%s", job->run.id,
-              log_quote(err->text, quoted));
-    if (store_finish(s->options.store, &ending, &after, &why) == BF_OK) {
-        supervisor__pause(s);
-        return;
-    }
-    log_event(LOG_LEVEL_ERROR, "run_not_stored", "run=%s error=%s", job->run.id,
-              log_quote(why.text, quoted));
-    supervisor__owe(s, job->run.id, RUN_QUEUED);
-}
-
-static void start_task(supervisor *s, store_job *job)
-{
-    bf_error err = { 0 };
-    supervisor__task *task = NULL;
-
-    if (supervisor__task_start(&s->options, job, &task, &err) != BF_OK) {
-        give_up(s, job, &err);
-        end_claiming(s, NULL);
-        return;
-    }
-    s->pause_ms = SUPERVISOR_PAUSE_FIRST_MS;
-    log_event(LOG_LEVEL_INFO, "run_started", "run=%s pid=%ld", task->job.run.id,
-              (long)task->child.pid);
-    if (!watch_task(s, task)) {
-        // The list must not keep what nobody watches.
-        (void)bf_fail(&err, BF_EBUSY, "", "a child cannot be watched: %s", strerror(errno));
-        child_signal(&task->child, SIGKILL);
-        child_wait(&task->child);
-        give_up(s, &task->job, &err);
-        supervisor__task_free(task);
-        task = NULL;
-    }
-    end_claiming(s, task);
-}
-
-bool supervisor__claim(supervisor *s)
-{
-    store_job job = { .step = 0 };
-    bf_error err = { 0 };
-    char quoted[LOG_QUOTED_SIZE];
-
-    if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
-        return false;
-    s->claim_at_ms = 0;
-    if (!settle(s))
-        return false;
-    lock_take(&s->lock);
-    bool is_time = s->may_claim && !s->is_stopping && s->n_tasks < s->options.n_workers;
-    if (is_time) {
-        s->is_claiming = true;
-        s->may_claim = false;
-    }
-    lock_give(&s->lock);
-    if (!is_time)
-        return false;
-    bf_status status = store_claim(s->options.store, &job, &err);
-    if (status == BF_OK) {
-        start_task(s, &job);
-        store_job_fini(&job);
-        return true;
-    }
-    end_claiming(s, NULL);
-    if (status != BF_ENOTFOUND) {
-        log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
-        supervisor__pause(s);
+    for (size_t i = 0; i < s->n_tasks; i++) {
+        if (s->tasks[i]->phase == SUPERVISOR_CLAIMING)
+            return true;
     }
     return false;
+}
+
+void supervisor__claim(supervisor *s)
+{
+    if (is_claiming(s) || s->n_tasks >= s->options.n_workers)
+        return;
+    if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
+        return;
+    s->claim_at_ms = 0;
+    if (!retry_pending(s))
+        return;
+    lock_take(&s->lock);
+    bool is_time = s->may_claim && !s->is_stopping;
+    if (is_time)
+        s->may_claim = false;
+    lock_give(&s->lock);
+    if (!is_time)
+        return;
+    supervisor__task *task = supervisor__task_create(s);
+    if (task == NULL)
+        supervisor__backoff(s);
+    else
+        supervisor__begin_write(task, SUPERVISOR_WRITE_CLAIM);
+}
+
+// A claimed run that cannot be started: back to the queue if it may work later, else it has failed, so
+// that it does not come first again and again.
+static void fail_start(supervisor__task *task, const bf_error *err)
+{
+    bool may_work_later = err->code == BF_EBUSY || err->code == BF_ENOMEM;
+
+    task->phase = SUPERVISOR_ENDING;
+    task->ending = (store_ending){ .run_id = task->claimed.run.id,
+                                   .state = may_work_later ? RUN_QUEUED : RUN_FAILED,
+                                   .error = *err };
+    supervisor__begin_write(task, SUPERVISOR_WRITE_END);
+}
+
+static void start_claimed(supervisor__task *task)
+{
+    supervisor *s = task->supervisor;
+    bf_error err = { 0 };
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (task->requested != SUPERVISOR_STOP_NONE) {
+        (void)bf_fail(&err, BF_EBUSY, "", "the daemon is stopping");
+    } else if (supervisor__task_start(task, NULL, &err) == BF_OK) {
+        s->backoff_ms = SUPERVISOR_BACKOFF_FIRST_MS;
+        log_event(LOG_LEVEL_INFO, "run_started", "run=%s job=%s", task->claimed.run.id,
+                  task->external_id);
+        supervisor__begin_write(task, SUPERVISOR_WRITE_ID);
+        return;
+    } else {
+        log_event(LOG_LEVEL_ERROR, "run_not_started", "run=%s error=%s", task->claimed.run.id,
+                  log_quote(err.text, quoted));
+    }
+    fail_start(task, &err);
+}
+
+void supervisor__finish_claim(supervisor__task *task)
+{
+    supervisor *s = task->supervisor;
+    const bf_error err = task->write.error;
+    bf_status status = task->write.status;
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (status == BF_OK) {
+        start_claimed(task);
+        // A stop request may have come before the run was known here; and there may be room for more.
+        lock_take(&s->lock);
+        s->may_claim = s->may_stop = true;
+        lock_give(&s->lock);
+        return;
+    }
+    supervisor__task_destroy(task);
+    if (status == BF_ENOTFOUND)
+        return;
+    log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
+    supervisor__backoff(s);
+}
+
+bool supervisor_still_runs(void *context, const store_running *running)
+{
+    executor *e = context;
+    executor_job *job;
+
+    return running->external_id[0] != '\0' &&
+           e->functions->attach(e, running->external_id, &job, NULL) == BF_OK;
+}
+
+// Take over one run that was running before the daemon was; it goes back to the queue if its job is gone.
+static void attach_run(supervisor *s, const store_running *running)
+{
+    supervisor__task *task = supervisor__task_create(s);
+    bf_error err = { 0 };
+
+    bf_status status = task == NULL
+                           ? bf_fail(&err, BF_ENOMEM, "", "no memory to take over a run")
+                           : store_read_job(s->options.store, running->id, &task->claimed, &err);
+    if (status == BF_OK)
+        status = supervisor__task_start(task, running->external_id, &err);
+    if (status == BF_OK) {
+        log_event(LOG_LEVEL_INFO, "run_attached", "run=%s job=%s", running->id, task->external_id);
+        return;
+    }
+    if (task != NULL)
+        supervisor__task_destroy(task);
+    supervisor__defer(s, running->id,
+                      running->stop_request == STORE_STOP_NONE ? RUN_QUEUED : RUN_CANCELLED);
+}
+
+void supervisor__attach(supervisor *s)
+{
+    store_running running[SUPERVISOR_WORKERS_MAX];
+    bf_error err = { 0 };
+    size_t n = 0;
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (store_list_running(s->options.store, SUPERVISOR_WORKERS_MAX, running, &n, &err) != BF_OK)
+        log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
+    for (size_t i = 0; i < n; i++)
+        attach_run(s, &running[i]);
 }

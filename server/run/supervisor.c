@@ -3,39 +3,68 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
-#include "server/base/lock.h"
 #include "server/base/log.h"
-#include "server/base/metrics.h"
 
 #include <errno.h>
-#include <pthread.h>
+#include <poll.h>
 #include <signal.h>
 #include <string.h>
-#include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 enum {
-    EVENTS_MAX = 64,
-    LISTEN_BYTES = 1024 * 1024, // of one child in one turn, and so in one batch
-    END_GRACE_MS = 5000,        // from SIGTERM, or from the last frame, to SIGKILL
+    STOP_GRACE_MS = 5000, // from a graceful stop, or the last frame, to a stop by force
+    LOST_MS = 30000,      // from that until the job counts as lost
 };
 
-static void ring(supervisor *s)
+void supervisor__wake_loop(supervisor *s)
 {
     uint64_t one = 1;
 
-    // It can only fail when the bell rings already.
-    if (write(s->bell, &one, sizeof one) < 0)
+    // It can only fail when wake_fd is readable already.
+    if (write(s->wake_fd, &one, sizeof one) < 0)
         return;
 }
 
-static supervisor__wish read_wish(supervisor *s, const supervisor__task *task)
+static void request_stop(supervisor__task *task, supervisor__stop how)
+{
+    if (task->requested < how)
+        task->requested = how;
+}
+
+static supervisor__stop stop_for(store_stop request)
+{
+    return request == STORE_STOP_NONE     ? SUPERVISOR_STOP_NONE
+           : request == STORE_STOP_CANCEL ? SUPERVISOR_STOP_CANCEL
+                                          : SUPERVISOR_STOP_KILL;
+}
+
+static bool take_may_stop(supervisor *s)
 {
     lock_take(&s->lock);
-    supervisor__wish asked = task->asked;
+    bool may_stop = s->may_stop;
+    s->may_stop = false;
     lock_give(&s->lock);
-    return asked;
+    return may_stop;
+}
+
+// Read the outstanding stop requests, if there may be new ones. What cannot be read is read with the
+// next commit.
+static void read_stop_requests(supervisor *s)
+{
+    store_running running[SUPERVISOR_WORKERS_MAX];
+    size_t n = 0;
+
+    if (!take_may_stop(s) ||
+        store_list_running(s->options.store, SUPERVISOR_WORKERS_MAX, running, &n, NULL) != BF_OK)
+        return;
+    for (size_t i = 0; i < s->n_tasks; i++) {
+        supervisor__task *task = s->tasks[i];
+        for (size_t k = 0; k < n && task->phase == SUPERVISOR_SOLVING; k++) {
+            if (strcmp(running[k].id, task->claimed.run.id) == 0)
+                request_stop(task, stop_for(running[k].stop_request));
+        }
+    }
 }
 
 static void kill_by(supervisor__task *task, int64_t at_ms)
@@ -44,75 +73,94 @@ static void kill_by(supervisor__task *task, int64_t at_ms)
         task->kill_at_ms = at_ms;
 }
 
-// Pass on what is asked of the task, and kill a child whose time is over.
-static void press(supervisor *s, supervisor__task *task, int64_t grace_ms)
+// Pass on to the job what is requested, stop it by force when its time is over, and give it up when
+// even that has no effect.
+static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms)
 {
+    executor *e = s->options.executor;
     int64_t now_ms = clock_monotonic_ms();
-    supervisor__wish asked = read_wish(s, task);
 
-    if (asked > task->served) {
-        if (asked == SUPERVISOR_KILL)
+    if (task->phase != SUPERVISOR_SOLVING)
+        return;
+    if (task->requested > task->signalled) {
+        if (task->requested == SUPERVISOR_STOP_KILL)
             kill_by(task, now_ms);
-        else if (task->served == SUPERVISOR_GO_ON)
-            child_signal(&task->child, SIGTERM);
-        kill_by(task, now_ms + (asked == SUPERVISOR_HAND_BACK ? grace_ms : END_GRACE_MS));
-        task->served = asked;
+        else if (task->signalled == SUPERVISOR_STOP_NONE)
+            e->functions->stop(e, task->job, EXECUTOR_STOP_GRACEFUL);
+        kill_by(task,
+                now_ms + (task->requested == SUPERVISOR_STOP_HAND_BACK ? grace_ms
+                                                                       : s->options.stop_grace_ms));
+        task->signalled = task->requested;
     }
-    if (task->has_ended || task->is_doomed)
-        kill_by(task, now_ms + END_GRACE_MS);
+    if (task->has_ended || task->failed)
+        kill_by(task, now_ms + s->options.stop_grace_ms);
     if (task->kill_at_ms >= 0 && task->kill_at_ms <= now_ms) {
-        child_signal(&task->child, SIGKILL);
-        task->is_late = asked != SUPERVISOR_KILL && !task->is_doomed;
+        e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
+        task->timed_out = task->requested != SUPERVISOR_STOP_KILL && !task->failed;
         task->kill_at_ms = INT64_MAX;
+        task->lost_at_ms = now_ms + s->options.lost_ms;
+    }
+    if (task->lost_at_ms >= 0 && task->lost_at_ms <= now_ms && task->state != EXECUTOR_ENDED)
+        task->state = EXECUTOR_LOST;
+}
+
+// The job is over and everything it has sent is stored.
+static void begin_end(supervisor__task *task)
+{
+    metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
+    task->ending = supervisor__classify_exit(task);
+    task->phase = SUPERVISOR_ENDING;
+    supervisor__begin_write(task, SUPERVISOR_WRITE_END);
+}
+
+static void finish_end(supervisor *s, supervisor__task *task)
+{
+    bool is_back_unasked =
+        task->ending.state == RUN_QUEUED && task->requested == SUPERVISOR_STOP_NONE;
+    bool was_started = task->job != NULL;
+
+    if (task->write.status != BF_OK)
+        supervisor__defer(s, task->claimed.run.id,
+                          task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
+    // Trouble of the store or of the executor would make the next run end the same way.
+    else if (is_back_unasked || !was_started || (task->failed && task->error.code == BF_ESYSTEM))
+        supervisor__backoff(s);
+    supervisor__task_destroy(task);
+    supervisor_wake(s); // there is room for another run
+}
+
+// Take the result of the task's write. False: it is pending still, or the task is gone.
+static bool finish_write(supervisor *s, supervisor__task *task)
+{
+    if (!task->write.is_pending)
+        return true;
+    if (!atomic_load(&task->write.is_done))
+        return false;
+    task->write.is_pending = false;
+    switch (task->write.kind) {
+    case SUPERVISOR_WRITE_CLAIM:
+        supervisor__finish_claim(task);
+        return false;
+    case SUPERVISOR_WRITE_ID:
+        return true; // without it the job is not found after a restart, and the run starts again
+    case SUPERVISOR_WRITE_BATCH:
+        supervisor__finish_batch(task);
+        return true;
+    default:
+        finish_end(s, task);
+        return false;
     }
 }
 
-static void remove_task(supervisor *s, supervisor__task *task)
+static void advance_task(supervisor *s, supervisor__task *task)
 {
-    lock_take(&s->lock);
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        if (s->tasks[i] == task)
-            s->tasks[i--] = s->tasks[--s->n_tasks];
-    }
-    s->may_claim = true;
-    lock_wake_all(&s->changed);
-    lock_give(&s->lock);
-    supervisor__task_free(task);
-}
-
-static void end_task(supervisor *s, supervisor__task *task, int status)
-{
-    while (supervisor__listen(task, s->options.store, LISTEN_BYTES))
-        ;
-    supervisor__log_words(task);
-    metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task, status), 1);
-    supervisor__wish asked = read_wish(s, task);
-    store_ending ending = supervisor__judge(task, status, asked, &s->options);
-    bool is_back_unasked = ending.state == RUN_QUEUED && asked == SUPERVISOR_GO_ON;
-    bool is_stored = supervisor__finish(task, s->options.store, &ending, s->options.n_threads);
-    if (!is_stored)
-        supervisor__owe(s, task->job.run.id,
-                        asked >= SUPERVISOR_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
-    // The store's trouble, or somebody else's signals, would make the next one end the same way.
-    else if (is_back_unasked || (task->is_doomed && task->error.code == BF_ESYSTEM))
-        supervisor__pause(s);
-    remove_task(s, task);
-}
-
-static void serve(supervisor *s, supervisor__task *task)
-{
-    unsigned ready = task->ready;
-    int status;
-
-    task->ready = 0;
-    if (ready & 1U << SUPERVISOR_IN)
-        child_feed(&task->child);
-    if (ready & 1U << SUPERVISOR_ERR)
-        supervisor__log_words(task);
-    if (ready & 1U << SUPERVISOR_OUT)
-        (void)supervisor__listen(task, s->options.store, LISTEN_BYTES);
-    if ((ready & 1U << SUPERVISOR_END) && child_reap(&task->child, &status))
-        end_task(s, task, status);
+    if (!finish_write(s, task))
+        return;
+    supervisor__read_frames(task);
+    bool is_over = task->state == EXECUTOR_ENDED || task->state == EXECUTOR_LOST;
+    bool is_taken = task->failed || !task->has_frames;
+    if (is_over && is_taken && !task->write.is_pending)
+        begin_end(task);
 }
 
 static int sooner(int64_t at_ms, int64_t now_ms, int timeout_ms)
@@ -124,15 +172,22 @@ static int sooner(int64_t at_ms, int64_t now_ms, int timeout_ms)
     return timeout_ms < 0 || left_ms < timeout_ms ? (int)left_ms : timeout_ms;
 }
 
-// Until when the loop may sleep: for ever, unless a kill or the end of a pause is planned.
+// Until when the loop may sleep: for ever, unless something is planned or left to be read.
 static int find_timeout(const supervisor *s)
 {
     int64_t now_ms = clock_monotonic_ms();
     int timeout_ms = -1;
 
     for (size_t i = 0; i < s->n_tasks; i++) {
-        if (s->tasks[i]->kill_at_ms >= 0)
-            timeout_ms = sooner(s->tasks[i]->kill_at_ms, now_ms, timeout_ms);
+        const supervisor__task *task = s->tasks[i];
+        if (task->phase != SUPERVISOR_SOLVING)
+            continue;
+        if (task->has_more && !task->write.is_pending)
+            return 0;
+        if (task->kill_at_ms >= 0)
+            timeout_ms = sooner(task->kill_at_ms, now_ms, timeout_ms);
+        if (task->lost_at_ms >= 0 && task->state != EXECUTOR_LOST)
+            timeout_ms = sooner(task->lost_at_ms, now_ms, timeout_ms);
     }
     if (s->claim_at_ms != 0 && s->n_tasks < s->options.n_workers)
         timeout_ms = sooner(s->claim_at_ms, now_ms, timeout_ms);
@@ -141,31 +196,30 @@ static int find_timeout(const supervisor *s)
 
 static void wait_for_events(supervisor *s)
 {
-    struct epoll_event events[EVENTS_MAX];
-    uint64_t rings;
+    executor *e = s->options.executor;
+    struct pollfd fds[] = { { .fd = s->wake_fd, .events = POLLIN },
+                            { .fd = e->wake_fd, .events = POLLIN } };
+    uint64_t n_wakes;
 
-    int n = epoll_wait(s->epoll, events, EVENTS_MAX, find_timeout(s));
-    for (int i = 0; i < n; i++) {
-        const supervisor__watch *w = events[i].data.ptr;
-        if (w->task != NULL)
-            w->task->ready |= 1U << w->source;
-        else if (read(s->bell, &rings, sizeof rings) < 0)
-            continue;
-    }
+    if (poll(fds, sizeof fds / sizeof *fds, find_timeout(s)) <= 0)
+        return;
+    if (fds[0].revents != 0 && read(s->wake_fd, &n_wakes, sizeof n_wakes) < 0)
+        return;
+    if (fds[1].revents != 0)
+        e->functions->update(e);
 }
 
-// Ask every task for what stopping asks for. Returns true if there is nothing left to wait for.
+// While the supervisor is stopping, hand back every task. Returns true if there is nothing left to wait
+// for.
 static bool is_over(supervisor *s, int64_t *ret_grace_ms)
 {
     lock_take(&s->lock);
-    for (size_t i = 0; s->is_stopping && i < s->n_tasks; i++) {
-        if (s->tasks[i]->asked < SUPERVISOR_HAND_BACK)
-            s->tasks[i]->asked = SUPERVISOR_HAND_BACK;
-    }
+    bool is_stopping = s->is_stopping;
     *ret_grace_ms = s->grace_ms;
-    bool over = s->is_stopping && s->n_tasks == 0;
     lock_give(&s->lock);
-    return over;
+    for (size_t i = 0; is_stopping && i < s->n_tasks; i++)
+        request_stop(s->tasks[i], SUPERVISOR_STOP_HAND_BACK);
+    return is_stopping && s->n_tasks == 0;
 }
 
 // The figures of what is being solved, all runs of a model together.
@@ -176,8 +230,10 @@ static void note_tasks(const supervisor *s)
     for (size_t i = 0; i < s->n_tasks; i++) {
         const supervisor__task *task = s->tasks[i];
         const frame_begin *b = &task->begin;
-        rates[task->job.run.model] += (int64_t)task->rate;
-        items[task->job.run.model] +=
+        if (task->phase == SUPERVISOR_CLAIMING)
+            continue;
+        rates[task->claimed.run.model] += (int64_t)task->rate;
+        items[task->claimed.run.model] +=
             (int64_t)(b->n_values > 0 ? b->n_parts : b->grid.n1 * b->grid.n2);
     }
     for (size_t model = 0; model < RUN_MODEL_COUNT; model++) {
@@ -186,13 +242,12 @@ static void note_tasks(const supervisor *s)
     }
 }
 
-// Take over the options that somebody wants.
-static void adopt(supervisor *s)
+static void apply_options(supervisor *s)
 {
     lock_take(&s->lock);
-    if (s->has_wanted) {
-        s->options = s->wanted;
-        s->has_wanted = false;
+    if (s->has_new_options) {
+        s->options = s->new_options;
+        s->has_new_options = false;
         s->may_claim = true;
     }
     lock_give(&s->lock);
@@ -203,19 +258,19 @@ static void *run_loop(void *context)
     supervisor *s = context;
     int64_t grace_ms = 0;
 
-    while (supervisor__claim(s))
-        ;
+    supervisor__attach(s);
+    supervisor__claim(s);
     while (!is_over(s, &grace_ms)) {
         pulse_answer(&s->pulse);
+        read_stop_requests(s);
         for (size_t i = 0; i < s->n_tasks; i++)
-            press(s, s->tasks[i], grace_ms);
+            enforce_stop(s, s->tasks[i], grace_ms);
         wait_for_events(s);
-        // From the last, because one that ends gives its place to the last.
+        // From the last, because one that is destroyed leaves its place to the last.
         for (size_t i = s->n_tasks; i > 0; i--)
-            serve(s, s->tasks[i - 1]);
-        adopt(s);
-        while (supervisor__claim(s))
-            ;
+            advance_task(s, s->tasks[i - 1]);
+        apply_options(s);
+        supervisor__claim(s);
         note_tasks(s);
     }
     return NULL;
@@ -235,53 +290,68 @@ static int start_thread(supervisor *s)
 
 static void free_supervisor(supervisor *s)
 {
-    if (s->epoll >= 0)
-        close(s->epoll);
-    if (s->bell >= 0)
-        close(s->bell);
-    lock_condition_fini(&s->changed);
+    supervisor__stop_writers(s);
+    if (s->wake_fd >= 0)
+        close(s->wake_fd);
     lock_fini(&s->lock);
     memory_free(s->tasks);
-    memory_free(s->debts);
+    memory_free(s->pending);
     memory_free(s);
 }
 
-static void check_options(const supervisor_options *options)
+// The options with what 0 stands for.
+static supervisor_options complete(const supervisor_options *options)
 {
-    BF_CHECK(options->n_workers >= 1 && options->n_workers <= SUPERVISOR_WORKERS_MAX);
-    BF_CHECK(options->n_threads >= 1);
+    supervisor_options o = *options;
+
+    BF_CHECK(o.n_workers >= 1 && o.n_workers <= SUPERVISOR_WORKERS_MAX);
+    BF_CHECK(o.n_threads >= 1);
+    if (o.stop_grace_ms == 0)
+        o.stop_grace_ms = STOP_GRACE_MS;
+    if (o.lost_ms == 0)
+        o.lost_ms = LOST_MS;
+    return o;
+}
+
+static supervisor *create_supervisor(const supervisor_options *options)
+{
+    supervisor *s = memory_alloc(1, sizeof *s);
+    supervisor__task **tasks = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof(supervisor__task *));
+    supervisor__pending_update *pending = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof *pending);
+
+    if (s == NULL || tasks == NULL || pending == NULL) {
+        memory_free(s);
+        memory_free(tasks);
+        memory_free(pending);
+        return NULL;
+    }
+    s->options = complete(options);
+    s->tasks = tasks;
+    s->pending = pending;
+    s->may_claim = s->may_stop = true;
+    s->backoff_ms = SUPERVISOR_BACKOFF_FIRST_MS;
+    s->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    lock_init(&s->lock);
+    return s;
 }
 
 bf_status supervisor_start(const supervisor_options *options, supervisor **ret_supervisor,
                            bf_error *err)
 {
-    supervisor *s = memory_alloc(1, sizeof *s);
-    supervisor__task **tasks = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof(supervisor__task *));
-    supervisor__debt *debts = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof *debts);
+    supervisor *s = create_supervisor(options);
 
-    check_options(options);
-    if (s == NULL || tasks == NULL || debts == NULL) {
-        memory_free(s);
-        memory_free(tasks);
-        memory_free(debts);
+    if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the supervisor");
-    }
-    s->options = *options;
-    s->tasks = tasks;
-    s->debts = debts;
-    s->may_claim = true;
-    s->pause_ms = SUPERVISOR_PAUSE_FIRST_MS;
-    lock_init(&s->lock);
-    lock_condition_init(&s->changed);
-    s->epoll = epoll_create1(EPOLL_CLOEXEC);
-    s->bell = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    bool ok =
-        s->epoll >= 0 && s->bell >= 0 && supervisor__watch_fd(s, s->bell, EPOLLIN, &s->bell_watch);
-    int error = ok ? start_thread(s) : errno;
-    if (error != 0) {
+    int error = s->wake_fd < 0 ? errno : 0;
+    bf_status status = supervisor__start_writers(s, err);
+    if (status == BF_OK && error == 0)
+        error = start_thread(s);
+    if (status == BF_OK && error != 0)
+        status =
+            bf_fail(err, BF_ESYSTEM, "", "the supervisor cannot be started: %s", strerror(error));
+    if (status != BF_OK) {
         free_supervisor(s);
-        return bf_fail(err, BF_ESYSTEM, "", "the supervisor cannot be started: %s",
-                       strerror(error));
+        return status;
     }
     *ret_supervisor = s;
     return BF_OK;
@@ -289,14 +359,13 @@ bf_status supervisor_start(const supervisor_options *options, supervisor **ret_s
 
 void supervisor_reconfigure(supervisor *s, const supervisor_options *options)
 {
-    check_options(options);
     lock_take(&s->lock);
-    s->wanted = *options;
-    s->wanted.store = s->options.store;
-    s->wanted.program = s->options.program;
-    s->has_wanted = true;
+    s->new_options = complete(options);
+    s->new_options.store = s->options.store;
+    s->new_options.executor = s->options.executor;
+    s->has_new_options = true;
     lock_give(&s->lock);
-    ring(s);
+    supervisor__wake_loop(s);
 }
 
 bool supervisor_is_alive(supervisor *s)
@@ -304,7 +373,7 @@ bool supervisor_is_alive(supervisor *s)
     bool is_alive = !pulse_is_asked(&s->pulse);
 
     pulse_ask(&s->pulse);
-    ring(s);
+    supervisor__wake_loop(s);
     return is_alive;
 }
 
@@ -313,50 +382,15 @@ void supervisor_wake(supervisor *s)
     lock_take(&s->lock);
     s->may_claim = true;
     lock_give(&s->lock);
-    ring(s);
+    supervisor__wake_loop(s);
 }
 
-// The task of a run, under the lock; NULL: it is not running. Waits for a claim that may be its.
-static supervisor__task *find_task(supervisor *s, const char *run_id)
-{
-    lock_assert_held(&s->lock);
-    while (s->is_claiming)
-        (void)lock_wait(&s->changed, &s->lock, -1);
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        if (strcmp(s->tasks[i]->job.run.id, run_id) == 0)
-            return s->tasks[i];
-    }
-    return NULL;
-}
-
-bf_status supervisor_cancel(supervisor *s, const char *run_id, bf_error *err)
+void supervisor_notify(supervisor *s)
 {
     lock_take(&s->lock);
-    supervisor__task *task = find_task(s, run_id);
-    if (task != NULL && task->asked < SUPERVISOR_CANCEL)
-        task->asked = SUPERVISOR_CANCEL;
+    s->may_stop = true;
     lock_give(&s->lock);
-    if (task == NULL)
-        return bf_fail(err, BF_ECONFLICT, "", "the run is not running");
-    ring(s);
-    return BF_OK;
-}
-
-bf_status supervisor_kill(supervisor *s, const char *run_id, bf_error *err)
-{
-    (void)err;
-    lock_take(&s->lock);
-    supervisor__task *task = find_task(s, run_id);
-    if (task != NULL) {
-        task->asked = SUPERVISOR_KILL;
-        ring(s);
-    }
-    while (task != NULL) {
-        (void)lock_wait(&s->changed, &s->lock, -1);
-        task = find_task(s, run_id);
-    }
-    lock_give(&s->lock);
-    return BF_OK;
+    supervisor__wake_loop(s);
 }
 
 supervisor *supervisor_stop(supervisor *s, int64_t grace_ms)
@@ -367,7 +401,7 @@ supervisor *supervisor_stop(supervisor *s, int64_t grace_ms)
     s->is_stopping = true;
     s->grace_ms = grace_ms;
     lock_give(&s->lock);
-    ring(s);
+    supervisor__wake_loop(s);
     BF_CHECK(pthread_join(s->thread, NULL) == 0);
     free_supervisor(s);
     return NULL;

@@ -1,6 +1,7 @@
-/// A task is a run under supervision. Shared by supervisor.c (thread and commands),
-/// supervisor_queue.c (claiming), supervisor_task.c (how a task starts and ends) and
-/// supervisor_frames.c (what its child tells); all but `asked` belongs to the supervisor's thread.
+/// What the files of the supervisor have in common: supervisor.c (thread and commands), queue.c (claiming and
+/// what is written later), task.c (how a task starts and ends), frames.c (what its job sends).
+///
+/// A task is a run under supervision; its life is drawn in server/run/README.md.
 
 #pragma once
 
@@ -8,129 +9,184 @@
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
-#include "server/run/child.h"
 #include "server/run/supervisor.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SUPERVISOR_PAUSE_FIRST_MS = 1000 }; ///< of claiming after trouble; doubles each time
+enum {
+    SUPERVISOR_BACKOFF_FIRST_MS = 1000,  ///< of claiming after a failure; doubles each time
+    SUPERVISOR_READ_BYTES = 1024 * 1024, ///< of one job in one turn, and so about in one batch
+    SUPERVISOR_WRITERS = 2,              ///< threads that wait for the store
+};
 
-/// What somebody wants of a running run; the greater wins.
-typedef enum supervisor__wish {
-    SUPERVISOR_GO_ON,     ///< nothing
-    SUPERVISOR_HAND_BACK, ///< write a checkpoint, end, and be queued again
-    SUPERVISOR_CANCEL,    ///< end and keep what there is
-    SUPERVISOR_KILL,      ///< end at once
-} supervisor__wish;
+/// How a task is to stop; the greater wins.
+typedef enum supervisor__stop {
+    SUPERVISOR_STOP_NONE,      ///< go on
+    SUPERVISOR_STOP_HAND_BACK, ///< write a checkpoint, end, and be queued again
+    SUPERVISOR_STOP_CANCEL,    ///< end and keep what there is
+    SUPERVISOR_STOP_KILL,      ///< end at once
+} supervisor__stop;
 
-/// What the loop waits for.
-typedef enum supervisor__source {
-    SUPERVISOR_WAKE, ///< the eventfd
-    SUPERVISOR_IN,   ///< the child's stdin takes bytes
-    SUPERVISOR_OUT,  ///< frames
-    SUPERVISOR_ERR,  ///< words
-    SUPERVISOR_END,  ///< the child has ended
-    SUPERVISOR_SOURCE_COUNT
-} supervisor__source;
+/// Where a task is in its life.
+typedef enum supervisor__phase {
+    SUPERVISOR_CLAIMING, ///< the next queued run is being claimed; the task has none yet
+    SUPERVISOR_SOLVING,  ///< its job is running, or has ended and not everything is stored
+    SUPERVISOR_ENDING,   ///< its job is over: how the run ends is being stored
+} supervisor__phase;
+
+/// What a task has the store do. Batches are taken by store_begin_append(); for the others one of the
+/// supervisor's writing threads waits.
+typedef enum supervisor__write_kind {
+    SUPERVISOR_WRITE_CLAIM, ///< store_claim() into claimed
+    SUPERVISOR_WRITE_ID,    ///< the job's external id
+    SUPERVISOR_WRITE_BATCH, ///< batch
+    SUPERVISOR_WRITE_END,   ///< ending
+} supervisor__write_kind;
 
 typedef struct supervisor__task supervisor__task;
 
-/// What an epoll event points at.
-typedef struct supervisor__watch {
-    supervisor__source source; ///< what
-    supervisor__task *task;    ///< whose; NULL: of the supervisor itself
-} supervisor__watch;
+/// A write on its way into the store. From its begin until is_done the supervisor's thread leaves the members
+/// of the task alone that it is about.
+typedef struct supervisor__write {
+    supervisor__write_kind kind; ///< what is written
+    bool is_pending;             ///< begun, and its result not taken yet
+    atomic_bool is_done;         ///< status and error are set
+    bf_status status;            ///< of the store
+    bf_error error;              ///< of the store
+    supervisor__task *next;      ///< in the queue of the writing threads
+} supervisor__write;
+
+/// The writing threads, so that neither a commit nor the making of a summary holds up the supervisor.
+typedef struct supervisor__writers {
+    lock lock;                             ///< guards what follows
+    lock_condition queued;                 ///< first, or is_stopping
+    supervisor__task *first;               ///< queue of tasks
+    supervisor__task *last;                ///< its end
+    bool is_stopping;                      ///< the threads end when the queue is empty
+    unsigned n_threads;                    ///< that were started
+    pthread_t threads[SUPERVISOR_WRITERS]; ///< n_threads
+} supervisor__writers;
 
 /// One run that is being solved.
 struct supervisor__task {
-    store_job job;           ///< as it was claimed
-    child child;             ///< the process that solves it
-    size_t n_columns;        ///< of job.columns
-    unsigned ready;          ///< 1 << supervisor__source of what came in this turn
-    supervisor__wish asked;  ///< guarded by the supervisor's lock
-    supervisor__wish served; ///< what the child was told of it
-    int64_t kill_at_ms;      ///< when SIGKILL follows; -1: not planned
-    double start_s;          ///< when the child was started, clock_monotonic_s()
+    supervisor *supervisor;             ///< whose
+    supervisor__phase phase;            ///< where it is
+    supervisor__write write;            ///< at most one is pending
+    store_job claimed;                  ///< the run as it was claimed
+    executor_job *job;                  ///< what solves it
+    char external_id[EXECUTOR_ID_SIZE]; ///< the job's name
+    unsigned n_threads;                 ///< of the job's solver
+    size_t n_columns;                   ///< of claimed.columns
+    supervisor__stop requested;         ///< how it is to stop
+    supervisor__stop signalled;         ///< what of that the job was told
+    int64_t kill_at_ms;      ///< when it is stopped by force; -1: not planned, INT64_MAX: done
+    int64_t lost_at_ms;      ///< when it counts as lost; -1: not planned
+    double start_s;          ///< when the job was started, clock_monotonic_s()
+    executor_state state;    ///< as of the last poll
+    executor_end exit;       ///< valid if state is EXECUTOR_ENDED
+    bool has_more;           ///< the job may have more bytes than one turn takes
     bool has_begun;          ///< FRAME_BEGIN came
     bool has_ended;          ///< FRAME_END came
-    bool is_doomed;          ///< it fails with error, whatever else comes
-    bool is_late;            ///< it was killed because it did not end in time
+    bool failed;             ///< it fails with error, whatever else comes
+    bool timed_out;          ///< it was stopped by force because it did not end in time
     frame_begin begin;       ///< valid if has_begun
     frame_end end;           ///< valid if has_ended
-    bf_error error;          ///< why it fails: told by the child, or found here
+    bf_error error;          ///< why it fails: sent by the job, or found here
     bool has_progress;       ///< progress is not stored yet
     frame_progress progress; ///< the newest
-    double told_s;           ///< when progress was last told, clock_monotonic_s(); 0: never
+    double reported_s;       ///< when a progress event was last made, clock_monotonic_s(); 0: never
     double rate;             ///< steps/s, smoothed; 0: not known yet
     double rate_s;           ///< when rate was last brought up to date
     uint64_t rate_step;      ///< the step then
+    bf_buffer output;        ///< bytes that came
+    size_t n_decoded;        ///< of them, at the start: decoded, to be dropped before the next read
+    bool has_frames;         ///< whole frames may be left in output
     store_item *items;       ///< what is not stored yet
     size_t n_items;          ///< of them
     size_t items_capacity;   ///< room
+    store_batch batch;       ///< of SUPERVISOR_WRITE_BATCH; speaks of items and output
+    store_ending ending;     ///< of SUPERVISOR_WRITE_END
     bool has_snapshot;       ///< a snapshot came whose parts have not come yet:
     store_item snapshot;     ///< that one
-    unsigned n_logged;       ///< lines of stderr that went to the log
-    supervisor__watch watches[SUPERVISOR_SOURCE_COUNT]; ///< what epoll events point at
 };
 
-/// A run that has ended here and that the store could not be told of.
-typedef struct supervisor__debt {
+/// A state that the store refused when the run ended here; it is written later.
+typedef struct supervisor__pending_update {
     char run_id[API_ID_SIZE]; ///< still `running` in the store
     run_state state;          ///< what it shall be
-} supervisor__debt;
+} supervisor__pending_update;
 
 /// The supervisor.
 ///
-/// Threads  the thread owns tasks and epoll. Under the lock: the list of tasks (which the thread alone
-///          changes), their `asked`, and the flags below. Others only set flags, read the list, and
-///          ring the eventfd.
+/// Threads  the thread owns everything but what stands under the lock. Others set flags under the lock
+///          and make wake_fd readable.
 struct supervisor {
-    supervisor_options options;   ///< the thread's: what counts at the moment
-    pthread_t thread;             ///< runs the loop
-    int epoll;                    ///< what the loop waits on
-    int bell;                     ///< eventfd that others ring
-    supervisor__watch bell_watch; ///< of it
-    lock lock;                    ///< see above
-    lock_condition changed;       ///< the list of tasks, or is_claiming
-    size_t n_tasks;               ///< tasks
-    supervisor__task **tasks;     ///< room for SUPERVISOR_WORKERS_MAX
-    bool is_claiming;             ///< a run may be running in the store and not yet be in the list
-    bool may_claim;               ///< something may be queued
-    bool is_stopping;             ///< supervisor_stop() was called
-    int64_t grace_ms;             ///< with this
-    int64_t claim_at_ms;          ///< the thread's: no claiming before; 0: at once
-    int64_t pause_ms;             ///< the thread's: how long the next pause is
-    size_t n_debts;               ///< the thread's: debts; nothing is claimed while there are any
-    supervisor__debt *debts;      ///< the thread's: room for SUPERVISOR_WORKERS_MAX
-    bool has_wanted;              ///< the thread shall take over:
-    supervisor_options wanted;    ///< these options
-    pulse pulse;                  ///< of the thread
+    supervisor_options options; ///< the thread's: what counts at the moment
+    pthread_t thread;           ///< runs the loop
+    int wake_fd;                ///< eventfd
+    int64_t claim_at_ms;        ///< no claiming before; 0: at once
+    int64_t backoff_ms;         ///< how long the next backoff is
+    size_t n_tasks;             ///< tasks
+    supervisor__task **tasks;   ///< room for SUPERVISOR_WORKERS_MAX
+    size_t n_pending;           ///< pending updates; nothing is claimed while there are any
+    supervisor__pending_update *pending; ///< room for SUPERVISOR_WORKERS_MAX
+    lock lock;                           ///< guards what follows
+    bool may_claim;                      ///< something may be queued
+    bool may_stop;                       ///< there may be new stop requests
+    bool is_stopping;                    ///< supervisor_stop() was called
+    int64_t grace_ms;                    ///< with this
+    bool has_new_options;                ///< the thread shall apply new_options
+    supervisor_options new_options;      ///< see supervisor_reconfigure()
+    pulse pulse;                         ///< of the thread
+    supervisor__writers writers;         ///< their own
 };
 
-/// Start the child of a claimed job, which is taken over: *job is then empty. On failure *job is as
-/// before: BF_EBUSY and BF_ENOMEM pass, others do not.
-BF_MUST_CHECK bf_status supervisor__task_start(const supervisor_options *options, store_job *job,
-                                               supervisor__task **ret_task, bf_error *err);
+/// Make wake_fd readable, so that the loop takes another turn.
+void supervisor__wake_loop(supervisor *s);
 
-/// Read about limit_bytes of what the child says and store it in one batch. False: that was all for
-/// now. A failure dooms the run and kills the child.
-bool supervisor__listen(supervisor__task *task, store *s, size_t limit_bytes);
+/// Start the writing threads. BF_ESYSTEM: none could be started.
+BF_MUST_CHECK bf_status supervisor__start_writers(supervisor *s, bf_error *err);
 
-/// Note the child's words in the log.
-void supervisor__log_words(supervisor__task *task);
+/// Let the writing threads finish what is queued, and join them.
+void supervisor__stop_writers(supervisor *s);
 
-/// How a run whose child ended with this wait status ends, given what was asked.
-store_ending supervisor__judge(supervisor__task *task, int status, supervisor__wish asked,
-                               const supervisor_options *options);
+/// Begin a write of a task that has none pending.
+void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind);
 
-/// Why the process ended, for the metrics.
-metrics_reason supervisor__exit_reason(const supervisor__task *task, int status);
+/// A task without a run, in the list of tasks. NULL: no memory.
+supervisor__task *supervisor__task_create(supervisor *s);
 
-/// Tell the store how the run ends, with its summary; what the store refuses is tried once more as
-/// a failure, then as going back to the queue. False: even that was refused.
-bool supervisor__finish(supervisor__task *task, store *s, store_ending *ending, unsigned n_threads);
+/// Start a job of the claimed run, or take over the one of this name (external_id not NULL). BF_EBUSY and
+/// BF_ENOMEM may pass; other errors do not.
+BF_MUST_CHECK bf_status supervisor__task_start(supervisor__task *task, const char *external_id,
+                                               bf_error *err);
+
+/// Remove from the list, release the job and free; no write may be pending.
+void supervisor__task_destroy(supervisor__task *task);
+
+/// Read about SUPERVISOR_READ_BYTES of what the job has sent and begin to store it in one batch. A failure
+/// fails the task and stops its job by force.
+void supervisor__read_frames(supervisor__task *task);
+
+/// Forget the batch that has been stored, and fail if it could not be.
+void supervisor__finish_batch(supervisor__task *task);
+
+/// The task fails with this error: discard what was sent and stop the job by force.
+void supervisor__fail(supervisor__task *task, const bf_error *err);
+
+/// How a run whose job has ended or was lost ends.
+store_ending supervisor__classify_exit(const supervisor__task *task);
+
+/// Why the job ended, for the metrics.
+metrics_reason supervisor__exit_reason(const supervisor__task *task);
+
+/// Write task->ending, with the summary, into the store and the log. What the store refuses is tried once
+/// more as a failure, then as going back to the queue: task->ending is what was written. An error means
+/// that even that was refused. On a writing thread.
+BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_error *err);
 
 /// Solving time so far, all attempts together, s.
 double supervisor__wall_s(const supervisor__task *task);
@@ -138,17 +194,17 @@ double supervisor__wall_s(const supervisor__task *task);
 /// Forget what is not stored yet.
 void supervisor__free_items(supervisor__task *task);
 
-/// Free; the child must have been reaped. NULL is fine.
-void supervisor__task_free(supervisor__task *task);
+/// Take over the runs that the daemon before left running and whose jobs go on.
+void supervisor__attach(supervisor *s);
 
-/// Take one run from the queue and start it. False: there is none, no room, or this is not the time.
-bool supervisor__claim(supervisor *s);
+/// Begin to claim a run from the queue, if there is room and this is the time.
+void supervisor__claim(supervisor *s);
 
-/// Tell the store later that the run is in this state, and claim nothing before that.
-void supervisor__owe(supervisor *s, const char *run_id, run_state state);
+/// Start the run that was claimed, or take note that there is none.
+void supervisor__finish_claim(supervisor__task *task);
+
+/// Write the state of the run later, and claim nothing before that.
+void supervisor__defer(supervisor *s, const char *run_id, run_state state);
 
 /// Claim nothing for a while: something is wrong that the next run would meet too.
-void supervisor__pause(supervisor *s);
-
-/// Let the loop wait for events of fd. False: errno tells why not.
-bool supervisor__watch_fd(supervisor *s, int fd, uint32_t events, supervisor__watch *w);
+void supervisor__backoff(supervisor *s);

@@ -28,23 +28,30 @@ static bf_status find_next(store__connection *reader, store__row *ret_row, bf_er
     return status;
 }
 
+static bf_status read_texts(store__connection *reader, const store__row *row, store_job *job,
+                            bf_error *err)
+{
+    job->run = row->run;
+    job->wall_s = row->wall_s;
+    bf_status status =
+        store__get_text(reader, row->number, STORE__TEXT_SCENARIO, &job->scenario, err);
+    return status != BF_OK
+               ? status
+               : store__get_text(reader, row->number, STORE__TEXT_COLUMNS, &job->columns, err);
+}
+
 static bf_status read_next(store__connection *reader, store_job *job, bf_buffer *packed,
                            bf_error *err)
 {
     store__row row;
 
     bf_status status = find_next(reader, &row, err);
+    if (status == BF_OK)
+        status = read_texts(reader, &row, job, err);
     if (status != BF_OK)
         return status;
-    job->run = row.run;
     job->step = row.checkpoint_step;
-    job->wall_s = row.wall_s;
-    status = store__get_text(reader, row.number, STORE__TEXT_SCENARIO, &job->scenario, err);
-    if (status == BF_OK)
-        status = store__get_text(reader, row.number, STORE__TEXT_COLUMNS, &job->columns, err);
-    if (status == BF_OK)
-        status = store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, packed, err);
-    return status;
+    return store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, packed, err);
 }
 
 // A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
@@ -164,5 +171,27 @@ bf_status store_list_running(store *s, size_t size, store_running *ret_runs, siz
     store__give_reader(s, reader);
     if (status == BF_OK)
         *ret_n = n;
+    return status;
+}
+
+bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error *err)
+{
+    store__connection *reader = NULL;
+    store_job job = { 0 };
+    store__row row;
+
+    bf_status status = store__take_reader(s, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = store__find_row(reader, id, &row, err);
+    if (status == BF_OK && row.run.state != RUN_RUNNING)
+        status = bf_fail(err, BF_ECONFLICT, "", "the run is not running");
+    if (status == BF_OK)
+        status = read_texts(reader, &row, &job, err);
+    store__give_reader(s, reader);
+    if (status == BF_OK)
+        *ret_job = job;
+    else
+        store_job_fini(&job);
     return status;
 }

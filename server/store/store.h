@@ -104,14 +104,14 @@ BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
 /// From now on keep to other limits.
 void store_set_retention(store *s, const store_retention *retention);
 
-/// Cancel a queued run (status and end events). A running one is returned as it is, for the
-/// supervisor to stop. revision is the one that it must have, or API_ANY_REVISION. BF_EINPUT: it has
+/// Cancel a queued run (status and end events). A running one gets a stop request (I14) for the
+/// supervisor and is returned as it is. revision is the one that it must have, or API_ANY_REVISION. BF_EINPUT: it has
 /// another one; BF_ECONFLICT: it has ended.
 BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run,
                                      bf_error *err);
 
 /// Remove a run that is not running, with all it has alone (I9). revision as for store_cancel().
-/// BF_ECONFLICT: it is running.
+/// BF_ECONFLICT: it is running, and was requested to stop at once: to be removed when it has.
 BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err);
 
 /// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and

@@ -19,6 +19,10 @@ typedef struct store_job {
 /// none is queued.
 BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
 
+/// Read a run that is running already, as store_claim() returned it but without its checkpoint: for a
+/// supervisor that takes over its job after a restart. BF_ECONFLICT: the run is not running.
+BF_MUST_CHECK bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error *err);
+
 /// Free what *job owns and zero it. NULL is fine.
 void store_job_fini(store_job *job);
 

@@ -67,6 +67,20 @@ bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, b
     return status;
 }
 
+// Ask for a running run to be stopped, unless as much is asked already (I14).
+static bf_status request_stop(store__connection *writer, store__operation *operation,
+                              const store__row *row, store_stop how, bf_error *err)
+{
+    operation->changed[0] = '\0';
+    if (row->stop_request >= how)
+        return BF_OK;
+    memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    store__query q = store__begin(writer, STORE__SQL_REQUEST_STOP);
+    store__bind_integer(&q, row->number);
+    store__bind_integer(&q, how);
+    return store__run(&q, err);
+}
+
 static bf_status apply_cancel(store__connection *writer, store__operation *operation, bf_error *err)
 {
     change_context *context = operation->context;
@@ -75,10 +89,8 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     bf_status status = find_changed(writer, operation, err);
     if (status != BF_OK)
         return status;
-    if (row->run.state == RUN_RUNNING) {
-        operation->changed[0] = '\0';
-        return BF_OK;
-    }
+    if (row->run.state == RUN_RUNNING)
+        return request_stop(writer, operation, row, STORE_STOP_CANCEL, err);
     if (run_state_is_end(row->run.state))
         return bf_fail(err, BF_ECONFLICT, "", "the run has ended: it is %s",
                        run_state_word(row->run.state));
@@ -100,7 +112,8 @@ typedef struct remove_context {
     const char *id;
     uint64_t revision; ///< that the run must have, or API_ANY_REVISION
     int64_t results;
-    bool is_over; ///< nothing is left
+    bool is_running; ///< and thus still there, but asked to stop
+    bool is_over;    ///< nothing is left
 } remove_context;
 
 static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
@@ -113,8 +126,9 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
         status = check_revision(&row.run, context->revision, err);
     if (status != BF_OK)
         return status;
-    if (row.run.state == RUN_RUNNING)
-        return bf_fail(err, BF_ECONFLICT, "", "the run is running: cancel it first");
+    context->is_running = row.run.state == RUN_RUNNING;
+    if (context->is_running)
+        return request_stop(writer, operation, &row, STORE_STOP_KILL, err);
     memcpy(operation->changed, row.run.id, API_ID_SIZE);
     context->results = row.results;
     return store__remove_row(writer, &row, &context->is_over, err);
@@ -132,6 +146,8 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
     remove_context context = { .id = id, .revision = revision };
 
     bf_status status = store__write(s, apply_remove, &context, err);
+    if (status == BF_OK && context.is_running)
+        return bf_fail(err, BF_ECONFLICT, "", "the run is running: it has been asked to stop");
     // The run is gone with the first step. What a failure leaves over is deleted in time.
     for (bf_status swept = status; swept == BF_OK && !context.is_over;)
         swept = store__write(s, apply_sweep, &context, NULL);

@@ -23,6 +23,8 @@ static void note_commit(void *context, const char *run_id)
     (void)run_id;
 
     lock_take(&w->lock);
+    if (w->supervisor != NULL)
+        supervisor_notify(w->supervisor);
     w->n_commits++;
     lock_wake_all(&w->committed);
     lock_give(&w->lock);
@@ -32,13 +34,25 @@ static void open_store(helper_world *w)
 {
     char directory[HELPER_PATH_SIZE + 8];
     store_options options = {
-        .directory = directory, .queue_limit = 100, .listener = note_commit, .listener_context = w
+        .directory = directory,
+        .queue_limit = 100,
+        .listener = note_commit,
+        .listener_context = w,
+        .still_runs = w->options.executor == NULL ? NULL : supervisor_still_runs,
+        .still_runs_context = w->options.executor,
     };
     bf_error err = { 0 };
 
     snprintf(directory, sizeof directory, "%s/store", w->directory);
     if (store_open(&options, &w->store, &err) != BF_OK)
         fail_msg("%s", err.text);
+}
+
+static void set_supervisor(helper_world *w, supervisor *s)
+{
+    lock_take(&w->lock);
+    w->supervisor = s;
+    lock_give(&w->lock);
 }
 
 int helper_world_setup(void **state)
@@ -64,7 +78,7 @@ int helper_world_teardown(void **state)
     helper_world *w = *state;
     char command[HELPER_PATH_SIZE + 16];
 
-    supervisor_stop(w->supervisor, 0);
+    helper_world_stop(w, 0);
     store_close(w->store);
     lock_condition_fini(&w->committed);
     lock_fini(&w->lock);
@@ -104,12 +118,30 @@ void helper_world_fake(helper_world *w, const char *lines)
 
 void helper_supervise(helper_world *w)
 {
+    supervisor *s = NULL;
     bf_error err = { 0 };
 
     w->options.store = w->store;
-    w->options.program = w->program;
-    if (supervisor_start(&w->options, &w->supervisor, &err) != BF_OK)
+    if (w->options.executor == NULL) {
+        if (local_executor_create(w->program, &w->local, &err) != BF_OK)
+            fail_msg("%s", err.text);
+        w->options.executor = w->local;
+    }
+    if (supervisor_start(&w->options, &s, &err) != BF_OK)
         fail_msg("%s", err.text);
+    set_supervisor(w, s);
+}
+
+void helper_world_stop(helper_world *w, int64_t grace_ms)
+{
+    supervisor *s = w->supervisor;
+
+    set_supervisor(w, NULL);
+    supervisor_stop(s, grace_ms);
+    if (w->local == NULL)
+        return;
+    w->local = local_executor_destroy(w->local);
+    w->options.executor = NULL;
 }
 
 api_run helper_world_submit(helper_world *w, const char *json)
@@ -154,6 +186,19 @@ static api_run await(helper_world *w, const char *id, run_state state, uint64_t 
         if (is_late)
             fail_msg("the run is still %s", run_state_word(record.state));
     }
+}
+
+void helper_world_cancel(helper_world *w, const char *id)
+{
+    api_run record;
+
+    assert_int_equal(store_cancel(w->store, id, API_ANY_REVISION, &record, NULL), BF_OK);
+}
+
+void helper_world_kill(helper_world *w, const char *id)
+{
+    assert_int_equal(store_remove(w->store, id, API_ANY_REVISION, NULL), BF_ECONFLICT);
+    helper_await_state(w, id, RUN_CANCELLED);
 }
 
 api_run helper_await_state(helper_world *w, const char *id, run_state state)

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "server/base/lock.h"
+#include "server/run/local_executor.h"
 #include "server/run/supervisor.h"
 
 #include <setjmp.h>
@@ -24,7 +25,8 @@ typedef struct helper_world {
     run_model model;                  ///< of what is submitted (RUN_MACRO)
     store *store;                     ///< open
     supervisor *supervisor;           ///< NULL: not started
-    lock lock;                        ///< of n_commits
+    executor *local;                  ///< of helper_supervise(), if options name no executor
+    lock lock;                        ///< of n_commits, and of supervisor for the listener
     lock_condition committed;         ///< n_commits has changed
     uint64_t n_commits;               ///< runs that the store has told of
 } helper_world;
@@ -42,8 +44,15 @@ void helper_world_fake(helper_world *w, const char *lines);
 /// Write bytes to a file in the test's directory and return its path (static storage).
 const char *helper_world_file(const helper_world *w, const char *name, const void *bytes, size_t n);
 
-/// Start the supervisor.
+/// Start the supervisor, with the executor of the options or else with child processes.
 void helper_supervise(helper_world *w);
+
+/// Stop it.
+void helper_world_stop(helper_world *w, int64_t grace_ms);
+
+/// Request a running run to be cancelled; to be stopped at once, and wait until it has.
+void helper_world_cancel(helper_world *w, const char *id);
+void helper_world_kill(helper_world *w, const char *id);
 
 /// Submit a scenario and wake the supervisor, if there is one.
 api_run helper_world_submit(helper_world *w, const char *json);

@@ -5,7 +5,6 @@
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/run/child.h"
 #include "tests/unit/server/helper_supervisor.h"
 
 #include <errno.h>
@@ -222,7 +221,7 @@ static void a_cancelled_run_keeps_what_it_has(void **state)
     helper_supervise(w);
     api_run record = helper_world_submit(w, long_jam);
     helper_await_samples(w, record.id, 2);
-    assert_int_equal(supervisor_cancel(w->supervisor, record.id, NULL), BF_OK);
+    helper_world_cancel(w, record.id);
     record = helper_await_state(w, record.id, RUN_CANCELLED);
     assert_true(record.n_samples >= 2);
     assert_true(record.has_summary);
@@ -237,15 +236,12 @@ static void a_run_that_is_not_running_cannot_be_cancelled(void **state)
     helper_supervise(w);
     api_run record = helper_world_submit(w, short_belt);
     helper_await_state(w, record.id, RUN_SUCCEEDED);
-    // It is gone from the supervisor at the latest when the next one is running.
-    api_run next = helper_world_submit(w, long_jam);
-    helper_await_samples(w, next.id, 1);
-    assert_int_equal(supervisor_cancel(w->supervisor, record.id, &err), BF_ECONFLICT);
+    assert_int_equal(store_cancel(w->store, record.id, API_ANY_REVISION, &record, &err),
+                     BF_ECONFLICT);
     assert_int_equal(err.code, BF_ECONFLICT);
-    assert_int_equal(supervisor_kill(w->supervisor, record.id, NULL), BF_OK);
 }
 
-static void a_killed_run_has_stopped_when_the_call_returns(void **state)
+static void a_killed_run_has_stopped_when_it_is_cancelled(void **state)
 {
     helper_world *w = *state;
     api_run after;
@@ -253,7 +249,7 @@ static void a_killed_run_has_stopped_when_the_call_returns(void **state)
     helper_supervise(w);
     api_run record = helper_world_submit(w, long_jam);
     helper_await_state(w, record.id, RUN_RUNNING);
-    assert_int_equal(supervisor_kill(w->supervisor, record.id, NULL), BF_OK);
+    helper_world_kill(w, record.id);
     assert_int_equal(store_find(w->store, record.id, &after, NULL), BF_OK);
     assert_int_equal(after.state, RUN_CANCELLED);
     assert_true(helper_is_childless());
@@ -270,7 +266,7 @@ static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **st
     for (uint64_t n = 40; n <= 400; n += 180) {
         helper_supervise(w);
         helper_await_samples(w, record.id, n);
-        w->supervisor = supervisor_stop(w->supervisor, 30000);
+        helper_world_stop(w, 30000);
         assert_true(helper_is_childless());
         assert_int_equal(store_find(w->store, record.id, &record, NULL), BF_OK);
         n_stops += record.state == RUN_QUEUED;
@@ -386,12 +382,12 @@ static void a_worker_that_heeds_no_signal_is_killed(void **state)
     helper_supervise(w);
     api_run record = helper_world_submit(w, short_belt);
     helper_await_samples(w, record.id, 1);
-    assert_int_equal(supervisor_cancel(w->supervisor, record.id, NULL), BF_OK);
+    helper_world_cancel(w, record.id);
     helper_await_state(w, record.id, RUN_CANCELLED);
     // The same when stopping, with the grace that is given; the run is not lost.
     record = helper_world_submit(w, short_belt);
     helper_await_samples(w, record.id, 1);
-    w->supervisor = supervisor_stop(w->supervisor, 50);
+    helper_world_stop(w, 50);
     assert_true(helper_is_childless());
     helper_await_state(w, record.id, RUN_QUEUED);
 }
@@ -571,21 +567,16 @@ static void a_run_beyond_its_processor_time_fails_alone(void **state)
 // Its first act is to look for its parent: one that was lost in between is noticed, too.
 static void a_worker_without_its_parent_ends_at_once(void **state)
 {
-    char *argv[] = { (char[]){ "beltflow" }, (char[]){ "worker" }, (char[]){ "--parent" },
-                     (char[]){ "1" }, NULL };
-    bf_buffer input = { 0 };
-    child c = { 0 };
+    char byte;
     (void)state;
 
     if (getpid() == 1)
         skip();
-    assert_int_equal(buffer_append(&input, "", 1), BF_OK);
-    assert_int_equal(child_start(PROGRAM_DIR "/beltflow", argv, &input, &c, NULL), BF_OK);
-    child_wait(&c);
-    bf_status status = BF_OK;
-    assert_false(child_read_output(&c, 4096, &status));
-    assert_int_equal(c.output.n, 0); // not even an error frame: nobody is there to read it
-    child_fini(&c);
+    FILE *output = popen("exec '" PROGRAM_DIR "/beltflow' worker --parent 1 </dev/null", "re");
+    assert_non_null(output);
+    assert_int_equal(fread(&byte, 1, 1, output),
+                     0); // not even an error frame: nobody would read it
+    assert_int_not_equal(pclose(output), 0);
 }
 
 // A limit on the size of files stands for a full disk: the run's first samples fit, the rest do not.
@@ -605,7 +596,7 @@ static void a_full_disk_ends_the_run_and_hangs_nothing(void **state)
     for (int i = 0; i < 6000 && !helper_is_childless(); i++)
         usleep(10000);
     assert_true(helper_is_childless());
-    w->supervisor = supervisor_stop(w->supervisor, 1000);
+    helper_world_stop(w, 1000);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     helper_world_reopen(w);
     assert_int_equal(store_find(w->store, record.id, &record, NULL), BF_OK);
@@ -650,7 +641,7 @@ int main(void)
         TEST(a_long_run_tells_its_progress_seldom),
         TEST(a_cancelled_run_keeps_what_it_has),
         TEST(a_run_that_is_not_running_cannot_be_cancelled),
-        TEST(a_killed_run_has_stopped_when_the_call_returns),
+        TEST(a_killed_run_has_stopped_when_it_is_cancelled),
         TEST(stopping_hands_back_and_a_resumed_run_gives_the_same_bytes),
         TEST(a_worker_that_heeds_no_signal_is_killed),
         TEST(a_run_stopped_by_others_goes_back_to_the_queue),

@@ -43,7 +43,7 @@ static void what_is_being_solved_is_shown_while_it_is(void **state)
         assert_int_equal(usleep(10000), 0);
     assert_true(metrics_value(METRICS_SOLVER_RATE, RUN_MACRO) > 0);
     assert_int_equal(metrics_value(METRICS_SOLVER_ITEMS, RUN_MACRO), 6000);
-    assert_int_equal(supervisor_kill(w->supervisor, created.id, NULL), BF_OK);
+    helper_world_kill(w, created.id);
     for (int i = 0; i < 500 && metrics_value(METRICS_SOLVER_RATE, RUN_MACRO) != 0; i++)
         assert_int_equal(usleep(10000), 0);
     assert_int_equal(metrics_value(METRICS_SOLVER_RATE, RUN_MACRO), 0);
@@ -59,7 +59,7 @@ static void assert_reason(helper_world *w, const char *script, metrics_reason re
     helper_supervise(w);
     (void)helper_await_state(w, helper_world_submit(w, tiny).id, RUN_FAILED);
     assert_int_equal(metrics_value(METRICS_CHILD_EXITS, reason), before + 1);
-    w->supervisor = supervisor_stop(w->supervisor, 1000);
+    helper_world_stop(w, 1000);
 }
 
 static void ends_are_told_apart_by_their_reason(void **state)
@@ -90,11 +90,11 @@ static void more_workers_take_what_waits_and_fewer_let_it_wait(void **state)
     supervisor_reconfigure(w->supervisor, &w->options);
     memcpy(ids[3], helper_world_submit(w, tiny).id, API_ID_SIZE);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(supervisor_kill(w->supervisor, ids[i], NULL), BF_OK);
+        helper_world_kill(w, ids[i]);
         assert_int_equal(usleep(100000), 0);
         (void)helper_await_state(w, ids[3], RUN_QUEUED);
     }
-    assert_int_equal(supervisor_kill(w->supervisor, ids[2], NULL), BF_OK);
+    helper_world_kill(w, ids[2]);
     (void)helper_await_state(w, ids[3], RUN_SUCCEEDED);
 }
 

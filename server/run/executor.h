@@ -1,0 +1,112 @@
+/// Where runs are solved: what the supervisor needs of child processes, of workers on other machines, or
+/// of anything else that can run the solver.
+///
+/// A job is one attempt at one run. It sends back the bytes of frames (core/run/frame.h), which the
+/// supervisor takes with poll() at its own speed: bytes that it does not take stay with the executor, which
+/// must then hold the sender back (a full pipe, an HTTP request that is not answered yet) instead of
+/// storing without bound.
+///
+/// A job is named by an external id, a text that only its executor understands and that the store keeps
+/// with the run. After a restart of the daemon attach() finds a job by it that goes on meanwhile. Frames
+/// belong to a job, not to a run: what a job sends after the supervisor released it is discarded, so
+/// that two attempts at one run cannot mix.
+///
+/// Implementations  server/run/local_executor.h: child processes of the daemon.
+/// Threads  all functions are called from the supervisor's thread (attach() also before that has started). Whoever else feeds a job (a thread
+///          that receives frames over HTTP) synchronises inside the executor and makes wake_fd readable.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/status.h"
+#include "core/run/run.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { EXECUTOR_ID_SIZE = 128 }; ///< bytes of an external id with its terminator
+
+typedef struct executor executor;
+typedef struct executor_job executor_job;
+
+/// What a job has to do, and what it may use. Borrowed for the call of start().
+typedef struct executor_work {
+    const char *run_id;          ///< for logs
+    run_model model;             ///< to solve with
+    unsigned n_threads;          ///< of the solver, >= 1
+    const bf_buffer *scenario;   ///< resolved document
+    const bf_buffer *checkpoint; ///< to resume from; n = 0: from t = 0
+    uint64_t step;               ///< of the checkpoint
+    int64_t checkpoint_ms;       ///< between checkpoints
+    uint64_t memory_bytes;       ///< address space; 0: unlimited
+    uint64_t cpu_s;              ///< CPU seconds; 0: unlimited
+} executor_work;
+
+/// How a job is asked to end; the later one is the stronger one.
+typedef enum executor_stop {
+    EXECUTOR_STOP_GRACEFUL, ///< write a checkpoint, send the frames that are left, and end
+    EXECUTOR_STOP_NOW,      ///< end at once, whatever is lost
+} executor_stop;
+
+/// What poll() finds.
+typedef enum executor_state {
+    EXECUTOR_RUNNING, ///< it is being solved, or waits for that
+    EXECUTOR_ENDED,   ///< it has ended, and all its bytes have been taken
+    EXECUTOR_LOST, ///< nothing more will come, and nobody knows why; all its bytes have been taken
+    EXECUTOR_UNKNOWN, ///< the executor cannot tell at the moment; it may still be running
+} executor_state;
+
+/// How a job has ended.
+typedef enum executor_cause {
+    EXECUTOR_EXITED,    ///< by itself, after all that it had to do
+    EXECUTOR_FAILED,    ///< by itself, with a failure
+    EXECUTOR_STOPPED,   ///< by a graceful stop, ours or somebody else's, that it could not answer
+    EXECUTOR_KILLED,    ///< by force: EXECUTOR_STOP_NOW, or the system's memory killer
+    EXECUTOR_CRASHED,   ///< by a fault of the program
+    EXECUTOR_TIMED_OUT, ///< because it used up its CPU time
+} executor_cause;
+
+/// The end of a job.
+typedef struct executor_end {
+    executor_cause cause; ///< how it ended
+    bf_error error;       ///< the run's error, if its frames do not explain the end
+} executor_end;
+
+/// The operations of an executor.
+typedef struct executor_functions {
+    /// Start a job. The executor keeps nothing of *work. BF_EBUSY, BF_ENOMEM: it may work later; other
+    /// errors: this job can never be started.
+    bf_status (*start)(executor *e, const executor_work *work, executor_job **ret_job,
+                       bf_error *err);
+
+    /// Take over the job of this name, started before the daemon was. Its frames come again from
+    /// FRAME_BEGIN; samples and snapshots may come again from any one that the store has. Called
+    /// again before the supervisor has started, it returns the same job. BF_ENOTFOUND: there is no such
+    /// job any more.
+    bf_status (*attach)(executor *e, const char *external_id, executor_job **ret_job,
+                        bf_error *err);
+
+    /// Ask a job to end. Returns at once; poll() tells when it has ended.
+    void (*stop)(executor *e, executor_job *job, executor_stop how);
+
+    /// Notice what has happened since the last call. Called when wake_fd is readable, which it is not
+    /// any more then.
+    void (*update)(executor *e);
+
+    /// Take at most `capacity` bytes that the job has sent; *ret_n = 0: none are there at the moment.
+    /// *ret_end is set with EXECUTOR_ENDED.
+    executor_state (*poll)(executor *e, executor_job *job, void *bytes, size_t capacity,
+                           size_t *ret_n, executor_end *ret_end);
+
+    /// The job's name, valid until it is released.
+    const char *(*external_id)(const executor_job *job);
+
+    /// Have nothing more to do with a job; one that still runs is ended like by EXECUTOR_STOP_NOW.
+    void (*release)(executor *e, executor_job *job);
+} executor_functions;
+
+/// An executor: the first member of each implementation's own struct.
+struct executor {
+    const executor_functions *functions; ///< never NULL
+    int wake_fd;                         ///< readable when poll() may find something new
+};

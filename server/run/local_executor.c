@@ -1,0 +1,572 @@
+// Child processes behind the table of executor.h. One epoll descriptor, which is wake_fd, watches the pipes
+// and the pidfd of every child. Standard output is watched edge-triggered: a job that the supervisor
+// does not read does not wake it again and again, and its child blocks when the pipe is full.
+
+#include "server/run/local_executor.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "core/run/frame.h"
+#include "server/base/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/pidfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum {
+    PIPE_BYTES = 1024 * 1024, // asked for in the pipe of a child's output
+    LINE_SIZE = 240,          // of a line of stderr with its terminator; the rest is left out
+    LINES_LOGGED_MAX = 100,   // of a job
+    ERROR_READS = 16, // a turn: what a pipe holds, so that no flood of words blocks the loop
+    NUMBER_TEXT = 24,
+    EVENTS_MAX = 64,
+};
+
+// What an event of a job's descriptors is about.
+typedef enum source {
+    SOURCE_INPUT,
+    SOURCE_OUTPUT,
+    SOURCE_ERROR,
+    SOURCE_EXIT,
+    SOURCE_COUNT,
+} source;
+
+// What an epoll event points at.
+typedef struct watch {
+    source about;
+    executor_job *job;
+} watch;
+
+struct executor_job {
+    char id[EXECUTOR_ID_SIZE];
+    char run_id[64];       // for the log
+    uint64_t memory_bytes; // its limits, for the words about its end
+    uint64_t cpu_s;
+    pid_t pid;       // 0: reaped
+    int status;      // of waitpid(), when reaped
+    int pidfd;       // readable when it has ended
+    int in;          // its standard input, not blocking; -1 when all is written
+    int out;         // its standard output, not blocking; -1 at its end
+    int err;         // its standard error, not blocking; -1 at its end
+    bf_buffer input; // what it is to read
+    size_t n_written;
+    bool has_output;      // there may be something to read from out
+    char line[LINE_SIZE]; // of stderr, as far as it has come
+    size_t n_line;
+    char last_line[LINE_SIZE]; // the last complete one
+    unsigned n_logged;
+    bool is_released;   // freed when it is reaped
+    executor_job *next; // in the executor's list of released jobs
+    watch watches[SOURCE_COUNT];
+};
+
+typedef struct local_executor {
+    executor base;
+    const char *program;
+    executor_job *released; // jobs that were released before their child had ended
+} local_executor;
+
+// The two ends of a pipe.
+typedef struct ends {
+    int read;
+    int write;
+} ends;
+
+typedef struct pipes {
+    ends in;
+    ends out;
+    ends err;
+} pipes;
+
+static void close_fd(int *fd)
+{
+    if (*fd >= 0)
+        close(*fd);
+    *fd = -1;
+}
+
+static void close_pipes(pipes *p)
+{
+    close_fd(&p->in.read);
+    close_fd(&p->in.write);
+    close_fd(&p->out.read);
+    close_fd(&p->out.write);
+    close_fd(&p->err.read);
+    close_fd(&p->err.write);
+}
+
+static bool open_pipe(ends *ret_ends)
+{
+    int fds[2];
+
+    if (pipe2(fds, O_CLOEXEC) != 0)
+        return false;
+    *ret_ends = (ends){ .read = fds[0], .write = fds[1] };
+    return true;
+}
+
+// Our ends do not block; the child's do. A smaller output pipe than asked for is no failure.
+static bool open_pipes(pipes *p)
+{
+    if (!open_pipe(&p->in) || !open_pipe(&p->out) || !open_pipe(&p->err))
+        return false;
+    (void)fcntl(p->out.read, F_SETPIPE_SZ, PIPE_BYTES);
+    return fcntl(p->in.write, F_SETFL, O_NONBLOCK) == 0 &&
+           fcntl(p->out.read, F_SETFL, O_NONBLOCK) == 0 &&
+           fcntl(p->err.read, F_SETFL, O_NONBLOCK) == 0;
+}
+
+// Returns 0 or an errno.
+static int spawn(const char *program, char *const *argv, const pipes *p, pid_t *ret_pid)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error != 0)
+        return error;
+    posix_spawnattr_init(&attributes);
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                              POSIX_SPAWN_SETPGROUP);
+    error = posix_spawn_file_actions_adddup2(&actions, p->in.read, STDIN_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_adddup2(&actions, p->out.write, STDOUT_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_adddup2(&actions, p->err.write, STDERR_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+    if (error == 0)
+        error = posix_spawn(ret_pid, program, &actions, &attributes, argv, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    return error;
+}
+
+static int spawn_worker(const char *program, const executor_work *work, const pipes *p,
+                        pid_t *ret_pid)
+{
+    char memory[NUMBER_TEXT], cpu[NUMBER_TEXT], parent[NUMBER_TEXT], checkpoint[NUMBER_TEXT];
+    char *argv[] = { (char[]){ "beltflow" },
+                     (char[]){ "worker" },
+                     (char[]){ "--memory-bytes" },
+                     memory,
+                     (char[]){ "--cpu-s" },
+                     cpu,
+                     (char[]){ "--parent" },
+                     parent,
+                     (char[]){ "--checkpoint-ms" },
+                     checkpoint,
+                     NULL };
+
+    snprintf(memory, sizeof memory, "%" PRIu64, work->memory_bytes);
+    snprintf(cpu, sizeof cpu, "%" PRIu64, work->cpu_s);
+    snprintf(parent, sizeof parent, "%ld", (long)getpid());
+    snprintf(checkpoint, sizeof checkpoint, "%" PRId64, work->checkpoint_ms);
+    return spawn(program, argv, p, ret_pid);
+}
+
+static bf_status fail_start(const char *program, int error, bf_error *err)
+{
+    bool may_work_later =
+        error == EAGAIN || error == ENOMEM || error == EMFILE || error == ENFILE || error == EINTR;
+
+    return bf_fail(err, may_work_later ? BF_EBUSY : BF_ESYSTEM, "", "%s cannot be started: %s",
+                   program, strerror(error));
+}
+
+static bf_status encode_input(const executor_work *work, bf_buffer *out, bf_error *err)
+{
+    const frame job = { .type = FRAME_JOB,
+                        .job = { .model = (uint32_t)work->model,
+                                 .n_threads = work->n_threads,
+                                 .n_document = work->scenario->n,
+                                 .document = work->scenario->bytes } };
+    const frame resume = {
+        .type = FRAME_RESUME,
+        .bytes = { .step = work->step, .n = work->checkpoint->n, .bytes = work->checkpoint->bytes }
+    };
+
+    bf_status status = frame_encode(&job, out, err);
+    return status != BF_OK || work->checkpoint->n == 0 ? status : frame_encode(&resume, out, err);
+}
+
+static bool watch_fd(const executor *e, executor_job *job, int fd, uint32_t events, source about)
+{
+    struct epoll_event event = { .events = events, .data.ptr = &job->watches[about] };
+
+    job->watches[about] = (watch){ about, job };
+    return epoll_ctl(e->wake_fd, EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+static bool watch_job(const executor *e, executor_job *job)
+{
+    return watch_fd(e, job, job->in, EPOLLOUT, SOURCE_INPUT) &&
+           watch_fd(e, job, job->out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) &&
+           watch_fd(e, job, job->err, EPOLLIN, SOURCE_ERROR) &&
+           watch_fd(e, job, job->pidfd, EPOLLIN, SOURCE_EXIT);
+}
+
+static void close_job(executor_job *job)
+{
+    close_fd(&job->in);
+    close_fd(&job->out);
+    close_fd(&job->err);
+    close_fd(&job->pidfd);
+    buffer_fini(&job->input);
+}
+
+// True if the child has ended. Nothing of its process group is left then.
+static bool reap(executor_job *job)
+{
+    siginfo_t info = { .si_pid = 0 };
+
+    if (job->pid == 0)
+        return true;
+    // First look, while the group is still known to be the child's; only then free the pid.
+    if (waitid(P_PID, (id_t)job->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0)
+        return false;
+    kill(-job->pid, SIGKILL);
+    if (waitpid(job->pid, &job->status, 0) != job->pid)
+        job->status = SIGKILL; // somebody else has reaped it
+    job->pid = 0;
+    job->has_output = true;
+    return true;
+}
+
+static void kill_and_reap(executor_job *job)
+{
+    struct pollfd end = { .fd = job->pidfd, .events = POLLIN };
+
+    if (job->pid != 0)
+        kill(-job->pid, SIGKILL);
+    while (!reap(job))
+        (void)poll(&end, 1, -1);
+}
+
+// Start the child; the descriptors of *job are set. Returns 0 or an errno.
+static int start_child(local_executor *e, const executor_work *work, executor_job *job)
+{
+    pipes p = { { -1, -1 }, { -1, -1 }, { -1, -1 } };
+    pid_t pid = 0;
+
+    int error = open_pipes(&p) ? spawn_worker(e->program, work, &p, &pid) : errno;
+    if (error != 0) {
+        close_pipes(&p);
+        return error;
+    }
+    close_fd(&p.in.read);
+    close_fd(&p.out.write);
+    close_fd(&p.err.write);
+    job->pid = pid;
+    job->in = p.in.write;
+    job->out = p.out.read;
+    job->err = p.err.read;
+    job->pidfd = pidfd_open(pid, 0);
+    if (job->pidfd >= 0 && watch_job(&e->base, job))
+        return 0;
+    error = errno;
+    if (job->pidfd >= 0) {
+        kill_and_reap(job);
+    } else {
+        kill(-pid, SIGKILL);
+        waitpid(pid, NULL, 0);
+    }
+    return error;
+}
+
+static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
+                       bf_error *err)
+{
+    local_executor *e = (local_executor *)base;
+    executor_job *job = memory_alloc(1, sizeof *job);
+
+    if (job == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory to start a run");
+    job->pidfd = job->in = job->out = job->err = -1;
+    job->memory_bytes = work->memory_bytes;
+    job->cpu_s = work->cpu_s;
+    snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
+    bf_status status = encode_input(work, &job->input, err);
+    if (status == BF_OK) {
+        int error = start_child(e, work, job);
+        if (error != 0)
+            status = fail_start(e->program, error, err);
+    }
+    if (status != BF_OK) {
+        close_job(job);
+        memory_free(job);
+        return status;
+    }
+    snprintf(job->id, sizeof job->id, "local:%ld", (long)job->pid);
+    *ret_job = job;
+    return BF_OK;
+}
+
+static bf_status attach(executor *base, const char *external_id, executor_job **ret_job,
+                        bf_error *err)
+{
+    (void)base;
+    (void)ret_job;
+    return bf_fail(err, BF_ENOTFOUND, "", "there is no child process %s any more", external_id);
+}
+
+static void stop(executor *base, executor_job *job, executor_stop how)
+{
+    (void)base;
+    if (job->pid > 0)
+        kill(how == EXECUTOR_STOP_NOW ? -job->pid : job->pid,
+             how == EXECUTOR_STOP_NOW ? SIGKILL : SIGTERM);
+}
+
+// Write what the child's input takes; close it after the last byte, or when it is not read any more.
+static void write_input(executor_job *job)
+{
+    while (job->in >= 0 && job->n_written < job->input.n) {
+        ssize_t n =
+            write(job->in, job->input.bytes + job->n_written, job->input.n - job->n_written);
+        if (n < 0 && errno == EAGAIN)
+            return;
+        if (n < 0 && errno != EINTR)
+            break;
+        job->n_written += n > 0 ? (size_t)n : 0;
+    }
+    close_fd(&job->in);
+    buffer_fini(&job->input);
+}
+
+static void log_line(executor_job *job)
+{
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (job->n_logged++ < LINES_LOGGED_MAX)
+        log_event(LOG_LEVEL_WARN, "run_said", "run=%s text=%s", job->run_id,
+                  log_quote(job->last_line, quoted));
+}
+
+static void take_error_bytes(executor_job *job, const char *bytes, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (bytes[i] != '\n') {
+            if (job->n_line < sizeof job->line - 1)
+                job->line[job->n_line++] = bytes[i] == '\0' ? '?' : bytes[i];
+            continue;
+        }
+        job->line[job->n_line] = '\0';
+        job->n_line = 0;
+        memcpy(job->last_line, job->line, sizeof job->last_line);
+        log_line(job);
+    }
+}
+
+static void read_errors(executor_job *job)
+{
+    char bytes[4096];
+
+    for (int i = 0; job->err >= 0 && i < ERROR_READS; i++) {
+        ssize_t n = read(job->err, bytes, sizeof bytes);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0 && errno == EAGAIN)
+            return;
+        if (n > 0) {
+            take_error_bytes(job, bytes, (size_t)n);
+            continue;
+        }
+        if (job->n_line > 0)
+            take_error_bytes(job, "\n", 1);
+        close_fd(&job->err);
+    }
+}
+
+static void forget_released(local_executor *e, executor_job *job)
+{
+    for (executor_job **at = &e->released; *at != NULL; at = &(*at)->next) {
+        if (*at == job) {
+            *at = job->next;
+            break;
+        }
+    }
+    close_job(job);
+    memory_free(job);
+}
+
+static void take_exit(local_executor *e, executor_job *job)
+{
+    if (!reap(job))
+        return;
+    close_fd(&job->pidfd);
+    if (job->is_released)
+        forget_released(e, job);
+}
+
+static void update(executor *base)
+{
+    struct epoll_event events[EVENTS_MAX];
+
+    int n = epoll_wait(base->wake_fd, events, EVENTS_MAX, 0);
+    for (int i = 0; i < n; i++) {
+        watch *w = events[i].data.ptr;
+        switch (w->about) {
+        case SOURCE_INPUT:
+            write_input(w->job);
+            break;
+        case SOURCE_OUTPUT:
+            w->job->has_output = true;
+            break;
+        case SOURCE_ERROR:
+            read_errors(w->job);
+            break;
+        default:
+            // Of a released job nothing else is watched, so no other event here can be of a freed one.
+            take_exit((local_executor *)base, w->job);
+            break;
+        }
+    }
+}
+
+static executor_cause classify_status(int status)
+{
+    if (!WIFSIGNALED(status))
+        return WEXITSTATUS(status) == EXIT_SUCCESS ? EXECUTOR_EXITED : EXECUTOR_FAILED;
+    switch (WTERMSIG(status)) {
+    case SIGTERM:
+        return EXECUTOR_STOPPED;
+    case SIGKILL:
+        return EXECUTOR_KILLED;
+    case SIGXCPU:
+        return EXECUTOR_TIMED_OUT;
+    default:
+        return EXECUTOR_CRASHED;
+    }
+}
+
+static void describe_end(const executor_job *job, executor_end *ret_end)
+{
+    char text[160];
+    bf_status code = BF_ESYSTEM;
+    const char *name = WIFSIGNALED(job->status) ? sigabbrev_np(WTERMSIG(job->status)) : NULL;
+
+    ret_end->cause = classify_status(job->status);
+    if (ret_end->cause == EXECUTOR_TIMED_OUT) {
+        code = BF_ELIMIT;
+        snprintf(text, sizeof text, "the solver used up its limit of %" PRIu64 " CPU seconds",
+                 job->cpu_s);
+    } else if (ret_end->cause == EXECUTOR_KILLED) {
+        code = BF_ENOMEM;
+        snprintf(text, sizeof text,
+                 "the solver was killed (SIGKILL), most likely because the machine is out of "
+                 "memory; its limit is %" PRIu64 " bytes",
+                 job->memory_bytes);
+    } else if (WIFSIGNALED(job->status)) {
+        snprintf(text, sizeof text, "the solver crashed (SIG%s)", name == NULL ? "?" : name);
+    } else {
+        snprintf(text, sizeof text, "the solver ended with exit code %d before the end of the run",
+                 WEXITSTATUS(job->status));
+    }
+    (void)bf_fail(&ret_end->error, code, "", "%s%s%.120s", text,
+                  job->last_line[0] == '\0' ? "" : "; it said: ", job->last_line);
+}
+
+static size_t read_output(executor_job *job, void *bytes, size_t capacity)
+{
+    while (job->has_output && job->out >= 0) {
+        ssize_t n = read(job->out, bytes, capacity);
+        if (n > 0)
+            return (size_t)n;
+        if (n < 0 && errno == EINTR)
+            continue;
+        job->has_output = false;
+        if (n == 0 || errno != EAGAIN)
+            close_fd(&job->out);
+    }
+    return 0;
+}
+
+static executor_state poll_job(executor *base, executor_job *job, void *bytes, size_t capacity,
+                               size_t *ret_n, executor_end *ret_end)
+{
+    (void)base;
+    *ret_n = read_output(job, bytes, capacity);
+    if (*ret_n > 0 || job->pid != 0)
+        return EXECUTOR_RUNNING;
+    read_errors(job);
+    describe_end(job, ret_end);
+    return EXECUTOR_ENDED;
+}
+
+static const char *external_id(const executor_job *job)
+{
+    return job->id;
+}
+
+static void release(executor *base, executor_job *job)
+{
+    local_executor *e = (local_executor *)base;
+    int pidfd = job->pidfd;
+
+    stop(base, job, EXECUTOR_STOP_NOW);
+    job->pidfd = -1;
+    close_job(job);
+    if (job->pid == 0) {
+        close_fd(&pidfd);
+        memory_free(job);
+        return;
+    }
+    job->pidfd = pidfd;
+    job->is_released = true;
+    job->next = e->released;
+    e->released = job;
+}
+
+bf_status local_executor_create(const char *program, executor **ret_executor, bf_error *err)
+{
+    static const executor_functions functions = { .start = start,
+                                                  .attach = attach,
+                                                  .stop = stop,
+                                                  .update = update,
+                                                  .poll = poll_job,
+                                                  .external_id = external_id,
+                                                  .release = release };
+    local_executor *e = memory_alloc(1, sizeof *e);
+    int epoll = e == NULL ? -1 : epoll_create1(EPOLL_CLOEXEC);
+
+    if (epoll < 0) {
+        memory_free(e);
+        return bf_fail(err, BF_ESYSTEM, "", "child processes cannot be watched: %s",
+                       strerror(errno));
+    }
+    *e = (local_executor){ .base = { &functions, epoll }, .program = program };
+    *ret_executor = &e->base;
+    return BF_OK;
+}
+
+executor *local_executor_destroy(executor *base)
+{
+    local_executor *e = (local_executor *)base;
+
+    if (e == NULL)
+        return NULL;
+    while (e->released != NULL) {
+        kill_and_reap(e->released);
+        forget_released(e, e->released);
+    }
+    close(base->wake_fd);
+    memory_free(e);
+    return NULL;
+}
