@@ -132,7 +132,6 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     // Refused, left as it was, and read: nothing to be told.
     ending.run_id = second.id;
     assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_ECONFLICT);
-    assert_int_equal(store_cancel(h->store, first.id, API_ANY_REVISION, &record, NULL), BF_OK);
     assert_int_equal(store_ready(h->store, NULL), BF_OK);
     helper_find(h->store, first.id);
     expect_heard(&ear, 4, first.id);
@@ -140,6 +139,10 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     expect_heard(&ear, 5, second.id);
     assert_int_equal(store_remove(h->store, second.id, API_ANY_REVISION, NULL), BF_OK);
     expect_heard(&ear, 6, second.id);
+    // A stop request is for the supervisor, once.
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(store_cancel(h->store, first.id, API_ANY_REVISION, &record, NULL), BF_OK);
+    expect_heard(&ear, 7, first.id);
     helper_store_close(h);
     lock_fini(&ear.lock);
 }
