@@ -296,9 +296,12 @@ void supervisor__read_frames(supervisor__task *task)
 
     buffer_drop(&task->output, task->n_decoded);
     task->n_decoded = 0;
-    // Frames that a checkpoint left behind come first, so that output does not grow.
-    if ((task->failed || !task->has_frames) && !is_over(task))
-        status = read_output(task, &err);
+    // Frames that a checkpoint left behind come first, so that output does not grow; what the executor has
+    // is then read in the next turn.
+    if (task->failed || !task->has_frames)
+        status = is_over(task) ? BF_OK : read_output(task, &err);
+    else
+        task->has_more = true;
     if (status == BF_OK && !task->failed)
         status = take_frames(task, &err);
     if (status != BF_OK)
