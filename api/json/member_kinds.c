@@ -37,7 +37,7 @@ static size_t count_of(const void *item, const member *m)
 }
 
 // The bounds of a number; most is the largest that the C type holds.
-static void describe_range(json_out *w, const member_range *range, double most)
+static void describe_range(json_out *w, const bf_range *range, double most)
 {
     double maximum = range == NULL ? most : fmin(range->maximum, most);
 

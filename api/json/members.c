@@ -189,7 +189,7 @@ void members_write_ref(json_out *w, const member_table *table, member_view view)
 
 // ---- ranges and defaults as texts
 
-void members_range_text(const member_range *range, char *ret_text)
+void members_range_text(const bf_range *range, char *ret_text)
 {
     static const double two_53 = 9007199254740992.0;
     bool has_min = range != NULL && isfinite(range->minimum);

@@ -6,6 +6,7 @@
 
 #include "api/json/json_in.h"
 #include "api/json/json_out.h"
+#include "core/base/range.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,30 +45,22 @@ enum {
     MEMBER_INIT = 32,      ///< its default is what the table's init puts there
 };
 
-/// Which numbers are in range. Core checks it, except for the document's own members.
-typedef struct member_range {
-    double minimum;    ///< smallest, -INFINITY: any
-    double maximum;    ///< largest, INFINITY: any
-    bool excludes_min; ///< minimum itself is out of range
-    bool excludes_max; ///< maximum itself is out of range
-} member_range;
-
 enum { MEMBER_TEXT_SIZE = 160 }; ///< bytes of a text that is made of a member, with its terminator
 
 /// A member of an object.
 struct member {
     const char *name; ///< in the document, with its unit; NULL: the members of `table`, whose
                       ///< struct is at offset, stand in this object (a common part)
-    const member_kind *kind;   ///< see there
-    unsigned flags;            ///< MEMBER_FORM, ...
-    unsigned tags;             ///< objects with a tag: bit k: is a member under tag k; 0: always
-    size_t offset;             ///< of its place in the struct, bytes
-    size_t offset_n;           ///< lists: of the size_t count; links: of the uint64_t for {n}
-    size_t offset_list;        ///< ONE_OR_LIST: of the bool that tells a list from one object
-    size_t least;              ///< lists: fewest items; texts: fewest bytes
-    size_t limit;              ///< lists: most items; texts: bytes with the terminator; 0: any
-    const char *unit;          ///< "m", or NULL
-    const member_range *range; ///< or NULL: any
+    const member_kind *kind; ///< see there
+    unsigned flags;          ///< MEMBER_FORM, ...
+    unsigned tags;           ///< objects with a tag: bit k: is a member under tag k; 0: always
+    size_t offset;           ///< of its place in the struct, bytes
+    size_t offset_n;         ///< lists: of the size_t count; links: of the uint64_t for {n}
+    size_t offset_list;      ///< ONE_OR_LIST: of the bool that tells a list from one object
+    size_t least;            ///< lists: fewest items; texts: fewest bytes
+    size_t limit;            ///< lists: most items; texts: bytes with the terminator; 0: any
+    const char *unit;        ///< "m", or NULL
+    const bf_range *range;   ///< or NULL: any; core checks it, except of the document's own members
     const char *default_text; ///< a default that no number or word is: JSON "[]", "{}", or text for
                               ///< people; NULL without MEMBER_INIT: a fault if it is missing
     const char *const *words; ///< ENUM: the words, NULL-terminated
@@ -172,7 +165,7 @@ bool members_has_default(const member *m);
 /// The default for people ("0.005", "inflow"), "" if there is none, and the range ("> 0"), "" if it
 /// is any, in MEMBER_TEXT_SIZE bytes.
 void members_default_text(const member_table *table, const member *m, char *ret_text);
-void members_range_text(const member_range *range, char *ret_text);
+void members_range_text(const bf_range *range, char *ret_text);
 
 /// Write the default as a JSON value under the key "default". False: it is a text for people only,
 /// and nothing is written.

@@ -24,7 +24,7 @@ typedef struct body {
     size_t n_counts;
 } body;
 
-static const member_range not_negative = { .minimum = 0.0, .maximum = INFINITY };
+static const bf_range not_negative = { .minimum = 0.0, .maximum = INFINITY };
 
 #define AT(place) offsetof(body, place)
 static const member members[] = {

@@ -1,16 +1,14 @@
 #include "api/scenario/scenario_members.h"
 
 #include "api/scenario/obstacle_form.h"
+#include "core/scene/ranges.h"
 #include "core/scene/scene.h"
 
-#include <math.h>
 #include <string.h>
 
-static const member_range positive = { 0, INFINITY, true, false };
-static const member_range not_negative = { 0, INFINITY, false, false };
-static const member_range from_one = { 1, INFINITY, false, false };
-static const member_range below_half = { 0, 0.5, false, true };
-static const member_range seeds = { 0, 9007199254740991.0, false, false };
+// A number of core's limits.h in a text.
+#define TEXT_OF(number)    TEXT_OF_IT(number)
+#define TEXT_OF_IT(number) #number
 
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
 static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
@@ -125,13 +123,15 @@ static const member obstacle_members[] = {
            .offset_n = AT(n_points), .least = 2, .limit = SCENE_POINTS_MAX,
            .default_text = "from another form"),
     MEMBER("thickness_m", number, AT(thickness), "of the plate, downstream", .unit = "m",
-           .range = &positive, .flags = MEMBER_INIT),
+           .range = &scene_range_length, .flags = MEMBER_INIT),
     MEMBER("treatment", enum, AT(treatment), "how the macroscopic model holds cargo",
            .words = treatment_words, .flags = MEMBER_INIT),
     MEMBER("band_m", number, AT(band), "width of the outward field (sealed)", .unit = "m",
-           .range = &positive, .default_text = "8/sqrt(sigma)"),
+           .range = &scene_range_length, .default_text = TEXT_OF(SCENE_BAND_FACTOR) "/sqrt(sigma)"),
     MEMBER("slide_width_m", number, AT(slide_width), "width of the slide zone", .unit = "m",
-           .range = &positive, .default_text = "3/sqrt(sigma) if sealed, else 0.02"),
+           .range = &scene_range_length,
+           .default_text = TEXT_OF(SCENE_SLIDE_FACTOR) "/sqrt(sigma) if sealed, else " TEXT_OF(
+               SCENE_SLIDE_WIDTH)),
 };
 const member_table scenario_members_obstacle = {
     MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
@@ -145,14 +145,14 @@ const member_table scenario_members_obstacle = {
 static const member shape_members[] = {
     MEMBER("type", enum, AT(type), "kind of shape; says which other members there are",
            .words = shape_words, .flags = MEMBER_INIT),
-    MEMBER("radius_m", number, AT(radius), "of a cylinder", .unit = "m", .range = &positive,
-           .tags = OF(SCENE_CYLINDER), .flags = MEMBER_INIT),
-    MEMBER("length_m", number, AT(length), "of a box along x", .unit = "m", .range = &positive,
-           .tags = OF(SCENE_BOX)),
-    MEMBER("width_m", number, AT(width), "of a box along y", .unit = "m", .range = &positive,
-           .tags = OF(SCENE_BOX)),
+    MEMBER("radius_m", number, AT(radius), "of a cylinder", .unit = "m",
+           .range = &scene_range_length, .tags = OF(SCENE_CYLINDER), .flags = MEMBER_INIT),
+    MEMBER("length_m", number, AT(length), "of a box along x", .unit = "m",
+           .range = &scene_range_length, .tags = OF(SCENE_BOX)),
+    MEMBER("width_m", number, AT(width), "of a box along y", .unit = "m",
+           .range = &scene_range_length, .tags = OF(SCENE_BOX)),
     MEMBER("height_m", number, AT(height), "of cylinder, box, prism", .unit = "m",
-           .range = &positive, .tags = UPRIGHT, .flags = MEMBER_INIT),
+           .range = &scene_range_length, .tags = UPRIGHT, .flags = MEMBER_INIT),
     MEMBER("outline_m", outline, AT(vertices), "of a prism: convex, counter-clockwise", .unit = "m",
            .offset_n = AT(n_vertices), .least = 3, .limit = SCENE_VERTICES_MAX,
            .tags = OF(SCENE_PRISM)),
@@ -167,9 +167,9 @@ static const member_table shape_table = { MEMBER_TABLE("shape", shape_members),
 
 #define AT(place) offsetof(scene_material, place)
 static const member material_members[] = {
-    MEMBER("young_modulus_pa", number, AT(young_modulus), "E", .unit = "Pa", .range = &positive,
-           .default_text = "of the material"),
-    MEMBER("poisson_ratio", number, AT(poisson_ratio), "nu", .range = &below_half,
+    MEMBER("young_modulus_pa", number, AT(young_modulus), "E", .unit = "Pa",
+           .range = &scene_range_young_modulus, .default_text = "of the material"),
+    MEMBER("poisson_ratio", number, AT(poisson_ratio), "nu", .range = &scene_range_poisson_ratio,
            .default_text = "of the material"),
 };
 static const member_table material_table = { MEMBER_TABLE("material", material_members) };
@@ -179,8 +179,8 @@ static const member_table material_table = { MEMBER_TABLE("material", material_m
 #define CARGO_MEMBERS                                                                              \
     MEMBER("shape", object, AT(shape), "of every part", .table = &shape_table,                     \
            .default_text = "{}"),                                                                  \
-        MEMBER("mass_kg", number, AT(mass), "of a part", .unit = "kg", .range = &positive,         \
-               .default_text = "7850 kg/m3 times the volume"),                                     \
+        MEMBER("mass_kg", number, AT(mass), "of a part", .unit = "kg", .range = &scene_range_mass, \
+               .default_text = TEXT_OF(SCENE_STEEL_DENSITY) " kg/m3 times the volume"),            \
         MEMBER("material", object, AT(material), "steel", .table = &material_table,                \
                .flags = MEMBER_INIT)
 static const member cargo_members[] = { CARGO_MEMBERS };
@@ -189,11 +189,11 @@ static const member_table cargo_table = { MEMBER_TABLE("cargo", cargo_members),
 
 static const member kind_members[] = {
     MEMBER("share", number, AT(share),
-           "how many parts are of the kind, in proportion to all shares", .range = &positive,
-           .flags = MEMBER_INIT),
+           "how many parts are of the kind, in proportion to all shares",
+           .range = &scene_range_share, .flags = MEMBER_INIT),
     CARGO_MEMBERS,
     MEMBER("spin_friction_radius_m", number, AT(spin_friction_radius), "lever of the spin friction",
-           .unit = "m", .range = &not_negative,
+           .unit = "m", .range = &scene_range_lever,
            .default_text = "that of micro if given, else 2/3 of the footprint's radius"),
 };
 static const member_table kind_table = { MEMBER_TABLE("kind", kind_members),
@@ -202,17 +202,19 @@ static const member_table kind_table = { MEMBER_TABLE("kind", kind_members),
 
 #define AT(place) offsetof(scene_initial, place)
 static const member hexagonal_members[] = {
-    MEMBER("rows", count, AT(n_rows), "rows, each along the belt", .range = &from_one),
-    MEMBER("columns", count, AT(n_columns), "parts a row", .range = &from_one),
+    MEMBER("rows", count, AT(n_rows), "rows, each along the belt", .range = &scene_range_count),
+    MEMBER("columns", count, AT(n_columns), "parts a row", .range = &scene_range_count),
     MEMBER("first_m", point, AT(first), "first centre of the first row", .unit = "m"),
-    MEMBER("spacing_m", number, AT(spacing), "between neighbours", .unit = "m", .range = &positive),
+    MEMBER("spacing_m", number, AT(spacing), "between neighbours", .unit = "m",
+           .range = &scene_range_length),
 };
 static const member_table hexagonal_table = { MEMBER_TABLE("hexagonal", hexagonal_members) };
 
 static const member random_members[] = {
-    MEMBER("count", count, AT(n_random), "parts", .range = &from_one),
+    MEMBER("count", count, AT(n_random), "parts", .range = &scene_range_count),
     MEMBER("region", object, AT(region), "centres lie in it", .table = &rect_table),
-    MEMBER("seed", seed, AT(seed), "of the generator", .range = &seeds, .flags = MEMBER_INIT),
+    MEMBER("seed", seed, AT(seed), "of the generator", .range = &scene_range_seed,
+           .flags = MEMBER_INIT),
 };
 static const member_table random_table = { MEMBER_TABLE("random", random_members),
                                            .size = sizeof(scene_initial), .init = init_initial };
@@ -263,9 +265,9 @@ static const member_table counter_table = { MEMBER_TABLE("counter", counter_memb
 #define AT(place) offsetof(scene_output, place)
 static const member output_members[] = {
     MEMBER("curve_every_s", number, AT(curve_every), "samples of the curve", .unit = "s",
-           .range = &positive, .flags = MEMBER_INIT),
+           .range = &scene_range_time, .flags = MEMBER_INIT),
     MEMBER("snapshot_every_s", number, AT(snapshot_every), "density snapshots", .unit = "s",
-           .range = &positive, .flags = MEMBER_INIT),
+           .range = &scene_range_time, .flags = MEMBER_INIT),
 };
 static const member_table output_table = { MEMBER_TABLE("output", output_members),
                                            .size = sizeof(scene_output), .init = init_output };
@@ -273,25 +275,25 @@ static const member_table output_table = { MEMBER_TABLE("output", output_members
 
 #define AT(place) offsetof(scene_macro, place)
 static const member macro_members[] = {
-    MEMBER("cell_m", number, AT(cell), "edge of a cell", .unit = "m", .range = &positive,
+    MEMBER("cell_m", number, AT(cell), "edge of a cell", .unit = "m", .range = &scene_range_length,
            .flags = MEMBER_INIT),
     MEMBER("step_s", step, AT(step), "time step; auto: the largest stable and positive one",
-           .unit = "s", .range = &positive, .flags = MEMBER_INIT),
+           .unit = "s", .range = &scene_range_time, .flags = MEMBER_INIT),
     MEMBER("scheme", enum, AT(scheme), "numerical scheme", .words = scheme_words,
            .flags = MEMBER_INIT),
     MEMBER("heaviside", enum, AT(heaviside), "what lets the dispersion act",
            .words = heaviside_words, .flags = MEMBER_INIT),
-    MEMBER("heaviside_width", number, AT(heaviside_width), "xi of smooth", .range = &positive,
-           .flags = MEMBER_INIT),
+    MEMBER("heaviside_width", number, AT(heaviside_width), "xi of smooth",
+           .range = &scene_range_heaviside_width, .flags = MEMBER_INIT),
     MEMBER("dispersion_m_s", number, AT(dispersion), "epsilon", .unit = "m/s",
-           .range = &not_negative, .default_text = "twice the speed of the fastest belt"),
-    MEMBER("mollifier_per_m2", number, AT(mollifier), "sigma", .unit = "1/m2", .range = &positive,
-           .flags = MEMBER_INIT),
+           .range = &scene_range_dispersion, .default_text = "twice the speed of the fastest belt"),
+    MEMBER("mollifier_per_m2", number, AT(mollifier), "sigma", .unit = "1/m2",
+           .range = &scene_range_per_area, .flags = MEMBER_INIT),
     MEMBER("initial_mollifier_per_m2", number, AT(initial_mollifier),
-           "sigma_0 of the density at the start", .unit = "1/m2", .range = &positive,
+           "sigma_0 of the density at the start", .unit = "1/m2", .range = &scene_range_per_area,
            .flags = MEMBER_INIT),
     MEMBER("packing_density_per_m2", number, AT(packing), "rho_max, parts/m2 at density 1",
-           .unit = "1/m2", .range = &positive,
+           .unit = "1/m2", .range = &scene_range_per_area,
            .default_text = "close packing of the shape, cut to four digits"),
 };
 static const member_table macro_table = { MEMBER_TABLE("macro", macro_members),
@@ -306,16 +308,18 @@ static const member micro_members[] = {
            "equations of motion; auto: planar where all parts are cylinders", .words = path_words,
            .flags = MEMBER_INIT),
     MEMBER("step_s", step, AT(step), "time step; auto: chosen by the integrator, and stable",
-           .unit = "s", .range = &positive, .default_text = "1e-05; auto if implicit"),
+           .unit = "s", .range = &scene_range_time,
+           .default_text = TEXT_OF(SCENE_MICRO_STEP) "; auto if implicit"),
     MEMBER("modulus_reduction", number, AT(modulus_reduction), "all moduli are divided by it",
-           .range = &from_one, .flags = MEMBER_INIT),
+           .range = &scene_range_modulus_reduction, .flags = MEMBER_INIT),
     MEMBER("tension", bool, AT(tension), "contacts may pull", .flags = MEMBER_INIT),
     MEMBER("damping_per_s", number, AT(damping), "D of the integration", .unit = "1/s",
-           .range = &not_negative, .flags = MEMBER_INIT),
+           .range = &scene_range_damping_rate, .flags = MEMBER_INIT),
     MEMBER("gravity_m_s2", number, AT(gravity), "of the place", .unit = "m/s2",
-           .range = &not_negative, .flags = MEMBER_INIT),
+           .range = &scene_range_gravity, .flags = MEMBER_INIT),
     MEMBER("spin_friction_radius_m", number, AT(spin_friction_radius), "lever of the spin friction",
-           .unit = "m", .range = &not_negative, .default_text = "2/3 of the footprint's radius"),
+           .unit = "m", .range = &scene_range_lever,
+           .default_text = "2/3 of the footprint's radius"),
 };
 static const member_table micro_table = { MEMBER_TABLE("micro", micro_members),
                                           .size = sizeof(scene_micro), .init = init_micro };
@@ -332,15 +336,16 @@ static const member_table materials_table = { MEMBER_TABLE("materials", material
 
 #define AT(place) offsetof(scene_contact, place)
 static const member contact_members[] = {
-    MEMBER("length_m", number, AT(length), "of the contact line", .unit = "m", .range = &positive,
+    MEMBER("length_m", number, AT(length), "of the contact line", .unit = "m",
+           .range = &scene_range_length, .flags = MEMBER_INIT),
+    MEMBER("damping_n_s_m", number, AT(damping), "d", .unit = "N s/m",
+           .range = &scene_range_contact_damping, .flags = MEMBER_INIT),
+    MEMBER("friction", number, AT(friction), "mu", .range = &scene_range_friction,
            .flags = MEMBER_INIT),
-    MEMBER("damping_n_s_m", number, AT(damping), "d", .unit = "N s/m", .range = &not_negative,
-           .flags = MEMBER_INIT),
-    MEMBER("friction", number, AT(friction), "mu", .range = &not_negative, .flags = MEMBER_INIT),
     MEMBER("tanh_linear_s_m", number, AT(tanh_linear), "lambda_lin", .unit = "s/m",
-           .range = &positive, .flags = MEMBER_INIT),
-    MEMBER("tanh_spin_s", number, AT(tanh_spin), "lambda_ang", .unit = "s", .range = &positive,
-           .flags = MEMBER_INIT),
+           .range = &scene_range_tanh, .flags = MEMBER_INIT),
+    MEMBER("tanh_spin_s", number, AT(tanh_spin), "lambda_ang", .unit = "s",
+           .range = &scene_range_tanh, .flags = MEMBER_INIT),
 };
 static const member_table contact_table = { MEMBER_TABLE("contact", contact_members),
                                             .size = sizeof(scene_contact), .init = init_contact,
@@ -362,7 +367,8 @@ static const member_table contacts_table = { MEMBER_TABLE("contacts", contacts_m
 #define AT(place) offsetof(scene, place)
 static const member top_members[] = {
     MEMBER("name", text, AT(name), "for people", .limit = SCENE_NAME_SIZE, .flags = MEMBER_INIT),
-    MEMBER("duration_s", number, AT(duration), "simulated time", .unit = "s", .range = &positive),
+    MEMBER("duration_s", number, AT(duration), "simulated time", .unit = "s",
+           .range = &scene_range_time),
     MEMBER("domain", object, AT(domain), "the rectangle that is looked at", .table = &rect_table),
     MEMBER("edges", object, AT(edges), "what the sides of the domain are", .table = &edge_table,
            .default_text = "{}"),
@@ -376,7 +382,7 @@ static const member top_members[] = {
            .offset_n = AT(n_cargo), .offset_list = AT(is_mix), .table = &cargo_table,
            .items = &kind_table, .least = 1, .limit = SCENE_KINDS_MAX),
     MEMBER("cargo_seed", seed, AT(cargo_seed),
-           "of the order in which parts of a mix get their kinds", .range = &seeds,
+           "of the order in which parts of a mix get their kinds", .range = &scene_range_seed,
            .flags = MEMBER_INIT),
     MEMBER("initial", object, AT(initial), "where it is at the start; one member",
            .table = &initial_table),

@@ -17,8 +17,7 @@ typedef struct body {
     bool is_fresh;
 } body;
 
-static const member_range priorities = { .minimum = -API_PRIORITY_MAX,
-                                         .maximum = API_PRIORITY_MAX };
+static const bf_range priorities = { .minimum = -API_PRIORITY_MAX, .maximum = API_PRIORITY_MAX };
 
 #define AT(place) offsetof(body, place)
 static const member members[] = {

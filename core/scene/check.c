@@ -5,6 +5,7 @@
 
 #include "core/base/polygon.h"
 #include "core/scene/placement.h"
+#include "core/scene/ranges.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -25,60 +26,56 @@ enum {
 #define WHOLE     1e-6
 #define WHOLE_MAX 0.01
 
-/// Which ends of a range do not belong to it.
-enum { OPEN_LOW = 1, OPEN_HIGH = 2 };
-
 /// A number of a struct and the range it must keep to.
 typedef struct number_rule {
-    const char *pointer; ///< below that of the struct
-    size_t offset;       ///< of the double in the struct
-    double low;          ///< least
-    double high;         ///< most
-    unsigned open;       ///< OPEN_LOW, OPEN_HIGH
+    const char *pointer;   ///< below that of the struct
+    size_t offset;         ///< of the double in the struct
+    const bf_range *range; ///< of the number
 } number_rule;
 
-/// Rules of a struct's member: above 0; from low to high; from 0 to below 0.5.
-#define ABOVE_0(pointer, type, member, high)                                                       \
+#define RULE(pointer, type, member, range)                                                         \
     {                                                                                              \
-        pointer, offsetof(type, member), 0.0, high, OPEN_LOW                                       \
+        pointer, offsetof(type, member), &(range)                                                  \
     }
-#define FROM(pointer, type, member, low, high)                                                     \
-    {                                                                                              \
-        pointer, offsetof(type, member), low, high, 0                                              \
-    }
-#define BELOW_HALF(pointer, type, member)                                                          \
-    {                                                                                              \
-        pointer, offsetof(type, member), 0.0, 0.5, OPEN_HIGH                                       \
-    }
-
 #define CONTACT(word, pair)                                                                        \
-    ABOVE_0("/contacts/" word "/length_m", scene, micro.contact[pair].length, SCENE_LENGTH_MAX),   \
-        FROM("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping, 0.0, 1e12),   \
-        FROM("/contacts/" word "/friction", scene, micro.contact[pair].friction, 0.0, 1e6),        \
-        ABOVE_0("/contacts/" word "/tanh_linear_s_m", scene, micro.contact[pair].tanh_linear,      \
-                1e12),                                                                             \
-        ABOVE_0("/contacts/" word "/tanh_spin_s", scene, micro.contact[pair].tanh_spin, 1e12)
+    RULE("/contacts/" word "/length_m", scene, micro.contact[pair].length, scene_range_length),    \
+        RULE("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping,               \
+             scene_range_contact_damping),                                                         \
+        RULE("/contacts/" word "/friction", scene, micro.contact[pair].friction,                   \
+             scene_range_friction),                                                                \
+        RULE("/contacts/" word "/tanh_linear_s_m", scene, micro.contact[pair].tanh_linear,         \
+             scene_range_tanh),                                                                    \
+        RULE("/contacts/" word "/tanh_spin_s", scene, micro.contact[pair].tanh_spin,               \
+             scene_range_tanh)
+
+/// Steps, s; 0 is "auto".
+static const bf_range macro_step = { 0.0, INFINITY, false, false, 1e9 };
+static const bf_range micro_step = { 0.0, INFINITY, false, false, 1.0 };
 
 static const number_rule number_rules[] = {
-    ABOVE_0("/duration_s", scene, duration, 1e9),
-    ABOVE_0("/output/curve_every_s", scene, output.curve_every, 1e9),
-    ABOVE_0("/output/snapshot_every_s", scene, output.snapshot_every, 1e9),
-    ABOVE_0("/macro/cell_m", scene, macro.cell, SCENE_LENGTH_MAX),
-    FROM("/macro/step_s", scene, macro.step, 0.0, 1e9),
-    ABOVE_0("/macro/heaviside_width", scene, macro.heaviside_width, 1e6),
-    FROM("/macro/dispersion_m_s", scene, macro.dispersion, 0.0, 2.0 * SCENE_SPEED_MAX),
-    ABOVE_0("/macro/mollifier_per_m2", scene, macro.mollifier, 1e18),
-    ABOVE_0("/macro/initial_mollifier_per_m2", scene, macro.initial_mollifier, 1e18),
-    ABOVE_0("/macro/packing_density_per_m2", scene, macro.packing, 1e18),
-    FROM("/micro/step_s", scene, micro.step, 0.0, 1.0),
-    FROM("/micro/modulus_reduction", scene, micro.modulus_reduction, 1.0, 1e15),
-    FROM("/micro/damping_per_s", scene, micro.damping, 0.0, 1e9),
-    FROM("/micro/gravity_m_s2", scene, micro.gravity, 0.0, 1e6),
-    FROM("/micro/spin_friction_radius_m", scene, micro.spin_friction_radius, 0.0, SCENE_LENGTH_MAX),
-    ABOVE_0("/materials/conveyor/young_modulus_pa", scene, micro.conveyor.young_modulus, 1e15),
-    BELOW_HALF("/materials/conveyor/poisson_ratio", scene, micro.conveyor.poisson_ratio),
-    ABOVE_0("/materials/handling/young_modulus_pa", scene, micro.handling.young_modulus, 1e15),
-    BELOW_HALF("/materials/handling/poisson_ratio", scene, micro.handling.poisson_ratio),
+    RULE("/duration_s", scene, duration, scene_range_time),
+    RULE("/output/curve_every_s", scene, output.curve_every, scene_range_time),
+    RULE("/output/snapshot_every_s", scene, output.snapshot_every, scene_range_time),
+    RULE("/macro/cell_m", scene, macro.cell, scene_range_length),
+    RULE("/macro/step_s", scene, macro.step, macro_step),
+    RULE("/macro/heaviside_width", scene, macro.heaviside_width, scene_range_heaviside_width),
+    RULE("/macro/dispersion_m_s", scene, macro.dispersion, scene_range_dispersion),
+    RULE("/macro/mollifier_per_m2", scene, macro.mollifier, scene_range_per_area),
+    RULE("/macro/initial_mollifier_per_m2", scene, macro.initial_mollifier, scene_range_per_area),
+    RULE("/macro/packing_density_per_m2", scene, macro.packing, scene_range_per_area),
+    RULE("/micro/step_s", scene, micro.step, micro_step),
+    RULE("/micro/modulus_reduction", scene, micro.modulus_reduction, scene_range_modulus_reduction),
+    RULE("/micro/damping_per_s", scene, micro.damping, scene_range_damping_rate),
+    RULE("/micro/gravity_m_s2", scene, micro.gravity, scene_range_gravity),
+    RULE("/micro/spin_friction_radius_m", scene, micro.spin_friction_radius, scene_range_lever),
+    RULE("/materials/conveyor/young_modulus_pa", scene, micro.conveyor.young_modulus,
+         scene_range_young_modulus),
+    RULE("/materials/conveyor/poisson_ratio", scene, micro.conveyor.poisson_ratio,
+         scene_range_poisson_ratio),
+    RULE("/materials/handling/young_modulus_pa", scene, micro.handling.young_modulus,
+         scene_range_young_modulus),
+    RULE("/materials/handling/poisson_ratio", scene, micro.handling.poisson_ratio,
+         scene_range_poisson_ratio),
     CONTACT("cargo_cargo", SCENE_CARGO_CARGO),
     CONTACT("conveyor_cargo", SCENE_CONVEYOR_CARGO),
     CONTACT("handling_cargo", SCENE_HANDLING_CARGO),
@@ -91,16 +88,9 @@ static void check_numbers(const void *item, const char *pointer, const number_ru
     char at[2 * BF_POINTER_SIZE];
 
     for (size_t k = 0; k < n; k++) {
-        const number_rule *rule = &rules[k];
-        double value = *(const double *)((const char *)item + rule->offset);
-        bool is_low = rule->open & OPEN_LOW ? !(value > rule->low) : !(value >= rule->low);
-        bool is_high = rule->open & OPEN_HIGH ? !(value < rule->high) : !(value <= rule->high);
-        if (!is_low && !is_high)
-            continue;
-        snprintf(at, sizeof at, "%s%s", pointer, rule->pointer);
-        faults_add(faults, at, "must be %s %g and %s %g, not %g",
-                   rule->open & OPEN_LOW ? "above" : "at least", rule->low,
-                   rule->open & OPEN_HIGH ? "below" : "at most", rule->high, value);
+        snprintf(at, sizeof at, "%s%s", pointer, rules[k].pointer);
+        range_check(rules[k].range, *(const double *)((const char *)item + rules[k].offset), at,
+                    faults);
     }
 }
 
@@ -253,15 +243,11 @@ static void check_belts(const scene *s, bf_faults *faults)
     }
 }
 
-static void check_width(double width, size_t k, const char *member, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-
-    if (width > 0.0 && width <= SCENE_LENGTH_MAX)
-        return;
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu/%s", k, member);
-    faults_add(faults, pointer, "must be above 0 and at most %g, not %g", SCENE_LENGTH_MAX, width);
-}
+static const number_rule obstacle_rules[] = {
+    RULE("/thickness_m", scene_obstacle, thickness, scene_range_length),
+    RULE("/band_m", scene_obstacle, band, scene_range_length),
+    RULE("/slide_width_m", scene_obstacle, slide_width, scene_range_length),
+};
 
 static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faults)
 {
@@ -290,9 +276,9 @@ static void check_obstacles(const scene *s, bf_faults *faults)
         const scene_obstacle *obstacle = &s->obstacles[k];
         check_id(s, obstacle_id, "obstacles", k, faults);
         check_path(obstacle, k, faults);
-        check_width(obstacle->thickness, k, "thickness_m", faults);
-        check_width(obstacle->band, k, "band_m", faults);
-        check_width(obstacle->slide_width, k, "slide_width_m", faults);
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
+        check_numbers(obstacle, pointer, obstacle_rules,
+                      sizeof obstacle_rules / sizeof *obstacle_rules, faults);
         snprintf(pointer, sizeof pointer, "/obstacles/%zu/treatment", k);
         if ((unsigned)obstacle->treatment >= SCENE_TREATMENT_COUNT)
             faults_add(faults, pointer, "is not a treatment");
@@ -337,18 +323,19 @@ static void check_items(const scene *s, bf_faults *faults)
 }
 
 static const number_rule kind_rules[] = {
-    ABOVE_0("/mass_kg", scene_cargo, mass, 1e9),
-    ABOVE_0("/material/young_modulus_pa", scene_cargo, material.young_modulus, 1e15),
-    BELOW_HALF("/material/poisson_ratio", scene_cargo, material.poisson_ratio),
+    RULE("/mass_kg", scene_cargo, mass, scene_range_mass),
+    RULE("/material/young_modulus_pa", scene_cargo, material.young_modulus,
+         scene_range_young_modulus),
+    RULE("/material/poisson_ratio", scene_cargo, material.poisson_ratio, scene_range_poisson_ratio),
 };
 
 /// What only a kind of a mix says itself.
 static const number_rule mix_rules[] = {
-    FROM("/spin_friction_radius_m", scene_cargo, spin_friction_radius, 0.0, SCENE_LENGTH_MAX),
+    RULE("/spin_friction_radius_m", scene_cargo, spin_friction_radius, scene_range_lever),
 };
 
 /// What says how many parts are of a kind.
-static const number_rule share_rule = ABOVE_0("/share", scene_cargo, share, 1e9);
+static const number_rule share_rule = RULE("/share", scene_cargo, share, scene_range_share);
 
 /// The pointer of kind k: "/cargo", or "/cargo/<k>" in a mix.
 static const char *point_at(const scene *s, size_t k, char *room, size_t size)
@@ -373,7 +360,7 @@ static void check_cargo(const scene *s, bf_faults *faults)
             faults_add(faults, "/micro/path", "planar is for cylinders; %s has another shape",
                        pointer);
     }
-    if (s->cargo_seed >= UINT64_C(1) << 53)
+    if ((double)s->cargo_seed > scene_range_seed.maximum)
         faults_add(faults, "/cargo_seed", "must be below 2^53");
 }
 
@@ -476,8 +463,8 @@ static void check_sizes(const scene *s, bf_faults *faults)
 
 static void check_count(double n, const char *pointer, bf_faults *faults)
 {
-    if (n < 1.0)
-        faults_add(faults, pointer, "must be at least 1 part");
+    if (n < scene_range_count.minimum)
+        faults_add(faults, pointer, "must be at least %g part", scene_range_count.minimum);
     else if (n > SCENE_PARTS_MAX)
         faults_add_limit(faults, pointer, "%.0f parts, the limit is %d", n, SCENE_PARTS_MAX);
 }
@@ -503,18 +490,18 @@ static void check_hexagonal(const scene_initial *initial, bf_faults *faults)
 {
     size_t n_before = faults->n;
 
-    if (initial->n_rows < 1)
-        faults_add(faults, "/initial/hexagonal/rows", "must be at least 1");
-    if (initial->n_columns < 1)
-        faults_add(faults, "/initial/hexagonal/columns", "must be at least 1");
+    if (initial->n_rows < scene_range_count.minimum)
+        faults_add(faults, "/initial/hexagonal/rows", "must be at least %g",
+                   scene_range_count.minimum);
+    if (initial->n_columns < scene_range_count.minimum)
+        faults_add(faults, "/initial/hexagonal/columns", "must be at least %g",
+                   scene_range_count.minimum);
     if (faults->n == n_before)
         check_count((double)initial->n_rows * initial->n_columns, "/initial/hexagonal", faults);
     if (!(fabs(initial->first.x) <= SCENE_LENGTH_MAX && fabs(initial->first.y) <= SCENE_LENGTH_MAX))
         faults_add(faults, "/initial/hexagonal/first_m", "must be numbers within %g m",
                    SCENE_LENGTH_MAX);
-    if (!(initial->spacing > 0.0 && initial->spacing <= SCENE_LENGTH_MAX))
-        faults_add(faults, "/initial/hexagonal/spacing_m", "must be above 0 and at most %g, not %g",
-                   SCENE_LENGTH_MAX, initial->spacing);
+    range_check(&scene_range_length, initial->spacing, "/initial/hexagonal/spacing_m", faults);
 }
 
 static void check_random(const scene *s, bf_faults *faults)
@@ -530,7 +517,7 @@ static void check_random(const scene *s, bf_faults *faults)
           region->y_max <= s->domain.y_max))
         faults_add(faults, "/initial/random/region/y_m",
                    "must be [from, to] with from <= to, within the domain");
-    if (s->initial.seed >= UINT64_C(1) << 53)
+    if ((double)s->initial.seed > scene_range_seed.maximum)
         faults_add(faults, "/initial/random/seed", "must be below 2^53");
 }
 

@@ -42,3 +42,12 @@ enum {
 
 /// The same for the density of the parts in all snapshots of a microscopic run.
 #define SCENE_DENSITY_WORK_MAX 1e13
+
+/// Numbers of the defaults that follow from other members (scene_resolve); documents name them. Density of
+/// steel, kg/m3; widths of the outward field and of the slide zone times sqrt(sigma); width of the slide
+/// zone of obstacles that are not sealed, m; step of the paper's integration, s.
+#define SCENE_STEEL_DENSITY 7850
+#define SCENE_BAND_FACTOR   8
+#define SCENE_SLIDE_FACTOR  3
+#define SCENE_SLIDE_WIDTH   0.02
+#define SCENE_MICRO_STEP    1e-5

@@ -9,15 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/// Density of steel, kg/m3.
-#define STEEL 7850.0
-
 /// Velocity of a belt (m/s) and mollifier (1/m2) of the paper.
 static const double paper_speed = 0.395;
 static const double paper_mollifier = 10000.0;
-
-/// Step of the paper's integration, s.
-static const double paper_micro_step = 1e-5;
 
 static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
     [SCENE_CARGO_CARGO] = { 0.008, 119.0, 0.15, 10.0, 1.0 },
@@ -123,8 +117,8 @@ static void resolve_obstacle(scene_obstacle *o, double mollifier)
 {
     bool is_sealed = o->treatment == SCENE_SEALED;
 
-    fill_in(&o->band, 8.0 / sqrt(mollifier));
-    fill_in(&o->slide_width, is_sealed ? 3.0 / sqrt(mollifier) : 0.02);
+    fill_in(&o->band, SCENE_BAND_FACTOR / sqrt(mollifier));
+    fill_in(&o->slide_width, is_sealed ? SCENE_SLIDE_FACTOR / sqrt(mollifier) : SCENE_SLIDE_WIDTH);
 }
 
 static void resolve_counter(scene_counter *c, const scene_rect *domain)
@@ -183,7 +177,7 @@ static void resolve_cargo(scene *s)
         scene_cargo *kind = &s->cargo[k];
         bool has_shape = is_sound(kind);
         are_sound = are_sound && has_shape;
-        fill_in(&kind->mass, has_shape ? STEEL * shape_volume(&kind->shape) : 1.0);
+        fill_in(&kind->mass, has_shape ? SCENE_STEEL_DENSITY * shape_volume(&kind->shape) : 1.0);
         if (s->micro.spin_friction_radius >= 0.0)
             fill_in(&kind->spin_friction_radius, s->micro.spin_friction_radius);
         fill_in(&kind->spin_friction_radius, has_shape ? spin_radius_of(&kind->shape) : 0.0);
@@ -199,7 +193,7 @@ static void resolve_derived(scene *s)
     double mollifier = s->macro.mollifier > 0.0 ? s->macro.mollifier : paper_mollifier;
 
     resolve_cargo(s);
-    fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : paper_micro_step);
+    fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);

@@ -36,7 +36,7 @@ static void check_refused(json_t *root, json_t *object, const char *name, double
 static void check_range(json_t *root, json_t *object, const member *m, const char *pointer)
 {
     json_t *value = json_object_get(object, m->name);
-    const member_range *range = m->range;
+    const bf_range *range = m->range;
 
     if (value == NULL || range == NULL || !(json_is_number(value) || m->kind == &member_step))
         return;
@@ -154,15 +154,15 @@ static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
 static void ranges_are_texts_made_from_the_numbers(void **unused)
 {
     static const struct {
-        member_range range;
+        bf_range range;
         const char *text;
     } pairs[] = {
-        { { 0, INFINITY, true, false }, "> 0" },
-        { { 0, INFINITY, false, false }, ">= 0" },
-        { { 0, 0.5, false, true }, ">= 0, < 0.5" },
-        { { 0, 9007199254740991.0, false, false }, ">= 0, < 2^53" },
-        { { -100, 100, false, false }, "-100 to 100" },
-        { { -INFINITY, INFINITY, false, false }, "" },
+        { { 0, INFINITY, true, false, 0 }, "> 0" },
+        { { 0, INFINITY, false, false, 0 }, ">= 0" },
+        { { 0, 0.5, false, true, 0 }, ">= 0, < 0.5" },
+        { { 0, 9007199254740991.0, false, false, 0 }, ">= 0, < 2^53" },
+        { { -100, 100, false, false, 0 }, "-100 to 100" },
+        { { -INFINITY, INFINITY, false, false, 0 }, "" },
     };
     char text[MEMBER_TEXT_SIZE];
 
