@@ -10,13 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-// Above this density (1 is close packing) the macroscopic model is further from the microscopic one
-// than it need be.
-static const double density_trusted = 1.4;
-
-// Parts that overlap by a larger share of their radius are too soft: the outflow depends on it.
-static const double overlap_trusted = 0.05;
-
 // The document was checked when it was accepted, so it is only read here.
 static bf_status read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
 {
@@ -75,24 +68,23 @@ static void write_warnings(json_out *w, const member *m, const void *item)
 {
     const summary_view *of = item;
     const frame_end *end = &of->end;
-    bool is_macro = of->begin.model == RUN_MACRO;
-    double positive = scene_step_positive(of->scene);
+    const unsigned doubts = run_doubts(of->scene, &of->begin, end);
 
     (void)m;
     json_out_array(w);
     if (end->stopped != 0)
         warn(w, "stopped on request at t = %.6g s of %.6g s", end->t, of->begin.duration);
-    if (is_macro && end->peak > density_trusted)
+    if ((doubts & RUN_DOUBT_DENSITY) != 0)
         warn(w, "the largest density, %.4g, is above %.4g of close packing", end->peak,
-             density_trusted);
-    if (is_macro && of->begin.dt >= positive)
+             run_density_trusted);
+    if ((doubts & RUN_DOUBT_STEP) != 0)
         warn(w, "the step, %.6g s, is not below %.6g s: densities may become negative",
-             of->begin.dt, positive);
-    if (end->overlap_share > overlap_trusted)
+             of->begin.dt, scene_step_positive(of->scene));
+    if ((doubts & RUN_DOUBT_OVERLAP) != 0)
         warn(w,
              "parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
              "/micro/modulus_reduction makes them harder",
-             end->largest_overlap, 100.0 * end->overlap_share, 100.0 * overlap_trusted);
+             end->largest_overlap, 100.0 * end->overlap_share, 100.0 * run_overlap_trusted);
     json_out_array_end(w);
 }
 

@@ -63,7 +63,7 @@ typedef struct frame_begin {
     uint64_t n_steps;    ///< steps of the whole run
     double dt;           ///< s
     double duration;     ///< n_steps * dt, s
-    uint64_t n_parts;    ///< parts at the start
+    uint64_t n_parts;    ///< parts at the start; more may enter later
     uint64_t first_step; ///< 0, or the step of the checkpoint that the run resumes from
     uint32_t n_values;   ///< values of a part in FRAME_PARTS; 0: the model has no parts
     bf_grid grid;        ///< of the snapshots
@@ -93,8 +93,8 @@ typedef struct frame_snapshot {
 /// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad.
 enum { FRAME_VALUES_PLANAR = 6, FRAME_VALUES_SPATIAL = 13 };
 
-/// The parts at one time, in the order in which they were placed. A part that has left the domain
-/// keeps its row, of NANs, so that row k is part k in every frame.
+/// The parts at one time, in the order in which they were placed or entered. A part that has left the
+/// domain keeps its row, of NANs, so that row k is part k in every frame that has it.
 typedef struct frame_parts {
     uint64_t index;     ///< of the snapshot
     double t;           ///< s

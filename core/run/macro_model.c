@@ -16,6 +16,34 @@ typedef struct macro_run {
     counter_cells counters[SCENE_COUNTERS_MAX];
 } macro_run;
 
+static void check_step(const scene *s, bf_faults *faults)
+{
+    double step = s->macro.step, stable = scene_step_stable(s);
+    double n = ceil(s->duration / scene_macro_step(s));
+
+    if (step > stable * (1.0 + RUN__STABLE_SLACK))
+        faults_add(faults, "/macro/step_s",
+                   "a step of %.10g s is unstable (CFL): the largest stable one is %.10g s", step,
+                   stable);
+    else if (s->duration < step)
+        faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
+                   step);
+    else if (!(n <= SCENE_STEPS_MAX))
+        faults_add_limit(faults, step > 0.0 ? "/macro/step_s" : "/duration_s",
+                         "%.10g steps of the macroscopic model, the limit is %.10g", n,
+                         SCENE_STEPS_MAX);
+}
+
+static void check_scenario(const scene *s, bf_faults *faults)
+{
+    double reach = ceil(4.0 / (sqrt(s->macro.mollifier) * s->macro.cell) * (1.0 - 1e-12));
+
+    check_step(s, faults);
+    if (!(reach <= SCENE_REACH_MAX))
+        faults_add_limit(faults, "/macro/mollifier_per_m2",
+                         "%.10g cells to reach over, the limit is %d", reach, SCENE_REACH_MAX);
+}
+
 static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
 {
     static const macro_gate gates[] = {
@@ -182,7 +210,7 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__macro = {
-    .check_scenario = run__check_macro,
+    .check_scenario = check_scenario,
     .create = create_run,
     .destroy = destroy_run,
     .advance = advance_run,

@@ -3,7 +3,6 @@
 #include "core/base/faults.h"
 #include "core/base/memory.h"
 #include "core/run/counter.h"
-#include "core/run/micro_model_priv.h"
 #include "core/run/run_priv.h"
 #include "core/scene/density.h"
 
@@ -20,7 +19,180 @@ typedef struct micro_run {
     bf_grid grid;
     double *rho;       // of the last snapshot
     scene_pose *poses; // of the parts in the domain then
+    size_t n_poses_max;
 } micro_run;
+
+static void set_kinds(const scene *s, run__micro_setup *setup)
+{
+    for (size_t k = 0; k < s->n_cargo; k++)
+        setup->kinds[k] = (micro_kind){ .shape = s->cargo[k].shape,
+                                        .material = s->cargo[k].material,
+                                        .mass = s->cargo[k].mass,
+                                        .spin_radius = s->cargo[k].spin_friction_radius };
+    setup->def.n_kinds = s->n_cargo;
+    setup->def.kinds = setup->kinds;
+}
+
+static void set_parameters(const scene_micro *micro, micro_def *def)
+{
+    static const micro_integrator integrators[] = {
+        [SCENE_VERLET] = MICRO_VERLET, [SCENE_IMPLICIT] = MICRO_IMPLICIT
+    };
+    static const micro_path paths[] = { [SCENE_PATH_AUTO] = MICRO_PATH_AUTO,
+                                        [SCENE_PATH_PLANAR] = MICRO_PATH_PLANAR,
+                                        [SCENE_PATH_SPATIAL] = MICRO_PATH_SPATIAL };
+
+    memcpy(def->contact, micro->contact, sizeof def->contact);
+    def->conveyor = micro->conveyor;
+    def->handling = micro->handling;
+    def->modulus_reduction = micro->modulus_reduction;
+    def->damping = micro->damping;
+    def->gravity = micro->gravity;
+    def->dt = micro->step;
+    def->tension = micro->tension;
+    def->integrator = integrators[micro->integrator];
+    def->path = paths[micro->path];
+}
+
+static void set_surroundings(const scene *s, micro_def *def)
+{
+    def->domain = s->domain;
+    memcpy(def->edges, s->edges, sizeof def->edges);
+    def->n_belts = s->n_belts;
+    def->belts = s->belts;
+    def->n_obstacles = s->n_obstacles;
+    def->obstacles = s->obstacles;
+}
+
+// The step that "auto" stands for: the paper's, where that is stable, or the implicit integrator's own.
+static double choose_step(const micro_def *def)
+{
+    return def->integrator == MICRO_VERLET ? fmin(1e-5, micro_dt_stable(def))
+                                           : micro_dt_chosen(def);
+}
+
+bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup *setup,
+                                bf_error *err)
+{
+    *setup = (run__micro_setup){ .def = micro_def_default() };
+    bf_status status = placement_of(s, &setup->placement, err);
+    if (status != BF_OK)
+        return status;
+    set_kinds(s, setup);
+    set_surroundings(s, &setup->def);
+    set_parameters(&s->micro, &setup->def);
+    setup->def.n_parts = setup->placement.n;
+    setup->def.poses = setup->placement.poses;
+    setup->def.part_kinds = setup->placement.kinds;
+    setup->def.n_threads = n_threads;
+    if (setup->def.dt == 0.0)
+        setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
+    return BF_OK;
+}
+
+void run__micro_fini_setup(run__micro_setup *setup)
+{
+    if (setup == NULL)
+        return;
+    placement_fini(&setup->placement);
+    *setup = (run__micro_setup){ .def = { .n_parts = 0 } };
+}
+
+static bf_status check_count(const scene *s, double dt, bf_error *err)
+{
+    double n = ceil(s->duration / dt);
+
+    if (n <= SCENE_STEPS_MAX)
+        return BF_OK;
+    return bf_fail(err, BF_ELIMIT, s->micro.step > 0.0 ? "/micro/step_s" : "/duration_s",
+                   "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
+}
+
+// Let the solver itself refuse what it cannot take, with the first part alone: that costs little.
+static bf_status probe(const micro_def *def, bf_error *err)
+{
+    micro_def first = *def;
+    micro_solver *solver = NULL;
+
+    first.n_parts = 1;
+    bf_status status = micro_create(&first, &solver, err);
+    if (status == BF_OK)
+        micro_destroy(solver);
+    return status;
+}
+
+static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
+{
+    double stable = micro_dt_stable(def);
+    bf_error err;
+
+    if (def->dt > stable * (1.0 + RUN__STABLE_SLACK))
+        faults_add(faults, "/micro/step_s",
+                   "a step of %.10g s is unstable: the largest stable one is %.10g s", def->dt,
+                   stable);
+    else if (s->micro.step > s->duration)
+        faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
+                   s->micro.step);
+    else if (probe(def, &err) != BF_OK || check_count(s, def->dt, &err) != BF_OK)
+        faults_add_error(faults, &err);
+}
+
+static bool is_planar(const scene *s)
+{
+    bool are_cylinders = true;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        are_cylinders = are_cylinders && s->cargo[k].shape.type == SCENE_CYLINDER;
+    return are_cylinders && s->micro.path != SCENE_PATH_SPATIAL;
+}
+
+static void check_results(const scene *s, bf_faults *faults)
+{
+    const bf_grid grid = scene_grid(s);
+    double n = floor(s->duration / s->output.snapshot_every) + 2.0,
+           n_parts = (double)scene_parts(s);
+    double bytes = n * n_parts * (is_planar(s) ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) *
+                   (double)sizeof(double);
+    // A part reaches to where its Gaussian has fallen to 2^-53, see density.h.
+    double reached =
+        2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
+    double work = n * n_parts * fmin(reached, (double)grid_cells(&grid));
+
+    if (!(bytes <= SCENE_SNAPSHOT_BYTES_MAX))
+        faults_add_limit(faults, "/output/snapshot_every_s",
+                         "%.10g bytes of parts, the limit is %.10g", bytes,
+                         SCENE_SNAPSHOT_BYTES_MAX);
+    if (!(work <= SCENE_DENSITY_WORK_MAX))
+        faults_add_limit(
+            faults, "/output/snapshot_every_s",
+            "%.10g values to sum up for the densities of the parts, the limit is %.10g", work,
+            SCENE_DENSITY_WORK_MAX);
+}
+
+static void check_setup(const scene *s, const run__micro_setup *setup, bf_faults *faults)
+{
+    bf_error err;
+
+    check_step(s, &setup->def, faults);
+    check_results(s, faults);
+    if (placement_check_plates(s, &setup->placement, faults) != BF_OK) {
+        (void)bf_fail(&err, BF_ENOMEM, "/initial", "no memory for %zu parts", setup->placement.n);
+        faults_add_error(faults, &err);
+    }
+}
+
+static void check_scenario(const scene *s, bf_faults *faults)
+{
+    run__micro_setup setup;
+    bf_error err;
+
+    if (run__micro_init_setup(s, 1, &setup, &err) != BF_OK) {
+        faults_add_error(faults, &err);
+        return;
+    }
+    check_setup(s, &setup, faults);
+    run__micro_fini_setup(&setup);
+}
 
 static void destroy_run(void *solver)
 {
@@ -34,22 +206,16 @@ static void destroy_run(void *solver)
     memory_free(run);
 }
 
-static bf_status fill_run(const scene *s, int n_threads, micro_run *run, bf_error *err)
+static bf_status fill_run(const scene *s, const micro_def *def, micro_run *run, bf_error *err)
 {
-    run_micro__setup setup;
-
     run->scene = s;
     run->packing = scene_packing_density(s);
     run->grid = scene_grid(s);
     run->rho = memory_alloc(grid_cells(&run->grid), sizeof *run->rho);
-    run->poses = memory_alloc(scene_parts(s), sizeof *run->poses);
-    if (run->rho == NULL || run->poses == NULL)
+    if (run->rho == NULL ||
+        memory_reserve(&run->poses, &run->n_poses_max, def->n_parts, sizeof *run->poses) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the density of the parts");
-    bf_status status = run_micro__init_setup(s, n_threads, &setup, err);
-    if (status == BF_OK)
-        status = micro_create(&setup.def, &run->solver, err);
-    run_micro__fini_setup(&setup);
-    return status;
+    return micro_create(def, &run->solver, err);
 }
 
 static run_plan plan_of(const micro_run *run)
@@ -68,22 +234,38 @@ static run_plan plan_of(const micro_run *run)
                        .n_advance = n_advance + 1 };
 }
 
-static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
-                            bf_error *err)
+static bf_status create_checked(const scene *s, const run__micro_setup *setup, micro_run **ret_run,
+                                bf_error *err)
 {
     bf_faults faults = { 0 };
-    micro_run *run = NULL;
 
-    run__check_micro(s, &faults);
+    check_setup(s, setup, &faults);
     bf_status status = faults_status(&faults, err);
     if (status != BF_OK)
         return status;
-    if ((run = memory_alloc(1, sizeof *run)) == NULL)
+    micro_run *run = memory_alloc(1, sizeof *run);
+    if (run == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
-    if ((status = fill_run(s, n_threads, run, err)) != BF_OK) {
+    if ((status = fill_run(s, &setup->def, run, err)) != BF_OK)
         destroy_run(run);
+    else
+        *ret_run = run;
+    return status;
+}
+
+static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
+                            bf_error *err)
+{
+    run__micro_setup setup;
+    micro_run *run = NULL;
+
+    bf_status status = run__micro_init_setup(s, n_threads, &setup, err);
+    if (status != BF_OK)
         return status;
-    }
+    status = create_checked(s, &setup, &run, err);
+    run__micro_fini_setup(&setup);
+    if (status != BF_OK)
+        return status;
     *ret_plan = plan_of(run);
     *ret_solver = run;
     return BF_OK;
@@ -114,9 +296,9 @@ static void count_parts(const void *solver, double *ret_parts)
 static run_load measure_run(const void *solver)
 {
     const micro_run *run = solver;
-    run_load load = { 0 };
+    run_load load = { .n_rows = micro_parts(run->solver) };
 
-    for (size_t k = 0; k < micro_parts(run->solver); k++)
+    for (size_t k = 0; k < load.n_rows; k++)
         load.parts += micro_is_gone(run->solver, k) ? 0.0 : 1.0;
     return load;
 }
@@ -125,11 +307,13 @@ static run_load measure_run(const void *solver)
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
 {
     micro_run *run = solver;
-    const size_t n_cells = grid_cells(&run->grid);
+    const size_t n_cells = grid_cells(&run->grid), n_rows = micro_parts(run->solver);
     double peak = 0.0;
     size_t n = 0;
 
-    for (size_t k = 0; k < micro_parts(run->solver); k++) {
+    if (memory_reserve(&run->poses, &run->n_poses_max, n_rows, sizeof *run->poses) != 0)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n_rows);
+    for (size_t k = 0; k < n_rows; k++) {
         const micro_part part = micro_part_of(run->solver, k);
         if (!part.is_gone)
             run->poses[n++] = (scene_pose){ part.x[0], part.x[1], 0.0 };
@@ -143,7 +327,7 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
         ret_rho[c] = (float)run->rho[c];
         peak = fmax(peak, run->rho[c]);
     }
-    *ret_load = (run_load){ .parts = (double)n, .peak = peak };
+    *ret_load = (run_load){ .parts = (double)n, .peak = peak, .n_rows = n_rows };
     return BF_OK;
 }
 
@@ -211,7 +395,7 @@ static uint64_t digest_run(const void *solver)
 }
 
 const run_backend run__micro = {
-    .check_scenario = run__check_micro,
+    .check_scenario = check_scenario,
     .create = create_run,
     .destroy = destroy_run,
     .advance = advance_run,

@@ -46,15 +46,33 @@ struct run {
     double t[BATCH];
     double values[BATCH * COLUMNS_MAX];
     float *rho;
-    double *parts; // rows of FRAME_PARTS
+    double *parts;      // rows of FRAME_PARTS
+    size_t n_parts_max; // numbers that they have room for
     bf_buffer checkpoint;
 };
 
 const char *const run_model_words[] = { "macro", "micro", NULL };
 
+const double run_density_trusted = 1.4;
+const double run_overlap_trusted = 0.05;
+
 static const run_backend *const backends[RUN_MODEL_COUNT] = {
     [RUN_MACRO] = &run__macro, [RUN_MICRO] = &run__micro
 };
+
+unsigned run_doubts(const scene *s, const frame_begin *begin, const frame_end *end)
+{
+    const bool is_macro = begin->model == RUN_MACRO;
+    unsigned doubts = 0;
+
+    if (is_macro && end->peak > run_density_trusted)
+        doubts |= RUN_DOUBT_DENSITY;
+    if (is_macro && begin->dt >= scene_step_positive(s))
+        doubts |= RUN_DOUBT_STEP;
+    if (end->overlap_share > run_overlap_trusted)
+        doubts |= RUN_DOUBT_OVERLAP;
+    return doubts;
+}
 
 bool run_model_is_available(run_model model)
 {
@@ -75,11 +93,15 @@ void run_check(const scene *s, run_model model, bf_faults *faults)
     backends[model]->check_scenario(s, faults);
 }
 
+static int reserve_parts(run *r, uint64_t n_rows)
+{
+    return memory_reserve(&r->parts, &r->n_parts_max, n_rows * r->plan.n_values, sizeof *r->parts);
+}
+
 static bf_status allocate_results(run *r, bf_error *err)
 {
     r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
-    r->parts = memory_alloc(r->plan.n_parts * r->plan.n_values, sizeof *r->parts);
-    if (r->rho == NULL || r->parts == NULL)
+    if (r->rho == NULL || reserve_parts(r, r->plan.n_parts) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
     return BF_OK;
 }
@@ -260,24 +282,25 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     r->backend->count(r->solver, values);
-    values[r->n_columns - 1] = r->parts_start - load.parts;
+    values[r->n_columns - 1] = r->parts_start + load.entered - load.parts;
     r->samples.n++;
     move_past(&r->samples, r->step, r->plan.dt);
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }
 
-static bf_status emit_parts(run *r, const run_sink *sink, bf_error *err)
+static bf_status emit_parts(run *r, uint64_t n_rows, const run_sink *sink, bf_error *err)
 {
+    if (r->backend->parts == NULL)
+        return BF_OK;
+    if (reserve_parts(r, n_rows) != 0)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the parts of a snapshot");
+    r->backend->parts(r->solver, r->parts);
     const frame f = { .type = FRAME_PARTS,
                       .parts = { .index = r->snapshots.n,
                                  .t = time_now(r),
-                                 .n_parts = r->plan.n_parts,
+                                 .n_parts = n_rows,
                                  .n_values = r->plan.n_values,
                                  .rows = r->parts } };
-
-    if (r->backend->parts == NULL)
-        return BF_OK;
-    r->backend->parts(r->solver, r->parts);
     return sink->take(sink->context, &f, err);
 }
 
@@ -301,7 +324,7 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
                                     .rho = r->rho } };
     status = sink->take(sink->context, &f, err);
     if (status == BF_OK)
-        status = emit_parts(r, sink, err);
+        status = emit_parts(r, load.n_rows, sink, err);
     r->snapshots.n++;
     move_past(&r->snapshots, r->step, r->plan.dt);
     return status;
@@ -320,21 +343,21 @@ static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
     return status;
 }
 
-// Does what the caller wants besides going on.
-static bf_status serve_wish(run *r, unsigned wish, const run_sink *sink, bf_error *err)
+// Does what is requested besides going on.
+static bf_status serve_request(run *r, unsigned request, const run_sink *sink, bf_error *err)
 {
     bf_status status = emit_curve(r, sink, err);
 
     if (status == BF_OK)
         status = emit_progress(r, sink, err);
-    if (status == BF_OK && (wish & RUN_CHECKPOINT) != 0)
+    if (status == BF_OK && (request & RUN_CHECKPOINT) != 0)
         status = emit_checkpoint(r, sink, err);
-    if (status == BF_OK && (wish & RUN_STOP) != 0)
+    if (status == BF_OK && (request & RUN_STOP) != 0)
         status = emit_end(r, true, sink, err);
     return status;
 }
 
-// Steps up to the next that something is due at, but not so many that a wish waits for long.
+// Steps up to the next that something is due at, but not so many that a request waits for long.
 static uint64_t count_steps(const run *r)
 {
     uint64_t next = r->samples.step < r->snapshots.step ? r->samples.step : r->snapshots.step;
@@ -350,10 +373,11 @@ bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
     if (status == BF_OK && r->step == 0)
         status = take_results(r, sink, err);
     while (status == BF_OK && r->step < r->plan.n_steps) {
-        unsigned wish = sink->wish == NULL ? RUN_GO_ON : sink->wish(sink->context);
-        if (wish != RUN_GO_ON) {
-            status = serve_wish(r, wish, sink, err);
-            if (status != BF_OK || (wish & RUN_STOP) != 0)
+        const unsigned request =
+            sink->requested == NULL ? RUN_GO_ON : sink->requested(sink->context);
+        if (request != RUN_GO_ON) {
+            status = serve_request(r, request, sink, err);
+            if (status != BF_OK || (request & RUN_STOP) != 0)
                 return status;
         }
         const uint64_t n = count_steps(r);

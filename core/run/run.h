@@ -1,10 +1,10 @@
 /// One scenario from its start to its end: the solver is stepped, results come out as frames.
 ///
-/// Samples of the curve and snapshots (of density and, where the model has them, parts) are taken at the first step at or past each multiple of their
-/// period, at t = 0 and at the end. The same scenario gives the same samples, snapshots and final
-/// digest for any number of threads, and also when the run was stopped and resumed in between. Only
-/// how samples are grouped into frames, and when progress and checkpoints come, follows the caller's
-/// wishes.
+/// Samples of the curve and snapshots (of density and, where the model has them, parts) are taken at the
+/// first step at or past each multiple of their period, at t = 0 and at the end. The same scenario gives the
+/// same samples, snapshots and final digest for any number of threads, and also when the run was stopped and
+/// resumed in between. Only how samples are grouped into frames, and when progress and checkpoints come,
+/// follows the caller's requests.
 ///
 /// Threads  a run belongs to one thread at a time.
 
@@ -29,22 +29,22 @@ typedef enum run_model {
 /// bytes than before, so that results of different versions are never taken for the same.
 enum { RUN_VERSION = 2 };
 
-/// What the caller wants at the moment; flags.
-typedef enum run_wish {
+/// What the caller requests at the moment; flags.
+typedef enum run_request {
     RUN_GO_ON = 0,
     RUN_REPORT = 1,     ///< emit the samples so far and progress now
     RUN_CHECKPOINT = 2, ///< emit a checkpoint now
     RUN_STOP = 4,       ///< emit the samples so far and the end now, and return
-} run_wish;
+} run_request;
 
-/// Where frames go and wishes come from.
+/// Where frames go and requests come from.
 typedef struct run_sink {
     void *context; ///< given to both functions
     /// Take a frame; pointers in it are valid during the call. A failure ends the run with it.
     bf_status (*take)(void *context, const frame *f, bf_error *err);
-    /// Called every few milliseconds of work or more often (cheaply): what is wanted, run_wish flags.
-    /// NULL: nothing.
-    unsigned (*wish)(void *context);
+    /// Called every few milliseconds of work or more often, so it should be cheap. Returns what is
+    /// requested, run_request flags. NULL: nothing ever is.
+    unsigned (*requested)(void *context);
 } run_sink;
 
 /// A run; opaque, on the heap.
@@ -67,12 +67,30 @@ BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_thread
                                    bf_error *err);
 
 /// Go on from a checkpoint's bytes instead of t = 0; before run_execute() only.
-/// BF_ECORRUPT: damaged, or of another scenario; the run is as before.
+/// BF_ECORRUPT: damaged, of another version, or of a scenario that differs in any number; the run is as
+/// before.
 BF_MUST_CHECK bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err);
 
 /// Step to the end. Emits begin first, and end last unless it fails. Failures of the solver and of
 /// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.
 BF_MUST_CHECK bf_status run_execute(run *r, const run_sink *sink, bf_error *err);
+
+/// Above this density (1 is close packing) the macroscopic model is further from the microscopic one
+/// than it need be.
+extern const double run_density_trusted;
+
+/// Parts that overlap by a larger share of their radius are too soft: the outflow depends on it.
+extern const double run_overlap_trusted;
+
+/// What speaks against trusting the results of a run; flags.
+typedef enum run_doubt {
+    RUN_DOUBT_DENSITY = 1, ///< the density rose above run_density_trusted
+    RUN_DOUBT_STEP = 2,    ///< densities may become negative, see scene_step_positive()
+    RUN_DOUBT_OVERLAP = 4, ///< overlaps rose above run_overlap_trusted
+} run_doubt;
+
+/// The doubts about a run of a resolved scenario, as run_doubt flags.
+unsigned run_doubts(const scene *s, const frame_begin *begin, const frame_end *end);
 
 /// Free a run. NULL is fine. Always returns NULL.
 run *run_destroy(run *r);

@@ -1,4 +1,4 @@
-/// What a solver gives to core/run: one table of functions a model.
+/// Inside core/run: a model as a table of functions, and the setup of the microscopic solver.
 
 #pragma once
 
@@ -6,7 +6,9 @@
 #include "core/base/faults.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/micro/micro.h"
 #include "core/run/frame.h"
+#include "core/scene/placement.h"
 #include "core/scene/scene.h"
 
 #include <stdint.h>
@@ -19,15 +21,17 @@ typedef struct run_plan {
     double dt;          ///< s
     uint64_t n_steps;   ///< from t = 0 to the end
     bf_grid grid;       ///< of the snapshots
-    uint64_t n_parts;   ///< parts at the start
+    uint64_t n_parts;   ///< parts at the start; more may enter later
     uint32_t n_values;  ///< values of a part in FRAME_PARTS; 0: the model has no parts
-    uint64_t n_advance; ///< most steps between two questions for the caller's wish, >= 1
+    uint64_t n_advance; ///< most steps between two calls of run_sink.requested, >= 1
 } run_plan;
 
 /// What is in the domain at one time.
 typedef struct run_load {
-    double parts; ///< parts in the domain
-    double peak;  ///< largest density; 0 where the model knows it at snapshots only
+    double parts;    ///< parts in the domain
+    double entered;  ///< parts that entered since t = 0
+    double peak;     ///< largest density; 0 where the model knows it at snapshots only
+    uint64_t n_rows; ///< rows of FRAME_PARTS: parts at the start and entered, gone ones too
 } run_load;
 
 /// A model. solver is what create() made.
@@ -48,7 +52,7 @@ typedef struct run_backend {
     run_load (*measure)(const void *solver);
     /// Fill the density grid, n2 rows of n1, and tell what is in it.
     bf_status (*snapshot)(void *solver, float *ret_rho, run_load *ret_load, bf_error *err);
-    /// Fill the rows of FRAME_PARTS. NULL: the model has no parts.
+    /// Fill the rows of FRAME_PARTS, as many as the snapshot told. NULL: the model has no parts.
     void (*parts)(const void *solver, double *ret_rows);
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
     void (*tell_end)(const void *solver, frame_end *end);
@@ -63,9 +67,20 @@ extern const run_backend run__macro;
 /// The microscopic model.
 extern const run_backend run__micro;
 
-/// Note what speaks against solving a checked scenario with one of the models.
-void run__check_macro(const scene *s, bf_faults *faults);
-void run__check_micro(const scene *s, bf_faults *faults);
+/// A definition of the microscopic solver with what it borrows; must stay where it is.
+/// run__micro_fini_setup().
+typedef struct run__micro_setup {
+    micro_def def;                     ///< ready, with the step that the run takes
+    micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
+    scene_placement placement;         ///< def.poses, def.part_kinds
+} run__micro_setup;
+
+/// The definition of a checked scenario. BF_ENOMEM, BF_EINPUT as placement_of(); *setup is then empty.
+BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, int n_threads,
+                                              run__micro_setup *setup, bf_error *err);
+
+/// Free what the setup owns and zero it. NULL is fine.
+void run__micro_fini_setup(run__micro_setup *setup);
 
 /// Steps until the first one at or past time t; a hair of rounding does not add a step.
 uint64_t run__steps_until(double t, double dt);

@@ -76,7 +76,7 @@ static unsigned wish(void *context)
 static bf_status execute(solving *s, bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = s, .take = take_frame, .wish = wish };
+    run_sink sink = { .context = s, .take = take_frame, .requested = wish };
 
     bf_status status = run_create(&s->scene, s->arguments->model, s->arguments->n_threads, &r, err);
     if (status == BF_OK)

@@ -117,7 +117,7 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
                        bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = w, .take = take_frame, .wish = wish };
+    run_sink sink = { .context = w, .take = take_frame, .requested = wish };
 
     if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");

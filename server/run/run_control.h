@@ -1,4 +1,4 @@
-/// When a run that is being solved reports, saves itself and stops: run_wish by the clock and by
+/// When a run that is being solved reports, saves itself and stops: run_request by the clock and by
 /// signals.
 ///
 /// Cost  run_control_wish() is called before every step, and a step can take 10 us. It reads the coarse
@@ -23,7 +23,7 @@ typedef struct run_control {
 /// A run_control whose first report is due at once. checkpoint_ms 0: no checkpoints, none at a stop either.
 run_control run_control_init(int64_t report_ms, int64_t checkpoint_ms);
 
-/// What is due, for run_sink.wish; context is the run_control.
+/// What is due, for run_sink.requested; context is the run_control.
 unsigned run_control_wish(void *context);
 
 /// How long a signal is caught.

@@ -13,7 +13,7 @@
 #include "api/scenario/scenario.h"
 #include "core/base/memory.h"
 #include "core/base/team.h"
-#include "core/run/micro_model_priv.h"
+#include "core/run/run_priv.h"
 #include "tests/unit/core/helper_outflow.h"
 
 #include <math.h>
@@ -140,14 +140,14 @@ static void show_jam(size_t n, double dt, int n_threads)
     free(e);
 }
 
-static void read_mix(scene *ret_scene, run_micro__setup *ret_setup)
+static void read_mix(scene *ret_scene, run__micro_setup *ret_setup)
 {
     const example *mix = examples_find("mixed-cargo");
     bf_faults faults = { 0 };
     bf_error err;
 
     if (mix == NULL || scenario_read(mix->document, mix->n, ret_scene, &faults, &err) != BF_OK ||
-        run_micro__init_setup(ret_scene, 1, ret_setup, &err) != BF_OK)
+        run__micro_init_setup(ret_scene, 1, ret_setup, &err) != BF_OK)
         fail("the example cannot be read");
 }
 
@@ -155,7 +155,7 @@ static void show_mix(void)
 {
     const double steps[] = { 0.0, 2e-4, 5e-4, 1e-3 };
     double expected[HELPER_OUTFLOW_SAMPLES], u[HELPER_OUTFLOW_SAMPLES];
-    run_micro__setup setup;
+    run__micro_setup setup;
     scene s;
 
     read_mix(&s, &setup);
@@ -177,7 +177,7 @@ static void show_mix(void)
         if (gap > most_gap)
             fail("the curve is not that of the explicit method");
     }
-    run_micro__fini_setup(&setup);
+    run__micro_fini_setup(&setup);
     scene_fini(&s);
 }
 

@@ -67,20 +67,20 @@ static bf_status take(void *context, const frame *f, bf_error *err)
     return BF_OK;
 }
 
-static unsigned wish(void *context)
+static unsigned requested(void *context)
 {
     helper_run_log *log = context;
 
-    log->n_wishes++;
-    if (log->stop_at != 0 && log->n_wishes == log->stop_at)
+    log->n_askings++;
+    if (log->stop_at != 0 && log->n_askings == log->stop_at)
         return RUN_CHECKPOINT | RUN_STOP;
-    return log->report_every != 0 && log->n_wishes % log->report_every == 0 ? RUN_REPORT
-                                                                            : RUN_GO_ON;
+    return log->report_every != 0 && log->n_askings % log->report_every == 0 ? RUN_REPORT
+                                                                             : RUN_GO_ON;
 }
 
 bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *log)
 {
-    const run_sink sink = { log, take, wish };
+    const run_sink sink = { log, take, requested };
     run *r = NULL;
     bf_status status = run_create(s, log->model, n_threads, &r, NULL);
 

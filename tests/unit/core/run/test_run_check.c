@@ -93,6 +93,25 @@ static void a_mollifier_that_reaches_over_too_many_cells_is_refused(void **state
     assert_macro_refuses(&s, BF_ELIMIT, "/macro/mollifier_per_m2", "80 cells");
 }
 
+static void results_beyond_what_can_be_trusted_are_doubted(void **state)
+{
+    scene s;
+    frame_begin begin = { .model = RUN_MACRO };
+    frame_end end = { .peak = 1.4, .overlap_share = 0.05 };
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    begin.dt = 0.99 * scene_step_positive(&s);
+    assert_int_equal(run_doubts(&s, &begin, &end), 0);
+    begin.dt = scene_step_positive(&s);
+    end.peak = 1.41;
+    assert_int_equal(run_doubts(&s, &begin, &end), RUN_DOUBT_DENSITY | RUN_DOUBT_STEP);
+    begin.model = RUN_MICRO; // whose density (18) and step have no such bounds
+    end.overlap_share = 0.051;
+    assert_int_equal(run_doubts(&s, &begin, &end), RUN_DOUBT_OVERLAP);
+    scene_fini(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -101,6 +120,7 @@ int main(void)
         cmocka_unit_test(a_run_shorter_than_a_macroscopic_step_is_refused),
         cmocka_unit_test(too_many_macroscopic_steps_are_refused_with_figure_and_limit),
         cmocka_unit_test(a_mollifier_that_reaches_over_too_many_cells_is_refused),
+        cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

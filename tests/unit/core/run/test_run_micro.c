@@ -190,8 +190,8 @@ static void a_checkpoint_of_the_other_model_is_refused(void **state)
     scene_fini(&s);
 }
 
-// A wish waits for no more than the work of some ten milliseconds, however far the next sample is.
-static void wishes_are_asked_for_between_samples(void **state)
+// A request waits for no more than the work of some ten milliseconds, however far the next sample is.
+static void requests_are_asked_for_between_samples(void **state)
 {
     (void)state;
     scene s;
@@ -199,7 +199,7 @@ static void wishes_are_asked_for_between_samples(void **state)
     s.duration = s.output.curve_every = s.output.snapshot_every = 0.1;
     helper_run_log *log = run_scene(&s, 1);
     // 10,000 steps of 192 parts, at most 200,000/193 + 1 at once.
-    assert_true(log->n_wishes >= 10000 / 1037);
+    assert_true(log->n_askings >= 10000 / 1037);
     free_log(log);
     scene_fini(&s);
 }
@@ -464,7 +464,7 @@ int main(void)
         cmocka_unit_test(threads_and_reports_change_no_result),
         cmocka_unit_test(a_run_stopped_anywhere_resumes_to_the_same_results),
         cmocka_unit_test(a_checkpoint_of_the_other_model_is_refused),
-        cmocka_unit_test(wishes_are_asked_for_between_samples),
+        cmocka_unit_test(requests_are_asked_for_between_samples),
         cmocka_unit_test(an_automatic_step_fits_the_samples),
         cmocka_unit_test(a_mix_of_shapes_moves_in_space),
         cmocka_unit_test(steps_that_are_unstable_or_too_many_are_refused),
