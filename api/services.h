@@ -172,11 +172,11 @@ typedef struct api_event {
     api_event_type type;   ///< kind
     uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index
     size_t n;              ///< bytes of data
-    const char *data;      ///< JSON object, one line; valid during api_event_take
+    const char *data;      ///< JSON object, one line; valid during api_event_fn
 } api_event;
 
 /// Take one event while events are read; not BF_OK stops the reading and is passed on.
-typedef bf_status api_event_take(void *context, const api_event *event, bf_error *err);
+typedef bf_status api_event_fn(void *context, const api_event *event, bf_error *err);
 
 /// The table. context is given to every function.
 typedef struct api_services {
@@ -215,7 +215,7 @@ typedef struct api_services {
     /// Give events of the runs with id > after, rising, to take: all there are, or as many as reach
     /// limit_bytes of data.
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_take *take,
+                             uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err);
     /// Store a measured curve of one column, with the label, counter and times of *measurement: durable
     /// when this returns. BF_ECONFLICT: API_MEASUREMENTS_MAX are stored.

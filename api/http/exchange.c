@@ -10,7 +10,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-// A request that asks for no format that there is will be refused, which is no work.
+// A request for a format that does not exist will be refused, which is not work.
 api_cost api_request_cost(const api_request *request)
 {
     const route *found = routes_find(request->method, request->path, NULL);
@@ -40,14 +40,14 @@ static bf_status find_route(exchange *x, bf_error *err)
     char allow[ROUTES_ALLOW_SIZE];
 
     if (strlen(request->path) >= API_PATH_MAX || strlen(request->query) >= API_PATH_MAX - 1)
-        return exchange__refuse(x, 414, err, "path and query may have %d bytes each",
+        return exchange__refuse(x, 414, "", err, "path and query may have %d bytes each",
                                 API_PATH_MAX - 2);
     x->route = routes_find(request->method, request->path, &x->params);
     if (x->route != NULL)
         return BF_OK;
     if (!routes_allow(request->path, allow))
         return bf_fail(err, BF_ENOTFOUND, "", "there is nothing at this path");
-    return exchange__refuse(x, 405, err, "this path knows: %s", allow);
+    return exchange__refuse(x, 405, "", err, "this path knows: %s", allow);
 }
 
 static bf_status choose_media(exchange *x, bf_error *err)
@@ -76,7 +76,7 @@ static bf_status dispatch(exchange *x, bf_error *err)
     return status;
 }
 
-// An answer that may be kept but has no entity tag yet gets one of its bytes.
+// A cacheable answer without an entity tag gets a digest of its bytes as one.
 static void tag_by_bytes(exchange *x)
 {
     api_response *response = x->response;
@@ -89,7 +89,7 @@ static void tag_by_bytes(exchange *x)
     (void)exchange__match_etag(x, "%016" PRIx64, digest);
 }
 
-// What every answer that is not a problem carries.
+// Completes an answer that is not a problem document.
 static void complete(exchange *x)
 {
     api_response *response = x->response;
@@ -104,7 +104,7 @@ static void complete(exchange *x)
         api_response_header(response, "Cache-Control", "no-store");
 }
 
-// A document that is at fault is understood but cannot be processed, unless it is none at all.
+// Text that is not JSON or CSV is a 400; a document that can be parsed but is at fault, a 422.
 static int refusal_status(const exchange *x, bf_status code)
 {
     if (x->refusal != 0)
@@ -165,27 +165,27 @@ void api_handle(const api_services *services, const api_request *request, api_re
     api_response_header(response, "X-Content-Type-Options", "nosniff");
 }
 
-bool api_wait_is_over(const api_services *services, const api_wait *wait)
+bool api_long_poll_is_over(const api_services *services, const api_long_poll *poll)
 {
     api_run record;
 
-    if (services->find(services->context, wait->run, &record, NULL) != BF_OK)
+    if (services->find(services->context, poll->run, &record, NULL) != BF_OK)
         return true;
     return run_state_is_end(record.state) ||
-           (wait->is_for_change && record.revision != wait->revision);
+           (poll->is_for_change && record.revision != poll->revision);
 }
 
 void api_handle_again(const api_services *services, const api_request *request,
                       api_response *response)
 {
-    const api_wait waited = response->wait;
+    const api_long_poll polled = response->long_poll;
     api_request again = *request;
     api_response late;
 
-    again.waited = &waited;
-    response->wait.seconds = 0;
+    again.polled = &polled;
+    response->long_poll.seconds = 0;
     api_handle(services, &again, &late);
-    // What was promised stays: a run that was accepted, and is gone or cannot be read now.
+    // A run that was accepted has been accepted, even if it is gone by now or cannot be read.
     bool is_worse = response->status == 201 && late.status != 201;
     api_response *unused = is_worse ? &late : response;
     api_response_fini(unused);

@@ -1,8 +1,7 @@
 /// One HTTP exchange as the API sees it: a request in, a response out, no sockets.
 ///
-/// api_handle() is the whole API: it finds the route, reads the request, asks the services and
-/// writes the response; errors become application/problem+json (RFC 9457). Routes are one table
-/// (routes.h).
+/// api_handle() is the whole API: it finds the route (routes.h), reads the request, calls the services
+/// and writes the response; errors become application/problem+json (RFC 9457, problem.h).
 ///
 /// Threads  api_handle() may be called from any thread at the same time; it blocks while a service
 ///          reads or writes the disk, which api_request_cost() tells before.
@@ -27,13 +26,13 @@ enum {
 /// Largest body of a request, bytes, unless configured otherwise.
 #define API_BODY_MAX (1024 * 1024)
 
-/// What an answer waits for before it leaves.
-typedef struct api_wait {
+/// What an answer waits for before it is sent: a long poll.
+typedef struct api_long_poll {
     unsigned seconds;      ///< at most so long; 0: it does not wait
     char run[API_ID_SIZE]; ///< for the end of this run,
     bool is_for_change;    ///< or for another revision of it:
     uint64_t revision;     ///< than this one
-} api_wait;
+} api_long_poll;
 
 /// How much handling a request takes.
 typedef enum api_cost {
@@ -54,7 +53,7 @@ typedef struct api_request {
     const char *body;     ///< n_body bytes; may be NULL when 0
     size_t n_body;        ///< bytes
     const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
-    const api_wait *waited; ///< what the answer before this one waited for; NULL: it is the first
+    const api_long_poll *polled; ///< what the first answer waited for; NULL: this is the first
 } api_request;
 
 /// A response header.
@@ -71,7 +70,7 @@ typedef struct api_response {
     api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
     bf_buffer body;     ///< the body, unless there is a source; of a 304 perhaps what a 200 had
     body_source source; ///< the body is made while it is sent; next_chunk NULL: it is not
-    api_wait wait;      ///< what it is worth waiting for with this answer
+    api_long_poll long_poll; ///< seconds > 0: worth waiting before it is sent
 } api_response;
 
 /// How much handling a request takes: API_COST_NONE where no route has its path and method. Reads the
@@ -82,11 +81,11 @@ api_cost api_request_cost(const api_request *request);
 /// transport leaves them out). BF_ENOMEM becomes a 503.
 void api_handle(const api_services *services, const api_request *request, api_response *response);
 
-/// True if there is nothing to wait for any more: the run has ended, changed, or cannot be found.
-bool api_wait_is_over(const api_services *services, const api_wait *wait);
+/// True if the wait is over: the run has ended, changed, or cannot be found.
+bool api_long_poll_is_over(const api_services *services, const api_long_poll *poll);
 
-/// Answer a request again after its answer, *response, has waited; the new answer waits no more. A run
-/// that was accepted stays accepted, whatever became of it since.
+/// Answer a request again when the long poll of its first answer, *response, is over; the new answer
+/// does not wait. An answer 201 is kept if the run cannot be read any more.
 void api_handle_again(const api_services *services, const api_request *request,
                       api_response *response);
 
@@ -94,7 +93,8 @@ void api_handle_again(const api_services *services, const api_request *request,
 bool api_route_exists(const char *path);
 
 /// Make *response a problem document, replacing what was there: status, and the error's text as
-/// detail. For the transport's own refusals (400, 408, 413, 431, 503).
+/// detail. For the transport's own refusals. A status that problem.h does
+/// not list is a bug.
 void api_problem(api_response *response, int status, const char *instance, const bf_error *error);
 
 /// Add a header; one beyond API_HEADERS_MAX or too long a value is a bug.

@@ -9,37 +9,17 @@
 #include <stdio.h>
 #include <string.h>
 
-__attribute__((format(printf, 5, 0))) static bf_status refuse_with(exchange *x, int http_status,
-                                                                   const char *pointer,
-                                                                   bf_error *err,
-                                                                   const char *format, va_list args)
+bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
+                           const char *format, ...)
 {
     char text[BF_TEXT_SIZE];
+    va_list args;
 
+    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
+    va_end(args);
     x->refusal = http_status;
     return bf_fail(err, BF_EINPUT, pointer, "%s", text);
-}
-
-bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
-{
-    va_list args;
-
-    va_start(args, format);
-    bf_status status = refuse_with(x, http_status, "", err, format, args);
-    va_end(args);
-    return status;
-}
-
-bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
-                              const char *format, ...)
-{
-    va_list args;
-
-    va_start(args, format);
-    bf_status status = refuse_with(x, http_status, pointer, err, format, args);
-    va_end(args);
-    return status;
 }
 
 void exchange__cache_immutable(exchange *x)
@@ -59,7 +39,7 @@ static bool tag_state(exchange *x, const char *tag, char *ret_form)
     const char *known = exchange__header(x, "If-None-Match");
     bool is_known =
         known != NULL &&
-        precondition_is_known(known, tag, exchange__header(x, "Accept-Encoding"), ret_form);
+        precondition_match_etag(known, tag, exchange__header(x, "Accept-Encoding"), ret_form);
 
     api_response_header(x->response, "ETag", "\"%s\"", tag);
     if (is_known)

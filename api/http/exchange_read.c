@@ -81,7 +81,7 @@ bf_status exchange__check_match(exchange *x, const api_run *record, uint64_t *re
         *ret_revision = wanted == NULL ? API_ANY_REVISION : record->revision;
         return BF_OK;
     }
-    return exchange__refuse(x, 412, err,
+    return exchange__refuse(x, 412, "", err,
                             "the run is not in the state that If-Match names: it is \"%s\"", tag);
 }
 
@@ -103,15 +103,17 @@ bf_status exchange__check_body(exchange *x, const char *const *types, size_t *re
 
     list_types(x, types);
     if (type == NULL)
-        return exchange__refuse(x, 415, err, "the body needs Content-Type: %s", x->accepts);
+        return exchange__refuse(x, 415, "", err, "the body needs Content-Type: %s", x->accepts);
     size_t n = strcspn(type, "; \t");
     while (types[found] != NULL &&
            (strlen(types[found]) != n || strncasecmp(type, types[found], n) != 0))
         found++;
     if (types[found] == NULL)
-        return exchange__refuse(x, 415, err, "the body must be %s, not '%.64s'", x->accepts, type);
+        return exchange__refuse(x, 415, "", err, "the body must be %s, not '%.64s'", x->accepts,
+                                type);
     if (encoding != NULL && strcasecmp(encoding, "identity") != 0)
-        return exchange__refuse(x, 415, err, "the body must not be encoded ('%.32s')", encoding);
+        return exchange__refuse(x, 415, "", err, "the body must not be encoded ('%.32s')",
+                                encoding);
     *ret_type = found;
     return BF_OK;
 }
@@ -127,19 +129,19 @@ exchange_page exchange__page(const exchange *x)
     return page;
 }
 
-void exchange__wait(exchange *x, const api_run *record, unsigned seconds, bool is_for_change)
+void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, bool is_for_change)
 {
-    api_wait *wait = &x->response->wait;
+    api_long_poll *wait = &x->response->long_poll;
 
-    if (x->request->waited != NULL || seconds == 0 || run_state_is_end(record->state))
+    if (x->request->polled != NULL || seconds == 0 || run_state_is_end(record->state))
         return;
-    *wait = (api_wait){ .seconds = seconds < API_WAIT_MAX_S ? seconds : API_WAIT_MAX_S,
-                        .is_for_change = is_for_change,
-                        .revision = record->revision };
+    *wait = (api_long_poll){ .seconds = seconds < API_WAIT_MAX_S ? seconds : API_WAIT_MAX_S,
+                             .is_for_change = is_for_change,
+                             .revision = record->revision };
     memcpy(wait->run, record->id, sizeof wait->run);
 }
 
-void exchange__prefer_wait(exchange *x, const api_run *record)
+void exchange__prefer_long_poll(exchange *x, const api_run *record)
 {
     unsigned seconds = 0;
 
@@ -147,5 +149,5 @@ void exchange__prefer_wait(exchange *x, const api_run *record)
         return;
     api_response_header(x->response, "Preference-Applied", "wait=%u",
                         seconds < API_WAIT_MAX_S ? seconds : API_WAIT_MAX_S);
-    exchange__wait(x, record, seconds, false);
+    exchange__long_poll(x, record, seconds, false);
 }

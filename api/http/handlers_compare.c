@@ -116,11 +116,11 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     if (status == BF_ENOTFOUND)
         status = services->find_measurement(services->context, e->id, &e->measurement, err);
     if (status == BF_ENOTFOUND)
-        return exchange__refuse_at(x, 404, e->pointer, err, "there is nothing with the id '%s'",
-                                   e->id);
+        return exchange__refuse(x, 404, e->pointer, err, "there is nothing with the id '%s'",
+                                e->id);
     if (status == BF_OK && e->is_run && e->run.n_samples == 0)
-        return exchange__refuse_at(x, 409, e->pointer, err,
-                                   "run '%s' has no samples of its curve yet", e->id);
+        return exchange__refuse(x, 409, e->pointer, err, "run '%s' has no samples of its curve yet",
+                                e->id);
     if (status == BF_OK && !e->is_run &&
         buffer_printf(&e->columns, "%s", e->measurement.counter) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
@@ -177,9 +177,9 @@ static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
     if (wanted != NULL) {
         lack = find_lack(c, wanted);
         if (lack != NULL)
-            return exchange__refuse_at(x, 422, lack->pointer, err,
-                                       "the curve of '%s' has no column '%.64s'; it has %.120s",
-                                       lack->id, wanted, columns_of(lack));
+            return exchange__refuse(x, 422, lack->pointer, err,
+                                    "the curve of '%s' has no column '%.64s'; it has %.120s",
+                                    lack->id, wanted, columns_of(lack));
         snprintf(c->column, sizeof c->column, "%s", wanted);
         return BF_OK;
     }
@@ -188,10 +188,10 @@ static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
         if (lack == NULL)
             return BF_OK;
     }
-    return exchange__refuse_at(x, 422, lack == NULL ? "/column" : lack->pointer, err,
-                               "the curves have no column in common; that of the reference has "
-                               "%.200s",
-                               columns_of(&c->entries[c->reference]));
+    return exchange__refuse(x, 422, lack == NULL ? "/column" : lack->pointer, err,
+                            "the curves have no column in common; that of the reference has "
+                            "%.200s",
+                            columns_of(&c->entries[c->reference]));
 }
 
 static bf_status take_column(const comparison *c, const entry *e, api_curve *curve,
@@ -241,7 +241,7 @@ static bf_status refuse_curves(exchange *x, const entry *e, bf_status status, co
                                bf_error *err)
 {
     if (status == BF_EINPUT)
-        return exchange__refuse_at(x, 422, e->pointer, err, "%s", why->text);
+        return exchange__refuse(x, 422, e->pointer, err, "%s", why->text);
     return bf_fail(err, status, why->pointer, "%s", why->text);
 }
 

@@ -30,7 +30,7 @@ static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_
         return measurement_read_csv(body, request->n_body, label, counter, ret_measurement,
                                     &x->faults, err);
     if (label != NULL || counter != NULL)
-        return exchange__refuse(x, 400, err, "query parameter '%s': JSON has it in the body",
+        return exchange__refuse(x, 400, "", err, "query parameter '%s': JSON has it in the body",
                                 label != NULL ? "label" : "counter");
     return measurement_read_json(body, request->n_body, ret_measurement, &x->faults, err);
 }

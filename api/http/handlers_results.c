@@ -149,7 +149,7 @@ static bf_status write_text(exchange *x, const api_snapshot *snapshot, const bf_
     bf_buffer *body = &x->response->body;
 
     if (grid_cells(grid) > TEXT_CELLS_MAX)
-        return exchange__refuse(x, 406, err,
+        return exchange__refuse(x, 406, "", err,
                                 "%zu cells are too many for text (limit %d); use npy or vti",
                                 grid_cells(grid), TEXT_CELLS_MAX);
     return x->media->format == MEDIA_CSV ? results_snapshot_csv(rho, grid, body, err)
@@ -212,7 +212,7 @@ static bf_status write_rows(exchange *x, const api_parts *parts, const api_snaps
     if (x->media->format == MEDIA_VTP)
         return results_parts_vtp(rows, parts, snapshot->t, body, err);
     if (parts->n_parts * parts->n_values > TEXT_VALUES_MAX)
-        return exchange__refuse(x, 406, err,
+        return exchange__refuse(x, 406, "", err,
                                 "%" PRIu64 " parts of %" PRIu32 " values are too many for text "
                                 "(limit %d values); use npy or vtp",
                                 parts->n_parts, parts->n_values, TEXT_VALUES_MAX);

@@ -1,4 +1,4 @@
-// Runs: accept (or only judge) a submission, list, show, cancel, remove.
+// Runs: accept or validate a submission, list, show, cancel, remove.
 
 #include "api/http/http_priv.h"
 #include "api/http/idempotency.h"
@@ -25,7 +25,7 @@ static bf_status read_submission(exchange *x, api_submission *ret_submission, bf
     return status;
 }
 
-// A key makes of this body the same request, however often it comes.
+// The body is compared when the key is used again.
 static bf_status read_key(const exchange *x, api_submission *submission, bf_error *err)
 {
     submission->body = x->request->body;
@@ -50,11 +50,11 @@ static bool answer_now(exchange *x, const char *id)
         run_json_write(&record, &x->response->body, NULL) != BF_OK)
         return false;
     answer_head(x, id, record.revision);
-    exchange__prefer_wait(x, &record);
+    exchange__prefer_long_poll(x, &record);
     return true;
 }
 
-// Who prefers to wait is shown the run as it is, also where the first answer is given again.
+// A client that prefers to wait gets the run as it is now, even where the first answer is repeated.
 static void answer_accepted(exchange *x, api_acceptance *accepted)
 {
     unsigned seconds = 0;
@@ -71,22 +71,22 @@ static void answer_accepted(exchange *x, api_acceptance *accepted)
     answer_head(x, accepted->id, accepted->revision);
 }
 
-static bf_status answer_waited(exchange *x, bf_error *err)
+static bf_status answer_polled(exchange *x, bf_error *err)
 {
-    if (answer_now(x, x->request->waited->run))
+    if (answer_now(x, x->request->polled->run))
         return BF_OK;
     return bf_fail(err, BF_ENOTFOUND, "", "the run is gone");
 }
 
-// Nothing that can fail comes after the submission: a run that was accepted must not be answered
-// with a failure.
+// Nothing that can fail follows the submission, so that no accepted run is answered with a failure. The
+// order of the checks (key, then quota, then queue) is the store's.
 static bf_status submit(exchange *x, const api_submission *submission, bf_error *err)
 {
     api_acceptance accepted = { 0 };
 
     bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
     if (status == BF_EINPUT)
-        x->refusal = 422; // the key came with another body before
+        x->refusal = 422; // the key was used with another body
     if (status == BF_ELIMIT)
         x->refusal = 429;
     if (status == BF_OK)
@@ -98,8 +98,8 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
 {
     api_submission submission = { 0 };
 
-    if (x->request->waited != NULL)
-        return answer_waited(x, err);
+    if (x->request->polled != NULL)
+        return answer_polled(x, err);
     bf_status status = read_submission(x, &submission, err);
     if (status == BF_OK)
         status = read_key(x, &submission, err);
@@ -178,8 +178,8 @@ bf_status handlers_runs_list(exchange *x, bf_error *err)
     return status;
 }
 
-// With `wait` a client that has this state is answered when there is another one, and a client that
-// has none, when the run has ended.
+// With `wait`, a client that names a state by If-None-Match is answered when the run has another one,
+// and any other client when the run has ended.
 bf_status handlers_runs_show(exchange *x, bf_error *err)
 {
     bool has_state = exchange__header(x, "If-None-Match") != NULL;
@@ -191,7 +191,7 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
         return status;
     exchange__cache_revalidate(x);
     if (exchange__match_etag(x, "r%" PRIu64, record.revision) || !has_state)
-        exchange__wait(x, &record, seconds, has_state);
+        exchange__long_poll(x, &record, seconds, has_state);
     return run_json_write(&record, &x->response->body, err);
 }
 

@@ -26,25 +26,42 @@ struct exchange {
     char accepts[64];             ///< media types of bodies, for a 415
 };
 
-/// Fail with an HTTP status that no bf_status stands for. Returns BF_EINPUT.
-bf_status exchange__refuse(exchange *x, int http_status, bf_error *err, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
-
-/// Same with the place at fault: "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON
-/// pointer.
-bf_status exchange__refuse_at(exchange *x, int http_status, const char *pointer, bf_error *err,
-                              const char *format, ...) __attribute__((format(printf, 5, 6)));
+/// Fail with an HTTP status that no bf_status stands for. pointer is the place at fault, as
+/// "/<parameter>/<index>" of a query, "/line/<number>" of CSV, or a JSON pointer; "": none. Returns
+/// BF_EINPUT.
+bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
+                           const char *format, ...) __attribute__((format(printf, 5, 6)));
 
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
 
-/// Read a parameter of the route that the query has, else its default. As text: NULL if it was not
-/// given, and no default. As a whole number: 0 if there is neither. As ids: returns how many, 0 if it
-/// was not given; ret_ids has room for the most that its row allows.
+/// The value of a parameter in the query, as text (NULL: not given), or as its kind reads it: then its
+/// default where it is not given, 0 if there is none. ret_ids has room for as many as the row allows;
+/// exchange__ids() returns how many there are.
 const char *exchange__text(const exchange *x, const char *name);
 uint64_t exchange__whole(const exchange *x, const char *name);
 double exchange__real(const exchange *x, const char *name);
 size_t exchange__ids(const exchange *x, const char *name, char (*ret_ids)[API_ID_SIZE]);
+
+/// Find which of the media types the body has, as its Content-Type says; types is NULL-terminated. A
+/// 415 refuses all others, and content codings: with these types a page of another origin cannot post
+/// without a CORS preflight.
+BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *types,
+                                             size_t *ret_type, bf_error *err);
+
+/// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
+BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
+
+/// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is not a number, or the
+/// run does not have that snapshot yet.
+BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
+                                                uint64_t *ret_index, bf_error *err);
+
+/// Compare If-Match with the run. *ret_revision is the revision that a change of the run has to find:
+/// the run's, API_ANY_REVISION where the request has no If-Match. BF_EINPUT, as a 412: the header names
+/// other states.
+BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
+                                              uint64_t *ret_revision, bf_error *err);
 
 /// Which page of a list is asked for, by the parameters label, cursor and limit.
 typedef struct exchange_page {
@@ -61,52 +78,32 @@ exchange_page exchange__page(const exchange *x);
 void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
                          const char *last_id);
 
-/// Find which of the media types the body has, as its Content-Type says; types is NULL-terminated.
-/// Only these are taken, and no content coding, so that no page of another origin can post unasked:
-/// 415.
-BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *types,
-                                             size_t *ret_type, bf_error *err);
-
-/// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
-BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
-
-/// Allow the answer to be cached without asking again: it never changes.
-void exchange__cache_immutable(exchange *x);
-
-/// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is no number, or the
-/// run has none of it yet.
-BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
-                                                uint64_t *ret_index, bf_error *err);
-
-/// Name the response's body, a result of a snapshot, for a client that saves it: "000012.vti".
-void exchange__name_snapshot(exchange *x, uint64_t index);
-
-/// Name the state of what a GET asks for by an entity tag, given without quotes. True if the client
-/// has that state already: the response is then a 304, and the handler is done.
+/// Set ETag to the tag of the resource's present state, given without quotes. True: If-None-Match names
+/// it, the response is a 304 and the handler is done.
 bool exchange__is_unchanged(exchange *x, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/// The same for what is cheap to write: the handler goes on and writes what a 200 has, so that the
-/// transport knows its length.
+/// The same where the body is cheap: the handler writes it even for a 304, so that the transport knows
+/// the length that a 200 would have.
 bool exchange__match_etag(exchange *x, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/// Allow the answer to be cached and asked for again by its entity tag: that of
-/// exchange__is_unchanged() or exchange__match_etag(), or else one of its bytes.
+/// Allow caching without asking again: the answer never changes.
+void exchange__cache_immutable(exchange *x);
+
+/// Allow caching, with a request that names the entity tag before each use. A response without a tag
+/// gets one of its bytes.
 void exchange__cache_revalidate(exchange *x);
 
-/// Compare If-Match with the run. *ret_revision is the revision that a change of the run has to find:
-/// the run's, API_ANY_REVISION where the request has no If-Match. BF_EINPUT, as a 412: the header names
-/// other states.
-BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
-                                              uint64_t *ret_revision, bf_error *err);
+/// Suggest a file name for the body, a result of a snapshot: "000012.vti".
+void exchange__name_snapshot(exchange *x, uint64_t index);
 
-/// Let the answer wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
+/// Let the response wait at most so many seconds (API_WAIT_MAX_S) for the end of the run or, if
 /// is_for_change, for another revision. Does nothing when it has waited, or the run has ended.
-void exchange__wait(exchange *x, const api_run *record, unsigned seconds, bool is_for_change);
+void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, bool is_for_change);
 
 /// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
-void exchange__prefer_wait(exchange *x, const api_run *record);
+void exchange__prefer_long_poll(exchange *x, const api_run *record);
 
 /// Runs: accept, list, show, stop, remove; and what accepting would say.
 route_handler_fn handlers_runs_submit;

@@ -52,8 +52,8 @@ static bool is_form_of(const entity_tag *member, const char *tag, const int *qua
     return false;
 }
 
-bool precondition_is_known(const char *if_none_match, const char *tag, const char *accept_encoding,
-                           char *ret_tag)
+bool precondition_match_etag(const char *if_none_match, const char *tag,
+                             const char *accept_encoding, char *ret_tag)
 {
     entity_tag member;
     int qualities[CODING_COUNT];

@@ -12,8 +12,8 @@
 /// True if If-None-Match names the state: `*`, or by weak comparison the tag of the plain or of an
 /// encoded form that the client accepts (accept_encoding may be NULL). *ret_tag (CODING_TAG_SIZE
 /// bytes) is then the tag that the client knows it by.
-bool precondition_is_known(const char *if_none_match, const char *tag, const char *accept_encoding,
-                           char *ret_tag);
+bool precondition_match_etag(const char *if_none_match, const char *tag,
+                             const char *accept_encoding, char *ret_tag);
 
 /// True if If-Match allows a change of this state: `*`, or by strong comparison the tag of any form.
 bool precondition_holds(const char *if_match, const char *tag);

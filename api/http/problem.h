@@ -10,30 +10,31 @@
 #define PROBLEM_LIST(X)                                                                            \
     X(400, "bad-request", "Bad Request", "", PROBLEM_OF(BF_EINPUT) | PROBLEM_OF(BF_ELIMIT),        \
       "The request is not well formed, or has a parameter that is not known")                      \
-    X(404, "not-found", "Not Found", "", PROBLEM_OF(BF_ENOTFOUND), "There is no such thing")       \
+    X(404, "not-found", "Not Found", "", PROBLEM_OF(BF_ENOTFOUND), "There is no such resource")    \
     X(405, "method-not-allowed", "Method Not Allowed", "Allow", 0,                                 \
       "The path does not know this method")                                                        \
-    X(406, "not-acceptable", "Not Acceptable", "", 0, "There is no such format of this")           \
+    X(406, "not-acceptable", "Not Acceptable", "", 0, "The resource has no such format")           \
     X(409, "conflict", "Conflict", "", PROBLEM_OF(BF_ECONFLICT),                                   \
-      "It does not fit the present state")                                                         \
+      "The request does not fit the present state")                                                \
     X(412, "precondition-failed", "Precondition Failed", "", 0,                                    \
       "The run is not in the state that If-Match names; nothing was changed")                      \
     X(413, "content-too-large", "Content Too Large", "", 0, "The body is too large")               \
     X(414, "uri-too-long", "URI Too Long", "", 0, "Path or query are too long")                    \
     X(415, "unsupported-media-type", "Unsupported Media Type", "", 0,                              \
-      "The body is not JSON, or does not say so")                                                  \
+      "The body has a media type that is not accepted, or none")                                   \
     X(416, "range-not-satisfiable", "Range Not Satisfiable", "Content-Range", 0,                   \
-      "The range begins behind the end")                                                           \
+      "The range begins after the end")                                                            \
     X(422, "bad-document", "Unprocessable Content", "", 0,                                         \
       "The document is JSON but at fault; `errors` has the places")                                \
     X(429, "too-many-requests", "Too Many Requests", "Retry-After", 0,                             \
       "The client has used up a quota")                                                            \
     X(500, "internal-error", "Internal Server Error", "", 0,                                       \
-      "The service failed; its log says why")                                                      \
+      "The service failed; its log has the cause")                                                 \
     X(501, "not-implemented", "Not Implemented", "", 0,                                            \
       "There is no such method or transfer coding")                                                \
     X(503, "unavailable", "Service Unavailable", "Retry-After",                                    \
-      PROBLEM_OF(BF_ENOMEM) | PROBLEM_OF(BF_EBUSY), "Full or stopping at the moment")
+      PROBLEM_OF(BF_ENOMEM) | PROBLEM_OF(BF_EBUSY),                                                \
+      "Overloaded or stopping; another try can help later")
 
 /// The flag of a bf_status in the table. Those without a row are 500.
 #define PROBLEM_OF(code) (1U << (code))

@@ -42,6 +42,7 @@ static const param snapshot_n = { .name = "n",
                                   .in = "path",
                                   .kind = &param_whole,
                                   .type = "#Count",
+                                  .most = UINT64_MAX,
                                   .is_required = true,
                                   .help = "Which snapshot, from 0" };
 
@@ -133,7 +134,7 @@ static const param page_limit = { .name = "limit",
                                   .default_text = "50",
                                   .least = 1,
                                   .most = API_LIST_MAX,
-                                  .help = "How many a page" };
+                                  .help = "Items on a page" };
 
 static const param page_cursor = { .name = "cursor",
                                    .in = "query",
@@ -199,8 +200,7 @@ static const param inline_grids = { .name = "inline",
                                     .kind = &param_flag,
                                     .default_text = "0",
                                     .most = 1,
-                                    .help =
-                                        "1: snapshot events have the grid with them, as `data`" };
+                                    .help = "1: snapshot events contain the grid, as `data`" };
 
 static const param last_event_id = {
     .name = "last_event_id",
@@ -217,7 +217,7 @@ static const param idempotency_key = {
     .in = "header",
     .kind = &param_text,
     .limits = "\"minLength\":1",
-    .help = "Any text of the client's own: the same key and body get the first answer again"
+    .help = "Any text: a request with the same key and body gets the first answer again"
 };
 
 static const param if_match = { .name = "If-Match",
@@ -293,17 +293,14 @@ static const route table[] = {
       .params = PARAMS(&idempotency_key, &prefer),
       .id = "submitRun",
       .tag = "Runs",
-      .summary = "Accept a run; it is on disk before the answer leaves",
-      .help =
-          "The scenario is checked as a whole first: every fault that can be found is told with "
-          "its place. A 201 means that the run is stored safely and will be solved, whatever "
-          "happens to the daemon meanwhile. With `Prefer: wait=N` the answer comes when the run "
-          "has "
-          "ended. What was solved before ends at once with those results (`cached`), unless it "
-          "must be "
-          "`fresh`. With Idempotency-Key a request can be sent again safely: the same key with "
-          "another body is a 422. 429 and 503 mean that the client's share of the queue or the "
-          "queue is full.",
+      .summary = "Accept a run; it is on disk before the answer is sent",
+      .help = "The whole scenario is checked first: every fault that can be found is reported with "
+              "its place. A 201 means that the run is on disk and will be solved, even if the "
+              "daemon is restarted meanwhile. With `Prefer: wait=N` the answer comes when the run "
+              "has ended. If the same scenario was solved before, the run ends at once with those "
+              "results (`cached`), unless `fresh` is given. With Idempotency-Key a request can be "
+              "repeated safely: the same key with another body is a 422. 429 means that the "
+              "client's quota of queued runs is used up, 503 that the queue is full.",
       .body = "Submission",
       .refusals = "409 413 415 422",
       .answers = { { 201, "Run",
@@ -332,9 +329,8 @@ static const route table[] = {
       .id = "getRun",
       .tag = "Runs",
       .summary = "Show a run: state, progress, times, links",
-      .help =
-          "The ETag changes with every change of the run. To follow a run, its events are better "
-          "than asking again and again.",
+      .help = "The ETag changes with every change of the run. To follow a run, use its events "
+              "rather than polling.",
       .refusals = "404",
       .answers = { { 200, "Run", CACHED, "The run" }, UNCHANGED } },
     { .method = "DELETE",
@@ -347,9 +343,9 @@ static const route table[] = {
       .id = "deleteRun",
       .tag = "Runs",
       .summary = "Stop a run if need be and remove it with its results",
-      .help = "A run that is being solved is stopped first. There is no way back.",
+      .help = "A run that is being solved is stopped first. This cannot be undone.",
       .refusals = "404 412",
-      .answers = { { 204, NULL, "Cache-Control", "The run is gone" } } },
+      .answers = { { 204, NULL, "Cache-Control", "The run was removed" } } },
     { .method = "POST",
       .path = "/v1/runs/{id}/cancel",
       .handle = handlers_runs_cancel,
@@ -359,11 +355,11 @@ static const route table[] = {
       .params = PARAMS(&run_id, &if_match),
       .id = "cancelRun",
       .tag = "Runs",
-      .summary = "Stop a run and keep what it has",
-      .help = "What the run has given so far stays and can be read.",
+      .summary = "Stop a run and keep its results so far",
+      .help = "The results so far are kept and can be read.",
       .refusals = "404 409 412",
-      .answers = { { 200, "Run", "Cache-Control", "It had not begun, and is cancelled" },
-                   { 202, "Run", "Cache-Control", "It will stop within a moment" } } },
+      .answers = { { 200, "Run", "Cache-Control", "The run had not started and is cancelled" },
+                   { 202, "Run", "Cache-Control", "The run will stop shortly" } } },
     { .method = "GET",
       .path = "/v1/runs/{id}/scenario",
       .handle = handlers_results_scenario,
@@ -387,7 +383,7 @@ static const route table[] = {
       .id = "getSummary",
       .tag = "Results",
       .summary = "The figures of a run that has ended",
-      .help = "There is none before the run has ended: 409 until then.",
+      .help = "409 before the run has ended.",
       .refusals = "404 409",
       .answers = { { 200, "Summary", CACHED, "The figures" }, UNCHANGED } },
     { .method = "GET",
@@ -414,7 +410,7 @@ static const route table[] = {
       .id = "listSnapshots",
       .tag = "Results",
       .summary = "List the density snapshots so far",
-      .help = "Their times, largest densities and addresses, and the grid that they share.",
+      .help = "Their times, largest densities and addresses, and their common grid.",
       .refusals = "404",
       .answers = { { 200, "SnapshotList", CACHED, "The list" }, UNCHANGED } },
     { .method = "GET",
@@ -429,10 +425,9 @@ static const route table[] = {
       .id = "getSnapshot",
       .tag = "Results",
       .summary = "One density snapshot",
-      .help =
-          "Density on the grid, rows along y; 1 is close packing. A microscopic run has its parts "
-          "as a density on the same grid. It never changes and may be kept for ever. 406 if the "
-          "grid is too large for the format.",
+      .help = "Density on the grid, rows along y; 1 is close packing. A microscopic run has its "
+              "parts as a density on the same grid. A snapshot never changes and may be cached "
+              "without limit. 406 if the grid is too large for the format.",
       .refusals = "404 416 422",
       .answers = { { 200, "Snapshot", CACHED " Accept-Ranges Content-Disposition", "The density" },
                    PART("npy png vti"),
@@ -461,8 +456,9 @@ static const route table[] = {
       .id = "getParts",
       .tag = "Results",
       .summary = "The parts at the time of a snapshot (micro)",
-      .help = "One row a part, in the order of their placement: place, heading, velocity and spin. "
-              "404 also for a macroscopic run. It never changes and may be kept for ever.",
+      .help = "One row for each part, in the order of their placement: place, heading, velocity "
+              "and spin. 404 also for a macroscopic run. The rows never change and may be cached "
+              "without limit.",
       .refusals = "404 416",
       .answers = { { 200, "Parts", CACHED " Accept-Ranges Content-Disposition", "The parts" },
                    PART("npy vtp"),
@@ -504,12 +500,12 @@ static const route table[] = {
       .id = "followRun",
       .tag = "Events",
       .summary = "Follow a run: its events from the first one on, until it has ended",
-      .help =
-          "The stream begins with the run's first event and ends with its last one. A client that "
-          "comes back with Last-Event-ID misses nothing and gets nothing twice.",
+      .help = "The stream begins with the run's first event and ends with its last one. A client "
+              "that reconnects with Last-Event-ID misses no event and receives none twice.",
       .refusals = "404",
       .answers = { { 200, NULL, "Cache-Control X-Accel-Buffering", "The stream" },
-                   { 204, NULL, "Cache-Control", "All was told before; do not come back" } } },
+                   { 204, NULL, "Cache-Control",
+                     "All events were sent before; do not reconnect" } } },
     { .method = "GET",
       .path = "/v1/events",
       .handle = handlers_results_events_of_runs,
@@ -521,12 +517,12 @@ static const route table[] = {
       .id = "followRuns",
       .tag = "Events",
       .summary = "Follow several runs in one stream",
-      .help =
-          "A browser has six connections to a host: this one stream is for many runs. Each event "
-          "says in `run` whose it is.",
+      .help = "A browser has six connections to a host, so this one stream serves many runs. Each "
+              "event has the id of its run in `run`.",
       .refusals = "404",
       .answers = { { 200, NULL, "Cache-Control X-Accel-Buffering", "The stream" },
-                   { 204, NULL, "Cache-Control", "All was told before; do not come back" } } },
+                   { 204, NULL, "Cache-Control",
+                     "All events were sent before; do not reconnect" } } },
     { .method = "POST",
       .path = "/v1/measurements",
       .handle = handlers_measurements_add,
@@ -536,12 +532,10 @@ static const route table[] = {
       .params = PARAMS(&csv_label, &csv_counter),
       .id = "addMeasurement",
       .tag = "Comparison",
-      .summary = "Store a measured curve, JSON or CSV; it is on disk before the answer leaves",
-      .help =
-          "A curve that was measured elsewhere can stand wherever a run can in a comparison. As "
-          "CSV "
-          "the first column after `t_s` is read; label and counter then come in the query, of JSON "
-          "they stand in the body. It never changes. 409 when there are too many.",
+      .summary = "Store a measured curve, JSON or CSV; it is on disk before the answer is sent",
+      .help = "A measured curve can take the place of a run in a comparison. Of CSV the first "
+              "column after `t_s` is read; label and counter then come in the query, with JSON "
+              "they are in the body. It never changes. 409 when there are too many.",
       .body = "Measurement",
       .body_formats = "json csv",
       .refusals = "409 413 415 422",
@@ -583,9 +577,9 @@ static const route table[] = {
       .id = "deleteMeasurement",
       .tag = "Comparison",
       .summary = "Remove a measured curve",
-      .help = "There is no way back.",
+      .help = "This cannot be undone.",
       .refusals = "404",
-      .answers = { { 204, NULL, "Cache-Control", "The measurement is gone" } } },
+      .answers = { { 204, NULL, "Cache-Control", "The measurement was removed" } } },
     { .method = "GET",
       .path = "/v1/compare",
       .handle = handlers_compare_runs,
@@ -596,11 +590,10 @@ static const route table[] = {
       .id = "compareRuns",
       .tag = "Comparison",
       .summary = "Measures between the curves and densities of two to eight runs and measurements",
-      .help =
-          "Two by `a` and `b`, or two to eight by `runs`, each with the reference. Curves are "
-          "compared over the time that both have, densities at common times where the grids are "
-          "the same. 409 if a run has nothing to compare yet, 422 if curves have no common column "
-          "or time; `errors` says which parameter.",
+      .help = "Two by `a` and `b`, or two to eight by `runs`, each with the reference. Curves are "
+              "compared over the time that both have, densities at common times if the grids are "
+              "the same. 409 if a run has nothing to compare yet, 422 if curves have no common "
+              "column or time; `errors` names the parameter.",
       .refusals = "404 409 422",
       .answers = { { 200, "Comparison", "Cache-Control", "The measures" } } },
     { .method = "POST",
@@ -612,7 +605,7 @@ static const route table[] = {
       .params = NO_PARAMS,
       .id = "validateRun",
       .tag = "Scenarios",
-      .summary = "Say what POST /v1/runs would say, and store nothing",
+      .summary = "Check a submission as POST /v1/runs does, and store nothing",
       .help = "The same checks and the same problems as when a run is submitted.",
       .body = "Submission",
       .refusals = "413 415 422",
@@ -627,7 +620,7 @@ static const route table[] = {
       .id = "listExamples",
       .tag = "Scenarios",
       .summary = "List the ready scenarios",
-      .help = "The paper's Examples 1 to 3 and more, to begin with.",
+      .help = "The paper's Examples 1 to 3 and more.",
       .answers = { { 200, "ExampleList", CACHED, "The list" }, UNCHANGED } },
     { .method = "GET",
       .path = "/v1/examples/{name}",
@@ -652,9 +645,9 @@ static const route table[] = {
       .id = "getLiveness",
       .tag = "Service",
       .summary = "Is the daemon alive?",
-      .help =
-          "Answers as long as the program runs, even when it has no connection left for others.",
-      .answers = { { 200, "Alive", "Cache-Control", "It is" } } },
+      .help = "Answers as long as the program runs, even when all connections for other requests "
+              "are taken.",
+      .answers = { { 200, "Alive", "Cache-Control", "The daemon is alive" } } },
     { .method = "GET",
       .path = "/readyz",
       .handle = handlers_meta_readyz,
@@ -665,8 +658,8 @@ static const route table[] = {
       .id = "getReadiness",
       .tag = "Service",
       .summary = "Can the daemon accept runs?",
-      .help = "503 while it stops or its store cannot be written.",
-      .answers = { { 200, "Ready", "Cache-Control", "It can" } } },
+      .help = "503 while the daemon stops or its store cannot be written.",
+      .answers = { { 200, "Ready", "Cache-Control", "The daemon can accept runs" } } },
     { .method = "GET",
       .path = "/metrics",
       .handle = handlers_meta_metrics,
@@ -690,7 +683,7 @@ static const route table[] = {
       .id = "getVersion",
       .tag = "Service",
       .summary = "Which build this is",
-      .help = "What to tell when something is reported.",
+      .help = "For bug reports.",
       .answers = { { 200, "Version", CACHED, "The build" }, UNCHANGED } },
     { .method = "GET",
       .path = "/openapi.json",
@@ -702,7 +695,7 @@ static const route table[] = {
       .id = "getDocument",
       .tag = "Service",
       .summary = "This API as an OpenAPI 3.1 document",
-      .help = "Made from the tables that the daemon itself goes by.",
+      .help = "Generated from the tables by which the daemon handles requests.",
       .answers = { { 200, "Document", CACHED, "This document" }, UNCHANGED } },
 };
 

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-// What the reading of one batch shares with take_event().
+// One batch, shared with take_event().
 typedef struct batch {
     stream_cursor *cursor;
     bf_buffer *out;
@@ -20,14 +20,14 @@ static bf_status out_of_memory(bf_error *err)
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
-// How far a run is for a client that has seen the events up to after.
-typedef enum standing { STANDING_GOES_ON, STANDING_HAS_MORE, STANDING_IS_OVER } standing;
+// What a run still has for a client that has seen the events up to after.
+typedef enum backlog { BACKLOG_EMPTY, BACKLOG_EVENTS, BACKLOG_ENDED } backlog;
 
-static standing judge_run(const api_run *record, uint64_t after)
+static backlog backlog_of(const api_run *record, uint64_t after)
 {
     if (record->last_event > after)
-        return STANDING_HAS_MORE;
-    return run_state_is_end(record->state) ? STANDING_IS_OVER : STANDING_GOES_ON;
+        return BACKLOG_EVENTS;
+    return run_state_is_end(record->state) ? BACKLOG_ENDED : BACKLOG_EMPTY;
 }
 
 bf_status stream_begin(const api_services *services, stream_format format, bool is_inline,
@@ -46,7 +46,7 @@ bf_status stream_begin(const api_services *services, stream_format format, bool 
         memcpy(cursor.runs[i], runs[i], API_ID_SIZE);
         if (record.last_event > newest)
             newest = record.last_event;
-        if (judge_run(&record, after) != STANDING_IS_OVER)
+        if (backlog_of(&record, after) != BACKLOG_ENDED)
             cursor.n_open++;
     }
     cursor.after = after < newest ? after : newest;
@@ -168,9 +168,9 @@ static bf_status append_events(batch *b, const api_services *services, size_t li
     return BF_OK;
 }
 
-// Counts again which runs are open, when nothing is there to be read: a run may have been removed.
-static bf_status look_at_runs(stream_cursor *cursor, const api_services *services,
-                              body_state *ret_state, bf_error *err)
+// Counts the open runs again when there are no events: a run may have been removed.
+static bf_status count_open(stream_cursor *cursor, const api_services *services,
+                            body_state *ret_state, bf_error *err)
 {
     bool has_more = false;
     size_t n_open = 0;
@@ -182,9 +182,9 @@ static bf_status look_at_runs(stream_cursor *cursor, const api_services *service
             continue;
         if (status != BF_OK)
             return status;
-        standing where = judge_run(&record, cursor->after);
-        n_open += where != STANDING_IS_OVER;
-        has_more = has_more || where == STANDING_HAS_MORE;
+        backlog left = backlog_of(&record, cursor->after);
+        n_open += left != BACKLOG_ENDED;
+        has_more = has_more || left == BACKLOG_EVENTS;
     }
     cursor->n_open = n_open;
     *ret_state = n_open == 0 ? BODY_DONE : has_more ? BODY_MORE : BODY_WAIT;
@@ -192,7 +192,7 @@ static bf_status look_at_runs(stream_cursor *cursor, const api_services *service
 }
 
 // True if a batch has all events there were: some came, and they ended below the limit. After the end
-// of a run the others are looked at, as they may have been removed.
+// of a run the others have to be counted again, as they may have been removed.
 static bool has_read_all(const stream_cursor *cursor, uint64_t after, size_t n_open,
                          bool is_below_limit)
 {
@@ -218,7 +218,7 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
     if (cursor->n_open == 0)
         *ret_state = BODY_DONE;
     else if (b->out->n == start)
-        return look_at_runs(cursor, services, ret_state, err);
+        return count_open(cursor, services, ret_state, err);
     else
         *ret_state = has_read_all(cursor, after, n_open, b->out->n - start < limit_bytes)
                          ? BODY_WAIT

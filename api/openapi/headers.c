@@ -1,29 +1,30 @@
-// The headers of answers that a client may go by.
+// The headers of answers that the document describes.
 
 #include "api/openapi/openapi_priv.h"
 
 #include <string.h>
 
 static const openapi_header table[] = {
-    { "Accept-Ranges", "string", true, "bytes, where a part can be asked for by Range" },
-    { "Allow", "string", false, "The methods that the path knows, with commas" },
-    { "Cache-Control", "string", false, "How long the answer may be kept and by whom" },
+    { "Accept-Ranges", "string", true, "bytes, if a part can be requested by Range" },
+    { "Allow", "string", false, "The methods of the path, with commas" },
+    { "Cache-Control", "string", false, "How long the answer may be cached and by whom" },
     { "Content-Disposition", "string", true, "A name for the file" },
-    { "Content-Range", "string", false, "Which bytes these are, and of how many" },
-    { "ETag", "#EntityTag", false, "Names the state that was answered; send it as If-None-Match" },
+    { "Content-Range", "string", false, "Which bytes these are, of how many" },
+    { "ETag", "#EntityTag", false, "Identifies the state of the answer; send it as If-None-Match" },
     { "Idempotent-Replayed", "=true", true, "The answer was given before to the same key" },
     { "Link", "string", true,
       "The next page: `</v1/runs?...>; rel=\"next\"`; missing on the last one" },
-    { "Location", "string", false, "The path of what was made" },
+    { "Location", "string", false, "The path of what was created" },
     { "Preference-Applied", "string", true, "That the answer waited, if Prefer asked for it" },
-    { "RateLimit", "string", true, "What is left of the client's quotas, and when they are whole" },
+    { "RateLimit", "string", true,
+      "What is left of the client's quotas, and when they are refilled" },
     { "RateLimit-Policy", "string", true,
       "The client's quotas (draft-ietf-httpapi-ratelimit-headers)" },
-    { "Retry-After", "#Count", false, "After so many seconds another try can help [s]" },
+    { "Retry-After", "#Count", false, "Seconds after which another try can help [s]" },
     { "Vary", "string", true, "The request headers that the answer depends on" },
-    { "X-Accel-Buffering", "=no", false, "Tells a proxy to pass the stream on as it comes" },
+    { "X-Accel-Buffering", "=no", false, "Tells a proxy not to buffer the stream" },
     { "X-Request-Id", "string", false,
-      "The request's own id, as it was sent or a new one; logs have it" },
+      "The id of the request, as it was sent or a new one; logs contain it" },
 };
 
 const openapi_header *openapi__headers(size_t *ret_n)

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "api/http/problem.h"
 #include "api/run_state.h"
 #include "api/services.h"
 #include "server/base/log.h"
@@ -15,12 +16,11 @@ enum {
     METRICS_DIMENSIONS = 3,  ///< labels of a metric at most
 };
 
-/// Methods and status codes that are told apart; the last of each stands for all others.
-#define METRICS_METHODS "GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "other"
-#define METRICS_CODES                                                                              \
-    "200", "201", "202", "204", "206", "304", "400", "403", "404", "405", "406", "408", "409",     \
-        "412", "413", "414", "415", "416", "422", "428", "429", "431", "500", "501", "503", "505", \
-        "other"
+/// Methods and status codes that are counted apart; the last of each stands for all others. Codes are those of
+/// answers and of all problems.
+#define METRICS_METHODS                                         "GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "other"
+#define METRICS_CODE(status, word, title, headers, codes, when) #status,
+#define METRICS_CODES                                           "200", "201", "202", "204", "206", "304", PROBLEM_LIST(METRICS_CODE) "other"
 
 enum {
     METRICS__N_METHODS = sizeof(const char *[]){ METRICS_METHODS } / sizeof(const char *),

@@ -134,7 +134,7 @@ static bf_status read_parts(void *context, const char *id, uint64_t index,
 }
 
 static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_take *take,
+                             uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err)
 {
     return store_read_events(((service *)context)->store, runs, n_runs, after, limit_bytes, take,

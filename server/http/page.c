@@ -289,7 +289,7 @@ static void answer_file(http_request *r, http_file *file)
     if (form != CODING_IDENTITY)
         http__set_coding(&r->response, form);
     if (known != NULL &&
-        precondition_is_known(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
+        precondition_match_etag(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
         r->response.status = 304;
     r->file = *file;
 }

@@ -131,19 +131,19 @@ static bf_status next_look(void *state, const api_services *services, size_t lim
     (void)limit_bytes;
     (void)out;
     (void)err;
-    *ret_state = api_wait_is_over(services, &r->response.wait) ? BODY_DONE : BODY_WAIT;
+    *ret_state = api_long_poll_is_over(services, &r->response.long_poll) ? BODY_DONE : BODY_WAIT;
     return BF_OK;
 }
 
 bool http__pull_begin_long_poll(http_request *r)
 {
-    const api_wait *wait = &r->response.wait;
+    const api_long_poll *poll = &r->response.long_poll;
     http_pull *p = &r->pull;
 
     *p = (http_pull){ .source = { .state = r, .next_chunk = next_look, .n_runs = 1 },
                       .pace_ms = LONG_POLL_PACE_MS,
-                      .deadline_ms = clock_monotonic_ms() + 1000 * (int64_t)wait->seconds };
-    p->source.runs = &wait->run;
+                      .deadline_ms = clock_monotonic_ms() + 1000 * (int64_t)poll->seconds };
+    p->source.runs = &poll->run;
     return begin(r, HTTP_PULL_LONG_POLL);
 }
 

@@ -226,7 +226,7 @@ static void refuse_long_poll(http_request *r)
 {
     bf_error err = { 0 };
 
-    r->response.wait.seconds = 0;
+    r->response.long_poll.seconds = 0;
     api_response_drop(&r->response, "Preference-Applied");
     if (strcmp(r->method, "POST") == 0)
         return; // it was accepted; waiting was only preferred
@@ -238,7 +238,7 @@ static void refuse_long_poll(http_request *r)
 // True if the answer, just made, waits for a run.
 static bool begin_long_poll(http_request *r)
 {
-    if (r->response.wait.seconds == 0)
+    if (r->response.long_poll.seconds == 0)
         return false;
     if (!http__pull_begin_long_poll(r)) {
         refuse_long_poll(r);

@@ -128,7 +128,7 @@ static bf_status keep_events(store__connection *reader, const char (*runs)[API_I
 }
 
 static bf_status give_events(const event_merge *merge, const char (*runs)[API_ID_SIZE],
-                             api_event_take *take, void *take_context, bf_error *err)
+                             api_event_fn *take, void *take_context, bf_error *err)
 {
     const kept_event *kept = (const kept_event *)(const void *)merge->kept.bytes;
     size_t n = merge->kept.n / sizeof *kept;
@@ -149,7 +149,7 @@ static bf_status give_events(const event_merge *merge, const char (*runs)[API_ID
 }
 
 bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                            uint64_t after, size_t limit_bytes, api_event_take *take,
+                            uint64_t after, size_t limit_bytes, api_event_fn *take,
                             void *take_context, bf_error *err)
 {
     store__connection *reader = NULL;

@@ -240,7 +240,7 @@ static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *
 }
 
 static bf_status do_read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                                uint64_t after, size_t limit_bytes, api_event_take *take,
+                                uint64_t after, size_t limit_bytes, api_event_fn *take,
                                 void *take_context, bf_error *err)
 {
     const helper_daemon *d = context;

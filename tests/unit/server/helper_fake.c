@@ -83,7 +83,7 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
 }
 
 static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_take *take,
+                             uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err)
 {
     fake *f = context;
