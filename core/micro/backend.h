@@ -34,7 +34,7 @@ BF_MUST_CHECK bf_status micro__copy_surroundings(const micro_def *def, surroundi
                                                  bf_error *err);
 
 /// Upright cylinders on belts: disk/.
-extern const micro_backend micro__planar;
+extern const micro_backend micro__disk;
 
 /// Rigid bodies in 3-D: body/.
-extern const micro_backend micro__spatial;
+extern const micro_backend micro__body;

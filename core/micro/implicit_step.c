@@ -6,16 +6,16 @@
 
 #include <math.h>
 
-static const double step_longest = 2e-3;    // s, that is chosen
-static const double step_limit = 1e-2;      // s, that is allowed
-static const double move_planar = 0.08;     // of the smallest radius
-static const double move_spatial = 0.02;    // in space
-static const double move_limit = 0.25;      // of the same
-static const double rounds_chosen = 16.0;   // at most, where the step is chosen
-static const double stiffness_share = 0.03; // of rounds^2, per layer of a jam
-static const double damping_share = 0.4;    // of rounds^2
+static const double step_longest = 2e-3;      // s, that is chosen
+static const double step_limit = 1e-2;        // s, that is allowed
+static const double move_planar = 0.08;       // of the smallest radius
+static const double move_spatial = 0.02;      // in space
+static const double move_limit = 0.25;        // of the same
+static const double iterations_chosen = 16.0; // at most, where the step is chosen
+static const double stiffness_weight = 0.03;  // of iterations^2, per layer of a jam
+static const double damping_weight = 0.4;     // of iterations^2
 
-enum { ROUNDS_MAX = 32 };
+enum { ITERATIONS_MAX = 32 };
 
 // Radius of a cylinder, half the least width of another footprint.
 static double radius_of(const scene_shape *shape)
@@ -76,12 +76,12 @@ static extremes extremes_of(const micro_def *def)
 }
 
 // Longest step for which no part at the largest speed moves by more than `share` of the radius.
-static double step_of_move(const extremes *e, double share)
+static double step_of_move(const extremes *e, double fraction)
 {
-    return e->speed > 0.0 ? share * e->radius / e->speed : HUGE_VAL;
+    return e->speed > 0.0 ? fraction * e->radius / e->speed : HUGE_VAL;
 }
 
-// rounds^2 = quadratic h^2 + linear h
+// iterations^2 = quadratic h^2 + linear h
 typedef struct effort {
     double quadratic;
     double linear;
@@ -89,22 +89,23 @@ typedef struct effort {
 
 static effort make_effort(size_t n_parts, double stiffness, double damping, double mass)
 {
-    return (effort){ stiffness_share * sqrt((double)n_parts) * 2.0 * stiffness / mass,
-                     damping_share * 2.0 * damping / mass };
+    return (effort){ stiffness_weight * sqrt((double)n_parts) * 2.0 * stiffness / mass,
+                     damping_weight * 2.0 * damping / mass };
 }
 
-int implicit_step_rounds(size_t n_parts, double h, double stiffness, double damping, double mass)
+int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
+                             double mass)
 {
     effort e = make_effort(n_parts, stiffness, damping, mass);
     double square = fmax(1.0, (e.quadratic * h + e.linear) * h);
 
-    return (int)fmin(ceil(sqrt(square)), ROUNDS_MAX);
+    return (int)fmin(ceil(sqrt(square)), ITERATIONS_MAX);
 }
 
-static double step_of_rounds(const micro_def *def, const extremes *x)
+static double step_of_iterations(const micro_def *def, const extremes *x)
 {
     effort e = make_effort(def->n_parts, x->stiffness, x->damping, x->mass);
-    double square = rounds_chosen * rounds_chosen;
+    double square = iterations_chosen * iterations_chosen;
 
     return 2.0 * square / (e.linear + sqrt(e.linear * e.linear + 4.0 * e.quadratic * square));
 }
@@ -112,9 +113,10 @@ static double step_of_rounds(const micro_def *def, const extremes *x)
 static double step_of_belt(const micro_def *def, const extremes *e)
 {
     const scene_contact *belt = &def->contact[SCENE_CONVEYOR_CARGO];
-    double grip = belt->friction * def->gravity;
+    double deceleration = belt->friction * def->gravity;
 
-    return grip > 0.0 ? fmax(0.2 / belt->tanh_linear, 0.05 * e->speed) / grip : HUGE_VAL;
+    return deceleration > 0.0 ? fmax(0.2 / belt->tanh_linear, 0.05 * e->speed) / deceleration
+                              : HUGE_VAL;
 }
 
 double implicit_step_stable(const micro_def *def)
@@ -129,5 +131,5 @@ double implicit_step_chosen(const micro_def *def, bool is_planar)
     extremes e = extremes_of(def);
     double dt = fmin(step_longest, step_of_move(&e, is_planar ? move_planar : move_spatial));
 
-    return fmin(fmin(dt, step_of_rounds(def, &e)), step_of_belt(def, &e));
+    return fmin(fmin(dt, step_of_iterations(def, &e)), step_of_belt(def, &e));
 }

@@ -1,4 +1,4 @@
-/// How long a step of MICRO_IMPLICIT may be, and how many rounds of relaxation it takes; in the plane
+/// How long a step of MICRO_IMPLICIT may be, and how many iterations of iteration it takes; in the plane
 /// and in space.
 ///
 /// The equations of a step couple parts by stiffness and by dashpots, in terms of their inertia,
@@ -9,7 +9,7 @@
 /// may have, the more of its load is to be handed on; dashpots forget, which helps. Measured on Examples 1
 /// and 2 and on jams of up to 40,000 parts for reductions of 1e2 to 1e6 and steps of 0.2 to 4 ms,
 ///
-///     rounds^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
+///     iterations^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
 ///
 /// keep the outflow curve within 1 % of N of the explicit one and jams about as calm: what is left over
 /// is corrected in the next step, which starts from the impulses of this one. The step that is chosen is
@@ -20,7 +20,7 @@
 ///                           in space 0.02 r / v, as corners and faces of bodies that turn take over
 ///                           each other's load
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt takes parts up in many steps
-///     where rounds(h) = 16  stiffer contacts take shorter steps instead of more rounds
+///     where iterations(h) = 16  stiffer contacts take shorter steps instead of more iterations
 ///
 /// with v the speed of the fastest belt or of the parts at the start, and r the radius of a cylinder or
 /// half the least width of another footprint.
@@ -29,9 +29,10 @@
 
 #include "core/micro/micro.h"
 
-/// Rounds of relaxation for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a dashpot,
+/// Rounds of iteration for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a dashpot,
 /// N s/m, in steps of h, s.
-int implicit_step_rounds(size_t n_parts, double h, double stiffness, double damping, double mass);
+int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
+                             double mass);
 
 /// Largest step that is allowed for a checked definition, s.
 double implicit_step_stable(const micro_def *def);

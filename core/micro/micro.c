@@ -48,7 +48,7 @@ static const micro_backend *choose_backend(const micro_def *def)
 
     for (size_t k = 0; k < def->n_kinds; k++)
         are_cylinders = are_cylinders && def->kinds[k].shape.type == SCENE_CYLINDER;
-    return are_cylinders && def->path != MICRO_PATH_SPATIAL ? &micro__planar : &micro__spatial;
+    return are_cylinders && def->path != MICRO_PATH_SPATIAL ? &micro__disk : &micro__body;
 }
 
 double micro_dt_stable(const micro_def *def)
@@ -61,7 +61,7 @@ double micro_dt_chosen(const micro_def *def)
 {
     const micro_backend *backend = choose_backend(def);
 
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, backend == &micro__planar)
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, backend == &micro__disk)
                                              : chosen_share * backend->dt_stable(def);
 }
 
@@ -163,7 +163,7 @@ bool micro_is_gone(const micro_solver *s, size_t k)
 
 bool micro_is_planar(const micro_solver *s)
 {
-    return s->backend == &micro__planar;
+    return s->backend == &micro__disk;
 }
 
 size_t micro_parts(const micro_solver *s)

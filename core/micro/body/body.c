@@ -143,7 +143,7 @@ static uint64_t steps(const void *state)
     return s->steps;
 }
 
-const micro_backend micro__spatial = {
+const micro_backend micro__body = {
     .dt_stable = body__dt_stable,
     .create = create,
     .destroy = destroy,

@@ -17,7 +17,7 @@
 /// before the list is made anew.
 #define SIGHT 2.0
 
-/// Most rounds that the kinds of parts ask for.
+/// Most iterations that the kinds of parts ask for.
 static int find_rounds(const body_state *s)
 {
     const double damping = fmax(s->cargo.damping, s->kinds[0].solid.damping);
@@ -26,7 +26,7 @@ static int find_rounds(const body_state *s)
     for (size_t k = 0; k < s->n_kinds; k++) {
         const body_kind *kind = &s->kinds[k];
         double stiffness = fmax(s->cargo.stiffness / (2.0 * kind->softness), kind->solid.stiffness);
-        int own = implicit_step_rounds(s->n, s->def.dt, stiffness, damping, kind->mass);
+        int own = implicit_step_iterations(s->n, s->def.dt, stiffness, damping, kind->mass);
         rounds = own > rounds ? own : rounds;
     }
     return rounds;
@@ -66,7 +66,7 @@ void body__implicit_fini(body_state *s)
     memory_free(z);
 }
 
-/// Room for all patches until the list is stale: one for each pair, and for what solids a part may
+/// Room for all patches until the list is stale: one for each pair, and for what the boundary a part may
 /// come near to until then.
 static bf_status make_room(body_state *s, bf_error *err)
 {

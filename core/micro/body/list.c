@@ -51,7 +51,7 @@ static void write_pairs(body_state *s)
     }
 }
 
-/// Link the places of neighbours with smaller numbers: those of a part stand in the order in which
+/// Link the slots of neighbours with smaller numbers: those of a part stand in the order in which
 /// its pairs come up.
 static void link_back(body_state *s)
 {
@@ -82,9 +82,9 @@ bf_status body__list(body_state *s, bf_error *err)
     write_pairs(s);
     link_back(s);
     body_pair *swap = s->pairs;
-    size_t swap_capacity = s->neighbours_capacity;
+    size_t swap_capacity = s->pairs_capacity;
     s->pairs = s->spare;
-    s->neighbours_capacity = s->spare_capacity;
+    s->pairs_capacity = s->spare_capacity;
     s->spare = swap;
     s->spare_capacity = swap_capacity;
     s->n_pairs = s->first_pair[s->n];

@@ -277,7 +277,7 @@ static void move_in(body_state *s, arrival *a)
     s->is_gone = a->is_gone;
     s->pairs = a->pairs;
     s->near = a->near;
-    s->n_pairs = s->neighbours_capacity = a->header.n_pairs;
+    s->n_pairs = s->pairs_capacity = a->header.n_pairs;
     s->steps = a->header.steps;
     s->n_presses = a->header.n_presses;
     s->largest_overlap = a->header.largest_overlap;

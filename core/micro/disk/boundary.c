@@ -16,7 +16,7 @@
 
 static const double parallel = 1e-12; // sines below it are rounding
 
-// Adds a face from a to b with the solid on the right of the way from a to b.
+// Adds a face from a to b with the obstacle on the right of the way from a to b.
 static void add_face(disk_state *s, vec2 a, vec2 b, double depth)
 {
     vec2 to = vec2_sub(b, a);
@@ -133,7 +133,7 @@ static void add_walls(disk_state *s)
     }
 }
 
-bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err)
+bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err)
 {
     size_t n_faces = SCENE_SIDE_COUNT, n_arcs = 0;
 
@@ -152,14 +152,14 @@ bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err)
     return BF_OK;
 }
 
-void disk__solids_fini(disk_state *s)
+void disk__boundary_fini(disk_state *s)
 {
     memory_free(s->faces);
     memory_free(s->arcs);
-    memory_free(s->touches);
+    memory_free(s->candidates);
 }
 
-double disk__overlap(const disk_state *s, const disk_row *part, uint32_t feature, bool *ret_counts)
+double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts)
 {
     if (feature < s->n_faces) {
         const disk_face *f = &s->faces[feature];

@@ -1,5 +1,4 @@
 #include "core/micro/disk/disk_priv.h"
-#include "core/micro/disk/kernels.h"
 
 #include "core/base/digest.h"
 #include "core/base/memory.h"
@@ -18,25 +17,25 @@ static void destroy(void *state)
     if (s == NULL)
         return;
     disk__implicit_fini(s);
-    disk__solids_fini(s);
-    disk__tiles_fini(s);
+    disk__boundary_fini(s);
+    disk__tiling_fini(s);
     surroundings_fini(&s->around);
     memory_free(s->now);
     memory_free(s->next);
     memory_free(s->heading);
-    memory_free(s->brake);
+    memory_free(s->spin_deceleration);
     memory_free(s->belt_under);
     memory_free(s->scratch);
-    memory_free(s->is_touched);
-    memory_free(s->number);
-    memory_free(s->place);
+    memory_free(s->has_candidates);
+    memory_free(s->id_of);
+    memory_free(s->slot_of);
     memory_free(s->is_gone);
     memory_free(s->kinds);
     memory_free(s->kind_of);
     memory_free(s->list.first);
     memory_free(s->list.neighbour);
     memory_free(s->list.scratch);
-    memory_free(s->watches);
+    memory_free(s->border_parts);
     memory_free(s->extremes);
     neighbours_cells_fini(&s->cells);
     memory_free(s);
@@ -63,18 +62,18 @@ static void set_constants(disk_state *s, const micro_def *def)
     s->def.part_kinds = NULL;
     s->cargo = make_law(&def->contact[SCENE_CARGO_CARGO]);
     s->handling = make_law(&def->contact[SCENE_HANDLING_CARGO]);
-    s->handling_softness = contact_law_compliance(&def->handling, def->modulus_reduction);
+    s->handling_compliance = contact_law_compliance(&def->handling, def->modulus_reduction);
     s->belt =
         contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], &def->kinds[0].material,
                             &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
     s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
-    s->is_plain = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
+    s->is_uniform = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
     if (top != NULL && top->n_points == 0)
-        s->plain_belt = (disk_belt){ top->velocity.x, top->velocity.y, 1.0 };
+        s->uniform_belt = (disk_belt){ top->velocity.x, top->velocity.y, 1.0 };
     s->n = def->n_parts;
-    s->void_place = (uint32_t)((s->n / DISK_GROUP + 2) * DISK_GROUP);
-    s->n_shares = 1;
-    s->travel = s->move = INFINITY;
+    s->void_slot = (uint32_t)((s->n / DISK_GROUP + 2) * DISK_GROUP);
+    s->n_partitions = 1;
+    s->displacement_bound = s->last_bound = INFINITY;
 }
 
 static disk_kind make_kind(const disk_state *s, const micro_kind *kind)
@@ -83,10 +82,10 @@ static disk_kind make_kind(const disk_state *s, const micro_kind *kind)
 
     // Theta = m r^2 / 2.
     return (disk_kind){
-        .row = { .radius = r,
-                 .softness = contact_law_compliance(&kind->material, s->def.modulus_reduction),
-                 .inverse_mass = 1.0 / kind->mass },
-        .brake = 2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
+        .part = { .radius = r,
+                  .compliance = contact_law_compliance(&kind->material, s->def.modulus_reduction),
+                  .inv_mass = 1.0 / kind->mass },
+        .spin_deceleration = 2.0 * s->belt.friction * s->def.gravity * kind->spin_radius / (r * r),
         .height = kind->shape.height
     };
 }
@@ -100,10 +99,10 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
     s->radius_min = INFINITY;
     for (size_t k = 0; k < def->n_kinds; k++) {
         s->kinds[k] = make_kind(s, &def->kinds[k]);
-        s->radius_min = fmin(s->radius_min, s->kinds[k].row.radius);
-        s->radius_max = fmax(s->radius_max, s->kinds[k].row.radius);
+        s->radius_min = fmin(s->radius_min, s->kinds[k].part.radius);
+        s->radius_max = fmax(s->radius_max, s->kinds[k].part.radius);
     }
-    s->plain_brake = s->kinds[0].brake;
+    s->uniform_deceleration = s->kinds[0].spin_deceleration;
     s->skin = skin_share * sqrt(s->radius_min * s->radius_max);
     if (def->part_kinds == NULL || s->n == 0)
         return BF_OK;
@@ -116,55 +115,55 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
 
 static bf_status make_arrays(disk_state *s)
 {
-    const size_t n = (size_t)s->void_place + 1, n_groups = s->void_place / DISK_GROUP;
+    const size_t n = (size_t)s->void_slot + 1, n_groups = s->void_slot / DISK_GROUP;
 
     s->now = memory_alloc(n, sizeof *s->now);
     s->next = memory_alloc(n, sizeof *s->next);
     s->heading = memory_alloc(n, sizeof *s->heading);
     s->scratch = memory_alloc(n, sizeof *s->scratch);
-    s->is_touched = memory_alloc(n_groups, sizeof *s->is_touched);
-    s->number = memory_alloc(n, sizeof *s->number);
+    s->has_candidates = memory_alloc(n_groups, sizeof *s->has_candidates);
+    s->id_of = memory_alloc(n, sizeof *s->id_of);
     s->list.scratch = memory_alloc(n, sizeof *s->list.scratch);
-    s->place = memory_alloc(s->n, sizeof *s->place);
+    s->slot_of = memory_alloc(s->n, sizeof *s->slot_of);
     s->is_gone = memory_alloc(s->n, sizeof *s->is_gone);
     s->list.first = memory_alloc(n_groups + 1, sizeof *s->list.first);
-    s->extremes = memory_alloc((size_t)2 * DISK_SHARES_MAX, sizeof *s->extremes);
-    s->kernels = disk_kernels_of(cpu_best());
+    s->extremes = memory_alloc((size_t)2 * DISK_PARTITIONS_MAX, sizeof *s->extremes);
+    s->kernels = disk__explicit_kernels(cpu_best());
     if (s->now == NULL || s->next == NULL || s->heading == NULL || s->scratch == NULL ||
-        s->is_touched == NULL || s->number == NULL || s->list.scratch == NULL || s->place == NULL ||
-        s->is_gone == NULL || s->list.first == NULL || s->extremes == NULL)
+        s->has_candidates == NULL || s->id_of == NULL || s->list.scratch == NULL ||
+        s->slot_of == NULL || s->is_gone == NULL || s->list.first == NULL || s->extremes == NULL)
         return BF_ENOMEM;
-    if (s->is_plain)
+    if (s->is_uniform)
         return BF_OK;
-    s->brake = memory_alloc(n, sizeof *s->brake);
+    s->spin_deceleration = memory_alloc(n, sizeof *s->spin_deceleration);
     s->belt_under = memory_alloc(n, sizeof *s->belt_under);
-    return s->brake == NULL || s->belt_under == NULL ? BF_ENOMEM : BF_OK;
+    return s->spin_deceleration == NULL || s->belt_under == NULL ? BF_ENOMEM : BF_OK;
 }
 
-void disk__place_parts(disk_state *s)
+void disk__fill_slots(disk_state *s)
 {
     s->n_live = s->n;
     s->n_padded = (s->n + DISK_GROUP - 1) / DISK_GROUP * DISK_GROUP;
-    s->n_watches = 0;
-    s->travel = s->move = INFINITY;
-    for (uint32_t k = 0; k <= s->void_place; k++) {
+    s->n_border_parts = 0;
+    s->displacement_bound = s->last_bound = INFINITY;
+    for (uint32_t k = 0; k <= s->void_slot; k++) {
         const disk_kind *kind = &s->kinds[k < s->n && s->kind_of != NULL ? s->kind_of[k] : 0];
-        s->now[k] = k < s->n ? kind->row : disk__pad(s, k);
-        s->number[k] = k < s->n ? k : UINT32_MAX;
+        s->now[k] = k < s->n ? kind->part : disk__pad(s, k);
+        s->id_of[k] = k < s->n ? k : UINT32_MAX;
         if (k < s->n)
-            s->place[k] = k;
-        if (s->brake != NULL)
-            s->brake[k] = kind->brake;
+            s->slot_of[k] = k;
+        if (s->spin_deceleration != NULL)
+            s->spin_deceleration[k] = kind->spin_deceleration;
     }
 }
 
 static void start_parts(disk_state *s, const micro_def *def)
 {
-    disk__place_parts(s);
+    disk__fill_slots(s);
     for (size_t k = 0; k < s->n; k++) {
         const scene_pose *pose = &def->poses[k];
         disk_belt belt = disk__belt_at(s, pose->x, pose->y);
-        bool is_on_belt = belt.grip > 0.0;
+        bool is_on_belt = belt.on_belt > 0.0;
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
         s->now[k].vx = is_on_belt ? belt.vx : def->start_velocity.x;
@@ -182,11 +181,11 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
     set_constants(s, def);
     if (copy_kinds(s, def) != BF_OK || make_arrays(s) != BF_OK ||
-        (is_tiled(def) && disk__tiles_init(s) != BF_OK))
+        (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     bf_status status = micro__copy_surroundings(def, &s->around, err);
     if (status == BF_OK)
-        status = disk__solids_init(s, def, err);
+        status = disk__boundary_init(s, def, err);
     if (status != BF_OK)
         return status;
     start_parts(s, def);
@@ -213,7 +212,7 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
     disk_state *s = state;
 
     return s->def.integrator == MICRO_IMPLICIT ? disk__advance_implicit(s, n, err)
-                                               : disk__advance_verlet(s, n, err);
+                                               : disk__advance_explicit(s, n, err);
 }
 
 static uint64_t steps(const void *state)
@@ -223,8 +222,8 @@ static uint64_t steps(const void *state)
     return s->steps;
 }
 
-const micro_backend micro__planar = {
-    .dt_stable = disk__dt_stable_verlet,
+const micro_backend micro__disk = {
+    .dt_stable = disk__dt_stable_explicit,
     .create = create,
     .destroy = destroy,
     .advance = advance,

@@ -1,4 +1,4 @@
-/// Inside of the planar path: upright cylinders on belts, each a disk with place, heading, velocity
+/// Inside of the planar path: upright cylinders on belts, each a disk with position, heading, velocity
 /// and spin in the plane.
 ///
 ///     contact   delta = r_i + r_j - dist, f = max(k delta - d v_n, 0) (no clamp with tension)
@@ -14,191 +14,237 @@
 /// x+ = x + dt v+, the same numbers with less rounding, and the first step by forward Euler is the one
 /// without forces and torques.
 ///
-/// Places   parts live in the solver's own order, sorted in space whenever the list of neighbours is
-///          made; places come in groups of DISK_GROUP. Live parts are at 0 .. n_live - 1; then pads
-///          up to n_padded (far away, of no effect); then the rows of parts that are gone, as they left.
-/// List     valid while travel <= skin/2. Everything that depends on where parts are (neighbours,
-///          touches, watches, belts) is made together by disk__rebuild().
-/// Pushes   of solids on parts, N and N m, wait in x, y and spin of the parts' own rows of `next` until a
-///          step writes these.
-/// Sums     over features of solids first, in their order, then over neighbours by their numbers, so
-///          that results depend neither on the order of places nor on when a list was made.
+/// Ids      a part has the id under which it was given, for ever, and a slot, where it is stored. Slots are
+///          sorted in space whenever the list of neighbours is made, and come in groups of DISK_GROUP:
+///          live parts at 0 .. n_live - 1; then padding up to n_padded (far away, of no effect); then
+///          parts that are gone, as they left.
+/// List     Everything that depends on where parts are (neighbours, candidates for the boundary, parts
+///          at borders, belts) is made together by disk__rebuild() and holds as long as
+///          neighbours_holds() says of displacement_bound.
+/// Sums     over features of the boundary first, in their order, then over neighbours by their ids, so
+///          that results depend neither on the order of slots nor on when a list was made.
 
 #pragma once
 
-#include "core/base/buffer.h"
 #include "core/base/checkpoint.h"
-#include "core/micro/disk/disk_types_priv.h"
+#include "core/micro/contact_law.h"
+#include "core/micro/disk/kernels.h"
+#include "core/micro/micro.h"
+#include "core/micro/neighbours.h"
+#include "core/scene/surroundings.h"
+
+enum { DISK_PARTITIONS_MAX = 64 }; ///< threads that advance the parts together
+
+/// What a contact needs beyond the parts: k = line / (compliance of one + compliance of the other).
+typedef struct disk_law {
+    double line;        ///< pi/4 l, m
+    double damping;     ///< d, N s/m
+    double friction;    ///< mu
+    double tanh_linear; ///< lambda_lin, s/m
+} disk_law;
+
+/// Belt under a part.
+typedef struct disk_belt {
+    double vx;      ///< m/s
+    double vy;      ///< m/s
+    double on_belt; ///< 1 on a belt, 0 off every belt
+} disk_belt;
+
+/// What the planar path needs of a kind of part.
+typedef struct disk_kind {
+    disk part;                ///< radius, compliance and inverse mass; the rest is 0
+    double spin_deceleration; ///< A, rad/s2
+    double height;            ///< m
+} disk_kind;
+
+/// A part that may touch a face or an arc before the list is made anew.
+typedef struct disk_candidate {
+    uint32_t slot;    ///< of the part
+    uint32_t feature; ///< face, or n_faces + arc
+} disk_candidate;
+
+/// Where a part near a border is.
+typedef enum disk_presence {
+    DISK_HERE,  ///< in the domain
+    DISK_GONE,  ///< it left
+    DISK_GOING, ///< it left in a step that may be taken back
+} disk_presence;
+
+/// A part near an open edge or the border of a belt: looked at after each step.
+typedef struct disk_border_part {
+    uint32_t slot;      ///< of the part
+    disk_presence gone; ///< unless DISK_HERE, part and heading are what it left with
+    double heading;     ///< rad
+    disk part;          ///< see gone
+} disk_border_part;
+
+/// The slots that one thread advances.
+typedef struct disk_partition {
+    size_t group_first;     ///< groups group_first <= g < group_last
+    size_t group_last;      ///< see there
+    size_t candidate_first; ///< candidates of its parts
+    size_t candidate_last;  ///< see there
+    size_t border_first;    ///< border parts among them
+    size_t border_last;     ///< see there
+} disk_partition;
+
+/// What several steps in one pass need, see explicit.c.
+typedef struct disk_tiling {
+    struct disk_backup *backup; ///< by slot; NULL: steps are made one by one
+    struct disk_block *blocks;  ///< n_blocks of the present list, and one more
+    size_t n_blocks;            ///< see there
+    size_t lead;                ///< how far a step may be ahead of the next one, blocks
+    int n_steps;                ///< of a tile; fewer than 2: none fits
+    uint64_t n_made;            ///< tiles that counted
+    uint64_t n_put_back;        ///< tiles that did not
+} disk_tiling;
+
+/// The list of neighbours, by groups: row r of group g is the DISK_GROUP entries from
+/// neighbour[(first[g] + r) * DISK_GROUP] on, one for each part of the group: slots of neighbours times
+/// DISK_DOUBLES, which is where they begin; void_slot where a part has fewer. Group g has
+/// first[g + 1] - first[g] rows. Each part's neighbours are sorted by their ids; every pair stands twice.
+typedef struct disk_list {
+    uint32_t *first;      ///< number of a row, by group and one more
+    uint32_t *neighbour;  ///< see above
+    size_t rows_capacity; ///< room in neighbour, rows
+    uint32_t *scratch;    ///< by slot
+} disk_list;
 
 /// The planar solver.
-typedef struct disk_state {
-    micro_def def;            ///< without its arrays
-    disk_law cargo;           ///< cargo on cargo
-    disk_law handling;        ///< cargo on obstacles and walls
-    double handling_softness; ///< as in disk_row
-    micro_law belt;           ///< cargo on belts; its stiffness does not count here
-    double spin_damping;      ///< (1 - D)^dt
-    bool is_plain;            ///< one kind, one belt (or none) under the whole domain, no tension
-    disk_belt plain_belt;     ///< if is_plain
-    double plain_brake;       ///< A if is_plain, rad/s2
-    size_t n;                 ///< parts, gone ones included
-    size_t n_live;            ///< live ones when the list was made; places below are theirs
-    size_t n_padded;          ///< n_live rounded up to a multiple of DISK_GROUP
-    uint32_t void_place;      ///< a place far away from everything, the last one
-    disk_row *now;            ///< state at the present time, by place
-    disk_row *next;           ///< where a step writes (disk__swap() afterwards)
-    double *heading;          ///< rad, by place
-    double *brake;            ///< A of (8), rad/s2, by place; NULL if is_plain
-    disk_belt *belt_under;    ///< by place; NULL if is_plain
-    double *scratch;          ///< by place: of a rebuild, or headings before a tile
-    uint8_t *is_touched;      ///< by group: nonzero where the list has touches of its parts
-    uint32_t *number;         ///< number of the part in each place; UINT32_MAX in pads
-    uint32_t *place;          ///< place of each part
-    uint8_t *is_gone;         ///< by number
-    size_t n_kinds;           ///< kinds of parts
-    disk_kind *kinds;         ///< see there
-    uint32_t *kind_of;        ///< by number; NULL: all of kind 0
-    disk_list list;           ///< neighbours
-    double skin;              ///< m
-    double travel;            ///< m, no part has moved farther since the list was made
-    double move;              ///< m, the farthest in the last explicit step; INFINITY: not known
-    double radius_max;        ///< m, of any kind
-    double radius_min;        ///< m, of any kind
-    size_t n_faces;           ///< faces of solids
-    disk_face *faces;         ///< see there
-    size_t n_arcs;            ///< round corners of solids
-    disk_arc *arcs;           ///< see there
-    size_t n_touches;         ///< sorted by place, then by feature
-    size_t touches_capacity;  ///< room
-    disk_touch *touches;      ///< see there
-    size_t n_watches;         ///< sorted by place
-    size_t watches_capacity;  ///< room
-    disk_watch *watches;      ///< see there
-    surroundings around;      ///< a copy: belts and edges
-    neighbours_cells cells;   ///< storage of the grid
-    int n_shares;             ///< threads that take part
-    disk_share shares[DISK_SHARES_MAX]; ///< one each
-    const struct disk_kernels *kernels; ///< of explicit steps
-    disk_extremes_line *extremes;       ///< scratch: of two explicit steps, DISK_SHARES_MAX each
-    disk_tiles tiles;                   ///< of explicit steps
-    uint64_t steps;                     ///< made since t = 0
-    double largest_overlap;             ///< m, of any contact since the start
-    double overlap_share;               ///< see micro_totals
-    uint64_t n_builds;                  ///< how often the list was made
-    void *implicit;                     ///< what disk_implicit.c keeps between steps; NULL at first
-} disk_state;
+struct disk_state {
+    micro_def def;                  ///< without its arrays
+    disk_law cargo;                 ///< cargo on cargo
+    disk_law handling;              ///< cargo on obstacles and walls
+    double handling_compliance;     ///< as in disk
+    micro_law belt;                 ///< cargo on belts; its stiffness does not count here
+    double spin_damping;            ///< (1 - D)^dt
+    bool is_uniform;                ///< one kind, one belt or none all over, no tension
+    disk_belt uniform_belt;         ///< if is_uniform
+    double uniform_deceleration;    ///< A if is_uniform, rad/s2
+    size_t n;                       ///< parts, gone ones included
+    size_t n_live;                  ///< live ones when the list was made: the slots below
+    size_t n_padded;                ///< n_live rounded up to a multiple of DISK_GROUP
+    uint32_t void_slot;             ///< far away from everything, the last one
+    disk *now;                      ///< parts at the present time, by slot
+    disk *next;                     ///< where a step writes (disk__swap() afterwards)
+    double *heading;                ///< rad, by slot
+    double *spin_deceleration;      ///< A of (8), rad/s2, by slot; NULL if is_uniform
+    disk_belt *belt_under;          ///< by slot; NULL if is_uniform
+    double *scratch;                ///< by slot: of a rebuild, or headings before a tile
+    uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
+    uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
+    uint32_t *slot_of;              ///< slot of each part
+    uint8_t *is_gone;               ///< by id
+    size_t n_kinds;                 ///< kinds of parts
+    disk_kind *kinds;               ///< see there
+    uint32_t *kind_of;              ///< by id; NULL: all of kind 0
+    disk_list list;                 ///< neighbours
+    double skin;                    ///< m
+    double displacement_bound;      ///< m, no part has moved farther since the list was made
+    double last_bound;              ///< m, nor in the last explicit step; INFINITY: not known
+    double radius_max;              ///< m, of any kind
+    double radius_min;              ///< m, of any kind
+    size_t n_faces;                 ///< of the boundary
+    disk_face *faces;               ///< see there
+    size_t n_arcs;                  ///< of the boundary
+    disk_arc *arcs;                 ///< see there
+    size_t n_candidates;            ///< sorted by slot, then by feature
+    size_t candidates_capacity;     ///< room
+    disk_candidate *candidates;     ///< see there
+    size_t n_border_parts;          ///< sorted by slot
+    size_t border_parts_capacity;   ///< room
+    disk_border_part *border_parts; ///< see there
+    surroundings around;            ///< a copy: belts and edges
+    neighbours_cells cells;         ///< storage of the grid
+    int n_partitions;               ///< threads that take part
+    disk_partition partitions[DISK_PARTITIONS_MAX]; ///< one each
+    const explicit_kernels *kernels;                ///< of explicit steps
+    disk_extremes_line *extremes; ///< scratch: of two explicit steps, DISK_PARTITIONS_MAX each
+    disk_tiling tiling;           ///< of explicit steps
+    uint64_t steps;               ///< made since t = 0
+    double largest_overlap;       ///< m, of any contact since the start
+    double overlap_share;         ///< see micro_totals
+    uint64_t n_builds;            ///< how often the list was made
+    void *implicit;               ///< an implicit_state; NULL at first
+};
 
-/// Make the list and all that depends on places from the rows in `now`: sorts parts, files away those
-/// that are gone or whose centre is outside, sets travel = 0. Any place may change, and now and next may
-/// trade their storage. BF_ENOMEM: the list is unusable until a call succeeds.
+/// Make the list and all that depends on positions from the parts in `now`: sorts them, files away those that
+/// are gone or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and next
+/// may trade their storage. BF_ENOMEM: the list is unusable until a call succeeds.
 BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 
-/// After a step was written into rows (and headings): look at the watches watch_first .. watch_last - 1;
-/// parts that left are frozen in their watch, which then says `left`, and moved far away and to rest in
-/// rows, parts at the border of a belt learn what is under them. Touches nothing of other parts.
-void disk__look(disk_state *s, disk_row *rows, size_t watch_first, size_t watch_last,
-                disk_presence left);
+/// After a step was written into `parts` (and headings): look at the border parts first .. last - 1. Parts
+/// that left are frozen in their disk_border_part, which then says `left`, and moved far away and to rest in
+/// `parts`; those at the border of a belt learn what is under them. Touches nothing of other parts.
+void disk__update_border_parts(disk_state *s, disk *parts, size_t first, size_t last,
+                               disk_presence left);
 
 /// Belt under a point.
 disk_belt disk__belt_at(const disk_state *s, double x, double y);
 
-/// Kind of the part with a number.
-static inline const disk_kind *disk__kind_of(const disk_state *s, size_t number)
+/// A part far away and at rest, of its own for each slot, in contact with nothing.
+disk disk__pad(const disk_state *s, size_t slot);
+
+/// Put all parts into the slots of their ids, with what belongs to their kinds and without position and
+/// velocity; disk__rebuild() must follow.
+void disk__fill_slots(disk_state *s);
+
+/// Kind of the part with an id.
+static inline const disk_kind *disk__kind_of(const disk_state *s, size_t id)
 {
-    return &s->kinds[s->kind_of != NULL ? s->kind_of[number] : 0];
+    return &s->kinds[s->kind_of != NULL ? s->kind_of[id] : 0];
 }
 
-/// Belt under the part in a place as of the last rebuild or look.
-static inline disk_belt disk__belt_under(const disk_state *s, size_t place)
+/// Rows of the list for the part in a slot.
+static inline size_t disk__n_rows(const disk_state *s, size_t slot)
 {
-    return s->is_plain ? s->plain_belt : s->belt_under[place];
-}
-
-/// A of (8) for the part in a place.
-static inline double disk__brake(const disk_state *s, size_t place)
-{
-    return s->is_plain ? s->plain_brake : s->brake[place];
-}
-
-/// Slots of a group, and slot `slot` of the part in a place.
-static inline size_t disk__slots(const disk_state *s, size_t place)
-{
-    size_t g = place / DISK_GROUP;
+    size_t g = slot / DISK_GROUP;
     return s->list.first[g + 1] - s->list.first[g];
 }
 
-/// The neighbour in a slot; void_place if there is none.
-static inline uint32_t disk__neighbour(const disk_state *s, size_t place, size_t slot)
+/// The neighbour in a row; void_slot if there is none.
+static inline uint32_t disk__neighbour(const disk_state *s, size_t slot, size_t row)
 {
-    size_t g = place / DISK_GROUP;
-    return s->list.neighbour[(s->list.first[g] + slot) * DISK_GROUP + place % DISK_GROUP] /
-           DISK_ROW;
+    size_t at = (s->list.first[slot / DISK_GROUP] + row) * DISK_GROUP + slot % DISK_GROUP;
+    return s->list.neighbour[at] / DISK_DOUBLES;
 }
 
 /// `next` becomes `now`.
 static inline void disk__swap(disk_state *s)
 {
-    disk_row *rows = s->now;
+    disk *parts = s->now;
     s->now = s->next;
-    s->next = rows;
+    s->next = parts;
 }
 
+/// Lay out faces and arcs of walls and obstacles; s->around must be there. BF_ENOMEM.
+BF_MUST_CHECK bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err);
+void disk__boundary_fini(disk_state *s); ///< Free them.
+
 /// A part's overlap with a face or arc, m; 0 or less, or any value with *ret_counts false, where they
-/// are not in touch.
-double disk__overlap(const disk_state *s, const disk_row *part, uint32_t feature, bool *ret_counts);
+/// are not in contact.
+double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts);
 
-/// Lay out faces and arcs of the definition's walls and obstacles; s->around must be there. BF_ENOMEM.
-BF_MUST_CHECK bf_status disk__solids_init(disk_state *s, const micro_def *def, bf_error *err);
-void disk__solids_fini(disk_state *s);
+/// Have what tiles need, from the next rebuild on. BF_ENOMEM: steps will be made one by one.
+BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);
+void disk__tiling_fini(disk_state *s); ///< Free it.
+void disk__plan_tiles(disk_state *s);  ///< Lay tiles over the present list, if there is that.
 
-/// Find the touches, or the watches and belts, of the live places. BF_ENOMEM.
-BF_MUST_CHECK bf_status disk__find_touches(disk_state *s);
-BF_MUST_CHECK bf_status disk__find_watches(disk_state *s);
+/// driver_solver.check: a part is not finite or moves by more than half the smallest radius in a step.
+BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);
 
-/// Put all parts into the places of their numbers, with what belongs to their kinds and without place
-/// and velocity; disk__rebuild() must follow.
-void disk__place_parts(disk_state *s);
+/// Make n steps with MICRO_VERLET, or with MICRO_IMPLICIT. Errors as of micro_advance().
+BF_MUST_CHECK bf_status disk__advance_explicit(disk_state *s, uint64_t n, bf_error *err);
+BF_MUST_CHECK bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err);
+
+/// Free s->implicit; NULL is fine.
+void disk__implicit_fini(disk_state *s);
+
+/// Largest stable step of MICRO_VERLET for a checked definition of cylinders, s.
+double disk__dt_stable_explicit(const micro_def *def);
 
 /// Members of micro_backend.
 micro_part disk__part(const void *state, size_t k);
 micro_totals disk__measure(const void *state);
 void disk__save(const void *state, checkpoint_writer *w);
 BF_MUST_CHECK bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err);
-
-/// A row far away and at rest, of its own for each place, in touch with nothing.
-disk_row disk__pad(const disk_state *s, size_t place);
-
-/// Have what tiles need, from the next rebuild on. BF_ENOMEM: steps will be made one by one.
-BF_MUST_CHECK bf_status disk__tiles_init(disk_state *s);
-void disk__tiles_fini(disk_state *s);
-
-/// Lay tiles over the present list, if disk__tiles_init() was called.
-void disk__cut_tiles(disk_state *s);
-
-/// BF_ENUMERIC with step, time and part, if a live part of `now` is not finite or moves by more than
-/// half the smallest radius in a step; else BF_OK. To be called when the largest speed of a step, which
-/// the caller knows, is suspect.
-BF_MUST_CHECK bf_status disk__check(const disk_state *s, bf_error *err);
-
-/// Make n steps with MICRO_VERLET.
-BF_MUST_CHECK bf_status disk__advance_verlet(disk_state *s, uint64_t n, bf_error *err);
-
-/// Make n steps with MICRO_IMPLICIT: counts s->steps, keeps now, heading, travel, watches and the
-/// overlaps; calls disk__rebuild() before a step on a stale list. Its first call finds parts with
-/// their start velocities in `now`, as every later one, possibly after a load, finds the state it left:
-/// rows, headings and steps are all that is saved.
-BF_MUST_CHECK bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err);
-
-/// Free s->implicit; NULL is fine.
-void disk__implicit_fini(disk_state *s);
-
-/// Write what MICRO_IMPLICIT needs beyond rows, headings and steps (the impulses of the last step, and
-/// which pairs it looks at); nothing if s->implicit is NULL.
-void disk__implicit_save(const disk_state *s, checkpoint_writer *w);
-
-/// Take that back, to the end of the payload; nothing makes s->implicit as at first. Looks at nothing in s that changes with time, so
-/// the order of this and of taking the rows is free. BF_ECORRUPT or BF_ENOMEM: s is as before.
-BF_MUST_CHECK bf_status disk__implicit_load(disk_state *s, checkpoint_reader *r, bf_error *err);
-
-/// Largest stable step of MICRO_VERLET for a checked definition of cylinders, s.
-double disk__dt_stable_verlet(const micro_def *def);

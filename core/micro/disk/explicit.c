@@ -1,13 +1,13 @@
 // Explicit steps of disks: one by one, or several in one pass over the parts.
 //
 // Single steps   A team shares out the partitions of the groups and meets once a step. A thread writes
-//                rows, headings, pushes, watches and what is under them of its own partitions only; it reads
-//                all rows of `now`.
+//                parts, headings, forces, border parts and what is under them of its own partitions only; it
+//                reads all parts of `now`.
 //
 // Several steps  For more disks than caches hold. Parts are sorted in space and fall into blocks. A block
 //                can make its step t as soon as all blocks that hold neighbours of its parts have made step
 //                t - 1; so the steps of a tile run over the parts one close behind the other, and what a
-//                part is comes from memory once for all of them. Step t reads one array of rows and writes
+//                part is comes from memory once for all of them. Step t reads one array of parts and writes
 //                the other, over the state before step t - 1, which only neighbours needed. Each member of
 //                a team makes some steps that follow one another; n_done is all that they tell each other.
 //                That the list held through all steps, and that all went well, is known at the end. If not,
@@ -15,7 +15,6 @@
 //                those of single steps, to the bit.
 
 #include "core/micro/disk/disk_priv.h"
-#include "core/micro/disk/kernels.h"
 
 #include "core/base/memory.h"
 #include "core/base/team.h"
@@ -34,14 +33,14 @@ enum {
     SLACK_BLOCKS = 8,         // that a step may be farther ahead of the next one than it must
 };
 
-#define X(suffix) extern const disk_kernels disk_kernels_##suffix;
+#define X(suffix) extern const explicit_kernels explicit_kernels_##suffix;
 CPU_EACH_BUILD(X)
 #undef X
 
-const disk_kernels *disk_kernels_of(cpu_level level)
+const explicit_kernels *disk__explicit_kernels(cpu_level level)
 {
-    static const disk_kernels *const builds[] = {
-#define X(suffix) &disk_kernels_##suffix,
+    static const explicit_kernels *const builds[] = {
+#define X(suffix) &explicit_kernels_##suffix,
         CPU_EACH_BUILD(X)
 #undef X
     };
@@ -49,17 +48,17 @@ const disk_kernels *disk_kernels_of(cpu_level level)
     return builds[level];
 }
 
-static disk_step make_step(const disk_state *s, uint64_t number)
+static explicit_step make_step(const disk_state *s, uint64_t n_before)
 {
-    const bool is_first = number == 0;
+    const bool is_first = n_before == 0;
     const double dt = s->def.dt;
 
-    return (disk_step){ .state = s,
-                        .heading = s->heading,
-                        .dt = dt,
-                        .dt_force = is_first ? 0.0 : dt,
-                        .keep = is_first ? 1.0 : 1.0 - s->def.damping * dt,
-                        .keep_spin = is_first ? 1.0 : s->spin_damping };
+    return (explicit_step){ .state = s,
+                            .heading = s->heading,
+                            .dt = dt,
+                            .dt_force = is_first ? 0.0 : dt,
+                            .damping_factor = is_first ? 1.0 : 1.0 - s->def.damping * dt,
+                            .spin_damping_factor = is_first ? 1.0 : s->spin_damping };
 }
 
 // Adds a step with these extremes to the progress.
@@ -78,34 +77,34 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
 
-    return neighbours_holds(s->skin, s->travel) ? BF_OK : disk__rebuild(s, err);
+    return neighbours_holds(s->skin, s->displacement_bound) ? BF_OK : disk__rebuild(s, err);
 }
 
 static int begin(const void *state, driver_progress *ret_progress)
 {
     const disk_state *s = state;
 
-    *ret_progress = (driver_progress){ .displacement_bound = s->travel };
-    return s->n_shares;
+    *ret_progress = (driver_progress){ .displacement_bound = s->displacement_bound };
+    return s->n_partitions;
 }
 
 // A step and where its extremes go.
 typedef struct single_step {
-    disk_step of;
+    explicit_step of;
     disk_extremes_line *extremes;
 } single_step;
 
-static void advance_share(const driver_member *m, size_t k)
+static void advance_partition(const driver_member *m, size_t k)
 {
     disk_state *s = m->state;
     const single_step *step = m->step;
-    const disk_share *share = &s->shares[k];
+    const disk_partition *own = &s->partitions[k];
     driver_extremes *extremes = &step->extremes[k].of;
 
     *extremes = (driver_extremes){ 0 };
-    s->kernels->touch(&step->of, share->touch_first, share->touch_last, extremes);
-    s->kernels->advance(&step->of, share->group_first, share->group_last, extremes);
-    disk__look(s, step->of.next, share->watch_first, share->watch_last, DISK_GONE);
+    s->kernels->add_boundary_forces(&step->of, own->candidate_first, own->candidate_last, extremes);
+    s->kernels->advance(&step->of, own->group_first, own->group_last, extremes);
+    disk__update_border_parts(s, step->of.next, own->border_first, own->border_last, DISK_GONE);
 }
 
 static driver_outcome step(driver_member *m)
@@ -113,15 +112,15 @@ static driver_outcome step(driver_member *m)
     disk_state *s = m->state;
     const size_t turn = m->n_made % TURNS;
     single_step single = { make_step(s, s->steps + m->n_made),
-                           &s->extremes[turn * DISK_SHARES_MAX] };
+                           &s->extremes[turn * DISK_PARTITIONS_MAX] };
     driver_extremes of_step = { 0 };
 
     single.of.now = turn == 0 ? s->now : s->next;
     single.of.next = turn == 0 ? s->next : s->now;
     m->step = &single;
-    driver_share(m, 0, (size_t)s->n_shares, advance_share);
+    driver_share(m, 0, (size_t)s->n_partitions, advance_partition);
     driver_wait(m);
-    for (int k = 0; k < s->n_shares; k++)
+    for (int k = 0; k < s->n_partitions; k++)
         driver_join(&of_step, &single.extremes[k].of);
     return add_step(s, &of_step, &m->progress);
 }
@@ -134,11 +133,25 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     if (n % TURNS != 0)
         disk__swap(s);
     s->steps += n;
-    s->travel = progress->displacement_bound;
-    s->move = progress->last_bound;
+    s->displacement_bound = progress->displacement_bound;
+    s->last_bound = progress->last_bound;
     s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
     s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
 }
+
+// Groups that make a step together, and where their candidates and border parts begin; all end where those of
+// the next block begin.
+typedef struct disk_block {
+    size_t group_first;
+    size_t candidate_first;
+    size_t border_first;
+    size_t last_needed; // the last block with neighbours of its parts
+} disk_block;
+
+// A part before a tile's first step; its heading is in disk_state.scratch.
+typedef struct disk_backup {
+    double x, y, vx, vy, spin;
+} disk_backup;
 
 // One step of a tile.
 typedef struct level {
@@ -148,105 +161,106 @@ typedef struct level {
 
 typedef struct tile {
     disk_state *s;
-    disk_step step; // its rows do not count
+    explicit_step step; // its parts do not count
     int n_levels;
     level levels[TILE_STEPS];
 } tile;
 
-bf_status disk__tiles_init(disk_state *s)
+bf_status disk__tiling_init(disk_state *s)
 {
-    const size_t n_blocks = s->void_place / (BLOCK_GROUPS * DISK_GROUP) + 1;
+    const size_t n_blocks = s->void_slot / (BLOCK_GROUPS * DISK_GROUP) + 1;
 
-    disk__tiles_fini(s);
-    s->tiles.kept = memory_alloc(s->void_place, sizeof *s->tiles.kept);
-    s->tiles.blocks = memory_alloc(n_blocks + 1, sizeof *s->tiles.blocks);
-    if (s->tiles.kept != NULL && s->tiles.blocks != NULL)
+    disk__tiling_fini(s);
+    s->tiling.backup = memory_alloc(s->void_slot, sizeof *s->tiling.backup);
+    s->tiling.blocks = memory_alloc(n_blocks + 1, sizeof *s->tiling.blocks);
+    if (s->tiling.backup != NULL && s->tiling.blocks != NULL)
         return BF_OK;
-    disk__tiles_fini(s);
+    disk__tiling_fini(s);
     return BF_ENOMEM;
 }
 
-void disk__tiles_fini(disk_state *s)
+void disk__tiling_fini(disk_state *s)
 {
-    memory_free(s->tiles.kept);
-    memory_free(s->tiles.blocks);
-    s->tiles = (disk_tiles){ 0 };
+    memory_free(s->tiling.backup);
+    memory_free(s->tiling.blocks);
+    s->tiling = (disk_tiling){ 0 };
 }
 
 // The last block with a neighbour of the parts of groups first <= g < last, or themselves.
-static size_t find_reach(const disk_state *s, size_t first, size_t last)
+static size_t find_last_needed(const disk_state *s, size_t first, size_t last)
 {
     const disk_list *list = &s->list;
-    const uint32_t none = s->void_place * DISK_ROW;
-    uint32_t farthest = (uint32_t)(last * DISK_GROUP - 1) * DISK_ROW;
+    const uint32_t none = s->void_slot * DISK_DOUBLES;
+    uint32_t farthest = (uint32_t)(last * DISK_GROUP - 1) * DISK_DOUBLES;
 
     for (size_t k = (size_t)list->first[first] * DISK_GROUP;
          k < (size_t)list->first[last] * DISK_GROUP; k++)
         if (list->neighbour[k] != none && list->neighbour[k] > farthest)
             farthest = list->neighbour[k];
-    return farthest / (DISK_ROW * DISK_GROUP * BLOCK_GROUPS);
+    return farthest / (DISK_DOUBLES * DISK_GROUP * BLOCK_GROUPS);
 }
 
 // Returns how far ahead the neighbours of a block are at most, blocks.
 static size_t cut_blocks(disk_state *s)
 {
     const size_t n_groups = s->n_padded / DISK_GROUP;
-    disk_block *blocks = s->tiles.blocks;
-    size_t n = 0, touch = 0, watch = 0, reach = 0;
+    disk_block *blocks = s->tiling.blocks;
+    size_t n = 0, candidate = 0, border = 0, ahead = 0;
 
     for (size_t group = 0; group < n_groups; group += BLOCK_GROUPS, n++) {
         size_t last = group + BLOCK_GROUPS < n_groups ? group + BLOCK_GROUPS : n_groups;
-        blocks[n] = (disk_block){ group, touch, watch, find_reach(s, group, last) };
-        reach = blocks[n].reach - n > reach ? blocks[n].reach - n : reach;
-        while (touch < s->n_touches && s->touches[touch].place < last * DISK_GROUP)
-            touch++;
-        while (watch < s->n_watches && s->watches[watch].place < last * DISK_GROUP)
-            watch++;
+        blocks[n] = (disk_block){ group, candidate, border, find_last_needed(s, group, last) };
+        ahead = blocks[n].last_needed - n > ahead ? blocks[n].last_needed - n : ahead;
+        while (candidate < s->n_candidates && s->candidates[candidate].slot < last * DISK_GROUP)
+            candidate++;
+        while (border < s->n_border_parts && s->border_parts[border].slot < last * DISK_GROUP)
+            border++;
     }
-    blocks[n] = (disk_block){ n_groups, touch, watch, n };
-    s->tiles.n_blocks = n;
-    return reach;
+    blocks[n] = (disk_block){ n_groups, candidate, border, n };
+    s->tiling.n_blocks = n;
+    return ahead;
 }
 
-void disk__cut_tiles(disk_state *s)
+void disk__plan_tiles(disk_state *s)
 {
-    disk_tiles *tiles = &s->tiles;
+    disk_tiling *tiles = &s->tiling;
 
-    if (tiles->kept == NULL)
+    if (tiles->backup == NULL)
         return;
-    size_t reach = cut_blocks(s);
-    size_t bytes = (reach + 2) * BLOCK_GROUPS * DISK_GROUP * PART_BYTES;
+    size_t ahead = cut_blocks(s);
+    size_t bytes = (ahead + 2) * BLOCK_GROUPS * DISK_GROUP * PART_BYTES;
     int most = bytes < TILE_BYTES / TILE_STEPS ? TILE_STEPS : (int)(TILE_BYTES / bytes);
-    tiles->lead = reach + SLACK_BLOCKS;
-    tiles->n_steps = most - most % s->n_shares;
+    tiles->lead = ahead + SLACK_BLOCKS;
+    tiles->n_steps = most - most % s->n_partitions;
 }
 
 // Puts the parts of a block aside.
-static void keep_block(disk_state *s, const disk_block *block)
+static void back_up_block(disk_state *s, const disk_block *block)
 {
     const size_t last = block[1].group_first * DISK_GROUP;
 
-    for (size_t place = block->group_first * DISK_GROUP; place < last; place++) {
-        const disk_row *row = &s->now[place];
-        s->tiles.kept[place] = (disk_kept){ row->x, row->y, row->vx, row->vy, row->spin };
-        s->scratch[place] = s->heading[place];
+    for (size_t slot = block->group_first * DISK_GROUP; slot < last; slot++) {
+        const disk *part = &s->now[slot];
+        s->tiling.backup[slot] = (disk_backup){ part->x, part->y, part->vx, part->vy, part->spin };
+        s->scratch[slot] = s->heading[slot];
     }
 }
 
 static void advance_block(tile *w, int of_step, size_t of_block)
 {
     disk_state *s = w->s;
-    const disk_block *block = &s->tiles.blocks[of_block];
+    const disk_block *block = &s->tiling.blocks[of_block];
     driver_extremes *extremes = &w->levels[of_step].extremes;
-    disk_step step = w->step;
+    explicit_step step = w->step;
 
     step.now = of_step % 2 == 0 ? s->now : s->next;
     step.next = of_step % 2 == 0 ? s->next : s->now;
     if (of_step == 0)
-        keep_block(s, block);
-    s->kernels->touch(&step, block->touch_first, block[1].touch_first, extremes);
+        back_up_block(s, block);
+    s->kernels->add_boundary_forces(&step, block->candidate_first, block[1].candidate_first,
+                                    extremes);
     s->kernels->advance(&step, block->group_first, block[1].group_first, extremes);
-    disk__look(s, step.next, block->watch_first, block[1].watch_first, DISK_GOING);
+    disk__update_border_parts(s, step.next, block->border_first, block[1].border_first, DISK_GOING);
 }
 
 static size_t count_done(const tile *w, int of_step)
@@ -258,9 +272,9 @@ static size_t count_done(const tile *w, int of_step)
 // after it is near.
 static bool is_ready(const tile *w, int of_step, size_t of_block)
 {
-    const disk_tiles *tiles = &w->s->tiles;
+    const disk_tiling *tiles = &w->s->tiling;
 
-    return (of_step == 0 || count_done(w, of_step - 1) > tiles->blocks[of_block].reach) &&
+    return (of_step == 0 || count_done(w, of_step - 1) > tiles->blocks[of_block].last_needed) &&
            (of_step + 1 == w->n_levels || of_block < count_done(w, of_step + 1) + tiles->lead);
 }
 
@@ -274,7 +288,7 @@ static turn take_turn(tile *w, int member, int n_members)
 
     for (int k = w->n_levels - 1; k >= 0; k--) {
         size_t block = atomic_load_explicit(&w->levels[k].n_done, memory_order_relaxed);
-        if (k * n_members / w->n_levels != member || block == w->s->tiles.n_blocks)
+        if (k * n_members / w->n_levels != member || block == w->s->tiling.n_blocks)
             continue;
         result = TURN_WAITS;
         if (!is_ready(w, k, block))
@@ -301,7 +315,7 @@ static void make_levels(void *context, int member, int n_members, team_barrier *
 }
 
 // What single steps would have come to; *ret_holds: they would not have ended before the last.
-static driver_outcome judge(const tile *w, driver_progress *ret_progress, bool *ret_holds)
+static driver_outcome outcome_of(const tile *w, driver_progress *ret_progress, bool *ret_holds)
 {
     driver_outcome outcome = DRIVER_MADE;
 
@@ -314,68 +328,68 @@ static driver_outcome judge(const tile *w, driver_progress *ret_progress, bool *
     return outcome;
 }
 
-static void put_back_gone(disk_state *s, disk_watch *w)
+static void put_back_gone(disk_state *s, disk_border_part *w)
 {
-    const uint32_t number = s->number[w->place];
-    const disk_row *kind = &disk__kind_of(s, number)->row;
+    const uint32_t id = s->id_of[w->slot];
+    const disk *kind = &disk__kind_of(s, id)->part;
 
     for (int k = 0; k < 2; k++) {
-        disk_row *row = k == 0 ? &s->now[w->place] : &s->next[w->place];
-        row->radius = kind->radius;
-        row->softness = kind->softness;
-        row->inverse_mass = kind->inverse_mass;
+        disk *part = k == 0 ? &s->now[w->slot] : &s->next[w->slot];
+        part->radius = kind->radius;
+        part->compliance = kind->compliance;
+        part->inv_mass = kind->inv_mass;
     }
     w->gone = DISK_HERE;
-    s->is_gone[number] = 0;
+    s->is_gone[id] = 0;
 }
 
 static void put_back(disk_state *s)
 {
-    for (size_t place = 0; place < s->n_padded; place++) {
-        const disk_kept *kept = &s->tiles.kept[place];
-        disk_row *row = &s->now[place];
-        row->x = kept->x;
-        row->y = kept->y;
-        row->vx = kept->vx;
-        row->vy = kept->vy;
-        row->spin = kept->spin;
-        s->heading[place] = s->scratch[place];
+    for (size_t slot = 0; slot < s->n_padded; slot++) {
+        const disk_backup *backup = &s->tiling.backup[slot];
+        disk *part = &s->now[slot];
+        part->x = backup->x;
+        part->y = backup->y;
+        part->vx = backup->vx;
+        part->vy = backup->vy;
+        part->spin = backup->spin;
+        s->heading[slot] = s->scratch[slot];
     }
-    for (size_t k = 0; k < s->n_watches; k++) {
-        disk_watch *w = &s->watches[k];
+    for (size_t k = 0; k < s->n_border_parts; k++) {
+        disk_border_part *w = &s->border_parts[k];
         if (w->gone == DISK_GOING)
             put_back_gone(s, w);
-        if (!s->is_plain)
-            s->belt_under[w->place] = disk__belt_at(s, s->now[w->place].x, s->now[w->place].y);
+        if (!s->is_uniform)
+            s->belt_under[w->slot] = disk__belt_at(s, s->now[w->slot].x, s->now[w->slot].y);
     }
-    s->tiles.n_put_back++;
+    s->tiling.n_put_back++;
 }
 
 static void accept(disk_state *s, uint64_t n, driver_outcome outcome,
                    const driver_progress *progress)
 {
-    for (size_t k = 0; k < s->n_watches; k++)
-        if (s->watches[k].gone == DISK_GOING)
-            s->watches[k].gone = DISK_GONE;
+    for (size_t k = 0; k < s->n_border_parts; k++)
+        if (s->border_parts[k].gone == DISK_GOING)
+            s->border_parts[k].gone = DISK_GONE;
     end(s, n, outcome, progress);
-    s->tiles.n_made++;
+    s->tiling.n_made++;
 }
 
 static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *ret_suspect)
 {
     disk_state *s = state;
-    const uint64_t n_steps = s->tiles.n_steps >= 2 ? (uint64_t)s->tiles.n_steps : 0;
+    const uint64_t n_steps = s->tiling.n_steps >= 2 ? (uint64_t)s->tiling.n_steps : 0;
     driver_progress progress;
     bool holds;
 
     *ret_most = n_steps > 0 && n_steps < n ? n_steps : n;
     // Twice the last speed is a guess, which saves tiles that would only be put back.
-    if (s->tiles.kept == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
-        !neighbours_holds(s->skin, s->travel + 2.0 * s->move * (int)n_steps))
+    if (s->tiling.backup == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
+        !neighbours_holds(s->skin, s->displacement_bound + 2.0 * s->last_bound * (int)n_steps))
         return 0;
     tile w = { .s = s, .step = make_step(s, s->steps), .n_levels = (int)n_steps };
-    team_run(s->n_shares, make_levels, &w);
-    driver_outcome outcome = judge(&w, &progress, &holds);
+    team_run(s->n_partitions, make_levels, &w);
+    driver_outcome outcome = outcome_of(&w, &progress, &holds);
     if (!holds) {
         put_back(s);
         return 0;
@@ -385,56 +399,53 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
     return n_steps;
 }
 
-static bf_status check(const void *state, bf_error *err)
-{
-    return disk__check(state, err);
-}
-
-bf_status disk__advance_verlet(disk_state *s, uint64_t n, bf_error *err)
+bf_status disk__advance_explicit(disk_state *s, uint64_t n, bf_error *err)
 {
     static const driver_solver solver = { .refresh = refresh,
                                           .advance_tile = advance_tile,
                                           .begin = begin,
                                           .step = step,
                                           .end = end,
-                                          .check = check };
+                                          .check = disk__check };
 
     // What is measured after the last step needs a list that holds.
     bf_status status = driver_advance(&solver, s, n, err);
     return status == BF_OK ? refresh(s, err) : status;
 }
 
-static bool is_finite(const disk_row *row, double heading)
+static bool is_finite(const disk *part, double heading)
 {
-    return isfinite(row->x) && isfinite(row->y) && isfinite(row->vx) && isfinite(row->vy) &&
-           isfinite(row->spin) && isfinite(heading);
+    return isfinite(part->x) && isfinite(part->y) && isfinite(part->vx) && isfinite(part->vy) &&
+           isfinite(part->spin) && isfinite(heading);
 }
 
-static bf_status fail(const disk_state *s, uint32_t number, const char *what, bf_error *err)
+static bf_status fail(const disk_state *s, uint32_t id, const char *what, bf_error *err)
 {
-    const disk_row *row = &s->now[s->place[number]];
+    const disk *part = &s->now[s->slot_of[id]];
 
     return bf_fail(err, BF_ENUMERIC, "",
                    "part %u %s in step %llu (t = %.6g s), at (%.6g, %.6g) m with (%.6g, %.6g) m/s",
-                   (unsigned)number, what, (unsigned long long)s->steps,
-                   (double)s->steps * s->def.dt, row->x, row->y, row->vx, row->vy);
+                   (unsigned)id, what, (unsigned long long)s->steps, (double)s->steps * s->def.dt,
+                   part->x, part->y, part->vx, part->vy);
 }
 
-bf_status disk__check(const disk_state *s, bf_error *err)
+bf_status disk__check(const void *state, bf_error *err)
 {
+    const disk_state *s = state;
+
     for (size_t k = 0; k < s->n; k++) {
-        const disk_row *row = &s->now[s->place[k]];
-        if (s->place[k] >= s->n_live)
+        const disk *part = &s->now[s->slot_of[k]];
+        if (s->slot_of[k] >= s->n_live)
             continue;
-        if (!is_finite(row, s->heading[s->place[k]]))
+        if (!is_finite(part, s->heading[s->slot_of[k]]))
             return fail(s, (uint32_t)k, "has a place or speed that is not finite", err);
-        if (sqrt(row->vx * row->vx + row->vy * row->vy) * s->def.dt > 0.5 * s->radius_min)
+        if (sqrt(part->vx * part->vx + part->vy * part->vy) * s->def.dt > 0.5 * s->radius_min)
             return fail(s, (uint32_t)k, "moved by more than half a radius", err);
     }
     return BF_OK;
 }
 
-double disk__dt_stable_verlet(const micro_def *def)
+double disk__dt_stable_explicit(const micro_def *def)
 {
     const scene_contact *contact = def->contact;
     double damping =
@@ -462,8 +473,8 @@ double disk__dt_stable_verlet(const micro_def *def)
     double crowd = M_PI / asin(r_min / (r_min + r_max)) / m_min;
     double d = crowd * damping, k = crowd * stiffness;
     double dt = 4.0 / (d + sqrt(d * d + 4.0 * k));
-    double grip = contact[SCENE_CONVEYOR_CARGO].friction * def->gravity *
+    double belt = contact[SCENE_CONVEYOR_CARGO].friction * def->gravity *
                       contact[SCENE_CONVEYOR_CARGO].tanh_linear +
                   def->damping;
-    return fmin(dt, 2.0 / grip);
+    return fmin(dt, 2.0 / belt);
 }

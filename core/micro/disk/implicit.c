@@ -1,10 +1,24 @@
-// Implicit steps of disks.
+// Implicit steps of disks: implicit Euler for contacts and frictions, solved by impulses.
 //
-// A team meets between the phases of a step. In a phase every member takes its part of the chunks of places
+//     overlap    delta+ = delta - h v+, v = speed at which the surfaces part
+//     normal     impulse J = max(0, E (delta - h v+) - d max(delta, 0)), E = h k + d: for delta > 0
+//                h times (4a) at the end of the step; for a gap (delta < 0), nothing until it closes
+//                and then the dashpot on what it closed to
+//     sliding    impulse -mu |J| lambda theta(lambda |u|) u+, at most mu |J|; u the slip known so far: (7),
+//                implicit by its secant (core/micro/friction.h)
+//     belt       impulse -h mu m g lambda theta(lambda |u|) u+, u the velocity relative to the belt
+//     spin       the same with (8), secant of the spin before the step; on the diagonal, so it only
+//                changes the inertia
+//
+// The coupled equations are solved contact by contact (Gauss-Seidel) from the impulses of the step
+// before; each iteration takes the secants anew and so comes nearer to implicit Euler. Every impulse acts
+// on both parts, so momentum is conserved however few iterations are made.
+//
+// A team meets between the phases of a step. In a phase every member takes its part of the chunks of slots
 // or of the pieces of a group, none of which writes what another one reads.
 
+#include "core/micro/disk/implicit.h"
 #include "core/base/memory.h"
-#include "core/micro/disk/implicit_priv.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>
@@ -13,7 +27,7 @@
 CPU_EACH_BUILD(X)
 #undef X
 
-const implicit_kernels *disk_implicit__kernels(cpu_level level)
+const implicit_kernels *disk__implicit_kernels(cpu_level level)
 {
     static const implicit_kernels *const builds[] = {
 #define X(suffix) &implicit_kernels_##suffix,
@@ -51,27 +65,27 @@ implicit_state *disk_implicit__destroy(implicit_state *z)
     return NULL;
 }
 
-// Most rounds that the kinds of parts ask for.
-static int find_rounds(const disk_state *s)
+// Most iterations that the kinds of parts ask for.
+static int find_iterations(const disk_state *s)
 {
     const double damping = fmax(s->cargo.damping, s->handling.damping);
-    int rounds = 1;
+    int iterations = 1;
 
     for (size_t k = 0; k < s->n_kinds; k++) {
-        const disk_row *row = &s->kinds[k].row;
-        double cargo = s->cargo.line / (2.0 * row->softness);
-        double handling = s->handling.line / (row->softness + s->handling_softness);
-        int own = implicit_step_rounds(s->n, s->def.dt, fmax(cargo, handling), damping,
-                                       1.0 / row->inverse_mass);
-        rounds = own > rounds ? own : rounds;
+        const disk *part = &s->kinds[k].part;
+        double cargo = s->cargo.line / (2.0 * part->compliance);
+        double handling = s->handling.line / (part->compliance + s->handling_compliance);
+        int own = implicit_step_iterations(s->n, s->def.dt, fmax(cargo, handling), damping,
+                                           1.0 / part->inv_mass);
+        iterations = own > iterations ? own : iterations;
     }
-    return rounds;
+    return iterations;
 }
 
 implicit_state *disk_implicit__create(const disk_state *s)
 {
-    // The void place is ground too; a group has a part once at most.
-    size_t n_places = (size_t)s->void_place + 1, n_ground = s->n / IMPLICIT_PIECE;
+    // The void slot is a static body too; a group has a part once at most.
+    size_t n_slots = (size_t)s->void_slot + 1, n_static = s->n / IMPLICIT_PIECE;
     bool has_failed = false;
     implicit_state *z = memory_alloc(1, sizeof *z);
 
@@ -79,15 +93,15 @@ implicit_state *disk_implicit__create(const disk_state *s)
         return NULL;
     z->head = alloc_or_fail(s->n, sizeof *z->head, &has_failed);
     z->first = alloc_or_fail(s->n + 1, sizeof *z->first, &has_failed);
-    z->used = alloc_or_fail(n_places, sizeof *z->used, &has_failed);
-    z->bodies = alloc_or_fail(n_places + n_ground, sizeof *z->bodies, &has_failed);
-    z->extremes = alloc_or_fail(n_places / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
-    z->rounds = find_rounds(s);
+    z->used = alloc_or_fail(n_slots, sizeof *z->used, &has_failed);
+    z->bodies = alloc_or_fail(n_slots + n_static, sizeof *z->bodies, &has_failed);
+    z->extremes = alloc_or_fail(n_slots / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
+    z->iterations = find_iterations(s);
     z->skin = s->radius_min;
-    z->kernels = disk_implicit__kernels(cpu_best());
-    z->step = (implicit_step){ .keep = exp(-s->def.damping * s->def.dt),
-                               .drag = s->def.dt * s->belt.friction * s->def.gravity *
-                                       s->belt.tanh_linear };
+    z->kernels = disk__implicit_kernels(cpu_best());
+    z->step = (implicit_step){ .damping_factor = exp(-s->def.damping * s->def.dt),
+                               .belt_secant = s->def.dt * s->belt.friction * s->def.gravity *
+                                              s->belt.tanh_linear };
     return has_failed ? disk_implicit__destroy(z) : z;
 }
 
@@ -96,11 +110,11 @@ void disk__implicit_fini(disk_state *s)
     s->implicit = disk_implicit__destroy(s->implicit);
 }
 
-// False if a next step like the last one, which moved parts by up to `move`, could make parts touch that
-// are in no list with this skin, after parts have travelled so far since it was made, m.
-static bool holds(double skin, double travel, double move)
+// False if a next step like the last one, which moved parts by up to `last_bound`, could make parts touch that
+// are in no list with this skin, after parts have moved by displacement_bound since it was made, m.
+static bool holds(double skin, double displacement_bound, double move)
 {
-    return neighbours_holds(skin, travel + 1.25 * move);
+    return neighbours_holds(skin, displacement_bound + 1.25 * move);
 }
 
 // The list with the skin that pairs are chosen from.
@@ -117,9 +131,9 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
     implicit_state *z = s->implicit;
-    bool must_choose = !z->is_chosen || !holds(z->skin, z->travel, z->move);
+    bool must_choose = !z->is_chosen || !holds(z->skin, z->displacement_bound, z->last_bound);
 
-    if (must_choose || !holds(s->skin, s->travel, z->move)) {
+    if (must_choose || !holds(s->skin, s->displacement_bound, z->last_bound)) {
         bf_status status = rebuild(s, z, err);
         if (status == BF_OK && must_choose)
             status = disk_implicit__choose(s, z, err);
@@ -128,7 +142,7 @@ static bf_status refresh(void *state, bf_error *err)
     }
     if (must_choose) {
         z->is_current = z->is_chosen = true;
-        z->travel = 0.0;
+        z->displacement_bound = 0.0;
     }
     if (!z->is_current)
         disk_implicit__locate(s, z);
@@ -165,7 +179,7 @@ static size_t count_chunks(const disk_state *s)
     return (s->n_padded + IMPLICIT_CHUNK - 1) / IMPLICIT_CHUNK;
 }
 
-// Up to the next group of parts; places between the last part and that are pads.
+// Up to the next group of parts; slots between the last part and that are pads.
 static size_t end_of_chunk(const disk_state *s, size_t chunk)
 {
     size_t end = (chunk + 1) * IMPLICIT_CHUNK;
@@ -192,12 +206,13 @@ static void predict_chunk(const driver_member *m, size_t chunk)
         z->kernels->predict(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
 }
 
-static void pull_chunk(const driver_member *m, size_t chunk)
+static void apply_belt_friction_of_chunk(const driver_member *m, size_t chunk)
 {
     const disk_state *s = m->state;
     implicit_state *z = s->implicit;
 
-    z->kernels->pull(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+    z->kernels->apply_belt_friction(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK,
+                                    end_of_chunk(s, chunk));
 }
 
 static void move_chunk(const driver_member *m, size_t chunk)
@@ -209,35 +224,35 @@ static void move_chunk(const driver_member *m, size_t chunk)
         z->kernels->move(s, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
 }
 
-static void meet_piece(const driver_member *m, size_t piece)
+static void find_contacts_of_piece(const driver_member *m, size_t piece)
 {
-    const double *near = m->step;
+    const double *margin = m->step;
 
-    disk_implicit__meet(m->state, state_of(m), piece, *near);
+    disk_implicit__find_contacts(m->state, state_of(m), piece, *margin);
 }
 
-static void relax_piece(const driver_member *m, size_t piece)
+static void solve_piece(const driver_member *m, size_t piece)
 {
     implicit_state *z = state_of(m);
     const implicit_piece *p = &z->pieces[piece];
 
-    z->kernels->relax(z->bodies, &z->blocks[p->block], p->n_blocks);
+    z->kernels->solve(z->bodies, &z->blocks[p->block], p->n_blocks);
 }
 
-static void keep_piece(const driver_member *m, size_t piece)
+static void store_impulses_of_piece(const driver_member *m, size_t piece)
 {
-    disk_implicit__keep(state_of(m), piece);
+    disk_implicit__store_impulses(state_of(m), piece);
 }
 
-static void look_share(const driver_member *m, size_t k)
+static void update_partition(const driver_member *m, size_t k)
 {
     disk_state *s = m->state;
-    const disk_share *of = &s->shares[k];
+    const disk_partition *of = &s->partitions[k];
 
-    disk__look(s, s->now, of->watch_first, of->watch_last, DISK_GONE);
+    disk__update_border_parts(s, s->now, of->border_first, of->border_last, DISK_GONE);
 }
 
-// Pairs and parts of a step, and what is left of its contacts for the next one.
+// The phases of a step: prediction, contacts, iterations, motion.
 static void make_phases(driver_member *m)
 {
     const disk_state *s = m->state;
@@ -246,20 +261,20 @@ static void make_phases(driver_member *m)
 
     driver_share(m, 0, n_chunks, predict_chunk);
     driver_wait(m);
-    const double near = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2); // gaps that may close
-    m->step = &near;
-    share_groups(m, meet_piece);
-    for (int round = 0; round < z->rounds; round++) {
-        if (round > 0) {
-            driver_share(m, 0, n_chunks, pull_chunk);
+    const double margin = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2); // gaps that may close
+    m->step = &margin;
+    share_groups(m, find_contacts_of_piece);
+    for (int iteration = 0; iteration < z->iterations; iteration++) {
+        if (iteration > 0) {
+            driver_share(m, 0, n_chunks, apply_belt_friction_of_chunk);
             driver_wait(m);
         }
-        share_groups(m, relax_piece);
+        share_groups(m, solve_piece);
     }
-    driver_share(m, 0, z->group_piece[IMPLICIT_GROUPS], keep_piece);
+    driver_share(m, 0, z->group_piece[IMPLICIT_GROUPS], store_impulses_of_piece);
     driver_share(m, 0, n_chunks, move_chunk);
     driver_wait(m);
-    driver_share(m, 0, (size_t)s->n_shares, look_share);
+    driver_share(m, 0, (size_t)s->n_partitions, update_partition);
 }
 
 static void raise_overlaps(const implicit_state *z, driver_extremes *largest)
@@ -268,7 +283,7 @@ static void raise_overlaps(const implicit_state *z, driver_extremes *largest)
         const implicit_piece *p = &z->pieces[k];
         largest->overlap = p->overlap > largest->overlap ? p->overlap : largest->overlap;
         largest->overlap_share =
-            p->share > largest->overlap_share ? p->share : largest->overlap_share;
+            p->overlap_share > largest->overlap_share ? p->overlap_share : largest->overlap_share;
     }
 }
 
@@ -299,8 +314,9 @@ static int begin(const void *state, driver_progress *ret_progress)
     const disk_state *s = state;
     const implicit_state *z = s->implicit;
 
-    *ret_progress = (driver_progress){ .displacement_bound = s->travel, .pair_bound = z->travel };
-    return s->n_shares;
+    *ret_progress = (driver_progress){ .displacement_bound = s->displacement_bound,
+                                       .pair_bound = z->displacement_bound };
+    return s->n_partitions;
 }
 
 static void end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
@@ -310,22 +326,17 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
 
     (void)outcome;
     s->steps += n;
-    s->travel = progress->displacement_bound;
-    z->travel = progress->pair_bound;
-    z->move = progress->last_bound;
+    s->displacement_bound = progress->displacement_bound;
+    z->displacement_bound = progress->pair_bound;
+    z->last_bound = progress->last_bound;
     s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
     s->overlap_share = fmax(s->overlap_share, progress->largest.overlap_share);
-}
-
-static bf_status check(const void *state, bf_error *err)
-{
-    return disk__check(state, err);
 }
 
 bf_status disk__advance_implicit(disk_state *s, uint64_t n, bf_error *err)
 {
     static const driver_solver solver = {
-        .refresh = refresh, .begin = begin, .step = step, .end = end, .check = check
+        .refresh = refresh, .begin = begin, .step = step, .end = end, .check = disk__check
     };
 
     if (!s->implicit)

@@ -1,6 +1,6 @@
 #include "core/base/simd_compare.h"
 #include "core/base/simd_rows.h"
-#include "core/micro/disk/implicit_priv.h"
+#include "core/micro/disk/implicit.h"
 #include "core/micro/friction.h"
 
 // This file is compiled once per instruction set.
@@ -11,7 +11,7 @@ static inline lanes size_of(lanes x)
 }
 
 // The first quad of rows that stand anywhere; where one stands twice both must be alike.
-static inline void scatter(implicit_body *bodies, const uint32_t *at, const lanes_quad *quad)
+static inline void scatter(solver_body *bodies, const uint32_t *at, const lanes_quad *quad)
 {
     _Alignas(64) double rows[LANES * LANES_ROW];
 
@@ -20,73 +20,75 @@ static inline void scatter(implicit_body *bodies, const uint32_t *at, const lane
         memcpy(&bodies->vx + at[k], &rows[k * LANES_ROW], 4 * sizeof(double));
 }
 
-// LANES contacts of a block and what moves there: vx, vy, spin and give of both ends.
+// LANES contacts of a block and what moves there: vx, vy, spin and inv_mass of both ends.
 typedef struct ends {
     lanes_quad a, b;
     lanes nx, ny;
 } ends;
 
-static inline ends load_ends(const implicit_body *bodies, const implicit_block *block, size_t lane)
+static inline ends load_ends(const solver_body *bodies, const implicit_block *block, size_t lane)
 {
     return (ends){ lanes_quad_load(&bodies->vx, block->row[0] + lane),
                    lanes_quad_load(&bodies->vx, block->row[1] + lane), lanes_load(block->nx + lane),
                    lanes_load(block->ny + lane) };
 }
 
-// Impulses, or what they have changed by, to both ends.
-static inline void push(implicit_body *bodies, const implicit_block *block, size_t lane, ends *e,
-                        lanes normal, lanes sliding)
+// Apply impulses, or what they have changed by, to both ends.
+static inline void apply_impulse(solver_body *bodies, const implicit_block *block, size_t lane,
+                                 ends *e, lanes normal, lanes sliding)
 {
     lanes x = normal * e->nx - sliding * e->ny, y = normal * e->ny + sliding * e->nx;
     lanes *a = e->a.column, *b = e->b.column;
 
     a[0] -= x * a[3];
     a[1] -= y * a[3];
-    a[2] -= sliding * lanes_load(block->turn[0] + lane);
+    a[2] -= sliding * lanes_load(block->spin_change[0] + lane);
     b[0] += x * b[3];
     b[1] += y * b[3];
-    b[2] -= sliding * lanes_load(block->turn[1] + lane);
+    b[2] -= sliding * lanes_load(block->spin_change[1] + lane);
     scatter(bodies, block->row[0] + lane, &e->a);
     scatter(bodies, block->row[1] + lane, &e->b);
 }
 
-static inline void begin_lanes(implicit_body *bodies, implicit_block *block, size_t lane)
+static inline void warm_start_lanes(solver_body *bodies, implicit_block *block, size_t lane)
 {
     ends e = load_ends(bodies, block, lane);
     lanes lever0 = lanes_load(block->lever[0] + lane), lever1 = lanes_load(block->lever[1] + lane);
-    lanes_quad a = lanes_quad_load(&bodies->give_spin, block->row[0] + lane);
-    lanes_quad b = lanes_quad_load(&bodies->give_spin, block->row[1] + lane);
+    lanes_quad a = lanes_quad_load(&bodies->inv_inertia, block->row[0] + lane);
+    lanes_quad b = lanes_quad_load(&bodies->inv_inertia, block->row[1] + lane);
     lanes turn0 = lever0 * a.column[0], turn1 = lever1 * b.column[0];
 
-    lanes_store(block->turn[0] + lane, turn0);
-    lanes_store(block->turn[1] + lane, turn1);
-    lanes_store(block->give_slip + lane,
+    lanes_store(block->spin_change[0] + lane, turn0);
+    lanes_store(block->spin_change[1] + lane, turn1);
+    lanes_store(block->inv_slip_mass + lane,
                 e.a.column[3] + e.b.column[3] + lever0 * turn0 + lever1 * turn1);
-    push(bodies, block, lane, &e, lanes_load(block->normal + lane),
-         lanes_load(block->sliding + lane));
+    apply_impulse(bodies, block, lane, &e, lanes_load(block->normal + lane),
+                  lanes_load(block->sliding + lane));
 }
 
-static void begin(implicit_body *bodies, implicit_block *blocks, size_t n)
+static void warm_start(solver_body *bodies, implicit_block *blocks, size_t n)
 {
     for (size_t k = 0; k < n; k++)
         for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += LANES)
-            begin_lanes(bodies, &blocks[k], lane);
+            warm_start_lanes(bodies, &blocks[k], lane);
 }
 
 // Sliding impulse, with the secant at the present slip.
-static inline lanes rub(const implicit_block *block, size_t lane, lanes press, lanes slip)
+static inline lanes friction_impulse(const implicit_block *block, size_t lane, lanes normal,
+                                     lanes slip)
 {
-    lanes give = lanes_load(block->give_slip + lane);
-    lanes most = press * lanes_load(block->friction + lane), rate = lanes_load(block->rate + lane);
+    lanes inv_mass = lanes_load(block->inv_slip_mass + lane);
+    lanes most = normal * lanes_load(block->friction + lane), rate = lanes_load(block->rate + lane);
     friction_quotient theta = friction_theta_quick(rate * size_of(slip));
-    lanes grip = most * rate * theta.up;
-    lanes free_slip = slip - give * lanes_load(block->sliding + lane);
+    lanes secant = most * rate * theta.up;
+    lanes free_slip = slip - inv_mass * lanes_load(block->sliding + lane);
 
-    return lanes_min(lanes_max(-grip * free_slip / (theta.down + grip * give), -most), most);
+    return lanes_min(lanes_max(-secant * free_slip / (theta.down + secant * inv_mass), -most),
+                     most);
 }
 
 // Each contact is solved for its impulses while all others stay.
-static inline void relax_lanes(implicit_body *bodies, implicit_block *block, size_t lane)
+static inline void solve_lanes(solver_body *bodies, implicit_block *block, size_t lane)
 {
     ends e = load_ends(bodies, block, lane);
     const lanes *a = e.a.column, *b = e.b.column;
@@ -98,74 +100,74 @@ static inline void relax_lanes(implicit_body *bodies, implicit_block *block, siz
     lanes new_normal =
         lanes_max(lanes_load(block->bias + lane) - lanes_load(block->gain + lane) * parting,
                   lanes_load(block->floor + lane));
-    lanes new_sliding = rub(block, lane, size_of(new_normal), slip);
+    lanes new_sliding = friction_impulse(block, lane, size_of(new_normal), slip);
 
-    push(bodies, block, lane, &e, new_normal - normal, new_sliding - sliding);
+    apply_impulse(bodies, block, lane, &e, new_normal - normal, new_sliding - sliding);
     lanes_store(block->normal + lane, new_normal);
     lanes_store(block->sliding + lane, new_sliding);
 }
 
-static void relax(implicit_body *bodies, implicit_block *blocks, size_t n)
+static void solve(solver_body *bodies, implicit_block *blocks, size_t n)
 {
     for (size_t k = 0; k < n; k++)
         for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += LANES)
-            relax_lanes(bodies, &blocks[k], lane);
+            solve_lanes(bodies, &blocks[k], lane);
 }
 
 // Belts under LANES parts.
-typedef struct ground {
-    lanes vx, vy, grip;
-} ground;
+typedef struct belt_lanes {
+    lanes vx, vy, on_belt;
+} belt_lanes;
 
-static inline ground load_ground(const disk_state *s, size_t place)
+static inline belt_lanes load_belts(const disk_state *s, size_t slot)
 {
-    disk_belt belt = s->plain_belt;
-    ground g = { lanes_all(belt.vx), lanes_all(belt.vy), lanes_all(belt.grip) };
+    disk_belt belt = s->uniform_belt;
+    belt_lanes g = { lanes_all(belt.vx), lanes_all(belt.vy), lanes_all(belt.on_belt) };
 
-    for (size_t k = 0; !s->is_plain && k < LANES; k++) {
-        g.vx[k] = s->belt_under[place + k].vx;
-        g.vy[k] = s->belt_under[place + k].vy;
-        g.grip[k] = s->belt_under[place + k].grip;
+    for (size_t k = 0; !s->is_uniform && k < LANES; k++) {
+        g.vx[k] = s->belt_under[slot + k].vx;
+        g.vy[k] = s->belt_under[slot + k].vy;
+        g.on_belt[k] = s->belt_under[slot + k].on_belt;
     }
     return g;
 }
 
-// Velocities of LANES bodies while the belts pull at them: quads of an implicit_body.
-static inline void pull_lanes(const disk_state *s, double drag, const ground *g, lanes_quad *low,
-                              lanes_quad *high)
+// Velocities of LANES bodies with the friction of the belts: quads of a solver_body.
+static inline void belt_friction_lanes(const disk_state *s, double belt_secant, const belt_lanes *g,
+                                       lanes_quad *low, lanes_quad *high)
 {
-    lanes *v = low->column, *pulled = high->column + 1;
+    lanes *v = low->column, *belt_dv = high->column + 1;
     lanes ux = v[0] - g->vx, uy = v[1] - g->vy;
     friction_quotient theta =
         friction_theta_quick(s->belt.tanh_linear * lanes_sqrt(ux * ux + uy * uy));
-    lanes grip = g->grip * drag * theta.up, ratio = grip / (theta.down + grip);
-    lanes pull_x = ratio * (pulled[0] - ux), pull_y = ratio * (pulled[1] - uy);
+    lanes secant = g->on_belt * belt_secant * theta.up, ratio = secant / (theta.down + secant);
+    lanes belt_dvx = ratio * (belt_dv[0] - ux), belt_dvy = ratio * (belt_dv[1] - uy);
 
-    v[0] += pull_x - pulled[0];
-    v[1] += pull_y - pulled[1];
-    pulled[0] = pull_x;
-    pulled[1] = pull_y;
+    v[0] += belt_dvx - belt_dv[0];
+    v[1] += belt_dvy - belt_dv[1];
+    belt_dv[0] = belt_dvx;
+    belt_dv[1] = belt_dvy;
 }
 
-static inline void number_rows(size_t place, uint32_t *ret_at)
+static inline void index_rows(size_t slot, uint32_t *ret_at)
 {
     for (size_t k = 0; k < LANES; k++)
-        ret_at[k] = (uint32_t)(place + k) * LANES_ROW;
+        ret_at[k] = (uint32_t)(slot + k) * LANES_ROW;
 }
 
-static void pull(const disk_state *s, const implicit_step *step, implicit_body *bodies,
-                 size_t first, size_t last)
+static void apply_belt_friction(const disk_state *s, const implicit_step *step, solver_body *bodies,
+                                size_t first, size_t last)
 {
     uint32_t at[LANES];
 
-    for (size_t place = first; place < last; place += LANES) {
-        ground g = load_ground(s, place);
-        number_rows(place, at);
+    for (size_t slot = first; slot < last; slot += LANES) {
+        belt_lanes g = load_belts(s, slot);
+        index_rows(slot, at);
         lanes_quad low = lanes_quad_load(&bodies->vx, at);
-        lanes_quad high = lanes_quad_load(&bodies->give_spin, at);
-        pull_lanes(s, step->drag, &g, &low, &high);
-        lanes_quad_store(&bodies[place].vx, &low);
-        lanes_quad_store(&bodies[place].give_spin, &high);
+        lanes_quad high = lanes_quad_load(&bodies->inv_inertia, at);
+        belt_friction_lanes(s, step->belt_secant, &g, &low, &high);
+        lanes_quad_store(&bodies[slot].vx, &low);
+        lanes_quad_store(&bodies[slot].inv_inertia, &high);
     }
 }
 
@@ -174,7 +176,7 @@ typedef struct greatest {
     lanes speed2, sum;
 } greatest;
 
-// Notes LANES speeds, but not those of pads and parts that are gone: these stand far away.
+// Notes LANES speeds, but not those of padding and of parts that are gone: these stand far away.
 static inline void note_speeds(greatest *all, lanes x, lanes y, lanes vx, lanes vy, lanes spin)
 {
     lanes far = lanes_max(size_of(x), size_of(y)), speed2 = vx * vx + vy * vy;
@@ -193,54 +195,56 @@ static driver_extremes fold(const greatest *all)
     return e;
 }
 
-static lanes load_brakes(const disk_state *s, size_t place)
+static lanes load_decelerations(const disk_state *s, size_t slot)
 {
-    return s->is_plain ? lanes_all(s->plain_brake) : lanes_load(s->brake + place);
+    return s->is_uniform ? lanes_all(s->uniform_deceleration)
+                         : lanes_load(s->spin_deceleration + slot);
 }
 
-static driver_extremes predict(const disk_state *s, const implicit_step *step,
-                               implicit_body *bodies, size_t first, size_t last)
+static driver_extremes predict(const disk_state *s, const implicit_step *step, solver_body *bodies,
+                               size_t first, size_t last)
 {
     const lanes zero = lanes_all(0.0), rate = lanes_all(s->belt.tanh_spin * s->def.dt);
     greatest all = { zero, zero };
     uint32_t at[LANES];
 
-    for (size_t place = first; place < last; place += LANES) {
-        ground g = load_ground(s, place);
-        number_rows(place, at);
+    for (size_t slot = first; slot < last; slot += LANES) {
+        belt_lanes g = load_belts(s, slot);
+        index_rows(slot, at);
         lanes_quad row = lanes_quad_load(&s->now->x, at), more = lanes_quad_load(&s->now->spin, at);
-        lanes *x = row.column, spin = more.column[0], r = more.column[1], give = more.column[3];
+        lanes *x = row.column, spin = more.column[0], r = more.column[1], inv_mass = more.column[3];
         friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin));
-        lanes loose = theta.down / (theta.down + rate * g.grip * load_brakes(s, place) * theta.up);
-        lanes_quad low = { { step->keep * x[2], step->keep * x[3], s->spin_damping * spin * loose,
-                             give } };
-        lanes_quad high = { { 2.0 * give / (r * r) * loose, zero, zero, zero } };
-        pull_lanes(s, step->drag, &g, &low, &high);
-        lanes_quad_store(&bodies[place].vx, &low);
-        lanes_quad_store(&bodies[place].give_spin, &high);
+        lanes loose =
+            theta.down / (theta.down + rate * g.on_belt * load_decelerations(s, slot) * theta.up);
+        lanes_quad low = { { step->damping_factor * x[2], step->damping_factor * x[3],
+                             s->spin_damping * spin * loose, inv_mass } };
+        lanes_quad high = { { 2.0 * inv_mass / (r * r) * loose, zero, zero, zero } };
+        belt_friction_lanes(s, step->belt_secant, &g, &low, &high);
+        lanes_quad_store(&bodies[slot].vx, &low);
+        lanes_quad_store(&bodies[slot].inv_inertia, &high);
         note_speeds(&all, x[0], x[1], x[2], x[3], spin);
         note_speeds(&all, x[0], x[1], low.column[0], low.column[1], low.column[2]);
     }
     return fold(&all);
 }
 
-static driver_extremes move(disk_state *s, const implicit_body *bodies, size_t first, size_t last)
+static driver_extremes move(disk_state *s, const solver_body *bodies, size_t first, size_t last)
 {
     const lanes zero = lanes_all(0.0), h = lanes_all(s->def.dt);
     greatest all = { zero, zero };
     uint32_t at[LANES];
 
-    for (size_t place = first; place < last; place += LANES) {
-        number_rows(place, at);
+    for (size_t slot = first; slot < last; slot += LANES) {
+        index_rows(slot, at);
         lanes_quad row = lanes_quad_load(&s->now->x, at), low = lanes_quad_load(&bodies->vx, at);
         lanes *x = row.column, *v = low.column;
         x[0] += h * v[0];
         x[1] += h * v[1];
         x[2] = v[0];
         x[3] = v[1];
-        lanes_quad_store(&s->now[place].x, &row);
-        lanes_column_store(&s->now[place].spin, v[2]);
-        lanes_store(s->heading + place, lanes_load(s->heading + place) + h * v[2]);
+        lanes_quad_store(&s->now[slot].x, &row);
+        lanes_column_store(&s->now[slot].spin, v[2]);
+        lanes_store(s->heading + slot, lanes_load(s->heading + slot) + h * v[2]);
         note_speeds(&all, x[0], x[1], v[0], v[1], v[2]);
     }
     return fold(&all);
@@ -249,9 +253,9 @@ static driver_extremes move(disk_state *s, const implicit_body *bodies, size_t f
 extern const implicit_kernels CPU_NAME(implicit_kernels);
 
 const implicit_kernels CPU_NAME(implicit_kernels) = {
-    .begin = begin,
-    .relax = relax,
+    .warm_start = warm_start,
+    .solve = solve,
     .predict = predict,
-    .pull = pull,
+    .apply_belt_friction = apply_belt_friction,
     .move = move,
 };

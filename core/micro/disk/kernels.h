@@ -1,39 +1,164 @@
-/// The inner loops of the planar path with explicit steps, in groups of DISK_GROUP parts.
+/// What the inner loops of disks work on, and their tables of functions.
 ///
-/// The same source is compiled once per instruction set (core/CMakeLists.txt). All variants give the
-/// same bits: core/base/simd.h says why.
+/// explicit_kernels.c and implicit_kernels.c are compiled once per instruction set (core/CMakeLists.txt). All
+/// builds give the same bits: core/base/simd.h says why. Tables that are read in lanes have rows of
+/// LANES_ROW doubles (core/base/simd_rows.h), aligned to their size.
 
 #pragma once
 
 #include "core/base/cpu.h"
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/driver.h"
 
-#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-/// The numbers of a step.
-typedef struct disk_step {
+enum {
+    DISK_GROUP = 8,     ///< slots that are handled together
+    DISK_DOUBLES = 8,   ///< doubles in a disk, a face, an arc and a solver_body
+    IMPLICIT_WIDTH = 8, ///< contacts in a block
+};
+
+/// Coordinate of padding, m: beyond what a scene may hold.
+#define DISK_FAR 1e7
+
+typedef struct disk_state disk_state; ///< core/micro/disk/disk_priv.h
+
+/// A part.
+typedef struct disk {
+    double x;          ///< m
+    double y;          ///< m
+    double vx;         ///< m/s, of the last half step
+    double vy;         ///< same
+    double spin;       ///< rad/s, counter-clockwise
+    double radius;     ///< m
+    double compliance; ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
+    double inv_mass;   ///< 1/kg
+} disk;
+
+/// A straight piece of the boundary: a side of a plate, an end of one, or a wall. A part with centre c is in
+/// contact if from <= (c - p).t < to, t = n turned right, and -depth < (c - p).n < r; its overlap is
+/// r - (c - p).n, along n. The upstream side of a plate holds centres that were pressed into it, all
+/// through the plate; other sides count from outside only.
+typedef struct disk_face {
+    double px;       ///< a point of it, m
+    double py;       ///< same
+    double nx;       ///< unit normal out of the plate or wall
+    double ny;       ///< same
+    double from;     ///< m along t
+    double to;       ///< same
+    double depth;    ///< m, how deep a centre may be inside
+    double friction; ///< mu; 0 for walls, which slip freely
+} disk_face;
+
+/// A round corner of the boundary: where it is the arc of radius `radius` around p (0: a sharp edge). A
+/// part is in contact if (c - p).e >= 0, (c - p).f > 0 and 0 < |c - p| - radius < r.
+typedef struct disk_arc {
+    double px;       ///< centre of the arc, m
+    double py;       ///< same
+    double radius;   ///< m
+    double ex;       ///< bound of the sector
+    double ey;       ///< same
+    double fx;       ///< other bound of it
+    double fy;       ///< same
+    double friction; ///< mu
+} disk_arc;
+
+/// The numbers of an explicit step.
+typedef struct explicit_step {
     const disk_state *state; ///< laws and lists; its now and next do not count here
-    const disk_row *now;     ///< state before the step
-    disk_row *next;          ///< state after it; before, in groups with touches, their pushes
-    double *heading;         ///< by place, updated
-    double dt;               ///< s, for places and headings
+    const disk *now;         ///< parts before the step
+    disk *next;              ///< after it; before, in groups near the boundary, the forces of that
+    double *heading;         ///< by slot, updated
+    double dt;               ///< s, for positions and headings
     double dt_force;         ///< s, what forces act for: dt, or 0 in the first step
-    double keep;             ///< 1 - D dt, or 1 in the first step
-    double keep_spin;        ///< (1 - D)^dt, or 1 in the first step
-} disk_step;
+    double damping_factor;   ///< 1 - D dt, or 1 in the first step
+    double spin_damping_factor; ///< (1 - D)^dt, or 1 in the first step
+} explicit_step;
 
-/// The table of one instruction set.
-typedef struct disk_kernels {
-    /// Forces of the solids on touches first <= k < last of the list, left in step->next for advance():
-    /// all touches of a group must be among them. Raises the overlaps of *extremes.
-    void (*touch)(const disk_step *step, size_t first, size_t last, driver_extremes *extremes);
+/// Extremes of the parts of one thread, in cache lines of their own.
+typedef struct disk_extremes_line {
+    _Alignas(64) driver_extremes of; ///< see there
+    char padding[64];                ///< the next line is often fetched along with it
+} disk_extremes_line;
+
+/// Explicit steps for one instruction set.
+typedef struct explicit_kernels {
+    /// Forces of the boundary on the candidates first <= k < last, left in step->next for advance(): all
+    /// candidates of a group must be among them. Raises the overlaps of *extremes.
+    void (*add_boundary_forces)(const explicit_step *step, size_t first, size_t last,
+                                driver_extremes *extremes);
 
     /// One step for groups first <= g < last: contacts, belt, integration. Raises *extremes.
-    void (*advance)(const disk_step *step, size_t first, size_t last, driver_extremes *extremes);
+    void (*advance)(const explicit_step *step, size_t first, size_t last,
+                    driver_extremes *extremes);
 
     /// ret_y = tanh(x), relative error within 1e-12, for n numbers, n a multiple of 8.
     void (*tanh_of)(size_t n, const double *x, double *ret_y);
-} disk_kernels;
+} explicit_kernels;
 
 /// The build for an instruction set.
-const disk_kernels *disk_kernels_of(cpu_level level);
+const explicit_kernels *disk__explicit_kernels(cpu_level level);
+
+/// Contacts of pairs that are near enough in this step. Normals point from parts 0 to parts 1, impulses are
+/// those on parts 1. Lanes without a pair have a static body at both ends and zeros.
+typedef struct implicit_block {
+    uint32_t row[2]
+                [IMPLICIT_WIDTH];  ///< rows of bodies, as core/base/simd_rows.h wants them: doubles
+    uint32_t pair[IMPLICIT_WIDTH]; ///< indices of pairs; UINT32_MAX: none
+    uint32_t padding[IMPLICIT_WIDTH]; ///< to a cache line
+    double nx[IMPLICIT_WIDTH];        ///< unit normal
+    double ny[IMPLICIT_WIDTH];        ///< same
+    double bias[IMPLICIT_WIDTH];     ///< J = max(floor, bias - gain v), v = parting speed without J
+    double gain[IMPLICIT_WIDTH];     ///< N s per m/s
+    double floor[IMPLICIT_WIDTH];    ///< 0, or -infinity where contacts may pull
+    double friction[IMPLICIT_WIDTH]; ///< mu
+    double rate[IMPLICIT_WIDTH];     ///< lambda, s/m
+    double lever[2][IMPLICIT_WIDTH]; ///< from the centres to the contact, m
+    double spin_change[2][IMPLICIT_WIDTH]; ///< of both parts by a sliding impulse, 1/(kg m)
+    double inv_slip_mass[IMPLICIT_WIDTH];  ///< what a sliding impulse changes the slip by, 1/kg
+    double normal[IMPLICIT_WIDTH];         ///< J so far, N s
+    double sliding[IMPLICIT_WIDTH];        ///< sliding impulse so far, N s
+} implicit_block;
+
+/// Velocity of a part within a step, and how impulses change it. Behind the rows of slots stand those of
+/// static bodies, which nothing moves.
+typedef struct solver_body {
+    double vx;          ///< m/s
+    double vy;          ///< same
+    double spin;        ///< rad/s
+    double inv_mass;    ///< 1/kg
+    double inv_inertia; ///< of the inertia that an impulse meets, 1/(kg m2)
+    double belt_dvx;    ///< what the belt changed the velocity by in this step, m/s
+    double belt_dvy;    ///< same
+    double padding;     ///< to a cache line
+} solver_body;
+
+/// The numbers of an implicit step.
+typedef struct implicit_step {
+    double damping_factor; ///< what the damping D leaves of a velocity
+    double belt_secant;    ///< h mu g lambda of the belts
+} implicit_step;
+
+/// Implicit steps for one instruction set.
+typedef struct implicit_kernels {
+    /// Fill in what spins make of the blocks' contacts, and apply their impulses to the bodies.
+    void (*warm_start)(solver_body *bodies, implicit_block *blocks, size_t n);
+
+    /// One iteration over the blocks.
+    void (*solve)(solver_body *bodies, implicit_block *blocks, size_t n);
+
+    /// Bodies of the slots first .. last - 1, both multiples of IMPLICIT_WIDTH, as they would move in a
+    /// step without contacts. Returns what is true of them before and then.
+    driver_extremes (*predict)(const disk_state *s, const implicit_step *step, solver_body *bodies,
+                               size_t first, size_t last);
+
+    /// Take the friction of the belts at the velocities of now, instead of as it was before.
+    void (*apply_belt_friction)(const disk_state *s, const implicit_step *step, solver_body *bodies,
+                                size_t first, size_t last);
+
+    /// Parts and headings at the end of the step. Returns what is true of them.
+    driver_extremes (*move)(disk_state *s, const solver_body *bodies, size_t first, size_t last);
+} implicit_kernels;
+
+/// The build for an instruction set.
+const implicit_kernels *disk__implicit_kernels(cpu_level level);

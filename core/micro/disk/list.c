@@ -1,4 +1,5 @@
-// Sorting parts in space and listing their neighbours.
+// What is made anew when parts have moved: their order in space, their neighbours, the faces and arcs that
+// they may touch, those near open edges and borders of belts, and what each thread advances.
 
 #include "core/micro/disk/disk_priv.h"
 
@@ -6,35 +7,36 @@
 #include "core/base/team.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
-    SLOTS_AT_FIRST = 7,  // a group, guessed for the first list
-    GROUPS_A_SHARE = 64, // least work of a thread
+    ROWS_AT_FIRST = 7,       // a group, guessed for the first list
+    GROUPS_A_PARTITION = 64, // least work of a thread
 };
 
 // Gives parts that are gone the state they left with. Parts that left unseen left just now.
 static void find_gone(disk_state *s)
 {
-    for (size_t k = 0; k < s->n_watches; k++) {
-        const disk_watch *w = &s->watches[k];
+    for (size_t k = 0; k < s->n_border_parts; k++) {
+        const disk_border_part *w = &s->border_parts[k];
         if (w->gone == DISK_HERE)
             continue;
-        s->now[w->place] = w->row;
-        s->heading[w->place] = w->heading;
+        s->now[w->slot] = w->part;
+        s->heading[w->slot] = w->heading;
     }
-    s->n_watches = 0;
-    for (size_t place = 0; place < s->n_live; place++)
-        if (surroundings_is_outside(&s->around, (vec2){ s->now[place].x, s->now[place].y }))
-            s->is_gone[s->number[place]] = 1;
+    s->n_border_parts = 0;
+    for (size_t slot = 0; slot < s->n_live; slot++)
+        if (surroundings_is_outside(&s->around, (vec2){ s->now[slot].x, s->now[slot].y }))
+            s->is_gone[s->id_of[slot]] = 1;
 }
 
-// Copies what stands in a place into a new one: rows to next, the rest to scratch.
+// Copies what stands in a slot into a new one: rows to next, id and heading to scratch.
 static void move_part(disk_state *s, size_t from, size_t to)
 {
     s->next[to] = s->now[from];
     s->scratch[to] = s->heading[from];
-    s->list.scratch[to] = s->number[from];
+    s->list.scratch[to] = s->id_of[from];
 }
 
 static void fill_pad(disk_state *s, size_t to)
@@ -47,21 +49,22 @@ static void fill_pad(disk_state *s, size_t to)
 // What move_part() put aside becomes the state.
 static void take_moved(disk_state *s)
 {
-    uint32_t *numbers = s->number;
+    uint32_t *ids = s->id_of;
     double *headings = s->heading;
 
     disk__swap(s);
-    s->number = s->list.scratch;
-    s->list.scratch = numbers;
+    s->id_of = s->list.scratch;
+    s->list.scratch = ids;
     s->heading = s->scratch;
     s->scratch = headings;
-    memcpy(s->next, s->now, (s->void_place + 1) * sizeof *s->now);
-    for (size_t place = 0; place < s->void_place; place++) {
-        const uint32_t number = s->number[place];
-        if (number != UINT32_MAX)
-            s->place[number] = (uint32_t)place;
-        if (s->brake != NULL)
-            s->brake[place] = number != UINT32_MAX ? disk__kind_of(s, number)->brake : 0.0;
+    memcpy(s->next, s->now, (s->void_slot + 1) * sizeof *s->now);
+    for (size_t slot = 0; slot < s->void_slot; slot++) {
+        const uint32_t id = s->id_of[slot];
+        if (id != UINT32_MAX)
+            s->slot_of[id] = (uint32_t)slot;
+        if (s->spin_deceleration != NULL)
+            s->spin_deceleration[slot] =
+                id != UINT32_MAX ? disk__kind_of(s, id)->spin_deceleration : 0.0;
     }
 }
 
@@ -70,13 +73,13 @@ static neighbours_parts parts_of(const disk_state *s)
 {
     return (neighbours_parts){ .x = &s->now->x,
                                .y = &s->now->y,
-                               .stride = DISK_ROW,
+                               .stride = DISK_DOUBLES,
                                .radius = &s->now->radius,
-                               .radius_stride = DISK_ROW,
-                               .id = s->number };
+                               .radius_stride = DISK_DOUBLES,
+                               .id = s->id_of };
 }
 
-// Sorts live parts by cell to the front, gone ones behind the pads.
+// Sorts live parts by cell to the front, gone ones behind the padding.
 static bf_status sort_parts(disk_state *s, bf_error *err)
 {
     const neighbours_parts parts = parts_of(s);
@@ -84,8 +87,8 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     uint8_t *skip = (uint8_t *)s->list.scratch;
     size_t to = 0;
 
-    for (size_t place = 0; place < s->n_live; place++)
-        skip[place] = s->is_gone[s->number[place]];
+    for (size_t slot = 0; slot < s->n_live; slot++)
+        skip[slot] = s->is_gone[s->id_of[slot]];
     bf_status status =
         neighbours_sort(&s->cells, s->n_live, &parts, skip, 2.0 * s->radius_max + s->skin, err);
     if (status != BF_OK)
@@ -95,51 +98,51 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     for (; to % DISK_GROUP != 0; to++)
         fill_pad(s, to);
     s->n_padded = to;
-    for (size_t place = 0; place < s->n_live; place++)
-        if (s->cells.cell_of[place] == UINT32_MAX)
-            move_part(s, place, to++);
+    for (size_t slot = 0; slot < s->n_live; slot++)
+        if (s->cells.cell_of[slot] == UINT32_MAX)
+            move_part(s, slot, to++);
     for (size_t k = 0; k < n_filed; k++)
         move_part(s, filed_at + k, to++);
-    for (; to < s->void_place; to++)
+    for (; to < s->void_slot; to++)
         fill_pad(s, to);
-    s->next[s->void_place] = s->now[s->void_place];
+    s->next[s->void_slot] = s->now[s->void_slot];
     s->n_live = s->cells.n_live;
     take_moved(s);
     return BF_OK;
 }
 
-// A run of groups whose list one thread makes, in slots of its own.
+// A run of groups whose list one thread makes, in rows of its own.
 typedef struct piece {
     size_t group_first, group_last;
-    size_t slot_first, slot_room, n_slots;
+    size_t row_first, row_room, n_rows;
     bool is_short; // the room was not enough
 } piece;
 
 typedef struct making {
     disk_state *s;
-    piece pieces[DISK_SHARES_MAX];
+    piece pieces[DISK_PARTITIONS_MAX];
     size_t n_pieces;
 } making;
 
-// Lists the neighbours of a group's parts in up to `room` slots. Returns how many; SIZE_MAX: more.
+// Lists the neighbours of a group's parts in up to `room` rows. Returns how many; SIZE_MAX: more.
 static size_t list_group(const disk_state *s, const neighbours_parts *parts, size_t group,
-                         uint32_t *slots, size_t room)
+                         uint32_t *rows, size_t room)
 {
     size_t n[DISK_GROUP] = { 0 }, most = 0;
 
     for (size_t lane = 0; lane < DISK_GROUP; lane++) {
-        const size_t place = group * DISK_GROUP + lane;
-        if (place >= s->n_live)
+        const size_t slot = group * DISK_GROUP + lane;
+        if (slot >= s->n_live)
             continue;
-        n[lane] = neighbours_find(&s->cells, parts, s->skin, place, slots + lane, DISK_GROUP, room);
+        n[lane] = neighbours_find(&s->cells, parts, s->skin, slot, rows + lane, DISK_GROUP, room);
         if (n[lane] == SIZE_MAX)
             return SIZE_MAX;
         most = n[lane] > most ? n[lane] : most;
     }
-    for (size_t slot = 0; slot < most; slot++)
+    for (size_t row = 0; row < most; row++)
         for (size_t lane = 0; lane < DISK_GROUP; lane++) {
-            uint32_t *at = &slots[slot * DISK_GROUP + lane];
-            *at = (slot < n[lane] ? *at : s->void_place) * DISK_ROW;
+            uint32_t *at = &rows[row * DISK_GROUP + lane];
+            *at = (row < n[lane] ? *at : s->void_slot) * DISK_DOUBLES;
         }
     return most;
 }
@@ -151,63 +154,62 @@ static void list_piece(void *context, size_t item)
     disk_state *s = m->s;
     const neighbours_parts parts = parts_of(s);
 
-    p->n_slots = 0;
+    p->n_rows = 0;
     for (size_t group = p->group_first; group < p->group_last; group++) {
-        size_t at = p->slot_first + p->n_slots;
+        size_t at = p->row_first + p->n_rows;
         size_t n = list_group(s, &parts, group, s->list.neighbour + at * DISK_GROUP,
-                              p->slot_room - p->n_slots);
+                              p->row_room - p->n_rows);
         if (n == SIZE_MAX) {
             p->is_short = true;
             return;
         }
-        s->list.first[group] = (uint32_t)p->n_slots;
-        p->n_slots += n;
+        s->list.first[group] = (uint32_t)p->n_rows;
+        p->n_rows += n;
     }
 }
 
 static void cut_pieces(making *m)
 {
     const disk_state *s = m->s;
-    const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_shares;
+    const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_partitions;
 
     m->n_pieces = n;
     for (size_t k = 0; k < n; k++) {
         piece *p = &m->pieces[k];
         *p = (piece){ n_groups * k / n, n_groups * (k + 1) / n, 0, 0, 0, false };
-        p->slot_first = s->list.slots_capacity * k / n;
-        p->slot_room = s->list.slots_capacity * (k + 1) / n - p->slot_first;
+        p->row_first = s->list.rows_capacity * k / n;
+        p->row_room = s->list.rows_capacity * (k + 1) / n - p->row_first;
     }
 }
 
-static bf_status grow(disk_list *list, size_t n_slots)
+static bf_status grow(disk_list *list, size_t n_rows)
 {
-    if (n_slots > UINT32_MAX)
+    if (n_rows > UINT32_MAX)
         return BF_ENOMEM;
     memory_free(list->neighbour);
-    list->slots_capacity = 0;
-    list->neighbour = memory_alloc(n_slots, DISK_GROUP * sizeof *list->neighbour);
+    list->rows_capacity = 0;
+    list->neighbour = memory_alloc(n_rows, DISK_GROUP * sizeof *list->neighbour);
     if (list->neighbour == NULL)
         return BF_ENOMEM;
-    list->slots_capacity = n_slots;
+    list->rows_capacity = n_rows;
     return BF_OK;
 }
 
-// Closes the gaps between the pieces' slots.
+// Closes the gaps between the pieces' rows.
 static void join_pieces(making *m)
 {
     disk_list *list = &m->s->list;
-    size_t n_slots = 0;
+    size_t n_rows = 0;
 
     for (size_t k = 0; k < m->n_pieces; k++) {
         piece *p = &m->pieces[k];
         for (size_t group = p->group_first; group < p->group_last; group++)
-            list->first[group] += (uint32_t)n_slots;
-        memmove(list->neighbour + n_slots * DISK_GROUP,
-                list->neighbour + p->slot_first * DISK_GROUP,
-                p->n_slots * DISK_GROUP * sizeof *list->neighbour);
-        n_slots += p->n_slots;
+            list->first[group] += (uint32_t)n_rows;
+        memmove(list->neighbour + n_rows * DISK_GROUP, list->neighbour + p->row_first * DISK_GROUP,
+                p->n_rows * DISK_GROUP * sizeof *list->neighbour);
+        n_rows += p->n_rows;
     }
-    list->first[m->s->n_padded / DISK_GROUP] = (uint32_t)n_slots;
+    list->first[m->s->n_padded / DISK_GROUP] = (uint32_t)n_rows;
 }
 
 static bool is_short(const making *m)
@@ -223,73 +225,271 @@ static bf_status list_neighbours(disk_state *s)
     const size_t n_groups = s->n_padded / DISK_GROUP;
     making m = { .s = s };
 
-    if (s->list.slots_capacity == 0 &&
-        grow(&s->list, (n_groups + 1) * SLOTS_AT_FIRST + DISK_GROUP) != BF_OK)
+    if (s->list.rows_capacity == 0 &&
+        grow(&s->list, (n_groups + 1) * ROWS_AT_FIRST + DISK_GROUP) != BF_OK)
         return BF_ENOMEM;
     for (;;) {
         cut_pieces(&m);
         team_for((int)m.n_pieces, m.n_pieces, list_piece, &m);
         if (!is_short(&m))
             break;
-        if (grow(&s->list, s->list.slots_capacity + s->list.slots_capacity / 4) != BF_OK)
+        if (grow(&s->list, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
             return BF_ENOMEM;
     }
     join_pieces(&m);
     return BF_OK;
 }
 
-static int count_shares(const disk_state *s)
+disk disk__pad(const disk_state *s, size_t slot)
 {
-    size_t most = s->n_padded / DISK_GROUP / GROUPS_A_SHARE;
-    int wanted = s->def.n_threads < DISK_SHARES_MAX ? s->def.n_threads : DISK_SHARES_MAX;
+    const scene_rect *d = &s->around.domain;
+    const scene_edge *edges = s->around.edges;
+    const double away = DISK_FAR + 4.0 * s->radius_max * (double)slot;
+    disk part = s->kinds[0].part;
+
+    // Beyond an open side, where it is inside of every wall.
+    part.x = 0.5 * (d->x_min + d->x_max);
+    part.y = 0.5 * (d->y_min + d->y_max);
+    if (edges[SCENE_EAST] != SCENE_EDGE_WALL)
+        part.x = away;
+    else if (edges[SCENE_SOUTH] != SCENE_EDGE_WALL)
+        part.y = -away;
+    else if (edges[SCENE_NORTH] != SCENE_EDGE_WALL)
+        part.y = away;
+    else
+        part.x = -away;
+    return part;
+}
+
+disk_belt disk__belt_at(const disk_state *s, double x, double y)
+{
+    vec2 velocity;
+    bool is_on_belt =
+        surroundings_belt_at(&s->around, (vec2){ x, y }, (double)s->steps * s->def.dt, &velocity);
+
+    return (disk_belt){ velocity.x, velocity.y, is_on_belt ? 1.0 : 0.0 };
+}
+
+// A box that holds all centres in question; sides may be infinite.
+typedef struct box {
+    double x_min, x_max, y_min, y_max;
+} box;
+
+static void add_point(box *b, double x, double y)
+{
+    b->x_min = fmin(b->x_min, x);
+    b->x_max = fmax(b->x_max, x);
+    b->y_min = fmin(b->y_min, y);
+    b->y_max = fmax(b->y_max, y);
+}
+
+// a times b, where 0 times infinity is 0.
+static double times(double a, double b)
+{
+    return a == 0.0 || b == 0.0 ? 0.0 : a * b;
+}
+
+static box bound_face(const disk_face *f, double radius, double margin)
+{
+    const double along[2] = { f->from - margin, f->to + margin };
+    const double height[2] = { -f->depth - margin, radius + margin };
+    box b = { INFINITY, -INFINITY, INFINITY, -INFINITY };
+
+    for (int k = 0; k < 4; k++) {
+        double a = along[k / 2], h = height[k % 2];
+        add_point(&b, f->px + times(a, f->ny) + times(h, f->nx),
+                  f->py - times(a, f->nx) + times(h, f->ny));
+    }
+    return b;
+}
+
+static box bound_arc(const disk_arc *a, double radius, double margin)
+{
+    double r = a->radius + radius + margin;
+
+    return (box){ a->px - r, a->px + r, a->py - r, a->py + r };
+}
+
+static bool is_near_face(const disk_face *f, const disk *part, double margin)
+{
+    double rx = part->x - f->px, ry = part->y - f->py;
+    double along = rx * f->ny - ry * f->nx, height = rx * f->nx + ry * f->ny;
+
+    return along >= f->from - margin && along <= f->to + margin && height >= -f->depth - margin &&
+           height <= part->radius + margin;
+}
+
+static bool is_near_arc(const disk_arc *a, const disk *part, double margin)
+{
+    double rx = part->x - a->px, ry = part->y - a->py, r = a->radius + part->radius + margin;
+
+    return rx * rx + ry * ry <= r * r && rx * a->ex + ry * a->ey >= -margin &&
+           rx * a->fx + ry * a->fy >= -margin;
+}
+
+static bool is_near(const disk_state *s, uint32_t feature, size_t slot, double margin)
+{
+    return feature < s->n_faces
+               ? is_near_face(&s->faces[feature], &s->now[slot], margin)
+               : is_near_arc(&s->arcs[feature - s->n_faces], &s->now[slot], margin);
+}
+
+static bf_status add_candidates(disk_state *s, uint32_t feature, size_t cell, double margin)
+{
+    const uint32_t *first = s->cells.first;
+
+    for (uint32_t slot = first[cell]; slot < first[cell + 1]; slot++) {
+        if (!is_near(s, feature, slot, margin))
+            continue;
+        if (memory_reserve(&s->candidates, &s->candidates_capacity, s->n_candidates + 1,
+                           sizeof *s->candidates) != 0)
+            return BF_ENOMEM;
+        s->candidates[s->n_candidates++] = (disk_candidate){ slot, feature };
+    }
+    return BF_OK;
+}
+
+static bf_status search_box(disk_state *s, uint32_t feature, const box *b, double margin)
+{
+    const neighbours_cells *c = &s->cells;
+    size_t i_max = neighbours_column(c, b->x_max), j_max = neighbours_row(c, b->y_max);
+
+    for (size_t i = neighbours_column(c, b->x_min); i <= i_max; i++)
+        for (size_t j = neighbours_row(c, b->y_min); j <= j_max; j++)
+            if (add_candidates(s, feature, neighbours_cell(c, i, j), margin) != BF_OK)
+                return BF_ENOMEM;
+    return BF_OK;
+}
+
+static int compare_candidates(const void *left, const void *right)
+{
+    const disk_candidate *a = left, *b = right;
+
+    if (a->slot != b->slot)
+        return a->slot < b->slot ? -1 : 1;
+    return (a->feature > b->feature) - (a->feature < b->feature);
+}
+
+static bf_status find_candidates(disk_state *s)
+{
+    const double margin = 0.5 * s->skin;
+
+    s->n_candidates = 0;
+    for (size_t k = 0; k < s->n_faces + s->n_arcs; k++) {
+        box b = k < s->n_faces ? bound_face(&s->faces[k], s->radius_max, margin)
+                               : bound_arc(&s->arcs[k - s->n_faces], s->radius_max, margin);
+        if (search_box(s, (uint32_t)k, &b, margin) != BF_OK)
+            return BF_ENOMEM;
+    }
+    if (s->n_candidates > 0)
+        qsort(s->candidates, s->n_candidates, sizeof *s->candidates, compare_candidates);
+    memset(s->has_candidates, 0, s->n_padded / DISK_GROUP);
+    for (size_t k = 0; k < s->n_candidates; k++)
+        s->has_candidates[s->candidates[k].slot / DISK_GROUP] = 1;
+    return BF_OK;
+}
+
+static bool is_near_open_edge(const disk_state *s, const disk *part, double margin)
+{
+    return surroundings_is_outside(&s->around, (vec2){ part->x - margin, part->y - margin }) ||
+           surroundings_is_outside(&s->around, (vec2){ part->x + margin, part->y + margin });
+}
+
+static bool is_near_border(const disk_state *s, const disk *part, double margin)
+{
+    return surroundings_border_distance(&s->around, (vec2){ part->x, part->y }) <=
+           margin + SCENE_TOLERANCE;
+}
+
+static bf_status find_border_parts(disk_state *s)
+{
+    const double margin = 0.5 * s->skin;
+
+    s->n_border_parts = 0;
+    for (size_t slot = 0; slot < s->n_live; slot++) {
+        const disk *part = &s->now[slot];
+        if (!s->is_uniform)
+            s->belt_under[slot] = disk__belt_at(s, part->x, part->y);
+        if (!is_near_open_edge(s, part, margin) &&
+            (s->is_uniform || !is_near_border(s, part, margin)))
+            continue;
+        if (memory_reserve(&s->border_parts, &s->border_parts_capacity, s->n_border_parts + 1,
+                           sizeof *s->border_parts) != 0)
+            return BF_ENOMEM;
+        s->border_parts[s->n_border_parts++] = (disk_border_part){ .slot = (uint32_t)slot };
+    }
+    return BF_OK;
+}
+
+void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, size_t border_last,
+                               disk_presence left)
+{
+    for (size_t k = border_first; k < border_last; k++) {
+        disk_border_part *w = &s->border_parts[k];
+        disk *part = &rows[w->slot];
+        if (w->gone != DISK_HERE)
+            continue;
+        if (surroundings_is_outside(&s->around, (vec2){ part->x, part->y })) {
+            *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
+            s->is_gone[s->id_of[w->slot]] = 1;
+            *part = disk__pad(s, w->slot);
+        } else if (!s->is_uniform) {
+            s->belt_under[w->slot] = disk__belt_at(s, part->x, part->y);
+        }
+    }
+}
+
+static int count_partitions(const disk_state *s)
+{
+    size_t most = s->n_padded / DISK_GROUP / GROUPS_A_PARTITION;
+    int wanted = s->def.n_threads < DISK_PARTITIONS_MAX ? s->def.n_threads : DISK_PARTITIONS_MAX;
 
     return most < (size_t)wanted ? (most > 1 ? (int)most : 1) : wanted;
 }
 
-// Work of the groups before g: their slots and what a group costs by itself, in slots.
+// Work of the groups before g: their rows and what a group costs by itself, in rows.
 static size_t measure_work(const disk_state *s, size_t group)
 {
     return s->list.first[group] + 3 * group;
 }
 
-// Cuts groups into shares of about equal work, and touches and watches along with them.
-static void cut_shares(disk_state *s)
+// Cuts groups into partitions of about equal work, and candidates and border parts along with them.
+static void cut_partitions(disk_state *s)
 {
-    const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_shares;
-    disk_share at = { 0 };
+    const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_partitions;
+    disk_partition at = { 0 };
 
     for (size_t k = 0; k < n; k++) {
         size_t work = measure_work(s, n_groups) * (k + 1) / n;
         at.group_first = at.group_last;
-        at.touch_first = at.touch_last;
-        at.watch_first = at.watch_last;
+        at.candidate_first = at.candidate_last;
+        at.border_first = at.border_last;
         while (at.group_last < n_groups && measure_work(s, at.group_last) < work)
             at.group_last++;
         if (k + 1 == n)
             at.group_last = n_groups;
         size_t end = at.group_last * DISK_GROUP;
-        while (at.touch_last < s->n_touches && s->touches[at.touch_last].place < end)
-            at.touch_last++;
-        while (at.watch_last < s->n_watches && s->watches[at.watch_last].place < end)
-            at.watch_last++;
-        s->shares[k] = at;
+        while (at.candidate_last < s->n_candidates && s->candidates[at.candidate_last].slot < end)
+            at.candidate_last++;
+        while (at.border_last < s->n_border_parts && s->border_parts[at.border_last].slot < end)
+            at.border_last++;
+        s->partitions[k] = at;
     }
 }
 
 bf_status disk__rebuild(disk_state *s, bf_error *err)
 {
-    s->travel = INFINITY;
+    s->displacement_bound = INFINITY;
     find_gone(s);
     bf_status status = sort_parts(s, err);
     if (status != BF_OK)
         return status;
-    s->n_shares = count_shares(s);
-    if (list_neighbours(s) != BF_OK || disk__find_touches(s) != BF_OK ||
-        disk__find_watches(s) != BF_OK)
+    s->n_partitions = count_partitions(s);
+    if (list_neighbours(s) != BF_OK || find_candidates(s) != BF_OK || find_border_parts(s) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", s->n_live);
-    cut_shares(s);
-    disk__cut_tiles(s);
-    s->travel = 0.0;
+    cut_partitions(s);
+    disk__plan_tiles(s);
+    s->displacement_bound = 0.0;
     s->n_builds++;
     return BF_OK;
 }

@@ -1,6 +1,6 @@
 // The planar path from outside: reading, measuring, saving.
 
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/disk/implicit.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,34 +17,34 @@ typedef struct saved_header {
     double overlap_share;
 } saved_header;
 
-// The watch of a part that left after the last list was made, or NULL.
-static const disk_watch *find_left(const disk_state *s, uint32_t place)
+// Where a part is kept that left after the last list was made, or NULL.
+static const disk_border_part *find_left(const disk_state *s, uint32_t slot)
 {
-    size_t first = 0, last = s->n_watches;
+    size_t first = 0, last = s->n_border_parts;
 
     while (first < last) {
         size_t middle = first + (last - first) / 2;
-        if (s->watches[middle].place < place)
+        if (s->border_parts[middle].slot < slot)
             first = middle + 1;
         else
             last = middle;
     }
-    bool is_there = first < s->n_watches && s->watches[first].place == place;
-    return is_there && s->watches[first].gone != DISK_HERE ? &s->watches[first] : NULL;
+    bool is_there = first < s->n_border_parts && s->border_parts[first].slot == slot;
+    return is_there && s->border_parts[first].gone != DISK_HERE ? &s->border_parts[first] : NULL;
 }
 
 static saved_part read_part(const disk_state *s, size_t k)
 {
-    const uint32_t place = s->place[k];
-    const disk_watch *left = s->is_gone[k] != 0 ? find_left(s, place) : NULL;
-    const disk_row *row = left != NULL ? &left->row : &s->now[place];
+    const uint32_t slot = s->slot_of[k];
+    const disk_border_part *left = s->is_gone[k] != 0 ? find_left(s, slot) : NULL;
+    const disk *part = left != NULL ? &left->part : &s->now[slot];
 
-    return (saved_part){ .x = row->x,
-                         .y = row->y,
-                         .vx = row->vx,
-                         .vy = row->vy,
-                         .spin = row->spin,
-                         .heading = left != NULL ? left->heading : s->heading[place],
+    return (saved_part){ .x = part->x,
+                         .y = part->y,
+                         .vx = part->vx,
+                         .vy = part->vy,
+                         .spin = part->spin,
+                         .heading = left != NULL ? left->heading : s->heading[slot],
                          .is_gone = s->is_gone[k] };
 }
 
@@ -71,15 +71,15 @@ static void count_contact(micro_totals *totals, double overlap, double radius)
     totals->overlap_share = fmax(totals->overlap_share, overlap / radius);
 }
 
-static void count_contacts_of(const disk_state *s, size_t place, micro_totals *totals)
+static void count_contacts_of(const disk_state *s, size_t slot, micro_totals *totals)
 {
-    const disk_row *part = &s->now[place];
+    const disk *part = &s->now[slot];
 
-    for (size_t slot = 0; slot < disk__slots(s, place); slot++) {
-        uint32_t other = disk__neighbour(s, place, slot);
-        const disk_row *with = &s->now[other];
+    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
+        uint32_t other = disk__neighbour(s, slot, row);
+        const disk *with = &s->now[other];
         double dx = with->x - part->x, dy = with->y - part->y;
-        if (other > place && other != s->void_place)
+        if (other > slot && other != s->void_slot)
             count_contact(totals, part->radius + with->radius - sqrt(dx * dx + dy * dy),
                           fmin(part->radius, with->radius));
     }
@@ -92,26 +92,164 @@ micro_totals disk__measure(const void *state)
                             .overlap_share = s->overlap_share };
 
     for (size_t k = 0; k < s->n; k++) {
-        const disk_row *row = &s->now[s->place[k]];
+        const disk *part = &s->now[s->slot_of[k]];
         if (s->is_gone[k] != 0)
             continue;
-        double mass = 1.0 / row->inverse_mass, inertia = 0.5 * mass * row->radius * row->radius;
+        double mass = 1.0 / part->inv_mass, inertia = 0.5 * mass * part->radius * part->radius;
         totals.n_parts++;
-        totals.kinetic_energy += 0.5 * mass * (row->vx * row->vx + row->vy * row->vy) +
-                                 0.5 * inertia * row->spin * row->spin;
+        totals.kinetic_energy += 0.5 * mass * (part->vx * part->vx + part->vy * part->vy) +
+                                 0.5 * inertia * part->spin * part->spin;
     }
-    if (s->travel == INFINITY)
+    if (s->displacement_bound == INFINITY)
         return totals;
-    for (size_t place = 0; place < s->n_live; place++)
-        count_contacts_of(s, place, &totals);
-    for (size_t k = 0; k < s->n_touches; k++) {
-        const disk_row *part = &s->now[s->touches[k].place];
+    for (size_t slot = 0; slot < s->n_live; slot++)
+        count_contacts_of(s, slot, &totals);
+    for (size_t k = 0; k < s->n_candidates; k++) {
+        const disk *part = &s->now[s->candidates[k].slot];
         bool counts;
-        double overlap = disk__overlap(s, part, s->touches[k].feature, &counts);
+        double overlap = disk__overlap(s, part, s->candidates[k].feature, &counts);
         if (counts)
             count_contact(&totals, overlap, part->radius);
     }
     return totals;
+}
+
+// What stands before the pairs.
+typedef struct state_header {
+    uint64_t is_chosen;
+    uint64_t n_pairs;
+    double displacement_bound;
+    double last_bound;
+    uint64_t group[IMPLICIT_GROUPS + 1];
+} state_header;
+
+// A pair without its slots.
+typedef struct state_pair {
+    uint32_t id[2];
+    double normal;
+    double sliding;
+} state_pair;
+
+static state_header header_of(const implicit_state *z)
+{
+    state_header header = { .is_chosen = z->is_chosen,
+                            .n_pairs = z->n_pairs,
+                            .displacement_bound = z->displacement_bound,
+                            .last_bound = z->last_bound };
+
+    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
+        header.group[g] = z->group[g];
+    return header;
+}
+
+void disk_implicit__save(const disk_state *s, checkpoint_writer *w)
+{
+    const implicit_state *z = s->implicit;
+
+    if (!z)
+        return;
+    const state_header header = header_of(z);
+    checkpoint_write(w, &header, sizeof header);
+    for (size_t k = 0; k < z->n_pairs; k++) {
+        const implicit_pair *p = &z->pairs[k];
+        const state_pair pair = { { p->id[0], p->id[1] }, p->normal, p->sliding };
+        checkpoint_write(w, &pair, sizeof pair);
+    }
+}
+
+static bool is_header_sound(const state_header *h)
+{
+    bool is_sound = h->is_chosen <= 1 && h->displacement_bound >= 0.0 && h->last_bound >= 0.0 &&
+                    isfinite(h->displacement_bound) && isfinite(h->last_bound) &&
+                    h->group[0] == 0 && h->group[IMPLICIT_GROUPS] == h->n_pairs;
+
+    for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
+        is_sound = is_sound && h->group[g] <= h->group[g + 1];
+    return is_sound;
+}
+
+// Contacts with the boundary and pairs of parts stand in their groups, and no part twice in any but the last:
+// registers and threads rely on it.
+static bool is_pair_sound(const disk_state *s, const implicit_state *z, size_t k, uint32_t group)
+{
+    const implicit_pair *p = &z->pairs[k];
+    size_t n_features = s->n_faces + s->n_arcs;
+    bool is_boundary = p->id[1] >= s->n;
+
+    if (p->id[0] >= s->n || !isfinite(p->normal) || !isfinite(p->sliding))
+        return false;
+    if (is_boundary ? p->id[1] - s->n >= n_features : p->id[1] <= p->id[0])
+        return false;
+    if (group != IMPLICIT_REST && is_boundary != (group < IMPLICIT_BOUNDARY))
+        return false;
+    for (int end = 0; group != IMPLICIT_REST && end < (is_boundary ? 1 : 2); end++) {
+        if (z->head[p->id[end]] == group)
+            return false;
+        z->head[p->id[end]] = group;
+    }
+    return true;
+}
+
+static bool take_pairs(const disk_state *s, implicit_state *z, const char *bytes)
+{
+    uint32_t group = 0;
+
+    memset(z->head, 0xff, s->n * sizeof *z->head);
+    for (size_t k = 0; k < z->n_pairs; k++) {
+        state_pair pair;
+        memcpy(&pair, bytes + k * sizeof pair, sizeof pair);
+        z->pairs[k] = (implicit_pair){ .id = { pair.id[0], pair.id[1] },
+                                       .slot = { s->void_slot, s->void_slot },
+                                       .normal = pair.normal,
+                                       .sliding = pair.sliding };
+        while (z->group[group + 1] <= k)
+            group++;
+        if (!is_pair_sound(s, z, k, group))
+            return false;
+    }
+    return true;
+}
+
+static bf_status take_state(const disk_state *s, implicit_state *z, const state_header *header,
+                            const char *bytes, bf_error *err)
+{
+    z->is_chosen = header->is_chosen != 0;
+    z->n_pairs = header->n_pairs;
+    z->displacement_bound = header->displacement_bound;
+    z->last_bound = header->last_bound;
+    for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
+        z->group[g] = header->group[g];
+    bf_status status = disk_implicit__reserve(z, z->n_pairs, err);
+    if (status == BF_OK)
+        status = disk_implicit__cut(s, z, err);
+    if (status == BF_OK && !take_pairs(s, z, bytes))
+        status = bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are not of these parts");
+    return status;
+}
+
+bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err)
+{
+    state_header header;
+    implicit_state *z = NULL;
+    bf_status status = BF_OK;
+
+    if (r->n_left > 0) {
+        const char *pairs = NULL;
+        if (checkpoint_read(r, &header, sizeof header) && is_header_sound(&header))
+            pairs = checkpoint_read_items(r, header.n_pairs, sizeof(state_pair));
+        if (pairs == NULL || r->n_left > 0)
+            return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
+        z = disk_implicit__create(s);
+        status = z ? take_state(s, z, &header, pairs, err)
+                   : bf_fail(err, BF_ENOMEM, "", "no memory for the solver");
+    }
+    if (status != BF_OK) {
+        disk_implicit__destroy(z);
+        return status;
+    }
+    disk__implicit_fini(s);
+    s->implicit = z;
+    return BF_OK;
 }
 
 void disk__save(const void *state, checkpoint_writer *w)
@@ -124,12 +262,12 @@ void disk__save(const void *state, checkpoint_writer *w)
         const saved_part part = read_part(s, k);
         checkpoint_write(w, &part, sizeof part);
     }
-    disk__implicit_save(s, w);
+    disk_implicit__save(s, w);
 }
 
 static void take_parts(disk_state *s, const char *parts)
 {
-    disk__place_parts(s);
+    disk__fill_slots(s);
     for (size_t k = 0; k < s->n; k++) {
         saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
@@ -153,7 +291,7 @@ bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err)
         parts = checkpoint_read_items(r, s->n, sizeof(saved_part));
     if (parts == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
-    bf_status status = disk__implicit_load(s, r, err);
+    bf_status status = disk_implicit__load(s, r, err);
     if (status != BF_OK)
         return status;
     take_parts(s, parts);

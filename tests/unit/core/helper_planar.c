@@ -86,23 +86,23 @@ disk_state *helper_planar_start(const micro_def *def)
 {
     void *s = NULL;
 
-    BF_CHECK(micro__planar.create(def, &s, NULL) == BF_OK);
+    BF_CHECK(micro__disk.create(def, &s, NULL) == BF_OK);
     return s;
 }
 
 void helper_planar_end(disk_state *s)
 {
-    micro__planar.destroy(s);
+    micro__disk.destroy(s);
 }
 
-disk_row *helper_planar_row(disk_state *s, size_t number)
+disk *helper_planar_row(disk_state *s, size_t number)
 {
-    return &s->now[s->place[number]];
+    return &s->now[s->slot_of[number]];
 }
 
 void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double spin)
 {
-    disk_row *row = helper_planar_row(s, k);
+    disk *row = helper_planar_row(s, k);
 
     row->vx = vx;
     row->vy = vy;
@@ -111,5 +111,5 @@ void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double sp
 
 void helper_planar_advance(disk_state *s, uint64_t n)
 {
-    BF_CHECK(micro__planar.advance(s, n, NULL) == BF_OK);
+    BF_CHECK(micro__disk.advance(s, n, NULL) == BF_OK);
 }

@@ -38,8 +38,8 @@ void helper_planar_jam(helper_outflow *e, double angle_deg);
 disk_state *helper_planar_start(const micro_def *def);
 void helper_planar_end(disk_state *s);
 
-/// The part with a number.
-disk_row *helper_planar_row(disk_state *s, size_t number);
+/// The part with an id.
+disk *helper_planar_row(disk_state *s, size_t number);
 
 /// Give a part a velocity, m/s, and a spin, rad/s.
 void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double spin);

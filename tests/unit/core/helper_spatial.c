@@ -102,7 +102,7 @@ body_state *helper_spatial_start(const helper_spatial *h)
     void *state = NULL;
     bf_error err = { .code = BF_OK };
 
-    bf_status status = micro__spatial.create(&h->def, &state, &err);
+    bf_status status = micro__body.create(&h->def, &state, &err);
     if (status != BF_OK)
         fprintf(stderr, "%s: %s\n", err.pointer, err.text);
     BF_CHECK(status == BF_OK);
@@ -113,7 +113,7 @@ void helper_spatial_run(body_state *s, double time)
 {
     bf_error err = { .code = BF_OK };
 
-    bf_status status = micro__spatial.advance(s, (uint64_t)llround(time / s->def.dt), &err);
+    bf_status status = micro__body.advance(s, (uint64_t)llround(time / s->def.dt), &err);
     if (status != BF_OK)
         fprintf(stderr, "%s\n", err.text);
     BF_CHECK(status == BF_OK);

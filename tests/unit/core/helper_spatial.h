@@ -40,7 +40,7 @@ void helper_spatial_curve(const micro_def *def, double every, int n_samples, dou
 /// Mean over time of the difference of two curves, in parts.
 double helper_spatial_gap(const double *a, const double *b, int n_samples);
 
-/// The solver of the world; free it with micro__spatial.destroy(). Asserts that all goes well.
+/// The solver of the world; free it with micro__body.destroy(). Asserts that all goes well.
 body_state *helper_spatial_start(const helper_spatial *h);
 
 /// Steps for a time. Asserts that all goes well.

@@ -43,7 +43,7 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
         helper_spatial_run(s, 0.08);
         double sunk = 0.03 * g / s->kinds[0].floor.stiffness;
         assert_near(body__part(s, 0).x[2], 0.005 - sunk, 1e-6 * sunk);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -60,7 +60,7 @@ static void an_edge_is_half_as_stiff_as_a_face(void **state)
     helper_spatial_tilt(s, 0, along_y, M_PI / 6.0, -depth);
     body__floor_push(s, 0, &load);
     assert_near(load.force.z, 0.5 * s->kinds[0].floor.stiffness * depth, 1e-3 * load.force.z);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
@@ -81,7 +81,7 @@ static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
     assert_near(part.q[1], 0.0, 1e-12);
     assert_near(part.q[2], 0.0, 1e-12);
     assert_true(body__measure(s).kinetic_energy < 1e-15);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // On a slope of angle a the law (7) lets a part creep until mu tanh(lambda v) = tan a.
@@ -96,7 +96,7 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
     helper_spatial_run(s, 0.4);
     assert_near(body__part(s, 0).v[0], creep, 1e-5 * creep);
     assert_near(body__part(s, 0).x[2], 0.005, 1e-5);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // Above it the part speeds up by g (sin a - mu cos a) once tanh is 1.
@@ -113,7 +113,7 @@ static void above_the_angle_of_friction_a_box_slides(void **state)
     double before = body__part(s, 0).v[0];
     helper_spatial_run(s, 0.1);
     assert_near(body__part(s, 0).v[0] - before, 0.1 * g * (sin(slope) - mu * cos(slope)), 1e-5);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // It stands on its rim until its centre is above it: tan a = r / (h/2), 21.8 degrees.
@@ -130,7 +130,7 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
         assert_near(axis.z, is_beyond ? 0.0 : 1.0, 0.02);
         assert_near(axis.x, is_beyond ? 1.0 : 0.0, 0.02);
         assert_near(s->bodies[0].x.z, is_beyond ? 0.012 : 0.03, 1e-3);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -159,7 +159,7 @@ static void energy_never_grows_without_a_belt(void **state)
             least = fmin(least, now);
         }
         assert_true(least < 0.8 * start);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -186,7 +186,7 @@ static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void
         }
         vec3 after = helper_spatial_angular_momentum(s);
         error[k] = vec3_length(vec3_sub(after, before)) / vec3_length(before);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
     assert_true(error[0] < 1e-3);
     assert_near(error[0] / error[1], 2.0, 0.1);
@@ -220,7 +220,7 @@ static void a_free_pair_keeps_its_momentum(void **state)
     change = vec3_sub(helper_spatial_angular_momentum(s), angular);
     assert_true(vec3_length(change) < 1e-5 * vec3_length(angular));
     assert_true(turned > 0.1 && helper_spatial_energy(s) < 0.9 * energy);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // delta'' + (d/mu) delta' + (k/mu) delta = 0 with mu = m/2, delta = 0 and delta' = 2 v at the
@@ -247,7 +247,7 @@ static void a_head_on_contact_is_a_damped_oscillator(void **state)
         double delta = 0.02 - (s->bodies[1].x.x - s->bodies[0].x.x);
         double exact = 0.2 / (2.0 * root) * (exp((root - c) * t) - exp((-root - c) * t));
         assert_near(delta, exact, 3e-3 * exact);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -264,7 +264,7 @@ static void spin_on_the_floor_decays_by_its_law(void **state)
     helper_spatial_run(s, 2e-3);
     double rate = 0.008 * g / (0.5 * 0.012 * 0.012);
     assert_near(s->bodies[0].w.z, asinh(sinh(3.0) * exp(-rate * 2e-3)), 5e-3);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void theta_is_tanh_by_its_argument(void **state)
@@ -291,7 +291,7 @@ static void a_belt_takes_a_part_up_by_its_law(void **state)
     helper_spatial_run(s, 0.03);
     double slip = asinh(sinh(3.95) * exp(-g * 10.0 * 0.03)) / 10.0;
     assert_near(0.395 - s->bodies[0].v.x, slip, 2e-3 * 0.395);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // Each half is pulled its own way.
@@ -314,7 +314,7 @@ static void a_box_across_two_belts_turns_on_the_spot(void **state)
     helper_spatial_run(s, 0.05);
     assert_true(s->bodies[0].w.z < -1.0);
     assert_near(s->bodies[0].v.x, 0.0, 1e-6);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // The belt pulls with F = mu m g tanh(lambda |u|) u/|u|, u = v_T - v t; the plate presses back with
@@ -352,7 +352,7 @@ static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
     vec3 t = { cos(angle), sin(angle), 0.0 };
     assert_near(vec3_dot(s->bodies[0].v, t), sliding_speed(angle), 1e-3);
     assert_near(body__part(s, 0).heading, angle, 2e-3);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // Half a millimetre of plate, or a wall, against boxes and cylinders that the belt drives on.
@@ -384,7 +384,7 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
         assert_true(fabs(part.v[0]) < 0.02);
         assert_int_equal(body__measure(s).n_contacts, 1);
         assert_true(body__measure(s).largest_overlap < 5e-4);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -404,7 +404,7 @@ static void a_box_is_turned_by_the_end_of_a_plate(void **state)
     assert_true(body__part(s, 0).heading < -0.1);
     assert_true(s->bodies[0].x.y > 0.0);
     assert_true(body__measure(s).largest_overlap < 5e-4);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
@@ -423,7 +423,7 @@ static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
     assert_int_equal(body__measure(s).n_parts, 0);
     helper_spatial_run(s, 0.01);
     assert_near(body__part(s, 0).x[0], part.x[0], 0.0);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // A tetrahedron has its centre of mass at a quarter of its height, and lies on its face.
@@ -445,7 +445,7 @@ static void a_hull_is_placed_by_its_origin_and_told_by_its_centre_of_mass(void *
     assert_near(part.heading, M_PI / 2.0, 1e-12);
     assert_near(part.q[0], M_SQRT1_2, 1e-12);
     assert_near(part.q[3], M_SQRT1_2, 1e-12);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // One on top of the other, set down flat: the lower one carries two weights.
@@ -464,7 +464,7 @@ static void boxes_and_cylinders_stack(void **state)
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
         assert_near(s->bodies[1].x.z, 0.015 - 2.0 * weight / k - weight / between, 1e-7);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -481,7 +481,7 @@ static void a_cylinder_on_its_side_rolls_without_sliding(void **state)
     assert_near(s->bodies[0].v.x, 0.2, 2e-3);
     assert_near(s->bodies[0].w.y, 0.2 / 0.02, 0.2);
     assert_near(s->bodies[0].x.z, 0.02, 1e-4);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 int main(void)

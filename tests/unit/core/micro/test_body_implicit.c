@@ -47,7 +47,7 @@ static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
             assert_near(hypot(part.q[1], part.q[2]), 0.0, 1e-9);
             assert_near(body__measure(s).kinetic_energy / (0.5 * mass * speed * speed), 1.0, 1e-9);
         }
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -71,7 +71,7 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
     assert_near(s->bodies[0].v.x, creep, 1e-5 * creep);
     assert_near(s->bodies[0].x.z, 0.005, 1e-5);
     assert_near(vec3_length(s->bodies[0].w), 0.0, 1e-6);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // Above it the part speeds up by g (sin a - mu cos a) once tanh is 1.
@@ -85,7 +85,7 @@ static void above_the_angle_of_friction_a_box_slides(void **state)
     double before = s->bodies[0].v.x;
     helper_spatial_run(s, 0.1);
     assert_near(s->bodies[0].v.x - before, 0.1 * g * (sin(slope) - mu * cos(slope)), 1e-5);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // v' = mu g tanh(lambda (v_T - v)): sinh(lambda u) = sinh(lambda v_T) exp(-mu g lambda t).
@@ -106,7 +106,7 @@ static void a_belt_takes_a_part_up_by_its_law_with_order_1(void **state)
         assert_true(error < 0.02 * speed);
         assert_true(coarser == 0.0 || (coarser / error > 1.7 && coarser / error < 2.3));
         coarser = error;
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -130,7 +130,7 @@ static double overlap_after(scene_shape shape, double damping, double dt, double
     helper_spatial_run(s, t);
     double overlap = 0.02 - (s->bodies[1].x.x - s->bodies[0].x.x);
     *ret_stiffness = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
     return overlap;
 }
 
@@ -193,7 +193,7 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
         assert_near(axis.z, is_beyond ? 0.0 : 1.0, 0.02);
         assert_near(axis.x, is_beyond ? 1.0 : 0.0, 0.02);
         assert_near(s->bodies[0].x.z, is_beyond ? 0.012 : 0.03, 1e-3);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -221,7 +221,7 @@ static void energy_never_grows_without_a_belt(void **state)
             least = fmin(least, now);
         }
         assert_true(least < 0.8 * start);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -261,7 +261,7 @@ static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
         assert_true(energy < 0.7 * start);
         vec3 change = vec3_sub(helper_spatial_momentum(s), before);
         assert_true(vec3_length(change) < 1e-12 * 32.0 * mass * speed);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -291,7 +291,7 @@ static void a_free_pair_keeps_its_momentum(void **state)
     change = vec3_sub(helper_spatial_angular_momentum(s), angular);
     assert_true(vec3_length(change) < 2e-3 * vec3_length(angular));
     assert_true(vec3_length(s->bodies[0].w) > 0.1 && helper_spatial_energy(s) < 0.9 * energy);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // Half a millimetre of plate, or a wall, against boxes and cylinders that the belt drives on.
@@ -322,7 +322,7 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
         assert_true(fabs(part.v[0]) < 0.02);
         assert_int_equal(body__measure(s).n_contacts, 1);
         assert_true(body__measure(s).largest_overlap < 5e-4);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 
@@ -343,7 +343,7 @@ static void boxes_and_cylinders_stack(void **state)
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
         assert_near(s->bodies[1].x.z, 0.015 - 2.0 * weight / k - weight / between, 1e-7);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
 }
 

@@ -31,7 +31,7 @@ static uint64_t digest_of_slide(bool has_point_between)
     helper_spatial_run(s, 0.6);
     assert_true(s->bodies[0].x.y > 0.0); // it has passed the point
     uint64_t digest = helper_spatial_digest(s);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
     return digest;
 }
 
@@ -59,7 +59,7 @@ static vec3 force_at_tip(size_t n_points)
     s->bodies[0].x.x = -0.02 + 1e-5;
     s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
     body__solids_push(s, 0, &load, &report);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
     return load.force;
 }
 
@@ -97,7 +97,7 @@ static void there_is_no_gap_behind_a_bend(void **state)
     body_state *s = helper_spatial_start(&h);
     helper_spatial_run(s, 0.5);
     assert_true(s->bodies[0].x.x > corner);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 int main(void)

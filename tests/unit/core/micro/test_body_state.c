@@ -35,7 +35,7 @@ static void check_threads(micro_integrator integrator)
         helper_spatial_run(s, 0.12);
         assert_true(body__measure(s).n_contacts > 5);
         digest[k] = helper_spatial_digest(s);
-        micro__spatial.destroy(s);
+        micro__body.destroy(s);
     }
     assert_true(digest[0] == digest[1]);
 }
@@ -62,7 +62,7 @@ static void parts_keep_to_their_side_and_on_the_belt(void **state)
         assert_true(part.is_gone || part.x[1] > 0.07 || beyond < 0.0);
         assert_true(part.x[1] > -0.05 && part.x[1] < 0.1 && part.x[2] > 0.0 && part.x[2] < 0.03);
     }
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // The state as a checkpoint, and back.
@@ -93,7 +93,7 @@ static void check_resume(micro_integrator integrator)
     helper_spatial_run(whole, 0.1);
     assert_int_equal(save_state(whole, &saved, NULL), BF_OK);
     assert_int_equal(load_state(second, saved.bytes, saved.n, NULL), BF_OK);
-    assert_int_equal(micro__spatial.steps(second), micro__spatial.steps(whole));
+    assert_int_equal(micro__body.steps(second), micro__body.steps(whole));
     assert_true(helper_spatial_digest(second) == helper_spatial_digest(whole));
     assert_int_equal(body__measure(second).n_contacts, body__measure(whole).n_contacts);
     assert_int_equal(save_state(second, &again, NULL), BF_OK);
@@ -106,8 +106,8 @@ static void check_resume(micro_integrator integrator)
     assert_true(body__measure(second).largest_overlap == body__measure(whole).largest_overlap);
     buffer_fini(&saved);
     buffer_fini(&again);
-    micro__spatial.destroy(whole);
-    micro__spatial.destroy(second);
+    micro__body.destroy(whole);
+    micro__body.destroy(second);
 }
 
 static void a_loaded_state_goes_on_with_the_same_bits(void **state)
@@ -130,7 +130,7 @@ static void implicit_steps_allocate_nothing(void **state)
     assert_int_equal(body__advance(s, 3, &err), BF_OK);
     assert_int_equal(memory_faults(), 0);
     memory_plan_fault(0, 0);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void check_damages(micro_integrator integrator)
@@ -155,9 +155,9 @@ static void check_damages(micro_integrator integrator)
     h.def.n_parts = 35;
     body_state *other = helper_spatial_start(&h);
     assert_int_equal(load_state(other, saved.bytes, saved.n, NULL), BF_ECORRUPT);
-    micro__spatial.destroy(other);
+    micro__body.destroy(other);
     buffer_fini(&saved);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void a_damaged_state_is_refused_and_changes_nothing(void **state)
@@ -174,19 +174,19 @@ static bf_status live(const helper_spatial *h)
     bf_error err = { .code = BF_OK };
     void *s = NULL;
 
-    bf_status status = micro__spatial.create(&h->def, &s, &err);
+    bf_status status = micro__body.create(&h->def, &s, &err);
     assert_true((status == BF_OK) == (s != NULL));
     if (status == BF_OK)
-        status = micro__spatial.advance(s, 20, &err);
+        status = micro__body.advance(s, 20, &err);
     if (status == BF_OK)
         status = save_state(s, &saved, &err);
     if (status == BF_OK)
         status = load_state(s, saved.bytes, saved.n, &err);
     if (status == BF_OK)
-        status = micro__spatial.advance(s, 20, &err);
+        status = micro__body.advance(s, 20, &err);
     assert_true(status == BF_OK || (status == BF_ENOMEM && err.code == BF_ENOMEM));
     buffer_fini(&saved);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
     return status;
 }
 
@@ -225,8 +225,8 @@ static void check_retry(micro_integrator integrator)
     assert_int_equal(body__advance(s, 10, &err), BF_OK);
     assert_int_equal(body__advance(calm, 10, &err), BF_OK);
     assert_true(helper_spatial_digest(s) == helper_spatial_digest(calm));
-    micro__spatial.destroy(s);
-    micro__spatial.destroy(calm);
+    micro__body.destroy(s);
+    micro__body.destroy(calm);
 }
 
 static void a_step_without_memory_can_be_made_again(void **state)
@@ -250,7 +250,7 @@ static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
     assert_int_equal(body__advance(s, 1000, &err), BF_ENUMERIC);
     assert_non_null(strstr(err.text, "part 0"));
     assert_non_null(strstr(err.text, "after step"));
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void a_value_that_is_not_finite_is_named(void **state)
@@ -265,7 +265,7 @@ static void a_value_that_is_not_finite_is_named(void **state)
     assert_int_equal(body__advance(s, 5, &err), BF_ENUMERIC);
     assert_non_null(strstr(err.text, "part 20"));
     assert_non_null(strstr(err.text, "step 101"));
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void what_cannot_be_made_is_refused(void **state)
@@ -276,7 +276,7 @@ static void what_cannot_be_made_is_refused(void **state)
     bf_error err = { .code = BF_OK };
     void *s = NULL;
     helper_spatial_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = flat });
-    assert_int_equal(micro__spatial.create(&h.def, &s, &err), BF_EINPUT);
+    assert_int_equal(micro__body.create(&h.def, &s, &err), BF_EINPUT);
     assert_null(s);
 }
 
@@ -287,18 +287,18 @@ static void the_stable_step_follows_the_mass(void **state)
     (void)state;
     helper_spatial h;
     helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
-    double light = micro__spatial.dt_stable(&h.def);
+    double light = micro__body.dt_stable(&h.def);
     assert_true(light > 1e-5 && light < 1e-4);
     assert_true(micro_dt_chosen(&h.def) < light);
     h.kinds[0].mass = 0.3;
     h.def.modulus_reduction = 1e9;
-    assert_near(micro__spatial.dt_stable(&h.def), 10.0 * light, 0.5 * light);
+    assert_near(micro__body.dt_stable(&h.def), 10.0 * light, 0.5 * light);
     helper_spatial_jam(&h);
-    h.def.dt = micro__spatial.dt_stable(&h.def);
+    h.def.dt = micro__body.dt_stable(&h.def);
     body_state *s = helper_spatial_start(&h);
     helper_spatial_run(s, 0.2);
     assert_true(body__measure(s).largest_overlap < 1.5e-3);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 static void no_parts_are_no_trouble(void **state)
@@ -310,7 +310,7 @@ static void no_parts_are_no_trouble(void **state)
     body_state *s = helper_spatial_start(&h);
     helper_spatial_run(s, 1e-3);
     assert_int_equal(body__measure(s).n_parts, 0);
-    micro__spatial.destroy(s);
+    micro__body.destroy(s);
 }
 
 // 60 cylinders through a passage that a plate of 60 degrees leaves open: the mean over time of the

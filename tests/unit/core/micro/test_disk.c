@@ -49,7 +49,7 @@ static void spin_decays_on_the_belt(void **state)
 {
     (void)state;
     helper_disks *d = helper_disks_make(1.0, 1.0, 0.395);
-    double brake = 2.0 * gravity * 0.008 / (radius * radius), error[2];
+    double spin_deceleration = 2.0 * gravity * 0.008 / (radius * radius), error[2];
 
     d->def.damping = 0.0;
     helper_disks_add(d, 0.3, 0.5);
@@ -61,7 +61,7 @@ static void spin_decays_on_the_belt(void **state)
         error[fine] = 0.0;
         for (int k = 1; k <= 100; k++) {
             helper_planar_advance(s, fine ? 20 : 10);
-            double exact = exact_slip(1.0, brake, 6.0, k * 1e-4);
+            double exact = exact_slip(1.0, spin_deceleration, 6.0, k * 1e-4);
             error[fine] = fmax(error[fine], fabs(helper_planar_row(s, 0)->spin - exact));
         }
         assert_true(helper_planar_row(s, 0)->spin >= 0.0 && helper_planar_row(s, 0)->spin < 0.1);

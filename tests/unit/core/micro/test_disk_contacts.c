@@ -107,7 +107,7 @@ static momenta measure_momenta(disk_state *s, const helper_disks *d)
     momenta sum = { 0.0, 0.0, 0.0 };
 
     for (size_t k = 0; k < s->n; k++) {
-        const disk_row *row = helper_planar_row(s, k);
+        const disk *row = helper_planar_row(s, k);
         double m = d->kinds[d->def.part_kinds != NULL ? d->part_kinds[k] : 0].mass;
         sum.x += m * row->vx;
         sum.y += m * row->vy;
@@ -152,16 +152,16 @@ static double measure_energy(const disk_state *s)
     double energy = disk__measure(s).kinetic_energy;
 
     for (size_t place = 0; place < s->n_live; place++) {
-        for (size_t slot = 0; slot < disk__slots(s, place); slot++) {
-            const disk_row *a = &s->now[place], *b = &s->now[disk__neighbour(s, place, slot)];
+        for (size_t row = 0; row < disk__n_rows(s, place); row++) {
+            const disk *a = &s->now[place], *b = &s->now[disk__neighbour(s, place, row)];
             double overlap = 2.0 * radius - hypot(a->x - b->x, a->y - b->y);
             energy += overlap > 0.0 ? 0.25 * stiffness(1e6) * overlap * overlap : 0.0;
         }
     }
-    for (size_t k = 0; k < s->n_touches; k++) {
+    for (size_t k = 0; k < s->n_candidates; k++) {
         bool counts;
         double overlap =
-            disk__overlap(s, &s->now[s->touches[k].place], s->touches[k].feature, &counts);
+            disk__overlap(s, &s->now[s->candidates[k].slot], s->candidates[k].feature, &counts);
         double k_wall = M_PI / 4.0 * 0.008 /
                         ((1.0 - 0.34 * 0.34) * 1e6 / 70e9 + (1.0 - 0.28 * 0.28) * 1e6 / 210e9);
         energy += counts && overlap > 0.0 ? 0.5 * k_wall * overlap * overlap : 0.0;

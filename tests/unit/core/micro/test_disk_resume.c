@@ -60,37 +60,38 @@ static void one_and_two_threads_give_the_same_bits(void **state)
 }
 
 // One step of all parts by a table of kernels, into copies of what it writes.
-static void step_with(const disk_kernels *kernels, disk_state *s, disk_row *rows, double *heading,
+static void step_with(const explicit_kernels *kernels, disk_state *s, disk *rows, double *heading,
                       driver_extremes *extremes)
 {
-    const disk_step step = { .state = s,
-                             .now = s->now,
-                             .next = rows,
-                             .heading = heading,
-                             .dt = s->def.dt,
-                             .dt_force = s->def.dt,
-                             .keep = 1.0 };
+    const explicit_step step = { .state = s,
+                                 .now = s->now,
+                                 .next = rows,
+                                 .heading = heading,
+                                 .dt = s->def.dt,
+                                 .dt_force = s->def.dt,
+                                 .damping_factor = 1.0 };
 
     *extremes = (driver_extremes){ 0 };
     memcpy(heading, s->heading, s->n_padded * sizeof *heading);
     memcpy(rows, s->now, s->n_padded * sizeof *rows);
-    kernels->touch(&step, 0, s->n_touches, extremes);
+    kernels->add_boundary_forces(&step, 0, s->n_candidates, extremes);
     kernels->advance(&step, 0, s->n_padded / DISK_GROUP, extremes);
 }
 
 static void check_builds(disk_state *s)
 {
     const size_t n = s->n_padded;
-    disk_row *rows = memory_alloc(2 * n, sizeof *rows);
+    disk *rows = memory_alloc(2 * n, sizeof *rows);
     double *heading = memory_alloc(2 * n, sizeof *heading);
     driver_extremes extremes[2];
 
     assert_non_null(rows);
     assert_non_null(heading);
-    assert_true(s->n_touches > 0);
+    assert_true(s->n_candidates > 0);
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
         size_t set = level == CPU_BASE ? 0 : 1;
-        step_with(disk_kernels_of(level), s, rows + set * n, heading + set * n, &extremes[set]);
+        step_with(disk__explicit_kernels(level), s, rows + set * n, heading + set * n,
+                  &extremes[set]);
         assert_memory_equal(rows + set * n, rows, n * sizeof *rows);
         assert_memory_equal(heading + set * n, heading, n * sizeof *heading);
         // The sum only tells what is finite; it may be added up in any order.
@@ -113,7 +114,7 @@ static void all_instruction_sets_give_the_same_bits(void **state)
     const micro_def *defs[] = { &e->def, &w->def }; // plain and not
     for (size_t k = 0; k < 2; k++) {
         disk_state *s = helper_planar_start(defs[k]);
-        assert_int_equal(s->is_plain, k == 0);
+        assert_int_equal(s->is_uniform, k == 0);
         helper_planar_advance(s, 100);
         check_builds(s);
         helper_planar_end(s);
@@ -250,7 +251,7 @@ static void bad_definitions_are_refused_where_they_are_bad(void **state)
 // The text of BF_ENUMERIC after steps of which one must fail.
 static void advance_wrongly(disk_state *s, bf_error *err)
 {
-    assert_int_equal(disk__advance_verlet(s, 10, err), BF_ENUMERIC);
+    assert_int_equal(disk__advance_explicit(s, 10, err), BF_ENUMERIC);
     assert_non_null(strstr(err->text, "step 3 (t = 0.00015 s)"));
     assert_non_null(strstr(err->text, "part 17 "));
 }

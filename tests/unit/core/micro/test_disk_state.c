@@ -106,7 +106,7 @@ static void tanh_is_within_1e_12_of_libm(void **state)
     x[0] = 0.0;
     x[1] = INFINITY;
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
-        disk_kernels_of(level)->tanh_of(N_VALUES, x, y);
+        disk__explicit_kernels(level)->tanh_of(N_VALUES, x, y);
         assert_true(y[0] == 0.0);
         assert_near(y[1], 1.0, 1e-12);
         for (int k = 2; k < N_VALUES; k++)
@@ -123,9 +123,9 @@ static void when_a_list_was_made_has_no_influence(void **state)
     for (int often = 0; often < 2; often++) {
         helper_disks *d = make_mix();
         void *s = NULL;
-        assert_int_equal(micro__planar.create(&d->def, &s, NULL), BF_OK);
+        assert_int_equal(micro__disk.create(&d->def, &s, NULL), BF_OK);
         for (int k = 0; k < 60; k++) {
-            assert_int_equal(micro__planar.advance(s, 37, NULL), BF_OK);
+            assert_int_equal(micro__disk.advance(s, 37, NULL), BF_OK);
             if (often)
                 assert_int_equal(disk__rebuild(s, NULL), BF_OK);
         }
@@ -134,7 +134,7 @@ static void when_a_list_was_made_has_no_influence(void **state)
             digest[often] = digest_add(digest[often], &part, offsetof(micro_part, heading));
         }
         totals[often] = disk__measure(s);
-        micro__planar.destroy(s);
+        micro__disk.destroy(s);
         helper_disks_free(d);
     }
     assert_true(digest[0] == digest[1]);
@@ -151,17 +151,17 @@ static void the_list_holds_every_contact(void **state)
     helper_disks *d = make_crowd();
     void *state_ = NULL;
 
-    assert_int_equal(micro__planar.create(&d->def, &state_, NULL), BF_OK);
+    assert_int_equal(micro__disk.create(&d->def, &state_, NULL), BF_OK);
     disk_state *s = state_;
     for (int k = 0; k < 40; k++) {
         size_t n_pressing = 0, n_listed = 0;
-        assert_int_equal(micro__planar.advance(s, 29, NULL), BF_OK);
+        assert_int_equal(micro__disk.advance(s, 29, NULL), BF_OK);
         for (size_t a = 0; a < s->n_live; a++) {
             for (size_t b = 0; b < s->n_live; b++)
                 n_pressing +=
                     a != b && hypot(s->now[a].x - s->now[b].x, s->now[a].y - s->now[b].y) < 0.024;
-            for (size_t slot = 0; slot < disk__slots(s, a); slot++) {
-                const disk_row *with = &s->now[disk__neighbour(s, a, slot)];
+            for (size_t row = 0; row < disk__n_rows(s, a); row++) {
+                const disk *with = &s->now[disk__neighbour(s, a, row)];
                 n_listed += hypot(s->now[a].x - with->x, s->now[a].y - with->y) < 0.024;
             }
         }
@@ -169,7 +169,7 @@ static void the_list_holds_every_contact(void **state)
         assert_true(n_pressing > 100);
     }
     assert_true(s->n_builds > 3);
-    micro__planar.destroy(s);
+    micro__disk.destroy(s);
     helper_disks_free(d);
 }
 

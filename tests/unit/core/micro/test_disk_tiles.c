@@ -24,7 +24,7 @@ static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
     disk_state *s = helper_planar_start(&w->def);
     free(w);
     if (is_tiled) {
-        assert_int_equal(disk__tiles_init(s), BF_OK);
+        assert_int_equal(disk__tiling_init(s), BF_OK);
         assert_int_equal(disk__rebuild(s, NULL), BF_OK);
     }
     return s;
@@ -63,7 +63,7 @@ static void tiles_give_the_bits_of_single_steps(void **state)
             disk_state *tiled = start_crowd(is_mixed, true, n_threads);
             helper_planar_advance(tiled, 803);
             assert_int_equal(tiled->steps, 803);
-            assert_true(tiled->tiles.n_made > 20);
+            assert_true(tiled->tiling.n_made > 20);
             assert_int_equal(digest_of(tiled), digest_of(single));
             assert_true(tiled->largest_overlap == single->largest_overlap);
             assert_true(tiled->overlap_share == single->overlap_share);
@@ -80,7 +80,7 @@ static size_t find_front(const disk_state *s)
     double x = 0.0;
 
     for (size_t k = 0; k < s->n; k++) {
-        const disk_row *row = &s->now[s->place[k]];
+        const disk *row = &s->now[s->slot_of[k]];
         if (s->is_gone[k] == 0 && row->y > 0.65 && row->x > x) {
             x = row->x;
             front = k;
@@ -95,7 +95,8 @@ static disk_state *start_burst_of_speed(bool is_mixed, bool is_tiled, double v)
 {
     disk_state *s = start_crowd(is_mixed, is_tiled, 1);
 
-    while (s->now[s->place[find_front(s)]].x < 1.998 || s->travel + 16.0 * s->move > 0.5 * s->skin)
+    while (s->now[s->slot_of[find_front(s)]].x < 1.998 ||
+           s->displacement_bound + 16.0 * s->last_bound > 0.5 * s->skin)
         helper_planar_advance(s, 1);
     helper_planar_push(s, find_front(s), v, 0.0, 0.0);
     return s;
@@ -107,12 +108,12 @@ static void a_tile_that_outlives_its_list_is_put_back(void **state)
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
         disk_state *single = start_burst_of_speed(is_mixed, false, 12.0);
         disk_state *tiled = start_burst_of_speed(is_mixed, true, 12.0);
-        uint64_t n_put_back = tiled->tiles.n_put_back;
+        uint64_t n_put_back = tiled->tiling.n_put_back;
         size_t n_gone = count_gone(single);
         helper_planar_advance(single, 8);
         helper_planar_advance(tiled, 8);
         assert_true(count_gone(single) > n_gone);
-        assert_int_equal(tiled->tiles.n_put_back, n_put_back + 1);
+        assert_int_equal(tiled->tiling.n_put_back, n_put_back + 1);
         assert_int_equal(digest_of(tiled), digest_of(single));
         helper_planar_advance(single, 200);
         helper_planar_advance(tiled, 200);
@@ -130,8 +131,8 @@ static void a_failure_in_a_tile_is_told_as_by_single_steps(void **state)
     disk_state *tiled = start_burst_of_speed(false, true, 500.0);
     bf_error of_single = { 0 }, of_tiled = { 0 };
 
-    assert_int_equal(disk__advance_verlet(single, 8, &of_single), BF_ENUMERIC);
-    assert_int_equal(disk__advance_verlet(tiled, 8, &of_tiled), BF_ENUMERIC);
+    assert_int_equal(disk__advance_explicit(single, 8, &of_single), BF_ENUMERIC);
+    assert_int_equal(disk__advance_explicit(tiled, 8, &of_tiled), BF_ENUMERIC);
     assert_string_equal(of_tiled.text, of_single.text);
     assert_int_equal(tiled->steps, single->steps);
     helper_planar_end(single);
@@ -145,10 +146,10 @@ static void no_memory_for_tiles_leaves_single_steps(void **state)
 
     for (size_t n = 1; n <= 2; n++) {
         memory_plan_fault(n, 0);
-        assert_int_equal(disk__tiles_init(s), BF_ENOMEM);
+        assert_int_equal(disk__tiling_init(s), BF_ENOMEM);
         memory_plan_fault(0, 0);
         helper_planar_advance(s, 10);
-        assert_int_equal(s->tiles.n_made, 0);
+        assert_int_equal(s->tiling.n_made, 0);
     }
     helper_planar_end(s);
 }

@@ -2,7 +2,7 @@
 // and any interruption; and what they do without memory or with damaged bytes.
 
 #include "core/base/memory.h"
-#include "core/micro/disk/implicit_priv.h"
+#include "core/micro/disk/implicit.h"
 #include "core/micro/micro.h"
 
 #include <math.h>
@@ -17,8 +17,8 @@
 
 enum { ROWS = 48, COLUMNS = 60, CROWD = ROWS * COLUMNS, STEPS = 90 };
 
-// A crowd that a belt pushes against a plate and, past its end, out of the domain. Larger than two
-// threads' least shares, with parts of two sizes.
+// A crowd that a belt forces against a plate and, past its end, out of the domain. Larger than two
+// threads' least partitions, with parts of two sizes.
 typedef struct scenery {
     micro_def def;
     scene_belt belt;
@@ -207,7 +207,7 @@ static void without_memory_nothing_is_lost(void **state)
 // A planar state that has what saving and loading look at: 4 parts, 2 features.
 static disk_state make_bare_state(void)
 {
-    disk_state s = { .n = 4, .n_faces = 1, .n_arcs = 1, .void_place = 16, .radius_min = 0.01 };
+    disk_state s = { .n = 4, .n_faces = 1, .n_arcs = 1, .void_slot = 16, .radius_min = 0.01 };
 
     s.def.dt = 1e-3;
     s.implicit = disk_implicit__create(&s);
@@ -222,22 +222,22 @@ static bf_buffer save_sound(disk_state *s)
     bf_buffer bytes = { 0 };
 
     assert_int_equal(disk_implicit__reserve(z, 3, NULL), BF_OK);
-    z->pairs[0] = (implicit_pair){ .number = { 0, 4 }, .normal = 1.0 };
-    z->pairs[1] = (implicit_pair){ .number = { 0, 1 }, .normal = 2.0, .sliding = -1.0 };
-    z->pairs[2] = (implicit_pair){ .number = { 2, 3 } };
+    z->pairs[0] = (implicit_pair){ .id = { 0, 4 }, .normal = 1.0 };
+    z->pairs[1] = (implicit_pair){ .id = { 0, 1 }, .normal = 2.0, .sliding = -1.0 };
+    z->pairs[2] = (implicit_pair){ .id = { 2, 3 } };
     z->n_pairs = 3;
     z->is_chosen = true;
     for (size_t g = 1; g <= IMPLICIT_GROUPS; g++)
-        z->group[g] = g <= IMPLICIT_SOLIDS ? 1 : 3;
+        z->group[g] = g <= IMPLICIT_BOUNDARY ? 1 : 3;
     checkpoint_writer w = { .out = &bytes };
-    disk__implicit_save(s, &w);
+    disk_implicit__save(s, &w);
     assert_false(w.has_failed);
     return bytes;
 }
 
 static bf_status load(disk_state *s, const char *bytes, size_t n)
 {
-    return disk__implicit_load(s, &(checkpoint_reader){ bytes, n }, NULL);
+    return disk_implicit__load(s, &(checkpoint_reader){ bytes, n }, NULL);
 }
 
 static void assert_refused(disk_state *s, const bf_buffer *bytes)
@@ -255,7 +255,7 @@ static void pairs_that_cannot_be_are_refused(void **state)
         { { 9, 4 }, { 0, 1 }, { 2, 3 } }, // no such part
         { { 0, 4 }, { 1, 0 }, { 2, 3 } }, // numbers do not rise
         { { 0, 4 }, { 0, 1 }, { 1, 3 } }, // a part twice in a colour
-        { { 0, 1 }, { 0, 1 }, { 2, 3 } }, // parts among the touches
+        { { 0, 1 }, { 0, 1 }, { 2, 3 } }, // parts among the candidates
         { { 0, 4 }, { 0, 5 }, { 2, 3 } }, // a touch among the parts
     };
     disk_state s = make_bare_state();
@@ -295,14 +295,14 @@ static void bytes_of_another_length_are_refused(void **state)
 }
 
 // Blocks and bodies of no particular meaning, but of sound magnitudes.
-static void fill_block(implicit_block *block, implicit_body *bodies)
+static void fill_block(implicit_block *block, solver_body *bodies)
 {
     for (uint32_t k = 0; k < 2 * IMPLICIT_WIDTH; k++)
-        bodies[k] = (implicit_body){ .vx = sin(k),
-                                     .vy = cos(3 * k),
-                                     .spin = sin(5 * k),
-                                     .give = 30.0 + k,
-                                     .give_spin = 2e5 + 1e4 * k };
+        bodies[k] = (solver_body){ .vx = sin(k),
+                                   .vy = cos(3 * k),
+                                   .spin = sin(5 * k),
+                                   .inv_mass = 30.0 + k,
+                                   .inv_inertia = 2e5 + 1e4 * k };
     for (uint32_t k = 0; k < IMPLICIT_WIDTH; k++) {
         block->row[0][k] = 8 * k;
         block->row[1][k] = 8 * (2 * IMPLICIT_WIDTH - 1 - k);
@@ -322,21 +322,21 @@ static void fill_block(implicit_block *block, implicit_body *bodies)
 
 static void all_instruction_sets_give_the_same_bits(void **state)
 {
-    implicit_body *bodies = memory_alloc(4 * IMPLICIT_WIDTH, sizeof *bodies);
+    solver_body *bodies = memory_alloc(4 * IMPLICIT_WIDTH, sizeof *bodies);
     implicit_block *blocks = memory_alloc(2, sizeof *blocks);
 
     (void)state;
     assert_non_null(bodies);
     assert_non_null(blocks);
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
-        const implicit_kernels *kernels = disk_implicit__kernels(level);
+        const implicit_kernels *kernels = disk__implicit_kernels(level);
         size_t set = level == CPU_BASE ? 0 : 1;
-        implicit_body *of = bodies + set * 2 * IMPLICIT_WIDTH;
+        solver_body *of = bodies + set * 2 * IMPLICIT_WIDTH;
         memset(&blocks[set], 0, sizeof *blocks);
         fill_block(&blocks[set], of);
-        kernels->begin(of, &blocks[set], 1);
-        for (int round = 0; round < 3; round++)
-            kernels->relax(of, &blocks[set], 1);
+        kernels->warm_start(of, &blocks[set], 1);
+        for (int iteration = 0; iteration < 3; iteration++)
+            kernels->solve(of, &blocks[set], 1);
         assert_memory_equal(of, bodies, 2 * IMPLICIT_WIDTH * sizeof *bodies);
         assert_memory_equal(&blocks[set], blocks, sizeof *blocks);
     }

@@ -1,4 +1,4 @@
-#include "core/micro/disk/kernels.h"
+#include "core/micro/disk/disk_priv.h"
 
 #include "core/base/simd_compare.h"
 #include "core/base/simd_rows.h"
@@ -6,13 +6,13 @@
 
 #include <math.h>
 
-// This file is compiled once per instruction set. Functions with a flag `plain` are inlined with a constant,
+// This file is compiled once per instruction set. Functions with a flag `uniform` are inlined with a constant,
 // once for scenes of one kind on one belt and once for all others.
 
 #define INLINED static inline __attribute__((always_inline))
 
 enum {
-    SLOTS_AT_ONCE = 8,
+    ROWS_AT_ONCE = 8,
     GROUPS_AT_ONCE = 4,
 };
 
@@ -28,20 +28,20 @@ static void tanh_of(size_t n, const double *x, double *ret_y)
 // LANES parts.
 typedef struct parts {
     lanes x, y, vx, vy;
-    lanes spin, radius, softness, inverse_mass; // all but spin only if not plain
+    lanes spin, radius, compliance, inv_mass; // all but spin only if not uniform
 } parts;
 
-INLINED parts load_parts(const disk_row *rows, const uint32_t *at, bool plain)
+INLINED parts load_parts(const disk *rows, const uint32_t *at, bool uniform)
 {
     lanes_quad low = lanes_quad_load(&rows->x, at);
     lanes_quad high = lanes_quad_load(&rows->spin, at);
     parts p = { low.column[0],  low.column[1],  low.column[2],  low.column[3],
                 high.column[0], lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
 
-    if (!plain) {
+    if (!uniform) {
         p.radius = high.column[1];
-        p.softness = high.column[2];
-        p.inverse_mass = high.column[3];
+        p.compliance = high.column[2];
+        p.inv_mass = high.column[3];
     }
     return p;
 }
@@ -55,23 +55,23 @@ typedef struct loads {
 // A law, ready for lanes.
 typedef struct pair_law {
     lanes damping, friction;
-    lanes rate;             // lambda / 8
-    lanes floor;            // of the normal force
-    lanes line;             // k times the sum of softnesses
-    lanes reach, stiffness; // sum of radii and k, if plain
+    lanes rate;                        // lambda / 8
+    lanes floor;                       // of the normal force
+    lanes line;                        // k times the sum of compliances
+    lanes contact_distance, stiffness; // sum of radii and k, if uniform
 } pair_law;
 
-INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other_softness)
+INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other_compliance)
 {
-    const disk_row *kind = &s->kinds[0].row;
+    const disk *kind = &s->kinds[0].part;
 
     return (pair_law){ .damping = lanes_all(law->damping),
                        .friction = lanes_all(law->friction),
                        .rate = lanes_all(law->tanh_linear / 8.0),
                        .floor = lanes_all(s->def.tension ? -INFINITY : 0.0),
                        .line = lanes_all(law->line),
-                       .reach = lanes_all(kind->radius + kind->radius),
-                       .stiffness = lanes_all(law->line / (kind->softness + other_softness)) };
+                       .contact_distance = lanes_all(kind->radius + kind->radius),
+                       .stiffness = lanes_all(law->line / (kind->compliance + other_compliance)) };
 }
 
 // A contact of a part with something in direction n, before its friction is known.
@@ -83,20 +83,20 @@ typedef struct contact {
 } contact;
 
 // Friction (7), and the sums.
-INLINED void add_contact(const contact *c, lanes friction, bool plain, loads *sum)
+INLINED void add_contact(const contact *c, lanes friction, bool uniform, loads *sum)
 {
     friction_quotient t = friction_tanh(c->sliding);
-    lanes size = plain ? c->force : lanes_max(c->force, -c->force);
-    lanes rub = friction * size * (t.up / t.down);
+    lanes size = uniform ? c->force : lanes_max(c->force, -c->force);
+    lanes friction_force = friction * size * (t.up / t.down);
 
-    sum->x += rub * c->ny - c->force * c->nx;
-    sum->y -= rub * c->nx + c->force * c->ny;
-    sum->torque -= rub * c->lever;
+    sum->x += friction_force * c->ny - c->force * c->nx;
+    sum->y -= friction_force * c->nx + c->force * c->ny;
+    sum->torque -= friction_force * c->lever;
 }
 
 // The normal force of an overlap, where low < high.
-INLINED lanes press(const pair_law *law, lanes stiffness, lanes overlap, lanes parting, lanes low,
-                    lanes high)
+INLINED lanes normal_force(const pair_law *law, lanes stiffness, lanes overlap, lanes parting,
+                           lanes low, lanes high)
 {
     lanes force = lanes_max(stiffness * overlap - law->damping * parting, law->floor);
 
@@ -104,85 +104,87 @@ INLINED lanes press(const pair_law *law, lanes stiffness, lanes overlap, lanes p
 }
 
 // Contacts with neighbours; false if none of them presses.
-INLINED bool meet(const pair_law *law, const parts *own, const parts *other, bool plain, contact *c,
-                  loads *sum)
+INLINED bool find_contact(const pair_law *law, const parts *own, const parts *other, bool uniform,
+                          contact *c, loads *sum)
 {
     lanes dx = other->x - own->x, dy = other->y - own->y;
     lanes distance2 = dx * dx + dy * dy;
-    lanes reach = plain ? law->reach : own->radius + other->radius, reach2 = reach * reach;
+    lanes contact_distance = uniform ? law->contact_distance : own->radius + other->radius,
+          contact_distance2 = contact_distance * contact_distance;
 
-    if (lanes_less(distance2, reach2) == 0)
+    if (lanes_less(distance2, contact_distance2) == 0)
         return false;
     lanes distance = lanes_sqrt(distance2), inverse = 1.0 / distance;
     lanes vx = other->vx - own->vx, vy = other->vy - own->vy;
-    lanes overlap = reach - distance, rolling, stiffness = law->stiffness;
+    lanes overlap = contact_distance - distance, rolling, stiffness = law->stiffness;
     c->nx = dx * inverse;
     c->ny = dy * inverse;
     sum->overlap = lanes_max(overlap, sum->overlap);
-    if (plain) {
+    if (uniform) {
         c->lever = 0.5 * distance;
         rolling = (own->spin + other->spin) * c->lever;
     } else {
         lanes excess = own->radius - other->radius;
         lanes smaller = lanes_min(own->radius, other->radius);
-        stiffness = law->line / (own->softness + other->softness);
+        stiffness = law->line / (own->compliance + other->compliance);
         c->lever = 0.5 * (distance + excess);
         rolling = own->spin * c->lever + other->spin * (0.5 * (distance - excess));
         sum->overlap_share = lanes_max(overlap / smaller, sum->overlap_share);
     }
-    c->force = press(law, stiffness, overlap, vx * c->nx + vy * c->ny, distance2, reach2);
+    c->force = normal_force(law, stiffness, overlap, vx * c->nx + vy * c->ny, distance2,
+                            contact_distance2);
     c->sliding = law->rate * (vx * c->ny - vy * c->nx + rolling);
     return true;
 }
 
 // What a step needs beyond laws.
 typedef struct motion {
-    lanes dt, dt_force, keep, keep_spin;
-    lanes belt_rate2, spin_rate2;        // (lambda/8)^2
-    lanes belt_drag;                     // dt mu g lambda
-    lanes inverse_mass, inverse_inertia; // if plain
-    lanes belt_x, belt_y, grip;          // same
-    lanes brake;                         // same: dt A lambda
+    lanes dt, dt_force, damping_factor, spin_damping_factor;
+    lanes belt_rate2, spin_rate2;  // (lambda/8)^2
+    lanes belt_secant;             // dt mu g lambda
+    lanes inv_mass, inv_inertia;   // if uniform
+    lanes belt_x, belt_y, on_belt; // same
+    lanes spin_secant;             // same: dt A lambda
 } motion;
 
-INLINED motion make_motion(const disk_step *step)
+INLINED motion make_motion(const explicit_step *step)
 {
     const disk_state *s = step->state;
-    const disk_row *kind = &s->kinds[0].row;
+    const disk *kind = &s->kinds[0].part;
     const micro_law *belt = &s->belt;
 
     return (motion){
         .dt = lanes_all(step->dt),
         .dt_force = lanes_all(step->dt_force),
-        .keep = lanes_all(step->keep),
-        .keep_spin = lanes_all(step->keep_spin),
+        .damping_factor = lanes_all(step->damping_factor),
+        .spin_damping_factor = lanes_all(step->spin_damping_factor),
         .belt_rate2 = lanes_all(belt->tanh_linear * belt->tanh_linear / 64.0),
         .spin_rate2 = lanes_all(belt->tanh_spin * belt->tanh_spin / 64.0),
-        .belt_drag =
+        .belt_secant =
             lanes_all(step->dt_force * belt->friction * s->def.gravity * belt->tanh_linear),
-        .inverse_mass = lanes_all(kind->inverse_mass),
-        .inverse_inertia = lanes_all(2.0 * kind->inverse_mass / (kind->radius * kind->radius)),
-        .belt_x = lanes_all(s->plain_belt.vx),
-        .belt_y = lanes_all(s->plain_belt.vy),
-        .grip = lanes_all(s->plain_belt.grip),
-        .brake = lanes_all(step->dt_force * belt->tanh_spin * s->plain_brake),
+        .inv_mass = lanes_all(kind->inv_mass),
+        .inv_inertia = lanes_all(2.0 * kind->inv_mass / (kind->radius * kind->radius)),
+        .belt_x = lanes_all(s->uniform_belt.vx),
+        .belt_y = lanes_all(s->uniform_belt.vy),
+        .on_belt = lanes_all(s->uniform_belt.on_belt),
+        .spin_secant = lanes_all(step->dt_force * belt->tanh_spin * s->uniform_deceleration),
     };
 }
 
 // The motion of parts that differ in kind or belt.
-INLINED motion make_own_motion(const motion *common, const disk_step *step, size_t place,
+INLINED motion make_own_motion(const motion *common, const explicit_step *step, size_t slot,
                                const parts *own)
 {
     const disk_state *s = step->state;
     motion m = *common;
 
-    m.inverse_mass = own->inverse_mass;
-    m.inverse_inertia = 2.0 * own->inverse_mass / (own->radius * own->radius);
-    m.brake = step->dt_force * s->belt.tanh_spin * lanes_load(s->brake + place);
+    m.inv_mass = own->inv_mass;
+    m.inv_inertia = 2.0 * own->inv_mass / (own->radius * own->radius);
+    m.spin_secant = step->dt_force * s->belt.tanh_spin * lanes_load(s->spin_deceleration + slot);
     for (int k = 0; k < LANES; k++) {
-        m.belt_x[k] = s->belt_under[place + (size_t)k].vx;
-        m.belt_y[k] = s->belt_under[place + (size_t)k].vy;
-        m.grip[k] = s->belt_under[place + (size_t)k].grip;
+        m.belt_x[k] = s->belt_under[slot + (size_t)k].vx;
+        m.belt_y[k] = s->belt_under[slot + (size_t)k].vy;
+        m.on_belt[k] = s->belt_under[slot + (size_t)k].on_belt;
     }
     return m;
 }
@@ -192,11 +194,11 @@ INLINED void move(const motion *m, parts *own, const loads *sum)
 {
     lanes sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
     friction_quotient t = friction_theta((sx * sx + sy * sy) * m->belt_rate2);
-    lanes drag = m->grip * m->belt_drag * t.up / t.down;
-    lanes impulse = m->dt_force * m->inverse_mass;
+    lanes secant = m->on_belt * m->belt_secant * t.up / t.down;
+    lanes impulse = m->dt_force * m->inv_mass;
 
-    own->vx = m->keep * own->vx + (impulse * sum->x - drag * sx);
-    own->vy = m->keep * own->vy + (impulse * sum->y - drag * sy);
+    own->vx = m->damping_factor * own->vx + (impulse * sum->x - secant * sx);
+    own->vy = m->damping_factor * own->vy + (impulse * sum->y - secant * sy);
     own->x += m->dt * own->vx;
     own->y += m->dt * own->vy;
 }
@@ -204,10 +206,10 @@ INLINED void move(const motion *m, parts *own, const loads *sum)
 // Spin friction (8), implicitly, and (13).
 INLINED void turn(const motion *m, parts *own, const loads *sum)
 {
-    lanes w = m->keep_spin * own->spin + m->dt_force * m->inverse_inertia * sum->torque;
+    lanes w = m->spin_damping_factor * own->spin + m->dt_force * m->inv_inertia * sum->torque;
     friction_quotient t = friction_theta(w * w * m->spin_rate2);
 
-    own->spin = w * t.down / (t.down + m->grip * m->brake * t.up);
+    own->spin = w * t.down / (t.down + m->on_belt * m->spin_secant * t.up);
 }
 
 // The largest of all parts of a call, and the sum that tells whether all are finite.
@@ -215,24 +217,24 @@ typedef struct largest {
     lanes speed2, sum, overlap, overlap_share;
 } greatest;
 
-// Contacts are found for some slots and then summed up: two short chains of operations overlap better
+// Contacts are found for some rows and then summed up: two short chains of operations overlap better
 // than one long one.
-INLINED void add_neighbours(const disk_step *step, const pair_law *law, const parts *own,
-                            size_t group, size_t lane, bool plain, loads *sum)
+INLINED void add_neighbours(const explicit_step *step, const pair_law *law, const parts *own,
+                            size_t group, size_t lane, bool uniform, loads *sum)
 {
     const disk_list *list = &step->state->list;
     const uint32_t *at = list->neighbour + (size_t)list->first[group] * DISK_GROUP + lane;
     const uint32_t *end = list->neighbour + (size_t)list->first[group + 1] * DISK_GROUP;
-    contact contacts[SLOTS_AT_ONCE];
+    contact contacts[ROWS_AT_ONCE];
 
     while (at < end) {
         size_t n = 0;
-        for (; n < SLOTS_AT_ONCE && at < end; at += DISK_GROUP) {
-            parts other = load_parts(step->now, at, plain);
-            n += meet(law, own, &other, plain, &contacts[n], sum) ? 1 : 0;
+        for (; n < ROWS_AT_ONCE && at < end; at += DISK_GROUP) {
+            parts other = load_parts(step->now, at, uniform);
+            n += find_contact(law, own, &other, uniform, &contacts[n], sum) ? 1 : 0;
         }
         for (size_t k = 0; k < n; k++)
-            add_contact(&contacts[k], law->friction, plain, sum);
+            add_contact(&contacts[k], law->friction, uniform, sum);
     }
 }
 
@@ -242,31 +244,32 @@ typedef struct loaded {
     loads sum;
 } loaded;
 
-INLINED loaded load_lanes(const disk_step *step, const pair_law *law, size_t place, bool plain,
+INLINED loaded load_lanes(const explicit_step *step, const pair_law *law, size_t slot, bool uniform,
                           greatest *of_all)
 {
-    static const uint32_t in_a_row[DISK_GROUP] = { 0 * DISK_ROW, 1 * DISK_ROW, 2 * DISK_ROW,
-                                                   3 * DISK_ROW, 4 * DISK_ROW, 5 * DISK_ROW,
-                                                   6 * DISK_ROW, 7 * DISK_ROW };
+    static const uint32_t in_a_row[DISK_GROUP] = { 0 * DISK_DOUBLES, 1 * DISK_DOUBLES,
+                                                   2 * DISK_DOUBLES, 3 * DISK_DOUBLES,
+                                                   4 * DISK_DOUBLES, 5 * DISK_DOUBLES,
+                                                   6 * DISK_DOUBLES, 7 * DISK_DOUBLES };
     const disk_state *s = step->state;
-    const size_t group = place / DISK_GROUP, lane = place % DISK_GROUP;
+    const size_t group = slot / DISK_GROUP, lane = slot % DISK_GROUP;
     const lanes zero = lanes_all(0.0);
-    parts own = load_parts(step->now + place, in_a_row, plain);
+    parts own = load_parts(step->now + slot, in_a_row, uniform);
     loads sum = { zero, zero, zero, of_all->overlap, of_all->overlap_share };
 
-    if (s->is_touched[group] != 0) {
-        lanes_quad pushes = lanes_quad_load(&step->next[place].x, in_a_row);
-        sum.x = pushes.column[0];
-        sum.y = pushes.column[1];
-        sum.torque = lanes_quad_load(&step->next[place].spin, in_a_row).column[0];
+    if (s->has_candidates[group] != 0) {
+        lanes_quad forces = lanes_quad_load(&step->next[slot].x, in_a_row);
+        sum.x = forces.column[0];
+        sum.y = forces.column[1];
+        sum.torque = lanes_quad_load(&step->next[slot].spin, in_a_row).column[0];
     }
-    add_neighbours(step, law, &own, group, lane, plain, &sum);
+    add_neighbours(step, law, &own, group, lane, uniform, &sum);
     of_all->overlap = sum.overlap;
     of_all->overlap_share = sum.overlap_share;
     return (loaded){ own, sum };
 }
 
-// speed2 where a part is in the scene; 0 for pads and for parts that are gone, which stand far away.
+// speed2 where a part is in the scene; 0 for padding and for parts that are gone, which stand far away.
 INLINED lanes speed2_in_scene(const parts *own, lanes speed2)
 {
     lanes far = lanes_max(lanes_max(own->x, -own->x), lanes_max(own->y, -own->y));
@@ -274,17 +277,17 @@ INLINED lanes speed2_in_scene(const parts *own, lanes speed2)
     return lanes_where_less(far, lanes_all(0.5 * DISK_FAR), speed2);
 }
 
-INLINED void move_lanes(const disk_step *step, const motion *common, size_t place, bool plain,
+INLINED void move_lanes(const explicit_step *step, const motion *common, size_t slot, bool uniform,
                         loaded *l, greatest *of_all)
 {
-    motion m = plain ? *common : make_own_motion(common, step, place, &l->own);
+    motion m = uniform ? *common : make_own_motion(common, step, slot, &l->own);
 
     move(&m, &l->own, &l->sum);
     turn(&m, &l->own, &l->sum);
     lanes_quad quad = { { l->own.x, l->own.y, l->own.vx, l->own.vy } };
-    lanes_quad_store(&step->next[place].x, &quad);
-    lanes_column_store(&step->next[place].spin, l->own.spin);
-    lanes_store(step->heading + place, lanes_load(step->heading + place) + m.dt * l->own.spin);
+    lanes_quad_store(&step->next[slot].x, &quad);
+    lanes_column_store(&step->next[slot].spin, l->own.spin);
+    lanes_store(step->heading + slot, lanes_load(step->heading + slot) + m.dt * l->own.spin);
     lanes speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
     of_all->speed2 = lanes_max(speed2_in_scene(&l->own, speed2), of_all->speed2);
     of_all->sum += speed2 + l->own.spin * l->own.spin;
@@ -295,19 +298,19 @@ static void raise(double *largest, double to)
     *largest = to > *largest ? to : *largest;
 }
 
-INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, bool plain,
+INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, bool uniform,
                             driver_extremes *extremes)
 {
     raise(&extremes->overlap, lanes_peak(overlap));
     raise(&extremes->overlap_share,
-          plain ? lanes_peak(overlap) / s->kinds[0].row.radius : lanes_peak(share));
+          uniform ? lanes_peak(overlap) / s->kinds[0].part.radius : lanes_peak(share));
 }
 
-INLINED void advance_groups(const disk_step *step, size_t first, size_t last, bool plain,
+INLINED void advance_groups(const explicit_step *step, size_t first, size_t last, bool uniform,
                             driver_extremes *extremes)
 {
     const disk_state *s = step->state;
-    const pair_law law = make_law(s, &s->cargo, s->kinds[0].row.softness);
+    const pair_law law = make_law(s, &s->cargo, s->kinds[0].part.compliance);
     const motion common = make_motion(step);
     greatest of_all = { lanes_all(0.0), lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
     loaded l[GROUPS_AT_ONCE * DISK_GROUP / LANES];
@@ -315,19 +318,19 @@ INLINED void advance_groups(const disk_step *step, size_t first, size_t last, bo
     for (size_t group = first; group < last; group += GROUPS_AT_ONCE) {
         size_t n = (last - group < GROUPS_AT_ONCE ? last - group : GROUPS_AT_ONCE) * DISK_GROUP;
         for (size_t k = 0; k < n; k += LANES)
-            l[k / LANES] = load_lanes(step, &law, group * DISK_GROUP + k, plain, &of_all);
+            l[k / LANES] = load_lanes(step, &law, group * DISK_GROUP + k, uniform, &of_all);
         for (size_t k = 0; k < n; k += LANES)
-            move_lanes(step, &common, group * DISK_GROUP + k, plain, &l[k / LANES], &of_all);
+            move_lanes(step, &common, group * DISK_GROUP + k, uniform, &l[k / LANES], &of_all);
     }
     raise(&extremes->speed2, lanes_peak(of_all.speed2));
-    raise_overlaps(s, of_all.overlap, of_all.overlap_share, plain, extremes);
+    raise_overlaps(s, of_all.overlap, of_all.overlap_share, uniform, extremes);
     for (int k = 0; k < LANES; k++)
         extremes->sum += of_all.sum[k];
 }
 
-static void advance(const disk_step *step, size_t first, size_t last, driver_extremes *extremes)
+static void advance(const explicit_step *step, size_t first, size_t last, driver_extremes *extremes)
 {
-    if (step->state->is_plain)
+    if (step->state->is_uniform)
         advance_groups(step, first, last, true, extremes);
     else
         advance_groups(step, first, last, false, extremes);
@@ -336,9 +339,9 @@ static void advance(const disk_step *step, size_t first, size_t last, driver_ext
 // A square of which the root is never zero.
 static const double tiny2 = 1e-200;
 
-// LANES touches: what of the solids is where, seen from the parts.
+// LANES candidates: what of the boundary is where, seen from the parts.
 typedef struct surface {
-    lanes nx, ny;   // unit normal out of the solid
+    lanes nx, ny;   // unit normal out of the boundary
     lanes height;   // of the part's centre over it, m
     lanes friction; // mu
     lanes inside;   // 1 where the centre is where the feature counts, else 0
@@ -390,28 +393,28 @@ INLINED surface choose(surface a, surface b, lanes pick)
     return s;
 }
 
-// Touches first .. first + LANES - 1, of which those from last on do not count.
-typedef struct touch_lanes {
-    uint32_t place[LANES];
+// Candidates first .. first + LANES - 1, of which those from last on do not count.
+typedef struct candidate_lanes {
+    uint32_t slot[LANES];
     uint32_t row[LANES], face[LANES], arc[LANES]; // where they begin
     lanes is_arc;                                 // 1 or 0
     lanes counts;                                 // 1, or 0 behind the last
     bool has_arcs;
-} touch_lanes;
+} candidate_lanes;
 
-INLINED touch_lanes load_touches(const disk_state *s, size_t first, size_t last)
+INLINED candidate_lanes load_candidates(const disk_state *s, size_t first, size_t last)
 {
-    touch_lanes t = { .has_arcs = false };
+    candidate_lanes t = { .has_arcs = false };
 
     for (size_t k = 0; k < LANES; k++) {
-        disk_touch touch = { s->void_place, 0 };
+        disk_candidate candidate = { s->void_slot, 0 };
         if (first + k < last)
-            touch = s->touches[first + k];
-        bool is_arc = touch.feature >= s->n_faces;
-        t.place[k] = touch.place;
-        t.row[k] = touch.place * DISK_ROW;
-        t.face[k] = is_arc ? 0 : touch.feature * DISK_ROW;
-        t.arc[k] = is_arc ? (touch.feature - (uint32_t)s->n_faces) * DISK_ROW : 0;
+            candidate = s->candidates[first + k];
+        bool is_arc = candidate.feature >= s->n_faces;
+        t.slot[k] = candidate.slot;
+        t.row[k] = candidate.slot * DISK_DOUBLES;
+        t.face[k] = is_arc ? 0 : candidate.feature * DISK_DOUBLES;
+        t.arc[k] = is_arc ? (candidate.feature - (uint32_t)s->n_faces) * DISK_DOUBLES : 0;
         t.is_arc[k] = is_arc ? 1.0 : 0.0;
         t.counts[k] = first + k < last ? 1.0 : 0.0;
         t.has_arcs = t.has_arcs || is_arc;
@@ -419,47 +422,47 @@ INLINED touch_lanes load_touches(const disk_state *s, size_t first, size_t last)
     return t;
 }
 
-INLINED void push_lanes(const disk_step *step, const pair_law *law, const touch_lanes *t,
-                        bool plain, loads *sum)
+INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *law,
+                                   const candidate_lanes *t, bool uniform, loads *sum)
 {
     const disk_state *s = step->state;
-    const disk_row *kind = &s->kinds[0].row;
+    const disk *kind = &s->kinds[0].part;
     const lanes zero = lanes_all(0.0);
-    parts own = load_parts(step->now, t->row, plain);
-    lanes radius = plain ? lanes_all(kind->radius) : own.radius, stiffness = law->stiffness;
+    parts own = load_parts(step->now, t->row, uniform);
+    lanes radius = uniform ? lanes_all(kind->radius) : own.radius, stiffness = law->stiffness;
     surface at = find_faces(s, &own, t->face);
 
     if (t->has_arcs)
         at = choose(at, find_arcs(s, &own, t->arc), t->is_arc);
-    if (!plain)
-        stiffness = law->line / (own.softness + s->handling_softness);
+    if (!uniform)
+        stiffness = law->line / (own.compliance + s->handling_compliance);
     lanes overlap = radius - at.height;
     lanes presses = lanes_where_less(at.height, radius, at.inside * t->counts);
     contact c = { .nx = -at.nx, .ny = -at.ny, .lever = radius - 0.5 * overlap };
-    c.force = press(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
+    c.force = normal_force(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
     c.sliding = law->rate * (own.vx * at.ny - own.vy * at.nx + own.spin * c.lever);
-    add_contact(&c, at.friction, plain, sum);
+    add_contact(&c, at.friction, uniform, sum);
     overlap = lanes_where_less(zero, presses, overlap);
     sum->overlap = lanes_max(overlap, sum->overlap);
-    if (!plain)
+    if (!uniform)
         sum->overlap_share = lanes_max(overlap / radius, sum->overlap_share);
 }
 
-static void clear_pushes(disk_row *rows)
+static void clear_forces(disk *rows)
 {
     for (size_t k = 0; k < DISK_GROUP; k++)
         rows[k].x = rows[k].y = rows[k].spin = 0.0;
 }
 
-// Adds what LANES touches, of which n count, do to their parts. *group is that of the touch before.
-INLINED void keep_pushes(const disk_step *step, const touch_lanes *t, size_t n, const loads *sum,
-                         uint32_t *group)
+// Adds what LANES candidates, of which n count, do to their parts. *group is that of the candidate before.
+INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, size_t n,
+                          const loads *sum, uint32_t *group)
 {
     for (size_t k = 0; k < LANES && k < n; k++) {
-        disk_row *to = &step->next[t->place[k]];
-        if (t->place[k] / DISK_GROUP != *group) {
-            *group = t->place[k] / DISK_GROUP;
-            clear_pushes(&step->next[*group * DISK_GROUP]);
+        disk *to = &step->next[t->slot[k]];
+        if (t->slot[k] / DISK_GROUP != *group) {
+            *group = t->slot[k] / DISK_GROUP;
+            clear_forces(&step->next[*group * DISK_GROUP]);
         }
         to->x += sum->x[k];
         to->y += sum->y[k];
@@ -467,36 +470,37 @@ INLINED void keep_pushes(const disk_step *step, const touch_lanes *t, size_t n, 
     }
 }
 
-INLINED void touch_solids(const disk_step *step, size_t first, size_t last, bool plain,
-                          driver_extremes *extremes)
+INLINED void add_boundary_forces(const explicit_step *step, size_t first, size_t last, bool uniform,
+                                 driver_extremes *extremes)
 {
     const disk_state *s = step->state;
-    const pair_law law = make_law(s, &s->handling, s->handling_softness);
+    const pair_law law = make_law(s, &s->handling, s->handling_compliance);
     const lanes zero = lanes_all(0.0);
     loads sum = { zero, zero, zero, zero, zero };
     uint32_t group = UINT32_MAX;
 
     for (size_t from = first; from < last; from += LANES) {
-        touch_lanes t = load_touches(s, from, last);
+        candidate_lanes t = load_candidates(s, from, last);
         sum.x = sum.y = sum.torque = zero;
-        push_lanes(step, &law, &t, plain, &sum);
-        keep_pushes(step, &t, last - from, &sum, &group);
+        boundary_forces_lanes(step, &law, &t, uniform, &sum);
+        store_forces(step, &t, last - from, &sum, &group);
     }
-    raise_overlaps(s, sum.overlap, sum.overlap_share, plain, extremes);
+    raise_overlaps(s, sum.overlap, sum.overlap_share, uniform, extremes);
 }
 
-static void touch(const disk_step *step, size_t first, size_t last, driver_extremes *extremes)
+static void boundary_forces(const explicit_step *step, size_t first, size_t last,
+                            driver_extremes *extremes)
 {
-    if (step->state->is_plain)
-        touch_solids(step, first, last, true, extremes);
+    if (step->state->is_uniform)
+        add_boundary_forces(step, first, last, true, extremes);
     else
-        touch_solids(step, first, last, false, extremes);
+        add_boundary_forces(step, first, last, false, extremes);
 }
 
-extern const disk_kernels CPU_NAME(disk_kernels);
+extern const explicit_kernels CPU_NAME(explicit_kernels);
 
-const disk_kernels CPU_NAME(disk_kernels) = {
-    .touch = touch,
+const explicit_kernels CPU_NAME(explicit_kernels) = {
+    .add_boundary_forces = boundary_forces,
     .advance = advance,
     .tanh_of = tanh_of,
 };
