@@ -1,4 +1,6 @@
-/// Sets of blocks of a row, as bits: block b, -1 <= b < n_blocks, is bit b + 1.
+/// Blocks of cells of a row, and sets of them, so that work can be left out where it would be exactly nothing.
+///
+/// A set is an array of bits: block b, -1 <= b < n_blocks, is bit b + 1.
 
 #pragma once
 
@@ -13,6 +15,16 @@ typedef struct block_span {
     ptrdiff_t first; ///< -1 at least
     ptrdiff_t last;  ///< n_blocks at most
 } block_span;
+
+/// The smallest span that holds both.
+static inline block_span block_span_hull(block_span a, block_span b)
+{
+    if (a.first >= a.last)
+        return b;
+    if (b.first >= b.last)
+        return a;
+    return (block_span){ a.first < b.first ? a.first : b.first, a.last > b.last ? a.last : b.last };
+}
 
 /// Words that a set of blocks -1 .. n_blocks - 1 takes.
 static inline size_t block_set_words(ptrdiff_t n_blocks)
@@ -100,4 +112,45 @@ static inline int block_set_count(const uint64_t *set, size_t n_words)
     for (size_t w = 0; w < n_words; w++)
         n += __builtin_popcountll(set[w]);
     return n;
+}
+
+/// What is found out about blocks that integral a word of a set.
+typedef struct block_marks {
+    uint64_t bit;   ///< of the block at hand
+    uint64_t any;   ///< blocks with a cell rho >= 1
+    uint64_t first; ///< blocks whose first cell is one
+} block_marks;
+
+/// No marks yet; block b comes first.
+static inline block_marks block_marks_from(ptrdiff_t b)
+{
+    return (block_marks){ UINT64_C(1) << (b + 1) % 64, 0, 0 };
+}
+
+/// Adds what is known of the block at hand (bit k: cell k is saturated) and moves on to the next.
+static inline block_marks block_marks_add(block_marks m, unsigned saturated_cells)
+{
+    m.any |= saturated_cells != 0 ? m.bit : 0;
+    m.first |= (saturated_cells & 1) != 0 ? m.bit : 0;
+    m.bit <<= 1;
+    return m;
+}
+
+/// Puts the marks of the blocks from low to high, which integral a word, into the sets.
+static inline void block_marks_put(block_marks m, ptrdiff_t low, ptrdiff_t high,
+                                   uint64_t *saturated, uint64_t *saturated_first)
+{
+    const ptrdiff_t w = (low + 1) / 64;
+    const uint64_t range = block_set_span_word((block_span){ low, high }, (size_t)w);
+
+    saturated[w] = (saturated[w] & ~range) | m.any;
+    saturated_first[w] = (saturated_first[w] & ~range) | m.first;
+}
+
+/// The end of the blocks from low on that integral a word of a set.
+static inline ptrdiff_t block_set_end_of_word(ptrdiff_t low, ptrdiff_t b_max)
+{
+    const ptrdiff_t end = (low + 1) / 64 * 64 + 63;
+
+    return end < b_max ? end : b_max;
 }

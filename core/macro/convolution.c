@@ -1,11 +1,11 @@
-// The push I of (10) where it is wanted: x1 part of the convolution in a ring of rows, then the x2
-// part, then the root.
+// The dispersion velocity I of (10) where it is wanted, by the sums of convolution.h: the x1 part in a ring of
+// rows, then the x2 part and the root.
 //
-// What a step will want is nearly known before it: I at the faces whose cells are open in `now`. So
+// What a step will want is nearly known before it: I at the faces whose cells are active in `now`. So
 // the x1 part of a row is made once, for all rows that will read it, when the row enters the ring. A
-// cell that opens only by the x1 sweep is the exception, and its blocks are made when it turns up.
+// cell that becomes active only by the x1 sweep is the exception, and its blocks are made when it is found.
 
-#include "core/macro/kernels.h"
+#include "core/macro/convolution.h"
 #include "core/macro/macro_priv.h"
 
 #include <string.h>
@@ -31,8 +31,8 @@ static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
         place->done[w] |= todo[w];
     }
     while (block_set_next_run(todo, macro__words(s), &b, &run))
-        kernels_convolve_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
-                            place->slope1, place->share1);
+        convolution_along_x1(macro__row(s, s->now.rho, r), &s->along, run.first, run.last,
+                             place->gradient1, place->integral1);
 }
 
 // Lets the rows up to r enter the ring, each with the blocks that the rows within reach expect.
@@ -78,30 +78,30 @@ static void spread_expected(macro_band *band, ptrdiff_t first, ptrdiff_t last)
         rows[k] |= rows[k + (window - length) * n_words];
 }
 
-void macro__push_begin(macro_band *band)
+void macro__dispersion_begin(macro_band *band)
 {
     const macro_solver *s = band->solver;
     const ptrdiff_t first = band->first > 0 ? band->first - 1 : 0;
     const ptrdiff_t last = band->last < s->n2 ? band->last + 1 : s->n2;
 
     for (ptrdiff_t r = first; r < last; r++) {
-        const uint64_t *open = macro__set(s, s->now.open, r);
-        const uint64_t *first_open = macro__set(s, s->now.open_first, r);
-        const uint64_t *north = r + 1 < s->n2 ? macro__set(s, s->now.open, r + 1) : band->empty;
+        const uint64_t *active = macro__set(s, s->now.active, r);
+        const uint64_t *first_active = macro__set(s, s->now.active_first, r);
+        const uint64_t *north = r + 1 < s->n2 ? macro__set(s, s->now.active, r + 1) : band->empty;
         uint64_t *expected = macro__set(s, band->expected, r);
         for (size_t w = 0; w < macro__words(s); w++)
             expected[w] =
-                open[w] | block_set_shifted_down(first_open, macro__words(s), w) | north[w];
+                active[w] | block_set_shifted_down(first_active, macro__words(s), w) | north[w];
     }
     spread_expected(band, first, last);
     for (int k = 0; k < 2; k++)
-        band->push[k].row = NO_ROW;
+        band->dispersion[k].row = NO_ROW;
     band->ring_end = first > s->across.reach ? first - s->across.reach : 0;
 }
 
-static macro_push_row *push_place(macro_band *band, ptrdiff_t r)
+static macro_dispersion_row *dispersion_place(macro_band *band, ptrdiff_t r)
 {
-    macro_push_row *place = &band->push[r & 1];
+    macro_dispersion_row *place = &band->dispersion[r & 1];
 
     if (place->row != r) {
         place->row = r;
@@ -110,9 +110,9 @@ static macro_push_row *push_place(macro_band *band, ptrdiff_t r)
     return place;
 }
 
-// Nothing crosses a closed face, so the push there is zero.
+// Nothing crosses a closed face, so I is zero there.
 static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
-                        const uint64_t *blocks, double *push)
+                        const uint64_t *blocks, double *velocity)
 {
     const uint8_t *closed = macro__closed(s, faces, row);
     const uint64_t *closable = macro__set(s, faces->closable, row);
@@ -121,11 +121,11 @@ static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff
         for (uint64_t word = blocks[w] & closable[w]; word != 0; word &= word - 1) {
             ptrdiff_t b = (ptrdiff_t)(w * 64) + __builtin_ctzll(word) - 1;
             for (unsigned mask = closed[b]; mask != 0; mask &= mask - 1)
-                push[b * BLOCK_CELLS + __builtin_ctz(mask)] = 0.0;
+                velocity[b * BLOCK_CELLS + __builtin_ctz(mask)] = 0.0;
         }
 }
 
-// Makes the x1 part of all rows that row r reads for the missing blocks nobody expected.
+// Makes the x1 part of all rows that row r reads for the missing blocks that were not expected.
 static void make_unexpected(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
@@ -144,8 +144,8 @@ static void make_unexpected(macro_band *band, ptrdiff_t r)
 
 // The rows r - S .. r + S as the convolution sees them.
 typedef struct window {
-    const double *const *slope_rows;
-    const double *const *share_rows;
+    const double *const *gradient_rows;
+    const double *const *integral_rows;
 } window;
 
 static window window_of(macro_band *band, ptrdiff_t r)
@@ -155,21 +155,21 @@ static window window_of(macro_band *band, ptrdiff_t r)
 
     if (first >= 0 && r + s->across.reach < s->n2) {
         const ptrdiff_t place = first & (s->n_ring - 1);
-        return (window){ band->slope_ring + place, band->share_ring + place };
+        return (window){ band->gradient_ring + place, band->integral_ring + place };
     }
     for (int m = 0; m <= 2 * s->across.reach; m++) {
         ptrdiff_t seen = seen_row(s, first + m);
         const macro_ring_row *row = ring_place(band, seen);
-        band->slope_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->slope1;
-        band->share_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->share1;
+        band->gradient_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->gradient1;
+        band->integral_rows[m] = seen == NO_ROW ? s->zero_row + s->margin : row->integral1;
     }
-    return (window){ band->slope_rows, band->share_rows };
+    return (window){ band->gradient_rows, band->integral_rows };
 }
 
-void macro__push_make(macro_band *band, ptrdiff_t r)
+void macro__dispersion_make(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
-    macro_push_row *place = push_place(band, r);
+    macro_dispersion_row *place = dispersion_place(band, r);
     uint64_t *missing = band->missing;
     uint64_t any = 0;
     ptrdiff_t b = -1;
@@ -185,8 +185,9 @@ void macro__push_make(macro_band *band, ptrdiff_t r)
     make_unexpected(band, r);
     const window seen = window_of(band, r);
     while (block_set_next_run(missing, macro__words(s), &b, &run))
-        kernels_push(seen.slope_rows, seen.share_rows, &s->across, s->def.dispersion, run.first,
-                     run.last, place->i1, place->i2);
+        convolution_dispersion_velocity(seen.gradient_rows, seen.integral_rows, &s->across,
+                                        s->def.dispersion, run.first, run.last, place->i1,
+                                        place->i2);
     if (r >= 0)
         close_faces(s, &s->faces1, r, missing, place->i1);
     close_faces(s, &s->faces2, r + 1, missing, place->i2);

@@ -15,15 +15,16 @@ static const double cfl_slack = 1e-9; // for steps that meet the bound in decima
 CPU_EACH_BUILD(X)
 #undef X
 
-macro_sweep_fn *macro__sweep_of(cpu_level level, bool is_narrow)
+macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_narrow)
 {
-    static macro_sweep_fn *const builds[][2] = {
+    // One row a scheme: its sweep for every level, for wide and for narrow grids.
+    static macro_sweep_fn *const builds[SCENE_SCHEME_COUNT][CPU_AVX512 + 1][2] = {
 #define X(suffix) { macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix },
-        CPU_EACH_BUILD(X)
+        [SCENE_SCHEME_ROE] = { CPU_EACH_BUILD(X) },
 #undef X
     };
 
-    return builds[level][is_narrow];
+    return builds[scheme][level][is_narrow];
 }
 
 macro_def macro_def_default(void)
@@ -33,8 +34,8 @@ macro_def macro_def_default(void)
         .dt = 1.25e-3,
         .dispersion = 0.79,
         .mollifier = 10000.0,
-        .gate = MACRO_GATE_SHARP,
-        .gate_width = 0.05,
+        .heaviside = SCENE_HEAVISIDE_SHARP,
+        .heaviside_width = 0.05,
         .n_threads = 1,
         .cookie = COOKIE,
     };
@@ -72,9 +73,11 @@ static bf_status check_members(const macro_def *def, bf_error *err)
         return bf_fail(err, BF_EINPUT, "/macro/mollifier_per_m2",
                        "the mollifier must be positive and reach over at most %d cells",
                        MOLLIFIER_REACH_MAX);
-    if (def->gate >= MACRO_GATE_COUNT)
+    if (def->scheme >= SCENE_SCHEME_COUNT)
+        return bf_fail(err, BF_EINPUT, "/macro/scheme", "unknown scheme");
+    if (def->heaviside >= SCENE_HEAVISIDE_COUNT)
         return bf_fail(err, BF_EINPUT, "/macro/heaviside", "unknown form of H");
-    if (def->gate == MACRO_GATE_SMOOTH && !is_positive(def->gate_width))
+    if (def->heaviside == SCENE_HEAVISIDE_SMOOTH && !is_positive(def->heaviside_width))
         return bf_fail(err, BF_EINPUT, "/macro/heaviside_width", "must be positive");
     if (def->n_threads < 1 || def->n_threads > MOST_THREADS)
         return bf_fail(err, BF_EINPUT, "", "the number of threads must be 1 to %d", MOST_THREADS);
@@ -114,7 +117,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n2 = (ptrdiff_t)def->grid.n2;
     s->n_blocks = round_up(s->n1) / BLOCK_CELLS;
     s->n_words = block_set_words(s->n_blocks);
-    s->sweep = macro__sweep_of(cpu_best(), s->n_words == 1);
+    s->sweep = macro__sweep_of(def->scheme, cpu_best(), s->n_words == 1);
     // Block -1 is convolved too, and so is the whole last block.
     s->margin = BLOCK_CELLS + round_up(s->along.reach);
     s->stride = s->margin + s->n_blocks * BLOCK_CELLS + round_up(s->along.reach + 1);
@@ -124,14 +127,117 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n_bands = def->n_threads < s->n2 ? def->n_threads : (int)s->n2;
 }
 
+// Hands out rows and sets, one after the other.
+typedef struct partition {
+    const macro_solver *solver;
+    double *rows;
+    uint64_t *sets;
+} partition;
+
+static double *partition_row(partition *c)
+{
+    double *row = c->rows + c->solver->margin;
+
+    c->rows += c->solver->stride;
+    return row;
+}
+
+static uint64_t *partition_set(partition *c)
+{
+    uint64_t *set = c->sets;
+
+    c->sets += c->solver->n_words;
+    return set;
+}
+
+static void partition_ring(macro_band *band, partition *c)
+{
+    for (ptrdiff_t k = 0; k < c->solver->n_ring; k++) {
+        band->ring[k].gradient1 = partition_row(c);
+        band->ring[k].integral1 = partition_row(c);
+        band->ring[k].done = partition_set(c);
+        band->gradient_ring[k] = band->gradient_ring[k + c->solver->n_ring] =
+            band->ring[k].gradient1;
+        band->integral_ring[k] = band->integral_ring[k + c->solver->n_ring] =
+            band->ring[k].integral1;
+    }
+}
+
+static void partition_pairs(macro_band *band, partition *c)
+{
+    for (int k = 0; k < 2; k++) {
+        band->dispersion[k].i1 = partition_row(c);
+        band->dispersion[k].i2 = partition_row(c);
+        band->dispersion[k].done = partition_set(c);
+        band->outside_active[k] = partition_set(c);
+        band->outside_first[k] = partition_set(c);
+        band->after_x1_h_rho[k] = partition_row(c);
+        band->outside[k] = partition_row(c);
+        band->flux2[k] = partition_row(c);
+        band->flux2_set[k] = partition_set(c);
+    }
+}
+
+enum { ROWS_IN_PAIRS = 5, SETS_IN_PAIRS = 4, SINGLE_ROWS = 2, SINGLE_SETS = 7 };
+
+static bf_status band_init(const macro_solver *s, macro_band *band)
+{
+    const size_t n_ring = (size_t)s->n_ring;
+    const size_t n_rows = 2 * n_ring + 2 * ROWS_IN_PAIRS + SINGLE_ROWS;
+    const size_t n_sets = n_ring + 2 * SETS_IN_PAIRS + SINGLE_SETS;
+
+    band->solver = s;
+    band->rows = memory_alloc(n_rows * (size_t)s->stride, sizeof *band->rows);
+    band->sets = memory_alloc(n_sets * s->n_words, sizeof *band->sets);
+    band->ring = memory_alloc(n_ring, sizeof *band->ring);
+    band->expected = memory_alloc((size_t)s->n2 * s->n_words, sizeof *band->expected);
+    band->near =
+        memory_alloc((size_t)(s->n2 + 4 * s->across.reach) * s->n_words, sizeof *band->near);
+    band->gradient_ring = memory_alloc(2 * n_ring, sizeof *band->gradient_ring);
+    band->integral_ring = memory_alloc(2 * n_ring, sizeof *band->integral_ring);
+    band->gradient_rows = memory_alloc(n_ring, sizeof *band->gradient_rows);
+    band->integral_rows = memory_alloc(n_ring, sizeof *band->integral_rows);
+    if (band->rows == NULL || band->sets == NULL || band->ring == NULL || band->expected == NULL ||
+        band->near == NULL || band->gradient_ring == NULL || band->integral_ring == NULL ||
+        band->gradient_rows == NULL || band->integral_rows == NULL)
+        return BF_ENOMEM;
+    partition c = { s, band->rows, band->sets };
+    partition_ring(band, &c);
+    partition_pairs(band, &c);
+    band->h_rho = partition_row(&c);
+    band->flux1 = partition_row(&c);
+    band->active_faces = partition_set(&c);
+    band->wanted = partition_set(&c);
+    band->missing = partition_set(&c);
+    band->unexpected = partition_set(&c);
+    band->todo = partition_set(&c);
+    band->special = partition_set(&c);
+    band->empty = partition_set(&c);
+    return BF_OK;
+}
+
+static void band_fini(macro_band *band)
+{
+    memory_free(band->rows);
+    memory_free(band->sets);
+    memory_free(band->ring);
+    memory_free(band->expected);
+    memory_free(band->near);
+    memory_free(band->gradient_ring);
+    memory_free(band->integral_ring);
+    memory_free(band->gradient_rows);
+    memory_free(band->integral_rows);
+    *band = (macro_band){ 0 };
+}
+
 static bf_status init_state(const macro_solver *s, macro_state *state)
 {
     state->rho = memory_alloc((size_t)(s->n2 * s->stride), sizeof *state->rho);
     state->span = memory_alloc((size_t)s->n2, sizeof *state->span);
-    state->open = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->open);
-    state->open_first = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->open_first);
-    return state->rho != NULL && state->span != NULL && state->open != NULL &&
-                   state->open_first != NULL
+    state->active = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->active);
+    state->active_first = memory_alloc((size_t)s->n2 * s->n_words, sizeof *state->active_first);
+    return state->rho != NULL && state->span != NULL && state->active != NULL &&
+                   state->active_first != NULL
                ? BF_OK
                : BF_ENOMEM;
 }
@@ -146,7 +252,7 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
         macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
     for (int k = 0; k < s->n_bands; k++)
-        if (macro__band_init(s, &s->bands[k]) != BF_OK)
+        if (band_init(s, &s->bands[k]) != BF_OK)
             return BF_ENOMEM;
     return BF_OK;
 }
@@ -177,8 +283,8 @@ static void fini_state(macro_state *state)
 {
     memory_free(state->rho);
     memory_free(state->span);
-    memory_free(state->open);
-    memory_free(state->open_first);
+    memory_free(state->active);
+    memory_free(state->active_first);
 }
 
 macro_solver *macro_destroy(macro_solver *s)
@@ -186,7 +292,7 @@ macro_solver *macro_destroy(macro_solver *s)
     if (s == NULL)
         return NULL;
     for (int k = 0; s->bands != NULL && k < s->n_bands; k++)
-        macro__band_fini(&s->bands[k]);
+        band_fini(&s->bands[k]);
     memory_free(s->bands);
     macro__faces_fini(s);
     fini_state(&s->now);
@@ -197,8 +303,8 @@ macro_solver *macro_destroy(macro_solver *s)
     return NULL;
 }
 
-// Cuts the rows into bands of about equal work.
-static void cut_bands(macro_solver *s)
+// Divides the rows into bands of about equal work.
+static void partition_rows(macro_solver *s)
 {
     double total = 0.0, reached = 0.0;
     ptrdiff_t row = 0;
@@ -225,7 +331,7 @@ static void sweep_band(void *context, size_t k)
 
 void macro_step(macro_solver *s)
 {
-    cut_bands(s);
+    partition_rows(s);
     team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
     macro_state swap = s->now;
     s->now = s->next;

@@ -1,5 +1,5 @@
 /// Macroscopic belt model: cargo as a density on a uniform grid, carried by a given velocity field
-/// and pushed apart where it is packed (a non-local conservation law; section 4, (10)-(16)).
+/// and dispersed where it is saturated (a non-local conservation law; section 4, (10)-(16)).
 ///
 ///     d(rho)/dt + div( rho (H(rho - 1) I + v) ) = 0
 ///     I = -eps grad(eta * rho) / sqrt(1 + |grad(eta * rho)|^2)
@@ -7,12 +7,12 @@
 ///
 /// First order, static and dynamic flux upwinded separately (Roe), an x1 sweep and then an x2 sweep
 /// with one field I per step. The convolution is summed with the exact cell integrals of the
-/// Gaussian, which separate into one factor along x1 and one along x2 (see kernel.h).
+/// Gaussian, which separate into one factor along x1 and one along x2 (mollifier.h).
 ///
 /// Units    SI. rho is normalised: 1 is close packing. Velocities m/s, sigma 1/m2.
 /// Layout   as in core/base/grid.h.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the
-///          same bits for any number of them, and on every processor (no contraction to FMA).
+///          same bits for any number of them, and with every instruction set (no contraction to FMA).
 /// Errors   what can fail returns bf_status, fills *err (NULL: not wanted) and leaves every ret_
 ///          output as it was. The pointer of *err is the JSON pointer of the member in a scenario.
 
@@ -21,32 +21,26 @@
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/// What lets the push act at density rho.
-typedef enum macro_gate {
-    MACRO_GATE_SHARP,  ///< H = 1 where rho >= 1, else 0
-    MACRO_GATE_SMOOTH, ///< H = 1/2 + atan((rho - 1) / gate_width) / pi
-    MACRO_GATE_NONE,   ///< H = 1 (the paper's Example 3)
-    MACRO_GATE_COUNT
-} macro_gate;
-
 /// How to build a solver. Begin with macro_def_default(). Arrays are read during macro_create()
 /// only and stay the caller's.
 typedef struct macro_def {
-    bf_grid grid;           ///< cells (default 200 x 120 of 5 mm, lower corner 0, 0)
-    double dt;              ///< step, s, > 0, within CFL (default 1.25e-3)
-    double dispersion;      ///< eps, largest push speed, m/s, >= 0 (default 0.79)
-    double mollifier;       ///< sigma, 1/m2, > 0 (default 10000)
-    macro_gate gate;        ///< H (default MACRO_GATE_SHARP)
-    double gate_width;      ///< xi of MACRO_GATE_SMOOTH, > 0 (default 0.05)
-    const double *v1;       ///< carrying velocity on the x1-faces, m/s (default NULL: zero)
-    const double *v2;       ///< same on the x2-faces (default NULL: zero)
-    const uint8_t *closed1; ///< nonzero: nothing crosses this x1-face (default NULL: none)
-    const uint8_t *closed2; ///< same for the x2-faces (default NULL: none)
+    bf_grid grid;              ///< cells (default 200 x 120 of 5 mm, lower corner 0, 0)
+    double dt;                 ///< step, s, > 0, within CFL (default 1.25e-3)
+    double dispersion;         ///< eps, largest dispersion speed, m/s, >= 0 (default 0.79)
+    scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
+    double mollifier;          ///< sigma, 1/m2, > 0 (default 10000)
+    scene_heaviside heaviside; ///< H (default SCENE_HEAVISIDE_SHARP)
+    double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)
+    const double *v1;          ///< carrying velocity on the x1-faces, m/s (default NULL: zero)
+    const double *v2;          ///< same on the x2-faces (default NULL: zero)
+    const uint8_t *closed1;    ///< nonzero: nothing crosses this x1-face (default NULL: none)
+    const uint8_t *closed2;    ///< same for the x2-faces (default NULL: none)
     bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
                      ///< this edge instead of zero outside (default false)
     int n_threads;   ///< threads to use, >= 1 (default 1)

@@ -2,22 +2,17 @@
 ///
 /// A step reads the density `now` and writes `next`, in one pass over the rows in rising order:
 ///
-///     row r:  I at row r where a cell may be packed (the x1 part of the convolution of rows
-///             r-S .. r+S waits in a ring, so each is made once);
+///     row r:  I at row r where H may not be zero (the x1 part of the convolution of rows r-S .. r+S waits
+///             in a ring, so each is made once);
 ///             x1 sweep of row r, from now into next;
 ///             flux between rows r-1 and r; x2 sweep of row r-1, in place in next.
 ///
-/// Work is left out where it would be exactly nothing: rows are swept from their first to their last
-/// non-zero block; I is made only for faces with a packed cell at a side; an x2 flux only where the
-/// static velocity is not zero or a cell is packed. Sets of blocks (active_blocks.h) say where. They may
-/// hold too much, never too little: a flux made without need is exactly zero.
-///
-/// Rows have `margin` doubles before cell 0 and room for the mollifier's reach behind the last cell.
+/// Rows have `margin` doubles before cell 0 and room for the mollifier's reach S behind the last cell.
 /// Outside the grid they hold zeros, or the mirrored density, which only the convolution sees: the
 /// faces of a mirroring edge are closed.
 ///
 /// Threads each take a band of rows and repeat the x1 sweep of the rows next to it for themselves, so
-/// they share nothing and every bit is the same for any number of bands.
+/// they have nothing in common and every bit is the same for any number of bands.
 
 #pragma once
 
@@ -29,43 +24,43 @@
 /// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
 /// r holds the faces (i, r - 1/2), 0 <= r <= n2.
 typedef struct macro_faces {
-    double *v;          ///< static velocity; 0 on closed faces and where there is no face
-    uint64_t *mixed;    ///< per row the blocks whose velocities are not the plain one
-    uint64_t *closable; ///< per row the blocks with at least one closed face
-    uint64_t *shut;     ///< per row the blocks with only closed faces
-    uint8_t *closed;    ///< per row and block: bit k is set if face 8 b + k is closed
+    double *v;               ///< static velocity; 0 on closed faces and where there is no face
+    uint64_t *mixed;         ///< per row the blocks with another velocity than the uniform one
+    uint64_t *closable;      ///< per row the blocks with at least one closed face
+    uint64_t *closed_blocks; ///< per row the blocks with only closed faces
+    uint8_t *closed;         ///< per row and block: bit k is set if face 8 b + k is closed
 } macro_faces;
 
 /// The density at one time.
 typedef struct macro_state {
-    double *rho;          ///< n2 rows
-    block_span *span;     ///< per row: what is not zero lies within
-    uint64_t *open;       ///< per row: blocks in which the gate may be open
-    uint64_t *open_first; ///< per row: those of them whose first cell's gate may be open
+    double *rho;            ///< n2 rows
+    block_span *span;       ///< per row: what is not zero lies within
+    uint64_t *active;       ///< per row: blocks in which H may not be zero
+    uint64_t *active_first; ///< per row: those of them in whose first cell it may not be
 } macro_state;
 
 /// A row after its x1 sweep.
-typedef struct macro_swept {
-    const double *rho;    ///< cell 0
-    const double *gated;  ///< H(rho - 1) rho, or rho itself where the kernel gates
-    uint64_t *open;       ///< blocks in which the gate may be open
-    uint64_t *open_first; ///< those of them whose first cell's gate may be open
-    block_span span;      ///< what is not zero lies within
-} macro_swept;
+typedef struct macro_row_after_x1 {
+    const double *rho;      ///< cell 0
+    const double *h_rho;    ///< H(rho - 1) rho, or rho itself, see sweep.c
+    uint64_t *active;       ///< blocks in which H may not be zero
+    uint64_t *active_first; ///< those of them in whose first cell it may not be
+    block_span span;        ///< what is not zero lies within
+} macro_row_after_x1;
 
 /// A row of I.
-typedef struct macro_push_row {
+typedef struct macro_dispersion_row {
     ptrdiff_t row;  ///< which row of the grid
     double *i1;     ///< I1 at its x1-faces
     double *i2;     ///< I2 at its northern x2-faces
     uint64_t *done; ///< blocks that were made in this step
-} macro_push_row;
+} macro_dispersion_row;
 
 /// A place of the ring: the x1 part of the convolution of a row.
 typedef struct macro_ring_row {
-    double *slope1; ///< sums with slope weights
-    double *share1; ///< sums with share weights
-    uint64_t *done; ///< blocks that were made in this step
+    double *gradient1; ///< sums with gradient weights
+    double *integral1; ///< sums with integral weights
+    uint64_t *done;    ///< blocks that were made in this step
 } macro_ring_row;
 
 /// A thread's rows and what it needs for them. Arrays with two places are used in turn, row & 1.
@@ -79,37 +74,38 @@ typedef struct macro_band {
     uint64_t *near;             ///< at j + S: blocks that the rows within reach of row j expect
     macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
     ptrdiff_t ring_end;         ///< rows below have been through the ring
-    const double **slope_ring; ///< slope1 of all places of the ring, twice over, so that any window
-                               ///< of consecutive rows stands together
-    const double **share_ring; ///< same for share1
-    const double **slope_rows; ///< scratch: such a window where rows are mirrored or missing
-    const double **share_rows; ///< same
-    macro_push_row push[2];    ///< I of the row at hand and of the one before
-    macro_swept swept[2];      ///< the row at hand and the one before after their x1 sweep
-    double *swept_gated[2];    ///< storage for macro_swept.gated
-    double *outside[2];        ///< x1 sweeps of the rows before and after the band
-    uint64_t *outside_open[2]; ///< their sets
-    uint64_t *outside_first[2]; ///< same
-    double *gated;              ///< H(rho - 1) rho of a row of `now`
-    double *flux1;              ///< x1 fluxes of the row at hand
-    double *flux2[2];           ///< x2 fluxes into and out of the row before; 0 outside flux2_set
-    uint64_t *flux2_set[2];     ///< blocks with such a flux
-    uint64_t *open_faces;       ///< x1-faces of the row at hand with an open cell at a side
-    uint64_t *wanted;           ///< blocks whose I is asked for
-    uint64_t *missing;          ///< of them, those that macro__push_make() has to make
-    uint64_t *unexpected;       ///< of them, those that band->expected lacks
-    uint64_t *todo;             ///< scratch
-    uint64_t *special;          ///< blocks of cells whose x1 fluxes are made one by one
-    uint64_t *empty;            ///< an empty set
+    const double *
+        *gradient_ring; ///< gradient1 of all places of the ring, twice over, so that any window
+                        ///< of consecutive rows stands together
+    const double **integral_ring; ///< same for integral1
+    const double **gradient_rows; ///< scratch: such a window where rows are mirrored or missing
+    const double **integral_rows; ///< same
+    macro_dispersion_row dispersion[2]; ///< I of the row at hand and of the one before
+    macro_row_after_x1 after_x1[2];     ///< the row at hand and the one before after their x1 sweep
+    double *after_x1_h_rho[2];          ///< storage for macro_row_after_x1.h_rho
+    double *outside[2];                 ///< x1 sweeps of the rows before and after the band
+    uint64_t *outside_active[2];        ///< their sets
+    uint64_t *outside_first[2];         ///< same
+    double *h_rho;                      ///< H(rho - 1) rho of a row of `now`
+    double *flux1;                      ///< x1 fluxes of the row at hand
+    double *flux2[2];       ///< x2 fluxes into and out of the row before; 0 outside flux2_set
+    uint64_t *flux2_set[2]; ///< blocks with such a flux
+    uint64_t *active_faces; ///< x1-faces of the row at hand with H not zero on a side
+    uint64_t *wanted;       ///< blocks whose I is asked for
+    uint64_t *missing;      ///< of them, those that macro__dispersion_make() has to make
+    uint64_t *unexpected;   ///< of them, those that band->expected lacks
+    uint64_t *todo;         ///< scratch
+    uint64_t *special;      ///< blocks of cells whose x1 fluxes are made one by one
+    uint64_t *empty;        ///< an empty set
 } macro_band;
 
 /// Advance the band's rows by one step.
 typedef void macro_sweep_fn(macro_band *band);
 
-/// The build of macro__sweep_band() for an instruction set, and for grids whose sets of blocks are a single
+/// The sweep of a scheme as built for an instruction set, and for grids whose sets of blocks are a single
 /// word (is_narrow: there the loops over words vanish, which are a third of the work of a small grid) or
 /// have any number. All builds give the same bits.
-macro_sweep_fn *macro__sweep_of(cpu_level level, bool is_narrow);
+macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_narrow);
 
 /// The solver.
 struct macro_solver {
@@ -119,7 +115,7 @@ struct macro_solver {
     mollifier across;      ///< weights along x2
     double lambda1;        ///< dt/dx1
     double lambda2;        ///< dt/dx2
-    double plain1;         ///< velocity of plain x1-faces, >= 0; that of plain x2-faces is 0
+    double uniform1;       ///< velocity of most x1-faces, >= 0; that of most x2-faces is 0
     ptrdiff_t n1;          ///< cells of a row
     ptrdiff_t n2;          ///< rows
     ptrdiff_t n_blocks;    ///< blocks of a row
@@ -162,10 +158,6 @@ static inline const uint8_t *macro__closed(const macro_solver *s, const macro_fa
 BF_MUST_CHECK bf_status macro__faces_init(macro_solver *s, const macro_def *def);
 void macro__faces_fini(macro_solver *s);
 
-/// Allocate what a band needs. BF_ENOMEM: macro__band_fini() frees the rest.
-BF_MUST_CHECK bf_status macro__band_init(const macro_solver *s, macro_band *band);
-void macro__band_fini(macro_band *band);
-
 /// Bring what lies outside the grid in a row of a state in order: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);
 
@@ -179,13 +171,13 @@ uint64_t macro__digest_definition(const macro_def *def);
 /// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's
 /// functions have names of their own.
 #if MACRO_IS_NARROW
-#define macro__push_begin CPU_NAME(macro__push_begin_narrow)
-#define macro__push_make  CPU_NAME(macro__push_make_narrow)
-#define macro__sweep_band CPU_NAME(macro__sweep_band_narrow)
+#define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_narrow)
+#define macro__dispersion_make  CPU_NAME(macro__dispersion_make_narrow)
+#define macro__sweep_band       CPU_NAME(macro__sweep_band_narrow)
 #else
-#define macro__push_begin CPU_NAME(macro__push_begin_wide)
-#define macro__push_make  CPU_NAME(macro__push_make_wide)
-#define macro__sweep_band CPU_NAME(macro__sweep_band_wide)
+#define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_wide)
+#define macro__dispersion_make  CPU_NAME(macro__dispersion_make_wide)
+#define macro__sweep_band       CPU_NAME(macro__sweep_band_wide)
 #endif
 
 /// Words of a set of blocks, known to the compiler where it is one.
@@ -195,10 +187,10 @@ static inline size_t macro__words(const macro_solver *s)
 }
 
 /// A new step begins: nothing of I is made, and band->expected is worked out for its rows.
-void macro__push_begin(macro_band *band);
+void macro__dispersion_begin(macro_band *band);
 
 /// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.
-void macro__push_make(macro_band *band, ptrdiff_t r);
+void macro__dispersion_make(macro_band *band, ptrdiff_t r);
 
 /// Advance the band's rows by one step.
 void macro__sweep_band(macro_band *band);

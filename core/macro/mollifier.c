@@ -12,7 +12,7 @@ static double density(double sigma, double x)
 }
 
 // Phi(b) - Phi(a) without the cancellation of two values near 1.
-static double interval_share(double sigma, double a, double b)
+static double interval_integral(double sigma, double a, double b)
 {
     double scale = sqrt(0.5 * sigma);
     if (a > 0.0)
@@ -36,7 +36,7 @@ void mollifier_init(mollifier *m, double sigma, double d)
     BF_CHECK(reach <= MOLLIFIER_REACH_MAX);
     *m = (mollifier){ .reach = reach };
     for (int p = -reach; p <= reach; p++) {
-        m->slope[reach - p] = density(sigma, (p + 1) * d) - density(sigma, p * d);
-        m->share[reach - p] = interval_share(sigma, (p - 0.5) * d, (p + 0.5) * d);
+        m->gradient[reach - p] = density(sigma, (p + 1) * d) - density(sigma, p * d);
+        m->integral[reach - p] = interval_integral(sigma, (p - 0.5) * d, (p + 0.5) * d);
     }
 }

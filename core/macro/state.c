@@ -22,9 +22,9 @@ void macro__fill_margins(const macro_solver *s, double *row)
 void macro__measure_row(macro_solver *s, ptrdiff_t j)
 {
     double *row = macro__row(s, s->now.rho, j);
-    uint64_t *open = macro__set(s, s->now.open, j);
-    uint64_t *open_first = macro__set(s, s->now.open_first, j);
-    const double threshold = s->def.gate == MACRO_GATE_SHARP ? 1.0 : 0.0;
+    uint64_t *active = macro__set(s, s->now.active, j);
+    uint64_t *active_first = macro__set(s, s->now.active_first, j);
+    const double threshold = s->def.heaviside == SCENE_HEAVISIDE_SHARP ? 1.0 : 0.0;
     block_span span = { 0, 0 };
 
     for (ptrdiff_t i = 0; i < s->n1; i++) {
@@ -34,9 +34,9 @@ void macro__measure_row(macro_solver *s, ptrdiff_t j)
             span.first = i / BLOCK_CELLS;
         span.last = i / BLOCK_CELLS + 1;
         if (row[i] >= threshold)
-            block_set_add(open, i / BLOCK_CELLS);
+            block_set_add(active, i / BLOCK_CELLS);
         if (row[i] >= threshold && i % BLOCK_CELLS == 0)
-            block_set_add(open_first, i / BLOCK_CELLS);
+            block_set_add(active_first, i / BLOCK_CELLS);
     }
     macro__fill_margins(s, row);
     s->now.span[j] = span;
@@ -52,8 +52,8 @@ static void take_density(macro_solver *s, const char *rho)
 
     memset(s->now.rho, 0, all_bytes);
     memset(s->next.rho, 0, all_bytes);
-    memset(s->now.open, 0, set_bytes);
-    memset(s->now.open_first, 0, set_bytes);
+    memset(s->now.active, 0, set_bytes);
+    memset(s->now.active_first, 0, set_bytes);
     for (ptrdiff_t j = 0; j < s->n2; j++) {
         memcpy(macro__row(s, s->now.rho, j), rho + (size_t)j * row_bytes, row_bytes);
         macro__measure_row(s, j);
@@ -188,9 +188,18 @@ uint64_t macro_digest(const macro_solver *s)
 uint64_t macro__digest_definition(const macro_def *def)
 {
     const bf_grid *g = &def->grid;
-    const double numbers[] = { (double)g->n1,  (double)g->n2,   g->lower1,        g->lower2,
-                               g->d1,          g->d2,           def->dt,          def->dispersion,
-                               def->mollifier, def->gate_width, (double)def->gate };
+    const double numbers[] = { (double)g->n1,
+                               (double)g->n2,
+                               g->lower1,
+                               g->lower2,
+                               g->d1,
+                               g->d2,
+                               def->dt,
+                               def->dispersion,
+                               def->mollifier,
+                               def->heaviside_width,
+                               (double)def->heaviside,
+                               (double)def->scheme };
     const size_t n_faces1 = (g->n1 + 1) * g->n2, n_faces2 = g->n1 * (g->n2 + 1);
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
 

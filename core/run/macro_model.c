@@ -46,19 +46,15 @@ static void check_scenario(const scene *s, bf_faults *faults)
 
 static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
 {
-    static const macro_gate gates[] = {
-        [SCENE_HEAVISIDE_SHARP] = MACRO_GATE_SHARP,
-        [SCENE_HEAVISIDE_SMOOTH] = MACRO_GATE_SMOOTH,
-        [SCENE_HEAVISIDE_NONE] = MACRO_GATE_NONE,
-    };
     macro_def def = macro_def_default();
 
     def.grid = f->grid;
     def.dt = scene_macro_step(s);
     def.dispersion = s->macro.dispersion;
     def.mollifier = s->macro.mollifier;
-    def.gate = gates[s->macro.heaviside];
-    def.gate_width = s->macro.heaviside_width;
+    def.scheme = s->macro.scheme;
+    def.heaviside = s->macro.heaviside;
+    def.heaviside_width = s->macro.heaviside_width;
     def.v1 = f->v1;
     def.v2 = f->v2;
     def.closed1 = f->closed1;

@@ -149,23 +149,25 @@ static void fill_push(direct *d)
         }
 }
 
-static double gated(const direct *d, double rho)
+static double h_rho(const direct *d, double rho)
 {
-    switch (d->def.gate) {
-    case MACRO_GATE_SHARP:
+    switch (d->def.heaviside) {
+    case SCENE_HEAVISIDE_SHARP:
         return rho >= 1.0 ? rho : 0.0;
-    case MACRO_GATE_SMOOTH:
-        return rho * (0.5 + atan((rho - 1.0) / d->def.gate_width) / M_PI);
+    case SCENE_HEAVISIDE_SMOOTH:
+        return rho * (0.5 + atan((rho - 1.0) / d->def.heaviside_width) / M_PI);
     default:
         return rho;
     }
 }
 
-static double flux(const direct *d, double near, double far, double v, double push, bool closed)
+static double flux(const direct *d, double near, double far, double v, double dispersion,
+                   bool closed)
 {
     if (closed)
         return 0.0;
-    return (v >= 0.0 ? near : far) * v + (push >= 0.0 ? gated(d, near) : gated(d, far)) * push;
+    return (v >= 0.0 ? near : far) * v +
+           (dispersion >= 0.0 ? h_rho(d, near) : h_rho(d, far)) * dispersion;
 }
 
 static double flux1(const direct *d, int i, int j)

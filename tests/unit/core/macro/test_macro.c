@@ -166,14 +166,14 @@ static void density_stays_positive_below_the_bound(void **state)
     free(w);
 }
 
-static void mass_is_conserved_in_a_closed_box_for_every_gate(void **state)
+static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
 {
     (void)state;
-    for (int gate = 0; gate < MACRO_GATE_COUNT; gate++) {
+    for (int heaviside = 0; heaviside < SCENE_HEAVISIDE_COUNT; heaviside++) {
         world *w = make_world();
         close_column(w, 0, N2);
         close_column(w, N1, N2);
-        w->def.gate = (macro_gate)gate;
+        w->def.heaviside = (scene_heaviside)heaviside;
         for (int side = 0; side < 4; side++)
             w->def.mirror[side] = true;
         fill(w, 20, 50, 3, 20, 1.4);
@@ -259,9 +259,9 @@ static uint64_t digest_after(world *w, int n_steps)
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
     (void)state;
-    for (int gate = 0; gate < MACRO_GATE_COUNT; gate++) {
+    for (int heaviside = 0; heaviside < SCENE_HEAVISIDE_COUNT; heaviside++) {
         world *w = make_world();
-        w->def.gate = (macro_gate)gate;
+        w->def.heaviside = (scene_heaviside)heaviside;
         close_column(w, 40, 16);
         fill(w, 5, 38, 1, 23, 1.3);
         uint64_t digest = digest_after(w, 120);
@@ -339,7 +339,7 @@ static void a_state_of_a_definition_that_differs_in_one_number_is_refused(void *
     assert_int_equal(macro_save(s, &saved, NULL), BF_OK);
     macro_destroy(s);
     double *const numbers[] = { &w->def.grid.lower1, &w->def.grid.d2,   &w->def.dt,
-                                &w->def.dispersion,  &w->def.mollifier, &w->def.gate_width,
+                                &w->def.dispersion,  &w->def.mollifier, &w->def.heaviside_width,
                                 &w->v1[0],           &w->v1[5 * 41 + 7] };
     w->def.n_threads = 2;
     assert_int_equal(load_into(w, &saved), BF_OK);
@@ -349,17 +349,17 @@ static void a_state_of_a_definition_that_differs_in_one_number_is_refused(void *
         assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
         *numbers[k] = number;
     }
-    w->def.gate = MACRO_GATE_NONE;
+    w->def.heaviside = SCENE_HEAVISIDE_NONE;
     assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
-    w->def.gate = MACRO_GATE_SHARP;
+    w->def.heaviside = SCENE_HEAVISIDE_SHARP;
     w->closed1[0] = !w->closed1[0];
     assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
     buffer_fini(&saved);
     free(w);
 }
 
-// A block of packed cells is pushed apart in both directions, as grad(eta * rho) demands.
-static void packed_cargo_spreads_on_a_standing_belt(void **state)
+// A block of saturated cells disperses in both directions, as grad(eta * rho) demands.
+static void saturated_cargo_spreads_on_a_standing_belt(void **state)
 {
     (void)state;
     world *w = make_world();
@@ -430,15 +430,15 @@ static void far_mollifier(macro_def *def)
     def->mollifier = 100.0; // reaches 4 * 0.1 m = 80 cells
 }
 
-static void unknown_gate(macro_def *def)
+static void unknown_heaviside(macro_def *def)
 {
-    def->gate = MACRO_GATE_COUNT;
+    def->heaviside = SCENE_HEAVISIDE_COUNT;
 }
 
-static void no_gate_width(macro_def *def)
+static void no_heaviside_width(macro_def *def)
 {
-    def->gate = MACRO_GATE_SMOOTH;
-    def->gate_width = 0.0;
+    def->heaviside = SCENE_HEAVISIDE_SMOOTH;
+    def->heaviside_width = 0.0;
 }
 
 static void no_threads(macro_def *def)
@@ -457,8 +457,8 @@ static void a_bad_def_is_refused_at_its_member(void **state)
         { unstable_step, "/macro/step_s" },
         { negative_push, "/macro/dispersion_m_s" },
         { far_mollifier, "/macro/mollifier_per_m2" },
-        { unknown_gate, "/macro/heaviside" },
-        { no_gate_width, "/macro/heaviside_width" },
+        { unknown_heaviside, "/macro/heaviside" },
+        { no_heaviside_width, "/macro/heaviside_width" },
         { no_threads, "" },
     };
     world *w = make_world();
@@ -524,14 +524,14 @@ int main(void)
         cmocka_unit_test(a_step_of_one_cell_shifts_the_density_exactly),
         cmocka_unit_test(a_wall_holds_packed_cargo_and_nothing_leaks),
         cmocka_unit_test(density_stays_positive_below_the_bound),
-        cmocka_unit_test(mass_is_conserved_in_a_closed_box_for_every_gate),
+        cmocka_unit_test(mass_is_conserved_in_a_closed_box_for_every_heaviside),
         cmocka_unit_test(carried_density_keeps_its_symmetry),
         cmocka_unit_test(smooth_density_is_carried_with_first_order),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_saved_solver_goes_on_with_the_same_bits),
         cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),
         cmocka_unit_test(a_state_of_a_definition_that_differs_in_one_number_is_refused),
-        cmocka_unit_test(packed_cargo_spreads_on_a_standing_belt),
+        cmocka_unit_test(saturated_cargo_spreads_on_a_standing_belt),
         cmocka_unit_test(cargo_below_close_packing_is_not_pushed),
         cmocka_unit_test(a_bad_def_is_refused_at_its_member),
         cmocka_unit_test(bad_densities_are_refused_and_change_nothing),

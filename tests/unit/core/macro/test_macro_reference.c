@@ -18,22 +18,22 @@
 
 enum { LENGTH_MAX = 640, WIDTH_MAX = 80, FACES_MAX = (LENGTH_MAX + 1) * (WIDTH_MAX + 1) };
 
-// The two sum in another order. A cell within rounding of the gate's threshold would tell them apart
+// The two sum in another order. A cell within rounding of the threshold of H would tell them apart
 // at once; densities are random, so none is that near in these scenes.
 static const double agreement = 1e-11;
 
-typedef struct scene {
+typedef struct fixture {
     macro_def def;
     double v1[FACES_MAX], v2[FACES_MAX], rho[FACES_MAX];
     uint8_t closed1[FACES_MAX], closed2[FACES_MAX];
-} scene;
+} fixture;
 
 static double uniform(double low, double high)
 {
     return low + (high - low) * rand() / RAND_MAX;
 }
 
-static void fill_faces(scene *s)
+static void fill_faces(fixture *s)
 {
     const size_t n1 = s->def.grid.n1, n2 = s->def.grid.n2;
     const double plain = uniform(-0.2, 0.4);
@@ -49,7 +49,7 @@ static void fill_faces(scene *s)
 }
 
 // A mirroring edge is a wall: all its faces are closed.
-static void close_mirroring_edges(scene *s)
+static void close_mirroring_edges(fixture *s)
 {
     const size_t n1 = s->def.grid.n1, n2 = s->def.grid.n2;
 
@@ -66,9 +66,9 @@ static void close_mirroring_edges(scene *s)
 // Rows of more than 63 blocks need more than one word for a set of blocks.
 typedef enum row_length { SHORT_ROWS, LONG_ROWS } row_length;
 
-static scene *random_scene(unsigned seed, macro_gate gate, row_length length)
+static fixture *random_fixture(unsigned seed, scene_heaviside heaviside, row_length length)
 {
-    scene *s = calloc(1, sizeof *s);
+    fixture *s = calloc(1, sizeof *s);
 
     assert_non_null(s);
     srand(seed);
@@ -77,7 +77,7 @@ static scene *random_scene(unsigned seed, macro_gate gate, row_length length)
                              .n2 = 20 + (size_t)rand() % (length == LONG_ROWS ? 10 : 60),
                              .d1 = 5e-3,
                              .d2 = uniform(4e-3, 7e-3) };
-    s->def.gate = gate;
+    s->def.heaviside = heaviside;
     s->def.dt = 1e-3;
     s->def.v1 = s->v1;
     s->def.v2 = s->v2;
@@ -95,9 +95,9 @@ static scene *random_scene(unsigned seed, macro_gate gate, row_length length)
     return s;
 }
 
-static void compare_with_direct_sum(unsigned seed, macro_gate gate, row_length length)
+static void compare_with_direct_sum(unsigned seed, scene_heaviside heaviside, row_length length)
 {
-    scene *s = random_scene(seed, gate, length);
+    fixture *s = random_fixture(seed, heaviside, length);
     const size_t n = grid_cells(&s->def.grid);
     double *rho = calloc(n, sizeof *rho);
     macro_solver *fast = NULL;
@@ -120,25 +120,25 @@ static void compare_with_direct_sum(unsigned seed, macro_gate gate, row_length l
     free(s);
 }
 
-static void random_scenes_agree_with_the_direct_sum(void **state)
+static void random_fixtures_agree_with_the_direct_sum(void **state)
 {
     (void)state;
     for (unsigned seed = 1; seed <= 12; seed++)
-        compare_with_direct_sum(seed, MACRO_GATE_SHARP, SHORT_ROWS);
+        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);
     for (unsigned seed = 13; seed <= 16; seed++)
-        compare_with_direct_sum(seed, MACRO_GATE_SHARP, LONG_ROWS);
+        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SHARP, LONG_ROWS);
 }
 
-static void the_other_gates_agree_with_the_direct_sum(void **state)
+static void the_other_forms_of_h_agree_with_the_direct_sum(void **state)
 {
     (void)state;
     for (unsigned seed = 21; seed <= 24; seed++) {
-        compare_with_direct_sum(seed, MACRO_GATE_SMOOTH, SHORT_ROWS);
-        compare_with_direct_sum(seed, MACRO_GATE_NONE, SHORT_ROWS);
+        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS);
+        compare_with_direct_sum(seed, SCENE_HEAVISIDE_NONE, SHORT_ROWS);
     }
 }
 
-static uint64_t digest_with(const scene *s, macro_sweep_fn *sweep)
+static uint64_t digest_with(const fixture *s, macro_sweep_fn *sweep)
 {
     macro_solver *solver = NULL;
 
@@ -157,10 +157,12 @@ static void every_instruction_set_gives_the_same_bits(void **state)
     (void)state;
     for (unsigned seed = 31; seed <= 34; seed++) {
         const bool is_narrow = seed % 2 != 0;
-        scene *s = random_scene(seed, MACRO_GATE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
-        uint64_t digest = digest_with(s, macro__sweep_of(CPU_BASE, is_narrow));
+        fixture *s =
+            random_fixture(seed, SCENE_HEAVISIDE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
+        uint64_t digest = digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, CPU_BASE, is_narrow));
         for (cpu_level level = CPU_BASE; level <= cpu_best(); level++)
-            assert_true(digest_with(s, macro__sweep_of(level, is_narrow)) == digest);
+            assert_true(digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, level, is_narrow)) ==
+                        digest);
         free(s);
     }
 }
@@ -169,17 +171,17 @@ static void every_instruction_set_gives_the_same_bits(void **state)
 static void both_builds_give_the_same_bits(void **state)
 {
     (void)state;
-    scene *s = random_scene(41, MACRO_GATE_SHARP, SHORT_ROWS);
-    assert_true(digest_with(s, macro__sweep_of(cpu_best(), false)) ==
-                digest_with(s, macro__sweep_of(cpu_best(), true)));
+    fixture *s = random_fixture(41, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);
+    assert_true(digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, cpu_best(), false)) ==
+                digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, cpu_best(), true)));
     free(s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_scenes_agree_with_the_direct_sum),
-        cmocka_unit_test(the_other_gates_agree_with_the_direct_sum),
+        cmocka_unit_test(random_fixtures_agree_with_the_direct_sum),
+        cmocka_unit_test(the_other_forms_of_h_agree_with_the_direct_sum),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(both_builds_give_the_same_bits),
     };

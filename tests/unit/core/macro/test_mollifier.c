@@ -30,7 +30,7 @@ static void the_shares_sum_to_the_probability_of_the_reach(void **state)
     double sum = 0.0;
     mollifier_init(&m, sigma, cell);
     for (int k = 0; k <= 2 * m.reach; k++)
-        sum += m.share[k];
+        sum += m.integral[k];
     assert_true(fabs(sum - erf(8.5 * cell * sqrt(sigma / 2.0))) < 1e-15);
 }
 
@@ -42,7 +42,7 @@ static void the_slopes_sum_to_the_difference_of_the_ends(void **state)
     double sum = 0.0, g0 = sqrt(sigma / (2.0 * M_PI));
     mollifier_init(&m, sigma, cell);
     for (int k = 0; k <= 2 * m.reach; k++)
-        sum += m.slope[k];
+        sum += m.gradient[k];
     double expected =
         g0 * (exp(-0.5 * sigma * 81 * cell * cell) - exp(-0.5 * sigma * 64 * cell * cell));
     assert_true(fabs(sum - expected) < 1e-14);
@@ -58,7 +58,7 @@ static void the_gradient_of_a_line_is_its_slope(void **state)
     mollifier_init(&m, sigma, cell);
     for (int k = 0; k <= 2 * m.reach; k++) {
         int p = m.reach - k;
-        gradient += m.slope[k] * (-p - 0.5) * cell; // cell i - p seen from the face i + 1/2
+        gradient += m.gradient[k] * (-p - 0.5) * cell; // cell i - p seen from the face i + 1/2
     }
     assert_true(fabs(gradient - 1.0) < 1e-3);
 }
@@ -69,8 +69,8 @@ static void shares_are_even_and_slopes_are_odd_about_the_face(void **state)
     mollifier m;
     mollifier_init(&m, sigma, cell);
     for (int p = 0; p < m.reach; p++) {
-        assert_true(m.share[m.reach - p] == m.share[m.reach + p]);
-        assert_true(m.slope[m.reach - p] == -m.slope[m.reach + p + 1]);
+        assert_true(m.integral[m.reach - p] == m.integral[m.reach + p]);
+        assert_true(m.gradient[m.reach - p] == -m.gradient[m.reach + p + 1]);
     }
 }
 

@@ -303,16 +303,16 @@ static lane_count lanes_of(scene_heaviside heaviside, double mollifier)
 
 // The paper's Example 3: without H the push acts on loose cargo too and draws it into lanes, the
 // farther apart the wider the mollifier is; with H a loose block stays one block.
-static void without_the_gate_loose_cargo_falls_into_lanes(void **state)
+static void without_heaviside_loose_cargo_falls_into_lanes(void **state)
 {
     (void)state;
     lane_count narrow = lanes_of(SCENE_HEAVISIDE_NONE, 1e4);
     lane_count wide = lanes_of(SCENE_HEAVISIDE_NONE, 1e3);
-    lane_count gated = lanes_of(SCENE_HEAVISIDE_SHARP, 1e4);
+    lane_count sharp = lanes_of(SCENE_HEAVISIDE_SHARP, 1e4);
     assert_true(wide.along >= 4 && wide.across >= 4);
     assert_true(narrow.along > wide.along && narrow.across > wide.across);
-    assert_int_equal(gated.along, 1);
-    assert_int_equal(gated.across, 1);
+    assert_int_equal(sharp.along, 1);
+    assert_int_equal(sharp.across, 1);
 }
 
 int main(void)
@@ -323,7 +323,7 @@ int main(void)
         cmocka_unit_test(a_part_slides_along_an_obstacle_at_belt_speed_times_cosine),
         cmocka_unit_test(nothing_leaks_through_a_closed_barrier),
         cmocka_unit_test(a_deflector_across_the_belt_leaves_a_plateau),
-        cmocka_unit_test(without_the_gate_loose_cargo_falls_into_lanes),
+        cmocka_unit_test(without_heaviside_loose_cargo_falls_into_lanes),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -22,21 +22,21 @@ static bf_status alloc_faces(const macro_solver *s, macro_faces *faces, ptrdiff_
     faces->v = memory_alloc((size_t)(n_rows * s->stride), sizeof *faces->v);
     faces->mixed = memory_alloc(words, sizeof *faces->mixed);
     faces->closable = memory_alloc(words, sizeof *faces->closable);
-    faces->shut = memory_alloc(words, sizeof *faces->shut);
+    faces->closed_blocks = memory_alloc(words, sizeof *faces->closed_blocks);
     faces->closed = memory_alloc((size_t)(n_rows * (s->n_blocks + 1)), sizeof *faces->closed);
     return faces->v != NULL && faces->mixed != NULL && faces->closable != NULL &&
-                   faces->shut != NULL && faces->closed != NULL
+                   faces->closed_blocks != NULL && faces->closed != NULL
                ? BF_OK
                : BF_ENOMEM;
 }
 
 // Copies the faces of block b of a row and puts it into the sets it belongs to.
-static void fill_block(macro_solver *s, macro_faces *faces, const face_source *from, double plain,
+static void fill_block(macro_solver *s, macro_faces *faces, const face_source *from, double uniform,
                        ptrdiff_t row, ptrdiff_t b)
 {
     double *v = macro__row(s, faces->v, row);
     const size_t base = (size_t)row * from->row_stride;
-    unsigned mask = 0, n_faces = 0, n_plain = 0;
+    unsigned mask = 0, n_faces = 0, n_uniform = 0;
 
     for (ptrdiff_t k = 0; k < BLOCK_CELLS; k++) {
         ptrdiff_t face = b * BLOCK_CELLS + k;
@@ -46,27 +46,27 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         bool is_closed = from->closed != NULL && from->closed[at] != 0;
         v[face] = is_closed || from->v == NULL ? 0.0 : from->v[at];
         mask |= (unsigned)is_closed << k;
-        n_plain += !is_closed && v[face] == plain;
+        n_uniform += !is_closed && v[face] == uniform;
         n_faces++;
     }
     faces->closed[row * (s->n_blocks + 1) + 1 + b] = (uint8_t)mask;
-    if (n_plain != n_faces)
+    if (n_uniform != n_faces)
         block_set_add(macro__set(s, faces->mixed, row), b);
     if (mask != 0)
         block_set_add(macro__set(s, faces->closable, row), b);
     if (n_faces > 0 && (unsigned)__builtin_popcount(mask) == n_faces)
-        block_set_add(macro__set(s, faces->shut, row), b);
+        block_set_add(macro__set(s, faces->closed_blocks, row), b);
 }
 
-static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from, double plain)
+static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from, double uniform)
 {
     for (ptrdiff_t row = 0; row < from->n_rows; row++)
         for (ptrdiff_t b = -1; b < s->n_blocks; b++)
-            fill_block(s, faces, from, plain, row, b);
+            fill_block(s, faces, from, uniform, row, b);
 }
 
-// The velocity of the middle face stands for the free belt; a guess that costs time only.
-static double guess_plain(const macro_def *def)
+// The velocity that most faces of a sample have; a wrong guess costs time only.
+static double guess_uniform(const macro_def *def)
 {
     const bf_grid *g = &def->grid;
     double best = 0.0;
@@ -97,8 +97,8 @@ bf_status macro__faces_init(macro_solver *s, const macro_def *def)
     if (alloc_faces(s, &s->faces1, s->n2) != BF_OK ||
         alloc_faces(s, &s->faces2, s->n2 + 1) != BF_OK)
         return BF_ENOMEM;
-    s->plain1 = guess_plain(def);
-    fill_faces(s, &s->faces1, &from1, s->plain1);
+    s->uniform1 = guess_uniform(def);
+    fill_faces(s, &s->faces1, &from1, s->uniform1);
     fill_faces(s, &s->faces2, &from2, 0.0);
     return BF_OK;
 }
@@ -108,7 +108,7 @@ static void free_faces(macro_faces *faces)
     memory_free(faces->v);
     memory_free(faces->mixed);
     memory_free(faces->closable);
-    memory_free(faces->shut);
+    memory_free(faces->closed_blocks);
     memory_free(faces->closed);
     *faces = (macro_faces){ 0 };
 }
