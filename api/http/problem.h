@@ -24,6 +24,8 @@
       "The body has a media type that is not accepted, or none")                                   \
     X(416, "range-not-satisfiable", "Range Not Satisfiable", "Content-Range", 0,                   \
       "The range begins after the end")                                                            \
+    X(421, "misdirected-request", "Misdirected Request", "", 0,                                    \
+      "Host names none of the hosts that the service answers under")                               \
     X(422, "bad-document", "Unprocessable Content", "", 0,                                         \
       "The document is JSON but at fault; `errors` has the places")                                \
     X(429, "too-many-requests", "Too Many Requests", "Retry-After", 0,                             \

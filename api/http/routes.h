@@ -60,7 +60,7 @@ typedef struct route {
 } route;
 
 /// HTTP statuses of the refusals that any request can meet, and the headers of every answer: words.
-#define ROUTES_COMMON_REFUSALS "400 405 406 414 429 500 501 503"
+#define ROUTES_COMMON_REFUSALS "400 405 406 414 421 429 500 501 503"
 #define ROUTES_COMMON_HEADERS  "Vary X-Request-Id RateLimit-Policy RateLimit"
 
 /// Values of the parameters of a path, in the order of the template.

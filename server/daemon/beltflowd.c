@@ -144,6 +144,7 @@ static http_options options_of_http(const config *c)
                            .connection_limit = (unsigned)c->connections,
                            .per_address_limit = (unsigned)c->connections_per_address,
                            .cors_origins = c->cors_origins,
+                           .hosts = c->hosts,
                            .trusted_proxies = c->trusted_proxies,
                            .requests_per_minute = c->requests_per_minute,
                            .work_per_minute = c->work_per_minute,

@@ -48,6 +48,8 @@
       "runs of one client that may wait; 0: no limit")                                             \
     X(requests_per_minute, NUMBER, "6000", 0, 1000000, RELOAD, "of one client; 0: no limit")       \
     X(work_per_minute, NUMBER, "600", 0, 1000000, RELOAD, "requests that make work; 0: no limit")  \
+    X(hosts, TEXT, "", 0, 0, RESTART,                                                              \
+      "names that requests may be sent to, beside the address to listen on")                       \
     X(trusted_proxies, TEXT, "", 0, 0, RESTART, "addresses whose X-Forwarded-For is believed")     \
     X(cors_origins, TEXT, "", 0, 0, RESTART,                                                       \
       "pages elsewhere that may read answers: origins, or *")                                      \

@@ -1,6 +1,7 @@
 #include "server/daemon/config.h"
 #include "server/http/client.h"
 #include "server/http/cors.h"
+#include "server/http/host.h"
 #include "server/http/http.h"
 
 #include <argp.h>
@@ -158,6 +159,7 @@ static bf_status check_texts(const config *c, bf_error *err)
     } texts[] = {
         { CONFIG_listen, c->listen, http_check_address },
         { CONFIG_cors_origins, c->cors_origins, http_cors_check },
+        { CONFIG_hosts, c->hosts, http_host_check },
         { CONFIG_trusted_proxies, c->trusted_proxies, check_proxies },
     };
     bf_error found = { 0 };

@@ -137,10 +137,11 @@ static http_client describe(const uint8_t *key)
 }
 
 http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
-                             const http_proxies *proxies)
+                             bool is_forwarded_otherwise, const http_proxies *proxies)
 {
     size_t n = forwarded == NULL ? 0 : strlen(forwarded);
     uint8_t key[HTTP_CLIENT_KEY_SIZE], before[HTTP_CLIENT_KEY_SIZE];
+    bool is_for_another = forwarded != NULL || is_forwarded_otherwise;
 
     if (peer->sa_family == AF_INET)
         map_ipv4(&((const struct sockaddr_in *)(const void *)peer)->sin_addr, key);
@@ -148,7 +149,12 @@ http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
         memcpy(key, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr, sizeof key);
     else
         return (http_client){ .text = "local", .is_local = true };
-    while (n > 0 && is_proxy(proxies, key) && take_last(forwarded, &n, before))
+    while (n > 0 && is_proxy(proxies, key) && take_last(forwarded, &n, before)) {
         memcpy(key, before, sizeof key);
-    return describe(key);
+        is_for_another = false;
+    }
+    http_client client = describe(key);
+    client.is_unknown_proxy = client.is_local && is_for_another;
+    client.is_local = client.is_local && !is_for_another;
+    return client;
 }

@@ -3,6 +3,9 @@
 /// Behind a proxy every connection comes from the proxy; it says in X-Forwarded-For whom it asks for.
 /// That is believed of configured proxies only, read from the right as far as they go: what stands
 /// left of the first address that is no proxy of ours, anybody can have written.
+///
+/// Who is on this machine is exempt from limits, unless a forwarding header says that it asks for
+/// somebody else: a proxy on this machine that is not configured must not exempt all that come by it.
 
 #pragma once
 
@@ -30,7 +33,8 @@ typedef struct http_proxies {
 typedef struct http_client {
     uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< for comparison
     char text[API_CLIENT_SIZE];        ///< for people
-    bool is_local;                     ///< of this machine: the loopback network
+    bool is_local;                     ///< of this machine, for itself: the loopback network
+    bool is_unknown_proxy;             ///< of this machine, for somebody who is not known
 } http_client;
 
 /// Read a list of addresses and networks ("10.0.0.0/8 ::1"), separated by spaces or commas.
@@ -38,7 +42,7 @@ typedef struct http_client {
 BF_MUST_CHECK bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies,
                                                  bf_error *err);
 
-/// The client behind a connection from peer whose request has this X-Forwarded-For (NULL: none). A
-/// peer of another family than IPv4 and IPv6 is local.
+/// The client behind a connection from peer whose request has this X-Forwarded-For (NULL: none), and
+/// perhaps another forwarding header. A peer of another family than IPv4 and IPv6 is local.
 http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
-                             const http_proxies *proxies);
+                             bool is_forwarded_otherwise, const http_proxies *proxies);

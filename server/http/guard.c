@@ -98,19 +98,23 @@ int http_guard_verdict(const http_guard *g, const char *method, const char *vers
     return 0;
 }
 
+const char *http_guard_authority(const char *target, size_t *ret_n)
+{
+    const char *authority = strncasecmp(target, "http://", 7) == 0    ? target + 7
+                            : strncasecmp(target, "https://", 8) == 0 ? target + 8
+                                                                      : NULL;
+    if (authority != NULL)
+        *ret_n = strcspn(authority, "/?");
+    return authority;
+}
+
 // The part of a target behind scheme and authority (absolute form), or the target itself.
 static const char *skip_authority(const char *target)
 {
-    const char *rest;
+    size_t n = 0;
+    const char *authority = http_guard_authority(target, &n);
 
-    if (strncasecmp(target, "http://", 7) == 0)
-        rest = target + 7;
-    else if (strncasecmp(target, "https://", 8) == 0)
-        rest = target + 8;
-    else
-        return target;
-    rest += strcspn(rest, "/?");
-    return *rest == '/' ? rest : target;
+    return authority != NULL && authority[n] == '/' ? authority + n : target;
 }
 
 static int digit_of(char c)

@@ -34,6 +34,10 @@ void http_guard_end(http_guard *g, const char *end);
 /// *err.
 int http_guard_verdict(const http_guard *g, const char *method, const char *version, bf_error *err);
 
+/// The authority of a target in absolute form ("http://HOST/path"), which counts instead of Host
+/// (RFC 9112, 3.2.2): its first byte, and *ret_n bytes. NULL: the target has none.
+const char *http_guard_authority(const char *target, size_t *ret_n);
+
 /// Split and decode a request target into path and query (API_PATH_MAX bytes each). 0, or the HTTP
 /// status of the refusal with its text in *err.
 int http_guard_target(const char *target, char *ret_path, char *ret_query, bf_error *err);

@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 enum {
@@ -105,26 +106,58 @@ static void list_quotas(const http_options *options, uint64_t ret_quotas[HTTP_LI
     ret_quotas[HTTP_LIMIT_WORK] = options->work_per_minute;
 }
 
-// What is made of the settings about other origins, proxies and limits.
+// A copy of n bytes as a text. NULL: no memory.
+static char *copy(const char *text, size_t n)
+{
+    char *to = memory_alloc(n + 1, 1);
+
+    if (to != NULL)
+        memcpy(to, text, n);
+    return to;
+}
+
+// What is made of the settings about other origins, hosts, proxies and limits.
 static bf_status prepare_policies(http *h, bf_error *err)
 {
     const char *origins = h->options.cors_origins == NULL ? "" : h->options.cors_origins;
     const char *proxies = h->options.trusted_proxies == NULL ? "" : h->options.trusted_proxies;
+    const char *names = h->options.hosts == NULL ? "" : h->options.hosts;
     uint64_t quotas[HTTP_LIMIT_COUNT];
 
     list_quotas(&h->options, quotas);
     bf_status status = http_cors_check(origins, err);
 
     if (status == BF_OK)
+        status = http_host_check(names, err);
+    if (status == BF_OK)
         status = http_client_read_proxies(proxies, &h->proxies, err);
     if (status == BF_OK)
         status = http_limit_create(quotas, HTTP_LIMIT_CLIENTS, &h->limit, err);
     if (status != BF_OK)
         return status;
-    h->cors_origins = memory_alloc(strlen(origins) + 1, 1);
-    if (h->cors_origins == NULL)
+    h->cors_origins = copy(origins, strlen(origins));
+    h->host_names = copy(names, strlen(names));
+    if (h->cors_origins == NULL || h->host_names == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
-    memcpy(h->cors_origins, origins, strlen(origins) + 1);
+    return BF_OK;
+}
+
+// Listens, and says by what addresses and names requests may come.
+static bf_status start_listening(http *h, bf_error *err)
+{
+    const char *address = h->options.listen;
+    struct sockaddr_storage listened = { 0 };
+    socklen_t n = sizeof listened;
+    bf_status status = http__listen(address, &h->listen_fd, &h->port, err);
+
+    if (status != BF_OK)
+        return status;
+    h->listened = copy(address, (size_t)(strrchr(address, ':') - address));
+    if (h->listened == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
+    if (getsockname(h->listen_fd, (struct sockaddr *)&listened, &n) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "the address of the listening socket is not known");
+    h->hosts = http_host_list(h->host_names, h->listened, (const struct sockaddr *)&listened);
     return BF_OK;
 }
 
@@ -178,7 +211,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     if (status == BF_OK)
         status = prepare_policies(h, err);
     if (status == BF_OK)
-        status = http__listen(options->listen, &h->listen_fd, &h->port, err);
+        status = start_listening(h, err);
     if (status == BF_OK)
         status = http__pool_start(options->n_request_threads, &h->pool, err);
     if (status == BF_OK)
@@ -186,7 +219,7 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
     if (status == BF_OK)
         status = start_daemon(h, err);
     h->options.listen = h->options.web_directory = NULL;
-    h->options.cors_origins = h->options.trusted_proxies = NULL;
+    h->options.cors_origins = h->options.trusted_proxies = h->options.hosts = NULL;
     if (status != BF_OK) {
         (void)http_stop(h);
         return status;
@@ -248,6 +281,8 @@ http *http_stop(http *h)
         (void)close(h->web_fd);
     h->limit = http_limit_destroy(h->limit);
     memory_free(h->cors_origins);
+    memory_free(h->host_names);
+    memory_free(h->listened);
     lock_condition_fini(&h->changed);
     lock_fini(&h->lock);
     memory_free(h);

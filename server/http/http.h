@@ -27,6 +27,7 @@ typedef struct http_options {
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
+    const char *hosts; ///< names that requests may be sent to, see host.h; NULL: none more
     const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's
     uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
     uint64_t work_per_minute;     ///< of them such that create work; 0: no limit

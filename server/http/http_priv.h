@@ -20,6 +20,7 @@
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
 #include "server/http/client.h"
+#include "server/http/host.h"
 #include "server/http/http.h"
 #include "server/http/limit.h"
 #include "server/http/page.h"
@@ -88,6 +89,7 @@ struct http_request {
     uint64_t n_sent;               ///< so many
     http_trace trace;              ///< what identifies it
     http_client client;            ///< who sent it
+    bool is_of_network;            ///< by IPv4 or IPv6
     http_limit_verdict verdict;    ///< what the limits say of it
     bool is_counted;               ///< in http.n_requests
     bool has_waited;               ///< its answer was a long poll's
@@ -100,32 +102,36 @@ typedef struct http_pool http_pool;
 
 /// The server.
 struct http {
-    http_options options;                  ///< as given; its texts are not kept
-    api_services services;                 ///< as given
-    int listen_fd;                         ///< listening socket; -1: none
-    _Atomic int web_fd;                    ///< directory of the page; -1: none
-    unsigned port;                         ///< listened on
-    struct MHD_Daemon *daemon;             ///< NULL until it runs
-    http_pool *pool;                       ///< request threads
-    char *cors_origins;                    ///< as given; "": none
-    http_proxies proxies;                  ///< whose X-Forwarded-For is believed
-    http_limit *limit;                     ///< rates of clients
-    lock lock;                             ///< guards all that follows
-    lock_condition changed;                ///< a connection came, a request went, or is_stopping
-    http_connection *connections;          ///< open ones
-    unsigned n_connections;                ///< how many
-    http_request *pulls;                   ///< requests with a pull under way
-    unsigned n_pulls[HTTP_PULL_KINDS];     ///< how many of each kind
-    unsigned n_requests;                   ///< requests past their header
-    bool is_stopping;                      ///< pulls end, nothing suspends any more
-    bool has_watch;                        ///< watch runs
-    bool watch_ends;                       ///< it shall not
-    int64_t looked_ms;                     ///< when it last looked for disconnected clients
-    pthread_t watch;                       ///< deadlines, heartbeats, disconnected clients
-    pulse watch_pulse;                     ///< of that thread
-    int probes[HTTP_PROBES_MAX];           ///< main's: connections to epoll threads; 0: none
-    unsigned n_lingering;                  ///< sockets in linger
-    int linger_fds[HTTP_LINGER_MAX];       ///< sockets to be drained
+    http_options options;              ///< as given; its texts are not kept
+    api_services services;             ///< as given
+    int listen_fd;                     ///< listening socket; -1: none
+    _Atomic int web_fd;                ///< directory of the page; -1: none
+    unsigned port;                     ///< listened on
+    struct MHD_Daemon *daemon;         ///< NULL until it runs
+    http_pool *pool;                   ///< request threads
+    char *cors_origins;                ///< as given; "": none
+    char *host_names;                  ///< as given; "": none
+    char *listened;                    ///< host part of the address that is listened on
+    http_hosts hosts;                  ///< which Host is answered
+    _Atomic int64_t warned_ms;         ///< when a proxy was last warned of, clock_monotonic_ms()
+    http_proxies proxies;              ///< whose X-Forwarded-For is believed
+    http_limit *limit;                 ///< rates of clients
+    lock lock;                         ///< guards all that follows
+    lock_condition changed;            ///< a connection came, a request went, or is_stopping
+    http_connection *connections;      ///< open ones
+    unsigned n_connections;            ///< how many
+    http_request *pulls;               ///< requests with a pull under way
+    unsigned n_pulls[HTTP_PULL_KINDS]; ///< how many of each kind
+    unsigned n_requests;               ///< requests past their header
+    bool is_stopping;                  ///< pulls end, nothing suspends any more
+    bool has_watch;                    ///< watch runs
+    bool watch_ends;                   ///< it shall not
+    int64_t looked_ms;                 ///< when it last looked for disconnected clients
+    pthread_t watch;                   ///< deadlines, heartbeats, disconnected clients
+    pulse watch_pulse;                 ///< of that thread
+    int probes[HTTP_PROBES_MAX];       ///< main's: connections to epoll threads; 0: none
+    unsigned n_lingering;              ///< sockets in linger
+    int linger_fds[HTTP_LINGER_MAX];   ///< sockets to be drained
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
 

@@ -6,12 +6,19 @@
 #include "server/http/guard.h"
 
 #include <microhttpd.h>
+#include <netinet/in.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
-enum { ID_LENGTH = API_ID_SIZE - 1 };
+enum {
+    ID_LENGTH = API_ID_SIZE - 1,
+    HOST_SIZE = 300,    // of a host with its port
+    WARNING_MS = 60000, // between two warnings of the same
+};
 
 static http_connection *connection_of(struct MHD_Connection *mhd)
 {
@@ -107,18 +114,75 @@ static enum MHD_Result gather_forwarded(void *context, enum MHD_ValueKind kind, 
     return buffer_printf(context, ",%s", value) == BF_OK ? MHD_YES : MHD_NO;
 }
 
+// A limit meant for one client holds for all of them; once a minute is enough to say so.
+static void warn_of_proxy(http_request *r)
+{
+    int64_t now_ms = clock_monotonic_ms();
+    int64_t before_ms = atomic_load(&r->server->warned_ms);
+
+    if ((before_ms != 0 && now_ms - before_ms < WARNING_MS) ||
+        !atomic_compare_exchange_strong(&r->server->warned_ms, &before_ms, now_ms))
+        return;
+    log_event(
+        LOG_LEVEL_WARN, "proxy_not_trusted",
+        "address=%s error=\"a proxy forwards requests, but is not in trusted_proxies: all that "
+        "come by it count as one client\"",
+        r->client.text);
+}
+
 static void identify(http_request *r)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
     bf_buffer forwarded = { 0 };
+    bool is_forwarded_otherwise = http__request_header(r, "Forwarded") != NULL;
 
     r->trace = http_trace_read(http__request_header(r, "X-Request-Id"),
                                http__request_header(r, "traceparent"));
-    if (r->server->proxies.n > 0)
-        (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, gather_forwarded, &forwarded);
-    r->client = http_client_find(info->client_addr, forwarded.bytes, &r->server->proxies);
+    (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, gather_forwarded, &forwarded);
+    r->client = http_client_find(info->client_addr, forwarded.bytes, is_forwarded_otherwise,
+                                 &r->server->proxies);
+    r->is_of_network =
+        info->client_addr->sa_family == AF_INET || info->client_addr->sa_family == AF_INET6;
     buffer_fini(&forwarded);
+    if (r->client.is_unknown_proxy)
+        warn_of_proxy(r);
+}
+
+// Which host is asked for: the target's, if it names one, else that of the header.
+static http_host_verdict judge_host(const http_request *r, const char *host)
+{
+    char name[HOST_SIZE];
+    size_t n = 0;
+    const char *authority = http_guard_authority(r->target, &n);
+    http_host_verdict verdict = http_host_judge(&r->server->hosts, host);
+
+    if (authority == NULL || verdict == HTTP_HOST_MALFORMED)
+        return verdict;
+    if (n >= sizeof name)
+        return HTTP_HOST_MALFORMED;
+    memcpy(name, authority, n);
+    name[n] = '\0';
+    return http_host_judge(&r->server->hosts, name);
+}
+
+// Without Host (HTTP/1.0) no browser asks; nor does it over a socket that is none of the network.
+static void check_host(http_request *r)
+{
+    const char *host = http__request_header(r, "Host");
+
+    if (host == NULL || !r->is_of_network)
+        return;
+    switch (judge_host(r, host)) {
+    case HTTP_HOST_OURS:
+        return;
+    case HTTP_HOST_MALFORMED:
+        refuse(r, 400, BF_EINPUT, "the Host header is not a host with or without a port");
+        return;
+    case HTTP_HOST_FOREIGN:
+        refuse(r, 421, BF_EINPUT,
+               "the service does not answer under this host; the setting hosts adds names to it");
+    }
 }
 
 static void refuse_body(http_request *r)
@@ -174,6 +238,8 @@ static bool begin(http_request *r, const char *method, const char *version)
     count(r, 1);
     check_header(r, method, version);
     identify(r);
+    if (r->refusal == 0)
+        check_host(r);
     if (r->refusal == 0) {
         const api_request request = view(r);
         r->cost = api_request_cost(&request);

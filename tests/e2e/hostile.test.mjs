@@ -31,7 +31,7 @@ function exchange(d, text, { stopAt } = {}) {
 }
 
 const statusOf = (text) => Number(/^HTTP\/1\.1 (\d{3}) /.exec(text)?.[1] ?? 0);
-const close = "Host: a\r\nConnection: close\r\n";
+const close = "Host: localhost\r\nConnection: close\r\n";
 
 async function assertUnharmed(d) {
   assert.equal((await d.get("/livez")).status, 200);
@@ -46,15 +46,15 @@ test("requests that could be smuggled are refused and the connection is closed",
     ["length and coding", `${post}${close}Content-Length: 2\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n`],
     ["two lengths", `${post}${close}Content-Length: 2\r\nContent-Length: 3\r\n\r\n{}`],
     ["two equal lengths", `${post}${close}Content-Length: 2\r\nContent-Length: 2\r\n\r\n{}`],
-    ["two hosts", "GET /livez HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n"],
+    ["two hosts", "GET /livez HTTP/1.1\r\nHost: localhost\r\nHost: b\r\n\r\n"],
     ["no host", "GET /livez HTTP/1.1\r\n\r\n"],
     ["a blank before the colon", "GET /livez HTTP/1.1\r\nHost : a\r\n\r\n"],
-    ["a control byte in a value", "GET /livez HTTP/1.1\r\nHost: a\r\nX-A: b\x01c\r\n\r\n"],
-    ["a NUL in a path", "GET /v1/runs/%00 HTTP/1.1\r\nHost: a\r\n\r\n"],
+    ["a control byte in a value", "GET /livez HTTP/1.1\r\nHost: localhost\r\nX-A: b\x01c\r\n\r\n"],
+    ["a NUL in a path", "GET /v1/runs/%00 HTTP/1.1\r\nHost: localhost\r\n\r\n"],
     ["a negative length", `${post}${close}Content-Length: -1\r\n\r\n`],
     ["a length that is no number", `${post}${close}Content-Length: 0x10\r\n\r\n`],
     ["a length beyond all", `${post}${close}Content-Length: 99999999999999999999\r\n\r\n`],
-    ["coding in 1.0", "POST /v1/runs HTTP/1.0\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"],
+    ["coding in 1.0", "POST /v1/runs HTTP/1.0\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"],
     ["a coding of no kind", `${post}${close}Transfer-Encoding: gzip\r\n\r\n`],
     ["a coding with more behind", `${post}${close}Transfer-Encoding: chunked, identity\r\n\r\n0\r\n\r\n`],
     ["a chunk of no size", `${post}${close}Transfer-Encoding: chunked\r\n\r\nxyz\r\n\r\n`],
@@ -70,10 +70,10 @@ test("requests that could be smuggled are refused and the connection is closed",
 
 test("what follows a refused request on its connection is not answered", async (t) => {
   const d = await daemon(t);
-  const smuggled = "GET /version HTTP/1.1\r\nHost: a\r\n\r\n";
+  const smuggled = "GET /version HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const text = await exchange(
     d,
-    "POST /v1/runs HTTP/1.1\r\nHost: a\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n" +
+    "POST /v1/runs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n" +
       `0\r\n\r\n${smuggled}`,
   );
   assert.ok((text.match(/HTTP\/1\.1 /g) ?? []).length <= 1, text);
@@ -110,7 +110,7 @@ test("a body of 1 GiB in chunks is cut off early with 413", async (t) => {
       socket.on("error", () => {});
       socket.on("close", () => isOver || finish());
       socket.write(
-        "POST /v1/runs HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n" +
+        "POST /v1/runs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n" +
           "Transfer-Encoding: chunked\r\n\r\n",
       );
       const pump = () => {
@@ -198,11 +198,11 @@ test("what cannot be given is a 406, what is not known in a query a 400", async 
 
 test("headers that never end and requests that never come are cut off", async (t) => {
   const d = await daemon(t, { header_deadline_ms: 300, body_deadline_ms: 300 });
-  const slow = await exchange(d, "GET /livez HTTP/1.1\r\nHost: a\r\nX-A: ");
+  const slow = await exchange(d, "GET /livez HTTP/1.1\r\nHost: localhost\r\nX-A: ");
   assert.ok([0, 408].includes(statusOf(slow)), slow);
   const half = await exchange(
     d,
-    "POST /v1/runs HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{",
+    "POST /v1/runs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{",
   );
   assert.ok([0, 408].includes(statusOf(half)), half);
   await assertUnharmed(d);
@@ -242,7 +242,7 @@ test("clients that leave in the middle of anything do no harm", async (t) => {
   const d = await daemon(t);
   const body = JSON.stringify({ scenario: tiny() });
   const whole =
-    "POST /v1/validate HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n" +
+    "POST /v1/validate HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n" +
     `Content-Length: ${body.length}\r\n\r\n${body}`;
   for (let length = 1; length < whole.length; length += 37) {
     const socket = net.connect(d.port, "127.0.0.1");

@@ -234,6 +234,7 @@ http *fake_serve(fake *f, void (*change)(http_options *options))
     const api_services services = fake_services(f);
     http_options options = { .listen = "127.0.0.1:0",
                              .services = &services,
+                             .hosts = "a",
                              .n_threads = 2,
                              .n_request_threads = 4,
                              .connection_limit = 600,

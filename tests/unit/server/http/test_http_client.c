@@ -14,7 +14,8 @@
 #include <string.h>
 #include <sys/un.h>
 
-static http_client find(const char *peer, const char *forwarded, const char *list)
+static http_client find_of(const char *peer, const char *forwarded, bool is_forwarded_otherwise,
+                           const char *list)
 {
     struct sockaddr_in v4 = { .sin_family = AF_INET };
     struct sockaddr_in6 v6 = { .sin6_family = AF_INET6 };
@@ -22,9 +23,15 @@ static http_client find(const char *peer, const char *forwarded, const char *lis
 
     assert_int_equal(http_client_read_proxies(list, &proxies, NULL), BF_OK);
     if (inet_pton(AF_INET, peer, &v4.sin_addr) == 1)
-        return http_client_find((struct sockaddr *)&v4, forwarded, &proxies);
+        return http_client_find((struct sockaddr *)&v4, forwarded, is_forwarded_otherwise,
+                                &proxies);
     assert_int_equal(inet_pton(AF_INET6, peer, &v6.sin6_addr), 1);
-    return http_client_find((struct sockaddr *)&v6, forwarded, &proxies);
+    return http_client_find((struct sockaddr *)&v6, forwarded, is_forwarded_otherwise, &proxies);
+}
+
+static http_client find(const char *peer, const char *forwarded, const char *list)
+{
+    return find_of(peer, forwarded, false, list);
 }
 
 static void the_client_is_found(void **state)
@@ -75,10 +82,42 @@ static void who_is_on_this_machine_is_local(void **state)
     assert_true(find("127.8.9.1", NULL, "").is_local);
     assert_true(find("::1", NULL, "").is_local);
     assert_true(find("::ffff:127.0.0.1", NULL, "").is_local);
-    assert_true(http_client_find((const struct sockaddr *)&address, NULL, &none).is_local);
+    assert_true(http_client_find((const struct sockaddr *)&address, NULL, false, &none).is_local);
     // A proxy on this machine asks for others.
     assert_false(find("127.0.0.1", "198.51.100.1", "127.0.0.1").is_local);
     assert_false(find("::2", NULL, "").is_local);
+}
+
+// Who forwards requests asks for others, and if it is not known for whom, they count as one client.
+static void a_proxy_on_this_machine_that_is_not_trusted_is_one_client(void **state)
+{
+    static const struct {
+        const char *peer, *forwarded, *proxies;
+        bool is_forwarded_otherwise;
+    } cases[] = {
+        { "127.0.0.1", "198.51.100.1", "", false },
+        { "127.0.0.1", "127.0.0.1", "", false },
+        { "127.0.0.1", "", "", false },
+        { "127.0.0.1", NULL, "", true },
+        { "127.0.0.1", "198.51.100.1", "10.0.0.1", false },
+        // It is trusted, but does not say for whom it asks.
+        { "127.0.0.1", "unknown", "127.0.0.1", false },
+        { "127.0.0.1", NULL, "127.0.0.1", true },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        http_client client = find_of(cases[i].peer, cases[i].forwarded,
+                                     cases[i].is_forwarded_otherwise, cases[i].proxies);
+        assert_string_equal(client.text, "127.0.0.1");
+        assert_false(client.is_local);
+        assert_true(client.is_unknown_proxy);
+    }
+    assert_false(find("::1", "198.51.100.1", "").is_local);
+    // A trusted one that asks for this machine does so for itself.
+    assert_true(find("127.0.0.1", "127.0.0.1", "127.0.0.1").is_local);
+    assert_false(find("127.0.0.1", "198.51.100.1", "127.0.0.1").is_unknown_proxy);
+    assert_false(find("203.0.113.7", "198.51.100.1", "").is_unknown_proxy);
 }
 
 static void settings_are_addresses_and_networks(void **state)
@@ -105,6 +144,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_client_is_found),
         cmocka_unit_test(who_is_on_this_machine_is_local),
+        cmocka_unit_test(a_proxy_on_this_machine_that_is_not_trusted_is_one_client),
         cmocka_unit_test(settings_are_addresses_and_networks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

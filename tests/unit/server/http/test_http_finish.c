@@ -344,6 +344,25 @@ static void settings_that_make_no_sense_are_refused(void **state)
     assert_null(h);
 }
 
+static void two_requests_a_minute(http_options *options)
+{
+    options->requests_per_minute = 2;
+}
+
+// Behind a proxy of this machine that nobody has configured everybody would be this machine.
+static void what_an_unknown_proxy_forwards_is_limited_as_one_client(void **state)
+{
+    (void)state;
+    server = fake_serve(&server_services, two_requests_a_minute);
+    (void)ask("GET", "/version", "X-Forwarded-For: 198.51.100.1\r\n", 200);
+    (void)ask("GET", "/version", "Forwarded: for=198.51.100.2\r\n", 200);
+    (void)ask("GET", "/version", "X-Forwarded-For: 198.51.100.3\r\n", 429);
+    assert_non_null(header("Retry-After"));
+    for (int i = 0; i < 5; i++)
+        (void)ask("GET", "/version", "", 200);
+    assert_null(header("RateLimit"));
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
@@ -357,6 +376,7 @@ int main(void)
         CASE(a_304_of_what_was_not_made_has_no_length),
         CASE(pages_elsewhere_are_answered_as_configured),
         CASE(a_client_that_asks_too_often_is_told_when_to_come_back),
+        CASE(what_an_unknown_proxy_forwards_is_limited_as_one_client),
         CASE(every_answer_carries_the_identity_of_its_request),
         CASE(settings_that_make_no_sense_are_refused),
     };

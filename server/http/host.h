@@ -1,0 +1,42 @@
+/// Which Host a request may name (RFC 9110, 7.2 and 15.5.20). A page on the internet can have its own
+/// name resolved to 127.0.0.1 and so let a browser send requests to a service that listens there alone
+/// (DNS rebinding); the name stands in Host. So a request is answered only under the addresses that
+/// are listened on and under names that were configured.
+///
+/// Ports are not compared: a tunnel, a container or a proxy may give the service another one, and they
+/// tell a page on the internet from one of ours no better than the name does.
+
+#pragma once
+
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/socket.h>
+
+enum { HTTP_HOST_ADDRESS_SIZE = 16 }; ///< bytes of an address, IPv6 or IPv4 mapped into it
+
+/// What is answered under.
+typedef struct http_hosts {
+    const char *names;                       ///< configured ones, as http_host_check(); borrowed
+    const char *listened;                    ///< host part of the address to listen on; borrowed
+    uint8_t address[HTTP_HOST_ADDRESS_SIZE]; ///< listened on
+    bool is_wildcard;                        ///< all addresses are listened on
+    bool is_loopback;                        ///< only this machine is
+} http_hosts;
+
+/// What is to be said of a Host.
+typedef enum http_host_verdict {
+    HTTP_HOST_OURS,      ///< answer
+    HTTP_HOST_MALFORMED, ///< 400
+    HTTP_HOST_FOREIGN,   ///< 421
+} http_host_verdict;
+
+/// BF_EINPUT unless names are host names or addresses, separated by commas or spaces, without ports.
+BF_MUST_CHECK bf_status http_host_check(const char *names, bf_error *err);
+
+/// What is answered under by who listens on this address of a socket.
+http_hosts http_host_list(const char *names, const char *listened, const struct sockaddr *address);
+
+/// Judge the value of a Host header.
+http_host_verdict http_host_judge(const http_hosts *hosts, const char *host);
