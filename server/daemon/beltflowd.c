@@ -174,7 +174,7 @@ static bf_status start_store(parts *p, bf_error *err)
                                     .listener_context = p,
                                     .still_runs = supervisor_still_runs,
                                     .still_runs_context = p->executor,
-                                    .answers_ms = (int64_t)c->idempotency_hours * HOUR_MS,
+                                    .idempotency_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
     return store_open(&options, &p->service.store, err);
 }
@@ -230,9 +230,9 @@ static void stop(parts *p)
 // What the daemon does, in words, in STATUS_SIZE bytes.
 static const char *describe(const parts *p, char *storage)
 {
-    store_figures figures;
+    store_stats figures;
 
-    store_read_figures(p->service.store, &figures);
+    store_read_stats(p->service.store, &figures);
     (void)snprintf(storage, STATUS_SIZE, "port %u; %llu runs are being solved, %llu wait",
                    http_port(p->http), (unsigned long long)figures.n_runs[RUN_RUNNING],
                    (unsigned long long)figures.n_runs[RUN_QUEUED]);

@@ -1,7 +1,6 @@
 #include "server/daemon/maintenance.h"
 
 #include "server/store/backup.h"
-#include "server/store/verify.h"
 
 #include <stdio.h>
 #include <stdlib.h>

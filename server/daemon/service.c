@@ -183,9 +183,9 @@ static bf_status ready(void *context, bf_error *err)
 
 static void read_figures(service *s)
 {
-    store_figures figures;
+    store_stats figures;
 
-    store_read_figures(s->store, &figures);
+    store_read_stats(s->store, &figures);
     int64_t oldest_ms = figures.oldest_queued_ms;
     int64_t age_ms = oldest_ms == 0 ? 0 : clock_unix_ms() - oldest_ms;
     for (size_t state = 0; state < RUN_STATE_COUNT; state++)

@@ -11,26 +11,27 @@
 /// A batch on its way into the store.
 typedef struct append_context {
     const store_batch *batch;
-    bf_buffer *packed; ///< two for each item, empty but for snapshots, and one for the checkpoint
+    bf_buffer
+        *compressed; ///< two for each item, empty but for snapshots, and one for the checkpoint
     store__row row;
     bf_buffer columns; ///< of the curve; empty until it is needed
     size_t n_columns;  ///< of them
 } append_context;
 
-// Which of the packed ones: grid and parts of item i, and the checkpoint.
-static bf_buffer *packed_grid(const append_context *context, size_t i)
+// Which of the compressed ones: grid and parts of item i, and the checkpoint.
+static bf_buffer *compressed_grid(const append_context *context, size_t i)
 {
-    return &context->packed[2 * i];
+    return &context->compressed[2 * i];
 }
 
-static bf_buffer *packed_parts(const append_context *context, size_t i)
+static bf_buffer *compressed_parts(const append_context *context, size_t i)
 {
-    return &context->packed[2 * i + 1];
+    return &context->compressed[2 * i + 1];
 }
 
-static bf_buffer *packed_checkpoint(const append_context *context)
+static bf_buffer *compressed_checkpoint(const append_context *context)
 {
-    return &context->packed[2 * context->batch->n];
+    return &context->compressed[2 * context->batch->n];
 }
 
 static bf_status pack_item(const append_context *context, size_t i, bf_error *err)
@@ -39,9 +40,9 @@ static bf_status pack_item(const append_context *context, size_t i, bf_error *er
 
     if (item->type != API_EVENT_SNAPSHOT)
         return BF_OK;
-    bf_status status = store__pack(item->rho.bytes, item->rho.n, packed_grid(context, i), err);
+    bf_status status = store__pack(item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
     if (status == BF_OK && item->parts.n > 0)
-        status = store__pack(item->parts.bytes, item->parts.n, packed_parts(context, i), err);
+        status = store__pack(item->parts.bytes, item->parts.n, compressed_parts(context, i), err);
     return status;
 }
 
@@ -54,8 +55,8 @@ static bf_status pack_all(append_context *context, bf_error *err)
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = pack_item(context, i, err);
     if (status == BF_OK && batch->checkpoint != NULL)
-        status =
-            store__pack(batch->checkpoint, batch->n_checkpoint, packed_checkpoint(context), err);
+        status = store__pack(batch->checkpoint, batch->n_checkpoint, compressed_checkpoint(context),
+                             err);
     return status;
 }
 
@@ -83,7 +84,7 @@ static bf_status need_columns(store__connection *writer, append_context *context
     if (context->columns.n > 0)
         return BF_OK;
     bf_status status =
-        store__get_text(writer, context->row.number, STORE__TEXT_COLUMNS, &context->columns, err);
+        store__get_text(writer, context->row.rowid, STORE__TEXT_COLUMNS, &context->columns, err);
     if (status != BF_OK)
         return status;
     context->n_columns = api_count_columns(&context->columns);
@@ -120,8 +121,8 @@ static bf_status insert_samples(store__connection *writer, append_context *conte
     return status;
 }
 
-// The event of an item that is stored in part tells only of the rest.
-static bf_status tell_rest(store__connection *writer, append_context *context,
+// An item that is stored in part has an event of the rest only.
+static bf_status emit_rest(store__connection *writer, append_context *context,
                            const frame_curve *rest, bf_error *err)
 {
     bf_buffer data = { 0 };
@@ -156,7 +157,7 @@ static bf_status append_curve(store__connection *writer, append_context *context
     if (status != BF_OK)
         return status;
     if (n_known > 0)
-        return tell_rest(writer, context, &rest, err);
+        return emit_rest(writer, context, &rest, err);
     return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
                                err);
 }
@@ -213,10 +214,10 @@ static bf_status append_snapshot(store__connection *writer, append_context *cont
     status = insert_snapshot(writer, row->results, &item->snapshot, err);
     if (status == BF_OK)
         status = store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index,
-                                      packed_grid(context, i), err);
+                                      compressed_grid(context, i), err);
     if (status == BF_OK)
         status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
-                                      packed_parts(context, i), err);
+                                      compressed_parts(context, i), err);
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
     if (status == BF_OK)
@@ -237,7 +238,7 @@ static bf_status append_item(store__connection *writer, append_context *context,
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
 }
 
-// It comes in the same transaction as all that was told before it (I5).
+// It comes in the same transaction as all that came before it (I5).
 static bf_status replace_checkpoint(store__connection *writer, append_context *context,
                                     bf_error *err)
 {
@@ -250,11 +251,11 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
     if (status == BF_OK)
         status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0,
-                                      packed_checkpoint(context), err);
+                                      compressed_checkpoint(context), err);
     return status;
 }
 
-static void note_figures(const store_batch *batch, store__row *row)
+static void note_progress(const store_batch *batch, store__row *row)
 {
     if (isfinite(batch->progress))
         row->run.progress = fmin(fmax(batch->progress, 0.0), 1.0);
@@ -281,15 +282,15 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
-    note_figures(batch, row);
+    note_progress(batch, row);
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 
 static bf_status begin_context(const store_batch *batch, append_context *context, bf_error *err)
 {
     *context = (append_context){ .batch = batch };
-    context->packed = memory_alloc(2 * batch->n + 1, sizeof *context->packed);
-    return context->packed == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
+    context->compressed = memory_alloc(2 * batch->n + 1, sizeof *context->compressed);
+    return context->compressed == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
 }
 
 static void end_context(append_context *context, bf_status status)
@@ -299,8 +300,8 @@ static void end_context(append_context *context, bf_status status)
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
     for (size_t i = 0; i <= 2 * batch->n; i++)
-        buffer_fini(&context->packed[i]);
-    memory_free(context->packed);
+        buffer_fini(&context->compressed[i]);
+    memory_free(context->compressed);
     buffer_fini(&context->columns);
 }
 
@@ -318,7 +319,7 @@ bf_status store_append(store *s, const store_batch *batch, bf_error *err)
     return status;
 }
 
-/// A batch that nobody waits for; freed by finish_append().
+/// A batch without a waiting caller; freed by finish_append().
 typedef struct begun_append {
     store__operation operation;
     append_context context;

@@ -1,12 +1,14 @@
-// The source is read in one go, which is one read transaction: the log cannot start again meanwhile,
-// and nothing that is written meanwhile makes the copy start again.
+// Copies of a store, and checks of one. A copy's source is read in one go, which is one read transaction:
+// the log cannot start again meanwhile, and nothing that is written meanwhile makes the copy start again.
 
 #include "server/store/backup.h"
 
-#include "server/base/file_io.h"
 #include "server/store/store_priv.h"
 
+#include "server/base/file_io.h"
+
 #include <errno.h>
+#include <inttypes.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,5 +95,203 @@ bf_status store_backup(const char *directory, const char *file, bf_error *err)
             (void)unlink(temporary);
     }
     store__disconnect(&source);
+    return status;
+}
+
+enum { FINDING_SIZE = 400 };
+
+// A question that counts the rows where an invariant of store.h does not hold.
+typedef struct question {
+    const char *name;
+    const char *claim;
+    const char *sql;
+} question;
+
+static const question questions[] = {
+    { "I3", "every run is in a state, and has ended exactly if its state is an end",
+      "SELECT count(*) FROM runs WHERE state NOT BETWEEN 0 AND 4 "
+      "OR (state >= 2) <> (finished_ms > 0)" },
+    { "I4", "samples are without gap",
+      "SELECT count(*) FROM runs WHERE n_samples <> "
+      "(SELECT total(n) FROM samples WHERE samples.results = runs.results) OR n_samples <> "
+      "(SELECT coalesce(max(first + n), 0) FROM samples WHERE samples.results = runs.results)" },
+    { "I4", "snapshots are without gap",
+      "SELECT count(*) FROM runs WHERE n_snapshots <> "
+      "(SELECT count(*) FROM snapshots WHERE snapshots.results = runs.results) OR n_snapshots <> "
+      "(SELECT coalesce(max(item) + 1, 0) FROM snapshots WHERE snapshots.results = runs.results)" },
+    { "I4", "every snapshot has its grid, and chunks are without gap",
+      "SELECT (SELECT count(*) FROM snapshots AS s WHERE NOT EXISTS (SELECT 1 FROM chunks AS c "
+      "WHERE c.results = s.results AND c.kind = 0 AND c.item = s.item)) + (SELECT count(*) FROM "
+      "(SELECT 1 FROM chunks GROUP BY results, kind, item HAVING count(*) <> max(part) + 1))" },
+    { "I5", "a run has the checkpoint that it tells of, and none if it has ended",
+      "SELECT count(*) FROM (SELECT state, checkpoint_step, EXISTS (SELECT 1 FROM chunks "
+      "WHERE chunks.results = runs.results AND kind = 1) AS has_one FROM runs) "
+      "WHERE (checkpoint_step > 0 AND NOT has_one) OR (state >= 2 AND has_one)" },
+    { "I6", "ids of events go on behind all that there were",
+      "SELECT count(*) FROM events WHERE id > "
+      "(SELECT seq FROM sqlite_sequence WHERE name = 'events')" },
+    { "I7", "the newest event of a run is the one that it names",
+      "SELECT count(*) FROM runs WHERE last_event <> "
+      "(SELECT coalesce(max(id), 0) FROM events WHERE run = number)" },
+    { "I7", "events tell of every batch of samples, every snapshot and every end, once",
+      "SELECT count(*) FROM (SELECT state, n_snapshots, "
+      "(SELECT count(*) FROM events WHERE run = number AND type = 2) AS curves, "
+      "(SELECT count(*) FROM samples WHERE samples.results = runs.results) AS batches, "
+      "(SELECT count(*) FROM events WHERE run = number AND type = 3) AS snapshots, "
+      "(SELECT count(*) FROM events WHERE run = number AND type = 4) AS ends FROM runs) "
+      "WHERE curves <> batches OR snapshots <> n_snapshots OR ends <> (state >= 2)" },
+    { "I9", "what belongs to no run is being deleted",
+      "SELECT count(*) FROM results WHERE (state = 2) = "
+      "EXISTS (SELECT 1 FROM runs WHERE runs.results = results.number)" },
+    { "I10", "every run has results",
+      "SELECT count(*) FROM runs WHERE NOT EXISTS "
+      "(SELECT 1 FROM results WHERE results.number = runs.results)" },
+    { "I10", "results that several runs have are complete, and complete ones are of success",
+      "SELECT (SELECT count(*) FROM results WHERE state <> 1 AND "
+      "(SELECT count(*) FROM runs WHERE runs.results = results.number) > 1) + "
+      "(SELECT count(*) FROM runs JOIN results ON runs.results = results.number "
+      "WHERE results.state = 1 AND runs.state <> 2)" },
+    { "I14", "only running runs have stop requests and external ids",
+      "SELECT count(*) FROM runs WHERE state <> 1 AND (stop_request <> 0 OR external_id <> '')" },
+    { "I11", "an answer tells of the run that it names",
+      "SELECT count(*) FROM answers WHERE length(digest) <> 32 OR instr(data, id) = 0" },
+};
+
+/// A verification on its way.
+typedef struct verification {
+    store__connection reader;
+    store_verify_fn *take;
+    void *context;
+    bool is_sound;
+} verification;
+
+static void report(verification *v, const char *name, const char *claim, const char *finding)
+{
+    v->is_sound = v->is_sound && finding == NULL;
+    v->take(v->context, name, claim, finding);
+}
+
+// Read the first column of the first row: a number, and its text. The text of a damaged file is
+// what SQLite says of it.
+static int64_t ask(const verification *v, const char *sql, char ret_text[FINDING_SIZE])
+{
+    sqlite3_stmt *statement = NULL;
+    int64_t number = -1;
+
+    int code = sqlite3_prepare_v2(v->reader.db, sql, -1, &statement, NULL);
+    if (code == SQLITE_OK)
+        code = sqlite3_step(statement);
+    if (code == SQLITE_ROW) {
+        number = sqlite3_column_int64(statement, 0);
+        const char *text = (const char *)sqlite3_column_text(statement, 0);
+        (void)snprintf(ret_text, FINDING_SIZE, "%s", text == NULL ? "" : text);
+    } else {
+        (void)snprintf(ret_text, FINDING_SIZE, "%s", sqlite3_errmsg(v->reader.db));
+    }
+    sqlite3_finalize(statement);
+    return number;
+}
+
+static void check_file(verification *v)
+{
+    char text[FINDING_SIZE];
+
+    (void)ask(v, "PRAGMA integrity_check(1)", text);
+    report(v, "file", "pages and indices fit together", strcmp(text, "ok") == 0 ? NULL : text);
+    int64_t n = ask(v, "SELECT count(*) FROM pragma_foreign_key_check", text);
+    report(v, "references", "no row refers to one that is not there", n == 0 ? NULL : text);
+}
+
+static void check_invariants(verification *v)
+{
+    char text[FINDING_SIZE];
+
+    for (size_t i = 0; i < sizeof questions / sizeof *questions; i++) {
+        int64_t n = ask(v, questions[i].sql, text);
+        if (n > 0)
+            (void)snprintf(text, sizeof text, "not so in %" PRId64 " places", n);
+        report(v, questions[i].name, questions[i].claim, n == 0 ? NULL : text);
+    }
+}
+
+// The size of a blob; -1: it is damaged.
+static int64_t measure(verification *v, int64_t results, store__blob kind, int64_t item)
+{
+    bf_buffer compressed = { 0 }, bytes = { 0 };
+
+    bf_status status =
+        store__get_chunks(&v->reader, results, kind, (uint64_t)item, &compressed, NULL);
+    if (status == BF_OK && compressed.n > 0)
+        status = store__unpack(&compressed, &bytes, NULL);
+    int64_t n = status == BF_OK ? (int64_t)bytes.n : -1;
+    buffer_fini(&compressed);
+    buffer_fini(&bytes);
+    return n;
+}
+
+// Unpacking compares with the sum of what was compressed, so it finds what has become of the bytes.
+static void check_content(verification *v)
+{
+    static const char sql[] =
+        "SELECT s.results, s.item, r.n1 * r.n2 * 4, r.n_parts * r.n_values * 8 "
+        "FROM snapshots AS s JOIN runs AS r ON r.number = "
+        "(SELECT number FROM runs WHERE runs.results = s.results LIMIT 1)";
+    static const char claim[] = "every snapshot and its parts can be read";
+    char finding[FINDING_SIZE];
+    sqlite3_stmt *statement = NULL;
+    int64_t n_damaged = 0;
+
+    int code = sqlite3_prepare_v2(v->reader.db, sql, -1, &statement, NULL);
+    while (code == SQLITE_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+        int64_t results = sqlite3_column_int64(statement, 0);
+        int64_t item = sqlite3_column_int64(statement, 1);
+        n_damaged +=
+            measure(v, results, STORE__BLOB_SNAPSHOT, item) != sqlite3_column_int64(statement, 2) ||
+            measure(v, results, STORE__BLOB_PARTS, item) != sqlite3_column_int64(statement, 3);
+        code = SQLITE_OK;
+    }
+    if (code != SQLITE_DONE)
+        (void)snprintf(finding, sizeof finding, "%s", sqlite3_errmsg(v->reader.db));
+    else
+        (void)snprintf(finding, sizeof finding, "%" PRId64 " of them are damaged", n_damaged);
+    sqlite3_finalize(statement);
+    report(v, "content", claim, code == SQLITE_DONE && n_damaged == 0 ? NULL : finding);
+}
+
+static bf_status check_version(const verification *v, const char *path, bf_error *err)
+{
+    int version = 0;
+
+    bf_status status = store__identify(v->reader.db, path, &version, err);
+    if (status == BF_OK && version != store__version)
+        status =
+            bf_fail(err, BF_ESYSTEM, "",
+                    "%s is of version %d, and this program checks version %d: a daemon's start "
+                    "brings it up to date",
+                    path, version, store__version);
+    return status;
+}
+
+bf_status store_verify(const char *path, store_verify_fn *take, void *context, bool *ret_is_sound,
+                       bf_error *err)
+{
+    verification v = { .take = take, .context = context, .is_sound = true };
+
+    if (access(path, F_OK) != 0)
+        return bf_fail(err, BF_EINPUT, "", "there is no store %s: %s", path, strerror(errno));
+    bf_status status = store__connect(path, STORE__READ_ONLY, &v.reader, err);
+    if (status != BF_OK)
+        return status;
+    status = check_version(&v, path, err);
+    // All checks see the store as it is now, whatever a daemon writes meanwhile.
+    if (status == BF_OK)
+        status = store__run_plain(&v.reader, STORE__SQL_BEGIN_READ, err);
+    if (status == BF_OK) {
+        check_file(&v);
+        check_invariants(&v);
+        check_content(&v);
+        *ret_is_sound = v.is_sound;
+    }
+    store__disconnect(&v.reader);
     return status;
 }

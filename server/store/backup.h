@@ -1,11 +1,25 @@
-/// A copy of a store, also of one that a daemon is using: SQLite's online backup from a connection that
-/// only reads, so that I2 of store.h holds. The copy is of one moment.
+/// Copies of a store, and checks of one; both also while a daemon is using it, from connections that only
+/// read, so that I2 of store.h holds. What they read is of one moment.
 
 #pragma once
 
 #include "core/base/status.h"
 
+#include <stdbool.h>
+
 /// Copy the store in a data directory to a new file, which gets its name when it is whole and on disk.
 /// It is a store again as beltflow.db of another data directory. BF_EINPUT: there is no store, or the
 /// file is there already; BF_ESYSTEM: it cannot be read or written. Nothing is left of a failure.
 BF_MUST_CHECK bf_status store_backup(const char *directory, const char *file, bf_error *err);
+
+/// Take the outcome of one check: name is "I4" or a word, claim what should hold, finding what was
+/// found instead, or NULL.
+typedef void store_verify_fn(void *context, const char *name, const char *claim,
+                             const char *finding);
+
+/// Check the store in the file at path by SQLite's own checks, the invariants of store.h that a file can
+/// show, and by unpacking every stored snapshot. *ret_is_sound: nothing was found. BF_EINPUT: there is no such
+/// file; BF_ESYSTEM: it cannot be read, is no store, or of another version (a daemon's start brings an
+/// older one up to date).
+BF_MUST_CHECK bf_status store_verify(const char *path, store_verify_fn *take, void *context,
+                                     bool *ret_is_sound, bf_error *err);

@@ -22,7 +22,8 @@ static bf_status find_next(store__connection *reader, store__row *ret_row, bf_er
 {
     bool has_row = false;
 
-    bf_status status = store__find_first(reader, STORE__SQL_NEXT_QUEUED, ret_row, &has_row, err);
+    bf_status status =
+        store__find_first(reader, STORE__SQL_NEXT_QUEUED, NULL, ret_row, &has_row, err);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
     return status;
@@ -34,13 +35,13 @@ static bf_status read_texts(store__connection *reader, const store__row *row, st
     job->run = row->run;
     job->wall_s = row->wall_s;
     bf_status status =
-        store__get_text(reader, row->number, STORE__TEXT_SCENARIO, &job->scenario, err);
+        store__get_text(reader, row->rowid, STORE__TEXT_SCENARIO, &job->scenario, err);
     return status != BF_OK
                ? status
-               : store__get_text(reader, row->number, STORE__TEXT_COLUMNS, &job->columns, err);
+               : store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);
 }
 
-static bf_status read_next(store__connection *reader, store_job *job, bf_buffer *packed,
+static bf_status read_next(store__connection *reader, store_job *job, bf_buffer *compressed,
                            bf_error *err)
 {
     store__row row;
@@ -51,14 +52,14 @@ static bf_status read_next(store__connection *reader, store_job *job, bf_buffer 
     if (status != BF_OK)
         return status;
     job->step = row.checkpoint_step;
-    return store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, packed, err);
+    return store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, compressed, err);
 }
 
 // A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
 // again from t = 0.
-static bf_status unpack_checkpoint(const bf_buffer *packed, store_job *job, bf_error *err)
+static bf_status unpack_checkpoint(const bf_buffer *compressed, store_job *job, bf_error *err)
 {
-    bf_status status = store__unpack(packed, &job->checkpoint, err);
+    bf_status status = store__unpack(compressed, &job->checkpoint, err);
 
     if (status != BF_ECORRUPT)
         return status;
@@ -70,16 +71,16 @@ static bf_status unpack_checkpoint(const bf_buffer *packed, store_job *job, bf_e
 static bf_status peek_next(store *s, store_job *job, bf_error *err)
 {
     store__connection *reader = NULL;
-    bf_buffer packed = { 0 };
+    bf_buffer compressed = { 0 };
 
-    bf_status status = store__take_reader(s, &reader, err);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_next(reader, job, &packed, err);
-    store__give_reader(s, reader);
-    if (status == BF_OK && packed.n > 0)
-        status = unpack_checkpoint(&packed, job, err);
-    buffer_fini(&packed);
+    status = read_next(reader, job, &compressed, err);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK && compressed.n > 0)
+        status = unpack_checkpoint(&compressed, job, err);
+    buffer_fini(&compressed);
     return status;
 }
 
@@ -90,7 +91,7 @@ static bf_status apply_claim(store__connection *writer, store__operation *operat
 
     bf_status status = store__find_row(writer, job->run.id, &row, err);
     if (status == BF_OK)
-        status = store__move_row(writer, &row, RUN_RUNNING, err);
+        status = store__transition(writer, &row, RUN_RUNNING, err);
     if (status != BF_OK)
         return status;
     job->run = row.run;
@@ -153,22 +154,23 @@ bf_status store_list_running(store *s, size_t size, store_running *ret_runs, siz
                              bf_error *err)
 {
     store__connection *reader = NULL;
-    store__row row = { .number = 0 };
+    store__row row = { .rowid = 0 };
     bool has_row = true;
     size_t n = 0;
 
-    bf_status status = store__take_reader(s, &reader, err);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
     while (status == BF_OK && n < size) {
-        status = store__next_running(reader, row.run.id, &row, &has_row, err);
+        status =
+            store__find_first(reader, STORE__SQL_NEXT_RUNNING, row.run.id, &row, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
         ret_runs[n].stop_request = row.stop_request;
         memcpy(ret_runs[n].id, row.run.id, sizeof row.run.id);
         memcpy(ret_runs[n++].external_id, row.external_id, sizeof row.external_id);
     }
-    store__give_reader(s, reader);
+    store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_n = n;
     return status;
@@ -180,7 +182,7 @@ bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error 
     store_job job = { 0 };
     store__row row;
 
-    bf_status status = store__take_reader(s, &reader, err);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
     status = store__find_row(reader, id, &row, err);
@@ -188,7 +190,7 @@ bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error 
         status = bf_fail(err, BF_ECONFLICT, "", "the run is not running");
     if (status == BF_OK)
         status = read_texts(reader, &row, &job, err);
-    store__give_reader(s, reader);
+    store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_job = job;
     else

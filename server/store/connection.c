@@ -1,4 +1,11 @@
-#include "server/store/store_priv.h"
+// Connections to the database and their statements; the one that writes, and at most STORE__READERS_MAX
+// that read, opened when they are needed.
+//
+// Threads  the pool's lock guards who has which reader; a connection belongs to the thread that took it.
+// Length   a read is one transaction, so that what it puts together is of one moment; it is short,
+//          because the log cannot start again while someone reads an old state of it.
+
+#include "server/store/connection.h"
 
 #include "core/base/check.h"
 
@@ -231,4 +238,78 @@ bf_status store__end_transaction(store__connection *c, bf_status status, bf_erro
         (void)undone;
     }
     return status;
+}
+
+void store__init_pool(store__pool *pool, const char *path)
+{
+    pool->path = path;
+    lock_init(&pool->lock);
+    lock_condition_init(&pool->released);
+}
+
+void store__fini_pool(store__pool *pool)
+{
+    for (int i = 0; i < STORE__READERS_MAX; i++) {
+        BF_CHECK(!pool->is_taken[i]);
+        store__disconnect(&pool->readers[i]);
+    }
+    lock_condition_fini(&pool->released);
+    lock_fini(&pool->lock);
+}
+
+// The first one that is free, so that few are opened where few are needed. -1: all are taken.
+static int find_free(const store__pool *pool)
+{
+    lock_assert_held(&pool->lock);
+    for (int i = 0; i < STORE__READERS_MAX; i++)
+        if (!pool->is_taken[i])
+            return i;
+    return -1;
+}
+
+static store__connection *acquire_slot(store__pool *pool)
+{
+    int i = -1;
+
+    lock_take(&pool->lock);
+    while ((i = find_free(pool)) < 0)
+        lock_wait(&pool->released, &pool->lock, -1);
+    pool->is_taken[i] = true;
+    lock_give(&pool->lock);
+    return &pool->readers[i];
+}
+
+static void release_slot(store__pool *pool, const store__connection *reader)
+{
+    lock_take(&pool->lock);
+    BF_CHECK(pool->is_taken[reader - pool->readers]);
+    pool->is_taken[reader - pool->readers] = false;
+    lock_wake_all(&pool->released);
+    lock_give(&pool->lock);
+}
+
+bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader, bf_error *err)
+{
+    store__connection *reader = acquire_slot(pool);
+    bf_status status = BF_OK;
+
+    if (reader->db == NULL)
+        status = store__connect(pool->path, STORE__READ_ONLY, reader, err);
+    if (status == BF_OK)
+        status = store__run_plain(reader, STORE__SQL_BEGIN_READ, err);
+    if (status != BF_OK) {
+        release_slot(pool, reader);
+        return status;
+    }
+    *ret_reader = reader;
+    return BF_OK;
+}
+
+void store__release_reader(store__pool *pool, store__connection *reader)
+{
+    // A reader that cannot end its transaction would never let the log start again: open another next time.
+    bool is_ended = store__run_plain(reader, STORE__SQL_COMMIT, NULL) == BF_OK;
+    if (!is_ended && sqlite3_get_autocommit(reader->db) == 0)
+        store__disconnect(reader);
+    release_slot(pool, reader);
 }

@@ -150,11 +150,11 @@ static bf_status take_and_read(store *s, const char *id, api_curve *curve,
 {
     store__connection *reader = NULL;
 
-    bf_status status = store__take_reader(s, &reader, err);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
     status = read_measurement(reader, id, curve, ret_about, err);
-    store__give_reader(s, reader);
+    store__release_reader(&s->pool, reader);
     return status;
 }
 
@@ -219,10 +219,10 @@ bf_status store_list_measurements(store *s, const api_measurement_query *query,
     api_measurement_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = store__take_reader(s, &reader, err);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status == BF_OK) {
         status = read_list(reader, query, list, err);
-        store__give_reader(s, reader);
+        store__release_reader(&s->pool, reader);
     }
     if (status == BF_OK)
         *ret_list = *list;

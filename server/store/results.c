@@ -5,14 +5,136 @@
 // The curve and snapshot events of a run that joined a set are rows without data: what they say
 // stands in the set, and only the run's id differs from what the other runs' events say.
 
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
-#include "api/results/events.h"
+#include "core/run/frame.h"
 
 #include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
+#include <zstd.h>
+#include <zstd_errors.h>
+
+enum {
+    LEVEL = 1,                // of compression
+    CHUNK_BYTES = 256 * 1024, // of a blob that is stored in one row
+    COLLECT_CHUNKS = 64,      // that are deleted in one transaction
+};
+
+static bf_status fail_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+static bf_status fail_zstd(size_t code, bf_status otherwise, bf_error *err)
+{
+    if (ZSTD_getErrorCode(code) == ZSTD_error_memory_allocation)
+        return fail_memory(err);
+    return bf_fail(err, otherwise, "", "compressed bytes of the store: %s",
+                   ZSTD_getErrorName(code));
+}
+
+static size_t compress(ZSTD_CCtx *context, char *to, size_t room, const void *bytes, size_t n)
+{
+    size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
+    // The checksum tells damage in the file from what the solver wrote.
+    if (!ZSTD_isError(code))
+        code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+    return ZSTD_isError(code) ? code : ZSTD_compress2(context, to, room, bytes, n);
+}
+
+bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
+{
+    size_t room = ZSTD_compressBound(n);
+    char *to = buffer_reserve(out, room);
+    ZSTD_CCtx *context = to == NULL ? NULL : ZSTD_createCCtx();
+
+    if (context == NULL)
+        return fail_memory(err);
+    size_t compressed = compress(context, to, room, bytes, n);
+    ZSTD_freeCCtx(context);
+    if (ZSTD_isError(compressed))
+        return fail_zstd(compressed, BF_ESYSTEM, err);
+    out->n += compressed;
+    out->bytes[out->n] = '\0';
+    return BF_OK;
+}
+
+bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err)
+{
+    unsigned long long n = ZSTD_getFrameContentSize(compressed->bytes, compressed->n);
+
+    // Nothing larger comes from a run; the two marks of an unknown size are larger, too.
+    if (n > FRAME_PAYLOAD_MAX)
+        return bf_fail(err, BF_ECORRUPT, "", "compressed bytes of the store are damaged");
+    char *to = buffer_reserve(out, n);
+    if (to == NULL)
+        return fail_memory(err);
+    size_t got = ZSTD_decompress(to, n, compressed->bytes, compressed->n);
+    if (ZSTD_isError(got))
+        return fail_zstd(got, BF_ECORRUPT, err);
+    out->n += got;
+    out->bytes[out->n] = '\0';
+    return BF_OK;
+}
+
+static bf_status insert_chunk(store__connection *writer, const int64_t key[4], const char *bytes,
+                              size_t n, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_INSERT_CHUNK);
+    for (int i = 0; i < 4; i++)
+        store__bind_integer(&q, key[i]);
+    store__bind_blob(&q, bytes, n);
+    return store__run(&q, err);
+}
+
+bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
+                               uint64_t item, const bf_buffer *compressed, bf_error *err)
+{
+    int64_t key[4] = { results, kind, (int64_t)item, 0 };
+    bf_status status = BF_OK;
+
+    for (size_t at = 0; at < compressed->n && status == BF_OK; at += CHUNK_BYTES, key[3]++) {
+        size_t left = compressed->n - at;
+        status = insert_chunk(writer, key, compressed->bytes + at,
+                              left < CHUNK_BYTES ? left : CHUNK_BYTES, err);
+    }
+    return status;
+}
+
+static store__query begin_blob(store__connection *c, store__sql sql, int64_t results,
+                               store__blob kind, uint64_t item)
+{
+    store__query q = store__begin(c, sql);
+    store__bind_integer(&q, results);
+    store__bind_integer(&q, kind);
+    store__bind_integer(&q, (int64_t)item);
+    return q;
+}
+
+bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
+                            bf_buffer *out, bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+
+    store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, results, kind, item);
+    while (status == BF_OK && has_row) {
+        status = store__next(&q, &has_row, err);
+        if (status == BF_OK && has_row)
+            status = store__column_bytes(&q, 0, out, err);
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store__delete_chunks(store__connection *writer, int64_t results, store__blob kind,
+                               uint64_t item, bf_error *err)
+{
+    store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, results, kind, item);
+    return store__run(&q, err);
+}
 
 // Results of one solver are never taken for those of another.
 static void name_solver(char *ret_name, size_t size)
@@ -21,20 +143,6 @@ static void name_solver(char *ret_name, size_t size)
 }
 
 enum { SOLVER_SIZE = 64 };
-
-void store__digest_work(const api_submission *submission,
-                        unsigned char ret_digest[STORE__DIGEST_SIZE])
-{
-    const char *model = run_model_words[submission->model];
-    crypto_hash_sha256_state s;
-
-    (void)crypto_hash_sha256_init(&s);
-    // The word's terminator parts it from the document.
-    (void)crypto_hash_sha256_update(&s, (const unsigned char *)model, strlen(model) + 1);
-    (void)crypto_hash_sha256_update(&s, (const unsigned char *)submission->identity.bytes,
-                                    submission->identity.n);
-    (void)crypto_hash_sha256_final(&s, ret_digest);
-}
 
 bf_status store__insert_results(store__connection *writer, const unsigned char *digest,
                                 store__row *row, bf_error *err)
@@ -60,12 +168,12 @@ bf_status store__mark_results(store__connection *writer, int64_t results, store_
     return store__run(&q, err);
 }
 
-bf_status store__disown_results(store__connection *writer, bf_error *err)
+bf_status store__invalidate_results(store__connection *writer, bf_error *err)
 {
     char solver[SOLVER_SIZE];
 
     name_solver(solver, sizeof solver);
-    store__query q = store__begin(writer, STORE__SQL_DISOWN_RESULTS);
+    store__query q = store__begin(writer, STORE__SQL_INVALIDATE_RESULTS);
     store__bind_text(&q, solver, strlen(solver));
     return store__run(&q, err);
 }
@@ -86,36 +194,36 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     return status;
 }
 
-static bf_status share_texts(store__connection *writer, const store__row *solved,
-                             const bf_buffer *scenario, const bf_buffer *summary,
-                             const store__row *row, bf_error *err)
+static bf_status copy_texts(store__connection *writer, const store__row *solved,
+                            const bf_buffer *scenario, const bf_buffer *summary,
+                            const store__row *row, bf_error *err)
 {
     bf_buffer columns = { 0 };
 
-    bf_status status = store__get_text(writer, solved->number, STORE__TEXT_COLUMNS, &columns, err);
+    bf_status status = store__get_text(writer, solved->rowid, STORE__TEXT_COLUMNS, &columns, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_COLUMNS, columns.bytes, columns.n,
-                                 err);
+        status =
+            store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns.bytes, columns.n, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_SCENARIO, scenario->bytes,
+        status = store__put_text(writer, row->rowid, STORE__TEXT_SCENARIO, scenario->bytes,
                                  scenario->n, err);
     if (status == BF_OK && row->run.has_summary)
-        status = store__put_text(writer, row->number, STORE__TEXT_SUMMARY, summary->bytes,
+        status = store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, summary->bytes,
                                  summary->n, err);
     buffer_fini(&columns);
     return status;
 }
 
-static bf_status share_events(store__connection *writer, const store__row *solved,
-                              const store__row *row, bf_error *err)
+static bf_status copy_events(store__connection *writer, const store__row *solved,
+                             const store__row *row, bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_SHARE_EVENTS);
-    store__bind_integer(&q, row->number);
-    store__bind_integer(&q, solved->number);
+    store__query q = store__begin(writer, STORE__SQL_COPY_EVENTS);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, solved->rowid);
     return store__run(&q, err);
 }
 
-bf_status store__share_results(store__connection *writer, const store__row *solved,
+bf_status store__reuse_results(store__connection *writer, const store__row *solved,
                                const bf_buffer *scenario, const bf_buffer *summary, store__row *row,
                                bf_error *err)
 {
@@ -131,102 +239,18 @@ bf_status store__share_results(store__connection *writer, const store__row *solv
     row->run.has_summary = solved->run.has_summary;
     bf_status status = store__insert_row(writer, row, err);
     if (status == BF_OK)
-        status = share_texts(writer, solved, scenario, summary, row, err);
+        status = copy_texts(writer, solved, scenario, summary, row, err);
     if (status == BF_OK)
-        status = share_events(writer, solved, row, err);
-    return status == BF_OK ? store__tell_row(writer, row, err) : status;
+        status = copy_events(writer, solved, row, err);
+    return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 
-/// A batch of samples as it is stored.
-typedef struct samples {
-    size_t n;
-    bf_buffer t;
-    bf_buffer values;
-    bf_buffer columns; ///< of the curve
-} samples;
-
-static bf_status get_samples(store__connection *reader, const store__row *row, uint64_t first,
-                             samples *got, bf_error *err)
+static bf_status are_used(store__connection *writer, int64_t results, bool *ret_are_used,
+                          bf_error *err)
 {
-    bool has_row = false;
-
-    store__query q = store__begin(reader, STORE__SQL_GET_SAMPLES);
-    store__bind_integer(&q, row->results);
-    store__bind_integer(&q, (int64_t)first);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row) {
-        got->n = (size_t)sqlite3_column_int64(q.statement, 0);
-        status = store__column_bytes(&q, 1, &got->t, err);
-    }
-    if (status == BF_OK && has_row)
-        status = store__column_bytes(&q, 2, &got->values, err);
-    store__end(&q);
-    return status == BF_OK
-               ? store__get_text(reader, row->number, STORE__TEXT_COLUMNS, &got->columns, err)
-               : status;
-}
-
-static bf_status tell_curve(store__connection *reader, const store__row *row, uint64_t first,
-                            bf_buffer *out, bf_error *err)
-{
-    samples got = { 0 };
-
-    bf_status status = get_samples(reader, row, first, &got, err);
-    size_t n_columns = 1;
-    for (size_t i = 0; i < got.columns.n; i++)
-        n_columns += got.columns.bytes[i] == ',';
-    frame_curve curve = {
-        .first = first,
-        .n = (uint32_t)got.n,
-        .n_columns = (uint32_t)n_columns,
-        .t = (const double *)(const void *)got.t.bytes,
-        .values = (const double *)(const void *)got.values.bytes,
-    };
-    bool is_whole = got.n > 0 && got.t.n == got.n * sizeof(double) &&
-                    got.values.n == got.n * n_columns * sizeof(double);
-    if (status == BF_OK && !is_whole)
-        status = bf_fail(err, BF_ECORRUPT, "", "the stored curve is damaged at sample %llu",
-                         (unsigned long long)first);
-    if (status == BF_OK)
-        status = events_curve(row->run.id, &curve, got.columns.bytes, out, err);
-    buffer_fini(&got.t);
-    buffer_fini(&got.values);
-    buffer_fini(&got.columns);
-    return status;
-}
-
-static bf_status tell_snapshot(store__connection *reader, const store__row *row, uint64_t index,
-                               bf_buffer *out, bf_error *err)
-{
-    api_snapshot found;
-
-    bf_status status = store__find_snapshot(reader, row->results, index, &found, err);
-    if (status != BF_OK)
-        return status;
-    frame_snapshot told = {
-        .index = index,
-        .t = found.t,
-        .peak = found.peak,
-        .mass = found.mass,
-        .n1 = (uint32_t)row->grid.n1,
-        .n2 = (uint32_t)row->grid.n2,
-    };
-    return events_snapshot(row->run.id, &told, row->parts.n_values > 0, out, err);
-}
-
-bf_status store__tell_shared(store__connection *reader, const store__row *row, api_event_type type,
-                             uint64_t item, bf_buffer *out, bf_error *err)
-{
-    return type == API_EVENT_CURVE ? tell_curve(reader, row, item, out, err)
-                                   : tell_snapshot(reader, row, item, out, err);
-}
-
-static bf_status are_shared(store__connection *writer, int64_t results, bool *ret_are_shared,
-                            bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_ARE_SHARED);
+    store__query q = store__begin(writer, STORE__SQL_ARE_USED);
     store__bind_integer(&q, results);
-    bf_status status = store__next(&q, ret_are_shared, err);
+    bf_status status = store__next(&q, ret_are_used, err);
     store__end(&q);
     return status;
 }
@@ -239,27 +263,28 @@ static bf_status delete_results(store__connection *writer, int64_t results, bf_e
     return store__run(&q, err);
 }
 
-static bf_status sweep(store__connection *writer, int64_t results, bool *ret_is_over, bf_error *err)
+static bf_status collect(store__connection *writer, int64_t results, bool *ret_is_over,
+                         bf_error *err)
 {
-    store__query q = store__begin(writer, STORE__SQL_SWEEP_CHUNKS);
+    store__query q = store__begin(writer, STORE__SQL_COLLECT_CHUNKS);
     store__bind_integer(&q, results);
-    store__bind_integer(&q, STORE__SWEEP_CHUNKS);
+    store__bind_integer(&q, COLLECT_CHUNKS);
     bf_status status = store__run(&q, err);
     if (status != BF_OK)
         return status;
-    *ret_is_over = sqlite3_changes(writer->db) < STORE__SWEEP_CHUNKS;
+    *ret_is_over = sqlite3_changes(writer->db) < COLLECT_CHUNKS;
     return *ret_is_over ? delete_results(writer, results, err)
-                        : store__mark_results(writer, results, STORE__RESULTS_LEFT_OVER, err);
+                        : store__mark_results(writer, results, STORE__RESULTS_ORPHANED, err);
 }
 
-bf_status store__sweep_results(store__connection *writer, int64_t results, bool *ret_is_over,
-                               bf_error *err)
+bf_status store__collect_results(store__connection *writer, int64_t results, bool *ret_is_over,
+                                 bf_error *err)
 {
     bool is_over = false;
 
-    bf_status status = are_shared(writer, results, &is_over, err);
+    bf_status status = are_used(writer, results, &is_over, err);
     if (status == BF_OK && !is_over)
-        status = sweep(writer, results, &is_over, err);
+        status = collect(writer, results, &is_over, err);
     if (status == BF_OK)
         *ret_is_over = is_over;
     return status;
@@ -270,7 +295,8 @@ bf_status store__remove_row(store__connection *writer, const store__row *row, bo
                             bf_error *err)
 {
     store__query q = store__begin(writer, STORE__SQL_DELETE_RUN);
-    store__bind_integer(&q, row->number);
+    store__bind_integer(&q, row->rowid);
     bf_status status = store__run(&q, err);
-    return status == BF_OK ? store__sweep_results(writer, row->results, ret_is_over, err) : status;
+    return status == BF_OK ? store__collect_results(writer, row->results, ret_is_over, err)
+                           : status;
 }

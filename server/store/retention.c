@@ -5,7 +5,7 @@
 // Pages that become free stay in the file and are used again, so the file is as long as it ever had to
 // be; the limit of bytes counts pages in use, which every removal lowers, so that it is reached.
 
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -18,11 +18,11 @@
 typedef struct step {
     store__connection *writer;
     store_retention limits;
-    int64_t answers_ms;
-    store__care care;          ///< as it was, and as it will be if the step succeeds
-    char removed[API_ID_SIZE]; ///< the run that was removed; "": none
-    const char *rule;          ///< the limit that asked for it
-    bool is_last;              ///< nothing is left to be done in this turn
+    int64_t idempotency_ms;
+    store__retention_turn turn; ///< as it was, and as it will be if the step succeeds
+    char removed[API_ID_SIZE];  ///< the run that was removed; "": none
+    const char *rule;           ///< the limit that asked for it
+    bool is_last;               ///< nothing is left to be done in this turn
 } step;
 
 static bf_status read_number(store__connection *c, store__sql sql, int64_t *ret_number,
@@ -74,16 +74,16 @@ static bf_status find_rule(const step *st, const store__row *oldest, const char 
 }
 
 // With nothing left to remove, what waits and runs may still be more than the limit of bytes.
-static bf_status complain(step *st, bf_error *err)
+static bf_status warn(step *st, bf_error *err)
 {
     int64_t n_bytes = 0;
 
     bf_status status = count_bytes(st->writer, &n_bytes, err);
     bool is_over = st->limits.n_bytes > 0 && (uint64_t)n_bytes > st->limits.n_bytes;
-    if (status == BF_OK && is_over && !st->care.has_complained)
+    if (status == BF_OK && is_over && !st->turn.has_warned)
         log_event(LOG_LEVEL_WARN, "retention_bytes_exceeded", "bytes=%" PRId64 " limit=%" PRIu64,
                   n_bytes, st->limits.n_bytes);
-    st->care.has_complained = is_over;
+    st->turn.has_warned = is_over;
     return status;
 }
 
@@ -98,23 +98,24 @@ static bf_status remove_oldest(step *st, const store__row *oldest, bf_error *err
 static bf_status end_turn(step *st, bool has_oldest, bf_error *err)
 {
     st->is_last = true;
-    bf_status status = has_oldest ? BF_OK : complain(st, err);
+    bf_status status = has_oldest ? BF_OK : warn(st, err);
     if (status == BF_OK)
-        status = store__forget_answers(st->writer, clock_unix_ms() - st->answers_ms, err);
+        status = store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err);
     return status;
 }
 
 static bf_status do_step(step *st, bf_error *err)
 {
     bool has_oldest = false, is_over = false;
-    int64_t left_over = 0;
+    int64_t orphaned = 0;
     store__row oldest;
 
-    bf_status status = read_number(st->writer, STORE__SQL_FIND_LEFT_OVER, &left_over, err);
-    if (status == BF_OK && left_over != 0)
-        return store__sweep_results(st->writer, left_over, &is_over, err);
+    bf_status status = read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err);
+    if (status == BF_OK && orphaned != 0)
+        return store__collect_results(st->writer, orphaned, &is_over, err);
     if (status == BF_OK)
-        status = store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, &oldest, &has_oldest, err);
+        status =
+            store__find_first(st->writer, STORE__SQL_OLDEST_ENDED, NULL, &oldest, &has_oldest, err);
     if (status == BF_OK && has_oldest)
         status = find_rule(st, &oldest, &st->rule, err);
     if (status != BF_OK)
@@ -129,7 +130,7 @@ static bf_status run_step(step *st, bf_error *err)
     return status == BF_OK ? store__end_transaction(st->writer, do_step(st, err), err) : status;
 }
 
-static void tell(const store *s, const step *st)
+static void notify(const store *s, const step *st)
 {
     if (st->removed[0] == '\0')
         return;
@@ -138,38 +139,39 @@ static void tell(const store *s, const step *st)
         s->listener(s->listener_context, st->removed);
 }
 
-void store__take_care(store *s)
+void store__apply_retention(store *s)
 {
     bf_error err = { 0 };
     char quoted[LOG_QUOTED_SIZE];
 
     lock_assert_held(&s->lock);
-    if (s->writing.is_stopping || clock_monotonic_ms() < s->care.next_ms)
+    if (s->writing.is_stopping || clock_monotonic_ms() < s->turn.next_ms)
         return;
-    step st = {
-        .writer = &s->writer, .limits = s->retention, .answers_ms = s->answers_ms, .care = s->care
-    };
+    step st = { .writer = &s->writer,
+                .limits = s->retention,
+                .idempotency_ms = s->idempotency_ms,
+                .turn = s->turn };
     lock_give(&s->lock);
     bf_status status = run_step(&st, &err);
     if (status == BF_OK)
-        tell(s, &st);
+        notify(s, &st);
     else
         log_event(LOG_LEVEL_WARN, "store_care_failed", "error=%s", log_quote(err.text, quoted));
     lock_take(&s->lock);
     if (status == BF_OK)
-        s->care = st.care;
+        s->turn = st.turn;
     if (status == BF_OK && !st.is_last) {
-        s->tally.has_changed = true;
+        s->has_new_stats = true;
         return;
     }
-    s->care.next_ms = clock_monotonic_ms() + s->care.every_ms;
+    s->turn.next_ms = clock_monotonic_ms() + s->turn.every_ms;
 }
 
 void store_set_retention(store *s, const store_retention *retention)
 {
     lock_take(&s->lock);
     s->retention = *retention;
-    s->care.next_ms = 0;
+    s->turn.next_ms = 0;
     lock_wake_all(&s->writing.filled);
     lock_give(&s->lock);
 }

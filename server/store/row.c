@@ -1,6 +1,5 @@
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
-#include "api/results/events.h"
 #include "server/base/clock.h"
 
 #include <math.h>
@@ -43,7 +42,7 @@ static void bind_code(store__query *q, bf_status code)
 
 void store__read_row(const store__query *q, store__row *ret_row)
 {
-    store__row row = { .number = sqlite3_column_int64(q->statement, 0) };
+    store__row row = { .rowid = sqlite3_column_int64(q->statement, 0) };
     int i = 0;
 
 #define X(kind, column, member)                                                                    \
@@ -54,22 +53,12 @@ void store__read_row(const store__query *q, store__row *ret_row)
     *ret_row = row;
 }
 
-bf_status store__find_first(store__connection *c, store__sql sql, store__row *ret_row,
-                            bool *ret_has_row, bf_error *err)
+bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
+                            store__row *ret_row, bool *ret_has_row, bf_error *err)
 {
     store__query q = store__begin(c, sql);
-    bf_status status = store__next(&q, ret_has_row, err);
-    if (status == BF_OK && *ret_has_row)
-        store__read_row(&q, ret_row);
-    store__end(&q);
-    return status;
-}
-
-bf_status store__next_running(store__connection *c, const char *after, store__row *ret_row,
-                              bool *ret_has_row, bf_error *err)
-{
-    store__query q = store__begin(c, STORE__SQL_NEXT_RUNNING);
-    store__bind_text(&q, after, strlen(after));
+    if (text != NULL)
+        store__bind_text(&q, text, strlen(text));
     bf_status status = store__next(&q, ret_has_row, err);
     if (status == BF_OK && *ret_has_row)
         store__read_row(&q, ret_row);
@@ -81,12 +70,7 @@ bf_status store__find_row(store__connection *c, const char *id, store__row *ret_
 {
     bool has_row = false;
 
-    store__query q = store__begin(c, STORE__SQL_FIND_RUN);
-    store__bind_text(&q, id, strlen(id));
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        store__read_row(&q, ret_row);
-    store__end(&q);
+    bf_status status = store__find_first(c, STORE__SQL_FIND_RUN, id, ret_row, &has_row, err);
     if (status == BF_OK && !has_row)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
     return status;
@@ -101,59 +85,22 @@ bf_status store__insert_row(store__connection *writer, store__row *row, bf_error
     STORE__RUN_LIST(X)
     bf_status status = store__run(q, err);
     if (status == BF_OK)
-        row->number = sqlite3_last_insert_rowid(writer->db);
+        row->rowid = sqlite3_last_insert_rowid(writer->db);
     return status;
 }
 
-static bf_status update_row(store__connection *writer, const store__row *row, bf_error *err)
+bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err)
 {
     store__query used = store__begin(writer, STORE__SQL_UPDATE_RUN), *q = &used;
 
+    row->run.revision++;
     BIND_INTEGER(row->run.state);
     STORE__RUN_CHANGING(X)
-    BIND_INTEGER(row->number);
+    BIND_INTEGER(row->rowid);
     return store__run(q, err);
 }
 
 #undef X
-
-bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err)
-{
-    row->run.revision++;
-    return update_row(writer, row, err);
-}
-
-bf_status store__insert_event(store__connection *writer, store__row *row, api_event_type type,
-                              uint64_t item, const bf_buffer *data, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_INSERT_EVENT);
-    store__bind_integer(&q, row->number);
-    store__bind_integer(&q, type);
-    store__bind_integer(&q, (int64_t)item);
-    store__bind_text(&q, data->bytes, data->n);
-    bf_status status = store__run(&q, err);
-    if (status == BF_OK)
-        row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
-    return status;
-}
-
-bf_status store__tell_row(store__connection *writer, store__row *row, bf_error *err)
-{
-    bf_buffer data = { 0 };
-
-    row->run.revision++;
-    bf_status status = events_status(&row->run, &data, err);
-    if (status == BF_OK)
-        status = store__insert_event(writer, row, API_EVENT_STATUS, 0, &data, err);
-    if (status == BF_OK && run_state_is_end(row->run.state)) {
-        data.n = 0;
-        status = events_end(&row->run, &data, err);
-        if (status == BF_OK)
-            status = store__insert_event(writer, row, API_EVENT_END, 0, &data, err);
-    }
-    buffer_fini(&data);
-    return status == BF_OK ? update_row(writer, row, err) : status;
-}
 
 static bf_status close_row(store__connection *writer, store__row *row, bf_error *err)
 {
@@ -166,7 +113,7 @@ static bf_status close_row(store__connection *writer, store__row *row, bf_error 
     return store__mark_results(writer, row->results, STORE__RESULTS_COMPLETE, err);
 }
 
-bf_status store__move_row(store__connection *writer, store__row *row, run_state to, bf_error *err)
+bf_status store__transition(store__connection *writer, store__row *row, run_state to, bf_error *err)
 {
     bf_status status = BF_OK;
 
@@ -185,5 +132,5 @@ bf_status store__move_row(store__connection *writer, store__row *row, run_state 
         writer->queued_at_most++;
     if (run_state_is_end(to))
         status = close_row(writer, row, err);
-    return status == BF_OK ? store__tell_row(writer, row, err) : status;
+    return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }

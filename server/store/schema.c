@@ -1,4 +1,4 @@
-#include "server/store/store_priv.h"
+#include "server/store/connection.h"
 
 #include <sqlite3.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /// Private to the store: its statements, as one table. Each connection prepares one when it is
-/// first used and keeps it.
+/// first used, until it is closed.
 
 #pragma once
 
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
-/// terminator) or CODE (bf_status by its word). Those that an insert sets for ever:
+/// terminator) or CODE (bf_status by its word). Those that only an insert sets:
 #define STORE__RUN_FIXED(X)                                                                        \
     X(TEXT, id, run.id)                                                                            \
     X(INTEGER, model, run.model)                                                                   \
@@ -121,19 +121,19 @@
     X(DELETE_CHUNKS, "DELETE FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3")          \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \
-    X(DISOWN_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1")           \
+    X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1")       \
     X(FIND_SOLVED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = (SELECT number FROM results "       \
       "WHERE digest = ?1 AND solver = ?2 AND state = 1 ORDER BY number DESC LIMIT 1) "             \
       "LIMIT 1")                                                                                   \
-    X(ARE_SHARED, "SELECT 1 FROM runs WHERE results = ?1 LIMIT 1")                                 \
-    X(FIND_LEFT_OVER, "SELECT number FROM results WHERE state = 2 LIMIT 1")                        \
-    X(SWEEP_CHUNKS, "DELETE FROM chunks WHERE rowid IN "                                           \
-                    "(SELECT rowid FROM chunks WHERE results = ?1 LIMIT ?2)")                      \
+    X(ARE_USED, "SELECT 1 FROM runs WHERE results = ?1 LIMIT 1")                                   \
+    X(FIND_ORPHANED, "SELECT number FROM results WHERE state = 2 LIMIT 1")                         \
+    X(COLLECT_CHUNKS, "DELETE FROM chunks WHERE rowid IN "                                         \
+                      "(SELECT rowid FROM chunks WHERE results = ?1 LIMIT ?2)")                    \
     X(DELETE_RESULTS, "DELETE FROM results WHERE number = ?1")                                     \
     X(INSERT_EVENT, "INSERT INTO events (run, type, snapshot, data) VALUES (?1, ?2, ?3, ?4)")      \
-    X(SHARE_EVENTS, "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, ''" \
-                    " FROM events WHERE run = ?2 AND type IN (2, 3) ORDER BY id")                  \
+    X(COPY_EVENTS, "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, ''"  \
+                   " FROM events WHERE run = ?2 AND type IN (2, 3) ORDER BY id")                   \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
     X(INSERT_MEASUREMENT, "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts) "  \
@@ -146,12 +146,12 @@
                          "ORDER BY id DESC LIMIT ?2")                                              \
     X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
                                "WHERE id < ?1 AND label = ?3 ORDER BY id DESC LIMIT ?2")           \
-    X(FIND_ANSWER, "SELECT digest, id, revision, data FROM answers "                               \
-                   "WHERE route = ?1 AND key = ?2")                                                \
-    X(INSERT_ANSWER, "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "        \
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")                                        \
-    X(FORGET_ANSWERS, "DELETE FROM answers WHERE at_ms < ?1")                                      \
-    X(TRIM_ANSWERS, "DELETE FROM answers WHERE number <= ?1")                                      \
+    X(FIND_KEY, "SELECT digest, id, revision, data FROM answers "                                  \
+                "WHERE route = ?1 AND key = ?2")                                                   \
+    X(INSERT_KEY, "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "           \
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")                                           \
+    X(EXPIRE_KEYS, "DELETE FROM answers WHERE at_ms < ?1")                                         \
+    X(TRIM_KEYS, "DELETE FROM answers WHERE number <= ?1")                                         \
     X(OLDEST_ENDED, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                    \
                     "ORDER BY finished_ms, id LIMIT 1")                                            \
     X(COUNT_ENDED, "SELECT count(*) FROM runs WHERE state >= 2")                                   \

@@ -1,57 +1,141 @@
-// The files of the store:
+// Opening and closing, and the data directory. Where each invariant of store.h is held:
 //
-//     store.c             opens, closes; where each invariant is kept
-//     store_file.c        the directory, its lock file, its free space
-//     store_connection.c  the one place that opens the database; statements
-//     store_schema.c      what the tables are, and how older ones become newer ones
-//     store_thread.c      the thread that writes
-//     store_pool.c        the connections that read
-//     store_row.c         a run's row, its moves and events
-//     store_submit.c      submit
-//     store_answers.c     the first answers to idempotency keys
-//     store_results.c     results that runs share
-//     store_write.c       finish, cancel, remove
-//     store_claim.c       claim
-//     store_append.c      append
-//     store_blob.c        compression, chunks
-//     store_read.c        runs, texts, curves
-//     store_read_*.c      snapshots, events
-//     store_measurements.c  measured curves
-//     store_ready.c       the write test
-//     store_care.c        what is removed by itself
-//     store_backup.c      a copy of a store
-//     store_verify.c      the invariants as questions to a store
-//     store_figures.c     how much there is of what
-//
-// Where each invariant of store.h is kept:
-//
-//   I1  store_connection.c: synchronous = FULL. store_thread.c: answers come after the commit.
-//   I2  store_connection.c opens; only store_open() asks for STORE__READ_WRITE. The lock file keeps
-//       other processes out. store_pool.c: readers.
-//   I3  store__move_row() is the only function that changes a state.
-//   I4  store_append.c: check_curve(), check_snapshot(), and what they let pass.
-//   I5  store_append.c: a checkpoint and what was told before it are one transaction.
-//   I6  store_schema.c: AUTOINCREMENT.
-//   I7  store_append.c, store_row.c: events are inserted by the operation that they tell of.
+//   I1  connection.c: synchronous = FULL. thread.c: callers go on after the commit.
+//   I2  connection.c opens; only store_open() asks for STORE__READ_WRITE. The lock file keeps other
+//       processes out.
+//   I3  row.c: store__transition() is the only function that changes a state.
+//   I4  append.c: check_curve(), check_snapshot(), and what they let pass.
+//   I5  append.c: a checkpoint and what came before it are one transaction.
+//   I6  schema.c: AUTOINCREMENT.
+//   I7  append.c, events.c: events are inserted by the operation that they report.
 //   I8  requeue_all() below.
-//   I9  store_schema.c: tables refer to runs or results with ON DELETE CASCADE. store__remove_row()
-//       begins what store__sweep_results() ends; store_care.c looks for what was left over.
-//   I10 store_results.c: only complete sets are found, and store__sweep_results() spares what a run
-//       still has.
-//   I11 store_submit.c: one operation looks for the answer, makes the run and keeps the answer.
-//   I12 store_care.c: OLDEST_ENDED chooses.
-//   I13 store_measurements.c: one row each, with its samples, and no statement that updates it.
+//   I9  schema.c: tables refer to runs or results with ON DELETE CASCADE. store__remove_row() begins what
+//       store__collect_results() ends; retention.c looks for results that are orphaned.
+//   I10 results.c: only complete sets are found, and store__collect_results() spares what a run has.
+//   I11 submit.c: one operation looks for the answer, makes the run and stores the answer.
+//   I12 retention.c: OLDEST_ENDED chooses.
+//   I13 measurements.c: one row each, with its samples, and no statement that updates it.
+//   I14 claim.c writes stop requests and external ids; store__transition() heeds and clears them.
 
 #include "server/store/store.h"
 
-#include "core/base/memory.h"
-#include "server/base/log.h"
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
+#include "core/base/memory.h"
+#include "server/base/file_io.h"
+#include "server/base/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+// Where the options ask for nothing else.
+enum {
+    KEYS_MS = 86400000,   // how long idempotency keys are kept
+    RETENTION_MS = 60000, // between two turns of retention
+};
+
+static bf_status fail_errno(const char *what, const char *path, bf_error *err)
+{
+    return bf_fail(err, BF_ESYSTEM, "", "%s %s: %s", what, path, strerror(errno));
+}
+
+// The number of the process that the holder of the lock wrote into it; 0 if it cannot be read.
+static long read_holder(int file)
+{
+    char text[32] = "";
+    long holder = 0;
+
+    if (pread(file, text, sizeof text - 1, 0) <= 0 || sscanf(text, "%ld", &holder) != 1)
+        return 0;
+    return holder;
+}
+
+static bf_status fail_held(const store *s, int file, bf_error *err)
+{
+    long holder = read_holder(file);
+    if (holder == 0)
+        return bf_fail(err, BF_ESYSTEM, "", "the data directory %s is in use by another daemon",
+                       s->directory);
+    return bf_fail(err, BF_ESYSTEM, "",
+                   "the data directory %s is in use by another daemon, process %ld", s->directory,
+                   holder);
+}
+
+// For people who look; the lock itself is what counts.
+static bool write_holder(int file)
+{
+    char text[32];
+    int n = snprintf(text, sizeof text, "%ld\n", (long)getpid());
+    return ftruncate(file, 0) == 0 && pwrite(file, text, (size_t)n, 0) == n;
+}
+
+static bf_status take_lock_file(store *s, bf_error *err)
+{
+    char path[STORE__PATH_SIZE + 16];
+    bf_status status = BF_OK;
+
+    snprintf(path, sizeof path, "%s/beltflow.lock", s->directory);
+    int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file < 0)
+        return fail_errno("cannot open the lock file", path, err);
+    if (flock(file, LOCK_EX | LOCK_NB) != 0)
+        status =
+            errno == EWOULDBLOCK ? fail_held(s, file, err) : fail_errno("cannot lock", path, err);
+    else if (!write_holder(file))
+        status = fail_errno("cannot write", path, err);
+    if (status != BF_OK)
+        close(file);
+    else
+        s->lock_file = file;
+    return status;
+}
+
+// SQLite would create the file readable by others. Its own descriptors do not exist yet: closing
+// one of ours later would drop their locks.
+static bf_status create_database_file(const store *s, bf_error *err)
+{
+    int file = open(s->path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file < 0)
+        return errno == EEXIST ? BF_OK : fail_errno("cannot create", s->path, err);
+    close(file);
+    return BF_OK;
+}
+
+// A new name in a directory survives a power loss once the directory is synced.
+static bf_status sync_directory(const char *path, bf_error *err)
+{
+    int directory = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (directory < 0)
+        return fail_errno("cannot open", path, err);
+    bf_status status = fsync(directory) == 0 ? BF_OK : fail_errno("cannot sync", path, err);
+    close(directory);
+    return status;
+}
+
+static bf_status make_directory(const store *s, bf_error *err)
+{
+    if (file_io_make_directories(s->directory, 0700, FILE_IO_NOW))
+        return BF_OK;
+    return fail_errno("cannot make the data directory", s->directory, err);
+}
+
+static bf_status hold_directory(store *s, bf_error *err)
+{
+    bf_status status = make_directory(s, err);
+    if (status == BF_OK)
+        status = take_lock_file(s, err);
+    if (status == BF_OK)
+        status = create_database_file(s, err);
+    if (status == BF_OK)
+        status = sync_directory(s->directory, err);
+    return status;
+}
 
 static bool still_runs(const store_options *options, const store__row *row)
 {
@@ -68,28 +152,29 @@ static bool still_runs(const store_options *options, const store__row *row)
 static bf_status requeue_all(store__connection *writer, const store_options *options, int *ret_n,
                              bf_error *err)
 {
-    store__row row = { .number = 0 };
+    store__row row = { .rowid = 0 };
     bool has_row = true;
     bf_status status = BF_OK;
     int n = 0;
 
     while (status == BF_OK) {
-        status = store__next_running(writer, row.run.id, &row, &has_row, err);
+        status =
+            store__find_first(writer, STORE__SQL_NEXT_RUNNING, row.run.id, &row, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
         if (still_runs(options, &row))
             continue;
-        status = store__move_row(writer, &row, RUN_QUEUED, err);
+        status = store__transition(writer, &row, RUN_QUEUED, err);
         n++;
     }
     *ret_n = n;
     return status;
 }
 
-static bf_status mend(store__connection *writer, const store_options *options, int *ret_n_requeued,
-                      bf_error *err)
+static bf_status recover_rows(store__connection *writer, const store_options *options,
+                              int *ret_n_requeued, bf_error *err)
 {
-    bf_status status = store__disown_results(writer, err);
+    bf_status status = store__invalidate_results(writer, err);
 
     return status == BF_OK ? requeue_all(writer, options, ret_n_requeued, err) : status;
 }
@@ -100,7 +185,7 @@ static bf_status recover(store__connection *writer, const store_options *options
 
     bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
     if (status == BF_OK)
-        status = store__end_transaction(writer, mend(writer, options, &n, err), err);
+        status = store__end_transaction(writer, recover_rows(writer, options, &n, err), err);
     if (status == BF_OK && n > 0)
         log_event(LOG_LEVEL_INFO, "runs_requeued", "runs=%d", n);
     return status;
@@ -123,13 +208,14 @@ static store *create(const store_options *options)
         return NULL;
     s->queue_limit = options->queue_limit;
     s->client_quota = options->client_quota;
-    s->answers_ms = options->answers_ms == 0 ? STORE__ANSWERS_MS : options->answers_ms;
+    s->idempotency_ms = options->idempotency_ms == 0 ? KEYS_MS : options->idempotency_ms;
     s->retention = options->retention;
-    s->care.every_ms = options->care_ms == 0 ? STORE__CARE_MS : options->care_ms;
+    s->turn.every_ms =
+        options->retention_interval_ms == 0 ? RETENTION_MS : options->retention_interval_ms;
     s->listener = options->listener;
     s->listener_context = options->listener_context;
     s->lock_file = -1;
-    store__init_pool(&s->pool);
+    store__init_pool(&s->pool, s->path);
     lock_init(&s->lock);
     lock_condition_init(&s->preparing.filled);
     lock_condition_init(&s->writing.filled);
@@ -146,7 +232,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = set_paths(s, options->directory, err);
     if (status == BF_OK)
-        status = store__take_directory(s, err);
+        status = hold_directory(s, err);
     if (status == BF_OK)
         status = store__connect(s->path, STORE__READ_WRITE, &s->writer, err);
     if (status == BF_OK)
@@ -154,7 +240,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
     if (status == BF_OK)
         status = recover(&s->writer, options, err);
     if (status == BF_OK)
-        status = store__count(s, &s->tally.figures, err);
+        status = store__count_stats(s, &s->stats, err);
     if (status == BF_OK)
         status = store__start_threads(s, err);
     if (status == BF_OK)

@@ -7,18 +7,18 @@
 ///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
 ///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
 ///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0. Storing one again
-///       (a run resumed before it) changes nothing and tells nothing twice.
+///       (a run resumed before it) changes nothing and makes no second event.
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
-///   I7  An event becomes visible in the same transaction as what it tells of.
+///   I7  An event becomes visible in the same transaction as what it reports.
 ///   I8  After store_open() only those runs are `running` that the executor still has; the others of the
 ///       daemon before are queued again.
-///   I9  A removed run leaves no row behind. Results that other runs share go with the last of them,
-///       large ones step by step: what a crash leaves over of them is deleted after the next start.
+///   I9  A removed run leaves no row behind. Results that several runs have go with the last of them,
+///       large ones step by step: what a crash leaves of them is deleted after the next start.
 ///   I10 Samples, snapshots and their grids belong to sets of results. Each run has one set; a set that
 ///       several runs have is that of a run that succeeded, and never changes again.
-///   I11 The answer to an idempotency key is stored with the run that it tells of, in one transaction;
-///       while it is kept, the key makes no second run.
+///   I11 The answer to an idempotency key is stored with the run that it describes, in one transaction;
+///       while it is stored, the key makes no second run.
 ///   I12 What the store removes by itself has ended, and there is no run that ended before it.
 ///   I13 A measurement is there with all its samples or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
@@ -81,9 +81,9 @@ typedef struct store_options {
     void *listener_context;   ///< given to it
     store_still_runs *still_runs; ///< asked for each run that was running (I8); NULL: none still is
     void *still_runs_context;     ///< given to it
-    int64_t answers_ms;           ///< how long answers to idempotency keys are kept; 0: a day
+    int64_t idempotency_ms;       ///< how long answers to idempotency keys are stored; 0: a day
     store_retention retention;    ///< what is removed by itself
-    int64_t care_ms;              ///< between looks at what is to be removed; 0: a minute
+    int64_t retention_interval_ms; ///< between looks at what is to be removed; 0: a minute
 } store_options;
 
 /// Open or create the store, migrate its schema forwards, and queue again what was running (I8).
@@ -101,7 +101,7 @@ store *store_close(store *s);
 BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
                                      api_acceptance *ret_acceptance, bf_error *err);
 
-/// From now on keep to other limits.
+/// Remove by other limits from now on.
 void store_set_retention(store *s, const store_retention *retention);
 
 /// Cancel a queued run (status and end events). A running one gets a stop request (I14) for the
@@ -149,23 +149,23 @@ BF_MUST_CHECK bf_status store_read_events(store *s, const char (*runs)[API_ID_SI
                                           uint64_t after, size_t limit_bytes, api_event_fn *take,
                                           void *take_context, bf_error *err);
 
-/// What the store holds, in figures.
-typedef struct store_figures {
+/// Counts and sizes of what the store holds.
+typedef struct store_stats {
     uint64_t n_runs[RUN_STATE_COUNT]; ///< runs by state
     int64_t oldest_queued_ms;         ///< when the oldest run that waits was created; 0: none waits
     uint64_t file_bytes;              ///< of the database
     uint64_t log_bytes;               ///< of its write-ahead log
-} store_figures;
+} store_stats;
 
-/// The figures as they were when they were last counted, a second ago at most unless the store's
+/// The stats as they were when they were last counted, a second ago at most unless the store's
 /// thread hangs. Never waits for the disk.
-void store_read_figures(store *s, store_figures *ret_figures);
+void store_read_stats(store *s, store_stats *ret_stats);
 
 /// Let more or fewer runs wait, in all and of each client; see store_options.
 void store_set_queue_limit(store *s, size_t limit);
 void store_set_client_quota(store *s, size_t quota);
 
-/// Ask the store's thread for a sign of life, and true if it has given all that it was asked for before.
+/// Ask the store's thread for a sign of life; true if it has answered all that were asked for before.
 bool store_is_alive(store *s);
 
 /// BF_OK if the store can write; else why not.

@@ -2,9 +2,9 @@
 
 #pragma once
 
+#include "server/base/liveness.h"
 #include "server/base/lock.h"
-#include "server/store/connection_priv.h"
-#include "server/store/figures_priv.h"
+#include "server/store/connection.h"
 #include "server/store/work.h"
 
 #include <stdbool.h>
@@ -12,16 +12,8 @@
 #include <stdint.h>
 
 enum {
-    STORE__READERS_MAX = 8,          ///< connections that read at once
-    STORE__DIGEST_SIZE = 32,         ///< bytes of a SHA-256, which stands for the bytes themselves
-    STORE__PATH_SIZE = 1024,         ///< bytes of a path with its terminator
-    STORE__CHUNK_BYTES = 256 * 1024, ///< of a blob that is stored in one row
-    STORE__SWEEP_CHUNKS = 64,        ///< that are deleted in one transaction
-    STORE__ANSWERS_MAX = 100000,     ///< answers that are kept for requests that come again
-    STORE__ANSWERS_MS = 86400000,    ///< how long they are kept, unless asked for otherwise
-    STORE__CARE_MS = 60000,          ///< between looks at what is to be removed
-    STORE__READY_MS = 1000,          ///< how long a write test counts
-    STORE__FREE_MIN = 64 * 1024 * 1024 ///< bytes that must be free on the disk to be ready
+    STORE__DIGEST_SIZE = 32, ///< bytes of a SHA-256, which stands for the bytes themselves
+    STORE__PATH_SIZE = 1024, ///< bytes of a path with its terminator
 };
 
 /// Kinds of texts. The values stand in the store: never renumber.
@@ -40,22 +32,22 @@ typedef enum store__blob {
 
 /// Where a set of results is in its life. The values stand in the store: never renumber.
 typedef enum store__results {
-    STORE__RESULTS_OPEN,      ///< its run is not solved, and may never be
-    STORE__RESULTS_COMPLETE,  ///< its run succeeded: others may share it (I10)
-    STORE__RESULTS_LEFT_OVER, ///< no run has it any more: it is being deleted
+    STORE__RESULTS_OPEN,     ///< its run is not solved, and may never be
+    STORE__RESULTS_COMPLETE, ///< its run succeeded: others may use it, too (I10)
+    STORE__RESULTS_ORPHANED, ///< no run has it any more: it is being deleted
 } store__results;
 
 typedef struct store__operation store__operation;
+typedef struct store__key store__key; ///< of a submission under way; see submit.c
 
-/// Do a write inside a transaction that is open; not BF_OK undoes what it wrote. Runs on the
-/// store's thread.
+/// Do a write on the store's thread in a transaction that is open; not BF_OK undoes what it wrote.
 typedef bf_status store__apply(store__connection *writer, store__operation *operation,
                                bf_error *err);
 
 /// What comes before apply, on the preparing thread; if it fails, the operation is not applied.
 typedef bf_status store__prepare(store__operation *operation, bf_error *err);
 
-/// Tell the result of an operation that nobody waits for, and free it. Runs on the store's thread after the
+/// Report the result of an operation without a waiting caller, and free it. Runs on the store's thread after the
 /// commit, or on the preparing thread if it could not be prepared.
 typedef void store__finish(store__operation *operation);
 
@@ -82,20 +74,19 @@ typedef struct store__queue {
     store__operation *last;  ///< NULL if there are none
 } store__queue;
 
-/// What the store's thread does by itself.
-typedef struct store__care {
-    int64_t every_ms;    ///< between two turns
-    int64_t next_ms;     ///< monotonic; nothing is done before
-    bool has_complained; ///< of a limit that cannot be kept
-} store__care;
+/// When retention works next.
+typedef struct store__retention_turn {
+    int64_t every_ms; ///< between two turns
+    int64_t next_ms;  ///< monotonic; nothing is done before
+    bool has_warned;  ///< of a limit that cannot be reached
+} store__retention_turn;
 
-/// The connections that read.
-typedef struct store__pool {
-    lock lock;                                     ///< guards is_taken
-    lock_condition given;                          ///< one was given back
-    bool is_taken[STORE__READERS_MAX];             ///< by a thread, which then owns the connection
-    store__connection readers[STORE__READERS_MAX]; ///< opened when first taken
-} store__pool;
+/// What a write test found; under the store's lock.
+typedef struct store__write_test {
+    int64_t until_ms; ///< monotonic; until then it counts
+    bf_status status; ///< of the test
+    bf_error error;   ///< of a status that is not BF_OK
+} store__write_test;
 
 /// An open store.
 struct store {
@@ -103,7 +94,7 @@ struct store {
     char path[STORE__PATH_SIZE];      ///< of the database
     _Atomic size_t queue_limit;       ///< see store_options
     _Atomic size_t client_quota;      ///< see store_options
-    int64_t answers_ms;               ///< see store_options
+    int64_t idempotency_ms;           ///< see store_options
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
     int lock_file;                    ///< descriptor that holds the flock; -1: none
@@ -113,45 +104,30 @@ struct store {
     store__queue preparing;           ///< operations that are prepared, one after the other
     store__queue writing;             ///< operations that are applied, by the store's thread
     lock_condition done;              ///< operations are done
-    struct store__key *keys;          ///< of the submissions under way
+    store__key *keys;                 ///< of the submissions under way
     store_retention retention;        ///< see store_options
-    store__care care;                 ///< the store's thread's
-    store__tally tally;               ///< figures, and the thread's pulse
-    store__verdict ready;             ///< of the last write test
+    store__retention_turn turn;       ///< the store's thread's
+    store_stats stats;                ///< as counted last
+    bool has_new_stats;               ///< something has changed since then
+    int64_t count_at_ms;              ///< monotonic; they are not counted again before
+    pulse pulse;                      ///< of the store's thread
+    store__write_test ready;          ///< the last one
 };
 
 /// A run's row.
 typedef struct store__row {
-    int64_t number;           ///< key of all other tables
+    int64_t rowid;            ///< column number: key of all other tables
     api_run run;              ///< what others see of it
     double wall_s;            ///< solving time of all attempts, s
     uint64_t checkpoint_step; ///< 0 if there is none
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
     api_parts parts;          ///< of the snapshots; n_values = 0: none
-    int64_t results;          ///< key of samples, snapshots and chunks, which other runs may share
+    int64_t results; ///< key of samples, snapshots and chunks, which other runs may have, too
     char client[API_CLIENT_SIZE];             ///< who submitted it; "": no quota counts it
     char parent[API_ID_SIZE];                 ///< the run that it was made for; "": none
     store_stop stop_request;                  ///< of a running run
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
 } store__row;
-
-/// Make the directory, hold its lock file, create the database file if it is missing. BF_ESYSTEM:
-/// no access, or another daemon holds it.
-BF_MUST_CHECK bf_status store__take_directory(store *s, bf_error *err);
-
-/// Bytes that the disk of the directory has left for us.
-BF_MUST_CHECK bf_status store__free_bytes(const store *s, uint64_t *ret_bytes, bf_error *err);
-
-/// The texts that bring a store from version i to i + 1, and the version of this program.
-extern const char *const store__migrations[];
-extern const int store__version;
-
-/// Check that the file is a store of ours, not newer than this program, or empty: *ret_version 0.
-BF_MUST_CHECK bf_status store__identify(struct sqlite3 *db, const char *path, int *ret_version,
-                                        bf_error *err);
-
-/// Check that the file is a store of ours and bring its tables to this program's version.
-BF_MUST_CHECK bf_status store__migrate(store__connection *writer, const char *path, bf_error *err);
 
 /// Start the preparing thread and the store's thread.
 BF_MUST_CHECK bf_status store__start_threads(store *s, bf_error *err);
@@ -166,28 +142,13 @@ BF_MUST_CHECK bf_status store__write(store *s, store__apply *apply, void *contex
 /// begun one after the other are applied in that order.
 void store__begin_write(store *s, store__operation *operation);
 
-/// Prepare an empty pool.
-void store__init_pool(store__pool *pool);
-
-/// Close all readers; none may be taken.
-void store__fini_pool(store__pool *pool);
-
-/// Take a reader with a transaction begun, waiting for one if need be. Give it back soon.
-BF_MUST_CHECK bf_status store__take_reader(store *s, store__connection **ret_reader, bf_error *err);
-
-/// End the transaction and give the reader back.
-void store__give_reader(store *s, store__connection *reader);
-
 /// Read the run of the present row, selected as STORE__RUN_COLUMNS.
 void store__read_row(const store__query *q, store__row *ret_row);
 
-/// Read the first run of a statement without parameters, selected as STORE__RUN_COLUMNS.
-BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, store__row *ret_row,
-                                          bool *ret_has_row, bf_error *err);
-
-/// Find the running run with the least id beyond `after` ("": any).
-BF_MUST_CHECK bf_status store__next_running(store__connection *c, const char *after,
-                                            store__row *ret_row, bool *ret_has_row, bf_error *err);
+/// Read the first run of a statement, selected as STORE__RUN_COLUMNS, whose only parameter is this text, or
+/// which has none (NULL).
+BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
+                                          store__row *ret_row, bool *ret_has_row, bf_error *err);
 
 /// Find a run by its id. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,
@@ -196,50 +157,86 @@ BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, st
 /// Write a changed run back, with a new revision.
 BF_MUST_CHECK bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err);
 
-/// Insert a run; row->number follows. What is not known before it runs is for store__tell_row().
+/// Insert a run; row->rowid follows. What is not known before it runs is for store__emit_events().
 BF_MUST_CHECK bf_status store__insert_row(store__connection *writer, store__row *row,
                                           bf_error *err);
 
-/// Insert an event of a run; row->run.last_event follows. item is the index of the snapshot or of the
-/// curve's first sample.
+/// Insert an event of a run; last_event follows. item: index of the snapshot or of the first sample.
 BF_MUST_CHECK bf_status store__insert_event(store__connection *writer, store__row *row,
                                             api_event_type type, uint64_t item,
                                             const bf_buffer *data, bf_error *err);
 
 /// Insert the status event of a run as it is, and the end event if it has ended, and save the row.
-BF_MUST_CHECK bf_status store__tell_row(store__connection *writer, store__row *row, bf_error *err);
+BF_MUST_CHECK bf_status store__emit_events(store__connection *writer, store__row *row,
+                                           bf_error *err);
 
-/// Move a run to another state, tell it and save the row; an end drops the checkpoint (I3, I7).
+/// Move a run to another state, emit its events and save the row; an end drops the checkpoint (I3, I7).
 /// BF_ECONFLICT: the state may not follow.
-BF_MUST_CHECK bf_status store__move_row(store__connection *writer, store__row *row, run_state to,
-                                        bf_error *err);
+BF_MUST_CHECK bf_status store__transition(store__connection *writer, store__row *row, run_state to,
+                                          bf_error *err);
 
 /// Insert or replace a text of a run.
-BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t number, store__text kind,
+BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t rowid, store__text kind,
                                         const char *text, size_t n, bf_error *err);
 
 /// Append a text of a run to *out. BF_ENOTFOUND: there is none.
-BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t number, store__text kind,
+BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t rowid, store__text kind,
                                         bf_buffer *out, bf_error *err);
 
 /// Append bytes, compressed, to *out.
 BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
 
-/// Append what was packed to *out. BF_ECORRUPT: damaged.
-BF_MUST_CHECK bf_status store__unpack(const bf_buffer *packed, bf_buffer *out, bf_error *err);
+/// Append what was compressed to *out. BF_ECORRUPT: damaged.
+BF_MUST_CHECK bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err);
 
-/// Insert a packed blob in chunks.
+/// Insert a compressed blob in chunks.
 BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t results,
                                              store__blob kind, uint64_t item,
-                                             const bf_buffer *packed, bf_error *err);
+                                             const bf_buffer *compressed, bf_error *err);
 
-/// Append the chunks of a packed blob to *out; nothing if there is none.
+/// Append the chunks of a compressed blob to *out; nothing if there is none.
 BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind,
                                           uint64_t item, bf_buffer *out, bf_error *err);
 
-/// Delete a packed blob.
+/// Delete a compressed blob.
 BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t results,
                                              store__blob kind, uint64_t item, bf_error *err);
+
+/// Insert an empty set of results for a run that will be solved; row->results follows. digest NULL:
+/// no other run will use it.
+BF_MUST_CHECK bf_status store__insert_results(store__connection *writer,
+                                              const unsigned char *digest, store__row *row,
+                                              bf_error *err);
+
+/// Move a set of results on in its life.
+BF_MUST_CHECK bf_status store__mark_results(store__connection *writer, int64_t results,
+                                            store__results state, bf_error *err);
+
+/// What was begun by another version of the solver and is not complete is not for other runs.
+BF_MUST_CHECK bf_status store__invalidate_results(store__connection *writer, bf_error *err);
+
+/// Find a run with complete results of this digest and of this solver.
+BF_MUST_CHECK bf_status store__find_solved(store__connection *c,
+                                           const unsigned char digest[STORE__DIGEST_SIZE],
+                                           store__row *ret_row, bool *ret_is_solved, bf_error *err);
+
+/// Insert *row as a run that has succeeded with the results of *solved, all its texts and events
+/// included, and save it.
+BF_MUST_CHECK bf_status store__reuse_results(store__connection *writer, const store__row *solved,
+                                             const bf_buffer *scenario, const bf_buffer *summary,
+                                             store__row *row, bf_error *err);
+
+/// Delete one step of results that no run has. *ret_is_over: nothing is left; else they are marked orphaned.
+BF_MUST_CHECK bf_status store__collect_results(store__connection *writer, int64_t results,
+                                               bool *ret_is_over, bf_error *err);
+
+/// Remove a run, and one step of its results; see store__collect_results().
+BF_MUST_CHECK bf_status store__remove_row(store__connection *writer, const store__row *row,
+                                          bool *ret_is_over, bf_error *err);
+
+/// Delete the answers to idempotency keys from before a time.
+BF_MUST_CHECK bf_status store__expire_keys(store__connection *writer, int64_t before_ms,
+                                           bf_error *err);
 
 /// Find a snapshot's row. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
@@ -247,4 +244,7 @@ BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t 
                                              bf_error *err);
 
 /// Under the store's lock, which is given meanwhile: do one step of the store's own work, if it is time.
-void store__take_care(store *s);
+void store__apply_retention(store *s);
+
+/// Count the runs by the writer's connection, and look at the files.
+BF_MUST_CHECK bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err);

@@ -1,8 +1,11 @@
 // Accepting runs. In one transaction: the first answer to the key is looked for; without one, known
 // results; without them, there is a new run to be solved, if the client's quota and then the queue have
-// room; and the answer is kept under the key.
+// room; and the answer is stored under the key.
+//
+// The first answer to a request with an idempotency key is stored in the transaction of the run that it describes, so
+// that the same request gets it again, whatever happened in between (I11). Its table is called `answers`.
 
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
 #include "api/results/results.h"
 #include "api/results/run_json.h"
@@ -11,9 +14,125 @@
 #include "server/base/run_id.h"
 
 #include <math.h>
+#include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
+
+enum { KEYS_MAX = 100000 }; // answers that are stored for requests that come again
+
+/// A key that a request uses at the moment; on its caller's stack.
+struct store__key {
+    const char *route;                        ///< keys of different routes are different keys
+    const char *text;                         ///< the key; "": none
+    unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
+    store__key *next;                         ///< in the store's list
+};
+
+static bool are_same(const store__key *a, const store__key *b)
+{
+    return strcmp(a->text, b->text) == 0 && strcmp(a->route, b->route) == 0;
+}
+
+static bf_status use_key(store *s, store__key *key, const void *body, size_t n_body, bf_error *err)
+{
+    if (key->text[0] == '\0')
+        return BF_OK;
+    (void)crypto_hash_sha256(key->digest, body, n_body);
+    lock_take(&s->lock);
+    const store__key *used = s->keys;
+    while (used != NULL && !are_same(used, key))
+        used = used->next;
+    if (used == NULL) {
+        key->next = s->keys;
+        s->keys = key;
+    }
+    lock_give(&s->lock);
+    if (used == NULL)
+        return BF_OK;
+    return bf_fail(err, BF_ECONFLICT, "",
+                   "a request with this Idempotency-Key is being answered: try again");
+}
+
+static void free_key(store *s, store__key *key)
+{
+    if (key->text[0] == '\0')
+        return;
+    lock_take(&s->lock);
+    store__key **at = &s->keys;
+    while (*at != key)
+        at = &(*at)->next;
+    *at = key->next;
+    lock_give(&s->lock);
+}
+
+bf_status store__expire_keys(store__connection *writer, int64_t before_ms, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_EXPIRE_KEYS);
+    store__bind_integer(&q, before_ms);
+    return store__run(&q, err);
+}
+
+static bf_status read_answer(const store__query *q, const store__key *key, api_acceptance *accepted,
+                             bf_error *err)
+{
+    const void *digest = sqlite3_column_blob(q->statement, 0);
+
+    if (digest == NULL || sqlite3_column_bytes(q->statement, 0) != STORE__DIGEST_SIZE ||
+        memcmp(digest, key->digest, STORE__DIGEST_SIZE) != 0)
+        return bf_fail(err, BF_EINPUT, "",
+                       "the Idempotency-Key was used before with another body: take a new one");
+    (void)snprintf(accepted->id, sizeof accepted->id, "%s",
+                   (const char *)sqlite3_column_text(q->statement, 1));
+    accepted->revision = (uint64_t)sqlite3_column_int64(q->statement, 2);
+    accepted->is_replay = true;
+    return store__column_bytes(q, 3, &accepted->answer, err);
+}
+
+static bf_status find_answer(store__connection *writer, const store__key *key, int64_t since_ms,
+                             api_acceptance *accepted, bf_error *err)
+{
+    bool has_row = false;
+
+    if (key->text[0] == '\0')
+        return BF_OK;
+    bf_status status = store__expire_keys(writer, since_ms, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(writer, STORE__SQL_FIND_KEY);
+    store__bind_text(&q, key->route, strlen(key->route));
+    store__bind_text(&q, key->text, strlen(key->text));
+    status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = read_answer(&q, key, accepted, err);
+    store__end(&q);
+    return status;
+}
+
+// The oldest go when there are too many. Their numbers rise without gaps.
+static bf_status trim_keys(store__connection *writer, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_TRIM_KEYS);
+    store__bind_integer(&q, sqlite3_last_insert_rowid(writer->db) - KEYS_MAX);
+    return store__run(&q, err);
+}
+
+static bf_status insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
+                               const api_acceptance *accepted, bf_error *err)
+{
+    if (key->text[0] == '\0')
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_INSERT_KEY);
+    store__bind_text(&q, key->route, strlen(key->route));
+    store__bind_text(&q, key->text, strlen(key->text));
+    store__bind_blob(&q, key->digest, sizeof key->digest);
+    store__bind_text(&q, accepted->id, strlen(accepted->id));
+    store__bind_integer(&q, (int64_t)accepted->revision);
+    store__bind_integer(&q, at_ms);
+    store__bind_text(&q, accepted->answer.bytes, accepted->answer.n);
+    bf_status status = store__run(&q, err);
+    return status == BF_OK ? trim_keys(writer, err) : status;
+}
 
 /// A submission, and what becomes of it.
 typedef struct submit_context {
@@ -87,12 +206,12 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
     if (status == BF_OK)
         status = store__insert_row(writer, row, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_SCENARIO, scenario->bytes,
+        status = store__put_text(writer, row->rowid, STORE__TEXT_SCENARIO, scenario->bytes,
                                  scenario->n, err);
     if (status == BF_OK)
-        status = store__put_text(writer, row->number, STORE__TEXT_COLUMNS, columns->bytes,
+        status = store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns->bytes,
                                  columns->n, err);
-    return status == BF_OK ? store__tell_row(writer, row, err) : status;
+    return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 
 // The summary of a solved run becomes the new one's.
@@ -103,7 +222,7 @@ static bf_status adapt_summary(store__connection *writer, const store__row *solv
 
     if (!solved->run.has_summary)
         return BF_OK;
-    bf_status status = store__get_text(writer, solved->number, STORE__TEXT_SUMMARY, &text, err);
+    bf_status status = store__get_text(writer, solved->rowid, STORE__TEXT_SUMMARY, &text, err);
     if (status == BF_OK)
         status = results_summary_cached(text.bytes, text.n, scenario->bytes, scenario->n, out, err);
     buffer_fini(&text);
@@ -130,7 +249,7 @@ static bf_status accept_solved(store__connection *writer, submit_context *contex
         return BF_OK;
     }
     if (status == BF_OK)
-        status = store__share_results(writer, &solved, &submission->scenario, &summary,
+        status = store__reuse_results(writer, &solved, &submission->scenario, &summary,
                                       &context->row, err);
     buffer_fini(&summary);
     *ret_is_solved = status == BF_OK;
@@ -152,20 +271,34 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
         return status;
     memcpy(accepted->id, record->id, API_ID_SIZE);
     accepted->revision = record->revision;
-    return store__keep_answer(writer, &context->key, record->created_ms, accepted, err);
+    return insert_answer(writer, &context->key, record->created_ms, accepted, err);
 }
 
 static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
 {
     submit_context *context = operation->context;
-    int64_t since_ms = context->row.run.created_ms - context->store->answers_ms;
+    int64_t since_ms = context->row.run.created_ms - context->store->idempotency_ms;
 
-    bf_status status = store__find_answer(writer, &context->key, since_ms, &context->accepted, err);
+    bf_status status = find_answer(writer, &context->key, since_ms, &context->accepted, err);
     if (status != BF_OK || context->accepted.is_replay)
         return status;
     status = accept(writer, context, err);
     memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
     return status;
+}
+
+static void digest_work(const api_submission *submission,
+                        unsigned char ret_digest[STORE__DIGEST_SIZE])
+{
+    const char *model = run_model_words[submission->model];
+    crypto_hash_sha256_state s;
+
+    (void)crypto_hash_sha256_init(&s);
+    // The word's terminator parts it from the document.
+    (void)crypto_hash_sha256_update(&s, (const unsigned char *)model, strlen(model) + 1);
+    (void)crypto_hash_sha256_update(&s, (const unsigned char *)submission->identity.bytes,
+                                    submission->identity.n);
+    (void)crypto_hash_sha256_final(&s, ret_digest);
 }
 
 static void fill_row(const api_submission *submission, store__row *row)
@@ -190,13 +323,13 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
 
     bf_status status = run_id_make(context.row.run.id, err);
     if (status == BF_OK)
-        status = store__use_key(s, &context.key, submission->body, submission->n_body, err);
+        status = use_key(s, &context.key, submission->body, submission->n_body, err);
     if (status != BF_OK)
         return status;
     fill_row(submission, &context.row);
-    store__digest_work(submission, context.digest);
+    digest_work(submission, context.digest);
     status = store__write(s, apply_submit, &context, err);
-    store__free_key(s, &context.key);
+    free_key(s, &context.key);
     if (status == BF_OK)
         *ret_acceptance = context.accepted;
     else

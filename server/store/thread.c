@@ -1,7 +1,7 @@
 // The store's thread. It takes all operations that wait, does them in one transaction, each inside
-// a savepoint of its own, and answers them after the commit (I1). While it syncs, the next ones
+// a savepoint of its own, and lets their callers go on after the commit (I1). While it syncs, the next ones
 // gather: the busier the store, the larger the groups. Between two groups it does a step of what it
-// does by itself (store_care.c), when it is time.
+// does by itself (retention.c), when it is time.
 //
 // Threads  an operation lives on its caller's stack. From store__write() until is_done, which is
 //          set under the lock, it belongs to the store's thread. The writing connection belongs to
@@ -16,6 +16,8 @@
 #include <signal.h>
 #include <sqlite3.h>
 #include <string.h>
+
+enum { COUNT_MS = 1000 }; // between two counts of the stats
 
 // Do one operation so that its failure undoes nothing but itself.
 static bf_status apply_alone(store__connection *writer, store__operation *operation, bf_error *err)
@@ -45,7 +47,7 @@ static void fail_group(store__operation *first, bf_status status, const bf_error
         }
 }
 
-static void note_group(const store__operation *first, bf_status status, int64_t begin_ns)
+static void observe_group(const store__operation *first, bf_status status, int64_t begin_ns)
 {
     int64_t n = 0;
 
@@ -70,10 +72,10 @@ static void apply_group(store__connection *writer, store__operation *first)
     status = store__end_transaction(writer, status, &error);
     if (status != BF_OK)
         fail_group(first, status, &error);
-    note_group(first, status, begin_ns);
+    observe_group(first, status, begin_ns);
 }
 
-static bool is_told_before(const store__operation *first, const store__operation *operation)
+static bool is_notified_before(const store__operation *first, const store__operation *operation)
 {
     for (const store__operation *o = first; o != operation; o = o->next)
         if (o->status == BF_OK && strcmp(o->changed, operation->changed) == 0)
@@ -81,12 +83,12 @@ static bool is_told_before(const store__operation *first, const store__operation
     return false;
 }
 
-static void tell_listener(const store *s, const store__operation *first)
+static void notify_listener(const store *s, const store__operation *first)
 {
     if (s->listener == NULL)
         return;
     for (const store__operation *o = first; o != NULL; o = o->next)
-        if (o->status == BF_OK && o->changed[0] != '\0' && !is_told_before(first, o))
+        if (o->status == BF_OK && o->changed[0] != '\0' && !is_notified_before(first, o))
             s->listener(s->listener_context, o->changed);
 }
 
@@ -138,25 +140,25 @@ static void finish_group(store *s, store__operation *first)
 // Count what the operations since the last time have changed, but not too often.
 static void count_if_due(store *s)
 {
-    store_figures figures;
+    store_stats stats;
 
     lock_assert_held(&s->lock);
-    if (!s->tally.has_changed || clock_monotonic_ms() < s->tally.count_at_ms)
+    if (!s->has_new_stats || clock_monotonic_ms() < s->count_at_ms)
         return;
-    s->tally.has_changed = false;
+    s->has_new_stats = false;
     lock_give(&s->lock);
-    bf_status status = store__count(s, &figures, NULL);
+    bf_status status = store__count_stats(s, &stats, NULL);
     lock_take(&s->lock);
-    // What could not be counted stays as it was; whoever writes learns of the trouble.
+    // What could not be counted stays as it was; writers report the fault.
     if (status == BF_OK)
-        s->tally.figures = figures;
-    s->tally.count_at_ms = clock_monotonic_ms() + STORE__COUNT_MS;
+        s->stats = stats;
+    s->count_at_ms = clock_monotonic_ms() + COUNT_MS;
 }
 
 static int64_t due_ms(const store *s)
 {
-    bool counts_first = s->tally.has_changed && s->tally.count_at_ms < s->care.next_ms;
-    return counts_first ? s->tally.count_at_ms : s->care.next_ms;
+    bool counts_first = s->has_new_stats && s->count_at_ms < s->turn.next_ms;
+    return counts_first ? s->count_at_ms : s->turn.next_ms;
 }
 
 // Sleep until there are operations, the end, a question for the pulse, or something is due.
@@ -166,19 +168,18 @@ static void wait_for_work(store *s)
     bool is_time = true;
 
     lock_assert_held(&s->lock);
-    while (is_time && queue->first == NULL && !queue->is_stopping &&
-           !pulse_is_asked(&s->tally.pulse))
+    while (is_time && queue->first == NULL && !queue->is_stopping && !pulse_is_asked(&s->pulse))
         is_time = lock_wait(&s->writing.filled, &s->lock, due_ms(s));
-    pulse_answer(&s->tally.pulse);
+    pulse_answer(&s->pulse);
 }
 
 static void do_group(store *s, store__operation *first)
 {
     lock_give(&s->lock);
     apply_group(&s->writer, first);
-    tell_listener(s, first);
+    notify_listener(s, first);
     finish_group(s, first);
-    s->tally.has_changed = true;
+    s->has_new_stats = true;
 }
 
 static void *write_groups(void *context)
@@ -191,7 +192,7 @@ static void *write_groups(void *context)
         store__operation *first = take_all(s, &s->writing);
         if (first != NULL)
             do_group(s, first);
-        store__take_care(s);
+        store__apply_retention(s);
         count_if_due(s);
     }
     lock_give(&s->lock);

@@ -1,5 +1,5 @@
-/// What the supervisor does with the store: it takes runs from the queue, stores what they tell, and says
-/// how they end. Threads, errors and invariants are those of store.h.
+/// What the supervisor does with the store: it takes runs from the queue, stores what they send, and ends
+/// them. Threads, errors and invariants are those of store.h.
 
 #pragma once
 
@@ -26,7 +26,7 @@ BF_MUST_CHECK bf_status store_read_job(store *s, const char *id, store_job *ret_
 /// Free what *job owns and zero it. NULL is fine.
 void store_job_fini(store_job *job);
 
-/// One thing that a running run told, ready for the store.
+/// One thing that a running run sent, ready for the store.
 typedef struct store_item {
     api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE or _SNAPSHOT
     bf_buffer event;       ///< data of the event: a JSON object
@@ -39,7 +39,7 @@ typedef struct store_item {
     bf_buffer parts;       ///< snapshot: rows of doubles, uncompressed; empty if there are none
 } store_item;
 
-/// A batch of what one running run told, in order.
+/// A batch of what one running run sent, in order.
 typedef struct store_batch {
     const char *run_id;     ///< whose
     size_t n;               ///< items
@@ -50,14 +50,14 @@ typedef struct store_batch {
     const bf_grid *grid;    ///< of the snapshots; NULL: as before
     api_parts parts;        ///< of the snapshots, where grid is given
     uint64_t step;          ///< of checkpoint
-    const void *checkpoint; ///< n_checkpoint bytes; NULL: keep the one before
+    const void *checkpoint; ///< n_checkpoint bytes; NULL: the one before stays
     size_t n_checkpoint;    ///< bytes
 } store_batch;
 
 /// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
 /// not fit the run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots
 /// that are stored already are left out, and their events with them; of a curve item that is stored
-/// in part the rest is stored, and its event not told again for the part that was (I4): the store
+/// in part the rest is stored, and its event covers that rest only (I4): the store
 /// cuts t, values and event data by events_curve().
 BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
 
@@ -88,7 +88,7 @@ typedef struct store_ending {
 BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
                                      bf_error *err);
 
-/// Keep the executor's id of a running run's job, so that the daemon after this one finds it again. It is
+/// Store the executor's id of a running run's job, so that the daemon after this one finds it again. It is
 /// forgotten when the run ends or is queued again. BF_ECONFLICT: the run is not running.
 BF_MUST_CHECK bf_status store_set_external_id(store *s, const char *id, const char *external_id,
                                               bf_error *err);

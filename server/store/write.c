@@ -1,4 +1,4 @@
-#include "server/store/share_priv.h"
+#include "server/store/store_priv.h"
 
 #include <string.h>
 
@@ -36,7 +36,7 @@ static bf_status put_summary(store__connection *writer, const store_ending *endi
     if (ending->summary == NULL)
         return BF_OK;
     row->run.has_summary = true;
-    return store__put_text(writer, row->number, STORE__TEXT_SUMMARY, ending->summary,
+    return store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, ending->summary,
                            ending->n_summary, err);
 }
 
@@ -54,7 +54,7 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
     if (context->ending->state == RUN_FAILED)
         row->run.error = context->ending->error;
     status = put_summary(writer, context->ending, row, err);
-    return status == BF_OK ? store__move_row(writer, row, context->ending->state, err) : status;
+    return status == BF_OK ? store__transition(writer, row, context->ending->state, err) : status;
 }
 
 bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
@@ -76,7 +76,7 @@ static bf_status request_stop(store__connection *writer, store__operation *opera
         return BF_OK;
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
     store__query q = store__begin(writer, STORE__SQL_REQUEST_STOP);
-    store__bind_integer(&q, row->number);
+    store__bind_integer(&q, row->rowid);
     store__bind_integer(&q, how);
     return store__run(&q, err);
 }
@@ -94,7 +94,7 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     if (run_state_is_end(row->run.state))
         return bf_fail(err, BF_ECONFLICT, "", "the run has ended: it is %s",
                        run_state_word(row->run.state));
-    return store__move_row(writer, row, RUN_CANCELLED, err);
+    return store__transition(writer, row, RUN_CANCELLED, err);
 }
 
 bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run, bf_error *err)
@@ -134,11 +134,12 @@ static bf_status apply_remove(store__connection *writer, store__operation *opera
     return store__remove_row(writer, &row, &context->is_over, err);
 }
 
-static bf_status apply_sweep(store__connection *writer, store__operation *operation, bf_error *err)
+static bf_status apply_collect(store__connection *writer, store__operation *operation,
+                               bf_error *err)
 {
     remove_context *context = operation->context;
 
-    return store__sweep_results(writer, context->results, &context->is_over, err);
+    return store__collect_results(writer, context->results, &context->is_over, err);
 }
 
 bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *err)
@@ -149,7 +150,7 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
     if (status == BF_OK && context.is_running)
         return bf_fail(err, BF_ECONFLICT, "", "the run is running: it has been asked to stop");
     // The run is gone with the first step. What a failure leaves over is deleted in time.
-    for (bf_status swept = status; swept == BF_OK && !context.is_over;)
-        swept = store__write(s, apply_sweep, &context, NULL);
+    for (bf_status collected = status; collected == BF_OK && !context.is_over;)
+        collected = store__write(s, apply_collect, &context, NULL);
     return status;
 }

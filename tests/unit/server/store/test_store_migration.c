@@ -3,8 +3,8 @@
 
 #include "tests/unit/server/helper_store.h"
 
+#include "server/store/backup.h"
 #include "server/store/store_priv.h"
-#include "server/store/verify.h"
 
 #include <fcntl.h>
 #include <float.h>

@@ -246,10 +246,10 @@ static void commits_are_synced_and_readers_only_read(void **state)
     assert_int_equal(setting_of(&s->writer, "PRAGMA synchronous"), 2);
     assert_int_equal(setting_of(&s->writer, "PRAGMA foreign_keys"), 1);
     assert_true(setting_of(&s->writer, "PRAGMA journal_size_limit") > 0);
-    assert_int_equal(store__take_reader(s, &reader, NULL), BF_OK);
+    assert_int_equal(store__acquire_reader(&s->pool, &reader, NULL), BF_OK);
     assert_int_equal(setting_of(reader, "PRAGMA wal_autocheckpoint"), 0);
     assert_int_equal(sqlite3_db_readonly(reader->db, "main"), 1);
-    store__give_reader(s, reader);
+    store__release_reader(&s->pool, reader);
 }
 
 static void closing_leaves_one_file_and_no_log(void **state)

@@ -20,7 +20,7 @@ static void open_with(helper_store *h, store_retention limits, store_listener *l
                               .listener = listener,
                               .listener_context = listener_context,
                               .retention = limits,
-                              .care_ms = 10 };
+                              .retention_interval_ms = 10 };
     bf_error err = { 0 };
 
     if (h->store != NULL)

@@ -11,15 +11,15 @@
 #include <unistd.h>
 
 // The figures once their run of this state are n; fails after ten seconds.
-static store_figures await_figures(store *s, run_state state, uint64_t n)
+static store_stats await_figures(store *s, run_state state, uint64_t n)
 {
     int64_t until_ms = clock_monotonic_ms() + 10000;
-    store_figures f;
+    store_stats f;
 
-    store_read_figures(s, &f);
+    store_read_stats(s, &f);
     while (f.n_runs[state] != n && clock_monotonic_ms() < until_ms) {
         assert_int_equal(usleep(10000), 0);
-        store_read_figures(s, &f);
+        store_read_stats(s, &f);
     }
     assert_int_equal(f.n_runs[state], n);
     return f;
@@ -28,9 +28,9 @@ static store_figures await_figures(store *s, run_state state, uint64_t n)
 static void figures_follow_what_is_written(void **state)
 {
     store *s = ((helper_store *)*state)->store;
-    store_figures f;
+    store_stats f;
 
-    store_read_figures(s, &f);
+    store_read_stats(s, &f);
     for (int i = 0; i < RUN_STATE_COUNT; i++)
         assert_int_equal(f.n_runs[i], 0);
     assert_int_equal(f.oldest_queued_ms, 0);
@@ -52,14 +52,14 @@ static void figures_follow_what_is_written(void **state)
 static void figures_are_there_as_soon_as_the_store_is_open(void **state)
 {
     helper_store *h = *state;
-    store_figures f;
+    store_stats f;
 
     (void)helper_submit(h->store, "", 0);
     (void)helper_claim(h->store);
     (void)helper_submit(h->store, "", 0);
     helper_store_close(h);
     helper_store_open(h);
-    store_read_figures(h->store, &f);
+    store_read_stats(h->store, &f);
     assert_int_equal(f.n_runs[RUN_QUEUED], 2); // the one that was running waits again
     assert_true(f.oldest_queued_ms > 0);
 }

@@ -134,7 +134,9 @@ static void a_refusal_is_no_answer(void **state)
 static void an_answer_is_kept_for_its_time(void **state)
 {
     helper_store *h = *state;
-    store_options options = { .directory = h->directory, .queue_limit = 9, .answers_ms = 3600000 };
+    store_options options = { .directory = h->directory,
+                              .queue_limit = 9,
+                              .idempotency_ms = 3600000 };
     api_acceptance old = accept(h->store, "old", "body");
     api_acceptance young = accept(h->store, "young", "body");
 

@@ -1,21 +1,26 @@
-/// Private to the store: connections to the database, and the use of their statements.
+/// Inside the store: the database, that is its schema, connections to it and the use of their statements.
+/// Knows nothing of runs.
 
 #pragma once
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
+#include "server/base/lock.h"
 #include "server/store/sql.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { STORE__BUSY_MS = 5000 }; ///< how long SQLite waits for a lock of its own
+enum {
+    STORE__BUSY_MS = 5000,  ///< how long SQLite waits for a lock of its own
+    STORE__READERS_MAX = 8, ///< connections that read at once
+};
 
 struct sqlite3;
 struct sqlite3_stmt;
 
-/// The statements of store_sql.h.
+/// The statements of sql.h.
 typedef enum store__sql {
 #define X(name, text) STORE__SQL_##name,
     STORE__SQL_LIST(X)
@@ -37,7 +42,7 @@ typedef enum store__access {
     STORE__READ_ONLY,  ///< a reader's
 } store__access;
 
-/// A use of a statement. A failure is remembered: further calls do nothing and store__next() tells.
+/// A use of a statement. A failure is remembered: further calls do nothing and store__next() returns it.
 typedef struct store__query {
     store__connection *connection;  ///< whose statement it is
     struct sqlite3_stmt *statement; ///< NULL: could not be prepared
@@ -45,7 +50,7 @@ typedef struct store__query {
     int code;                       ///< SQLite's first failure
 } store__query;
 
-/// Open the database at path. The caller gives *ret_connection to store__disconnect(), and does not
+/// Open the database at path. The caller closes *ret_connection by store__disconnect(), and does not
 /// move it.
 BF_MUST_CHECK bf_status store__connect(const char *path, store__access access,
                                        store__connection *ret_connection, bf_error *err);
@@ -90,3 +95,36 @@ BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, b
 /// Returns status, or the failure of the commit.
 BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,
                                                bf_error *err);
+
+/// The connections that read.
+typedef struct store__pool {
+    const char *path;                              ///< of the database; borrowed
+    lock lock;                                     ///< guards is_taken
+    lock_condition released;                       ///< a reader was released
+    bool is_taken[STORE__READERS_MAX];             ///< by a thread, which then owns the connection
+    store__connection readers[STORE__READERS_MAX]; ///< opened when first taken
+} store__pool;
+
+/// Prepare a pool without readers for the database at path, which must stay.
+void store__init_pool(store__pool *pool, const char *path);
+
+/// Close all readers; all must have been released.
+void store__fini_pool(store__pool *pool);
+
+/// Get a reader with a transaction begun, waiting for one if need be. Release it soon.
+BF_MUST_CHECK bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader,
+                                              bf_error *err);
+
+/// End the transaction and let others have the reader.
+void store__release_reader(store__pool *pool, store__connection *reader);
+
+/// The texts that bring a store from version i to i + 1, and the version of this program.
+extern const char *const store__migrations[];
+extern const int store__version;
+
+/// Check that the file is a store of ours, not newer than this program, or empty: *ret_version 0.
+BF_MUST_CHECK bf_status store__identify(struct sqlite3 *db, const char *path, int *ret_version,
+                                        bf_error *err);
+
+/// Check that the file is a store of ours and bring its tables to this program's version.
+BF_MUST_CHECK bf_status store__migrate(store__connection *writer, const char *path, bf_error *err);

@@ -1,0 +1,291 @@
+// Events: inserted by the operation that they report (I7), and read for several runs in the order of their
+// ids. Events that are read are copied before they are passed on: their taker may ask the store for more, and
+// no reader waits for it.
+
+#include "server/store/store_priv.h"
+
+#include "api/results/events.h"
+#include "core/base/check.h"
+#include "core/base/memory.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+bf_status store__insert_event(store__connection *writer, store__row *row, api_event_type type,
+                              uint64_t item, const bf_buffer *data, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_INSERT_EVENT);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, type);
+    store__bind_integer(&q, (int64_t)item);
+    store__bind_text(&q, data->bytes, data->n);
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK)
+        row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
+    return status;
+}
+
+bf_status store__emit_events(store__connection *writer, store__row *row, bf_error *err)
+{
+    bf_buffer data = { 0 };
+
+    bf_status status = events_status(&row->run, &data, err);
+    if (status == BF_OK)
+        status = store__insert_event(writer, row, API_EVENT_STATUS, 0, &data, err);
+    if (status == BF_OK && run_state_is_end(row->run.state)) {
+        data.n = 0;
+        status = events_end(&row->run, &data, err);
+        if (status == BF_OK)
+            status = store__insert_event(writer, row, API_EVENT_END, 0, &data, err);
+    }
+    buffer_fini(&data);
+    return status == BF_OK ? store__save_row(writer, row, err) : status;
+}
+
+/// A batch of samples as it is stored.
+typedef struct samples {
+    size_t n;
+    bf_buffer t;
+    bf_buffer values;
+    bf_buffer columns; ///< of the curve
+} samples;
+
+static bf_status get_samples(store__connection *reader, const store__row *row, uint64_t first,
+                             samples *got, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_GET_SAMPLES);
+    store__bind_integer(&q, row->results);
+    store__bind_integer(&q, (int64_t)first);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row) {
+        got->n = (size_t)sqlite3_column_int64(q.statement, 0);
+        status = store__column_bytes(&q, 1, &got->t, err);
+    }
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 2, &got->values, err);
+    store__end(&q);
+    return status == BF_OK
+               ? store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &got->columns, err)
+               : status;
+}
+
+static bf_status describe_curve(store__connection *reader, const store__row *row, uint64_t first,
+                                bf_buffer *out, bf_error *err)
+{
+    samples got = { 0 };
+
+    bf_status status = get_samples(reader, row, first, &got, err);
+    size_t n_columns = 1;
+    for (size_t i = 0; i < got.columns.n; i++)
+        n_columns += got.columns.bytes[i] == ',';
+    frame_curve curve = {
+        .first = first,
+        .n = (uint32_t)got.n,
+        .n_columns = (uint32_t)n_columns,
+        .t = (const double *)(const void *)got.t.bytes,
+        .values = (const double *)(const void *)got.values.bytes,
+    };
+    bool is_whole = got.n > 0 && got.t.n == got.n * sizeof(double) &&
+                    got.values.n == got.n * n_columns * sizeof(double);
+    if (status == BF_OK && !is_whole)
+        status = bf_fail(err, BF_ECORRUPT, "", "the stored curve is damaged at sample %llu",
+                         (unsigned long long)first);
+    if (status == BF_OK)
+        status = events_curve(row->run.id, &curve, got.columns.bytes, out, err);
+    buffer_fini(&got.t);
+    buffer_fini(&got.values);
+    buffer_fini(&got.columns);
+    return status;
+}
+
+static bf_status describe_snapshot(store__connection *reader, const store__row *row, uint64_t index,
+                                   bf_buffer *out, bf_error *err)
+{
+    api_snapshot found;
+
+    bf_status status = store__find_snapshot(reader, row->results, index, &found, err);
+    if (status != BF_OK)
+        return status;
+    frame_snapshot about = {
+        .index = index,
+        .t = found.t,
+        .peak = found.peak,
+        .mass = found.mass,
+        .n1 = (uint32_t)row->grid.n1,
+        .n2 = (uint32_t)row->grid.n2,
+    };
+    return events_snapshot(row->run.id, &about, row->parts.n_values > 0, out, err);
+}
+
+static bf_status describe_reused(store__connection *reader, const store__row *row,
+                                 api_event_type type, uint64_t item, bf_buffer *out, bf_error *err)
+{
+    return type == API_EVENT_CURVE ? describe_curve(reader, row, item, out, err)
+                                   : describe_snapshot(reader, row, item, out, err);
+}
+
+/// An event whose data stand in a buffer.
+typedef struct copied_event {
+    uint64_t id;
+    api_event_type type;
+    uint64_t snapshot;
+    size_t which; ///< index of the run in the caller's list
+    size_t at;    ///< where the data begin
+    size_t n;     ///< bytes of data
+} copied_event;
+
+/// A merge of the events of several runs.
+typedef struct event_merge {
+    size_t n_runs;
+    store__row *rows;                    ///< of the runs; number 0: there is none any more
+    uint64_t heads[API_STREAM_RUNS_MAX]; ///< id of each run's next event; 0: none
+    bf_buffer copied;                    ///< copied_event
+    bf_buffer data;                      ///< of all of them
+} event_merge;
+
+static bf_status find_head(store__connection *reader, event_merge *merge, size_t which,
+                           uint64_t after, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_NEXT_EVENT);
+    store__bind_integer(&q, merge->rows[which].rowid);
+    store__bind_integer(&q, (int64_t)after);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        merge->heads[which] = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
+    store__end(&q);
+    return status;
+}
+
+static bf_status copy_event(const store__query *q, event_merge *merge, size_t which, bf_error *err)
+{
+    copied_event copied = {
+        .id = merge->heads[which],
+        .type = (api_event_type)sqlite3_column_int(q->statement, 0),
+        .snapshot = (uint64_t)sqlite3_column_int64(q->statement, 1),
+        .which = which,
+        .at = merge->data.n,
+    };
+
+    bf_status status = store__column_bytes(q, 2, &merge->data, err);
+    if (status == BF_OK && merge->data.n == copied.at)
+        status = describe_reused(q->connection, &merge->rows[which], copied.type, copied.snapshot,
+                                 &merge->data, err);
+    if (status != BF_OK)
+        return status;
+    copied.n = merge->data.n - copied.at;
+    // Each text keeps the terminating zero that append writes.
+    if (buffer_append(&merge->data, "", 1) != BF_OK ||
+        buffer_append(&merge->copied, &copied, sizeof copied) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return BF_OK;
+}
+
+static bf_status copy_head(store__connection *reader, event_merge *merge, size_t which,
+                           bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_GET_EVENT);
+    store__bind_integer(&q, (int64_t)merge->heads[which]);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        status = has_row ? copy_event(&q, merge, which, err)
+                         : bf_fail(err, BF_ECORRUPT, "", "an index of the store is damaged");
+    store__end(&q);
+    return status == BF_OK ? find_head(reader, merge, which, merge->heads[which], err) : status;
+}
+
+// The run whose next event is the oldest; n_runs if there are no more.
+static size_t find_oldest(const event_merge *merge)
+{
+    size_t oldest = merge->n_runs;
+
+    for (size_t i = 0; i < merge->n_runs; i++)
+        if (merge->heads[i] != 0 &&
+            (oldest == merge->n_runs || merge->heads[i] < merge->heads[oldest]))
+            oldest = i;
+    return oldest;
+}
+
+static bf_status begin_merge(store__connection *reader, const char (*runs)[API_ID_SIZE],
+                             uint64_t after, event_merge *merge, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    for (size_t i = 0; i < merge->n_runs && status == BF_OK; i++) {
+        store__row *row = &merge->rows[i];
+        bf_status found = store__find_row(reader, runs[i], row, err);
+        if (found == BF_ENOTFOUND)
+            continue;
+        status = found == BF_OK && row->run.last_event > after
+                     ? find_head(reader, merge, i, after, err)
+                     : found;
+    }
+    return status;
+}
+
+static bf_status copy_events(store__connection *reader, const char (*runs)[API_ID_SIZE],
+                             uint64_t after, size_t limit_bytes, event_merge *merge, bf_error *err)
+{
+    bf_status status = begin_merge(reader, runs, after, merge, err);
+    bool is_full = false;
+
+    while (status == BF_OK && !is_full) {
+        size_t which = find_oldest(merge);
+        if (which == merge->n_runs)
+            break;
+        status = copy_head(reader, merge, which, err);
+        is_full = merge->data.n >= limit_bytes;
+    }
+    return status;
+}
+
+static bf_status pass_events(const event_merge *merge, const char (*runs)[API_ID_SIZE],
+                             api_event_fn *take, void *take_context, bf_error *err)
+{
+    const copied_event *copied = (const copied_event *)(const void *)merge->copied.bytes;
+    size_t n = merge->copied.n / sizeof *copied;
+    bf_status status = BF_OK;
+
+    for (size_t i = 0; i < n && status == BF_OK; i++) {
+        api_event event = {
+            .id = copied[i].id,
+            .type = copied[i].type,
+            .snapshot = copied[i].snapshot,
+            .n = copied[i].n,
+            .data = merge->data.bytes + copied[i].at,
+        };
+        memcpy(event.run, runs[copied[i].which], sizeof event.run);
+        status = take(take_context, &event, err);
+    }
+    return status;
+}
+
+bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_runs,
+                            uint64_t after, size_t limit_bytes, api_event_fn *take,
+                            void *take_context, bf_error *err)
+{
+    store__connection *reader = NULL;
+    event_merge merge = { .n_runs = n_runs };
+
+    BF_CHECK(n_runs <= API_STREAM_RUNS_MAX);
+    merge.rows = memory_alloc(n_runs, sizeof *merge.rows);
+    if (merge.rows == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status == BF_OK) {
+        status = copy_events(reader, runs, after, limit_bytes, &merge, err);
+        store__release_reader(&s->pool, reader);
+    }
+    if (status == BF_OK)
+        status = pass_events(&merge, runs, take, take_context, err);
+    memory_free(merge.rows);
+    buffer_fini(&merge.copied);
+    buffer_fini(&merge.data);
+    return status;
+}

@@ -1,0 +1,154 @@
+// What the store says about itself: counts of runs and sizes of files, a sign of life, and whether it can
+// write.
+
+#include "server/store/store_priv.h"
+
+#include "server/base/clock.h"
+
+#include <errno.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+
+enum {
+    READY_MS = 1000,            // how long a write test counts
+    FREE_MIN = 64 * 1024 * 1024 // bytes that must be free on the disk to be ready
+};
+
+static bf_status count_states(store__connection *writer, store_stats *stats, bf_error *err)
+{
+    bool has_row = true;
+
+    store__query q = store__begin(writer, STORE__SQL_COUNT_STATES);
+    bf_status status = store__next(&q, &has_row, err);
+    while (status == BF_OK && has_row) {
+        int state = sqlite3_column_int(q.statement, 0);
+        if (state >= 0 && state < RUN_STATE_COUNT)
+            stats->n_runs[state] = (uint64_t)sqlite3_column_int64(q.statement, 1);
+        status = store__next(&q, &has_row, err);
+    }
+    store__end(&q);
+    return status;
+}
+
+static bf_status find_oldest(store__connection *writer, store_stats *stats, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(writer, STORE__SQL_OLDEST_QUEUED);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        stats->oldest_queued_ms = sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    return status;
+}
+
+// Opening the database's files would do harm, looking at them does none.
+static uint64_t size_of(const char *path, const char *ending)
+{
+    char whole[STORE__PATH_SIZE + 8];
+    struct stat found;
+
+    (void)snprintf(whole, sizeof whole, "%s%s", path, ending);
+    return stat(whole, &found) == 0 ? (uint64_t)found.st_size : 0;
+}
+
+bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
+{
+    store_stats stats = { .file_bytes = size_of(s->path, ""),
+                          .log_bytes = size_of(s->path, "-wal") };
+
+    bf_status status = count_states(&s->writer, &stats, err);
+    if (status == BF_OK)
+        status = find_oldest(&s->writer, &stats, err);
+    if (status == BF_OK)
+        *ret_stats = stats;
+    return status;
+}
+
+void store_read_stats(store *s, store_stats *ret_stats)
+{
+    lock_take(&s->lock);
+    *ret_stats = s->stats;
+    lock_give(&s->lock);
+}
+
+void store_set_queue_limit(store *s, size_t limit)
+{
+    s->queue_limit = limit;
+}
+
+void store_set_client_quota(store *s, size_t quota)
+{
+    s->client_quota = quota;
+}
+
+bool store_is_alive(store *s)
+{
+    bool is_alive = !pulse_is_asked(&s->pulse);
+
+    lock_take(&s->lock);
+    pulse_ask(&s->pulse);
+    lock_wake_all(&s->writing.filled);
+    lock_give(&s->lock);
+    return is_alive;
+}
+
+static bf_status apply_probe(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    (void)operation;
+    store__query q = store__begin(writer, STORE__SQL_PROBE);
+    store__bind_integer(&q, clock_unix_ms());
+    return store__run(&q, err);
+}
+
+static bf_status find_free_bytes(const store *s, uint64_t *ret_bytes, bf_error *err)
+{
+    struct statvfs disk;
+
+    if (statvfs(s->directory, &disk) != 0)
+        return bf_fail(err, BF_ESYSTEM, "", "cannot ask for the free space of %s: %s", s->directory,
+                       strerror(errno));
+    *ret_bytes = (uint64_t)disk.f_bavail * disk.f_frsize;
+    return BF_OK;
+}
+
+static bf_status probe(store *s, bf_error *err)
+{
+    uint64_t n_free = 0;
+
+    bf_status status = find_free_bytes(s, &n_free, err);
+    if (status != BF_OK)
+        return status;
+    if (n_free < FREE_MIN)
+        return bf_fail(err, BF_ESYSTEM, "",
+                       "the disk of %.150s has %llu MiB left, fewer than the %d that are needed",
+                       s->directory, (unsigned long long)(n_free >> 20), FREE_MIN >> 20);
+    return store__write(s, apply_probe, NULL, err);
+}
+
+bf_status store_ready(store *s, bf_error *err)
+{
+    bf_error error = { 0 };
+
+    // A result counts for a while; two tests at once do no harm.
+    lock_take(&s->lock);
+    bool is_known = clock_monotonic_ms() < s->ready.until_ms;
+    bf_status status = s->ready.status;
+    if (is_known)
+        error = s->ready.error;
+    lock_give(&s->lock);
+    if (!is_known) {
+        status = probe(s, &error);
+        lock_take(&s->lock);
+        s->ready.status = status;
+        s->ready.error = error;
+        s->ready.until_ms = clock_monotonic_ms() + READY_MS;
+        lock_give(&s->lock);
+    }
+    if (status != BF_OK && err != NULL)
+        *err = error;
+    return status;
+}
