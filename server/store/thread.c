@@ -1,10 +1,13 @@
 // The store's thread. It takes all operations that wait, does them in one transaction, each inside
 // a savepoint of its own, and lets their callers go on after the commit (I1). While it syncs, the next ones
-// gather: the busier the store, the larger the groups. Between two groups it does a step of what it
-// does by itself (retention.c), when it is time.
+// gather: the busier the store, the larger the groups. Between two groups it does a step of retention
+// (retention.c), when it is time.
 //
-// Threads  an operation lives on its caller's stack. From store__write() until is_done, which is
-//          set under the lock, it belongs to the store's thread. The writing connection belongs to
+// Operations without a waiting caller pass the preparing thread first, which compresses while the store's
+// thread writes and syncs.
+//
+// Threads  from store__write() until is_done, which is set under the lock, or from store__begin_write()
+//          until its `finish`, an operation belongs to the threads here. The writing connection belongs to
 //          the store's thread alone while that runs (I2).
 
 #include "server/store/store_priv.h"

@@ -74,6 +74,62 @@ static void an_external_id_is_kept_while_its_run_is_running(void **state)
     assert_string_equal(runs[0].external_id, "");
 }
 
+static store_stop requested(store *s)
+{
+    store_running runs[SIZE];
+
+    assert_int_equal(list(s, runs), 1);
+    return runs[0].stop_request;
+}
+
+// I14: the greater request wins, and its run is as it was: the supervisor stops it.
+static void a_running_run_is_asked_to_stop(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_start(h->store), answered = { .revision = 0 };
+
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &answered, NULL), BF_OK);
+    assert_int_equal(answered.state, RUN_RUNNING);
+    assert_int_equal(answered.revision, record.revision);
+    assert_int_equal(requested(h->store), STORE_STOP_CANCEL);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_ECONFLICT);
+    assert_int_equal(requested(h->store), STORE_STOP_KILL);
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &answered, NULL), BF_OK);
+    helper_append_samples(h->store, record.id, 0, 1);
+    assert_int_equal(requested(h->store), STORE_STOP_KILL);
+    helper_finish(h->store, record.id, RUN_CANCELLED);
+    assert_int_equal(helper_store_sql(h, "SELECT sum(stop_request) FROM runs"), 0);
+    assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
+}
+
+// I14: neither when its supervisor hands it back, nor by the next start.
+static void a_run_that_is_asked_to_stop_is_not_queued_again(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_start(h->store), answered;
+
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &answered, NULL), BF_OK);
+    assert_int_equal(helper_finish(h->store, record.id, RUN_QUEUED).state, RUN_CANCELLED);
+    record = helper_start(h->store);
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &answered, NULL), BF_OK);
+    reopen(h, NULL, NULL);
+    assert_int_equal(helper_find(h->store, record.id).state, RUN_CANCELLED);
+    helper_events events = helper_read_events(h->store, record.id, 0);
+    assert_int_equal(events.type, API_EVENT_END);
+    buffer_fini(&events.data);
+}
+
+// A run may end before its stop request is heeded: as it ended, and the request goes with it (I14).
+static void a_run_that_ends_by_itself_ends_as_it_did(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_start(h->store), answered;
+
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &answered, NULL), BF_OK);
+    assert_int_equal(helper_finish(h->store, record.id, RUN_SUCCEEDED).state, RUN_SUCCEEDED);
+    assert_int_equal(helper_store_sql(h, "SELECT sum(stop_request) FROM runs"), 0);
+}
+
 // I8
 static void what_the_executor_still_has_stays_running(void **state)
 {
@@ -103,6 +159,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STORE_TEST(running_runs_are_listed_the_oldest_first),
         STORE_TEST(an_external_id_is_kept_while_its_run_is_running),
+        STORE_TEST(a_running_run_is_asked_to_stop),
+        STORE_TEST(a_run_that_is_asked_to_stop_is_not_queued_again),
+        STORE_TEST(a_run_that_ends_by_itself_ends_as_it_did),
         STORE_TEST(what_the_executor_still_has_stays_running),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
