@@ -8,7 +8,6 @@
 #include "core/base/memory.h"
 #include "core/compare/compare.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -289,48 +288,16 @@ typedef struct side {
     api_snapshot_list list; // items owned
 } side;
 
-// Sums over the snapshots that were compared, of those figures that are known.
-typedef struct totals {
-    compare_distance sum;
-    size_t n_mean_abs, n_l1, n_emd_x, n_emd_y;
-} totals;
-
 static const api_snapshot *snapshot_at(const side *s, size_t i)
 {
     return (const api_snapshot *)(const void *)s->list.items.bytes + i;
 }
 
-static bool have_same_grid(const bf_grid *a, const bf_grid *b)
+static compare_times times_of(const side *s)
 {
-    double near = 1e-9 * (a->d1 + a->d2);
+    const api_snapshot *first = snapshot_at(s, 0);
 
-    return a->n1 == b->n1 && a->n2 == b->n2 && fabs(a->lower1 - b->lower1) <= near &&
-           fabs(a->lower2 - b->lower2) <= near && fabs(a->d1 - b->d1) * (double)a->n1 <= near &&
-           fabs(a->d2 - b->d2) * (double)a->n2 <= near;
-}
-
-// Moves to the next snapshots i of a and k of b that have the same time. False: there are none.
-static bool find_common(const side *a, const side *b, size_t *i, size_t *k)
-{
-    while (*i < a->list.n && *k < b->list.n) {
-        double t_a = snapshot_at(a, *i)->t, t_b = snapshot_at(b, *k)->t;
-        if (fabs(t_a - t_b) <= 1e-9 * (1.0 + fabs(t_a)))
-            return true;
-        if (t_a < t_b)
-            (*i)++;
-        else
-            (*k)++;
-    }
-    return false;
-}
-
-static size_t count_common(const side *a, const side *b)
-{
-    size_t n = 0;
-
-    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++)
-        n++;
-    return n;
+    return (compare_times){ s->list.n, first == NULL ? NULL : &first->t, sizeof *first };
 }
 
 static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out, bf_error *err)
@@ -361,31 +328,6 @@ static bf_status measure_distance(exchange *x, const side *a, size_t i, const si
     return status;
 }
 
-static void add_known(double value, double *sum, size_t *n)
-{
-    if (isfinite(value)) {
-        *sum += value;
-        (*n)++;
-    }
-}
-
-static void add_distance(const compare_distance *d, totals *all)
-{
-    add_known(d->mean_abs, &all->sum.mean_abs, &all->n_mean_abs);
-    add_known(d->l1, &all->sum.l1, &all->n_l1);
-    add_known(d->emd_x, &all->sum.emd_x, &all->n_emd_x);
-    add_known(d->emd_y, &all->sum.emd_y, &all->n_emd_y);
-}
-
-// 0 / 0 is not a number, which is what a mean of nothing is.
-static compare_distance mean_of(const totals *all)
-{
-    return (compare_distance){ .mean_abs = all->sum.mean_abs / (double)all->n_mean_abs,
-                               .l1 = all->sum.l1 / (double)all->n_l1,
-                               .emd_x = all->sum.emd_x / (double)all->n_emd_x,
-                               .emd_y = all->sum.emd_y / (double)all->n_emd_y };
-}
-
 static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b,
                            const compare_distance *d)
 {
@@ -407,18 +349,19 @@ static size_t choose_stride(size_t n_common, size_t n_cells, size_t n_cells_max)
 }
 
 static bf_status write_distances(exchange *x, json_out *w, const side *a, const side *b,
-                                 size_t n_common, size_t stride, totals *all, bf_error *err)
+                                 size_t n_common, size_t stride, compare_mean *mean, bf_error *err)
 {
+    const compare_times of_a = times_of(a), of_b = times_of(b);
     size_t at = 0;
 
-    for (size_t i = 0, k = 0; find_common(a, b, &i, &k); i++, k++, at++) {
+    for (size_t i = 0, k = 0; compare_next_common(&of_a, &of_b, &i, &k); i++, k++, at++) {
         compare_distance distance;
         if (at % stride != 0 && at + 1 != n_common)
             continue;
         bf_status status = measure_distance(x, a, i, b, k, &distance, err);
         if (status != BF_OK)
             return status;
-        add_distance(&distance, all);
+        compare_mean_add(mean, &distance);
         write_distance(w, snapshot_at(a, i), snapshot_at(b, k), &distance);
     }
     return BF_OK;
@@ -427,9 +370,11 @@ static bf_status write_distances(exchange *x, json_out *w, const side *a, const 
 static bf_status write_sides(exchange *x, json_out *w, const side *a, const side *b,
                              size_t n_cells_max, bf_error *err)
 {
-    bool is_same = a->list.n > 0 && b->list.n > 0 && have_same_grid(&a->list.grid, &b->list.grid);
-    size_t n_common = count_common(a, b);
-    totals all = { .n_l1 = 0 };
+    bool is_same =
+        a->list.n > 0 && b->list.n > 0 && compare_is_same_grid(&a->list.grid, &b->list.grid);
+    const compare_times of_a = times_of(a), of_b = times_of(b);
+    size_t n_common = compare_count_common(&of_a, &of_b);
+    compare_mean sum = { .n_l1 = 0 };
     bf_status status = BF_OK;
 
     json_out_object(w);
@@ -439,10 +384,10 @@ static bf_status write_sides(exchange *x, json_out *w, const side *a, const side
     json_out_array(w);
     if (is_same) {
         size_t stride = choose_stride(n_common, grid_cells(&a->list.grid), n_cells_max);
-        status = write_distances(x, w, a, b, n_common, stride, &all, err);
+        status = write_distances(x, w, a, b, n_common, stride, &sum, err);
     }
     json_out_array_end(w);
-    compare_distance mean = mean_of(&all);
+    compare_distance mean = compare_mean_of(&sum);
     json_out_key(w, "mean");
     members_write(w, &compare_json_distance, &mean);
     json_out_object_end(w);

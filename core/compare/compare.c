@@ -1,8 +1,9 @@
 #include "core/compare/compare.h"
 
-#include "core/compare/compare_priv.h"
+#include "core/base/memory.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double drained_share = 0.01; // of the first value
 
@@ -113,7 +114,9 @@ static passage measure_passage(const compare_curve *c, double t_start, double t_
     return p;
 }
 
-double compare__area(double width, double gap, double next_gap)
+// The integral of |gap| over an interval of a width on which the gap goes linearly from one value to
+// another; exact where it crosses zero, too.
+static double integrate_gap(double width, double gap, double next_gap)
 {
     double low = fabs(gap), high = fabs(next_gap);
 
@@ -132,7 +135,7 @@ static void measure_gap(cursor a, cursor b, compare_measures *m)
     while (t < m->t_end) {
         double next = next_time(&a, &b, t, m->t_end);
         double next_gap = read_at(&a, next) - read_at(&b, next);
-        area += compare__area(next - t, gap, next_gap);
+        area += integrate_gap(next - t, gap, next_gap);
         // The integral of the square of a line, exact.
         square += (next - t) * (gap * gap + gap * next_gap + next_gap * next_gap) / 3.0;
         if (fabs(next_gap) > m->largest) {
@@ -198,4 +201,141 @@ bf_status compare_curves(const compare_curve *a, const compare_curve *b,
     measure_sides(a, b, &m);
     *ret_measures = m;
     return BF_OK;
+}
+
+// Where the mass of a density lies along the axes, in units of cells.
+typedef struct marginals {
+    double *x; // n1 columns
+    double *y; // n2 rows
+    double mass;
+} marginals;
+
+static void gather(const bf_grid *grid, const float *rho, marginals *m)
+{
+    for (size_t j = 0; j < grid->n2; j++) {
+        const float *row = rho + j * grid->n1;
+        double sum = 0.0;
+        for (size_t i = 0; i < grid->n1; i++) {
+            m->x[i] += (double)row[i];
+            sum += (double)row[i];
+        }
+        m->y[j] = sum;
+        m->mass += sum;
+    }
+}
+
+// The integral of the distance of both shares over n cells of width d. Within a cell each share is a
+// line, as the density is constant there.
+static double carry(const double *a, double mass_a, const double *b, double mass_b, size_t n,
+                    double d)
+{
+    double share_a = 0.0, share_b = 0.0, gap = 0.0, sum = 0.0;
+
+    if (!(mass_a > 0.0) || !(mass_b > 0.0))
+        return NAN;
+    for (size_t k = 0; k < n; k++) {
+        share_a += a[k] / mass_a;
+        share_b += b[k] / mass_b;
+        double next_gap = share_a - share_b;
+        sum += integrate_gap(d, gap, next_gap);
+        gap = next_gap;
+    }
+    return sum;
+}
+
+static void compare_cells(const float *a, const float *b, size_t n, compare_distance *d)
+{
+    double gaps = 0.0, all = 0.0;
+
+    for (size_t k = 0; k < n; k++) {
+        gaps += fabs((double)a[k] - (double)b[k]);
+        all += fabs((double)a[k]) + fabs((double)b[k]);
+    }
+    d->mean_abs = gaps / (double)n;
+    d->l1 = all > 0.0 ? gaps / all : (double)NAN;
+}
+
+bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
+                            compare_distance *ret_distance, bf_error *err)
+{
+    size_t n1 = grid->n1, n2 = grid->n2;
+    double *sums = memory_alloc(2 * (n1 + n2), sizeof *sums);
+    compare_distance d;
+
+    if (sums == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    marginals of_a = { .x = sums, .y = sums + n1 };
+    marginals of_b = { .x = sums + n1 + n2, .y = sums + 2 * n1 + n2 };
+    gather(grid, a, &of_a);
+    gather(grid, b, &of_b);
+    compare_cells(a, b, grid_cells(grid), &d);
+    d.emd_x = carry(of_a.x, of_a.mass, of_b.x, of_b.mass, n1, grid->d1);
+    d.emd_y = carry(of_a.y, of_a.mass, of_b.y, of_b.mass, n2, grid->d2);
+    memory_free(sums);
+    *ret_distance = d;
+    return BF_OK;
+}
+
+bool compare_is_same_grid(const bf_grid *a, const bf_grid *b)
+{
+    const double near = 1e-9 * (a->d1 + a->d2);
+
+    return a->n1 == b->n1 && a->n2 == b->n2 && fabs(a->lower1 - b->lower1) <= near &&
+           fabs(a->lower2 - b->lower2) <= near && fabs(a->d1 - b->d1) * (double)a->n1 <= near &&
+           fabs(a->d2 - b->d2) * (double)a->n2 <= near;
+}
+
+static double time_at(const compare_times *times, size_t k)
+{
+    double t;
+
+    memcpy(&t, (const char *)times->first + k * times->stride, sizeof t);
+    return t;
+}
+
+bool compare_next_common(const compare_times *a, const compare_times *b, size_t *i, size_t *k)
+{
+    while (*i < a->n && *k < b->n) {
+        const double t_a = time_at(a, *i), t_b = time_at(b, *k);
+        if (fabs(t_a - t_b) <= 1e-9 * (1.0 + fabs(t_a)))
+            return true;
+        if (t_a < t_b)
+            (*i)++;
+        else
+            (*k)++;
+    }
+    return false;
+}
+
+size_t compare_count_common(const compare_times *a, const compare_times *b)
+{
+    size_t n = 0;
+
+    for (size_t i = 0, k = 0; compare_next_common(a, b, &i, &k); i++, k++)
+        n++;
+    return n;
+}
+
+static void add_known(double value, double *sum, size_t *n)
+{
+    if (isfinite(value)) {
+        *sum += value;
+        (*n)++;
+    }
+}
+
+void compare_mean_add(compare_mean *mean, const compare_distance *d)
+{
+    add_known(d->mean_abs, &mean->sum.mean_abs, &mean->n_mean_abs);
+    add_known(d->l1, &mean->sum.l1, &mean->n_l1);
+    add_known(d->emd_x, &mean->sum.emd_x, &mean->n_emd_x);
+    add_known(d->emd_y, &mean->sum.emd_y, &mean->n_emd_y);
+}
+
+compare_distance compare_mean_of(const compare_mean *mean)
+{
+    return (compare_distance){ .mean_abs = mean->sum.mean_abs / (double)mean->n_mean_abs,
+                               .l1 = mean->sum.l1 / (double)mean->n_l1,
+                               .emd_x = mean->sum.emd_x / (double)mean->n_emd_x,
+                               .emd_y = mean->sum.emd_y / (double)mean->n_emd_y };
 }

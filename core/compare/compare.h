@@ -16,6 +16,7 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /// A curve: parts at rising times. Borrowed.
@@ -81,3 +82,36 @@ typedef struct compare_distance {
 /// that unequal masses are not seen by it; they are by l1. BF_ENOMEM.
 BF_MUST_CHECK bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
                                           compare_distance *ret_distance, bf_error *err);
+
+/// True if two grids have the same cells, but for rounding of their places. Densities on others are not
+/// compared.
+bool compare_is_same_grid(const bf_grid *a, const bf_grid *b);
+
+/// Rising times, s, that stand in an array of other things. Borrowed.
+typedef struct compare_times {
+    size_t n;          ///< times
+    const void *first; ///< the first one, a double
+    size_t stride;     ///< bytes from one to the next
+} compare_times;
+
+/// Move *i and *k on to the next times of a and b that are the same but for rounding. False: there are
+/// none.
+bool compare_next_common(const compare_times *a, const compare_times *b, size_t *i, size_t *k);
+
+/// How many times both have.
+size_t compare_count_common(const compare_times *a, const compare_times *b);
+
+/// The mean of distances, each member over those distances where it is known. Zero-initialise.
+typedef struct compare_mean {
+    compare_distance sum; ///< of the members that are finite
+    size_t n_mean_abs;    ///< how many these are
+    size_t n_l1;          ///< same
+    size_t n_emd_x;       ///< same
+    size_t n_emd_y;       ///< same
+} compare_mean;
+
+/// Add a distance to a mean.
+void compare_mean_add(compare_mean *mean, const compare_distance *d);
+
+/// The mean of what was added; members that were never known are NAN.
+compare_distance compare_mean_of(const compare_mean *mean);

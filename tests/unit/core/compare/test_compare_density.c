@@ -117,6 +117,56 @@ static void without_memory_nothing_is_compared(void **state)
     assert_near(d.l1, -1.0, 0.0);
 }
 
+static void grids_are_the_same_up_to_rounding(void **state)
+{
+    bf_grid other = grid;
+
+    (void)state;
+    other.lower1 += 1e-12;
+    other.d2 *= 1.0 + 1e-13;
+    assert_true(compare_is_same_grid(&grid, &other));
+    other.n1++;
+    assert_false(compare_is_same_grid(&grid, &other));
+    other = grid;
+    other.lower2 += 0.5 * grid.d2;
+    assert_false(compare_is_same_grid(&grid, &other));
+    other = grid;
+    other.d1 *= 1.0 + 1e-6; // over 40 columns this is 40 times as much
+    assert_false(compare_is_same_grid(&grid, &other));
+}
+
+// Times among other things: every second number.
+static void common_times_are_found_in_order(void **state)
+{
+    const double of_seconds[] = { 0.0, -1, 0.1, -1, 0.2, -1, 0.3, -1 };
+    const double of_thirds[] = { 0.0, 0.15, 0.1 + 0.2 - 0.1, 0.25, 0.3 + 1e-12 };
+    const compare_times a = { 4, of_seconds, 2 * sizeof(double) },
+                        b = { 5, of_thirds, sizeof(double) };
+    size_t i = 1, k = 1;
+
+    (void)state;
+    assert_int_equal(compare_count_common(&a, &b), 3);
+    assert_true(compare_next_common(&a, &b, &i, &k));
+    assert_int_equal(i, 2);
+    assert_int_equal(k, 2);
+    i = k = 4;
+    assert_false(compare_next_common(&a, &b, &i, &k));
+}
+
+static void a_mean_counts_what_is_known(void **state)
+{
+    compare_mean mean = { .n_l1 = 0 };
+
+    (void)state;
+    compare_mean_add(&mean, &(compare_distance){ 1.0, 0.5, NAN, 0.1 });
+    compare_mean_add(&mean, &(compare_distance){ 3.0, NAN, NAN, 0.3 });
+    const compare_distance d = compare_mean_of(&mean);
+    assert_near(d.mean_abs, 2.0, 1e-15);
+    assert_near(d.l1, 0.5, 1e-15);
+    assert_true(isnan(d.emd_x));
+    assert_near(d.emd_y, 0.2, 1e-15);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -126,6 +176,9 @@ int main(void)
         cmocka_unit_test(unequal_masses_are_told_by_l1_alone),
         cmocka_unit_test(an_empty_belt_is_nowhere),
         cmocka_unit_test(without_memory_nothing_is_compared),
+        cmocka_unit_test(grids_are_the_same_up_to_rounding),
+        cmocka_unit_test(common_times_are_found_in_order),
+        cmocka_unit_test(a_mean_counts_what_is_known),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
