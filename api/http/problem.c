@@ -57,64 +57,75 @@ static void encode_path(const char *path, char *ret_text, size_t size)
     ret_text[n] = '\0';
 }
 
-static void write_item(json_out *w, const bf_error *item)
-{
-    json_out_object(w);
-    json_out_key_string(w, "pointer", item->pointer);
-    json_out_key_string(w, "detail", item->text);
-    json_out_object_end(w);
-}
+#define AT(place) offsetof(bf_error, place)
+static const member error_members[] = {
+    MEMBER("pointer", text, AT(pointer), "The place in the document", .type = "#JsonPointer"),
+    MEMBER("detail", text, AT(text), "What is wrong there"),
+};
+const member_table problem_error_members = { MEMBER_TABLE("ProblemError", error_members),
+                                             .size = sizeof(bf_error) };
+#undef AT
 
-static void write_errors(json_out *w, const bf_error *error, const bf_faults *faults)
-{
-    size_t n = faults == NULL ? 0 : faults_kept(faults);
+// What a problem is written from.
+typedef struct problem {
+    char type[64];
+    const char *title;
+    int status;
+    char detail[BF_POINTER_SIZE + BF_TEXT_SIZE + 40];
+    char instance[API_PATH_MAX];
+    const bf_error *errors;
+    size_t n_errors;
+} problem;
 
-    if (n == 0 && error->pointer[0] == '\0')
-        return;
-    json_out_key(w, "errors");
-    json_out_array(w);
-    if (n == 0)
-        write_item(w, error);
-    for (size_t i = 0; i < n; i++)
-        write_item(w, &faults->items[i]);
-    json_out_array_end(w);
-}
+#define AT(place) offsetof(problem, place)
+static const member members[] = {
+    MEMBER("type", text, AT(type), "The kind of problem", .type = "#ProblemType"),
+    MEMBER("title", string, AT(title), "The kind of problem, for people"),
+    MEMBER("status", int, AT(status), "The HTTP status"),
+    MEMBER("detail", text, AT(detail), "What is wrong with this request, for people"),
+    MEMBER("instance", text, AT(instance), "The path of the request", .type = "#Path"),
+    // Added by api_problem_identify().
+    MEMBER("request_id", described, 0, "Identifier of the request, as in X-Request-Id",
+           .type = "string", .flags = MEMBER_OPTIONAL),
+    MEMBER("errors", list, AT(errors), "Each fault of a document, up to 64",
+           .offset_n = AT(n_errors), .table = &problem_error_members, .flags = MEMBER_OMIT_EMPTY),
+};
+const member_table problem_members = { MEMBER_TABLE("Problem", members) };
+#undef AT
 
-static void write_detail(json_out *w, const bf_error *error, const bf_faults *faults)
+static problem make_problem(int status, const char *instance, const bf_error *error,
+                            const bf_faults *faults)
 {
-    char text[BF_POINTER_SIZE + BF_TEXT_SIZE + 40];
+    const problem_kind *kind = find_kind(status);
     const char *gap = error->pointer[0] == '\0' ? "" : ": ";
+    size_t n = faults == NULL ? 0 : faults_kept(faults);
+    problem p = { .title = kind->title,
+                  .status = status,
+                  .errors = n > 0 ? faults->items : error,
+                  .n_errors = n > 0 ? n : error->pointer[0] != '\0' };
 
+    snprintf(p.type, sizeof p.type, "/problems/%s", kind->word);
+    encode_path(instance, p.instance, sizeof p.instance);
     if (faults == NULL || faults->n < 2)
-        snprintf(text, sizeof text, "%s%s%s", error->pointer, gap, error->text);
+        snprintf(p.detail, sizeof p.detail, "%s%s%s", error->pointer, gap, error->text);
     else
-        snprintf(text, sizeof text, "%s%s%s (and %zu more)", error->pointer, gap, error->text,
-                 faults->n - 1);
-    json_out_key_string(w, "detail", text);
+        snprintf(p.detail, sizeof p.detail, "%s%s%s (and %zu more)", error->pointer, gap,
+                 error->text, faults->n - 1);
+    return p;
 }
 
 void problem_write(api_response *response, int status, const char *instance, const bf_error *error,
                    const bf_faults *faults)
 {
-    const problem_kind *kind = find_kind(status);
-    char text[API_PATH_MAX];
+    const problem p = make_problem(status, instance, error, faults);
 
     api_response_fini(response);
     response->status = status;
-    if (strcmp(kind->headers, "Retry-After") == 0)
+    if (strcmp(find_kind(status)->headers, "Retry-After") == 0)
         api_response_header(response, "Retry-After", "%d", RETRY_AFTER_S);
     api_response_header(response, "Cache-Control", "no-store");
     json_out w = json_out_to(&response->body);
-    json_out_object(&w);
-    snprintf(text, sizeof text, "/problems/%s", kind->word);
-    json_out_key_string(&w, "type", text);
-    json_out_key_string(&w, "title", kind->title);
-    json_out_key_integer(&w, "status", status);
-    write_detail(&w, error, faults);
-    encode_path(instance, text, sizeof text);
-    json_out_key_string(&w, "instance", text);
-    write_errors(&w, error, faults);
-    json_out_object_end(&w);
+    members_write(&w, &problem_members, &p);
     if (json_out_status(&w, NULL) == BF_OK)
         api_response_header(response, "Content-Type", "application/problem+json");
     else

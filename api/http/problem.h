@@ -3,6 +3,7 @@
 #pragma once
 
 #include "api/http/exchange.h"
+#include "api/json/members.h"
 #include "core/base/faults.h"
 
 /// X(HTTP status, last segment of the problem's type, title, headers that come with it, bf_status that it
@@ -56,6 +57,10 @@ const problem_kind *problem_kinds(size_t *ret_n);
 
 /// The HTTP status of a failure.
 int problem_status(bf_status code);
+
+/// A problem document, and an item of its `errors` (bf_error).
+extern const member_table problem_members;
+extern const member_table problem_error_members;
 
 /// Make the response a problem document with the errors of faults (NULL: none). A status without a row
 /// is a bug.

@@ -4,11 +4,13 @@
 
 #include "api/openapi/openapi_priv.h"
 
+#include "api/http/problem.h"
 #include "api/results/compare_json.h"
 #include "api/results/events.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
 #include "api/results/run_json.h"
+#include "api/scenario/examples.h"
 #include "api/scenario/submission.h"
 
 #define OBJECT(table_, help_)                                                                      \
@@ -58,18 +60,6 @@ static const member compared_many_members[] = {
 };
 ROWS("ComparedMany", compared_many);
 
-static const member example_item_members[] = {
-    ROW("name", "string", "Name of the example in paths"),
-    ROW("title", "string", "Name of the scenario"),
-    ROW("url", "#Path", "Its document"),
-};
-ROWS("ExampleItem", example_item);
-
-static const member example_list_members[] = {
-    ROW("examples", "[#ExampleItem]", "All of them, by name"),
-};
-ROWS("ExampleList", example_list);
-
 static const member alive_members[] = { ROW("status", "=alive", "The process answers") };
 ROWS("Alive", alive);
 
@@ -91,25 +81,6 @@ static const member document_members[] = {
     ROW("components", "object", "What the operations refer to"),
 };
 ROWS("Document", document);
-
-static const member problem_members[] = {
-    ROW("type", "#ProblemType", "The kind of problem"),
-    ROW("title", "string", "The kind of problem, for people"),
-    ROW("status", "integer", "The HTTP status"),
-    ROW("detail", "string", "What is wrong with this request, for people"),
-    ROW("instance", "#Path", "The path of the request"),
-    ROW("request_id", "string", "Identifier of the request, as in X-Request-Id",
-        .flags = MEMBER_OPTIONAL),
-    ROW("errors", "[#ProblemError]", "Each fault of a document, up to 64",
-        .flags = MEMBER_OPTIONAL),
-};
-ROWS("Problem", problem);
-
-static const member problem_error_members[] = {
-    ROW("pointer", "#JsonPointer", "The place in the document"),
-    ROW("detail", "string", "What is wrong there"),
-};
-ROWS("ProblemError", problem_error);
 
 // An event as a line of its own; the member `event` says which schema its data has.
 #define LINE(title, name, word, data)                                                              \
@@ -188,14 +159,14 @@ static const openapi_schema table[] = {
     OBJECT(density_measures, "Distance of the densities of two runs"),
     OBJECT(compare_json_distance, "Distance of two densities"),
     OBJECT(compare_json_density_distance, "Distance of two densities at a common time"),
-    OBJECT(example_list, "The ready scenarios"),
-    OBJECT(example_item, "A ready scenario"),
+    OBJECT(examples_members, "The ready scenarios"),
+    OBJECT(examples_item_members, "A ready scenario"),
     OBJECT(alive, "The process answers"),
     OBJECT(ready, "Runs are accepted"),
     OBJECT(version, "Version of the service"),
     { .help = "An OpenAPI document", .table = &document, .others = "" },
-    OBJECT(problem, "Why a request was refused (RFC 9457)"),
-    OBJECT(problem_error, "A fault of a document"),
+    OBJECT(problem_members, "Why a request was refused (RFC 9457)"),
+    OBJECT(problem_error_members, "A fault of a document"),
     TYPE("Csv", "string", NULL, "One line of names, then a line for each row; `nan`: not known"),
     TYPE("Npy", "string", "\"format\":\"binary\"", "A NumPy file of version 1.0, little-endian"),
     TYPE("Png", "string", "\"format\":\"binary\"", "A picture in true proportions"),
