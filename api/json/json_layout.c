@@ -8,7 +8,7 @@ enum { LINE_WIDTH = 100, INDENT = 2 };
 // The text that is laid out, and where it goes.
 typedef struct layout {
     const char *at;  // next byte
-    const char *end; // behind the last one
+    const char *end; // after the last one
     bf_buffer *out;
     size_t column; // of the line that is being written
     size_t depth;  // open brackets that were broken over lines
@@ -53,8 +53,8 @@ static size_t measure_token(const char *text, const char *end)
     return (size_t)(at - text);
 }
 
-// True if what the bracket at l->at opens fits on the rest of the line, with a blank behind each
-// comma and colon and a comma behind its end.
+// True if what the bracket at l->at opens fits on the rest of the line, with a blank after each
+// comma and colon and a comma after its end.
 static bool fits(const layout *l)
 {
     const char *at = l->at;

@@ -452,7 +452,7 @@ const member_kind member_numbers = { .text = "list of numbers",
                                      .write = write_numbers,
                                      .write_schema = describe_number_list };
 
-// Reads a list of tuples of least to most numbers, each stride doubles behind the one before.
+// Reads a list of tuples of least to most numbers, each stride doubles after the one before.
 static double *read_tuples(json_in *in, const json_t *value, const member *m, void *item,
                            size_t least, size_t most, size_t stride)
 {

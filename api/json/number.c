@@ -89,7 +89,7 @@ double number_to_degrees(double radians)
     double candidate = nearest;
     int fewest = INT_MAX;
 
-    if (radians == 0.0) // keeps its sign
+    if (radians == 0.0) // -0 stays -0
         return radians;
     for (int k = 0; k < NEIGHBOURS; k++)
         candidate = nextafter(candidate, -INFINITY);

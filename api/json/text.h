@@ -1,4 +1,5 @@
-/// Text as it may come from clients: UTF-8, which they need not send, and names that were meant.
+/// Text as it may come from clients: checks of UTF-8, and the distance of names, to suggest the one that
+/// was meant.
 
 #pragma once
 

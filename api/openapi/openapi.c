@@ -13,29 +13,31 @@
 static const char description[] =
     "Beltflow predicts how parts on a conveyor belt jam in front of a deflector and how fast they "
     "get past it, by a macroscopic model (density) and a microscopic one (every part).\n\n"
-    "Submit a scenario with `POST /v1/runs`, follow it with its `events` or ask for it until its "
+    "Submit a scenario with `POST /v1/runs`, follow it with its `events` or poll it until its "
     "`status` is `succeeded`, `failed` or `cancelled`, and read its curve, snapshots and summary; "
     "they are there while it is solved, too. A ready scenario of `/v1/examples` is a good "
     "start.\n\n"
     "Units are SI and stand at the end of each name: `_s`, `_m`, `_m_s`, `_per_m2`. A member that "
     "is not known is refused, with the name that is most like it. Numbers in answers read back to "
     "the same bits; what is not known is null.\n\n"
-    "HEAD goes where GET goes, and OPTIONS is answered for every path with `Allow`. A format is "
-    "chosen by `?format=`, else by `Accept`; text is sent packed to who accepts that. Refusals are "
-    "problem documents (RFC 9457). There is "
-    "no "
-    "authentication: the daemon belongs behind a proxy where others can reach it.";
+    "HEAD is answered wherever GET is, and OPTIONS on every path with `Allow`. A format is chosen "
+    "by "
+    "`?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
+    "problem "
+    "documents (RFC 9457). There is no authentication: where others can reach the daemon, it "
+    "belongs "
+    "behind a proxy.";
 
 static const struct {
     const char *name;
     const char *help;
 } tags[] = {
     { "Runs", "Submit, list, follow and end runs." },
-    { "Results", "What a run has given so far." },
-    { "Events", "What a run tells while it is solved, as a stream." },
-    { "Comparison", "Measured curves, and how far results are apart." },
-    { "Scenarios", "Ready scenarios, and checks without a run." },
-    { "Service", "The daemon itself." },
+    { "Results", "Results of a run, also while it is solved." },
+    { "Events", "Events of a run as a stream." },
+    { "Comparison", "Measured curves and comparisons of results." },
+    { "Scenarios", "Ready scenarios and validation." },
+    { "Service", "State and version of the service." },
 };
 
 static void write_words(json_out *w, const char *(*word)(int index), int n)
@@ -115,7 +117,7 @@ static void write_info(json_out *w)
     json_out_object_end(w);
 }
 
-// The service that the document came from; nobody has to say who they are.
+// The service that the document came from; there is no authentication.
 static void write_servers(json_out *w)
 {
     json_out_key(w, "servers");

@@ -226,7 +226,7 @@ static void write_table(json_out *w, const member_table *table, member_view view
     json_out_object_end(w);
 }
 
-// A table and, behind it, those of its members.
+// A table, then those of its members.
 static void write_tables(json_out *w, const member_table *table, member_view view, seen *done)
 {
     for (size_t k = 0; k < done->n; k++) {

@@ -1,4 +1,4 @@
-/// Colour maps for pictures: a share of a scale to a colour.
+/// Colour maps for pictures: a level of a scale to a colour.
 ///
 /// viridis (S. van der Walt, N. Smith and E. Firing, Matplotlib 1.5, 2015) and cividis (J. Nunez,
 /// C. Anderton and R. Renslow, PLoS ONE 13(7), 2018) are perceptually uniform, rise in lightness, and

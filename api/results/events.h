@@ -1,4 +1,4 @@
-/// The data of events: one JSON object in one line for each frame of a run worth telling.
+/// The data of events: one JSON object in one line.
 ///
 /// The first member of every object is "run", the id, so that a client that follows several runs in
 /// one stream can tell them apart.

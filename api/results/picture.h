@@ -2,8 +2,8 @@
 ///
 /// x points to the right and y up, so the first row of pixels is the one of the largest y. Pixels are
 /// square: the height follows from the width and the size of the grid in metres. Along each axis,
-/// where there are fewer pixels than cells, a pixel is the mean of the cells below it by their share
-/// of its area; else it shows the cell that its centre lies in, so that cells stay cells.
+/// where there are fewer pixels than cells, a pixel is the mean of the cells that it covers, weighted by
+/// area; else it shows the cell that its centre lies in, so that cells stay cells.
 
 #pragma once
 

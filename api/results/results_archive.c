@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-    SLICE_BYTES = 64 * 1024,      // given to the archive at once
+    SLICE_BYTES = 64 * 1024,      // deflated per call
     TURN_BYTES = 4 * 1024 * 1024, // of files read for one chunk: empty belts deflate to nothing
 };
 
@@ -21,15 +21,15 @@ typedef struct archive {
     zip_out *zip;
     size_t kind;       // of the next file, in kinds
     uint64_t index;    // of the next file of that kind
-    bf_buffer content; // of the file under way
-    size_t n_given;    // bytes of it
+    bf_buffer content; // of the current file
+    size_t n_given;    // bytes of it that were deflated
     bool is_over;
 } archive;
 
 typedef bf_status content_writer(const archive *a, const api_services *services, uint64_t index,
                                  bf_buffer *out, bf_error *err);
 
-// What one snapshot has, as the services give it.
+// One snapshot as the services return it.
 typedef struct grid_content {
     api_snapshot snapshot;
     bf_grid grid;

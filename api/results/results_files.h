@@ -28,5 +28,5 @@ typedef enum results_files {
 } results_files;
 
 /// Write the name of a file, "snapshots/000012.npy", into ret_name (RESULTS_FILES_NAME_SIZE bytes).
-/// index counts where there is one for each snapshot. Returns the part of it behind the last '/'.
+/// index counts where there is one for each snapshot. Returns the part of it after the last '/'.
 const char *results_files_name(results_files file, uint64_t index, char *ret_name);

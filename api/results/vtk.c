@@ -1,5 +1,5 @@
 // VTK's XML formats with the values appended as raw bytes: each block is its length in bytes (eight
-// bytes) and its values, and `offset` counts from behind the underscore.
+// bytes) and its values, and `offset` counts from the byte after the underscore.
 
 #include "api/results/results.h"
 

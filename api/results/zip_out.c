@@ -20,12 +20,12 @@ struct zip_out {
     bool has_failed; // no memory for what came out
 };
 
-static la_ssize_t take(struct archive *archive, void *context, const void *bytes, size_t n)
+static la_ssize_t append_bytes(struct archive *archive, void *context, const void *bytes, size_t n)
 {
     zip_out *z = context;
 
-    // Freeing what was not finished writes, too: nobody wants that any more. A failure is not told to
-    // the library, which would not free all of itself then (3.6.2).
+    // An unfinished archive writes its rest when it is freed (out is NULL): dropped. A failure is not
+    // returned to the library, which would leak memory then (3.6.2).
     (void)archive;
     if (z->out != NULL && !z->has_failed)
         z->has_failed = buffer_append(z->out, bytes, n) != BF_OK;
@@ -60,7 +60,7 @@ static bf_status open_archive(zip_out *z, bf_error *err)
     if (result == ARCHIVE_OK)
         result = archive_write_set_bytes_per_block(a, 0);
     if (result == ARCHIVE_OK)
-        result = archive_write_open(a, z, NULL, take, NULL);
+        result = archive_write_open(a, z, NULL, append_bytes, NULL);
     return check(result, err);
 }
 

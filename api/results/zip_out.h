@@ -1,5 +1,4 @@
-/// A ZIP archive that is written as a stream: what is ready is handed out at once, nothing is sought
-/// back to. Files are deflated; the same files give the same bytes in every time zone but for the
+/// A ZIP archive that is written as a stream: bytes are appended as soon as they are final. Files are deflated; the same files give the same bytes in every time zone but for the
 /// DOS times, which are local by that format: a program that wants the same bytes everywhere runs
 /// in UTC.
 

@@ -1,4 +1,5 @@
-#include "api/scenario/obstacle_form.h"
+
+#include "api/scenario/scenario_priv.h"
 
 #include "api/json/number.h"
 #include "api/scenario/scenario_members.h"
@@ -13,7 +14,7 @@ static const char *const by_end[] = { "end_m", "angle_deg", "length_m", NULL };
 static const char *const by_ends[] = { "from_m", "to_m", NULL };
 static const char *const by_path[] = { "path_m", NULL };
 
-const char *const *const obstacle_form_members[] = {
+const char *const *const obstacle_form__members[] = {
     [BY_END] = by_end, [BY_ENDS] = by_ends, [BY_PATH] = by_path, [FORM_COUNT] = NULL
 };
 
@@ -86,14 +87,14 @@ static vec2 start_of(const obstacle_form *form)
     return (vec2){ form->end.x - form->length * cosine, form->end.y - form->length * sine };
 }
 
-void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle)
+void obstacle_form__read(json_in *in, const struct json_t *object, void *obstacle)
 {
     obstacle_form form = { 0 };
     int n_forms = 0;
     int which = BY_PATH;
 
     for (int k = 0; k < FORM_COUNT; k++) {
-        if (has_any(object, obstacle_form_members[k])) {
+        if (has_any(object, obstacle_form__members[k])) {
             n_forms++;
             which = k;
         }
@@ -104,7 +105,7 @@ void obstacle_form_read(json_in *in, const struct json_t *object, void *obstacle
                       "to_m; path_m");
         return;
     }
-    if (which == BY_PATH || !read_form(in, object, obstacle_form_members[which], &form))
+    if (which == BY_PATH || !read_form(in, object, obstacle_form__members[which], &form))
         return;
     if (which == BY_ENDS)
         set_path(in, form.from, form.to, obstacle);

@@ -1,6 +1,6 @@
 #include "api/scenario/scenario_members.h"
 
-#include "api/scenario/obstacle_form.h"
+#include "api/scenario/scenario_priv.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene.h"
 
@@ -135,7 +135,7 @@ static const member obstacle_members[] = {
 };
 const member_table scenario_members_obstacle = {
     MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
-    .init = init_obstacle, .forms = obstacle_form_members, .post_read = obstacle_form_read
+    .init = init_obstacle, .forms = obstacle_form__members, .post_read = obstacle_form__read
 };
 #undef AT
 

@@ -68,7 +68,7 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_e
     return json_in_status(in, err);
 }
 
-// A name is for people: scenarios that differ in nothing else have the same results.
+// Scenarios that differ in their names only have the same results.
 static bf_status write_identity(const scene *s, bf_buffer *out, bf_error *err)
 {
     scene nameless = *s;
