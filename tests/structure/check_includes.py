@@ -13,7 +13,7 @@ ARROWS = {
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
-    "core/compare": {"core/base", "core/scene", "core/compare"},
+    "core/compare": {"core/base", "core/compare"},
     "api": {"core/base", "core/scene", "core/run", "core/compare", "api"},
     "server": {"core/base", "core/scene", "core/run", "core/compare", "api", "server"},
 }
