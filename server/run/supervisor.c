@@ -182,7 +182,7 @@ static int find_timeout(const supervisor *s)
         const supervisor__task *task = s->tasks[i];
         if (task->phase != SUPERVISOR_SOLVING)
             continue;
-        if (task->has_more && !task->write.is_pending)
+        if ((task->has_more || task->state == EXECUTOR_LOST) && !task->write.is_pending)
             return 0;
         if (task->kill_at_ms >= 0)
             timeout_ms = sooner(task->kill_at_ms, now_ms, timeout_ms);

@@ -22,6 +22,8 @@ static void note_commit(void *context, const char *run_id)
     helper_world *w = context;
     (void)run_id;
 
+    // On the store's thread, so this is as if the disk took so long.
+    usleep(atomic_load(&w->commit_us));
     lock_take(&w->lock);
     if (w->supervisor != NULL)
         supervisor_notify(w->supervisor);
@@ -186,6 +188,11 @@ static api_run await(helper_world *w, const char *id, run_state state, uint64_t 
         if (is_late)
             fail_msg("the run is still %s", run_state_word(record.state));
     }
+}
+
+void helper_world_slow_commits(helper_world *w, unsigned ms)
+{
+    atomic_store(&w->commit_us, ms * 1000);
 }
 
 void helper_world_cancel(helper_world *w, const char *id)

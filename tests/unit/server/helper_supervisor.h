@@ -9,6 +9,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -29,6 +30,7 @@ typedef struct helper_world {
     lock lock;                        ///< of n_commits, and of supervisor for the listener
     lock_condition committed;         ///< n_commits has changed
     uint64_t n_commits;               ///< runs that the store has told of
+    _Atomic unsigned commit_us; ///< how much longer a commit takes for each run that it changes
 } helper_world;
 
 /// Fixtures of cmocka: a store, no supervisor yet, the real program.
@@ -49,6 +51,9 @@ void helper_supervise(helper_world *w);
 
 /// Stop it.
 void helper_world_stop(helper_world *w, int64_t grace_ms);
+
+/// From now on a commit takes this much longer for each run that it changes.
+void helper_world_slow_commits(helper_world *w, unsigned ms);
 
 /// Request a running run to be cancelled; to be stopped at once, and wait until it has.
 void helper_world_cancel(helper_world *w, const char *id);

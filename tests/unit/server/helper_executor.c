@@ -1,0 +1,348 @@
+#include "tests/unit/server/helper_executor.h"
+
+#include "server/base/clock.h"
+#include "server/base/lock.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { PATIENCE_MS = 60000 };
+
+struct executor_job {
+    char id[EXECUTOR_ID_SIZE];
+    helper_job seen;
+    executor_state state; // once the bytes are taken
+    executor_end end;
+    bf_buffer bytes;
+    bool ignores_stops;
+};
+
+struct helper_executor {
+    executor base;
+    lock lock; // guards all below
+    lock_condition changed;
+    executor_job jobs[HELPER_JOBS_MAX];
+    size_t n_jobs;
+    unsigned n_refused;
+    bf_status refusal;
+    bool ignores_stops;
+    size_t chunk;
+};
+
+static void wake(helper_executor *e)
+{
+    uint64_t one = 1;
+
+    assert_int_equal(write(e->base.wake_fd, &one, sizeof one), sizeof one);
+}
+
+static size_t add_job(helper_executor *e, const char *run_id, uint64_t first_step)
+{
+    lock_assert_held(&e->lock);
+    assert_true(e->n_jobs < HELPER_JOBS_MAX);
+    executor_job *job = &e->jobs[e->n_jobs];
+    job->ignores_stops = e->ignores_stops;
+    job->seen.first_step = first_step;
+    snprintf(job->id, sizeof job->id, "fake:%zu", e->n_jobs);
+    snprintf(job->seen.run_id, sizeof job->seen.run_id, "%s", run_id);
+    lock_wake_all(&e->changed);
+    return e->n_jobs++;
+}
+
+static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
+                       bf_error *err)
+{
+    helper_executor *e = (helper_executor *)base;
+    bf_status status = BF_OK;
+
+    lock_take(&e->lock);
+    if (e->n_refused > 0) {
+        e->n_refused--;
+        status = bf_fail(err, e->refusal, "", "there is no place for a job");
+    } else {
+        size_t index = add_job(e, work->run_id, work->checkpoint->n == 0 ? 0 : work->step);
+        *ret_job = &e->jobs[index];
+    }
+    lock_give(&e->lock);
+    return status;
+}
+
+static bf_status attach(executor *base, const char *external_id, executor_job **ret_job,
+                        bf_error *err)
+{
+    helper_executor *e = (helper_executor *)base;
+    executor_job *found = NULL;
+
+    lock_take(&e->lock);
+    for (size_t i = 0; i < e->n_jobs; i++) {
+        if (strcmp(e->jobs[i].id, external_id) == 0)
+            found = &e->jobs[i];
+    }
+    lock_give(&e->lock);
+    if (found == NULL)
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no job %s", external_id);
+    *ret_job = found;
+    return BF_OK;
+}
+
+static void append_frame(executor_job *job, const frame *f)
+{
+    assert_int_equal(frame_encode(f, &job->bytes, NULL), BF_OK);
+}
+
+static void stop(executor *base, executor_job *job, executor_stop how)
+{
+    helper_executor *e = (helper_executor *)base;
+    const frame end = { .type = FRAME_END, .end = { .stopped = 1, .n_steps = 1 } };
+
+    lock_take(&e->lock);
+    job->seen.n_graceful += how == EXECUTOR_STOP_GRACEFUL;
+    job->seen.n_now += how == EXECUTOR_STOP_NOW;
+    if (!job->ignores_stops && job->state == EXECUTOR_RUNNING) {
+        if (how == EXECUTOR_STOP_GRACEFUL)
+            append_frame(job, &end);
+        job->state = EXECUTOR_ENDED;
+        job->end.cause = how == EXECUTOR_STOP_GRACEFUL ? EXECUTOR_EXITED : EXECUTOR_KILLED;
+    }
+    lock_wake_all(&e->changed);
+    lock_give(&e->lock);
+    wake(e);
+}
+
+static void update(executor *base)
+{
+    uint64_t n;
+
+    assert_int_equal(read(base->wake_fd, &n, sizeof n), sizeof n);
+}
+
+static executor_state poll_job(executor *base, executor_job *job, void *bytes, size_t capacity,
+                               size_t *ret_n, executor_end *ret_end)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    lock_take(&e->lock);
+    assert_false(job->seen.is_released);
+    size_t n = job->bytes.n < capacity ? job->bytes.n : capacity;
+    n = n < e->chunk ? n : e->chunk;
+    if (n > 0)
+        memcpy(bytes, job->bytes.bytes, n);
+    buffer_drop(&job->bytes, n);
+    *ret_n = n;
+    *ret_end = job->end;
+    executor_state state = n > 0 ? EXECUTOR_RUNNING : job->state;
+    lock_wake_all(&e->changed);
+    lock_give(&e->lock);
+    return state;
+}
+
+static const char *external_id(const executor_job *job)
+{
+    return job->id;
+}
+
+static void release(executor *base, executor_job *job)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    lock_take(&e->lock);
+    assert_false(job->seen.is_released);
+    job->seen.is_released = true;
+    lock_wake_all(&e->changed);
+    lock_give(&e->lock);
+}
+
+helper_executor *helper_executor_create(void)
+{
+    static const executor_functions functions = { .start = start,
+                                                  .attach = attach,
+                                                  .stop = stop,
+                                                  .update = update,
+                                                  .poll = poll_job,
+                                                  .external_id = external_id,
+                                                  .release = release };
+    helper_executor *e = calloc(1, sizeof *e);
+
+    assert_non_null(e);
+    e->base = (executor){ &functions, eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK) };
+    assert_true(e->base.wake_fd >= 0);
+    e->chunk = SIZE_MAX;
+    lock_init(&e->lock);
+    lock_condition_init(&e->changed);
+    return e;
+}
+
+void helper_executor_destroy(helper_executor *e)
+{
+    if (e == NULL)
+        return;
+    for (size_t i = 0; i < e->n_jobs; i++)
+        buffer_fini(&e->jobs[i].bytes);
+    close(e->base.wake_fd);
+    lock_condition_fini(&e->changed);
+    lock_fini(&e->lock);
+    free(e);
+}
+
+executor *helper_executor_base(helper_executor *e)
+{
+    return &e->base;
+}
+
+void helper_executor_refuse(helper_executor *e, unsigned n, bf_status status)
+{
+    lock_take(&e->lock);
+    e->n_refused = n;
+    e->refusal = status;
+    lock_give(&e->lock);
+}
+
+void helper_executor_ignore_stops(helper_executor *e)
+{
+    lock_take(&e->lock);
+    e->ignores_stops = true;
+    lock_give(&e->lock);
+}
+
+void helper_executor_deliver_slowly(helper_executor *e, size_t n)
+{
+    lock_take(&e->lock);
+    e->chunk = n;
+    lock_give(&e->lock);
+}
+
+size_t helper_executor_add(helper_executor *e, const char *run_id)
+{
+    lock_take(&e->lock);
+    size_t index = add_job(e, run_id, 0);
+    lock_give(&e->lock);
+    return index;
+}
+
+void helper_executor_await(helper_executor *e, size_t n)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+
+    lock_take(&e->lock);
+    while (e->n_jobs < n && lock_wait(&e->changed, &e->lock, deadline_ms))
+        ;
+    bool is_there = e->n_jobs >= n;
+    lock_give(&e->lock);
+    assert_true(is_there);
+}
+
+helper_job helper_executor_job(helper_executor *e, size_t index)
+{
+    lock_take(&e->lock);
+    assert_true(index < e->n_jobs);
+    e->jobs[index].seen.n_unread = e->jobs[index].bytes.n;
+    helper_job seen = e->jobs[index].seen;
+    lock_give(&e->lock);
+    return seen;
+}
+
+void helper_executor_send_bytes(helper_executor *e, size_t index, const void *bytes, size_t n)
+{
+    lock_take(&e->lock);
+    assert_int_equal(buffer_append(&e->jobs[index].bytes, bytes, n), BF_OK);
+    lock_give(&e->lock);
+    wake(e);
+}
+
+void helper_executor_send(helper_executor *e, size_t index, const frame *f)
+{
+    lock_take(&e->lock);
+    append_frame(&e->jobs[index], f);
+    lock_give(&e->lock);
+    wake(e);
+}
+
+void helper_executor_begin(helper_executor *e, size_t index)
+{
+    const frame f = { .type = FRAME_BEGIN,
+                      .begin = { .n_columns = 2,
+                                 .n_steps = 10,
+                                 .first_step = helper_executor_job(e, index).first_step,
+                                 .grid = { .n1 = 4, .n2 = 2, .d1 = 1, .d2 = 1 } } };
+
+    helper_executor_send(e, index, &f);
+}
+
+void helper_executor_samples(helper_executor *e, size_t index, uint64_t first, uint32_t n,
+                             double offset)
+{
+    double *t = calloc(n, sizeof *t), *values = calloc(n, 2 * sizeof *values);
+    const frame f = { .type = FRAME_CURVE,
+                      .curve = {
+                          .first = first, .n = n, .n_columns = 2, .t = t, .values = values } };
+
+    assert_true(t != NULL && values != NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        t[i] = (double)(first + i) / 100;
+        values[2 * i] = (double)(first + i) + offset;
+        values[2 * i + 1] = 0.5 * (double)(first + i) + offset;
+    }
+    helper_executor_send(e, index, &f);
+    free(t);
+    free(values);
+}
+
+void helper_executor_snapshot(helper_executor *e, size_t index, uint64_t number)
+{
+    float rho[8];
+    const frame f = { .type = FRAME_SNAPSHOT,
+                      .snapshot = { .index = number, .n1 = 4, .n2 = 2, .rho = rho } };
+
+    for (size_t i = 0; i < 8; i++)
+        rho[i] = (float)number;
+    helper_executor_send(e, index, &f);
+}
+
+void helper_executor_checkpoint(helper_executor *e, size_t index, uint64_t step)
+{
+    const frame f = { .type = FRAME_CHECKPOINT,
+                      .bytes = { .step = step, .n = sizeof step, .bytes = &step } };
+
+    helper_executor_send(e, index, &f);
+}
+
+void helper_executor_finish(helper_executor *e, size_t index, bool stopped)
+{
+    const frame f = { .type = FRAME_END, .end = { .stopped = stopped, .n_steps = 10 } };
+
+    helper_executor_send(e, index, &f);
+    helper_executor_end(e, index, EXECUTOR_EXITED);
+}
+
+static void set_state(helper_executor *e, size_t index, executor_state state, executor_cause cause)
+{
+    lock_take(&e->lock);
+    e->jobs[index].state = state;
+    e->jobs[index].end.cause = cause;
+    if (cause != EXECUTOR_EXITED)
+        (void)bf_fail(&e->jobs[index].end.error, BF_ESYSTEM, "", "the fake job ended");
+    lock_give(&e->lock);
+    wake(e);
+}
+
+void helper_executor_end(helper_executor *e, size_t index, executor_cause cause)
+{
+    set_state(e, index, EXECUTOR_ENDED, cause);
+}
+
+void helper_executor_lose(helper_executor *e, size_t index)
+{
+    set_state(e, index, EXECUTOR_LOST, EXECUTOR_EXITED);
+}
+
+void helper_executor_disconnect(helper_executor *e, size_t index)
+{
+    set_state(e, index, EXECUTOR_UNKNOWN, EXECUTOR_EXITED);
+}
