@@ -1,4 +1,4 @@
-/// How long a step of MICRO_IMPLICIT may be, and how many iterations of iteration it takes; in the plane
+/// How long a step of MICRO_IMPLICIT may be, and how many iterations it takes; in the plane
 /// and in space.
 ///
 /// The equations of a step couple parts by stiffness and by dashpots, in terms of their inertia,
@@ -20,7 +20,7 @@
 ///                           in space 0.02 r / v, as corners and faces of bodies that turn take over
 ///                           each other's load
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt takes parts up in many steps
-///     where iterations(h) = 16  stiffer contacts take shorter steps instead of more iterations
+///     where iterations(h) = 16: stiffer contacts take shorter steps instead of more iterations
 ///
 /// with v the speed of the fastest belt or of the parts at the start, and r the radius of a cylinder or
 /// half the least width of another footprint.
@@ -29,7 +29,7 @@
 
 #include "core/micro/micro.h"
 
-/// Rounds of iteration for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a dashpot,
+/// Iterations in a step for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a dashpot,
 /// N s/m, in steps of h, s.
 int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
                              double mass);

@@ -8,7 +8,7 @@
 ///               energy, as it would if it were taken at w; q+ = q + dt/2 [w+, 0] q, renormalised
 ///               (13)
 ///     points    in each contact point f = share max(k depth - d v_n, 0), v_n of the point itself
-///               (no clamp with tension), and friction (7) of its own velocity; partitions: manifold.h
+///               (no clamp with tension), and friction (7) of its own velocity; shares: manifold.h
 ///     belt      the same points carry the weight, but friction acts once, in their centre of
 ///               pressure c: (7) with the velocity of the body in c, and (8) about the vertical
 ///               with r_spin g/g_0, where g is the radius of gyration of the pressure and g_0 that
@@ -24,7 +24,7 @@
 ///          not, so that it does not depend on when the list of neighbours was made. A feature is
 ///          kept as long as no other one close by has less depth: contacts do not jump through thin
 ///          bodies.
-/// Sums     over neighbours by their ids, then plates by theirs, then walls, then the belt;
+/// Sums     over neighbours by their numbers, then plates by theirs, then walls, then the belt;
 ///          each pair is worked out once. Blocks of BODY_BLOCK parts are shared out to threads.
 
 #pragma once
@@ -103,7 +103,7 @@ bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity);
 /// made anew by the next call.
 BF_MUST_CHECK bf_status body__list(body_state *s, bf_error *err);
 
-/// The region of a pair if it candidates, or comes nearer than `near`, m. Returns false if not.
+/// The region of a pair if it touches, or comes nearer than `near`, m. Returns false if not.
 bool body__find_pair(const body_state *s, double near, body_pair *pair, body_region *ret_region);
 
 /// Work out what acts in a pair.
@@ -129,11 +129,11 @@ bool body__round_plate(const body_state *s, const body_body *body, const body_pl
 void body__find_at_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
                          double near, body_region *ret_region);
 
-/// What is done with the region of part k at the boundary: 0 to 3 for the walls, then the plates.
+/// What is done with the region of part k at a solid: 0 to 3 for the walls, then the plates.
 typedef void body_visit(void *context, size_t k, const micro_law *law, uint32_t solid,
                         const body_region *region);
 
-/// Visit the plates and walls that part k candidates, or comes nearer to than `near`, m.
+/// Visit the plates and walls that part k touches, or comes nearer to than `near`, m.
 void body__solids_visit(body_state *s, size_t k, double near, body_visit *visit, void *context);
 
 /// How many of them are within `range`, m, of the ball around part k.
@@ -171,7 +171,7 @@ void body__implicit_fini(body_state *s);
 /// Write the impulses of the last step. Returns how many there are.
 uint64_t body__implicit_save(const body_state *s, checkpoint_writer *w);
 
-/// Take n of them back, into the listed pairs and into the slots of the parts with the boundary, which are empty.
+/// Take n of them back, into the listed pairs and into the places of the parts with solids, which are empty.
 /// Returns false if they are not of these.
 bool body__implicit_load(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
                          size_t n_pairs, body_hold (*holds)[BODY_HOLDS]);

@@ -13,10 +13,10 @@ enum {
     BODY_BLOCK = 16,      ///< parts that one thread handles together
     BODY_PLATES_NEAR = 4, ///< plates whose contact a part can remember
     BODY_SPOTS_MAX = 2,   ///< contact points of cylinders in closed form
-    BODY_HOLDS = 8,       ///< the boundary whose impulses a part can remember
+    BODY_HOLDS = 8,       ///< solids whose impulses a part can remember
 };
 
-/// A face that presses with all of itself, weighted with the partitions of its corners.
+/// A face that presses with all of itself, weighted with the shares of its corners.
 typedef struct body_face {
     vec3 centre;   ///< sum of share p, in the body frame, m
     mat3 spread;   ///< sum of share r r^T with r = p - centre, m2
@@ -62,7 +62,7 @@ typedef struct body_memory {
 
 /// The impulse of a contact in the last step of MICRO_IMPLICIT; see body_implicit_priv.h.
 typedef struct body_hold {
-    uint32_t key; ///< which contact of a part with the boundary, and 1; 0: none
+    uint32_t key; ///< which contact of a part with a solid, and 1; 0: none
     vec3 push;    ///< on b, N s
     vec3 twist;   ///< same about the middle of the contact, N m s
 } body_hold;
@@ -93,7 +93,7 @@ typedef struct body_spot {
     double share; ///< of stiffness and dashpot
 } body_spot;
 
-/// Where a part candidates another one or something at rest, in the world's frame: in closed form or
+/// Where a part touches another one or something at rest, in the world's frame: in closed form or
 /// by hulls.
 typedef struct body_region {
     bool is_round;                   ///< spots count, else hull
@@ -150,14 +150,14 @@ typedef struct body_state {
     micro_def def;       ///< without its arrays
     vec3 gravity;        ///< m/s2
     double spin_damping; ///< (1 - D)^dt
-    micro_law cargo;     ///< of parts; its stiffness is that of compliance 1: divide by the sum
+    micro_law cargo;     ///< of parts; its stiffness is that of softness 1: divide by the sum
     size_t n_kinds;      ///< see there
     body_kind *kinds;    ///< see there
     size_t n;            ///< parts
-    body_body *bodies;   ///< by id
-    uint8_t *is_gone;    ///< by id
-    body_near (*near)[BODY_PLATES_NEAR]; ///< by id; NULL without plates
-    body_ground *ground;                 ///< by id
+    body_body *bodies;   ///< by number
+    uint8_t *is_gone;    ///< by number
+    body_near (*near)[BODY_PLATES_NEAR]; ///< by number; NULL without plates
+    body_ground *ground;                 ///< by number
     double *reach;                       ///< radius of the ball around each body, m
     double reach_max;                    ///< m
     double reach_min;                    ///< m
@@ -171,7 +171,7 @@ typedef struct body_state {
     size_t *first_pair;                  ///< n + 1: where the pairs with a = k begin
     size_t *cursor;                      ///< n: scratch of the list
     size_t links_capacity;               ///< room
-    uint32_t *links;                     ///< pair of each slot in list.neighbour
+    uint32_t *links;                     ///< pair of each place in list.neighbour
     size_t n_plates;                     ///< see there
     body_plate *plates;                  ///< see there
     body_map map;                        ///< of plates

@@ -17,7 +17,7 @@
 /// before the list is made anew.
 #define SIGHT 2.0
 
-/// Most iterations that the kinds of parts ask for.
+/// Most rounds that the kinds of parts ask for.
 static int find_rounds(const body_state *s)
 {
     const double damping = fmax(s->cargo.damping, s->kinds[0].solid.damping);
@@ -66,7 +66,7 @@ void body__implicit_fini(body_state *s)
     memory_free(z);
 }
 
-/// Room for all patches until the list is stale: one for each pair, and for what the boundary a part may
+/// Room for all patches until the list is stale: one for each pair, and for what solids a part may
 /// come near to until then.
 static bf_status make_room(body_state *s, bf_error *err)
 {

@@ -3,7 +3,7 @@
 #include "core/base/check.h"
 #include "core/micro/body/implicit_priv.h"
 
-enum { KEY_FLOOR = 1, KEY_SOLIDS = 2 }; // of holds: then walls and plates by their ids
+enum { KEY_FLOOR = 1, KEY_SOLIDS = 2 }; // of holds: then walls and plates by their numbers
 
 static const manifold_plane floor_plane = { .normal = { 0.0, 0.0, 1.0 } };
 
@@ -36,7 +36,7 @@ static void meet_pair(const body_state *s, double near, body_pair *pair, body_sh
     shelf->n++;
 }
 
-/// A part that meets the boundary.
+/// A part that meets solids.
 typedef struct visitor {
     const body_state *s;
     body_shelf *shelf;

@@ -15,13 +15,13 @@
 /// what the secants are. M being the inertia that the patch meets in o, its impulses follow from
 /// (M + D) q+ = M q0 + c, six equations, with q0 as q would be without the patch. Points and secants are
 /// taken anew from q+ a few times. So each patch is solved exactly, with all its points, its tilting and
-/// its sliding together; patches are solved one after the other (Gauss-Seidel), starting from the
-/// impulses of the step before. Every impulse acts on both parts, so that momentum is conserved however few
-/// iterations are made.
+/// its sliding together; patches are relaxed one after the other (Gauss-Seidel), starting from the
+/// impulses of the step before. Every impulse acts on both parts, so that momentum is kept however few
+/// rounds are made.
 ///
 /// Near     Regions are looked for up to a distance that parts could bridge in the step, see manifold.h.
 ///          It is the same for all, so that the list, when it was made, has no influence.
-/// Order    In an iteration first all patches with the boundary, part by part; then those of pairs by colours, in
+/// Order    In a round first all patches with solids, part by part; then those of pairs by colours, in
 ///          none of which a part occurs twice; last those for which there was no colour. Colours are
 ///          given in each step, by the numbers of the parts: they need not be saved.
 /// State    The impulses, with pairs and parts, outlive a step and are saved; the rest is scratch.
@@ -61,9 +61,9 @@ typedef struct body_mover {
 
 /// See above.
 typedef struct body_patch {
-    uint32_t a;                    ///< part; BODY_STILL: the boundary
+    uint32_t a;                    ///< part; BODY_STILL: a solid
     uint32_t b;                    ///< part
-    body_hold *hold;               ///< where its impulse is conserved; NULL: it is not
+    body_hold *hold;               ///< where its impulse is kept; NULL: it is not
     uint32_t key;                  ///< of that
     uint8_t colour;                ///< of a patch of parts
     const body_kind *floor;        ///< the part's kind if the solid is the floor, else NULL
@@ -86,7 +86,7 @@ enum { BODY_STILL = UINT32_MAX }; ///< number of what does not move
 typedef struct body_shelf {
     size_t first;   ///< patch
     size_t n_pairs; ///< patches with other parts
-    size_t n;       ///< of all; those with the boundary are last, part by part
+    size_t n;       ///< of all; those with solids are last, part by part
     size_t room;    ///< for patches
     double speed;   ///< largest of any point of a part, before the step or without contacts, m/s
     double moved2;  ///< square of the farthest way since the list was made, m2
@@ -94,9 +94,9 @@ typedef struct body_shelf {
 
 /// What body_state.implicit points to.
 typedef struct implicit_solver {
-    int rounds;                      ///< of iteration in a step
+    int rounds;                      ///< of relaxation in a step
     double keep;                     ///< what the damping leaves of a velocity in a step
-    body_hold (*holds)[BODY_HOLDS];  ///< by part: of its contacts with the boundary
+    body_hold (*holds)[BODY_HOLDS];  ///< by part: of its contacts with solids
     body_mover *movers;              ///< scratch, by part
     uint64_t *used;                  ///< scratch, by part: colours taken
     body_shelf *shelves;             ///< by block of parts

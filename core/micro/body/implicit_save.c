@@ -4,10 +4,10 @@
 
 #include <string.h>
 
-/// An impulse; those of pairs stand first, in the order of the pairs, then those with the boundary.
+/// An impulse; those of pairs stand first, in the order of the pairs, then those with solids.
 typedef struct saved_hold {
     uint32_t a;
-    uint32_t b;   // BODY_STILL: the boundary
+    uint32_t b;   // BODY_STILL: a solid
     uint32_t key; // > 0
     uint32_t zero;
     double push[3];

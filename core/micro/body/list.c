@@ -51,7 +51,7 @@ static void write_pairs(body_state *s)
     }
 }
 
-/// Link the slots of neighbours with smaller numbers: those of a part stand in the order in which
+/// Link the places of neighbours with smaller numbers: those of a part stand in the order in which
 /// its pairs come up.
 static void link_back(body_state *s)
 {

@@ -2,7 +2,7 @@
 // a half space.
 //
 // While the centre of a body is between the ends of a plate, the side of the plate on which it is
-// forces it back, however thin the plate and however deep the body is in it. Near the ends the
+// pushes it back, however thin the plate and however deep the body is in it. Near the ends the
 // least depth counts.
 //
 // Where a path bends, two plates meet. On the inner side of the bend both are felt. On its outer side the

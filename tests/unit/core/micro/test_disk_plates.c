@@ -25,7 +25,7 @@ static double rectangle_distance(vec2 c, vec2 a, vec2 b, vec2 down, double thick
     return hypot(along - fmin(fmax(along, 0.0), length), deep - fmin(fmax(deep, 0.0), thickness));
 }
 
-// What the features of the state's the boundary say: the deepest overlap, and how many press.
+// What the features of the state's boundary say: the deepest overlap, and how many press.
 static double feature_overlap(const disk_state *s, vec2 c, int *ret_n)
 {
     const disk part = { .x = c.x, .y = c.y, .radius = radius };
@@ -43,7 +43,7 @@ static double feature_overlap(const disk_state *s, vec2 c, int *ret_n)
     return deepest;
 }
 
-// A path with a bend of `turn`, seen from a grid of slots around it: the overlap is that with the
+// A path with a bend of `turn`, seen from a grid of places around it: the overlap is that with the
 // nearest point of the union of the two rectangles, where no notch of it is filled, and only where
 // the sides make an inner corner does a part feel two of them.
 static void check_bend(double turn)

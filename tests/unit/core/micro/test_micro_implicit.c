@@ -396,7 +396,7 @@ static void the_step_is_chosen_from_stiffness_speed_and_size(void **state)
     (void)state;
     assert_near(chosen_step(speed, 1e6), 2e-3, 1e-12);
     assert_near(chosen_step(2.0, 1e6), 0.08 * radius / 2.0, 1e-12);
-    // 16 iterations of iteration: 0.03 sqrt(N) 2 h^2 k/m + 0.8 h d/m = 16^2, N = 1, nearly without d here.
+    // 16 iterations: 0.03 sqrt(N) 2 h^2 k/m + 0.8 h d/m = 16^2, N = 1, nearly without d here.
     double k = 1e6 / 1e1 * 716.0, h = 16.0 * sqrt(mass / (0.06 * k));
     assert_near(chosen_step(speed, 1e1), h, 0.02 * h);
 }

@@ -255,7 +255,7 @@ static void pairs_that_cannot_be_are_refused(void **state)
         { { 9, 4 }, { 0, 1 }, { 2, 3 } }, // no such part
         { { 0, 4 }, { 1, 0 }, { 2, 3 } }, // numbers do not rise
         { { 0, 4 }, { 0, 1 }, { 1, 3 } }, // a part twice in a colour
-        { { 0, 1 }, { 0, 1 }, { 2, 3 } }, // parts among the candidates
+        { { 0, 1 }, { 0, 1 }, { 2, 3 } }, // parts among the contacts with the boundary
         { { 0, 4 }, { 0, 5 }, { 2, 3 } }, // a touch among the parts
     };
     disk_state s = make_bare_state();
