@@ -15,41 +15,122 @@
 ///               of the body lying flat. So an upright cylinder is braked as on the planar path,
 ///               and a body on its corner turns freely. (8) is implicit: it never turns the spin
 ///               around
-///     cylinders standing side by side or near a plate, or lying, in closed form: body_round.c
+///     cylinders standing side by side or near a plate, or lying, in closed form: narrow_phase.h
 ///
 /// The body frame is that of the principal axes with its origin in the centre of mass.
 ///
-/// Memory   the direction that separates two bodies, or the feature that carries their contact, is
-///          kept from step to step while the balls around them touch, and forgotten when they do
-///          not, so that it does not depend on when the list of neighbours was made. A feature is
-///          kept as long as no other one close by has less depth: contacts do not jump through thin
-///          bodies.
 /// Sums     over neighbours by their numbers, then plates by theirs, then walls, then the belt;
 ///          each pair is worked out once. Blocks of BODY_BLOCK parts are shared out to threads.
 
 #pragma once
 
 #include "core/base/checkpoint.h"
-#include "core/micro/body/body_types_priv.h"
+#include "core/micro/body/narrow_phase.h"
+#include "core/micro/contact_law.h"
+#include "core/micro/driver.h"
+#include "core/micro/micro.h"
+#include "core/micro/neighbours.h"
+#include "core/scene/surroundings.h"
 
-/// What acts on a body: sums about its centre of mass.
-typedef struct body_load {
-    vec3 force;  ///< N
-    vec3 torque; ///< N m
-} body_load;
+enum {
+    BODY_BLOCK = 16,      ///< parts that one thread handles together
+    BODY_PLATES_NEAR = 4, ///< plates whose contact a part can remember
+    BODY_HOLDS = 8,       ///< solids whose impulses a part can remember
+};
 
-/// Velocity of the point `at` of a body.
-static inline vec3 body__velocity(const body_body *body, vec3 at)
-{
-    return vec3_add(body->v, vec3_cross(body->w, vec3_sub(at, body->x)));
-}
+/// A face that presses with all of itself, weighted with the shares of its corners.
+typedef struct body_face {
+    vec3 centre;   ///< sum of share p, in the body frame, m
+    mat3 spread;   ///< sum of share r r^T with r = p - centre, m2
+    vec3 skew;     ///< sum of share r |r|^2, m3
+    double radius; ///< largest |r|, m
+} body_face;
 
-/// Add a force that acts in a point.
-static inline void body__push(body_load *load, const body_body *body, vec3 at, vec3 force)
-{
-    load->force = vec3_add(load->force, force);
-    load->torque = vec3_add(load->torque, vec3_cross(vec3_sub(at, body->x), force));
-}
+/// A kind of part, ready for the steps.
+typedef struct body_kind {
+    hull shape;           ///< in the body frame
+    quat turn;            ///< body frame in the frame of the shape
+    vec3 centre;          ///< of mass, in the frame of the shape, m
+    double bottom;        ///< lowest z of the shape in its frame, m
+    bool is_round;        ///< a cylinder, about the body's z axis
+    double radius;        ///< of a cylinder; else of the disk with the footprint's area, m
+    double half_height;   ///< of a cylinder, m
+    double mass;          ///< kg
+    vec3 inertia;         ///< about the principal axes, kg m2
+    double softness;      ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
+    double spin_radius;   ///< r_spin of (8), m
+    double flat_gyration; ///< g_0, m
+    micro_law floor;      ///< on a belt
+    micro_law solid;      ///< against plates and walls
+    body_face faces[HULL_FACES_MAX]; ///< of shape
+} body_kind;
+
+/// Memory of a part and a plate.
+typedef struct body_near {
+    uint32_t plate;     ///< its number and 1; 0: a free place
+    body_memory memory; ///< plate is a, part is b
+} body_near;
+
+/// Which plates are near a place: the numbers plate[first[c]] .. of cell c.
+typedef struct body_map {
+    double x_min;    ///< m
+    double y_min;    ///< m
+    double edge;     ///< of a cell, m
+    size_t n_x;      ///< cells along x
+    size_t n_y;      ///< along y
+    size_t *first;   ///< n_x n_y + 1
+    uint32_t *plate; ///< rising in each cell
+    size_t capacity; ///< room in plate
+} body_map;
+
+/// Where around a part one belt is under all of it.
+typedef struct body_ground {
+    vec2 at; ///< m
+    double
+        clear; ///< nothing changes until the part has moved by so much from there, m; < 0: unknown
+    vec3 velocity; ///< of that belt, m/s
+} body_ground;
+
+/// The solver.
+struct body_state {
+    micro_def def;       ///< without its arrays
+    vec3 gravity;        ///< m/s2
+    double spin_damping; ///< (1 - D)^dt
+    micro_law cargo;     ///< of parts; its stiffness is that of softness 1: divide by the sum
+    size_t n_kinds;      ///< see there
+    body_kind *kinds;    ///< see there
+    size_t n;            ///< parts
+    body_body *bodies;   ///< by number
+    uint8_t *is_gone;    ///< by number
+    body_near (*near)[BODY_PLATES_NEAR]; ///< by number; NULL without plates
+    body_ground *ground;                 ///< by number
+    double *reach;                       ///< radius of the ball around each body, m
+    double reach_max;                    ///< m
+    double reach_min;                    ///< m
+    neighbours_list list;                ///< neighbours
+    bool is_listed;                      ///< the list and what goes with it are right
+    size_t n_pairs;                      ///< pairs in the list
+    size_t pairs_capacity;               ///< room
+    body_pair *pairs;                    ///< sorted by a, then b
+    size_t spare_capacity;               ///< room
+    body_pair *spare;                    ///< storage of the list before
+    size_t *first_pair;                  ///< n + 1: where the pairs with a = k begin
+    size_t *cursor;                      ///< n: scratch of the list
+    size_t links_capacity;               ///< room
+    uint32_t *links;                     ///< pair of each place in list.neighbour
+    size_t n_plates;                     ///< see there
+    body_plate *plates;                  ///< see there
+    body_map map;                        ///< of plates
+    double map_range;       ///< from a part's centre to plates that the map has to show, m
+    surroundings around;    ///< a copy: belts and edges
+    size_t n_blocks;        ///< of parts
+    body_report *reports;   ///< one a block
+    uint64_t steps;         ///< since t = 0
+    double largest_overlap; ///< since the start, m
+    double overlap_share;   ///< see micro_totals
+    size_t n_presses;       ///< see micro_totals
+    struct implicit_solver *implicit; ///< of MICRO_IMPLICIT, else NULL
+};
 
 /// Square of how far part k has moved in the plane since the list was made, m2.
 static inline double body__moved2(const body_state *s, size_t k)
@@ -103,32 +184,6 @@ bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity);
 /// made anew by the next call.
 BF_MUST_CHECK bf_status body__list(body_state *s, bf_error *err);
 
-/// The region of a pair if it touches, or comes nearer than `near`, m. Returns false if not.
-bool body__find_pair(const body_state *s, double near, body_pair *pair, body_region *ret_region);
-
-/// Work out what acts in a pair.
-void body__meet(const body_state *s, body_pair *pair, body_report *report);
-
-/// The contact of two hulls from what is remembered of them, in the frame of a. Returns false if
-/// they are apart by more than `near`, m.
-bool body__find_manifold(const gjk_pair *pair, double near, body_memory *memory,
-                         manifold *ret_manifold);
-
-/// Contact points of two cylinders that stand side by side, where they are not apart by more than
-/// `near`; *ret_n is how many, 0 to 2. Returns false, with no output, if they stand otherwise.
-bool body__round_pair(const body_state *s, const body_body *a, const body_body *b, double near,
-                      body_spot *ret_spots, size_t *ret_n);
-
-/// The same of a cylinder on its side against a plane, and of one that stands against a plate.
-bool body__round_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
-                       double near, body_spot *ret_spots, size_t *ret_n);
-bool body__round_plate(const body_state *s, const body_body *body, const body_plate *plate,
-                       double near, body_spot *ret_spots, size_t *ret_n);
-
-/// The region of a body at a plane, in closed form or by its hull.
-void body__find_at_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
-                         double near, body_region *ret_region);
-
 /// What is done with the region of part k at a solid: 0 to 3 for the walls, then the plates.
 typedef void body_visit(void *context, size_t k, const micro_law *law, uint32_t solid,
                         const body_region *region);
@@ -168,27 +223,16 @@ BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
 /// Free it.
 void body__implicit_fini(body_state *s);
 
-/// Write the impulses of the last step. Returns how many there are.
-uint64_t body__implicit_save(const body_state *s, checkpoint_writer *w);
-
-/// Take n of them back, into the listed pairs and into the places of the parts with solids, which are empty.
-/// Returns false if they are not of these.
-bool body__implicit_load(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
-                         size_t n_pairs, body_hold (*holds)[BODY_HOLDS]);
-
 /// MICRO_IMPLICIT for the driver.
 extern const driver_solver body__implicit;
-
-/// Note a contact that presses.
-void body__note(body_report *report, double overlap, double radius);
 
 /// Add what the belt does to part k.
 void body__floor_push(body_state *s, size_t k, body_load *load);
 
-/// Largest stable step for a checked definition, s; see body_kind.c.
+/// Largest stable step for a checked definition, s; see kind.c.
 double body__dt_stable(const micro_def *def);
 
-/// The table's functions that are not in spatial.c.
+/// Members of micro_backend.
 bf_status body__advance(void *state, uint64_t n, bf_error *err);
 micro_part body__part(const void *state, size_t k);
 micro_totals body__measure(const void *state);

@@ -3,8 +3,8 @@
 // A team meets between the phases of a step. In a phase every member takes its part of the blocks of parts, or
 // of the slices of a colour, none of which writes what another one reads.
 
+#include "core/micro/body/implicit.h"
 #include "core/base/memory.h"
-#include "core/micro/body/implicit_priv.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // The impulses of a patch.
 
-#include "core/micro/body/implicit_priv.h"
+#include "core/micro/body/implicit.h"
 #include "core/micro/friction.h"
 
 #include <math.h>

@@ -269,16 +269,6 @@ static void push_region(void *context, size_t k, const micro_law *law, uint32_t 
         body__note(push->report, depth, push->s->kinds[push->s->bodies[k].kind].radius);
 }
 
-void body__find_at_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
-                         double near, body_region *ret_region)
-{
-    ret_region->is_round =
-        body__round_plane(s, body, plane, near, ret_region->spots, &ret_region->n_spots);
-    if (!ret_region->is_round)
-        manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, plane, near,
-                          &ret_region->hull);
-}
-
 /// Try the side of a plate that a body is on. Returns true if its contact is there.
 static bool find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
                          double near, manifold *m)

@@ -107,19 +107,6 @@ typedef struct implicit_solver {
     size_t colour[BODY_COLOURS + 2]; ///< where each begins in order; the last one is the rest
 } body_solver;
 
-/// What the patches of a step are made with.
-typedef struct body_touch {
-    uint32_t a;              ///< as in a patch
-    uint32_t b;              ///< same
-    const micro_law *law;    ///< of the contact
-    const body_kind *floor;  ///< as in a patch
-    const body_hold *before; ///< its impulse in the step before; NULL: none
-} body_touch;
-
-/// Make the patch of a region. Returns false, with no use of it, if it has no points.
-bool body_implicit__make(const body_state *s, const body_touch *touch, const body_region *region,
-                         body_patch *ret_patch);
-
 /// Find the patches of a block of parts that come nearer than `near`, m.
 void body_implicit__meet(body_state *s, size_t block, double near);
 
