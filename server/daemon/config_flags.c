@@ -1,8 +1,8 @@
 #include "server/daemon/config.h"
 #include "server/http/client.h"
 #include "server/http/cors.h"
-#include "server/http/host.h"
 #include "server/http/http.h"
+#include "server/http/listen.h"
 
 #include <argp.h>
 #include <stdio.h>

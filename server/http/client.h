@@ -5,7 +5,7 @@
 /// left of the first address that is no proxy of ours, anybody can have written.
 ///
 /// Who is on this machine is exempt from limits, unless a forwarding header says that it asks for
-/// somebody else: a proxy on this machine that is not configured must not exempt all that come by it.
+/// somebody else: a proxy on this machine that is not configured must not exempt all the clients whose requests it forwards.
 
 #pragma once
 

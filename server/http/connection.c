@@ -4,18 +4,18 @@
 // connection forever. So each connection has an absolute deadline for what it owes at the moment (a
 // complete header, then a complete body), and one thread shuts down the sockets of those that are
 // late; MHD notices and closes. Between requests the deadline is that of the next header and the
-// time that a connection may idle, together.
+// time for which a connection may be idle, together.
 //
-// A client that sends something and hangs up at once is not noticed by MHD: it is told of both by one
-// event, reads the bytes and waits for the next event, which never comes. The same thread looks for
-// such sockets: hung up, nothing left to be read, and something still owed, twice in a row.
+// MHD does not notice a client that sends something and disconnects at once: one epoll event reports both,
+// MHD reads the bytes and waits for another event, which never comes. The same thread looks for such
+// sockets: disconnected, nothing left to be read, and a request still incomplete, at two looks in a row.
 //
 // A socket of the list is open: MHD tells us of a connection's end before it closes the socket, and
 // the list is only looked at under http.lock.
 //
-// A client that was refused may still be sending. If its socket were closed at once, the kernel
-// would answer with a reset, and the client might never read the refusal. Such sockets are kept for
-// a moment (a duplicate of MHD's), and what comes in is thrown away.
+// A client whose request was refused may still be sending. If its socket were closed at once, the kernel
+// would answer with a reset, and the client might never read the refusal. A duplicate of such a socket
+// stays open for LINGER_MS, and what is received is discarded.
 
 #include "server/http/http_priv.h"
 

@@ -148,7 +148,7 @@ static bf_status start_listening(http *h, bf_error *err)
     const char *address = h->options.listen;
     struct sockaddr_storage listened = { 0 };
     socklen_t n = sizeof listened;
-    bf_status status = http__listen(address, &h->listen_fd, &h->port, err);
+    bf_status status = http_listen(address, &h->listen_fd, &h->port, err);
 
     if (status != BF_OK)
         return status;

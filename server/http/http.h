@@ -27,7 +27,7 @@ typedef struct http_options {
     unsigned connection_limit;    ///< connections at once
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
-    const char *hosts; ///< names that requests may be sent to, see host.h; NULL: none more
+    const char *hosts; ///< names that requests may be sent to, see listen.h; NULL: none more
     const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's
     uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
     uint64_t work_per_minute;     ///< of them such that create work; 0: no limit
@@ -57,7 +57,7 @@ BF_MUST_CHECK bf_status http_check_address(const char *text, bf_error *err);
 BF_MUST_CHECK bf_status http_reconfigure(http *h, const http_options *options, bf_error *err);
 
 /// Ask the threads that serve connections, the request threads and the one that watches for a sign of
-/// life; true if all have given what they were asked for before. The first are asked by requests
+/// life; true if all have answered the call before. The first are asked by requests
 /// (GET /livez) on connections of our own; while all connections are in use they are not asked.
 bool http_is_alive(http *h);
 

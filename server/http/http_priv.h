@@ -20,9 +20,9 @@
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
 #include "server/http/client.h"
-#include "server/http/host.h"
 #include "server/http/http.h"
 #include "server/http/limit.h"
+#include "server/http/listen.h"
 #include "server/http/page.h"
 #include "server/http/pull.h"
 #include "server/http/trace.h"
@@ -61,7 +61,7 @@ typedef enum http_stage {
     HTTP_STAGE_BODY,      ///< the body is being received
     HTTP_STAGE_WORKING,   ///< suspended, a request thread has it
     HTTP_STAGE_LONG_POLL, ///< suspended, its answer waits for a run
-    HTTP_STAGE_READY,     ///< the response is there
+    HTTP_STAGE_READY,     ///< the response is complete
     HTTP_STAGE_SENT,      ///< the response was given to MHD; its body may still be pulled
 } http_stage;
 
@@ -102,7 +102,7 @@ typedef struct http_pool http_pool;
 
 /// The server.
 struct http {
-    http_options options;              ///< as given; its texts are not kept
+    http_options options;              ///< as given; its texts are NULL after the start
     api_services services;             ///< as given
     int listen_fd;                     ///< listening socket; -1: none
     _Atomic int web_fd;                ///< directory of the page; -1: none
@@ -134,12 +134,6 @@ struct http {
     int linger_fds[HTTP_LINGER_MAX];   ///< sockets to be drained
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
-
-// listen.c
-
-/// Listen on "host:port". BF_EINPUT: not an address; BF_ESYSTEM: it cannot be used.
-BF_MUST_CHECK bf_status http__listen(const char *address, int *ret_fd, unsigned *ret_port,
-                                     bf_error *err);
 
 // connection.c
 
@@ -188,7 +182,7 @@ http_pool *http__pool_free(http_pool *p);
 /// Ask for a sign of life of any thread, and true if one has given what was asked for before.
 bool http__pool_is_alive(http_pool *p);
 
-// request.c: what MHD's callbacks for requests come to.
+// request.c: what MHD's callbacks for requests call
 
 /// A new request, from the target of its request line, which is followed by the version in the same
 /// buffer. NULL: no memory.

@@ -154,7 +154,8 @@ static limit_client *add(http_limit *l, const uint8_t *key, int64_t now_ms)
     return c;
 }
 
-static limit_client *come(http_limit *l, const uint8_t *key, int64_t now_ms)
+// The client of a key, with the tokens that it has gained since its last request.
+static limit_client *refill(http_limit *l, const uint8_t *key, int64_t now_ms)
 {
     int place = find(l, key);
 
@@ -180,8 +181,8 @@ static unsigned time_to_gain(uint64_t lacking, uint64_t quota)
     return (unsigned)((lacking + per_s - 1) / per_s);
 }
 
-static void judge(const http_limit *l, const limit_client *c, int n_kinds,
-                  http_limit_verdict *verdict)
+static void check_buckets(const http_limit *l, const limit_client *c, int n_kinds,
+                          http_limit_verdict *verdict)
 {
     for (int k = 0; k < n_kinds; k++) {
         uint64_t quota = l->quotas[k];
@@ -201,8 +202,8 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
     int n_kinds = creates_work ? HTTP_LIMIT_COUNT : HTTP_LIMIT_WORK;
 
     lock_take(&limit->lock);
-    limit_client *c = come(limit, key, now_ms);
-    judge(limit, c, n_kinds, &verdict);
+    limit_client *c = refill(limit, key, now_ms);
+    check_buckets(limit, c, n_kinds, &verdict);
     for (int k = 0; k < n_kinds; k++) {
         uint64_t quota = limit->quotas[k];
         if (quota == 0)
@@ -216,7 +217,7 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
     return verdict;
 }
 
-void http_limit_tell(const http_limit_verdict *verdict, api_response *response)
+void http_limit_write_headers(const http_limit_verdict *verdict, api_response *response)
 {
     char policy[API_HEADER_SIZE] = "", state[API_HEADER_SIZE] = "";
     size_t n_policy = 0, n_state = 0;

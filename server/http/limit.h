@@ -1,7 +1,7 @@
 /// Rate limits: a bucket of tokens per client and kind of request, in a table of bounded size.
 ///
 /// A bucket holds the quota of a minute and fills evenly; each request takes one token. Requests that
-/// create work take one of both kinds. The table forgets the client that has not come for longest.
+/// create work take one of both kinds. When the table is full, the client whose last request is oldest is forgotten.
 /// The figures go to clients in the fields RateLimit-Policy and RateLimit
 /// (draft-ietf-httpapi-ratelimit-headers-11).
 ///
@@ -54,7 +54,7 @@ BF_MUST_CHECK bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT
 /// Free it. NULL is fine. Always returns NULL.
 http_limit *http_limit_destroy(http_limit *limit);
 
-/// From now on other quotas, and full buckets for everybody. Quotas as they are change nothing.
+/// Change the quotas and fill all buckets. Unchanged quotas change nothing.
 void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT]);
 
 /// A request of the client at now_ms (a clock that never goes back) takes its tokens; one that is
@@ -63,4 +63,4 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
                                    bool creates_work, int64_t now_ms);
 
 /// Add the fields for clients to a response.
-void http_limit_tell(const http_limit_verdict *verdict, api_response *response);
+void http_limit_write_headers(const http_limit_verdict *verdict, api_response *response);

@@ -5,8 +5,8 @@
 #include "server/http/page.h"
 
 #include "api/http/precondition.h"
-#include "server/http/encoding.h"
 #include "server/http/http_priv.h"
+#include "server/http/representation.h"
 
 #include <fcntl.h>
 #include <stdio.h>

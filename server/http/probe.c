@@ -1,8 +1,9 @@
-// Is the server alive? Each round asks every thread, and judges by what has come since the round before.
+// Liveness of the server's threads. Each round sends every thread a question and looks whether the question of
+// the round before was answered.
 //
 // An epoll thread can only be asked by a request, so each gets a connection of its own: one end of a
-// pair of sockets, handed to MHD past the listening socket. No crowd of clients can keep it out but one
-// that holds all connections; then the thread is not asked, as nothing could be learned.
+// pair of sockets, handed to MHD past the listening socket. While clients hold all connections the thread
+// is not asked, since the probe would be refused whatever the thread does.
 //
 // MHD gives a connection to the thread whose number is the descriptor's, modulo their number.
 

@@ -123,11 +123,11 @@ static void warn_of_proxy(http_request *r)
     if ((before_ms != 0 && now_ms - before_ms < WARNING_MS) ||
         !atomic_compare_exchange_strong(&r->server->warned_ms, &before_ms, now_ms))
         return;
-    log_event(
-        LOG_LEVEL_WARN, "proxy_not_trusted",
-        "address=%s error=\"a proxy forwards requests, but is not in trusted_proxies: all that "
-        "come by it count as one client\"",
-        r->client.text);
+    log_event(LOG_LEVEL_WARN, "proxy_not_trusted",
+              "address=%s error=\"a proxy forwards requests, but is not in trusted_proxies: all "
+              "its clients "
+              "count as one\"",
+              r->client.text);
 }
 
 static void identify(http_request *r)
@@ -150,12 +150,12 @@ static void identify(http_request *r)
 }
 
 // Which host is asked for: the target's, if it names one, else that of the header.
-static http_host_verdict judge_host(const http_request *r, const char *host)
+static http_host_verdict classify_host(const http_request *r, const char *host)
 {
     char name[HOST_SIZE];
     size_t n = 0;
     const char *authority = http_guard_authority(r->target, &n);
-    http_host_verdict verdict = http_host_judge(&r->server->hosts, host);
+    http_host_verdict verdict = http_host_classify(&r->server->hosts, host);
 
     if (authority == NULL || verdict == HTTP_HOST_MALFORMED)
         return verdict;
@@ -163,7 +163,7 @@ static http_host_verdict judge_host(const http_request *r, const char *host)
         return HTTP_HOST_MALFORMED;
     memcpy(name, authority, n);
     name[n] = '\0';
-    return http_host_judge(&r->server->hosts, name);
+    return http_host_classify(&r->server->hosts, name);
 }
 
 // Without Host (HTTP/1.0) no browser asks; nor does it over a socket that is none of the network.
@@ -173,7 +173,7 @@ static void check_host(http_request *r)
 
     if (host == NULL || !r->is_of_network)
         return;
-    switch (judge_host(r, host)) {
+    switch (classify_host(r, host)) {
     case HTTP_HOST_OURS:
         return;
     case HTTP_HOST_MALFORMED:

@@ -4,8 +4,7 @@
 #include "server/http/http_priv.h"
 
 #include "server/http/cors.h"
-#include "server/http/encoding.h"
-#include "server/http/range.h"
+#include "server/http/representation.h"
 
 #include <inttypes.h>
 #include <microhttpd.h>
@@ -182,7 +181,7 @@ void http__finalize_response(http_request *r)
     }
     http_cors_answer(r->server->cors_origins, r->method, http__request_header(r, "Origin"),
                      http__request_header(r, "Access-Control-Request-Method"), response);
-    http_limit_tell(&r->verdict, response);
+    http_limit_write_headers(&r->verdict, response);
     add_standard(response);
     if (r->refusal != 0)
         api_response_header(response, "Connection", "close");

@@ -1,6 +1,6 @@
 // What is encoded, and that the libraries' own decoders give it back.
 
-#include "server/http/encoding.h"
+#include "server/http/representation.h"
 
 #include "core/base/memory.h"
 

@@ -1,7 +1,7 @@
 // Which Host is answered: the addresses that are listened on, the names that were configured, and no
 // other.
 
-#include "server/http/host.h"
+#include "server/http/listen.h"
 
 #include "tests/unit/server/helper_server.h"
 
@@ -21,7 +21,7 @@ static http_host_verdict judge(const char *listened, const char *names, const ch
     assert_true(is_v4 || inet_pton(AF_INET6, address, &v6.sin6_addr) == 1);
     const void *socket_address = is_v4 ? (const void *)&v4 : &v6;
     http_hosts hosts = http_host_list(names, listened, socket_address);
-    return http_host_judge(&hosts, host);
+    return http_host_classify(&hosts, host);
 }
 
 typedef struct host_case {

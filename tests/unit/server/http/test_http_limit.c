@@ -124,7 +124,7 @@ static void no_quota_is_no_limit(void **state)
     for (int i = 0; i < 10000; i++)
         assert_false(take(1, true, 0).is_refused);
     http_limit_verdict verdict = take(1, true, 0);
-    http_limit_tell(&verdict, &response);
+    http_limit_write_headers(&verdict, &response);
     assert_int_equal(response.n_headers, 0);
 }
 
@@ -134,7 +134,7 @@ static void clients_are_told_policy_and_state(void **state)
 
     (void)state;
     http_limit_verdict verdict = take(1, true, 0);
-    http_limit_tell(&verdict, &response);
+    http_limit_write_headers(&verdict, &response);
     assert_string_equal(api_response_find(&response, "RateLimit-Policy"),
                         "\"requests\";q=60;w=60, \"work\";q=6;w=60");
     assert_string_equal(api_response_find(&response, "RateLimit"),
@@ -142,11 +142,11 @@ static void clients_are_told_policy_and_state(void **state)
     assert_null(api_response_find(&response, "Retry-After"));
     (void)drain(1, true, 0);
     verdict = take(1, true, 0);
-    http_limit_tell(&verdict, &response);
+    http_limit_write_headers(&verdict, &response);
     assert_string_equal(api_response_find(&response, "Retry-After"), "10");
     verdict = take(1, false, 0);
     response = (api_response){ 0 };
-    http_limit_tell(&verdict, &response);
+    http_limit_write_headers(&verdict, &response);
     assert_string_equal(api_response_find(&response, "RateLimit-Policy"), "\"requests\";q=60;w=60");
 }
 

@@ -1,6 +1,6 @@
 // Byte ranges by RFC 9110, section 14.
 
-#include "server/http/range.h"
+#include "server/http/representation.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,6 @@
-/// Which Host a request may name (RFC 9110, 7.2 and 15.5.20). A page on the internet can have its own
+/// Where it is listened, and which Host a request may name (RFC 9110, 7.2 and 15.5.20).
+///
+/// A page on the internet can have its own
 /// name resolved to 127.0.0.1 and so let a browser send requests to a service that listens there alone
 /// (DNS rebinding); the name stands in Host. So a request is answered only under the addresses that
 /// are listened on and under names that were configured.
@@ -13,6 +15,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/socket.h>
+
+/// Listen on "host:port". BF_EINPUT: not an address; BF_ESYSTEM: it cannot be used.
+BF_MUST_CHECK bf_status http_listen(const char *address, int *ret_fd, unsigned *ret_port,
+                                    bf_error *err);
 
 enum { HTTP_HOST_ADDRESS_SIZE = 16 }; ///< bytes of an address, IPv6 or IPv4 mapped into it
 
@@ -38,5 +44,5 @@ BF_MUST_CHECK bf_status http_host_check(const char *names, bf_error *err);
 /// What is answered under by who listens on this address of a socket.
 http_hosts http_host_list(const char *names, const char *listened, const struct sockaddr *address);
 
-/// Judge the value of a Host header.
-http_host_verdict http_host_judge(const http_hosts *hosts, const char *host);
+/// Classify the value of a Host header.
+http_host_verdict http_host_classify(const http_hosts *hosts, const char *host);
