@@ -13,215 +13,215 @@
 #endif
 
 #if defined(__AVX512F__)
-enum { LANES = 8 }; ///< doubles in a register; a block of cells is a multiple of it
+enum { SIMD_LANES = 8 }; ///< doubles in a register; a block of cells is a multiple of it
 #elif defined(__AVX2__)
-enum { LANES = 4 };
+enum { SIMD_LANES = 4 };
 #else
-enum { LANES = 2 };
+enum { SIMD_LANES = 2 };
 #endif
 
 /// A register of doubles; + - * / act lane by lane, and with a scalar on all lanes.
-typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+typedef double simd __attribute__((vector_size(SIMD_LANES * sizeof(double))));
 
 /// Load from an address aligned to a register's size.
-static inline lanes lanes_load(const double *at)
+static inline simd simd_load(const double *at)
 {
-    lanes x;
+    simd x;
     memcpy(&x, __builtin_assume_aligned(at, sizeof x), sizeof x);
     return x;
 }
 
 /// Load from any address.
-static inline lanes lanes_load_any(const double *at)
+static inline simd simd_load_any(const double *at)
 {
-    lanes x;
+    simd x;
     memcpy(&x, at, sizeof x);
     return x;
 }
 
 /// Store to an address aligned to a register's size.
-static inline void lanes_store(double *at, lanes x)
+static inline void simd_store(double *at, simd x)
 {
     memcpy(__builtin_assume_aligned(at, sizeof x), &x, sizeof x);
 }
 
 /// The same value in all lanes.
-static inline lanes lanes_all(double value)
+static inline simd simd_all(double value)
 {
-    return value - (lanes){ 0.0 };
+    return value - (simd){ 0.0 };
 }
 
 #if defined(__AVX512F__)
 
 /// x, kept in a register: without it the compiler loads x again for each of its uses.
-static inline lanes lanes_held(lanes x)
+static inline simd simd_held(simd x)
 {
     __asm__("" : "+v"(x));
     return x;
 }
 
 /// max(x, 0): 0 for -0, like every variant below.
-static inline lanes lanes_positive(lanes x)
+static inline simd simd_positive(simd x)
 {
-    return (lanes)_mm512_max_pd((__m512d)x, _mm512_setzero_pd());
+    return (simd)_mm512_max_pd((__m512d)x, _mm512_setzero_pd());
 }
 
 /// min(x, 0).
-static inline lanes lanes_negative(lanes x)
+static inline simd simd_negative(simd x)
 {
-    return (lanes)_mm512_min_pd((__m512d)x, _mm512_setzero_pd());
+    return (simd)_mm512_min_pd((__m512d)x, _mm512_setzero_pd());
 }
 
 /// The larger of x and y.
-static inline lanes lanes_max(lanes x, lanes y)
+static inline simd simd_max(simd x, simd y)
 {
-    return (lanes)_mm512_max_pd((__m512d)x, (__m512d)y);
+    return (simd)_mm512_max_pd((__m512d)x, (__m512d)y);
 }
 
 /// x where x >= 1, else 0.
-static inline lanes lanes_packed(lanes x)
+static inline simd simd_from_1(simd x)
 {
     __mmask8 packed = _mm512_cmp_pd_mask((__m512d)x, _mm512_set1_pd(1.0), _CMP_GE_OQ);
-    return (lanes)_mm512_maskz_mov_pd(packed, (__m512d)x);
+    return (simd)_mm512_maskz_mov_pd(packed, (__m512d)x);
 }
 
 /// Bit k is set where lane k >= 1.
-static inline unsigned lanes_packed_bits(lanes x)
+static inline unsigned simd_bits_from_1(simd x)
 {
     return _mm512_cmp_pd_mask((__m512d)x, _mm512_set1_pd(1.0), _CMP_GE_OQ);
 }
 
 /// Square roots.
-static inline lanes lanes_sqrt(lanes x)
+static inline simd simd_sqrt(simd x)
 {
-    return (lanes)_mm512_sqrt_pd((__m512d)x);
+    return (simd)_mm512_sqrt_pd((__m512d)x);
 }
 
 #elif defined(__AVX2__)
 
-static inline lanes lanes_held(lanes x)
+static inline simd simd_held(simd x)
 {
     __asm__("" : "+x"(x));
     return x;
 }
 
-static inline lanes lanes_positive(lanes x)
+static inline simd simd_positive(simd x)
 {
-    return (lanes)_mm256_max_pd((__m256d)x, _mm256_setzero_pd());
+    return (simd)_mm256_max_pd((__m256d)x, _mm256_setzero_pd());
 }
 
-static inline lanes lanes_negative(lanes x)
+static inline simd simd_negative(simd x)
 {
-    return (lanes)_mm256_min_pd((__m256d)x, _mm256_setzero_pd());
+    return (simd)_mm256_min_pd((__m256d)x, _mm256_setzero_pd());
 }
 
-static inline lanes lanes_max(lanes x, lanes y)
+static inline simd simd_max(simd x, simd y)
 {
-    return (lanes)_mm256_max_pd((__m256d)x, (__m256d)y);
+    return (simd)_mm256_max_pd((__m256d)x, (__m256d)y);
 }
 
-static inline lanes lanes_packed(lanes x)
+static inline simd simd_from_1(simd x)
 {
     __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
-    return (lanes)_mm256_and_pd(packed, (__m256d)x);
+    return (simd)_mm256_and_pd(packed, (__m256d)x);
 }
 
-static inline unsigned lanes_packed_bits(lanes x)
+static inline unsigned simd_bits_from_1(simd x)
 {
     __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
     return (unsigned)_mm256_movemask_pd(packed);
 }
 
-static inline lanes lanes_sqrt(lanes x)
+static inline simd simd_sqrt(simd x)
 {
-    return (lanes)_mm256_sqrt_pd((__m256d)x);
+    return (simd)_mm256_sqrt_pd((__m256d)x);
 }
 
 #elif defined(__SSE2__)
 
-static inline lanes lanes_held(lanes x)
+static inline simd simd_held(simd x)
 {
     __asm__("" : "+x"(x));
     return x;
 }
 
-static inline lanes lanes_positive(lanes x)
+static inline simd simd_positive(simd x)
 {
-    return (lanes)_mm_max_pd((__m128d)x, _mm_setzero_pd());
+    return (simd)_mm_max_pd((__m128d)x, _mm_setzero_pd());
 }
 
-static inline lanes lanes_negative(lanes x)
+static inline simd simd_negative(simd x)
 {
-    return (lanes)_mm_min_pd((__m128d)x, _mm_setzero_pd());
+    return (simd)_mm_min_pd((__m128d)x, _mm_setzero_pd());
 }
 
-static inline lanes lanes_max(lanes x, lanes y)
+static inline simd simd_max(simd x, simd y)
 {
-    return (lanes)_mm_max_pd((__m128d)x, (__m128d)y);
+    return (simd)_mm_max_pd((__m128d)x, (__m128d)y);
 }
 
-static inline lanes lanes_packed(lanes x)
+static inline simd simd_from_1(simd x)
 {
-    return (lanes)_mm_and_pd(_mm_cmpge_pd((__m128d)x, _mm_set1_pd(1.0)), (__m128d)x);
+    return (simd)_mm_and_pd(_mm_cmpge_pd((__m128d)x, _mm_set1_pd(1.0)), (__m128d)x);
 }
 
-static inline unsigned lanes_packed_bits(lanes x)
+static inline unsigned simd_bits_from_1(simd x)
 {
     return (unsigned)_mm_movemask_pd(_mm_cmpge_pd((__m128d)x, _mm_set1_pd(1.0)));
 }
 
-static inline lanes lanes_sqrt(lanes x)
+static inline simd simd_sqrt(simd x)
 {
-    return (lanes)_mm_sqrt_pd((__m128d)x);
+    return (simd)_mm_sqrt_pd((__m128d)x);
 }
 
 #else
 
-static inline lanes lanes_held(lanes x)
+static inline simd simd_held(simd x)
 {
     return x;
 }
 
-static inline lanes lanes_positive(lanes x)
+static inline simd simd_positive(simd x)
 {
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         x[k] = x[k] > 0.0 ? x[k] : 0.0;
     return x;
 }
 
-static inline lanes lanes_negative(lanes x)
+static inline simd simd_negative(simd x)
 {
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         x[k] = x[k] < 0.0 ? x[k] : 0.0;
     return x;
 }
 
-static inline lanes lanes_max(lanes x, lanes y)
+static inline simd simd_max(simd x, simd y)
 {
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         x[k] = x[k] > y[k] ? x[k] : y[k];
     return x;
 }
 
-static inline lanes lanes_packed(lanes x)
+static inline simd simd_from_1(simd x)
 {
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         x[k] = x[k] >= 1.0 ? x[k] : 0.0;
     return x;
 }
 
-static inline unsigned lanes_packed_bits(lanes x)
+static inline unsigned simd_bits_from_1(simd x)
 {
     unsigned bits = 0;
 
-    for (unsigned k = 0; k < LANES; k++)
+    for (unsigned k = 0; k < SIMD_LANES; k++)
         bits |= (x[k] >= 1.0 ? 1U : 0U) << k;
     return bits;
 }
 
-static inline lanes lanes_sqrt(lanes x)
+static inline simd simd_sqrt(simd x)
 {
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         x[k] = __builtin_sqrt(x[k]);
     return x;
 }

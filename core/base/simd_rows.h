@@ -1,5 +1,5 @@
 /// Tables with rows of eight doubles, read and written as lanes: lane k belongs to the row that begins
-/// at[k] doubles, a multiple of LANES_ROW, into the table.
+/// at[k] doubles, a multiple of SIMD_ROW, into the table.
 ///
 /// A row is two quads of four columns, columns 0 to 3 and 4 to 7. Whole quads are loaded and transposed
 /// in registers, which costs far less than gathering columns one number at a time. Rows are aligned to
@@ -12,28 +12,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LANES_ROW = 8 }; ///< doubles in a row
+enum { SIMD_ROW = 8 }; ///< doubles in a row
 
-/// Four columns of LANES rows.
-typedef struct lanes_quad {
-    lanes column[4]; ///< each with a lane per row
-} lanes_quad;
+/// Four columns of SIMD_LANES rows.
+typedef struct simd_quad {
+    simd column[4]; ///< each with a lane per row
+} simd_quad;
 
 #if defined(__AVX2__)
 
 /// A quad of one row, in a register.
-typedef double lanes_row_quad __attribute__((vector_size(4 * sizeof(double))));
+typedef double simd_row_quad __attribute__((vector_size(4 * sizeof(double))));
 
 /// Load it.
-static inline lanes_row_quad lanes_row_load(const double *at)
+static inline simd_row_quad simd_row_load(const double *at)
 {
-    lanes_row_quad x;
+    simd_row_quad x;
     memcpy(&x, __builtin_assume_aligned(at, sizeof x), sizeof x);
     return x;
 }
 
 /// Store it.
-static inline void lanes_row_store(double *at, lanes_row_quad x)
+static inline void simd_row_store(double *at, simd_row_quad x)
 {
     memcpy(__builtin_assume_aligned(at, sizeof x), &x, sizeof x);
 }
@@ -43,27 +43,27 @@ static inline void lanes_row_store(double *at, lanes_row_quad x)
 #if defined(__AVX512F__)
 
 /// Quads of two rows in one register.
-static inline lanes lanes_join(const double *low, const double *high)
+static inline simd simd_join(const double *low, const double *high)
 {
-    __m512d x = _mm512_castpd256_pd512((__m256d)lanes_row_load(low));
+    __m512d x = _mm512_castpd256_pd512((__m256d)simd_row_load(low));
 
-    return (lanes)_mm512_insertf64x4(x, (__m256d)lanes_row_load(high), 1);
+    return (simd)_mm512_insertf64x4(x, (__m256d)simd_row_load(high), 1);
 }
 
 /// Columns 0 to 3 of a table's rows, or 4 to 7 of a table that begins at column 4 of the first row.
-static inline lanes_quad lanes_quad_load(const double *table, const uint32_t *at)
+static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
 {
-    const double *row[LANES];
-    for (int k = 0; k < LANES; k++)
+    const double *row[SIMD_LANES];
+    for (int k = 0; k < SIMD_LANES; k++)
         row[k] = table + at[k];
     // Pairs of columns of rows 0 1 2 3, a c with a c and b d with b d, then of rows 4 5 6 7.
-    lanes r02 = lanes_join(row[0], row[2]), r13 = lanes_join(row[1], row[3]);
-    lanes r46 = lanes_join(row[4], row[6]), r57 = lanes_join(row[5], row[7]);
-    lanes ac0 = __builtin_shufflevector(r02, r13, 0, 8, 2, 10, 4, 12, 6, 14);
-    lanes bd0 = __builtin_shufflevector(r02, r13, 1, 9, 3, 11, 5, 13, 7, 15);
-    lanes ac4 = __builtin_shufflevector(r46, r57, 0, 8, 2, 10, 4, 12, 6, 14);
-    lanes bd4 = __builtin_shufflevector(r46, r57, 1, 9, 3, 11, 5, 13, 7, 15);
-    return (lanes_quad){ {
+    simd r02 = simd_join(row[0], row[2]), r13 = simd_join(row[1], row[3]);
+    simd r46 = simd_join(row[4], row[6]), r57 = simd_join(row[5], row[7]);
+    simd ac0 = __builtin_shufflevector(r02, r13, 0, 8, 2, 10, 4, 12, 6, 14);
+    simd bd0 = __builtin_shufflevector(r02, r13, 1, 9, 3, 11, 5, 13, 7, 15);
+    simd ac4 = __builtin_shufflevector(r46, r57, 0, 8, 2, 10, 4, 12, 6, 14);
+    simd bd4 = __builtin_shufflevector(r46, r57, 1, 9, 3, 11, 5, 13, 7, 15);
+    return (simd_quad){ {
         __builtin_shufflevector(ac0, ac4, 0, 1, 4, 5, 8, 9, 12, 13),
         __builtin_shufflevector(bd0, bd4, 0, 1, 4, 5, 8, 9, 12, 13),
         __builtin_shufflevector(ac0, ac4, 2, 3, 6, 7, 10, 11, 14, 15),
@@ -71,37 +71,37 @@ static inline lanes_quad lanes_quad_load(const double *table, const uint32_t *at
     } };
 }
 
-/// Write columns 0 to 3 of LANES rows that follow one another.
-static inline void lanes_quad_store(double *rows, const lanes_quad *quad)
+/// Write columns 0 to 3 of SIMD_LANES rows that follow one another.
+static inline void simd_quad_store(double *rows, const simd_quad *quad)
 {
-    const lanes *c = quad->column;
-    lanes ab0 = __builtin_shufflevector(c[0], c[1], 0, 8, 2, 10, 4, 12, 6, 14);
-    lanes ab1 = __builtin_shufflevector(c[0], c[1], 1, 9, 3, 11, 5, 13, 7, 15);
-    lanes cd0 = __builtin_shufflevector(c[2], c[3], 0, 8, 2, 10, 4, 12, 6, 14);
-    lanes cd1 = __builtin_shufflevector(c[2], c[3], 1, 9, 3, 11, 5, 13, 7, 15);
-    const lanes pair[4] = {
+    const simd *c = quad->column;
+    simd ab0 = __builtin_shufflevector(c[0], c[1], 0, 8, 2, 10, 4, 12, 6, 14);
+    simd ab1 = __builtin_shufflevector(c[0], c[1], 1, 9, 3, 11, 5, 13, 7, 15);
+    simd cd0 = __builtin_shufflevector(c[2], c[3], 0, 8, 2, 10, 4, 12, 6, 14);
+    simd cd1 = __builtin_shufflevector(c[2], c[3], 1, 9, 3, 11, 5, 13, 7, 15);
+    const simd pair[4] = {
         __builtin_shufflevector(ab0, cd0, 0, 1, 8, 9, 2, 3, 10, 11),
         __builtin_shufflevector(ab1, cd1, 0, 1, 8, 9, 2, 3, 10, 11),
         __builtin_shufflevector(ab0, cd0, 4, 5, 12, 13, 6, 7, 14, 15),
         __builtin_shufflevector(ab1, cd1, 4, 5, 12, 13, 6, 7, 14, 15),
     };
     for (int k = 0; k < 4; k++) {
-        double *at = rows + (k / 2 * 4 + k % 2) * LANES_ROW;
-        lanes_row_store(at, __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
-        lanes_row_store(at + 2 * LANES_ROW, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
+        double *at = rows + (k / 2 * 4 + k % 2) * SIMD_ROW;
+        simd_row_store(at, __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
+        simd_row_store(at + 2 * SIMD_ROW, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
     }
 }
 
 #elif defined(__AVX2__)
 
 /// Four registers, transposed.
-static inline lanes_quad lanes_quad_turned(lanes r0, lanes r1, lanes r2, lanes r3)
+static inline simd_quad simd_quad_turned(simd r0, simd r1, simd r2, simd r3)
 {
-    lanes ac0 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6);
-    lanes bd0 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
-    lanes ac2 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6);
-    lanes bd2 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
-    return (lanes_quad){ {
+    simd ac0 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6);
+    simd bd0 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
+    simd ac2 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6);
+    simd bd2 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
+    return (simd_quad){ {
         __builtin_shufflevector(ac0, ac2, 0, 1, 4, 5),
         __builtin_shufflevector(bd0, bd2, 0, 1, 4, 5),
         __builtin_shufflevector(ac0, ac2, 2, 3, 6, 7),
@@ -109,50 +109,50 @@ static inline lanes_quad lanes_quad_turned(lanes r0, lanes r1, lanes r2, lanes r
     } };
 }
 
-static inline lanes_quad lanes_quad_load(const double *table, const uint32_t *at)
+static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
 {
-    return lanes_quad_turned(lanes_row_load(table + at[0]), lanes_row_load(table + at[1]),
-                             lanes_row_load(table + at[2]), lanes_row_load(table + at[3]));
+    return simd_quad_turned(simd_row_load(table + at[0]), simd_row_load(table + at[1]),
+                            simd_row_load(table + at[2]), simd_row_load(table + at[3]));
 }
 
-static inline void lanes_quad_store(double *rows, const lanes_quad *quad)
+static inline void simd_quad_store(double *rows, const simd_quad *quad)
 {
-    const lanes *c = quad->column;
-    lanes_quad turned = lanes_quad_turned(c[0], c[1], c[2], c[3]);
+    const simd *c = quad->column;
+    simd_quad turned = simd_quad_turned(c[0], c[1], c[2], c[3]);
 
-    for (int k = 0; k < LANES; k++)
-        lanes_row_store(rows + k * LANES_ROW, turned.column[k]);
+    for (int k = 0; k < SIMD_LANES; k++)
+        simd_row_store(rows + k * SIMD_ROW, turned.column[k]);
 }
 
 #else
 
-static inline lanes_quad lanes_quad_load(const double *table, const uint32_t *at)
+static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
 {
-    lanes_quad quad;
+    simd_quad quad;
 
     for (int half = 0; half < 2; half++) {
-        lanes r0 = lanes_load(table + at[0] + half * LANES);
-        lanes r1 = lanes_load(table + at[1] + half * LANES);
-        quad.column[2 * half] = (lanes){ r0[0], r1[0] };
-        quad.column[2 * half + 1] = (lanes){ r0[1], r1[1] };
+        simd r0 = simd_load(table + at[0] + half * SIMD_LANES);
+        simd r1 = simd_load(table + at[1] + half * SIMD_LANES);
+        quad.column[2 * half] = (simd){ r0[0], r1[0] };
+        quad.column[2 * half + 1] = (simd){ r0[1], r1[1] };
     }
     return quad;
 }
 
-static inline void lanes_quad_store(double *rows, const lanes_quad *quad)
+static inline void simd_quad_store(double *rows, const simd_quad *quad)
 {
     for (int half = 0; half < 2; half++) {
-        lanes a = quad->column[2 * half], b = quad->column[2 * half + 1];
-        lanes_store(rows + half * LANES, (lanes){ a[0], b[0] });
-        lanes_store(rows + LANES_ROW + half * LANES, (lanes){ a[1], b[1] });
+        simd a = quad->column[2 * half], b = quad->column[2 * half + 1];
+        simd_store(rows + half * SIMD_LANES, (simd){ a[0], b[0] });
+        simd_store(rows + SIMD_ROW + half * SIMD_LANES, (simd){ a[1], b[1] });
     }
 }
 
 #endif
 
-/// Write one column of LANES rows that follow one another; rows begins at that column.
-static inline void lanes_column_store(double *rows, lanes x)
+/// Write one column of SIMD_LANES rows that follow one another; rows begins at that column.
+static inline void simd_column_store(double *rows, simd x)
 {
-    for (int k = 0; k < LANES; k++)
-        rows[k * LANES_ROW] = x[k];
+    for (int k = 0; k < SIMD_LANES; k++)
+        rows[k * SIMD_ROW] = x[k];
 }

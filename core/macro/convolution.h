@@ -25,22 +25,22 @@ static inline __attribute__((always_inline)) void convolve_registers(
     const double *rho, const mollifier *m, ptrdiff_t i, int n, double *gradient1, double *integral1)
 {
     const double *first = rho + i - m->reach;
-    lanes gradient[CONVOLUTION_UNROLL], integral[CONVOLUTION_UNROLL];
+    simd gradient[CONVOLUTION_UNROLL], integral[CONVOLUTION_UNROLL];
 
     for (int k = 0; k < n; k++)
-        gradient[k] = integral[k] = lanes_all(0.0);
+        gradient[k] = integral[k] = simd_all(0.0);
     for (int tap = 0; tap <= 2 * m->reach; tap++) {
-        lanes gradient_weight = lanes_all(m->gradient[tap]);
-        lanes integral_weight = lanes_all(m->integral[tap]);
+        simd gradient_weight = simd_all(m->gradient[tap]);
+        simd integral_weight = simd_all(m->integral[tap]);
         for (int k = 0; k < n; k++) {
-            lanes x = lanes_held(lanes_load_any(first + tap + k * LANES));
+            simd x = simd_held(simd_load_any(first + tap + k * SIMD_LANES));
             gradient[k] += gradient_weight * x;
             integral[k] += integral_weight * x;
         }
     }
     for (int k = 0; k < n; k++) {
-        lanes_store(gradient1 + i + k * LANES, gradient[k]);
-        lanes_store(integral1 + i + k * LANES, integral[k]);
+        simd_store(gradient1 + i + k * SIMD_LANES, gradient[k]);
+        simd_store(integral1 + i + k * SIMD_LANES, integral[k]);
     }
 }
 
@@ -51,9 +51,10 @@ static inline void convolution_along_x1(const double *rho, const mollifier *m, p
 {
     ptrdiff_t i = b_min * BLOCK_CELLS;
 
-    for (; i + CONVOLUTION_UNROLL * LANES <= b_max * BLOCK_CELLS; i += CONVOLUTION_UNROLL * LANES)
+    for (; i + CONVOLUTION_UNROLL * SIMD_LANES <= b_max * BLOCK_CELLS;
+         i += CONVOLUTION_UNROLL * SIMD_LANES)
         convolve_registers(rho, m, i, CONVOLUTION_UNROLL, gradient1, integral1);
-    for (; i < b_max * BLOCK_CELLS; i += LANES)
+    for (; i < b_max * BLOCK_CELLS; i += SIMD_LANES)
         convolve_registers(rho, m, i, 1, gradient1, integral1);
 }
 
@@ -61,24 +62,24 @@ static inline __attribute__((always_inline)) void dispersion_registers(
     const double *const *gradient1, const double *const *integral1, const mollifier *m,
     double dispersion, ptrdiff_t i, int n, double *velocity1, double *velocity2)
 {
-    lanes d1[CONVOLUTION_UNROLL], d2[CONVOLUTION_UNROLL];
+    simd d1[CONVOLUTION_UNROLL], d2[CONVOLUTION_UNROLL];
 
     for (int k = 0; k < n; k++)
-        d1[k] = d2[k] = lanes_all(0.0);
+        d1[k] = d2[k] = simd_all(0.0);
     for (int tap = 0; tap <= 2 * m->reach; tap++) {
-        lanes integral_weight = lanes_all(m->integral[tap]);
-        lanes gradient_weight = lanes_all(m->gradient[tap]);
+        simd integral_weight = simd_all(m->integral[tap]);
+        simd gradient_weight = simd_all(m->gradient[tap]);
         const double *gradient_row = gradient1[tap] + i;
         const double *integral_row = integral1[tap] + i;
         for (int k = 0; k < n; k++) {
-            d1[k] += integral_weight * lanes_load(gradient_row + k * LANES);
-            d2[k] += gradient_weight * lanes_load(integral_row + k * LANES);
+            d1[k] += integral_weight * simd_load(gradient_row + k * SIMD_LANES);
+            d2[k] += gradient_weight * simd_load(integral_row + k * SIMD_LANES);
         }
     }
     for (int k = 0; k < n; k++) {
-        lanes scale = -dispersion / lanes_sqrt(1.0 + d1[k] * d1[k] + d2[k] * d2[k]);
-        lanes_store(velocity1 + i + k * LANES, d1[k] * scale);
-        lanes_store(velocity2 + i + k * LANES, d2[k] * scale);
+        simd scale = -dispersion / simd_sqrt(1.0 + d1[k] * d1[k] + d2[k] * d2[k]);
+        simd_store(velocity1 + i + k * SIMD_LANES, d1[k] * scale);
+        simd_store(velocity2 + i + k * SIMD_LANES, d2[k] * scale);
     }
 }
 
@@ -94,9 +95,10 @@ static inline void convolution_dispersion_velocity(const double *const *gradient
 {
     ptrdiff_t i = b_min * BLOCK_CELLS;
 
-    for (; i + CONVOLUTION_UNROLL * LANES <= b_max * BLOCK_CELLS; i += CONVOLUTION_UNROLL * LANES)
+    for (; i + CONVOLUTION_UNROLL * SIMD_LANES <= b_max * BLOCK_CELLS;
+         i += CONVOLUTION_UNROLL * SIMD_LANES)
         dispersion_registers(gradient1, integral1, m, dispersion, i, CONVOLUTION_UNROLL, velocity1,
                              velocity2);
-    for (; i < b_max * BLOCK_CELLS; i += LANES)
+    for (; i < b_max * BLOCK_CELLS; i += SIMD_LANES)
         dispersion_registers(gradient1, integral1, m, dispersion, i, 1, velocity1, velocity2);
 }

@@ -27,12 +27,12 @@ static void update(const double *rho, double lambda, const double *after, const 
         high = block_set_end_of_word(low, b_max);
         for (ptrdiff_t b = low; b < high; b++) {
             unsigned saturated_cells = 0;
-            for (int k = 0; k < BLOCK_CELLS; k += LANES) {
+            for (int k = 0; k < BLOCK_CELLS; k += SIMD_LANES) {
                 ptrdiff_t i = b * BLOCK_CELLS + k;
-                lanes flux = lanes_load_any(after + i) - lanes_load_any(before + i);
-                lanes updated = lanes_load(rho + i) - lambda * flux;
-                saturated_cells |= lanes_packed_bits(updated) << k;
-                lanes_store(out + i, updated);
+                simd flux = simd_load_any(after + i) - simd_load_any(before + i);
+                simd updated = simd_load(rho + i) - lambda * flux;
+                saturated_cells |= simd_bits_from_1(updated) << k;
+                simd_store(out + i, updated);
             }
             m = block_marks_add(m, saturated_cells);
         }
@@ -49,8 +49,8 @@ static void mark_range(const double *rho, ptrdiff_t b_min, ptrdiff_t b_max, uint
         high = block_set_end_of_word(low, b_max);
         for (ptrdiff_t b = low; b < high; b++) {
             unsigned saturated_cells = 0;
-            for (int k = 0; k < BLOCK_CELLS; k += LANES)
-                saturated_cells |= lanes_packed_bits(lanes_load(rho + b * BLOCK_CELLS + k)) << k;
+            for (int k = 0; k < BLOCK_CELLS; k += SIMD_LANES)
+                saturated_cells |= simd_bits_from_1(simd_load(rho + b * BLOCK_CELLS + k)) << k;
             m = block_marks_add(m, saturated_cells);
         }
         block_marks_put(m, low, high, saturated, saturated_first);
@@ -63,16 +63,16 @@ static void update_uniform(const double *rho, double lambda, double v, ptrdiff_t
                            ptrdiff_t b_max, double *out, uint64_t *saturated,
                            uint64_t *saturated_first)
 {
-    lanes largest = lanes_all(0.0);
+    simd largest = simd_all(0.0);
 
-    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += LANES) {
-        lanes here = lanes_load(rho + i);
-        lanes updated = here - lambda * (v * here - v * lanes_load_any(rho + i - 1));
-        largest = lanes_max(updated, largest);
-        lanes_store(out + i, updated);
+    for (ptrdiff_t i = b_min * BLOCK_CELLS; i < b_max * BLOCK_CELLS; i += SIMD_LANES) {
+        simd here = simd_load(rho + i);
+        simd updated = here - lambda * (v * here - v * simd_load_any(rho + i - 1));
+        largest = simd_max(updated, largest);
+        simd_store(out + i, updated);
     }
     // Carried cargo seldom becomes saturated, so that is looked for only where it happened.
-    if (lanes_packed_bits(largest) != 0)
+    if (simd_bits_from_1(largest) != 0)
         mark_range(out, b_min, b_max, saturated, saturated_first);
 }
 

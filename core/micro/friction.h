@@ -28,8 +28,8 @@
 
 /// A quotient that is not yet divided.
 typedef struct friction_quotient {
-    lanes up;   ///< numerator
-    lanes down; ///< denominator
+    simd up;   ///< numerator
+    simd down; ///< denominator
 } friction_quotient;
 
 /// Where tanh is 1 to the last bit.
@@ -39,17 +39,17 @@ typedef struct friction_quotient {
 #define FRICTION_INLINED static inline __attribute__((always_inline))
 
 /// tanh(y)/y for y^2, by Lambert's continued fraction.
-FRICTION_INLINED friction_quotient friction_lambert(lanes y2)
+FRICTION_INLINED friction_quotient friction_lambert(simd y2)
 {
     return (friction_quotient){ (y2 + 105.0) * y2 + 945.0, (y2 * 15.0 + 420.0) * y2 + 945.0 };
 }
 
 /// tanh(8 y). Doubling raises the error of the fraction less than the way to 1 lowers it; the relative
 /// error is largest at 8 y = 5.5.
-FRICTION_INLINED friction_quotient friction_tanh(lanes y)
+FRICTION_INLINED friction_quotient friction_tanh(simd y)
 {
     const double end = FRICTION_TANH_END / 8.0;
-    lanes within = lanes_min(lanes_max(y, lanes_all(-end)), lanes_all(end));
+    simd within = simd_min(simd_max(y, simd_all(-end)), simd_all(end));
     friction_quotient t = friction_lambert(within * within);
 
     t.up *= within;
@@ -59,25 +59,25 @@ FRICTION_INLINED friction_quotient friction_tanh(lanes y)
 }
 
 /// theta(8 y) for y^2, likewise; beyond the end 1/(8 y).
-FRICTION_INLINED friction_quotient friction_theta(lanes y2)
+FRICTION_INLINED friction_quotient friction_theta(simd y2)
 {
     const double end2 = FRICTION_TANH_END * FRICTION_TANH_END / 64.0;
-    lanes end = lanes_all(end2), square = lanes_min(y2, end);
+    simd end = simd_all(end2), square = simd_min(y2, end);
     friction_quotient t = friction_lambert(square);
 
     for (int k = 0; k < 3; k++, square *= 4.0)
         t = (friction_quotient){ t.up * t.down, square * (t.up * t.up) + t.down * t.down };
     // The factor is 1 for lanes within the end.
-    if (lanes_less(end, y2) != 0)
-        t.down *= lanes_sqrt(lanes_max(y2, end) / end);
+    if (simd_less(end, y2) != 0)
+        t.down *= simd_sqrt(simd_max(y2, end) / end);
     return t;
 }
 
 /// theta(z) for z >= 0: Lambert's fraction up to 4.9, where it is 1/z to that accuracy, and c/z from
 /// there on.
-FRICTION_INLINED friction_quotient friction_theta_quick(lanes z)
+FRICTION_INLINED friction_quotient friction_theta_quick(simd z)
 {
-    lanes low = lanes_min(z, lanes_all(4.9)), beyond = z - low, q = low * low;
+    simd low = simd_min(z, simd_all(4.9)), beyond = z - low, q = low * low;
 
     return (friction_quotient){ ((q + 378.0) * q + 17325.0) * q + 135135.0,
                                 (((q * 28.0 + 3150.0) * q + 62370.0) * q + 135135.0) *

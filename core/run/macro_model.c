@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
+#include "core/macro/mollifier.h"
 #include "core/macro/velocity_field.h"
 #include "core/run/counter.h"
 #include "core/run/run_priv.h"
@@ -36,12 +37,12 @@ static void check_step(const scene *s, bf_faults *faults)
 
 static void check_scenario(const scene *s, bf_faults *faults)
 {
-    double reach = ceil(4.0 / (sqrt(s->macro.mollifier) * s->macro.cell) * (1.0 - 1e-12));
+    const int reach = mollifier_reach(s->macro.mollifier, s->macro.cell);
 
     check_step(s, faults);
-    if (!(reach <= SCENE_REACH_MAX))
+    if (reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
-                         "%.10g cells to reach over, the limit is %d", reach, SCENE_REACH_MAX);
+                         "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
 }
 
 static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)

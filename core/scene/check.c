@@ -419,11 +419,11 @@ static void check_limit(double figure, double limit, const char *what, const cha
 
 static void check_work(const scene *s, double n_cells, bf_faults *faults)
 {
-    // A part reaches to where its Gaussian has fallen to 2^-53, see density.h.
+    // A part counts to where its Gaussian has fallen to 2^-53, see density.h.
     double reached =
         2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
 
-    // Too many parts are told of where they come from.
+    // Too many parts are reported at their source.
     double n_parts = fmin((double)scene_parts(s), SCENE_PARTS_MAX);
 
     check_limit(n_parts * fmin(reached, n_cells), SCENE_INITIAL_WORK_MAX,

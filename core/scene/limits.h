@@ -16,7 +16,6 @@ enum {
     SCENE_CELLS_SIDE_MAX = 1 << 24, ///< cells of it along one side
     SCENE_SAMPLES_MAX = 1000000,    ///< samples of the outflow curve
     SCENE_SNAPSHOTS_MAX = 20000,    ///< density snapshots of a run
-    SCENE_REACH_MAX = 64,           ///< cells that a mollifier may reach over
 };
 
 /// Most steps of a run.

@@ -186,7 +186,7 @@ static void resolve_cargo(scene *s)
     fill_in(&s->macro.packing, are_sound ? cut_to_four_digits(mean_packing(s)) : 1.0);
 }
 
-// A member at fault is told of once, at its own place: what is derived from it must then be sound.
+// A member at fault is reported once, at its own place: what is derived from it must then be sound.
 static void resolve_derived(scene *s)
 {
     double speed = scene_belt_speed(s);

@@ -46,9 +46,9 @@ typedef struct scene_belt {
 
 /// How the macroscopic model holds cargo back at an obstacle.
 typedef enum scene_treatment {
-    SCENE_SEALED, ///< line shut, outward field upstream of it: keeps to the microscopic model
+    SCENE_SEALED, ///< line closed, outward field upstream of it: keeps to the microscopic model
     SCENE_FIELD,  ///< the paper's field alone (sections 3.1, 4.2): cargo leaks through
-    SCENE_WALL,   ///< line shut (11b), slide zone only
+    SCENE_WALL,   ///< line closed (11b), slide zone only
     SCENE_TREATMENT_COUNT
 } scene_treatment;
 

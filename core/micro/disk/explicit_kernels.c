@@ -18,25 +18,25 @@ enum {
 
 static void tanh_of(size_t n, const double *x, double *ret_y)
 {
-    for (size_t k = 0; k < n; k += LANES) {
-        friction_quotient t = friction_tanh(lanes_load_any(x + k) * 0.125);
-        lanes y = t.up / t.down;
+    for (size_t k = 0; k < n; k += SIMD_LANES) {
+        friction_quotient t = friction_tanh(simd_load_any(x + k) * 0.125);
+        simd y = t.up / t.down;
         memcpy(ret_y + k, &y, sizeof y);
     }
 }
 
-// LANES parts.
+// SIMD_LANES parts.
 typedef struct parts {
-    lanes x, y, vx, vy;
-    lanes spin, radius, compliance, inv_mass; // all but spin only if not uniform
+    simd x, y, vx, vy;
+    simd spin, radius, compliance, inv_mass; // all but spin only if not uniform
 } parts;
 
 INLINED parts load_parts(const disk *rows, const uint32_t *at, bool uniform)
 {
-    lanes_quad low = lanes_quad_load(&rows->x, at);
-    lanes_quad high = lanes_quad_load(&rows->spin, at);
-    parts p = { low.column[0],  low.column[1],  low.column[2],  low.column[3],
-                high.column[0], lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
+    simd_quad low = simd_quad_load(&rows->x, at);
+    simd_quad high = simd_quad_load(&rows->spin, at);
+    parts p = { low.column[0],  low.column[1], low.column[2], low.column[3],
+                high.column[0], simd_all(0.0), simd_all(0.0), simd_all(0.0) };
 
     if (!uniform) {
         p.radius = high.column[1];
@@ -46,48 +46,48 @@ INLINED parts load_parts(const disk *rows, const uint32_t *at, bool uniform)
     return p;
 }
 
-// Sums over the contacts of LANES parts.
+// Sums over the contacts of SIMD_LANES parts.
 typedef struct loads {
-    lanes x, y, torque;
-    lanes overlap, overlap_share; // largest
+    simd x, y, torque;
+    simd overlap, overlap_share; // largest
 } loads;
 
 // A law, ready for lanes.
 typedef struct pair_law {
-    lanes damping, friction;
-    lanes rate;                        // lambda / 8
-    lanes floor;                       // of the normal force
-    lanes line;                        // k times the sum of compliances
-    lanes contact_distance, stiffness; // sum of radii and k, if uniform
+    simd damping, friction;
+    simd rate;                        // lambda / 8
+    simd floor;                       // of the normal force
+    simd line;                        // k times the sum of compliances
+    simd contact_distance, stiffness; // sum of radii and k, if uniform
 } pair_law;
 
 INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other_compliance)
 {
     const disk *kind = &s->kinds[0].part;
 
-    return (pair_law){ .damping = lanes_all(law->damping),
-                       .friction = lanes_all(law->friction),
-                       .rate = lanes_all(law->tanh_linear / 8.0),
-                       .floor = lanes_all(s->def.tension ? -INFINITY : 0.0),
-                       .line = lanes_all(law->line),
-                       .contact_distance = lanes_all(kind->radius + kind->radius),
-                       .stiffness = lanes_all(law->line / (kind->compliance + other_compliance)) };
+    return (pair_law){ .damping = simd_all(law->damping),
+                       .friction = simd_all(law->friction),
+                       .rate = simd_all(law->tanh_linear / 8.0),
+                       .floor = simd_all(s->def.tension ? -INFINITY : 0.0),
+                       .line = simd_all(law->line),
+                       .contact_distance = simd_all(kind->radius + kind->radius),
+                       .stiffness = simd_all(law->line / (kind->compliance + other_compliance)) };
 }
 
 // A contact of a part with something in direction n, before its friction is known.
 typedef struct contact {
-    lanes nx, ny;  // unit, from the part to what it touches
-    lanes force;   // (4a), N; 0 where nothing presses
-    lanes sliding; // lambda/8 times the speed along the tangent, n turned left
-    lanes lever;   // from the part's centre to the contact point, m
+    simd nx, ny;  // unit, from the part to what it touches
+    simd force;   // (4a), N; 0 where nothing presses
+    simd sliding; // lambda/8 times the speed along the tangent, n turned left
+    simd lever;   // from the part's centre to the contact point, m
 } contact;
 
 // Friction (7), and the sums.
-INLINED void add_contact(const contact *c, lanes friction, bool uniform, loads *sum)
+INLINED void add_contact(const contact *c, simd friction, bool uniform, loads *sum)
 {
     friction_quotient t = friction_tanh(c->sliding);
-    lanes size = uniform ? c->force : lanes_max(c->force, -c->force);
-    lanes friction_force = friction * size * (t.up / t.down);
+    simd size = uniform ? c->force : simd_max(c->force, -c->force);
+    simd friction_force = friction * size * (t.up / t.down);
 
     sum->x += friction_force * c->ny - c->force * c->nx;
     sum->y -= friction_force * c->nx + c->force * c->ny;
@@ -95,41 +95,41 @@ INLINED void add_contact(const contact *c, lanes friction, bool uniform, loads *
 }
 
 // The normal force of an overlap, where low < high.
-INLINED lanes normal_force(const pair_law *law, lanes stiffness, lanes overlap, lanes parting,
-                           lanes low, lanes high)
+INLINED simd normal_force(const pair_law *law, simd stiffness, simd overlap, simd parting, simd low,
+                          simd high)
 {
-    lanes force = lanes_max(stiffness * overlap - law->damping * parting, law->floor);
+    simd force = simd_max(stiffness * overlap - law->damping * parting, law->floor);
 
-    return lanes_where_less(low, high, force);
+    return simd_where_less(low, high, force);
 }
 
 // Contacts with neighbours; false if none of them presses.
 INLINED bool find_contact(const pair_law *law, const parts *own, const parts *other, bool uniform,
                           contact *c, loads *sum)
 {
-    lanes dx = other->x - own->x, dy = other->y - own->y;
-    lanes distance2 = dx * dx + dy * dy;
-    lanes contact_distance = uniform ? law->contact_distance : own->radius + other->radius,
-          contact_distance2 = contact_distance * contact_distance;
+    simd dx = other->x - own->x, dy = other->y - own->y;
+    simd distance2 = dx * dx + dy * dy;
+    simd contact_distance = uniform ? law->contact_distance : own->radius + other->radius,
+         contact_distance2 = contact_distance * contact_distance;
 
-    if (lanes_less(distance2, contact_distance2) == 0)
+    if (simd_less(distance2, contact_distance2) == 0)
         return false;
-    lanes distance = lanes_sqrt(distance2), inverse = 1.0 / distance;
-    lanes vx = other->vx - own->vx, vy = other->vy - own->vy;
-    lanes overlap = contact_distance - distance, rolling, stiffness = law->stiffness;
+    simd distance = simd_sqrt(distance2), inverse = 1.0 / distance;
+    simd vx = other->vx - own->vx, vy = other->vy - own->vy;
+    simd overlap = contact_distance - distance, rolling, stiffness = law->stiffness;
     c->nx = dx * inverse;
     c->ny = dy * inverse;
-    sum->overlap = lanes_max(overlap, sum->overlap);
+    sum->overlap = simd_max(overlap, sum->overlap);
     if (uniform) {
         c->lever = 0.5 * distance;
         rolling = (own->spin + other->spin) * c->lever;
     } else {
-        lanes excess = own->radius - other->radius;
-        lanes smaller = lanes_min(own->radius, other->radius);
+        simd excess = own->radius - other->radius;
+        simd smaller = simd_min(own->radius, other->radius);
         stiffness = law->line / (own->compliance + other->compliance);
         c->lever = 0.5 * (distance + excess);
         rolling = own->spin * c->lever + other->spin * (0.5 * (distance - excess));
-        sum->overlap_share = lanes_max(overlap / smaller, sum->overlap_share);
+        sum->overlap_share = simd_max(overlap / smaller, sum->overlap_share);
     }
     c->force = normal_force(law, stiffness, overlap, vx * c->nx + vy * c->ny, distance2,
                             contact_distance2);
@@ -139,12 +139,12 @@ INLINED bool find_contact(const pair_law *law, const parts *own, const parts *ot
 
 // What a step needs beyond laws.
 typedef struct motion {
-    lanes dt, dt_force, damping_factor, spin_damping_factor;
-    lanes belt_rate2, spin_rate2;  // (lambda/8)^2
-    lanes belt_secant;             // dt mu g lambda
-    lanes inv_mass, inv_inertia;   // if uniform
-    lanes belt_x, belt_y, on_belt; // same
-    lanes spin_secant;             // same: dt A lambda
+    simd dt, dt_force, damping_factor, spin_damping_factor;
+    simd belt_rate2, spin_rate2;  // (lambda/8)^2
+    simd belt_secant;             // dt mu g lambda
+    simd inv_mass, inv_inertia;   // if uniform
+    simd belt_x, belt_y, on_belt; // same
+    simd spin_secant;             // same: dt A lambda
 } motion;
 
 INLINED motion make_motion(const explicit_step *step)
@@ -154,20 +154,20 @@ INLINED motion make_motion(const explicit_step *step)
     const micro_law *belt = &s->belt;
 
     return (motion){
-        .dt = lanes_all(step->dt),
-        .dt_force = lanes_all(step->dt_force),
-        .damping_factor = lanes_all(step->damping_factor),
-        .spin_damping_factor = lanes_all(step->spin_damping_factor),
-        .belt_rate2 = lanes_all(belt->tanh_linear * belt->tanh_linear / 64.0),
-        .spin_rate2 = lanes_all(belt->tanh_spin * belt->tanh_spin / 64.0),
+        .dt = simd_all(step->dt),
+        .dt_force = simd_all(step->dt_force),
+        .damping_factor = simd_all(step->damping_factor),
+        .spin_damping_factor = simd_all(step->spin_damping_factor),
+        .belt_rate2 = simd_all(belt->tanh_linear * belt->tanh_linear / 64.0),
+        .spin_rate2 = simd_all(belt->tanh_spin * belt->tanh_spin / 64.0),
         .belt_secant =
-            lanes_all(step->dt_force * belt->friction * s->def.gravity * belt->tanh_linear),
-        .inv_mass = lanes_all(kind->inv_mass),
-        .inv_inertia = lanes_all(2.0 * kind->inv_mass / (kind->radius * kind->radius)),
-        .belt_x = lanes_all(s->uniform_belt.vx),
-        .belt_y = lanes_all(s->uniform_belt.vy),
-        .on_belt = lanes_all(s->uniform_belt.on_belt),
-        .spin_secant = lanes_all(step->dt_force * belt->tanh_spin * s->uniform_deceleration),
+            simd_all(step->dt_force * belt->friction * s->def.gravity * belt->tanh_linear),
+        .inv_mass = simd_all(kind->inv_mass),
+        .inv_inertia = simd_all(2.0 * kind->inv_mass / (kind->radius * kind->radius)),
+        .belt_x = simd_all(s->uniform_belt.vx),
+        .belt_y = simd_all(s->uniform_belt.vy),
+        .on_belt = simd_all(s->uniform_belt.on_belt),
+        .spin_secant = simd_all(step->dt_force * belt->tanh_spin * s->uniform_deceleration),
     };
 }
 
@@ -180,8 +180,8 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
 
     m.inv_mass = own->inv_mass;
     m.inv_inertia = 2.0 * own->inv_mass / (own->radius * own->radius);
-    m.spin_secant = step->dt_force * s->belt.tanh_spin * lanes_load(s->spin_deceleration + slot);
-    for (int k = 0; k < LANES; k++) {
+    m.spin_secant = step->dt_force * s->belt.tanh_spin * simd_load(s->spin_deceleration + slot);
+    for (int k = 0; k < SIMD_LANES; k++) {
         m.belt_x[k] = s->belt_under[slot + (size_t)k].vx;
         m.belt_y[k] = s->belt_under[slot + (size_t)k].vy;
         m.on_belt[k] = s->belt_under[slot + (size_t)k].on_belt;
@@ -192,10 +192,10 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
 // Belt friction and (12).
 INLINED void move(const motion *m, parts *own, const loads *sum)
 {
-    lanes sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
+    simd sx = own->vx - m->belt_x, sy = own->vy - m->belt_y;
     friction_quotient t = friction_theta((sx * sx + sy * sy) * m->belt_rate2);
-    lanes secant = m->on_belt * m->belt_secant * t.up / t.down;
-    lanes impulse = m->dt_force * m->inv_mass;
+    simd secant = m->on_belt * m->belt_secant * t.up / t.down;
+    simd impulse = m->dt_force * m->inv_mass;
 
     own->vx = m->damping_factor * own->vx + (impulse * sum->x - secant * sx);
     own->vy = m->damping_factor * own->vy + (impulse * sum->y - secant * sy);
@@ -206,7 +206,7 @@ INLINED void move(const motion *m, parts *own, const loads *sum)
 // Spin friction (8), implicitly, and (13).
 INLINED void turn(const motion *m, parts *own, const loads *sum)
 {
-    lanes w = m->spin_damping_factor * own->spin + m->dt_force * m->inv_inertia * sum->torque;
+    simd w = m->spin_damping_factor * own->spin + m->dt_force * m->inv_inertia * sum->torque;
     friction_quotient t = friction_theta(w * w * m->spin_rate2);
 
     own->spin = w * t.down / (t.down + m->on_belt * m->spin_secant * t.up);
@@ -214,7 +214,7 @@ INLINED void turn(const motion *m, parts *own, const loads *sum)
 
 // The largest of all parts of a call, and the sum that tells whether all are finite.
 typedef struct largest {
-    lanes speed2, sum, overlap, overlap_share;
+    simd speed2, sum, overlap, overlap_share;
 } greatest;
 
 // Contacts are found for some rows and then summed up: two short chains of operations overlap better
@@ -253,15 +253,15 @@ INLINED loaded load_lanes(const explicit_step *step, const pair_law *law, size_t
                                                    6 * DISK_DOUBLES, 7 * DISK_DOUBLES };
     const disk_state *s = step->state;
     const size_t group = slot / DISK_GROUP, lane = slot % DISK_GROUP;
-    const lanes zero = lanes_all(0.0);
+    const simd zero = simd_all(0.0);
     parts own = load_parts(step->now + slot, in_a_row, uniform);
     loads sum = { zero, zero, zero, of_all->overlap, of_all->overlap_share };
 
     if (s->has_candidates[group] != 0) {
-        lanes_quad forces = lanes_quad_load(&step->next[slot].x, in_a_row);
+        simd_quad forces = simd_quad_load(&step->next[slot].x, in_a_row);
         sum.x = forces.column[0];
         sum.y = forces.column[1];
-        sum.torque = lanes_quad_load(&step->next[slot].spin, in_a_row).column[0];
+        sum.torque = simd_quad_load(&step->next[slot].spin, in_a_row).column[0];
     }
     add_neighbours(step, law, &own, group, lane, uniform, &sum);
     of_all->overlap = sum.overlap;
@@ -270,11 +270,11 @@ INLINED loaded load_lanes(const explicit_step *step, const pair_law *law, size_t
 }
 
 // speed2 where a part is in the scene; 0 for padding and for parts that are gone, which stand far away.
-INLINED lanes speed2_in_scene(const parts *own, lanes speed2)
+INLINED simd speed2_in_scene(const parts *own, simd speed2)
 {
-    lanes far = lanes_max(lanes_max(own->x, -own->x), lanes_max(own->y, -own->y));
+    simd far = simd_max(simd_max(own->x, -own->x), simd_max(own->y, -own->y));
 
-    return lanes_where_less(far, lanes_all(0.5 * DISK_FAR), speed2);
+    return simd_where_less(far, simd_all(0.5 * DISK_FAR), speed2);
 }
 
 INLINED void move_lanes(const explicit_step *step, const motion *common, size_t slot, bool uniform,
@@ -284,12 +284,12 @@ INLINED void move_lanes(const explicit_step *step, const motion *common, size_t 
 
     move(&m, &l->own, &l->sum);
     turn(&m, &l->own, &l->sum);
-    lanes_quad quad = { { l->own.x, l->own.y, l->own.vx, l->own.vy } };
-    lanes_quad_store(&step->next[slot].x, &quad);
-    lanes_column_store(&step->next[slot].spin, l->own.spin);
-    lanes_store(step->heading + slot, lanes_load(step->heading + slot) + m.dt * l->own.spin);
-    lanes speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
-    of_all->speed2 = lanes_max(speed2_in_scene(&l->own, speed2), of_all->speed2);
+    simd_quad quad = { { l->own.x, l->own.y, l->own.vx, l->own.vy } };
+    simd_quad_store(&step->next[slot].x, &quad);
+    simd_column_store(&step->next[slot].spin, l->own.spin);
+    simd_store(step->heading + slot, simd_load(step->heading + slot) + m.dt * l->own.spin);
+    simd speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
+    of_all->speed2 = simd_max(speed2_in_scene(&l->own, speed2), of_all->speed2);
     of_all->sum += speed2 + l->own.spin * l->own.spin;
 }
 
@@ -298,12 +298,12 @@ static void raise(double *largest, double to)
     *largest = to > *largest ? to : *largest;
 }
 
-INLINED void raise_overlaps(const disk_state *s, lanes overlap, lanes share, bool uniform,
+INLINED void raise_overlaps(const disk_state *s, simd overlap, simd share, bool uniform,
                             driver_extremes *extremes)
 {
-    raise(&extremes->overlap, lanes_peak(overlap));
+    raise(&extremes->overlap, simd_peak(overlap));
     raise(&extremes->overlap_share,
-          uniform ? lanes_peak(overlap) / s->kinds[0].part.radius : lanes_peak(share));
+          uniform ? simd_peak(overlap) / s->kinds[0].part.radius : simd_peak(share));
 }
 
 INLINED void advance_groups(const explicit_step *step, size_t first, size_t last, bool uniform,
@@ -312,19 +312,19 @@ INLINED void advance_groups(const explicit_step *step, size_t first, size_t last
     const disk_state *s = step->state;
     const pair_law law = make_law(s, &s->cargo, s->kinds[0].part.compliance);
     const motion common = make_motion(step);
-    greatest of_all = { lanes_all(0.0), lanes_all(0.0), lanes_all(0.0), lanes_all(0.0) };
-    loaded l[GROUPS_AT_ONCE * DISK_GROUP / LANES];
+    greatest of_all = { simd_all(0.0), simd_all(0.0), simd_all(0.0), simd_all(0.0) };
+    loaded l[GROUPS_AT_ONCE * DISK_GROUP / SIMD_LANES];
 
     for (size_t group = first; group < last; group += GROUPS_AT_ONCE) {
         size_t n = (last - group < GROUPS_AT_ONCE ? last - group : GROUPS_AT_ONCE) * DISK_GROUP;
-        for (size_t k = 0; k < n; k += LANES)
-            l[k / LANES] = load_lanes(step, &law, group * DISK_GROUP + k, uniform, &of_all);
-        for (size_t k = 0; k < n; k += LANES)
-            move_lanes(step, &common, group * DISK_GROUP + k, uniform, &l[k / LANES], &of_all);
+        for (size_t k = 0; k < n; k += SIMD_LANES)
+            l[k / SIMD_LANES] = load_lanes(step, &law, group * DISK_GROUP + k, uniform, &of_all);
+        for (size_t k = 0; k < n; k += SIMD_LANES)
+            move_lanes(step, &common, group * DISK_GROUP + k, uniform, &l[k / SIMD_LANES], &of_all);
     }
-    raise(&extremes->speed2, lanes_peak(of_all.speed2));
+    raise(&extremes->speed2, simd_peak(of_all.speed2));
     raise_overlaps(s, of_all.overlap, of_all.overlap_share, uniform, extremes);
-    for (int k = 0; k < LANES; k++)
+    for (int k = 0; k < SIMD_LANES; k++)
         extremes->sum += of_all.sum[k];
 }
 
@@ -339,66 +339,65 @@ static void advance(const explicit_step *step, size_t first, size_t last, driver
 // A square of which the root is never zero.
 static const double tiny2 = 1e-200;
 
-// LANES candidates: what of the boundary is where, seen from the parts.
+// SIMD_LANES candidates: what of the boundary is where, seen from the parts.
 typedef struct surface {
-    lanes nx, ny;   // unit normal out of the boundary
-    lanes height;   // of the part's centre over it, m
-    lanes friction; // mu
-    lanes inside;   // 1 where the centre is where the feature counts, else 0
+    simd nx, ny;   // unit normal out of the boundary
+    simd height;   // of the part's centre over it, m
+    simd friction; // mu
+    simd inside;   // 1 where the centre is where the feature counts, else 0
 } surface;
 
 INLINED surface find_faces(const disk_state *s, const parts *own, const uint32_t *feature)
 {
-    lanes_quad low = lanes_quad_load(&s->faces->px, feature);
-    lanes_quad high = lanes_quad_load(&s->faces->from, feature);
-    lanes rx = own->x - low.column[0], ry = own->y - low.column[1];
+    simd_quad low = simd_quad_load(&s->faces->px, feature);
+    simd_quad high = simd_quad_load(&s->faces->from, feature);
+    simd rx = own->x - low.column[0], ry = own->y - low.column[1];
     surface f = { .nx = low.column[2], .ny = low.column[3], .friction = high.column[3] };
-    lanes along = rx * f.ny - ry * f.nx;
+    simd along = rx * f.ny - ry * f.nx;
 
     f.height = rx * f.nx + ry * f.ny;
-    f.inside = lanes_where_less(along, high.column[1], lanes_all(1.0));
-    f.inside = lanes_where_less(-high.column[2], f.height, f.inside);
-    f.inside -= lanes_where_less(along, high.column[0], f.inside);
+    f.inside = simd_where_less(along, high.column[1], simd_all(1.0));
+    f.inside = simd_where_less(-high.column[2], f.height, f.inside);
+    f.inside -= simd_where_less(along, high.column[0], f.inside);
     return f;
 }
 
 INLINED surface find_arcs(const disk_state *s, const parts *own, const uint32_t *feature)
 {
-    lanes_quad low = lanes_quad_load(&s->arcs->px, feature);
-    lanes_quad high = lanes_quad_load(&s->arcs->ey, feature);
-    lanes rx = own->x - low.column[0], ry = own->y - low.column[1];
-    lanes distance = lanes_sqrt(lanes_max(rx * rx + ry * ry, lanes_all(tiny2)));
+    simd_quad low = simd_quad_load(&s->arcs->px, feature);
+    simd_quad high = simd_quad_load(&s->arcs->ey, feature);
+    simd rx = own->x - low.column[0], ry = own->y - low.column[1];
+    simd distance = simd_sqrt(simd_max(rx * rx + ry * ry, simd_all(tiny2)));
     surface a = { .nx = rx / distance, .ny = ry / distance, .friction = high.column[3] };
-    lanes zero = lanes_all(0.0);
+    simd zero = simd_all(0.0);
 
     a.height = distance - low.column[2];
-    a.inside = lanes_where_less(zero, a.height, lanes_all(1.0));
-    a.inside = lanes_where_less(zero, rx * high.column[1] + ry * high.column[2], a.inside);
-    a.inside -= lanes_where_less(rx * low.column[3] + ry * high.column[0], zero, a.inside);
+    a.inside = simd_where_less(zero, a.height, simd_all(1.0));
+    a.inside = simd_where_less(zero, rx * high.column[1] + ry * high.column[2], a.inside);
+    a.inside -= simd_where_less(rx * low.column[3] + ry * high.column[0], zero, a.inside);
     return a;
 }
 
 // Takes the lanes of b where pick is 1, keeps those of a where it is 0.
-INLINED surface choose(surface a, surface b, lanes pick)
+INLINED surface choose(surface a, surface b, simd pick)
 {
-    lanes half = lanes_all(0.5);
+    simd half = simd_all(0.5);
     surface s;
 
-    s.nx = lanes_where_less(pick, half, a.nx) + lanes_where_less(half, pick, b.nx);
-    s.ny = lanes_where_less(pick, half, a.ny) + lanes_where_less(half, pick, b.ny);
-    s.height = lanes_where_less(pick, half, a.height) + lanes_where_less(half, pick, b.height);
-    s.friction =
-        lanes_where_less(pick, half, a.friction) + lanes_where_less(half, pick, b.friction);
-    s.inside = lanes_where_less(pick, half, a.inside) + lanes_where_less(half, pick, b.inside);
+    s.nx = simd_where_less(pick, half, a.nx) + simd_where_less(half, pick, b.nx);
+    s.ny = simd_where_less(pick, half, a.ny) + simd_where_less(half, pick, b.ny);
+    s.height = simd_where_less(pick, half, a.height) + simd_where_less(half, pick, b.height);
+    s.friction = simd_where_less(pick, half, a.friction) + simd_where_less(half, pick, b.friction);
+    s.inside = simd_where_less(pick, half, a.inside) + simd_where_less(half, pick, b.inside);
     return s;
 }
 
-// Candidates first .. first + LANES - 1, of which those from last on do not count.
+// Candidates first .. first + SIMD_LANES - 1, of which those from last on do not count.
 typedef struct candidate_lanes {
-    uint32_t slot[LANES];
-    uint32_t row[LANES], face[LANES], arc[LANES]; // where they begin
-    lanes is_arc;                                 // 1 or 0
-    lanes counts;                                 // 1, or 0 behind the last
+    uint32_t slot[SIMD_LANES];
+    uint32_t row[SIMD_LANES], face[SIMD_LANES], arc[SIMD_LANES]; // where they begin
+    simd is_arc;                                                 // 1 or 0
+    simd counts;                                                 // 1, or 0 behind the last
     bool has_arcs;
 } candidate_lanes;
 
@@ -406,7 +405,7 @@ INLINED candidate_lanes load_candidates(const disk_state *s, size_t first, size_
 {
     candidate_lanes t = { .has_arcs = false };
 
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < SIMD_LANES; k++) {
         disk_candidate candidate = { s->void_slot, 0 };
         if (first + k < last)
             candidate = s->candidates[first + k];
@@ -427,25 +426,25 @@ INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *la
 {
     const disk_state *s = step->state;
     const disk *kind = &s->kinds[0].part;
-    const lanes zero = lanes_all(0.0);
+    const simd zero = simd_all(0.0);
     parts own = load_parts(step->now, t->row, uniform);
-    lanes radius = uniform ? lanes_all(kind->radius) : own.radius, stiffness = law->stiffness;
+    simd radius = uniform ? simd_all(kind->radius) : own.radius, stiffness = law->stiffness;
     surface at = find_faces(s, &own, t->face);
 
     if (t->has_arcs)
         at = choose(at, find_arcs(s, &own, t->arc), t->is_arc);
     if (!uniform)
         stiffness = law->line / (own.compliance + s->handling_compliance);
-    lanes overlap = radius - at.height;
-    lanes presses = lanes_where_less(at.height, radius, at.inside * t->counts);
+    simd overlap = radius - at.height;
+    simd presses = simd_where_less(at.height, radius, at.inside * t->counts);
     contact c = { .nx = -at.nx, .ny = -at.ny, .lever = radius - 0.5 * overlap };
     c.force = normal_force(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
     c.sliding = law->rate * (own.vx * at.ny - own.vy * at.nx + own.spin * c.lever);
     add_contact(&c, at.friction, uniform, sum);
-    overlap = lanes_where_less(zero, presses, overlap);
-    sum->overlap = lanes_max(overlap, sum->overlap);
+    overlap = simd_where_less(zero, presses, overlap);
+    sum->overlap = simd_max(overlap, sum->overlap);
     if (!uniform)
-        sum->overlap_share = lanes_max(overlap / radius, sum->overlap_share);
+        sum->overlap_share = simd_max(overlap / radius, sum->overlap_share);
 }
 
 static void clear_forces(disk *rows)
@@ -454,11 +453,11 @@ static void clear_forces(disk *rows)
         rows[k].x = rows[k].y = rows[k].spin = 0.0;
 }
 
-// Adds what LANES candidates, of which n count, do to their parts. *group is that of the candidate before.
+// Adds what SIMD_LANES candidates, of which n count, do to their parts. *group is that of the candidate before.
 INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, size_t n,
                           const loads *sum, uint32_t *group)
 {
-    for (size_t k = 0; k < LANES && k < n; k++) {
+    for (size_t k = 0; k < SIMD_LANES && k < n; k++) {
         disk *to = &step->next[t->slot[k]];
         if (t->slot[k] / DISK_GROUP != *group) {
             *group = t->slot[k] / DISK_GROUP;
@@ -475,11 +474,11 @@ INLINED void add_boundary_forces(const explicit_step *step, size_t first, size_t
 {
     const disk_state *s = step->state;
     const pair_law law = make_law(s, &s->handling, s->handling_compliance);
-    const lanes zero = lanes_all(0.0);
+    const simd zero = simd_all(0.0);
     loads sum = { zero, zero, zero, zero, zero };
     uint32_t group = UINT32_MAX;
 
-    for (size_t from = first; from < last; from += LANES) {
+    for (size_t from = first; from < last; from += SIMD_LANES) {
         candidate_lanes t = load_candidates(s, from, last);
         sum.x = sum.y = sum.torque = zero;
         boundary_forces_lanes(step, &law, &t, uniform, &sum);

@@ -309,9 +309,9 @@ static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
                  scale = 1.0 / (1.0 + h * joint * m->inv_mass);
 
     block->pair[lane] = (uint32_t)index;
-    block->row[0][lane] = pair->slot[0] * LANES_ROW;
+    block->row[0][lane] = pair->slot[0] * SIMD_ROW;
     if (pair->id[1] < s->n)
-        block->row[1][lane] = pair->slot[1] * LANES_ROW;
+        block->row[1][lane] = pair->slot[1] * SIMD_ROW;
     block->nx[lane] = m->nx;
     block->ny[lane] = m->ny;
     block->bias[lane] = (joint * overlap - m->damping * pressed) * scale;
@@ -329,7 +329,7 @@ static void clear_block(implicit_block *block, uint32_t static_body)
 {
     memset(block, 0, sizeof *block);
     for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++) {
-        block->row[0][lane] = block->row[1][lane] = static_body * LANES_ROW;
+        block->row[0][lane] = block->row[1][lane] = static_body * SIMD_ROW;
         block->pair[lane] = UINT32_MAX;
     }
 }

@@ -2,7 +2,7 @@
 ///
 /// explicit_kernels.c and implicit_kernels.c are compiled once per instruction set (core/CMakeLists.txt). All
 /// builds give the same bits: core/base/simd.h says why. Tables that are read in lanes have rows of
-/// LANES_ROW doubles (core/base/simd_rows.h), aligned to their size.
+/// SIMD_ROW doubles (core/base/simd_rows.h), aligned to their size.
 
 #pragma once
 

@@ -80,7 +80,7 @@ static double centre(const macro_solver *s)
     return moment / mass;
 }
 
-// Upwinding moves the first moment by exactly v dt a step while nothing is packed.
+// Upwinding moves the first moment by exactly v dt a step while nothing is saturated.
 static void loose_cargo_rides_the_belt(void **state)
 {
     (void)state;
@@ -94,7 +94,7 @@ static void loose_cargo_rides_the_belt(void **state)
     free(w);
 }
 
-// With dt = dx/v and no push the upwind scheme shifts by exactly one cell a step.
+// With dt = dx/v and no dispersion the upwind scheme shifts by exactly one cell a step.
 static void a_step_of_one_cell_shifts_the_density_exactly(void **state)
 {
     (void)state;
@@ -125,7 +125,7 @@ static void close_column(world *w, int column, int j_max)
         w->closed1[j * (N1 + 1) + column] = 1;
 }
 
-static void a_wall_holds_packed_cargo_and_nothing_leaks(void **state)
+static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
 {
     (void)state;
     world *w = make_world();
@@ -188,7 +188,7 @@ static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
 
 // The scene is symmetric about the middle row, and so must the density be, to the bit: the mollifier's
 // share weights are symmetric, but slope weights reach one cell further on one side, so only the
-// carried (unpushed) part is exactly symmetric.
+// static part is exactly symmetric.
 static void carried_density_keeps_its_symmetry(void **state)
 {
     (void)state;
@@ -376,7 +376,7 @@ static void saturated_cargo_spreads_on_a_standing_belt(void **state)
     free(w);
 }
 
-static void cargo_below_close_packing_is_not_pushed(void **state)
+static void cargo_below_close_packing_does_not_disperse(void **state)
 {
     (void)state;
     world *w = make_world();
@@ -420,7 +420,7 @@ static void unstable_step(macro_def *def)
     def->dt = 1.01 * edge / (belt + def->dispersion);
 }
 
-static void negative_push(macro_def *def)
+static void negative_dispersion(macro_def *def)
 {
     def->dispersion = -1.0;
 }
@@ -455,7 +455,7 @@ static void a_bad_def_is_refused_at_its_member(void **state)
         { flat_cells, "/macro/cell_m" },
         { no_step, "/macro/step_s" },
         { unstable_step, "/macro/step_s" },
-        { negative_push, "/macro/dispersion_m_s" },
+        { negative_dispersion, "/macro/dispersion_m_s" },
         { far_mollifier, "/macro/mollifier_per_m2" },
         { unknown_heaviside, "/macro/heaviside" },
         { no_heaviside_width, "/macro/heaviside_width" },
@@ -522,7 +522,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loose_cargo_rides_the_belt),
         cmocka_unit_test(a_step_of_one_cell_shifts_the_density_exactly),
-        cmocka_unit_test(a_wall_holds_packed_cargo_and_nothing_leaks),
+        cmocka_unit_test(a_wall_holds_saturated_cargo_and_nothing_leaks),
         cmocka_unit_test(density_stays_positive_below_the_bound),
         cmocka_unit_test(mass_is_conserved_in_a_closed_box_for_every_heaviside),
         cmocka_unit_test(carried_density_keeps_its_symmetry),
@@ -532,7 +532,7 @@ int main(void)
         cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),
         cmocka_unit_test(a_state_of_a_definition_that_differs_in_one_number_is_refused),
         cmocka_unit_test(saturated_cargo_spreads_on_a_standing_belt),
-        cmocka_unit_test(cargo_below_close_packing_is_not_pushed),
+        cmocka_unit_test(cargo_below_close_packing_does_not_disperse),
         cmocka_unit_test(a_bad_def_is_refused_at_its_member),
         cmocka_unit_test(bad_densities_are_refused_and_change_nothing),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),

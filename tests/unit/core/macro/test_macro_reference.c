@@ -1,5 +1,5 @@
 // The macroscopic solver against the direct sum as printed in the paper (tests/reference), on small
-// random scenes with everything in them: packed cargo, closed faces, velocities in both directions,
+// random scenes with everything in them: saturated cargo, closed faces, velocities in both directions,
 // open and mirrored edges, cells that are not square, grids that fill no whole block.
 
 #include "core/macro/macro.h"
@@ -120,7 +120,7 @@ static void compare_with_direct_sum(unsigned seed, scene_heaviside heaviside, ro
     free(s);
 }
 
-static void random_fixtures_agree_with_the_direct_sum(void **state)
+static void random_densities_and_fields_agree_with_the_direct_sum(void **state)
 {
     (void)state;
     for (unsigned seed = 1; seed <= 12; seed++)
@@ -180,7 +180,7 @@ static void both_builds_give_the_same_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_fixtures_agree_with_the_direct_sum),
+        cmocka_unit_test(random_densities_and_fields_agree_with_the_direct_sum),
         cmocka_unit_test(the_other_forms_of_h_agree_with_the_direct_sum),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(both_builds_give_the_same_bits),

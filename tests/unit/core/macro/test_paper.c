@@ -301,7 +301,7 @@ static lane_count lanes_of(scene_heaviside heaviside, double mollifier)
     return lanes;
 }
 
-// The paper's Example 3: without H the push acts on loose cargo too and draws it into lanes, the
+// The paper's Example 3: without H dispersion acts on loose cargo too and draws it into lanes, the
 // farther apart the wider the mollifier is; with H a loose block stays one block.
 static void without_heaviside_loose_cargo_falls_into_lanes(void **state)
 {
