@@ -2,7 +2,7 @@
 ///
 /// With it the whole API can be called without sockets, store or threads (the tests do).
 /// All functions are thread-safe. Those that write return when their change is on disk. Common errors:
-/// BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_ENOMEM.
+/// BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_EBUSY too many read it at once; BF_ENOMEM.
 
 #pragma once
 

@@ -8,6 +8,7 @@
 #include "server/store/connection.h"
 
 #include "core/base/check.h"
+#include "server/base/clock.h"
 
 #include <math.h>
 #include <sqlite3.h>
@@ -267,16 +268,20 @@ static int find_free(const store__pool *pool)
     return -1;
 }
 
+// NULL: all were in use for STORE__READER_MS.
 static store__connection *acquire_slot(store__pool *pool)
 {
+    int64_t deadline_ms = clock_monotonic_ms() + STORE__READER_MS;
+    bool is_time_left = true;
     int i = -1;
 
     lock_take(&pool->lock);
-    while ((i = find_free(pool)) < 0)
-        lock_wait(&pool->released, &pool->lock, -1);
-    pool->is_taken[i] = true;
+    while ((i = find_free(pool)) < 0 && is_time_left)
+        is_time_left = lock_wait(&pool->released, &pool->lock, deadline_ms);
+    if (i >= 0)
+        pool->is_taken[i] = true;
     lock_give(&pool->lock);
-    return &pool->readers[i];
+    return i < 0 ? NULL : &pool->readers[i];
 }
 
 static void release_slot(store__pool *pool, const store__connection *reader)
@@ -293,6 +298,9 @@ bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reade
     store__connection *reader = acquire_slot(pool);
     bf_status status = BF_OK;
 
+    if (reader == NULL)
+        return bf_fail(err, BF_EBUSY, "", "all %d readers of the store are busy",
+                       STORE__READERS_MAX);
     if (reader->db == NULL)
         status = store__connect(pool->path, STORE__READ_ONLY, reader, err);
     if (status == BF_OK)

@@ -13,8 +13,9 @@
 #include <stdint.h>
 
 enum {
-    STORE__BUSY_MS = 5000,  ///< how long SQLite waits for a lock of its own
-    STORE__READERS_MAX = 8, ///< connections that read at once
+    STORE__BUSY_MS = 5000,   ///< how long SQLite waits for a lock of its own
+    STORE__READERS_MAX = 8,  ///< connections that read at once
+    STORE__READER_MS = 5000, ///< longest time that a thread waits for one of them
 };
 
 struct sqlite3;
@@ -111,7 +112,8 @@ void store__init_pool(store__pool *pool, const char *path);
 /// Close all readers; all must have been released.
 void store__fini_pool(store__pool *pool);
 
-/// Get a reader with a transaction begun, waiting for one if need be. Release it soon.
+/// Get a reader with a transaction begun, waiting for one if need be. Release it soon. BF_EBUSY: none was
+/// released for STORE__READER_MS.
 BF_MUST_CHECK bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader,
                                               bf_error *err);
 

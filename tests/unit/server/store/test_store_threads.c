@@ -4,8 +4,10 @@
 #include "tests/unit/server/helper_store.h"
 
 #include "core/base/memory.h"
+#include "server/base/clock.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
+#include "server/store/store_priv.h"
 
 #include <math.h>
 #include <sqlite3.h>
@@ -315,6 +317,24 @@ static void without_memory_a_batch_is_refused_once(void **state)
     end_outcome(&o);
 }
 
+// A thread that serves clients must come back from a store whose readers hang.
+static void a_read_waits_for_a_reader_for_a_limited_time(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    store__connection *readers[STORE__READERS_MAX];
+    api_run record = helper_submit(s, "busy", 0), found;
+
+    for (int i = 0; i < STORE__READERS_MAX; i++)
+        assert_int_equal(store__acquire_reader(&s->pool, &readers[i], NULL), BF_OK);
+    int64_t start_ms = clock_monotonic_ms();
+    assert_int_equal(store_find(s, record.id, &found, NULL), BF_EBUSY);
+    assert_in_range(clock_monotonic_ms() - start_ms, STORE__READER_MS, 3 * STORE__READER_MS);
+    store__release_reader(&s->pool, readers[0]);
+    assert_int_equal(store_find(s, record.id, &found, NULL), BF_OK);
+    for (int i = 1; i < STORE__READERS_MAX; i++)
+        store__release_reader(&s->pool, readers[i]);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -325,6 +345,7 @@ int main(void)
         STORE_TEST(the_listener_hears_of_each_change_and_of_nothing_else),
         STORE_TEST(batches_of_several_runs_share_a_commit),
         STORE_TEST(batches_that_nobody_waits_for_are_stored_in_their_order),
+        STORE_TEST(a_read_waits_for_a_reader_for_a_limited_time),
         STORE_TEST(without_memory_a_batch_is_refused_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
