@@ -3,6 +3,7 @@
 #include "api/http/http_priv.h"
 #include "api/json/json_out.h"
 #include "api/openapi/openapi.h"
+#include "api/results/service_json.h"
 #include "api/scenario/examples.h"
 
 bf_status handlers_meta_examples(exchange *x, bf_error *err)
@@ -23,19 +24,9 @@ bf_status handlers_meta_example(exchange *x, bf_error *err)
     return json_out_status(&w, err);
 }
 
-static bf_status write_status(exchange *x, const char *word, bf_error *err)
-{
-    json_out w = json_out_to(&x->response->body);
-
-    json_out_object(&w);
-    json_out_key_string(&w, "status", word);
-    json_out_object_end(&w);
-    return json_out_status(&w, err);
-}
-
 bf_status handlers_meta_livez(exchange *x, bf_error *err)
 {
-    return write_status(x, "alive", err);
+    return service_json_alive(&x->response->body, err);
 }
 
 bf_status handlers_meta_readyz(exchange *x, bf_error *err)
@@ -46,7 +37,7 @@ bf_status handlers_meta_readyz(exchange *x, bf_error *err)
         x->refusal = 503;
         return status;
     }
-    return write_status(x, "ready", err);
+    return service_json_ready(&x->response->body, err);
 }
 
 bf_status handlers_meta_metrics(exchange *x, bf_error *err)
@@ -56,16 +47,8 @@ bf_status handlers_meta_metrics(exchange *x, bf_error *err)
 
 bf_status handlers_meta_version(exchange *x, bf_error *err)
 {
-    json_out w = json_out_to(&x->response->body);
-
     exchange__cache_revalidate(x);
-    json_out_object(&w);
-    json_out_key_string(&w, "name", "beltflow");
-    json_out_key_string(&w, "version", BELTFLOW_VERSION);
-    json_out_key_string(&w, "api", "v1");
-    json_out_key_string(&w, "compiler", __VERSION__);
-    json_out_object_end(&w);
-    return json_out_status(&w, err);
+    return service_json_version(&x->response->body, err);
 }
 
 bf_status handlers_meta_openapi(exchange *x, bf_error *err)

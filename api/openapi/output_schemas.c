@@ -10,6 +10,7 @@
 #include "api/results/measurement.h"
 #include "api/results/results.h"
 #include "api/results/run_json.h"
+#include "api/results/service_json.h"
 #include "api/scenario/examples.h"
 #include "api/scenario/submission.h"
 
@@ -59,20 +60,6 @@ static const member compared_many_members[] = {
     ROW("pairs", "[#ComparedPair 1-7]", "The reference with each of the others"),
 };
 ROWS("ComparedMany", compared_many);
-
-static const member alive_members[] = { ROW("status", "=alive", "The process answers") };
-ROWS("Alive", alive);
-
-static const member ready_members[] = { ROW("status", "=ready", "Runs are accepted") };
-ROWS("Ready", ready);
-
-static const member version_members[] = {
-    ROW("name", "=beltflow", "Name of the program"),
-    ROW("version", "string", "Version of the program"),
-    ROW("api", "=v1", "Version of the API"),
-    ROW("compiler", "string", "Compiler that built it"),
-};
-ROWS("Version", version);
 
 static const member document_members[] = {
     ROW("openapi", "string", "Version of the format"),
@@ -161,9 +148,9 @@ static const openapi_schema table[] = {
     OBJECT(compare_json_density_distance, "Distance of two densities at a common time"),
     OBJECT(examples_members, "The ready scenarios"),
     OBJECT(examples_item_members, "A ready scenario"),
-    OBJECT(alive, "The process answers"),
-    OBJECT(ready, "Runs are accepted"),
-    OBJECT(version, "Version of the service"),
+    OBJECT(service_json_alive_members, "The process answers"),
+    OBJECT(service_json_ready_members, "Runs are accepted"),
+    OBJECT(service_json_version_members, "Version of the service"),
     { .help = "An OpenAPI document", .table = &document, .others = "" },
     OBJECT(problem_members, "Why a request was refused (RFC 9457)"),
     OBJECT(problem_error_members, "A fault of a document"),

@@ -1,0 +1,58 @@
+#include "api/results/service_json.h"
+
+// The answers are constants, so the kind of a member has its value in the type: "=alive".
+static void write_constant(json_out *w, const member *m, const void *item)
+{
+    (void)item;
+    json_out_string(w, m->type + 1);
+}
+
+static const member_kind member_constant = { .write = write_constant };
+
+static const member alive_members[] = {
+    MEMBER("status", constant, 0, "The process answers", .type = "=alive"),
+};
+const member_table service_json_alive_members = { MEMBER_TABLE("Alive", alive_members) };
+
+static const member ready_members[] = {
+    MEMBER("status", constant, 0, "Runs are accepted", .type = "=ready"),
+};
+const member_table service_json_ready_members = { MEMBER_TABLE("Ready", ready_members) };
+
+typedef struct version {
+    const char *version;
+    const char *compiler;
+} version;
+
+static const member version_members[] = {
+    MEMBER("name", constant, 0, "Name of the program", .type = "=beltflow"),
+    MEMBER("version", string, offsetof(version, version), "Version of the program"),
+    MEMBER("api", constant, 0, "Version of the API", .type = "=v1"),
+    MEMBER("compiler", string, offsetof(version, compiler), "Compiler that built it"),
+};
+const member_table service_json_version_members = { MEMBER_TABLE("Version", version_members) };
+
+static bf_status write(const member_table *table, const void *item, bf_buffer *out, bf_error *err)
+{
+    json_out w = json_out_to(out);
+
+    members_write(&w, table, item);
+    return json_out_status(&w, err);
+}
+
+bf_status service_json_alive(bf_buffer *out, bf_error *err)
+{
+    return write(&service_json_alive_members, NULL, out, err);
+}
+
+bf_status service_json_ready(bf_buffer *out, bf_error *err)
+{
+    return write(&service_json_ready_members, NULL, out, err);
+}
+
+bf_status service_json_version(bf_buffer *out, bf_error *err)
+{
+    const version view = { .version = BELTFLOW_VERSION, .compiler = __VERSION__ };
+
+    return write(&service_json_version_members, &view, out, err);
+}

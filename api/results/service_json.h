@@ -1,0 +1,16 @@
+/// What the service answers of itself.
+
+#pragma once
+
+#include "api/json/members.h"
+#include "core/base/buffer.h"
+
+/// Objects of GET /livez, /readyz and /version.
+extern const member_table service_json_alive_members;
+extern const member_table service_json_ready_members;
+extern const member_table service_json_version_members;
+
+/// Append them.
+BF_MUST_CHECK bf_status service_json_alive(bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status service_json_ready(bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status service_json_version(bf_buffer *out, bf_error *err);
