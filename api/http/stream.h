@@ -12,7 +12,7 @@
 
 #pragma once
 
-#include "api/http/body.h"
+#include "api/body.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 

@@ -1,7 +1,6 @@
 #include "api/json/json_in.h"
 
 #include "api/json/json_scan.h"
-#include "api/scenario/scenario.h"
 #include "core/base/check.h"
 #include "core/base/memory.h"
 
@@ -82,7 +81,7 @@ static bool check_scan(json_in *in, const char *json, size_t n)
     json_scan_end end = json_scan(json, n, &place, at.pointer.text, sizeof at.pointer.text);
     if (end == JSON_SCAN_TOO_DEEP)
         json_in_fault_limit(&at, "line %zu, column %zu: nested deeper than %d levels", place.line,
-                            place.column, SCENARIO_NESTING_MAX);
+                            place.column, JSON_NESTING_MAX);
     if (end == JSON_SCAN_NO_NUMBER)
         json_in_fault(&at, "line %zu, column %zu: NaN and Infinity are no JSON numbers", place.line,
                       place.column);

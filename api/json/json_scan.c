@@ -1,7 +1,6 @@
 #include "api/json/json_scan.h"
 
 #include "api/json/json_pointer.h"
-#include "api/scenario/scenario.h"
 
 #include <ctype.h>
 #include <stdbool.h>
@@ -23,7 +22,7 @@ typedef struct scanner {
     size_t n;
     size_t at;
     size_t depth;
-    level levels[SCENARIO_NESTING_MAX];
+    level levels[JSON_NESTING_MAX];
 } scanner;
 
 static level *innermost(scanner *s)
@@ -70,7 +69,7 @@ static json_scan_end scan_word(scanner *s)
 
 static json_scan_end open_level(scanner *s, bool is_object)
 {
-    if (s->depth == SCENARIO_NESTING_MAX)
+    if (s->depth == JSON_NESTING_MAX)
         return JSON_SCAN_TOO_DEEP;
     s->levels[s->depth++] = (level){ .is_object = is_object, .awaits_key = is_object };
     s->at++;

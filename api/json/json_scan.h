@@ -7,11 +7,13 @@
 
 #include <stddef.h>
 
+enum { JSON_NESTING_MAX = 32 }; ///< levels of nested arrays and objects of a document
+
 /// Why a scan ended.
 typedef enum json_scan_end {
     JSON_SCAN_ALL,      ///< it saw all of the text
-    JSON_SCAN_TOO_DEEP, ///< here begins a level beyond SCENARIO_NESTING_MAX
-    JSON_SCAN_NO_NUMBER ///< here stands NaN or Infinity, which JSON has not
+    JSON_SCAN_TOO_DEEP, ///< a level beyond JSON_NESTING_MAX begins here
+    JSON_SCAN_NO_NUMBER ///< NaN or Infinity, which are no JSON numbers
 } json_scan_end;
 
 /// Where a scan ended.

@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "api/http/body.h"
+#include "api/body.h"
 #include "api/services.h"
 
 /// What is in an archive.

@@ -13,7 +13,6 @@
 #include <stddef.h>
 
 enum {
-    SCENARIO_NESTING_MAX = 32,            ///< levels of nested arrays and objects
     SCENARIO_BYTES_MAX = 64 * 1024 * 1024 ///< bytes of a document on the command line
 };
 

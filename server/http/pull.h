@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "api/http/body.h"
+#include "api/body.h"
 #include "core/base/buffer.h"
 #include "server/http/http.h"
 

@@ -1,9 +1,12 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- scene <- macro, micro
-<- run; and every outside header is included only where it belongs."""
+<- run, inside api json <- scenario <- results <- http, openapi; and every outside header is included only where it belongs."""
 
 import re
 
 import tree
+
+API_CORE = {"core/base", "core/scene", "core/run", "core/compare"}
+API = {"api", "api/json", "api/scenario", "api/results", "api/http", "api/openapi"}
 
 # Folder: the folders of ours that it may include from.
 ARROWS = {
@@ -14,8 +17,13 @@ ARROWS = {
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
     "core/compare": {"core/base", "core/compare"},
-    "api": {"core/base", "core/scene", "core/run", "core/compare", "api"},
-    "server": {"core/base", "core/scene", "core/run", "core/compare", "api", "server"},
+    "api": {"core/base", "core/scene", "core/run", "api"},
+    "api/json": {"core/base", "core/scene", "api/json"},
+    "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
+    "api/results": API_CORE | {"api", "api/json", "api/scenario", "api/results"},
+    "api/http": API_CORE | API,
+    "api/openapi": API_CORE | API,
+    "server": API_CORE | API | {"server"},
 }
 
 # What a standard C library offers; clocks, locales, signals and threads are left out on purpose.
@@ -55,7 +63,7 @@ ONLY_IN = {
 def folder_of(name):
     """The folder that the arrows speak of."""
     parts = name.split("/")
-    return "/".join(parts[:2]) if parts[0] == "core" else parts[0]
+    return "/".join(parts[:2]) if parts[0] in ("core", "api") and len(parts) > 2 else parts[0]
 
 
 def outside_fault(name, header):

@@ -39,6 +39,11 @@ class Checks(unittest.TestCase):
         self.put("core/base/grid.c", '#include "api/scenario/scenario.h"\n')
         self.assertIn("core/base must not know api", check_includes.check(self.root)[0])
 
+    def test_json_does_not_know_the_scenario(self):
+        self.put("api/scenario/scenario.h", "#pragma once\n")
+        self.put("api/json/members.c", '#include "api/scenario/scenario.h"\n')
+        self.assertIn("api/json must not know api/scenario", check_includes.check(self.root)[0])
+
     def test_the_solvers_do_not_know_each_other(self):
         self.put("core/micro/micro.h", "#pragma once\n")
         self.put("core/macro/step.c", '#include "core/micro/micro.h"\n')

@@ -3,7 +3,6 @@
 #include "api/json/json_scan.h"
 
 #include "api/json/text.h"
-#include "api/scenario/scenario.h"
 #include "core/base/random.h"
 
 #include <setjmp.h>
@@ -53,16 +52,16 @@ static void nesting_ends_at_its_limit(void **unused)
 {
     json_scan_place place;
     char pointer[100];
-    char text[SCENARIO_NESTING_MAX + 2];
+    char text[JSON_NESTING_MAX + 2];
 
     (void)unused;
     memset(text, '[', sizeof text);
-    text[SCENARIO_NESTING_MAX] = '\0';
+    text[JSON_NESTING_MAX] = '\0';
     assert_int_equal(scan(text, &place, pointer), JSON_SCAN_ALL);
-    text[SCENARIO_NESTING_MAX] = '[';
-    text[SCENARIO_NESTING_MAX + 1] = '\0';
+    text[JSON_NESTING_MAX] = '[';
+    text[JSON_NESTING_MAX + 1] = '\0';
     assert_int_equal(scan(text, &place, pointer), JSON_SCAN_TOO_DEEP);
-    assert_int_equal(place.at, SCENARIO_NESTING_MAX);
+    assert_int_equal(place.at, JSON_NESTING_MAX);
 }
 
 static void what_is_no_number_is_seen(void **unused)
