@@ -6,8 +6,8 @@
 ///   I2  There is one read-write connection in the whole system; the store's thread owns it, and it
 ///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
 ///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
-///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0. Storing one again
-///       (a run resumed before it) changes nothing and makes no second event.
+///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0.
+///       Storing one again (a run resumed before it) changes nothing and makes no second event.
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
 ///   I7  An event becomes visible in the same transaction as what it reports.
@@ -105,8 +105,8 @@ BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
 void store_set_retention(store *s, const store_retention *retention);
 
 /// Cancel a queued run (status and end events). A running one gets a stop request (I14) for the
-/// supervisor and is returned as it is. revision is the one that it must have, or API_ANY_REVISION. BF_EINPUT: it has
-/// another one; BF_ECONFLICT: it has ended.
+/// supervisor and is returned as it is. revision is the one that it must have, or API_ANY_REVISION.
+/// BF_EINPUT: it has another one; BF_ECONFLICT: it has ended.
 BF_MUST_CHECK bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run,
                                      bf_error *err);
 

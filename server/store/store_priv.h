@@ -47,8 +47,8 @@ typedef bf_status store__apply(store__connection *writer, store__operation *oper
 /// What comes before apply, on the preparing thread; if it fails, the operation is not applied.
 typedef bf_status store__prepare(store__operation *operation, bf_error *err);
 
-/// Report the result of an operation without a waiting caller, and free it. Runs on the store's thread after the
-/// commit, or on the preparing thread if it could not be prepared.
+/// Report the result of an operation without a waiting caller, and free it. Runs on the store's thread
+/// after the commit, or on the preparing thread if it could not be prepared.
 typedef void store__finish(store__operation *operation);
 
 /// A write that waits for its turn; on its caller's stack, or, with prepare and finish, on the heap.

@@ -2,8 +2,9 @@
 // results; without them, there is a new run to be solved, if the client's quota and then the queue have
 // room; and the answer is stored under the key.
 //
-// The first answer to a request with an idempotency key is stored in the transaction of the run that it describes, so
-// that the same request gets it again, whatever happened in between (I11). Its table is called `answers`.
+// The first answer to a request with an idempotency key is stored in the transaction of the run that it
+// describes, so that the same request gets it again, whatever happened in between (I11). Its table is called
+// `answers`.
 
 #include "server/store/store_priv.h"
 

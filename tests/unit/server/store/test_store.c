@@ -1,4 +1,4 @@
-// Unit tests of the store: the life of a run. I1 ... I12 are the invariants of server/store/store.h.
+// Unit tests of the store: the life of a run. I1 ... I14 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
@@ -71,7 +71,7 @@ static void a_claim_brings_all_that_solving_needs(void **state)
     assert_int_equal(job.step, 77);
 }
 
-// The samples that the run has told already are stored; only the state to go on from is lost.
+// The samples that the run has sent already are stored; only the state to go on from is lost.
 static void a_damaged_checkpoint_costs_no_more_than_itself(void **state)
 {
     helper_store *h = *state;
@@ -113,7 +113,7 @@ static void a_full_queue_is_busy(void **state)
     helper_submit(h->store, "", 0);
 }
 
-static void a_run_that_ends_tells_its_end_last(void **state)
+static void the_last_event_of_a_run_is_its_end(void **state)
 {
     static const run_state ends[] = { RUN_SUCCEEDED, RUN_CANCELLED };
     store *s = ((helper_store *)*state)->store;
@@ -140,7 +140,7 @@ static void a_run_that_ends_tells_its_end_last(void **state)
     }
 }
 
-static void a_failure_keeps_its_reason(void **state)
+static void a_failure_has_its_reason(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
@@ -358,8 +358,8 @@ int main(void)
         STORE_TEST(a_claim_brings_all_that_solving_needs),
         STORE_TEST(a_damaged_checkpoint_costs_no_more_than_itself),
         STORE_TEST(a_full_queue_is_busy),
-        STORE_TEST(a_run_that_ends_tells_its_end_last),
-        STORE_TEST(a_failure_keeps_its_reason),
+        STORE_TEST(the_last_event_of_a_run_is_its_end),
+        STORE_TEST(a_failure_has_its_reason),
         STORE_TEST(a_run_changes_only_along_the_arrows),
         STORE_TEST(a_queued_run_is_cancelled_at_once),
         STORE_TEST(a_running_run_is_left_to_the_supervisor),

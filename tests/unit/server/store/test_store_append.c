@@ -1,4 +1,4 @@
-// Unit tests of the store: what a running run tells. I1 ... I12 are the invariants of
+// Unit tests of the store: what a running run sends. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -150,8 +150,8 @@ static void a_snapshot_that_is_not_there_is_not_found(void **state)
     buffer_fini(&list.items);
 }
 
-// I4: a run that was resumed tells again what it told before.
-static void what_is_stored_already_is_neither_stored_nor_told_again(void **state)
+// I4: a run that was resumed sends again what it sent before.
+static void what_is_stored_already_is_neither_stored_nor_emitted_again(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
@@ -169,8 +169,8 @@ static void what_is_stored_already_is_neither_stored_nor_told_again(void **state
     assert_int_equal(after.n_snapshots, 1);
 }
 
-// I4: samples 0 .. 9 are stored, 6 .. 14 come; stored and told are 10 .. 14.
-static void of_a_batch_that_is_known_in_part_the_rest_is_stored_and_told(void **state)
+// I4: samples 0 .. 9 are stored, 6 .. 14 come; stored and emitted are 10 .. 14.
+static void of_a_batch_that_is_known_in_part_the_rest_is_stored_and_emitted(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
@@ -252,7 +252,7 @@ static void a_grid_does_not_change(void **state)
     assert_int_equal(store_append(s, &batch, NULL), BF_ECORRUPT);
 }
 
-static void figures_follow_the_batch(void **state)
+static void progress_follows_the_batch(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_start(s);
@@ -272,7 +272,7 @@ static void figures_follow_the_batch(void **state)
     assert_true(helper_find(s, record.id).progress == 1.0);
 }
 
-static void only_a_running_run_tells(void **state)
+static void only_a_running_run_may_append(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     api_run record = helper_submit(s, "", 0);
@@ -362,13 +362,13 @@ int main(void)
         STORE_TEST(damage_in_a_snapshot_is_noticed),
         STORE_TEST(damage_in_a_curve_is_noticed),
         STORE_TEST(a_snapshot_that_is_not_there_is_not_found),
-        STORE_TEST(what_is_stored_already_is_neither_stored_nor_told_again),
-        STORE_TEST(of_a_batch_that_is_known_in_part_the_rest_is_stored_and_told),
+        STORE_TEST(what_is_stored_already_is_neither_stored_nor_emitted_again),
+        STORE_TEST(of_a_batch_that_is_known_in_part_the_rest_is_stored_and_emitted),
         STORE_TEST(a_gap_is_refused_with_its_whole_batch),
         STORE_TEST(sizes_that_do_not_fit_are_refused),
         STORE_TEST(a_grid_does_not_change),
-        STORE_TEST(figures_follow_the_batch),
-        STORE_TEST(only_a_running_run_tells),
+        STORE_TEST(progress_follows_the_batch),
+        STORE_TEST(only_a_running_run_may_append),
         STORE_TEST(a_run_that_is_handed_back_goes_on_from_its_checkpoint),
         STORE_TEST(a_summary_may_come_without_an_end),
     };

@@ -1,4 +1,4 @@
-// Unit tests of the store: answers to idempotency keys. I1 ... I12 are the invariants of
+// Unit tests of the store: answers to idempotency keys. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -131,7 +131,7 @@ static void a_refusal_is_no_answer(void **state)
     buffer_fini(&made.answer);
 }
 
-static void an_answer_is_kept_for_its_time(void **state)
+static void an_answer_is_stored_for_its_time(void **state)
 {
     helper_store *h = *state;
     store_options options = { .directory = h->directory,
@@ -216,7 +216,7 @@ static void many_at_once_make_one_run(void **state)
 }
 
 // I11: neither the run nor the answer, or both.
-static void without_memory_neither_run_nor_answer_is_kept(void **state)
+static void without_memory_neither_run_nor_answer_is_stored(void **state)
 {
     helper_store *h = *state;
     api_submission submission = with_key("key", "body");
@@ -250,10 +250,10 @@ int main(void)
         STORE_TEST(another_body_is_refused_and_changes_nothing),
         STORE_TEST(other_keys_and_none_make_runs_of_their_own),
         STORE_TEST(a_refusal_is_no_answer),
-        STORE_TEST(an_answer_is_kept_for_its_time),
+        STORE_TEST(an_answer_is_stored_for_its_time),
         STORE_TEST(of_too_many_answers_the_oldest_go),
         STORE_TEST(many_at_once_make_one_run),
-        STORE_TEST(without_memory_neither_run_nor_answer_is_kept),
+        STORE_TEST(without_memory_neither_run_nor_answer_is_stored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -140,7 +140,7 @@ static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
     }
 }
 
-// I4, I5: from t = 0, because its checkpoint is of an older format; what it tells again is known.
+// I4, I5: from t = 0, because its checkpoint is of an older format; what it sends again is known.
 static void a_run_begins_again_in_a_store_that_was_brought_up_to_date(void **state)
 {
     helper_store *h = *state;
@@ -242,7 +242,7 @@ static double at(const bf_buffer *doubles, size_t i)
     return ((const double *)(const void *)doubles->bytes)[i];
 }
 
-// The figures of what follows were read from the file with SQLite's own program and zstd.
+// The numbers of what follows were read from the file with SQLite's own program and zstd.
 static void check_curve(store *s, const char *id, double first_upstream, double last_upstream)
 {
     api_curve curve = { 0 };

@@ -1,4 +1,4 @@
-// Unit tests of the store: opening, and what is refused. I1 ... I12 are the invariants of
+// Unit tests of the store: opening, and what is refused. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"

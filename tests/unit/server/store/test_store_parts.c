@@ -1,4 +1,4 @@
-// Unit tests of the store: the parts of microscopic runs. I1 ... I12 are the invariants of
+// Unit tests of the store: the parts of microscopic runs. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "core/base/memory.h"
@@ -95,8 +95,8 @@ static void parts_come_back_bit_by_bit(void **state)
     buffer_fini(&list.items);
 }
 
-// I4: a resumed run tells its last snapshot with its parts again.
-static void parts_that_are_stored_already_are_neither_stored_nor_told_again(void **state)
+// I4: a resumed run sends its last snapshot with its parts again.
+static void parts_that_are_stored_already_are_neither_stored_nor_emitted_again(void **state)
 {
     helper_store *h = *state;
     api_run record = helper_start(h->store);
@@ -198,7 +198,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         STORE_TEST(parts_come_back_bit_by_bit),
-        STORE_TEST(parts_that_are_stored_already_are_neither_stored_nor_told_again),
+        STORE_TEST(parts_that_are_stored_already_are_neither_stored_nor_emitted_again),
         STORE_TEST(parts_of_another_size_are_refused),
         STORE_TEST(parts_that_are_not_there_are_not_found),
         STORE_TEST(damage_in_parts_is_noticed),

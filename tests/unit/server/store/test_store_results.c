@@ -1,4 +1,4 @@
-// Unit tests of the store: runs that share results. I1 ... I12 are the invariants of server/store/store.h.
+// Unit tests of the store: runs that reuse results. I1 ... I14 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
@@ -96,7 +96,7 @@ static void append_item(store *s, const char *id, store_item *item)
     helper_item_fini(item);
 }
 
-// A run that is claimed, has told samples and snapshots in turns, and succeeds.
+// A run that is claimed, has sent samples and snapshots in turns, and succeeds.
 static api_run solve(store *s, const char *id)
 {
     store_item item;
@@ -291,7 +291,7 @@ static void only_the_same_work_is_the_same(void **state)
 }
 
 // Neither what waits, runs, failed or was cancelled, nor what has no identity.
-static void only_success_is_shared(void **state)
+static void only_results_of_success_are_reused(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     static const run_state ends[] = { RUN_FAILED, RUN_CANCELLED };
@@ -355,7 +355,7 @@ static void results_of_another_solver_do_not_count(void **state)
     assert_false(submit(h->store, "work", "third").is_cached);
 }
 
-static void a_damaged_summary_is_not_shared(void **state)
+static void a_damaged_summary_is_not_reused(void **state)
 {
     helper_store *h = *state;
 
@@ -366,7 +366,7 @@ static void a_damaged_summary_is_not_shared(void **state)
     assert_false(submit(h->store, "work", "second").is_cached);
 }
 
-// A curve that is damaged is told as such, not read beyond its end.
+// A curve that is damaged is reported as such, not read beyond its end.
 static void damaged_samples_are_noticed(void **state)
 {
     helper_store *h = *state;
@@ -386,7 +386,7 @@ static void damaged_samples_are_noticed(void **state)
     buffer_fini(&text);
 }
 
-static void without_memory_nothing_is_shared(void **state)
+static void without_memory_nothing_is_reused(void **state)
 {
     helper_store *h = *state;
     api_submission submission = submission_of("work", "second");
@@ -410,7 +410,7 @@ static void without_memory_nothing_is_shared(void **state)
     free_submission(&submission);
 }
 
-static void without_memory_shared_events_are_not_read(void **state)
+static void without_memory_reused_events_are_not_read(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     char runs[1][API_ID_SIZE];
@@ -468,14 +468,14 @@ int main(void)
         STORE_TEST(its_events_are_those_of_the_first_with_its_own_id),
         STORE_TEST(removing_one_leaves_the_others_theirs),
         STORE_TEST(only_the_same_work_is_the_same),
-        STORE_TEST(only_success_is_shared),
+        STORE_TEST(only_results_of_success_are_reused),
         STORE_TEST(a_fresh_run_is_solved_and_the_newest_results_count),
         STORE_TEST(known_results_do_not_wait),
         STORE_TEST(results_of_another_solver_do_not_count),
-        STORE_TEST(a_damaged_summary_is_not_shared),
+        STORE_TEST(a_damaged_summary_is_not_reused),
         STORE_TEST(damaged_samples_are_noticed),
-        STORE_TEST(without_memory_nothing_is_shared),
-        STORE_TEST(without_memory_shared_events_are_not_read),
+        STORE_TEST(without_memory_nothing_is_reused),
+        STORE_TEST(without_memory_reused_events_are_not_read),
         STORE_TEST(large_results_go_step_by_step_also_after_a_crash),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-// Unit tests of the store: what it removes by itself. I1 ... I12 are the invariants of
+// Unit tests of the store: what it removes by itself. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -127,7 +127,7 @@ static int64_t used_bytes(const helper_store *h)
 }
 
 // The pages in use come below the limit, and with new runs coming the file does not grow any more.
-static void the_limit_of_bytes_is_reached_and_kept(void **state)
+static void the_limit_of_bytes_is_reached_and_stays(void **state)
 {
     enum { N_RUNS = 12, N_KEPT = 5 };
     helper_store *h = *state;
@@ -147,8 +147,8 @@ static void the_limit_of_bytes_is_reached_and_kept(void **state)
     assert_int_equal(helper_store_sql(h, "PRAGMA page_count"), n_pages);
 }
 
-// Runs that share their results free little, so all that is needed to free them goes.
-static void the_limit_of_bytes_is_reached_where_results_are_shared(void **state)
+// Runs with results in common free little, so all that is needed to free them goes.
+static void the_limit_of_bytes_is_reached_where_runs_have_results_in_common(void **state)
 {
     helper_store *h = *state;
 
@@ -213,8 +213,8 @@ int main(void)
         STORE_TEST(beyond_the_number_the_first_to_end_goes),
         STORE_TEST(work_is_never_removed),
         STORE_TEST(what_ended_too_long_ago_goes),
-        STORE_TEST(the_limit_of_bytes_is_reached_and_kept),
-        STORE_TEST(the_limit_of_bytes_is_reached_where_results_are_shared),
+        STORE_TEST(the_limit_of_bytes_is_reached_and_stays),
+        STORE_TEST(the_limit_of_bytes_is_reached_where_runs_have_results_in_common),
         STORE_TEST(limits_may_change_while_the_store_is_open),
         STORE_TEST(the_listener_hears_of_what_is_removed),
         STORE_TEST(answers_that_are_too_old_go_without_being_asked_for),

@@ -1,4 +1,4 @@
-// Unit tests of the store: what the supervisor keeps of running runs, and what is asked of them. I1 ...
+// Unit tests of the store: what the supervisor stores of running runs, and what is asked of them. I1 ...
 // I14 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -53,7 +53,7 @@ static void running_runs_are_listed_the_oldest_first(void **state)
 }
 
 // I14
-static void an_external_id_is_kept_while_its_run_is_running(void **state)
+static void an_external_id_is_stored_while_its_run_is_running(void **state)
 {
     helper_store *h = *state;
     store_running runs[SIZE];
@@ -158,7 +158,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         STORE_TEST(running_runs_are_listed_the_oldest_first),
-        STORE_TEST(an_external_id_is_kept_while_its_run_is_running),
+        STORE_TEST(an_external_id_is_stored_while_its_run_is_running),
         STORE_TEST(a_running_run_is_asked_to_stop),
         STORE_TEST(a_run_that_is_asked_to_stop_is_not_queued_again),
         STORE_TEST(a_run_that_ends_by_itself_ends_as_it_did),

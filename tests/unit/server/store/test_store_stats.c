@@ -1,4 +1,4 @@
-// Unit tests of the store: its figures, and its signs of life.
+// Unit tests of the store: its stats, and its signs of life.
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-// The figures once their run of this state are n; fails after ten seconds.
-static store_stats await_figures(store *s, run_state state, uint64_t n)
+// The stats once their run of this state are n; fails after ten seconds.
+static store_stats await_stats(store *s, run_state state, uint64_t n)
 {
     int64_t until_ms = clock_monotonic_ms() + 10000;
     store_stats f;
@@ -25,7 +25,7 @@ static store_stats await_figures(store *s, run_state state, uint64_t n)
     return f;
 }
 
-static void figures_follow_what_is_written(void **state)
+static void stats_follow_what_is_written(void **state)
 {
     store *s = ((helper_store *)*state)->store;
     store_stats f;
@@ -36,20 +36,20 @@ static void figures_follow_what_is_written(void **state)
     assert_int_equal(f.oldest_queued_ms, 0);
     api_run first = helper_submit(s, "", 0);
     (void)helper_submit(s, "", 5);
-    f = await_figures(s, RUN_QUEUED, 2);
+    f = await_stats(s, RUN_QUEUED, 2);
     assert_int_equal(f.oldest_queued_ms, first.created_ms);
     assert_true(f.file_bytes > 0 && f.log_bytes > 0);
     api_run claimed = helper_claim(s);
-    f = await_figures(s, RUN_RUNNING, 1);
+    f = await_stats(s, RUN_RUNNING, 1);
     assert_int_equal(f.n_runs[RUN_QUEUED], 1);
     (void)helper_finish(s, claimed.id, RUN_FAILED);
-    (void)await_figures(s, RUN_FAILED, 1);
+    (void)await_stats(s, RUN_FAILED, 1);
     assert_int_equal(store_remove(s, claimed.id, API_ANY_REVISION, NULL), BF_OK);
-    f = await_figures(s, RUN_FAILED, 0);
+    f = await_stats(s, RUN_FAILED, 0);
     assert_int_equal(f.n_runs[RUN_QUEUED], 1);
 }
 
-static void figures_are_there_as_soon_as_the_store_is_open(void **state)
+static void stats_are_there_as_soon_as_the_store_is_open(void **state)
 {
     helper_store *h = *state;
     store_stats f;
@@ -136,9 +136,9 @@ static void a_store_that_hangs_gives_no_sign_of_life(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(figures_follow_what_is_written, helper_store_setup,
+        cmocka_unit_test_setup_teardown(stats_follow_what_is_written, helper_store_setup,
                                         helper_store_teardown),
-        cmocka_unit_test_setup_teardown(figures_are_there_as_soon_as_the_store_is_open,
+        cmocka_unit_test_setup_teardown(stats_are_there_as_soon_as_the_store_is_open,
                                         helper_store_setup, helper_store_teardown),
         cmocka_unit_test_setup_teardown(commits_and_frames_are_counted, helper_store_setup,
                                         helper_store_teardown),

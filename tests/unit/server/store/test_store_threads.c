@@ -1,4 +1,4 @@
-// Unit tests of the store: several threads, and whom it tells. I1 ... I12 are the invariants of
+// Unit tests of the store: several threads, and whom it notifies. I1 ... I14 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -264,7 +264,7 @@ static void batches_of_several_runs_share_a_commit(void **state)
 }
 
 // I4: what follows a gap is refused with it.
-static void batches_that_nobody_waits_for_are_stored_in_their_order(void **state)
+static void batches_without_a_waiting_caller_are_stored_in_their_order(void **state)
 {
     enum { N = 50 };
     store *s = ((helper_store *)*state)->store;
@@ -344,7 +344,7 @@ int main(void)
         STORE_TEST(threads_write_while_others_read),
         STORE_TEST(the_listener_hears_of_each_change_and_of_nothing_else),
         STORE_TEST(batches_of_several_runs_share_a_commit),
-        STORE_TEST(batches_that_nobody_waits_for_are_stored_in_their_order),
+        STORE_TEST(batches_without_a_waiting_caller_are_stored_in_their_order),
         STORE_TEST(a_read_waits_for_a_reader_for_a_limited_time),
         STORE_TEST(without_memory_a_batch_is_refused_once),
     };
