@@ -27,7 +27,7 @@ char *buffer_reserve(bf_buffer *b, size_t n);
 /// Forget the first n bytes.
 void buffer_drop(bf_buffer *b, size_t n);
 
-/// Forget all but the first n bytes, n <= b->n: takes back what was appended in vain.
+/// Forget all but the first n bytes, n <= b->n: undoes appends.
 void buffer_truncate(bf_buffer *b, size_t n);
 
 /// Free the bytes and zero the buffer. NULL is fine.

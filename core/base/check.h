@@ -2,7 +2,7 @@
 
 #pragma once
 
-/// Stop the process with a last word if condition is false. Must not be reachable from input.
+/// If the condition is false, print it with its place to stderr and abort. No input may make it false.
 #define BF_CHECK(condition)                                                                        \
     ((condition) ? (void)0 : bf_check_failed(#condition, __FILE__, __LINE__))
 

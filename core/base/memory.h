@@ -12,8 +12,8 @@
 /// valid pointer. Free with memory_free().
 void *memory_alloc(size_t n, size_t size);
 
-/// Give *items (room for *capacity items, NULL when 0) room for at least n items of size bytes,
-/// growing by doubling; keeps what was there. Returns 0, or -1 with everything left as it was.
+/// Grow *items (room for *capacity items, NULL when 0) to room for at least n items of size bytes, by
+/// doubling; what was there stays. Returns 0, or -1 with everything left as it was.
 /// items points to the caller's array pointer, of any object type.
 int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
 

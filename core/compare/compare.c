@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-static const double drained_share = 0.01; // of the first value
+static const double drained_fraction = 0.01; // of the first value
 
-// Throughput counts between these shares of what leaves.
-static const double ramp_share = 0.1, tail_share = 0.9;
+// Throughput counts between these fractions of what leaves.
+static const double ramp_fraction = 0.1, tail_fraction = 0.9;
 
 static bf_status check_curve(const compare_curve *c, const char *pointer, bf_error *err)
 {
@@ -39,8 +39,8 @@ static double read_at(cursor *c, double t)
         c->k++;
     if (c->k + 1 == curve->n || t <= curve->t[c->k])
         return curve->parts[c->k];
-    double share = (t - curve->t[c->k]) / (curve->t[c->k + 1] - curve->t[c->k]);
-    return curve->parts[c->k] + share * (curve->parts[c->k + 1] - curve->parts[c->k]);
+    double fraction = (t - curve->t[c->k]) / (curve->t[c->k + 1] - curve->t[c->k]);
+    return curve->parts[c->k] + fraction * (curve->parts[c->k + 1] - curve->parts[c->k]);
 }
 
 // The next time after t at which either curve has a sample, at most t_end.
@@ -61,7 +61,7 @@ static double next_time(const cursor *a, const cursor *b, double t, double t_end
 static double drain_time(const compare_curve *c)
 {
     for (size_t k = 0; k < c->n; k++)
-        if (c->parts[k] <= drained_share * c->parts[0])
+        if (c->parts[k] <= drained_fraction * c->parts[0])
             return c->t[k];
     return NAN;
 }
@@ -79,19 +79,19 @@ typedef struct passage {
     double t10, t90, throughput; // NAN: nothing leaves
 } passage;
 
-// The first time from t on at which the curve has gone this share of its way from first to last,
+// The first time from t on at which the curve has gone this fraction of its way from first to last,
 // which differ. *at stays at or before it, to be read on from there.
-static double find_share(cursor *at, double t, double t_end, double first, double last,
-                         double share)
+static double find_fraction(cursor *at, double t, double t_end, double first, double last,
+                            double fraction)
 {
     double gone = (read_at(at, t) - first) / (last - first);
 
-    while (gone < share && t < t_end) {
+    while (gone < fraction && t < t_end) {
         cursor ahead = *at;
         double next = next_time(at, at, t, t_end);
         double next_gone = (read_at(&ahead, next) - first) / (last - first);
-        if (next_gone >= share)
-            return t + (share - gone) / (next_gone - gone) * (next - t);
+        if (next_gone >= fraction)
+            return t + (fraction - gone) / (next_gone - gone) * (next - t);
         *at = ahead;
         t = next;
         gone = next_gone;
@@ -107,10 +107,10 @@ static passage measure_passage(const compare_curve *c, double t_start, double t_
 
     if (first == last)
         return p;
-    p.t10 = find_share(&at, t_start, t_end, first, last, ramp_share);
-    p.t90 = find_share(&at, p.t10, t_end, first, last, tail_share);
+    p.t10 = find_fraction(&at, t_start, t_end, first, last, ramp_fraction);
+    p.t90 = find_fraction(&at, p.t10, t_end, first, last, tail_fraction);
     if (p.t90 > p.t10)
-        p.throughput = (tail_share - ramp_share) * fabs(last - first) / (p.t90 - p.t10);
+        p.throughput = (tail_fraction - ramp_fraction) * fabs(last - first) / (p.t90 - p.t10);
     return p;
 }
 
@@ -224,19 +224,19 @@ static void gather(const bf_grid *grid, const float *rho, marginals *m)
     }
 }
 
-// The integral of the distance of both shares over n cells of width d. Within a cell each share is a
+// The integral of the distance of both fractions over n cells of width d. Within a cell each fraction is a
 // line, as the density is constant there.
 static double carry(const double *a, double mass_a, const double *b, double mass_b, size_t n,
                     double d)
 {
-    double share_a = 0.0, share_b = 0.0, gap = 0.0, sum = 0.0;
+    double cumulative_a = 0.0, cumulative_b = 0.0, gap = 0.0, sum = 0.0;
 
     if (!(mass_a > 0.0) || !(mass_b > 0.0))
         return NAN;
     for (size_t k = 0; k < n; k++) {
-        share_a += a[k] / mass_a;
-        share_b += b[k] / mass_b;
-        double next_gap = share_a - share_b;
+        cumulative_a += a[k] / mass_a;
+        cumulative_b += b[k] / mass_b;
+        double next_gap = cumulative_a - cumulative_b;
         sum += integrate_gap(d, gap, next_gap);
         gap = next_gap;
     }

@@ -76,7 +76,7 @@ typedef struct compare_distance {
 
 /// Compare two densities on the same grid, cell (i, j) at j * n1 + i.
 ///
-/// The earth mover's distance is the integral of |F_a - F_b| along an axis, F the share of the mass
+/// The earth mover's distance is the integral of |F_a - F_b| along an axis, F the fraction of the mass
 /// up to there, with the density constant within a cell: how far the cargo of the one would have to
 /// be carried along this axis to lie as that of the other. Each density counts by its own mass, so
 /// that unequal masses are not seen by it; they are by l1. BF_ENOMEM.

@@ -1,4 +1,4 @@
-/// Frames: what a run tells while it computes, and their bytes on a pipe or in a file.
+/// Frames: what a run reports while it computes, and their bytes on a pipe or in a file.
 ///
 ///     offset  bytes  content, little-endian
 ///     0       4      magic "BFF1"
@@ -135,7 +135,7 @@ typedef struct frame_error {
     bf_error error; ///< as it was known where it happened
 } frame_error;
 
-/// One frame; the member of its type counts. Pointers are borrowed from whoever gives the frame.
+/// One frame; the member of its type counts. Pointers are borrowed from the frame's maker.
 typedef struct frame {
     frame_type type; ///< which member
     union {
@@ -154,8 +154,8 @@ typedef struct frame {
 /// Append the bytes of a frame to *out. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
 
-/// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, give
-/// more; else its length. Pointers in *ret_frame point into bytes, which must be aligned to 8.
+/// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, more
+/// are needed; else its length. Pointers in *ret_frame point into bytes, which must be aligned to 8.
 /// BF_ECORRUPT: not a frame, or damaged; BF_ELIMIT: longer than FRAME_PAYLOAD_MAX.
 BF_MUST_CHECK bf_status frame_decode(const void *bytes, size_t n, frame *ret_frame,
                                      size_t *ret_used, bf_error *err);

@@ -153,10 +153,10 @@ static void check_results(const scene *s, bf_faults *faults)
            n_parts = (double)scene_parts(s);
     double bytes = n * n_parts * (is_planar(s) ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) *
                    (double)sizeof(double);
-    // A part reaches to where its Gaussian has fallen to 2^-53, see density.h.
-    double reached =
+    // A part counts for the cells up to where its Gaussian has fallen to 2^-53, see density.h.
+    double n_cells =
         2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
-    double work = n * n_parts * fmin(reached, (double)grid_cells(&grid));
+    double work = n * n_parts * fmin(n_cells, (double)grid_cells(&grid));
 
     if (!(bytes <= SCENE_SNAPSHOT_BYTES_MAX))
         faults_add_limit(faults, "/output/snapshot_every_s",
@@ -361,7 +361,7 @@ static void copy_parts(const void *solver, double *ret_rows)
     }
 }
 
-static void tell_end(const void *solver, frame_end *end)
+static void fill_end(const void *solver, frame_end *end)
 {
     const micro_run *run = solver;
     const micro_totals totals = micro_measure(run->solver);
@@ -403,7 +403,7 @@ const run_backend run__micro = {
     .measure = measure_run,
     .snapshot = take_snapshot,
     .parts = copy_parts,
-    .tell_end = tell_end,
+    .fill_end = fill_end,
     .save = save_run,
     .load = load_run,
     .digest = digest_run,

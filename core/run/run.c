@@ -265,8 +265,8 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
                          .n_samples = r->samples.n,
                          .n_snapshots = r->snapshots.n } };
 
-    if (r->backend->tell_end != NULL)
-        r->backend->tell_end(r->solver, &f.end);
+    if (r->backend->fill_end != NULL)
+        r->backend->fill_end(r->solver, &f.end);
     return sink->take(sink->context, &f, err);
 }
 

@@ -45,17 +45,17 @@ typedef struct run_backend {
     /// Make n steps of dt. How steps are cut into calls must not change the result. BF_ENUMERIC with
     /// step, time and place where that is noticed at once.
     bf_status (*advance)(void *solver, uint64_t n, bf_error *err);
-    /// BF_ENUMERIC with step, time and place if something is not finite. NULL: advance() tells.
+    /// BF_ENUMERIC with step, time and place if something is not finite. NULL: advance() reports that.
     bf_status (*check)(const void *solver, bf_error *err);
     /// Fill one value per counter, parts.
     void (*count)(const void *solver, double *ret_parts);
     run_load (*measure)(const void *solver);
-    /// Fill the density grid, n2 rows of n1, and tell what is in it.
+    /// Fill the density grid, n2 rows of n1, and measure it.
     bf_status (*snapshot)(void *solver, float *ret_rho, run_load *ret_load, bf_error *err);
-    /// Fill the rows of FRAME_PARTS, as many as the snapshot told. NULL: the model has no parts.
+    /// Fill the rows of FRAME_PARTS, ret_load->n_rows of the snapshot. NULL: the model has no parts.
     void (*parts)(const void *solver, double *ret_rows);
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
-    void (*tell_end)(const void *solver, frame_end *end);
+    void (*fill_end)(const void *solver, frame_end *end);
     bf_status (*save)(const void *solver, bf_buffer *out, bf_error *err);
     bf_status (*load)(void *solver, const void *bytes, size_t n, bf_error *err);
     uint64_t (*digest)(const void *solver);

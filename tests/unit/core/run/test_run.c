@@ -1,4 +1,4 @@
-// Unit tests of runs: what they tell, when, and that stopping in between changes nothing.
+// Unit tests of runs: what they report, when, and that stopping in between changes nothing.
 
 #include "core/base/memory.h"
 #include "core/run/run.h"
@@ -103,18 +103,18 @@ static void parts_are_either_in_the_domain_or_have_left_it(void **state)
 static void threads_and_reports_change_no_result(void **state)
 {
     (void)state;
-    helper_run_log *one = run_jam(1), *two = run_jam(2), *told = calloc(1, sizeof *told);
+    helper_run_log *one = run_jam(1), *two = run_jam(2), *reporting = calloc(1, sizeof *reporting);
     scene s;
     make_jam(&s);
-    told->report_every = 3;
-    assert_int_equal(helper_run(&s, 1, 0, told), BF_OK);
+    reporting->report_every = 3;
+    assert_int_equal(helper_run(&s, 1, 0, reporting), BF_OK);
     assert_same_results(one, two);
-    assert_same_results(one, told);
-    assert_true(told->n_frames[FRAME_PROGRESS] > 100);
+    assert_same_results(one, reporting);
+    assert_true(reporting->n_frames[FRAME_PROGRESS] > 100);
     scene_fini(&s);
     free_log(one);
     free_log(two);
-    free_log(told);
+    free_log(reporting);
 }
 
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)

@@ -1,4 +1,4 @@
-// Unit tests of microscopic runs: what they tell, and what is refused before they begin.
+// Unit tests of microscopic runs: what they report, and what is refused before they begin.
 
 #include "core/base/memory.h"
 #include "core/run/run.h"
@@ -144,14 +144,14 @@ static void threads_and_reports_change_no_result(void **state)
     (void)state;
     scene s;
     make_jam(&s);
-    helper_run_log *one = run_scene(&s, 1), *two = run_scene(&s, 2), *told = new_log();
-    told->report_every = 3;
-    assert_int_equal(helper_run(&s, 1, 0, told), BF_OK);
+    helper_run_log *one = run_scene(&s, 1), *two = run_scene(&s, 2), *reporting = new_log();
+    reporting->report_every = 3;
+    assert_int_equal(helper_run(&s, 1, 0, reporting), BF_OK);
     assert_same_results(one, two);
-    assert_same_results(one, told);
+    assert_same_results(one, reporting);
     free_log(one);
     free_log(two);
-    free_log(told);
+    free_log(reporting);
     scene_fini(&s);
 }
 
