@@ -269,16 +269,16 @@ INLINED loaded load_lanes(const explicit_step *step, const pair_law *law, size_t
     return (loaded){ own, sum };
 }
 
-// speed2 where a part is in the scene; 0 for padding and for parts that are gone, which stand far away.
+// speed2 where a part is in the scene; 0 for padding, which stands far away but rides the belt.
 INLINED simd speed2_in_scene(const parts *own, simd speed2)
 {
-    simd far = simd_max(simd_max(own->x, -own->x), simd_max(own->y, -own->y));
+    const simd far2 = simd_all(0.25 * DISK_FAR * DISK_FAR);
 
-    return simd_where_less(far, simd_all(0.5 * DISK_FAR), speed2);
+    return simd_where_less(own->x * own->x + own->y * own->y, far2, speed2);
 }
 
 INLINED void move_lanes(const explicit_step *step, const motion *common, size_t slot, bool uniform,
-                        loaded *l, greatest *of_all)
+                        bool has_padding, loaded *l, greatest *of_all)
 {
     motion m = uniform ? *common : make_own_motion(common, step, slot, &l->own);
 
@@ -289,7 +289,8 @@ INLINED void move_lanes(const explicit_step *step, const motion *common, size_t 
     simd_column_store(&step->next[slot].spin, l->own.spin);
     simd_store(step->heading + slot, simd_load(step->heading + slot) + m.dt * l->own.spin);
     simd speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;
-    of_all->speed2 = simd_max(speed2_in_scene(&l->own, speed2), of_all->speed2);
+    simd counted = has_padding ? speed2_in_scene(&l->own, speed2) : speed2;
+    of_all->speed2 = simd_max(counted, of_all->speed2);
     of_all->sum += speed2 + l->own.spin * l->own.spin;
 }
 
@@ -317,10 +318,12 @@ INLINED void advance_groups(const explicit_step *step, size_t first, size_t last
 
     for (size_t group = first; group < last; group += GROUPS_AT_ONCE) {
         size_t n = (last - group < GROUPS_AT_ONCE ? last - group : GROUPS_AT_ONCE) * DISK_GROUP;
+        const bool has_padding = group * DISK_GROUP + n > s->n_live;
         for (size_t k = 0; k < n; k += SIMD_LANES)
             l[k / SIMD_LANES] = load_lanes(step, &law, group * DISK_GROUP + k, uniform, &of_all);
         for (size_t k = 0; k < n; k += SIMD_LANES)
-            move_lanes(step, &common, group * DISK_GROUP + k, uniform, &l[k / SIMD_LANES], &of_all);
+            move_lanes(step, &common, group * DISK_GROUP + k, uniform, has_padding,
+                       &l[k / SIMD_LANES], &of_all);
     }
     raise(&extremes->speed2, simd_peak(of_all.speed2));
     raise_overlaps(s, of_all.overlap, of_all.overlap_share, uniform, extremes);
