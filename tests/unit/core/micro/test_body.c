@@ -1,9 +1,9 @@
 // Unit tests of the spatial path: bodies against the closed forms of mechanics.
 
 #include "core/micro/friction.h"
+#include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/core/helper_spatial.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -30,17 +30,17 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
         triangle[k][1] = 0.012 * sin(M_PI / 1.5 * k);
     }
     const scene_shape shapes[] = {
-        helper_spatial_box(0.03, 0.02, 0.01),
+        helper_body_box(0.03, 0.02, 0.01),
         { .type = SCENE_PRISM, .height = 0.01, .n_vertices = 3, .vertices = triangle },
         { .type = SCENE_PRISM, .height = 0.01, .n_vertices = 6, .vertices = hexagon },
-        helper_spatial_cylinder(0.012, 0.01),
+        helper_body_cylinder(0.012, 0.01),
     };
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++) {
-        helper_spatial h;
-        helper_spatial_init(&h, shapes[k]);
-        body_state *s = helper_spatial_start(&h);
+        helper_body h;
+        helper_body_init(&h, shapes[k]);
+        body_state *s = helper_body_start(&h);
         assert_near(body__part(s, 0).x[2], 0.005, 1e-15);
-        helper_spatial_run(s, 0.08);
+        helper_body_run(s, 0.08);
         double sunk = 0.03 * g / s->kinds[0].floor.stiffness;
         assert_near(body__part(s, 0).x[2], 0.005 - sunk, 1e-6 * sunk);
         micro__body.destroy(s);
@@ -52,12 +52,12 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
 static void an_edge_is_half_as_stiff_as_a_face(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
-    body_state *s = helper_spatial_start(&h);
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
+    body_state *s = helper_body_start(&h);
     body_load load = { .torque = { 0.0, 0.0, 0.0 } };
     const double depth = 1e-5;
-    helper_spatial_tilt(s, 0, along_y, M_PI / 6.0, -depth);
+    helper_body_tilt(s, 0, along_y, M_PI / 6.0, -depth);
     body__floor_push(s, 0, &load);
     assert_near(load.force.z, 0.5 * s->kinds[0].floor.stiffness * depth, 1e-3 * load.force.z);
     micro__body.destroy(s);
@@ -66,12 +66,12 @@ static void an_edge_is_half_as_stiff_as_a_face(void **state)
 static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.03, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.04, 0.03, 0.02));
     h.poses[0].heading = 0.3;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->bodies[0].x.z += 0.005;
-    helper_spatial_run(s, 0.15);
+    helper_body_run(s, 0.15);
     micro_part part = body__part(s, 0);
     double sunk = 0.03 * g / s->kinds[0].floor.stiffness;
     assert_near(part.x[2], 0.01 - sunk, 1e-9);
@@ -88,12 +88,12 @@ static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
 static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     const double slope = M_PI / 6.0, creep = atanh(tan(slope)) / 10.0;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.03, 0.01));
-    body_state *s = helper_spatial_start(&h);
+    helper_body_init(&h, helper_body_box(0.04, 0.03, 0.01));
+    body_state *s = helper_body_start(&h);
     s->gravity = (vec3){ g * sin(slope), 0.0, -g * cos(slope) };
-    helper_spatial_run(s, 0.4);
+    helper_body_run(s, 0.4);
     assert_near(body__part(s, 0).v[0], creep, 1e-5 * creep);
     assert_near(body__part(s, 0).x[2], 0.005, 1e-5);
     micro__body.destroy(s);
@@ -103,15 +103,15 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
 static void above_the_angle_of_friction_a_box_slides(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     const double slope = M_PI / 6.0, mu = 0.2;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.03, 0.01));
+    helper_body_init(&h, helper_body_box(0.04, 0.03, 0.01));
     h.def.contact[SCENE_CONVEYOR_CARGO].friction = mu;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->gravity = (vec3){ g * sin(slope), 0.0, -g * cos(slope) };
-    helper_spatial_run(s, 0.3);
+    helper_body_run(s, 0.3);
     double before = body__part(s, 0).v[0];
-    helper_spatial_run(s, 0.1);
+    helper_body_run(s, 0.1);
     assert_near(body__part(s, 0).v[0] - before, 0.1 * g * (sin(slope) - mu * cos(slope)), 1e-5);
     micro__body.destroy(s);
 }
@@ -121,11 +121,11 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
 {
     (void)state;
     for (int is_beyond = 0; is_beyond <= 1; is_beyond++) {
-        helper_spatial h;
-        helper_spatial_init(&h, helper_spatial_cylinder(0.012, 0.06));
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_tilt(s, 0, along_y, (is_beyond ? 24.0 : 20.0) * M_PI / 180.0, 0.0);
-        helper_spatial_run(s, 0.6);
+        helper_body h;
+        helper_body_init(&h, helper_body_cylinder(0.012, 0.06));
+        body_state *s = helper_body_start(&h);
+        helper_body_tilt(s, 0, along_y, (is_beyond ? 24.0 : 20.0) * M_PI / 180.0, 0.0);
+        helper_body_run(s, 0.6);
         vec3 axis = mat3_column(&s->bodies[0].r, 2);
         assert_near(axis.z, is_beyond ? 0.0 : 1.0, 0.02);
         assert_near(axis.x, is_beyond ? 1.0 : 0.0, 0.02);
@@ -142,19 +142,19 @@ static void energy_never_grows_without_a_belt(void **state)
     bf_random random;
     random_init(&random, 5);
     for (int k = 0; k < 12; k++) {
-        helper_spatial h;
-        helper_spatial_init(&h, helper_spatial_box(0.03, 0.02, 0.01));
+        helper_body h;
+        helper_body_init(&h, helper_body_box(0.03, 0.02, 0.01));
         h.def.contact[SCENE_CONVEYOR_CARGO].damping = k % 2 == 0 ? 230.0 : 2.3;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         vec3 axis = { helper_hull_number(&random, -1.0, 1.0),
                       helper_hull_number(&random, -1.0, 1.0),
                       helper_hull_number(&random, -1.0, 1.0) };
-        helper_spatial_tilt(s, 0, axis, helper_hull_number(&random, 0.0, 3.0), 0.005);
+        helper_body_tilt(s, 0, axis, helper_hull_number(&random, 0.0, 3.0), 0.005);
         s->bodies[0].w = (vec3){ helper_hull_number(&random, -20.0, 20.0), 5.0, -10.0 };
-        double least = helper_spatial_energy(s), start = least;
+        double least = helper_body_energy(s), start = least;
         for (int m = 0; m < 300; m++) {
-            helper_spatial_run(s, 1e-3);
-            double now = helper_spatial_energy(s) + helper_spatial_stored(s);
+            helper_body_run(s, 1e-3);
+            double now = helper_body_energy(s) + helper_body_stored(s);
             assert_true(now <= least + 2e-3 * start);
             least = fmin(least, now);
         }
@@ -170,21 +170,21 @@ static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void
     (void)state;
     double error[2];
     for (int k = 0; k < 2; k++) {
-        helper_spatial h;
-        helper_spatial_init(&h, helper_spatial_box(0.05, 0.03, 0.01));
+        helper_body h;
+        helper_body_init(&h, helper_body_box(0.05, 0.03, 0.01));
         h.def.dt = k == 0 ? 2e-5 : 1e-5;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         s->gravity = (vec3){ 0.0, 0.0, 0.0 };
         s->bodies[0].x.z = 0.5;
         s->bodies[0].w = (vec3){ 10.0, 20.0, 30.0 };
-        vec3 before = helper_spatial_angular_momentum(s);
-        double energy = helper_spatial_energy(s);
+        vec3 before = helper_body_angular_momentum(s);
+        double energy = helper_body_energy(s);
         for (int m = 0; m < 20; m++) {
-            helper_spatial_run(s, 0.01);
-            assert_true(helper_spatial_energy(s) <= energy * (1.0 + 1e-14));
-            energy = helper_spatial_energy(s);
+            helper_body_run(s, 0.01);
+            assert_true(helper_body_energy(s) <= energy * (1.0 + 1e-14));
+            energy = helper_body_energy(s);
         }
-        vec3 after = helper_spatial_angular_momentum(s);
+        vec3 after = helper_body_angular_momentum(s);
         error[k] = vec3_length(vec3_sub(after, before)) / vec3_length(before);
         micro__body.destroy(s);
     }
@@ -196,30 +196,30 @@ static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void
 static void a_free_pair_keeps_its_momentum(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.03, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.04, 0.03, 0.02));
     h.def.n_parts = 2;
     h.def.dt = 2e-6;
     h.poses[0] = (scene_pose){ -0.03, 0.0, 0.2 };
     h.poses[1] = (scene_pose){ 0.03, 0.012, 0.9 };
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->gravity = (vec3){ 0.0, 0.0, 0.0 };
     for (size_t k = 0; k < 2; k++) {
         s->bodies[k].x.z = 0.5 + 0.004 * (double)k;
         s->bodies[k].v = (vec3){ k == 0 ? 0.5 : -0.3, 0.1, 0.05 };
     }
-    vec3 momentum = helper_spatial_momentum(s), angular = helper_spatial_angular_momentum(s);
-    double energy = helper_spatial_energy(s), turned;
+    vec3 momentum = helper_body_momentum(s), angular = helper_body_angular_momentum(s);
+    double energy = helper_body_energy(s), turned;
     for (int k = 0; k < 100; k++) {
-        helper_spatial_run(s, 1e-3);
-        assert_true(helper_spatial_energy(s) <= energy * (1.0 + 1e-9));
+        helper_body_run(s, 1e-3);
+        assert_true(helper_body_energy(s) <= energy * (1.0 + 1e-9));
     }
     turned = vec3_length(s->bodies[0].w);
-    vec3 change = vec3_sub(helper_spatial_momentum(s), momentum);
+    vec3 change = vec3_sub(helper_body_momentum(s), momentum);
     assert_true(vec3_length(change) < 1e-12 * vec3_length(momentum));
-    change = vec3_sub(helper_spatial_angular_momentum(s), angular);
+    change = vec3_sub(helper_body_angular_momentum(s), angular);
     assert_true(vec3_length(change) < 1e-5 * vec3_length(angular));
-    assert_true(turned > 0.1 && helper_spatial_energy(s) < 0.9 * energy);
+    assert_true(turned > 0.1 && helper_body_energy(s) < 0.9 * energy);
     micro__body.destroy(s);
 }
 
@@ -229,21 +229,21 @@ static void a_head_on_contact_is_a_damped_oscillator(void **state)
 {
     (void)state;
     for (int is_round = 0; is_round <= 1; is_round++) {
-        helper_spatial h;
-        helper_spatial_init(&h, is_round ? helper_spatial_cylinder(0.01, 0.02)
-                                         : helper_spatial_box(0.02, 0.03, 0.02));
+        helper_body h;
+        helper_body_init(&h, is_round ? helper_body_cylinder(0.01, 0.02)
+                                      : helper_body_box(0.02, 0.03, 0.02));
         h.def.n_parts = 2;
         h.def.dt = 2e-7;
         h.poses[0].x = -0.01;
         h.poses[1].x = 0.01;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         s->gravity = (vec3){ 0.0, 0.0, 0.0 };
         s->bodies[0].x.z = s->bodies[1].x.z = 0.5;
         s->bodies[0].v.x = 0.1;
         s->bodies[1].v.x = -0.1;
         double mu = 0.015, k = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         double c = 119.0 / (2.0 * mu), root = sqrt(c * c - k / mu), t = 5e-4;
-        helper_spatial_run(s, t);
+        helper_body_run(s, t);
         double delta = 0.02 - (s->bodies[1].x.x - s->bodies[0].x.x);
         double exact = 0.2 / (2.0 * root) * (exp((root - c) * t) - exp((-root - c) * t));
         assert_near(delta, exact, 3e-3 * exact);
@@ -255,13 +255,13 @@ static void a_head_on_contact_is_a_damped_oscillator(void **state)
 static void spin_on_the_floor_decays_by_its_law(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_cylinder(0.012, 0.008));
+    helper_body h;
+    helper_body_init(&h, helper_body_cylinder(0.012, 0.008));
     h.def.dt = 1e-6;
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.04);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.04);
     s->bodies[0].w.z = 3.0;
-    helper_spatial_run(s, 2e-3);
+    helper_body_run(s, 2e-3);
     double rate = 0.008 * g / (0.5 * 0.012 * 0.012);
     assert_near(s->bodies[0].w.z, asinh(sinh(3.0) * exp(-rate * 2e-3)), 5e-3);
     micro__body.destroy(s);
@@ -280,15 +280,15 @@ static void theta_is_tanh_by_its_argument(void **state)
 static void a_belt_takes_a_part_up_by_its_law(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.06, 0.05, 0.004));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.06, 0.05, 0.004));
     h.def.n_belts = 1;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     assert_near(s->bodies[0].v.x, 0.395, 0.0);
-    helper_spatial_run(s, 0.04);
+    helper_body_run(s, 0.04);
     assert_near(s->bodies[0].v.x, 0.395, 1e-9);
     s->bodies[0].v.x = 0.0;
-    helper_spatial_run(s, 0.03);
+    helper_body_run(s, 0.03);
     double slip = asinh(sinh(3.95) * exp(-g * 10.0 * 0.03)) / 10.0;
     assert_near(0.395 - s->bodies[0].v.x, slip, 2e-3 * 0.395);
     micro__body.destroy(s);
@@ -300,8 +300,8 @@ static void a_box_across_two_belts_turns_on_the_spot(void **state)
     (void)state;
     vec2 half[2][4] = { { { -1.0, 0.0 }, { 1.0, 0.0 }, { 1.0, 1.0 }, { -1.0, 1.0 } },
                         { { -1.0, -1.0 }, { 1.0, -1.0 }, { 1.0, 0.0 }, { -1.0, 0.0 } } };
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.06, 0.06, 0.01));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.06, 0.06, 0.01));
     h.def.n_belts = 2;
     for (int k = 0; k < 2; k++) {
         h.belts[k].n_points = 4;
@@ -309,9 +309,9 @@ static void a_box_across_two_belts_turns_on_the_spot(void **state)
         h.belts[k].velocity = (vec2){ k == 0 ? 0.4 : -0.4, 0.0 };
     }
     h.kinds[0].spin_radius = 0.0;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->bodies[0].v.x = 0.0;
-    helper_spatial_run(s, 0.05);
+    helper_body_run(s, 0.05);
     assert_true(s->bodies[0].w.z < -1.0);
     assert_near(s->bodies[0].v.x, 0.0, 1e-6);
     micro__body.destroy(s);
@@ -340,15 +340,15 @@ static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
 {
     (void)state;
     const double angle = M_PI / 3.0;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.006));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.04, 0.04, 0.006));
     h.def.n_belts = h.def.n_obstacles = 1;
     h.path[0] = (vec2){ -0.5 * cos(angle), -0.5 * sin(angle) };
     h.path[1] = (vec2){ 0.5 * cos(angle), 0.5 * sin(angle) };
     h.poses[0] = (scene_pose){ -0.03 * sin(angle) - 0.3 * cos(angle),
                                0.03 * cos(angle) - 0.3 * sin(angle), angle };
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 1.0);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 1.0);
     vec3 t = { cos(angle), sin(angle), 0.0 };
     assert_near(vec3_dot(s->bodies[0].v, t), sliding_speed(angle), 1e-3);
     assert_near(body__part(s, 0).heading, angle, 2e-3);
@@ -359,13 +359,13 @@ static void a_box_slides_along_a_plate_with_the_speed_of_the_laws(void **state)
 static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 {
     (void)state;
-    const scene_shape shapes[] = { helper_spatial_box(0.03, 0.02, 0.015),
-                                   helper_spatial_cylinder(0.012, 0.008) };
+    const scene_shape shapes[] = { helper_body_box(0.03, 0.02, 0.015),
+                                   helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 4; k++) {
         const scene_shape *shape = &shapes[k % 2];
         double half = k % 2 == 0 ? hypot(0.015, 0.01) : 0.012;
-        helper_spatial h;
-        helper_spatial_init(&h, *shape);
+        helper_body h;
+        helper_body_init(&h, *shape);
         h.def.n_belts = 1;
         h.def.n_obstacles = k < 2 ? 1 : 0;
         h.obstacle.thickness = 5e-4;
@@ -376,8 +376,8 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
             h.def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
         }
         h.poses[0].heading = 0.6;
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_run(s, 0.4);
+        body_state *s = helper_body_start(&h);
+        helper_body_run(s, 0.4);
         micro_part part = body__part(s, 0);
         assert_false(part.is_gone);
         assert_true(part.x[0] < 0.05 && part.x[0] > 0.05 - half - 1e-3);
@@ -392,14 +392,14 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 static void a_box_is_turned_by_the_end_of_a_plate(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = h.def.n_obstacles = 1;
     h.path[0] = (vec2){ 0.05, -0.2 };
     h.path[1] = (vec2){ 0.05, -0.012 };
     h.kinds[0].spin_radius = 0.0;
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.2);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.2);
     // Held back below its centre, on the right: it turns clockwise and gets past.
     assert_true(body__part(s, 0).heading < -0.1);
     assert_true(s->bodies[0].x.y > 0.0);
@@ -410,18 +410,18 @@ static void a_box_is_turned_by_the_end_of_a_plate(void **state)
 static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = 1;
     h.def.domain.x_max = 0.01;
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.025);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.025);
     assert_false(body__part(s, 0).is_gone);
-    helper_spatial_run(s, 0.0005);
+    helper_body_run(s, 0.0005);
     micro_part part = body__part(s, 0);
     assert_true(part.is_gone);
     assert_int_equal(body__measure(s).n_parts, 0);
-    helper_spatial_run(s, 0.01);
+    helper_body_run(s, 0.01);
     assert_near(body__part(s, 0).x[0], part.x[0], 0.0);
     micro__body.destroy(s);
 }
@@ -433,11 +433,10 @@ static void a_hull_is_placed_by_its_origin_and_told_by_its_centre_of_mass(void *
     double points[4][3] = {
         { 0.0, 0.0, 0.1 }, { 0.04, 0.0, 0.1 }, { 0.0, 0.04, 0.1 }, { 0.0, 0.0, 0.14 }
     };
-    helper_spatial h;
-    helper_spatial_init(&h,
-                        (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = points });
+    helper_body h;
+    helper_body_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = points });
     h.poses[0] = (scene_pose){ 0.2, 0.3, M_PI / 2.0 };
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     micro_part part = body__part(s, 0);
     assert_near(part.x[0], 0.2 - 0.01, 1e-12);
     assert_near(part.x[1], 0.3 + 0.01, 1e-12);
@@ -453,13 +452,13 @@ static void boxes_and_cylinders_stack(void **state)
 {
     (void)state;
     for (int is_round = 0; is_round <= 1; is_round++) {
-        helper_spatial h;
-        helper_spatial_init(&h, is_round ? helper_spatial_cylinder(0.02, 0.01)
-                                         : helper_spatial_box(0.04, 0.04, 0.01));
+        helper_body h;
+        helper_body_init(&h, is_round ? helper_body_cylinder(0.02, 0.01)
+                                      : helper_body_box(0.04, 0.04, 0.01));
         h.def.n_parts = 2;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         s->bodies[1].x.z = 0.0151;
-        helper_spatial_run(s, 0.2);
+        helper_body_run(s, 0.2);
         double weight = 0.03 * g, k = s->kinds[0].floor.stiffness;
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
@@ -471,12 +470,12 @@ static void boxes_and_cylinders_stack(void **state)
 static void a_cylinder_on_its_side_rolls_without_sliding(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_cylinder(0.02, 0.03));
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_tilt(s, 0, along_x, M_PI / 2.0, 0.0);
+    helper_body h;
+    helper_body_init(&h, helper_body_cylinder(0.02, 0.03));
+    body_state *s = helper_body_start(&h);
+    helper_body_tilt(s, 0, along_x, M_PI / 2.0, 0.0);
     s->bodies[0].v.x = 0.3;
-    helper_spatial_run(s, 0.5);
+    helper_body_run(s, 0.5);
     // Sliding friction turns a third of the momentum into spin: I = m r^2 / 2.
     assert_near(s->bodies[0].v.x, 0.2, 2e-3);
     assert_near(s->bodies[0].w.y, 0.2 / 0.02, 0.2);

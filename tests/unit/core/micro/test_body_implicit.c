@@ -1,8 +1,8 @@
 // Implicit steps in space against the closed forms of mechanics, the planar path and explicit steps.
 
+#include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_hull.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/core/helper_spatial.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -16,9 +16,9 @@ static const double g = 9.81, speed = 0.395; // m/s2, m/s
 static const double mass = 0.03;             // kg
 static const vec3 along_y = { 0.0, 1.0, 0.0 };
 
-static void begin(helper_spatial *h, scene_shape shape, double dt)
+static void begin(helper_body *h, scene_shape shape, double dt)
 {
-    helper_spatial_init(h, shape);
+    helper_body_init(h, shape);
     h->def.integrator = MICRO_IMPLICIT;
     h->def.dt = dt;
 }
@@ -27,18 +27,18 @@ static void begin(helper_spatial *h, scene_shape shape, double dt)
 static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
 {
     (void)state;
-    const scene_shape shapes[] = { helper_spatial_box(0.04, 0.03, 0.02),
-                                   helper_spatial_cylinder(0.012, 0.008) };
+    const scene_shape shapes[] = { helper_body_box(0.04, 0.03, 0.02),
+                                   helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 2; k++) {
-        helper_spatial h;
+        helper_body h;
         begin(&h, shapes[k], 1e-3);
         h.def.n_belts = 1;
         h.poses[0].heading = 0.3;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         double half = s->bodies[0].x.z, sunk = mass * g / s->kinds[0].floor.stiffness;
-        helper_spatial_run(s, 0.5);
+        helper_body_run(s, 0.5);
         for (int m = 0; m < 20; m++) {
-            helper_spatial_run(s, 0.05);
+            helper_body_run(s, 0.05);
             micro_part part = body__part(s, 0);
             assert_near(part.x[2], half - sunk, 1e-9);
             assert_near(part.x[0], speed * (0.5 + 0.05 * (m + 1)), 1e-9);
@@ -51,11 +51,11 @@ static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
     }
 }
 
-static body_state *slide(helper_spatial *h, double slope, double friction, double dt)
+static body_state *slide(helper_body *h, double slope, double friction, double dt)
 {
-    begin(h, helper_spatial_box(0.04, 0.03, 0.01), dt);
+    begin(h, helper_body_box(0.04, 0.03, 0.01), dt);
     h->def.contact[SCENE_CONVEYOR_CARGO].friction = friction;
-    body_state *s = helper_spatial_start(h);
+    body_state *s = helper_body_start(h);
     s->gravity = (vec3){ g * sin(slope), 0.0, -g * cos(slope) };
     return s;
 }
@@ -64,10 +64,10 @@ static body_state *slide(helper_spatial *h, double slope, double friction, doubl
 static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     const double slope = M_PI / 6.0, creep = atanh(tan(slope)) / 10.0;
     body_state *s = slide(&h, slope, 1.0, 2e-3);
-    helper_spatial_run(s, 0.6);
+    helper_body_run(s, 0.6);
     assert_near(s->bodies[0].v.x, creep, 1e-5 * creep);
     assert_near(s->bodies[0].x.z, 0.005, 1e-5);
     assert_near(vec3_length(s->bodies[0].w), 0.0, 1e-6);
@@ -78,12 +78,12 @@ static void below_the_angle_of_friction_a_box_holds_but_for_the_creep_of_the_law
 static void above_the_angle_of_friction_a_box_slides(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     const double slope = M_PI / 6.0, mu = 0.2;
     body_state *s = slide(&h, slope, mu, 2e-3);
-    helper_spatial_run(s, 0.3);
+    helper_body_run(s, 0.3);
     double before = s->bodies[0].v.x;
-    helper_spatial_run(s, 0.1);
+    helper_body_run(s, 0.1);
     assert_near(s->bodies[0].v.x - before, 0.1 * g * (sin(slope) - mu * cos(slope)), 1e-5);
     micro__body.destroy(s);
 }
@@ -95,13 +95,13 @@ static void a_belt_takes_a_part_up_by_its_law_with_order_1(void **state)
     const double exact = asinh(sinh(10.0 * speed) * exp(-g * 10.0 * 0.03)) / 10.0;
     double coarser = 0.0;
     for (double dt = 1e-3; dt > 0.2e-3; dt *= 0.5) {
-        helper_spatial h;
-        begin(&h, helper_spatial_box(0.06, 0.05, 0.004), dt);
+        helper_body h;
+        begin(&h, helper_body_box(0.06, 0.05, 0.004), dt);
         h.def.n_belts = 1;
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_run(s, 0.2);
+        body_state *s = helper_body_start(&h);
+        helper_body_run(s, 0.2);
         s->bodies[0].v.x = 0.0;
-        helper_spatial_run(s, 0.03);
+        helper_body_run(s, 0.03);
         double error = fabs(speed - s->bodies[0].v.x - exact);
         assert_true(error < 0.02 * speed);
         assert_true(coarser == 0.0 || (coarser / error > 1.7 && coarser / error < 2.3));
@@ -114,7 +114,7 @@ static void a_belt_takes_a_part_up_by_its_law_with_order_1(void **state)
 static double overlap_after(scene_shape shape, double damping, double dt, double t,
                             double *ret_stiffness)
 {
-    helper_spatial h;
+    helper_body h;
 
     begin(&h, shape, dt);
     h.def.n_parts = 2;
@@ -122,12 +122,12 @@ static double overlap_after(scene_shape shape, double damping, double dt, double
     h.def.contact[SCENE_CARGO_CARGO].damping = damping;
     h.poses[0].x = -0.01;
     h.poses[1].x = 0.01;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->gravity = (vec3){ 0.0, 0.0, 0.0 };
     s->bodies[0].x.z = s->bodies[1].x.z = 0.5;
     s->bodies[0].v.x = 0.1;
     s->bodies[1].v.x = -0.1;
-    helper_spatial_run(s, t);
+    helper_body_run(s, t);
     double overlap = 0.02 - (s->bodies[1].x.x - s->bodies[0].x.x);
     *ret_stiffness = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
     micro__body.destroy(s);
@@ -159,8 +159,8 @@ static void check_order(scene_shape shape, double damping, double t)
 static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **state)
 {
     (void)state;
-    const scene_shape shapes[] = { helper_spatial_box(0.02, 0.03, 0.02),
-                                   helper_spatial_cylinder(0.01, 0.02) };
+    const scene_shape shapes[] = { helper_body_box(0.02, 0.03, 0.02),
+                                   helper_body_cylinder(0.01, 0.02) };
     for (int k = 0; k < 2; k++) {
         check_order(shapes[k], 119.0, 4e-4); // over-damped: m/2d = 0.13 ms
         check_order(shapes[k], 1.0, 8e-4);   // under-damped: a quarter of the period is 0.7 ms
@@ -171,8 +171,8 @@ static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **st
 static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **state)
 {
     (void)state;
-    const scene_shape shapes[] = { helper_spatial_box(0.02, 0.03, 0.02),
-                                   helper_spatial_cylinder(0.01, 0.02) };
+    const scene_shape shapes[] = { helper_body_box(0.02, 0.03, 0.02),
+                                   helper_body_cylinder(0.01, 0.02) };
     for (int k = 0; k < 2; k++) {
         double stiffness, overlap = overlap_after(shapes[k], 1190.0, 1e-3, 0.01, &stiffness);
         assert_near(overlap / exact_overlap(1190.0, stiffness, 0.01), 1.0, 0.05);
@@ -184,11 +184,11 @@ static void a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond(void 
 {
     (void)state;
     for (int is_beyond = 0; is_beyond <= 1; is_beyond++) {
-        helper_spatial h;
-        begin(&h, helper_spatial_cylinder(0.012, 0.06), 1e-3);
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_tilt(s, 0, along_y, (is_beyond ? 24.0 : 20.0) * M_PI / 180.0, 0.0);
-        helper_spatial_run(s, 0.8);
+        helper_body h;
+        begin(&h, helper_body_cylinder(0.012, 0.06), 1e-3);
+        body_state *s = helper_body_start(&h);
+        helper_body_tilt(s, 0, along_y, (is_beyond ? 24.0 : 20.0) * M_PI / 180.0, 0.0);
+        helper_body_run(s, 0.8);
         vec3 axis = mat3_column(&s->bodies[0].r, 2);
         assert_near(axis.z, is_beyond ? 0.0 : 1.0, 0.02);
         assert_near(axis.x, is_beyond ? 1.0 : 0.0, 0.02);
@@ -205,18 +205,18 @@ static void energy_never_grows_without_a_belt(void **state)
     bf_random random;
     random_init(&random, 5);
     for (int k = 0; k < 12; k++) {
-        helper_spatial h;
-        begin(&h, helper_spatial_box(0.03, 0.02, 0.01), steps[k % 3]);
-        body_state *s = helper_spatial_start(&h);
+        helper_body h;
+        begin(&h, helper_body_box(0.03, 0.02, 0.01), steps[k % 3]);
+        body_state *s = helper_body_start(&h);
         vec3 axis = { helper_hull_number(&random, -1.0, 1.0),
                       helper_hull_number(&random, -1.0, 1.0),
                       helper_hull_number(&random, -1.0, 1.0) };
-        helper_spatial_tilt(s, 0, axis, helper_hull_number(&random, 0.0, 3.0), 0.005);
+        helper_body_tilt(s, 0, axis, helper_hull_number(&random, 0.0, 3.0), 0.005);
         s->bodies[0].w = (vec3){ helper_hull_number(&random, -20.0, 20.0), 5.0, -10.0 };
-        double least = helper_spatial_energy(s), start = least;
+        double least = helper_body_energy(s), start = least;
         for (int m = 0; m < 300; m++) {
-            helper_spatial_run(s, 1e-3);
-            double now = helper_spatial_energy(s) + helper_spatial_stored(s);
+            helper_body_run(s, 1e-3);
+            double now = helper_body_energy(s) + helper_body_stored(s);
             assert_true(now <= least + 2e-3 * start);
             least = fmin(least, now);
         }
@@ -226,9 +226,9 @@ static void energy_never_grows_without_a_belt(void **state)
 }
 
 /// Two crowds of boxes that run into each other, a little askew, high above the floor.
-static body_state *make_crowds(helper_spatial *h, double dt)
+static body_state *make_crowds(helper_body *h, double dt)
 {
-    begin(h, helper_spatial_box(0.022, 0.018, 0.02), dt);
+    begin(h, helper_body_box(0.022, 0.018, 0.02), dt);
     h->def.gravity = 0.0;
     h->def.n_parts = 32;
     for (size_t k = 0; k < 32; k++) {
@@ -236,7 +236,7 @@ static body_state *make_crowds(helper_spatial *h, double dt)
         h->poses[k] = (scene_pose){ side * (0.018 + 0.03 * column), 0.032 * row + 0.004 * side,
                                     0.1 * (double)k };
     }
-    body_state *s = helper_spatial_start(h);
+    body_state *s = helper_body_start(h);
     for (size_t k = 0; k < 32; k++) {
         s->bodies[k].x.z = 0.5 + 0.001 * (double)(k % 5);
         s->bodies[k].v.x = k % 2 == 0 ? -speed : speed;
@@ -249,17 +249,17 @@ static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
     (void)state;
     const double steps[] = { 2e-4, 1e-3, 2e-3 };
     for (int k = 0; k < 3; k++) {
-        helper_spatial h;
+        helper_body h;
         body_state *s = make_crowds(&h, steps[k]);
-        vec3 before = helper_spatial_momentum(s);
+        vec3 before = helper_body_momentum(s);
         double energy = body__measure(s).kinetic_energy, start = energy;
         for (int m = 0; m < 100; m++) {
-            helper_spatial_run(s, 2e-3);
+            helper_body_run(s, 2e-3);
             assert_true(body__measure(s).kinetic_energy <= start);
         }
         energy = body__measure(s).kinetic_energy;
         assert_true(energy < 0.7 * start);
-        vec3 change = vec3_sub(helper_spatial_momentum(s), before);
+        vec3 change = vec3_sub(helper_body_momentum(s), before);
         assert_true(vec3_length(change) < 1e-12 * 32.0 * mass * speed);
         micro__body.destroy(s);
     }
@@ -269,28 +269,28 @@ static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
 static void a_free_pair_keeps_its_momentum(void **state)
 {
     (void)state;
-    helper_spatial h;
-    begin(&h, helper_spatial_box(0.04, 0.03, 0.02), 2e-4);
+    helper_body h;
+    begin(&h, helper_body_box(0.04, 0.03, 0.02), 2e-4);
     h.def.n_parts = 2;
     h.poses[0] = (scene_pose){ -0.03, 0.0, 0.2 };
     h.poses[1] = (scene_pose){ 0.03, 0.012, 0.9 };
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->gravity = (vec3){ 0.0, 0.0, 0.0 };
     for (size_t k = 0; k < 2; k++) {
         s->bodies[k].x.z = 0.5 + 0.004 * (double)k;
         s->bodies[k].v = (vec3){ k == 0 ? 0.5 : -0.3, 0.1, 0.05 };
     }
-    vec3 momentum = helper_spatial_momentum(s), angular = helper_spatial_angular_momentum(s);
-    double energy = helper_spatial_energy(s);
+    vec3 momentum = helper_body_momentum(s), angular = helper_body_angular_momentum(s);
+    double energy = helper_body_energy(s);
     for (int k = 0; k < 100; k++) {
-        helper_spatial_run(s, 1e-3);
-        assert_true(helper_spatial_energy(s) <= energy * (1.0 + 1e-9));
+        helper_body_run(s, 1e-3);
+        assert_true(helper_body_energy(s) <= energy * (1.0 + 1e-9));
     }
-    vec3 change = vec3_sub(helper_spatial_momentum(s), momentum);
+    vec3 change = vec3_sub(helper_body_momentum(s), momentum);
     assert_true(vec3_length(change) < 1e-12 * vec3_length(momentum));
-    change = vec3_sub(helper_spatial_angular_momentum(s), angular);
+    change = vec3_sub(helper_body_angular_momentum(s), angular);
     assert_true(vec3_length(change) < 2e-3 * vec3_length(angular));
-    assert_true(vec3_length(s->bodies[0].w) > 0.1 && helper_spatial_energy(s) < 0.9 * energy);
+    assert_true(vec3_length(s->bodies[0].w) > 0.1 && helper_body_energy(s) < 0.9 * energy);
     micro__body.destroy(s);
 }
 
@@ -298,11 +298,11 @@ static void a_free_pair_keeps_its_momentum(void **state)
 static void nothing_passes_a_thin_plate_or_a_wall(void **state)
 {
     (void)state;
-    const scene_shape shapes[] = { helper_spatial_box(0.03, 0.02, 0.015),
-                                   helper_spatial_cylinder(0.012, 0.008) };
+    const scene_shape shapes[] = { helper_body_box(0.03, 0.02, 0.015),
+                                   helper_body_cylinder(0.012, 0.008) };
     for (int k = 0; k < 4; k++) {
         double half = k % 2 == 0 ? hypot(0.015, 0.01) : 0.012;
-        helper_spatial h;
+        helper_body h;
         begin(&h, shapes[k % 2], 2e-3);
         h.def.n_belts = 1;
         h.def.n_obstacles = k < 2 ? 1 : 0;
@@ -314,8 +314,8 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
             h.def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
         }
         h.poses[0].heading = 0.6;
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_run(s, 0.4);
+        body_state *s = helper_body_start(&h);
+        helper_body_run(s, 0.4);
         micro_part part = body__part(s, 0);
         assert_false(part.is_gone);
         assert_true(part.x[0] < 0.05 && part.x[0] > 0.05 - half - 1e-3);
@@ -331,14 +331,13 @@ static void boxes_and_cylinders_stack(void **state)
 {
     (void)state;
     for (int is_round = 0; is_round <= 1; is_round++) {
-        helper_spatial h;
-        begin(&h,
-              is_round ? helper_spatial_cylinder(0.02, 0.01) : helper_spatial_box(0.04, 0.04, 0.01),
+        helper_body h;
+        begin(&h, is_round ? helper_body_cylinder(0.02, 0.01) : helper_body_box(0.04, 0.04, 0.01),
               1e-3);
         h.def.n_parts = 2;
-        body_state *s = helper_spatial_start(&h);
+        body_state *s = helper_body_start(&h);
         s->bodies[1].x.z = 0.0151;
-        helper_spatial_run(s, 0.4);
+        helper_body_run(s, 0.4);
         double weight = mass * g, k = s->kinds[0].floor.stiffness;
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
@@ -354,17 +353,17 @@ static void upright_cylinders_do_as_on_the_planar_path(void **state)
     enum { SAMPLES = 70 };
     const double steps[] = { 2e-4, 5e-4, 1e-3 };
     for (int k = 0; k < 3; k++) {
-        helper_spatial h;
+        helper_body h;
         double planar[SAMPLES], spatial[SAMPLES];
-        helper_spatial_passage(&h, helper_spatial_cylinder(0.012, 0.008));
+        helper_body_passage(&h, helper_body_cylinder(0.012, 0.008));
         h.def.integrator = MICRO_IMPLICIT;
         h.def.dt = steps[k];
         h.def.path = MICRO_PATH_PLANAR;
-        helper_spatial_curve(&h.def, 1e-2, SAMPLES, planar);
+        helper_body_curve(&h.def, 1e-2, SAMPLES, planar);
         h.def.path = MICRO_PATH_SPATIAL;
-        helper_spatial_curve(&h.def, 1e-2, SAMPLES, spatial);
+        helper_body_curve(&h.def, 1e-2, SAMPLES, spatial);
         assert_true(planar[SAMPLES - 1] < 0.8 * (double)h.def.n_parts);
-        assert_true(helper_spatial_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
+        assert_true(helper_body_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
     }
 }
 
@@ -372,17 +371,17 @@ static void boxes_do_as_with_explicit_steps(void **state)
 {
     (void)state;
     enum { SAMPLES = 70 };
-    helper_spatial h;
+    helper_body h;
     double explicit[SAMPLES], implicit[SAMPLES];
-    helper_spatial_passage(&h, helper_spatial_box(0.02, 0.02, 0.012));
+    helper_body_passage(&h, helper_body_box(0.02, 0.02, 0.012));
     h.def.dt = 2e-5;
-    helper_spatial_curve(&h.def, 1e-2, SAMPLES, explicit);
+    helper_body_curve(&h.def, 1e-2, SAMPLES, explicit);
     assert_true(explicit[SAMPLES - 1] < 0.9 * (double)h.def.n_parts);
     h.def.integrator = MICRO_IMPLICIT;
     for (double dt = 2e-4; dt < 1.1e-3; dt *= 5.0) {
         h.def.dt = dt;
-        helper_spatial_curve(&h.def, 1e-2, SAMPLES, implicit);
-        assert_true(helper_spatial_gap(explicit, implicit, SAMPLES) < 0.01 * (double)h.def.n_parts);
+        helper_body_curve(&h.def, 1e-2, SAMPLES, implicit);
+        assert_true(helper_body_gap(explicit, implicit, SAMPLES) < 0.01 * (double)h.def.n_parts);
     }
 }
 

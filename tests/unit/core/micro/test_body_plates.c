@@ -1,7 +1,7 @@
 // Unit tests of plates whose paths bend: bodies feel a joint once, and there is no gap behind it.
 
+#include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/core/helper_spatial.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -15,9 +15,9 @@
 static uint64_t digest_of_slide(bool has_point_between)
 {
     const double angle = M_PI / 3.0;
-    helper_spatial h;
+    helper_body h;
 
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.006));
+    helper_body_init(&h, helper_body_box(0.04, 0.04, 0.006));
     h.def.n_belts = h.def.n_obstacles = 1;
     h.path[0] = (vec2){ -0.25, -0.25 * tan(angle) };
     h.path[1] = (vec2){ 0.0, 0.0 };
@@ -27,10 +27,10 @@ static uint64_t digest_of_slide(bool has_point_between)
         h.path[1] = h.path[2];
     h.poses[0] = (scene_pose){ -0.03 * sin(angle) - 0.08 * cos(angle),
                                0.03 * cos(angle) - 0.08 * sin(angle), angle };
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.6);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.6);
     assert_true(s->bodies[0].x.y > 0.0); // it has passed the point
-    uint64_t digest = helper_spatial_digest(s);
+    uint64_t digest = helper_body_digest(s);
     micro__body.destroy(s);
     return digest;
 }
@@ -44,18 +44,18 @@ static void a_point_on_a_straight_path_changes_nothing(void **state)
 // The force on a box whose front face overlaps the tip of a path by a hundredth of a millimetre.
 static vec3 force_at_tip(size_t n_points)
 {
-    helper_spatial h;
+    helper_body h;
     body_load load = { .torque = { 0.0, 0.0, 0.0 } };
     body_report report = { .bad_part = SIZE_MAX };
 
-    helper_spatial_init(&h, helper_spatial_box(0.04, 0.04, 0.02));
+    helper_body_init(&h, helper_body_box(0.04, 0.04, 0.02));
     h.def.n_belts = h.def.n_obstacles = 1;
     h.path[0] = (vec2){ 0.1, -0.2 };
     h.path[1] = (vec2){ 0.0, 0.0 };
     h.path[2] = (vec2){ 0.1, 0.2 };
     h.obstacle.n_points = n_points;
     h.poses[0] = (scene_pose){ -0.03, 0.0, 0.0 };
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     s->bodies[0].x.x = -0.02 + 1e-5;
     s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
     body__solids_push(s, 0, &load, &report);
@@ -80,9 +80,9 @@ static void there_is_no_gap_behind_a_bend(void **state)
     const double thickness = 0.05, corner = M_SQRT2 * thickness;
     const vec2 behind[] = { { 0.01, -0.2 }, { 0.3, -0.2 }, { 0.3, 0.2 }, { 0.01, 0.2 } };
     vec2 polygon[4];
-    helper_spatial h;
+    helper_body h;
 
-    helper_spatial_init(&h, helper_spatial_cylinder(0.005, 0.01));
+    helper_body_init(&h, helper_body_cylinder(0.005, 0.01));
     h.def.n_belts = 2;
     h.def.n_obstacles = 1;
     h.obstacle.thickness = thickness;
@@ -94,8 +94,8 @@ static void there_is_no_gap_behind_a_bend(void **state)
         polygon[k] = behind[k];
     h.belts[1] = (scene_belt){ .velocity = { -0.4, 0.0 }, .n_points = 4, .polygon = polygon };
     h.poses[0] = (scene_pose){ corner + 0.03, 0.0, 0.0 };
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.5);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.5);
     assert_true(s->bodies[0].x.x > corner);
     micro__body.destroy(s);
 }

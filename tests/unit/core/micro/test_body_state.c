@@ -3,8 +3,8 @@
 
 #include "core/base/buffer.h"
 #include "core/base/memory.h"
+#include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
-#include "tests/unit/core/helper_spatial.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -16,9 +16,9 @@
 #include <cmocka.h>
 
 /// The jam with the steps of either integrator.
-static void make_jam(helper_spatial *h, micro_integrator integrator)
+static void make_jam(helper_body *h, micro_integrator integrator)
 {
-    helper_spatial_jam(h);
+    helper_body_jam(h);
     h->def.integrator = integrator;
     if (integrator == MICRO_IMPLICIT)
         h->def.dt = 1e-3;
@@ -26,15 +26,15 @@ static void make_jam(helper_spatial *h, micro_integrator integrator)
 
 static void check_threads(micro_integrator integrator)
 {
-    helper_spatial h;
+    helper_body h;
     uint64_t digest[2];
     make_jam(&h, integrator);
     for (int k = 0; k < 2; k++) {
         h.def.n_threads = k + 1;
-        body_state *s = helper_spatial_start(&h);
-        helper_spatial_run(s, 0.12);
+        body_state *s = helper_body_start(&h);
+        helper_body_run(s, 0.12);
         assert_true(body__measure(s).n_contacts > 5);
-        digest[k] = helper_spatial_digest(s);
+        digest[k] = helper_body_digest(s);
         micro__body.destroy(s);
     }
     assert_true(digest[0] == digest[1]);
@@ -50,10 +50,10 @@ static void two_threads_give_the_same_bits_as_one(void **state)
 static void parts_keep_to_their_side_and_on_the_belt(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_jam(&h);
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.3);
+    helper_body h;
+    helper_body_jam(&h);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.3);
     assert_true(body__measure(s).largest_overlap < 1.5e-3);
     assert_near(body__measure(s).overlap_share, body__measure(s).largest_overlap / 0.008, 0.06);
     for (size_t k = 0; k < s->n; k++) {
@@ -86,23 +86,23 @@ static bf_status load_state(body_state *s, const char *bytes, size_t n, bf_error
 // When the list is made depends on when the solver was: it must not count.
 static void check_resume(micro_integrator integrator)
 {
-    helper_spatial h;
+    helper_body h;
     bf_buffer saved = { 0 }, again = { 0 };
     make_jam(&h, integrator);
-    body_state *whole = helper_spatial_start(&h), *second = helper_spatial_start(&h);
-    helper_spatial_run(whole, 0.1);
+    body_state *whole = helper_body_start(&h), *second = helper_body_start(&h);
+    helper_body_run(whole, 0.1);
     assert_int_equal(save_state(whole, &saved, NULL), BF_OK);
     assert_int_equal(load_state(second, saved.bytes, saved.n, NULL), BF_OK);
     assert_int_equal(micro__body.steps(second), micro__body.steps(whole));
-    assert_true(helper_spatial_digest(second) == helper_spatial_digest(whole));
+    assert_true(helper_body_digest(second) == helper_body_digest(whole));
     assert_int_equal(body__measure(second).n_contacts, body__measure(whole).n_contacts);
     assert_int_equal(save_state(second, &again, NULL), BF_OK);
     assert_int_equal(again.n, saved.n);
     assert_memory_equal(again.bytes, saved.bytes, saved.n);
-    helper_spatial_run(whole, 0.05);
-    helper_spatial_run(second, 0.02);
-    helper_spatial_run(second, 0.03);
-    assert_true(helper_spatial_digest(second) == helper_spatial_digest(whole));
+    helper_body_run(whole, 0.05);
+    helper_body_run(second, 0.02);
+    helper_body_run(second, 0.03);
+    assert_true(helper_body_digest(second) == helper_body_digest(whole));
     assert_true(body__measure(second).largest_overlap == body__measure(whole).largest_overlap);
     buffer_fini(&saved);
     buffer_fini(&again);
@@ -121,11 +121,11 @@ static void a_loaded_state_goes_on_with_the_same_bits(void **state)
 static void implicit_steps_allocate_nothing(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     bf_error err = { .code = BF_OK };
     make_jam(&h, MICRO_IMPLICIT);
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.02);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.02);
     memory_plan_fault(1, 1);
     assert_int_equal(body__advance(s, 3, &err), BF_OK);
     assert_int_equal(memory_faults(), 0);
@@ -135,15 +135,15 @@ static void implicit_steps_allocate_nothing(void **state)
 
 static void check_damages(micro_integrator integrator)
 {
-    helper_spatial h;
+    helper_body h;
     bf_buffer saved = { 0 };
     bf_error err = { .code = BF_OK };
     make_jam(&h, integrator);
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.08);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.08);
     assert_int_equal(save_state(s, &saved, NULL), BF_OK);
-    helper_spatial_run(s, 0.001);
-    uint64_t before = helper_spatial_digest(s);
+    helper_body_run(s, 0.001);
+    uint64_t before = helper_body_digest(s);
     for (size_t at = 0; at < saved.n; at += 97) {
         saved.bytes[at] = (char)(saved.bytes[at] ^ 0x10);
         assert_int_equal(load_state(s, saved.bytes, saved.n, &err), BF_ECORRUPT);
@@ -151,9 +151,9 @@ static void check_damages(micro_integrator integrator)
     }
     for (size_t n = 0; n < saved.n; n += 211)
         assert_int_equal(load_state(s, saved.bytes, n, &err), BF_ECORRUPT);
-    assert_true(helper_spatial_digest(s) == before);
+    assert_true(helper_body_digest(s) == before);
     h.def.n_parts = 35;
-    body_state *other = helper_spatial_start(&h);
+    body_state *other = helper_body_start(&h);
     assert_int_equal(load_state(other, saved.bytes, saved.n, NULL), BF_ECORRUPT);
     micro__body.destroy(other);
     buffer_fini(&saved);
@@ -168,7 +168,7 @@ static void a_damaged_state_is_refused_and_changes_nothing(void **state)
 }
 
 /// Create, step, save and load. Whatever fails says that there is no memory.
-static bf_status live(const helper_spatial *h)
+static bf_status live(const helper_body *h)
 {
     bf_buffer saved = { 0 };
     bf_error err = { .code = BF_OK };
@@ -192,7 +192,7 @@ static bf_status live(const helper_spatial *h)
 
 static void check_faults(micro_integrator integrator)
 {
-    helper_spatial h;
+    helper_body h;
     bf_status status = BF_ENOMEM;
     size_t n = 0;
     make_jam(&h, integrator);
@@ -214,17 +214,17 @@ static void every_allocation_may_fail(void **state)
 // A list that could not grow is made by the next call; nothing is lost.
 static void check_retry(micro_integrator integrator)
 {
-    helper_spatial h;
+    helper_body h;
     bf_error err = { .code = BF_OK };
     make_jam(&h, integrator);
-    body_state *s = helper_spatial_start(&h), *calm = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h), *calm = helper_body_start(&h);
     memory_plan_fault(1, 0);
     assert_int_equal(body__advance(s, 10, &err), BF_ENOMEM);
     memory_plan_fault(0, 0);
     assert_int_equal(s->steps, 0);
     assert_int_equal(body__advance(s, 10, &err), BF_OK);
     assert_int_equal(body__advance(calm, 10, &err), BF_OK);
-    assert_true(helper_spatial_digest(s) == helper_spatial_digest(calm));
+    assert_true(helper_body_digest(s) == helper_body_digest(calm));
     micro__body.destroy(s);
     micro__body.destroy(calm);
 }
@@ -240,13 +240,13 @@ static void a_step_without_memory_can_be_made_again(void **state)
 static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     bf_error err = { .code = BF_OK };
-    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     h.def.n_parts = 2;
     h.poses[1].x = 0.019;
     h.def.dt = 5e-3;
-    body_state *s = helper_spatial_start(&h);
+    body_state *s = helper_body_start(&h);
     assert_int_equal(body__advance(s, 1000, &err), BF_ENUMERIC);
     assert_non_null(strstr(err.text, "part 0"));
     assert_non_null(strstr(err.text, "after step"));
@@ -256,11 +256,11 @@ static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
 static void a_value_that_is_not_finite_is_named(void **state)
 {
     (void)state;
-    helper_spatial h;
+    helper_body h;
     bf_error err = { .code = BF_OK };
-    helper_spatial_jam(&h);
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 1e-3);
+    helper_body_jam(&h);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 1e-3);
     s->bodies[20].w.y = NAN;
     assert_int_equal(body__advance(s, 5, &err), BF_ENUMERIC);
     assert_non_null(strstr(err.text, "part 20"));
@@ -272,10 +272,10 @@ static void what_cannot_be_made_is_refused(void **state)
 {
     (void)state;
     double flat[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
-    helper_spatial h;
+    helper_body h;
     bf_error err = { .code = BF_OK };
     void *s = NULL;
-    helper_spatial_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = flat });
+    helper_body_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = flat });
     assert_int_equal(micro__body.create(&h.def, &s, &err), BF_EINPUT);
     assert_null(s);
 }
@@ -285,18 +285,18 @@ static void what_cannot_be_made_is_refused(void **state)
 static void the_stable_step_follows_the_mass(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     double light = micro__body.dt_stable(&h.def);
     assert_true(light > 1e-5 && light < 1e-4);
     assert_true(micro_dt_chosen(&h.def) < light);
     h.kinds[0].mass = 0.3;
     h.def.modulus_reduction = 1e9;
     assert_near(micro__body.dt_stable(&h.def), 10.0 * light, 0.5 * light);
-    helper_spatial_jam(&h);
+    helper_body_jam(&h);
     h.def.dt = micro__body.dt_stable(&h.def);
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 0.2);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 0.2);
     assert_true(body__measure(s).largest_overlap < 1.5e-3);
     micro__body.destroy(s);
 }
@@ -304,11 +304,11 @@ static void the_stable_step_follows_the_mass(void **state)
 static void no_parts_are_no_trouble(void **state)
 {
     (void)state;
-    helper_spatial h;
-    helper_spatial_init(&h, helper_spatial_box(0.02, 0.02, 0.02));
+    helper_body h;
+    helper_body_init(&h, helper_body_box(0.02, 0.02, 0.02));
     h.def.n_parts = 0;
-    body_state *s = helper_spatial_start(&h);
-    helper_spatial_run(s, 1e-3);
+    body_state *s = helper_body_start(&h);
+    helper_body_run(s, 1e-3);
     assert_int_equal(body__measure(s).n_parts, 0);
     micro__body.destroy(s);
 }
@@ -319,16 +319,16 @@ static void upright_cylinders_do_as_on_the_planar_path(void **state)
 {
     (void)state;
     enum { SAMPLES = 70 };
-    helper_spatial h;
+    helper_body h;
     double planar[SAMPLES], spatial[SAMPLES];
-    helper_spatial_passage(&h, helper_spatial_cylinder(0.012, 0.008));
+    helper_body_passage(&h, helper_body_cylinder(0.012, 0.008));
     h.def.dt = 2e-5;
     h.def.path = MICRO_PATH_PLANAR;
-    helper_spatial_curve(&h.def, 1e-2, SAMPLES, planar);
+    helper_body_curve(&h.def, 1e-2, SAMPLES, planar);
     h.def.path = MICRO_PATH_SPATIAL;
-    helper_spatial_curve(&h.def, 1e-2, SAMPLES, spatial);
+    helper_body_curve(&h.def, 1e-2, SAMPLES, spatial);
     assert_true(planar[SAMPLES - 1] < 0.8 * (double)h.def.n_parts);
-    assert_true(helper_spatial_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
+    assert_true(helper_body_gap(planar, spatial, SAMPLES) < 0.01 * (double)h.def.n_parts);
 }
 
 int main(void)

@@ -1,8 +1,8 @@
 // Disks on belts against closed forms. Velocities that a part does not get from its belt at the start
 // are put into the solver's own rows.
 
+#include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
-#include "tests/unit/core/helper_planar.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -30,16 +30,16 @@ static void a_belt_takes_up_a_part_from_rest(void **state)
 
     d->def.damping = 0.0;
     helper_disks_add(d, 0.3, 0.5);
-    disk_state *s = helper_planar_start(&d->def);
-    helper_planar_row(s, 0)->vx = 0.0;
-    helper_planar_advance(s, 1); // without forces
+    disk_state *s = helper_disk_state_start(&d->def);
+    helper_disk_state_row(s, 0)->vx = 0.0;
+    helper_disk_state_advance(s, 1); // without forces
     for (int k = 1; k <= 40; k++) {
-        helper_planar_advance(s, 100);
+        helper_disk_state_advance(s, 100);
         double slip = exact_slip(10.0, gravity, 0.395, k * 1e-3);
-        assert_near(helper_planar_row(s, 0)->vx, 0.395 - slip, 2e-4);
-        assert_true(helper_planar_row(s, 0)->vy == 0.0);
+        assert_near(helper_disk_state_row(s, 0)->vx, 0.395 - slip, 2e-4);
+        assert_true(helper_disk_state_row(s, 0)->vy == 0.0);
     }
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 
@@ -55,17 +55,18 @@ static void spin_decays_on_the_belt(void **state)
     helper_disks_add(d, 0.3, 0.5);
     for (int fine = 0; fine < 2; fine++) {
         d->def.dt = fine ? 5e-6 : 1e-5;
-        disk_state *s = helper_planar_start(&d->def);
-        helper_planar_row(s, 0)->spin = 6.0;
-        helper_planar_advance(s, 1); // without forces
+        disk_state *s = helper_disk_state_start(&d->def);
+        helper_disk_state_row(s, 0)->spin = 6.0;
+        helper_disk_state_advance(s, 1); // without forces
         error[fine] = 0.0;
         for (int k = 1; k <= 100; k++) {
-            helper_planar_advance(s, fine ? 20 : 10);
+            helper_disk_state_advance(s, fine ? 20 : 10);
             double exact = exact_slip(1.0, spin_deceleration, 6.0, k * 1e-4);
-            error[fine] = fmax(error[fine], fabs(helper_planar_row(s, 0)->spin - exact));
+            error[fine] = fmax(error[fine], fabs(helper_disk_state_row(s, 0)->spin - exact));
         }
-        assert_true(helper_planar_row(s, 0)->spin >= 0.0 && helper_planar_row(s, 0)->spin < 0.1);
-        helper_planar_end(s);
+        assert_true(helper_disk_state_row(s, 0)->spin >= 0.0 &&
+                    helper_disk_state_row(s, 0)->spin < 0.1);
+        helper_disk_state_end(s);
     }
     assert_true(error[0] < 0.02);
     assert_true(log2(error[0] / error[1]) > 0.9);
@@ -80,16 +81,16 @@ static void spin_friction_never_turns_the_spin_round(void **state)
 
     d->kinds[0].spin_radius = 1e6;
     helper_disks_add(d, 0.3, 0.5);
-    disk_state *s = helper_planar_start(&d->def);
-    helper_planar_row(s, 0)->spin = -50.0;
+    disk_state *s = helper_disk_state_start(&d->def);
+    helper_disk_state_row(s, 0)->spin = -50.0;
     for (int k = 0; k < 20; k++) {
-        double before = helper_planar_row(s, 0)->spin;
-        helper_planar_advance(s, 1);
-        assert_true(helper_planar_row(s, 0)->spin <= 0.0 &&
-                    helper_planar_row(s, 0)->spin >= before);
+        double before = helper_disk_state_row(s, 0)->spin;
+        helper_disk_state_advance(s, 1);
+        assert_true(helper_disk_state_row(s, 0)->spin <= 0.0 &&
+                    helper_disk_state_row(s, 0)->spin >= before);
     }
-    assert_near(helper_planar_row(s, 0)->spin, 0.0, 1e-6);
-    helper_planar_end(s);
+    assert_near(helper_disk_state_row(s, 0)->spin, 0.0, 1e-6);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 
@@ -205,14 +206,14 @@ static void off_every_belt_nothing_brakes(void **state)
 
     d->def.start_velocity = (vec2){ 0.3, -0.1 };
     helper_disks_add(d, 0.2, 0.5);
-    disk_state *s = helper_planar_start(&d->def);
-    helper_planar_row(s, 0)->spin = 3.0;
-    helper_planar_advance(s, 20000);
-    assert_near(helper_planar_row(s, 0)->x, 0.2 + 0.06, 1e-12);
-    assert_near(helper_planar_row(s, 0)->y, 0.5 - 0.02, 1e-12);
-    assert_true(helper_planar_row(s, 0)->spin == 3.0);
+    disk_state *s = helper_disk_state_start(&d->def);
+    helper_disk_state_row(s, 0)->spin = 3.0;
+    helper_disk_state_advance(s, 20000);
+    assert_near(helper_disk_state_row(s, 0)->x, 0.2 + 0.06, 1e-12);
+    assert_near(helper_disk_state_row(s, 0)->y, 0.5 - 0.02, 1e-12);
+    assert_true(helper_disk_state_row(s, 0)->spin == 3.0);
     assert_near(disk__part(s, 0).heading, 3.0 * 0.2, 1e-10);
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 
@@ -225,12 +226,12 @@ static void damping_slows_places_and_spins(void **state)
     d->def.damping = 0.5;
     d->def.start_velocity = (vec2){ 0.1, 0.0 };
     helper_disks_add(d, 0.2, 0.5);
-    disk_state *s = helper_planar_start(&d->def);
-    helper_planar_row(s, 0)->spin = 3.0;
-    helper_planar_advance(s, 10001);
-    assert_near(helper_planar_row(s, 0)->vx, 0.1 * pow(1.0 - 0.5e-5, 10000), 1e-14);
-    assert_near(helper_planar_row(s, 0)->spin, 3.0 * pow(0.5, 0.1), 1e-11);
-    helper_planar_end(s);
+    disk_state *s = helper_disk_state_start(&d->def);
+    helper_disk_state_row(s, 0)->spin = 3.0;
+    helper_disk_state_advance(s, 10001);
+    assert_near(helper_disk_state_row(s, 0)->vx, 0.1 * pow(1.0 - 0.5e-5, 10000), 1e-14);
+    assert_near(helper_disk_state_row(s, 0)->spin, 3.0 * pow(0.5, 0.1), 1e-11);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 

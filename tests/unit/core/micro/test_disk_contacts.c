@@ -1,8 +1,8 @@
 // Contacts of disks against closed forms. Velocities that a part does not get from its belt at the start
 // are put into the solver's own rows.
 
+#include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
-#include "tests/unit/core/helper_planar.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -86,14 +86,15 @@ static void contacts_do_not_pull_unless_asked_to(void **state)
     helper_disks_add(d, 0.5 + 2.0 * radius - 1e-4, 0.5);
     for (int tension = 0; tension < 2; tension++) {
         d->def.tension = tension != 0;
-        disk_state *s = helper_planar_start(&d->def);
+        disk_state *s = helper_disk_state_start(&d->def);
         // Parting at 1 m/s: the dashpot's 119 N against the spring's 0.07 N.
-        helper_planar_row(s, 1)->vx = 1.0;
-        helper_planar_advance(s, 2);
-        assert_true((helper_planar_row(s, 1)->vx < 0.97) == (tension != 0));
+        helper_disk_state_row(s, 1)->vx = 1.0;
+        helper_disk_state_advance(s, 2);
+        assert_true((helper_disk_state_row(s, 1)->vx < 0.97) == (tension != 0));
         if (tension == 0)
-            assert_true(helper_planar_row(s, 1)->vx == 1.0 && helper_planar_row(s, 0)->vx == 0.0);
-        helper_planar_end(s);
+            assert_true(helper_disk_state_row(s, 1)->vx == 1.0 &&
+                        helper_disk_state_row(s, 0)->vx == 0.0);
+        helper_disk_state_end(s);
     }
     helper_disks_free(d);
 }
@@ -107,7 +108,7 @@ static momenta measure_momenta(disk_state *s, const helper_disks *d)
     momenta sum = { 0.0, 0.0, 0.0 };
 
     for (size_t k = 0; k < s->n; k++) {
-        const disk *row = helper_planar_row(s, k);
+        const disk *row = helper_disk_state_row(s, k);
         double m = d->kinds[d->def.part_kinds != NULL ? d->part_kinds[k] : 0].mass;
         sum.x += m * row->vx;
         sum.y += m * row->vy;
@@ -129,19 +130,19 @@ static void a_free_pair_keeps_its_momenta(void **state)
         d->def.n_kinds = mixed ? 3 : 1;
         d->part_kinds[1] = 2;
         d->def.part_kinds = mixed ? d->part_kinds : NULL;
-        disk_state *s = helper_planar_start(&d->def);
-        helper_planar_row(s, 0)->vx = 0.7;
-        helper_planar_row(s, 0)->spin = 30.0;
-        helper_planar_row(s, 1)->vy = -0.4;
+        disk_state *s = helper_disk_state_start(&d->def);
+        helper_disk_state_row(s, 0)->vx = 0.7;
+        helper_disk_state_row(s, 0)->spin = 30.0;
+        helper_disk_state_row(s, 1)->vy = -0.4;
         momenta before = measure_momenta(s, d);
-        helper_planar_advance(s, 5000);
+        helper_disk_state_advance(s, 5000);
         momenta after = measure_momenta(s, d);
         double size = d->kinds[0].mass * 0.7;
-        assert_true(fabs(helper_planar_row(s, 1)->spin) > 0.1);
+        assert_true(fabs(helper_disk_state_row(s, 1)->spin) > 0.1);
         assert_near(after.x, before.x, 1e-12 * size);
         assert_near(after.y, before.y, 1e-12 * size);
         assert_near(after.angular, before.angular, 1e-12 * size);
-        helper_planar_end(s);
+        helper_disk_state_end(s);
     }
     helper_disks_free(d);
 }
@@ -179,22 +180,22 @@ static void energy_does_not_grow_without_a_belt(void **state)
     d->def.domain = (scene_rect){ 0.0, 0.4, 0.0, 0.4 };
     d->def.edges[SCENE_WEST] = d->def.edges[SCENE_EAST] = SCENE_EDGE_WALL;
     helper_disks_fill(d, 10, 10, 0.03, 0.03, 0.035, 0.004);
-    disk_state *s = helper_planar_start(&d->def);
+    disk_state *s = helper_disk_state_start(&d->def);
     for (size_t k = 0; k < s->n; k++) {
-        helper_planar_row(s, k)->vx = k % 3 == 0 ? 1.5 : -0.5;
-        helper_planar_row(s, k)->vy = k % 5 == 0 ? -1.0 : 0.5;
-        helper_planar_row(s, k)->spin = k % 2 == 0 ? 20.0 : -10.0;
+        helper_disk_state_row(s, k)->vx = k % 3 == 0 ? 1.5 : -0.5;
+        helper_disk_state_row(s, k)->vy = k % 5 == 0 ? -1.0 : 0.5;
+        helper_disk_state_row(s, k)->spin = k % 2 == 0 ? 20.0 : -10.0;
     }
     double start = measure_energy(s), before = start;
     for (int k = 0; k < 100; k++) {
-        helper_planar_advance(s, 200);
+        helper_disk_state_advance(s, 200);
         double now = measure_energy(s);
         assert_true(now <= before * 1.001);
         before = now;
     }
     assert_true(before < 0.3 * start);
     assert_int_equal(disk__measure(s).n_parts, 100);
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 

@@ -1,7 +1,7 @@
 // Plates with bends: their sides and corners are one surface.
 
+#include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
-#include "tests/unit/core/helper_planar.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -56,7 +56,7 @@ static void check_bend(double turn)
     d->path[1] = (vec2){ 0.5, 0.5 };
     d->path[2] = (vec2){ 0.5 + 0.2 * cos(second), 0.5 + 0.2 * sin(second) };
     helper_disks_block(d, 3, h);
-    disk_state *s = helper_planar_start(&d->def);
+    disk_state *s = helper_disk_state_start(&d->def);
     const vec2 down_a = { sin(first), -cos(first) }, down_b = { sin(second), -cos(second) };
     for (int i = 0; i < 120; i++)
         for (int j = 0; j < 120; j++) {
@@ -76,7 +76,7 @@ static void check_bend(double turn)
             bool is_inner_corner = turn == 0.0 ? false : (turn > 0.0) == (c.x > 0.5);
             assert_true(n <= (is_inner_corner ? 2 : 1));
         }
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 
@@ -103,15 +103,15 @@ static void a_notch_behind_a_bend_is_filled(void **state)
     d->path[2] = (vec2){ 0.6, 0.7 };
     // Bent against the belt: upstream the joint sticks out, and nothing needs filling behind.
     helper_disks_block(d, 3, h);
-    disk_state *s = helper_planar_start(&d->def);
+    disk_state *s = helper_disk_state_start(&d->def);
     assert_near(feature_overlap(s, (vec2){ 0.5 - 0.01, 0.5 }, &n), radius - 0.01, 1e-12);
     assert_int_equal(n, 1);
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     d->path[0].x = d->path[2].x = 0.4;
-    s = helper_planar_start(&d->def);
+    s = helper_disk_state_start(&d->def);
     assert_near(feature_overlap(s, (vec2){ 0.5 + h + 0.005, 0.5 }, &n), radius - 0.005, 1e-12);
     assert_int_equal(n, 1);
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     helper_disks_free(d);
 }
 

@@ -1,7 +1,7 @@
 // Explicit planar steps against a solver without any list.
 
 #include "tests/reference/planar.h"
-#include "tests/unit/core/helper_planar.h"
+#include "tests/unit/core/helper_disk_state.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -28,7 +28,7 @@ static double difference(const disk_part *a, const micro_part *b)
 static size_t check_against_all_pairs(const micro_def *def)
 {
     planar *oracle = disk_create(def);
-    disk_state *s = helper_planar_start(def);
+    disk_state *s = helper_disk_state_start(def);
     double largest = 0.0;
     size_t n_gone = 0;
 
@@ -36,7 +36,7 @@ static size_t check_against_all_pairs(const micro_def *def)
     assert_true(disk__measure(s).n_contacts > 150);
     for (int k = 0; k < STEPS; k++)
         disk_advance(oracle);
-    helper_planar_advance(s, STEPS);
+    helper_disk_state_advance(s, STEPS);
     for (size_t k = 0; k < def->n_parts; k++) {
         micro_part part = disk__part(s, k);
         assert_int_equal(disk_parts(oracle)[k].is_gone, part.is_gone);
@@ -45,7 +45,7 @@ static size_t check_against_all_pairs(const micro_def *def)
     }
     if (!(largest <= 1e-9))
         fail_msg("trajectories differ by %g", largest);
-    helper_planar_end(s);
+    helper_disk_state_end(s);
     disk_destroy(oracle);
     return n_gone;
 }
@@ -57,7 +57,7 @@ static void a_jam_moves_as_without_any_list(void **state)
     (void)state;
     assert_non_null(e);
     for (double angle = 60.0; angle < 100.0; angle += 30.0) {
-        helper_planar_jam(e, angle);
+        helper_disk_state_jam(e, angle);
         check_against_all_pairs(&e->def);
         e->def.tension = true;
         check_against_all_pairs(&e->def);
@@ -67,10 +67,10 @@ static void a_jam_moves_as_without_any_list(void **state)
 
 static void a_jam_of_two_kinds_on_two_belts_moves_as_without_any_list(void **state)
 {
-    helper_planar *w = helper_planar_make(0.395, 4.0);
+    helper_disk_state *w = helper_disk_state_make(0.395, 4.0);
 
     (void)state;
-    helper_planar_crowd(w, true);
+    helper_disk_state_crowd(w, true);
     w->def.damping = 0.1;
     w->def.n_parts = 44 * 5;
     check_against_all_pairs(&w->def);

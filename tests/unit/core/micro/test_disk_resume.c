@@ -3,7 +3,7 @@
 
 #include "core/base/memory.h"
 #include "core/micro/disk/kernels.h"
-#include "tests/unit/core/helper_planar.h"
+#include "tests/unit/core/helper_disk_state.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -17,15 +17,15 @@
 
 enum { STEPS = 450 };
 
-static helper_planar *make_crowd(bool is_mixed)
+static helper_disk_state *make_crowd(bool is_mixed)
 {
-    helper_planar *w = helper_planar_make(0.395, 2.0);
+    helper_disk_state *w = helper_disk_state_make(0.395, 2.0);
 
-    helper_planar_crowd(w, is_mixed);
+    helper_disk_state_crowd(w, is_mixed);
     return w;
 }
 
-static micro_solver *start(const helper_planar *w, int n_threads)
+static micro_solver *start(const helper_disk_state *w, int n_threads)
 {
     micro_def def = w->def;
     micro_solver *s = NULL;
@@ -35,7 +35,7 @@ static micro_solver *start(const helper_planar *w, int n_threads)
     return s;
 }
 
-static uint64_t digest_after(const helper_planar *w, int n_threads)
+static uint64_t digest_after(const helper_disk_state *w, int n_threads)
 {
     micro_solver *s = start(w, n_threads);
 
@@ -51,7 +51,7 @@ static void one_and_two_threads_give_the_same_bits(void **state)
 {
     (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
-        helper_planar *w = make_crowd(is_mixed);
+        helper_disk_state *w = make_crowd(is_mixed);
         uint64_t one = digest_after(w, 1);
         assert_true(digest_after(w, 2) == one);
         assert_true(digest_after(w, 3) == one);
@@ -106,18 +106,18 @@ static void check_builds(disk_state *s)
 static void all_instruction_sets_give_the_same_bits(void **state)
 {
     helper_outflow *e = malloc(sizeof *e);
-    helper_planar *w = make_crowd(true);
+    helper_disk_state *w = make_crowd(true);
 
     (void)state;
     assert_non_null(e);
-    helper_planar_jam(e, 60.0);
+    helper_disk_state_jam(e, 60.0);
     const micro_def *defs[] = { &e->def, &w->def }; // plain and not
     for (size_t k = 0; k < 2; k++) {
-        disk_state *s = helper_planar_start(defs[k]);
+        disk_state *s = helper_disk_state_start(defs[k]);
         assert_int_equal(s->is_uniform, k == 0);
-        helper_planar_advance(s, 100);
+        helper_disk_state_advance(s, 100);
         check_builds(s);
-        helper_planar_end(s);
+        helper_disk_state_end(s);
     }
     free(e);
     free(w);
@@ -126,7 +126,7 @@ static void all_instruction_sets_give_the_same_bits(void **state)
 static void an_interrupted_run_ends_with_the_same_bits(void **state)
 {
     const uint64_t stops[] = { 0, 1, 150, 449 };
-    helper_planar *w = make_crowd(true);
+    helper_disk_state *w = make_crowd(true);
     uint64_t expected = digest_after(w, 1);
 
     (void)state;
@@ -147,7 +147,7 @@ static void an_interrupted_run_ends_with_the_same_bits(void **state)
 
 static void damaged_states_are_refused_and_change_nothing(void **state)
 {
-    helper_planar *w = make_crowd(false);
+    helper_disk_state *w = make_crowd(false);
     bf_buffer saved = { 0 };
 
     (void)state;
@@ -177,7 +177,7 @@ static void damaged_states_are_refused_and_change_nothing(void **state)
 
 static void without_memory_nothing_is_lost(void **state)
 {
-    helper_planar *w = make_crowd(true);
+    helper_disk_state *w = make_crowd(true);
     size_t n_failed = 0;
 
     (void)state;
@@ -222,7 +222,7 @@ static void assert_refused(const micro_def *def, const char *pointer)
 
 static void bad_definitions_are_refused_where_they_are_bad(void **state)
 {
-    helper_planar *w = make_crowd(false);
+    helper_disk_state *w = make_crowd(false);
     const micro_def good = w->def;
     micro_def bad[7];
 
@@ -262,14 +262,14 @@ static void an_impossible_state_is_reported_with_step_time_and_part(void **state
 
     (void)state;
     for (size_t k = 0; k < 3; k++) {
-        helper_planar *w = make_crowd(false);
+        helper_disk_state *w = make_crowd(false);
         bf_error err = { 0 };
-        disk_state *s = helper_planar_start(&w->def);
-        helper_planar_advance(s, 2);
-        helper_planar_push(s, 17, 0.0, -speeds[k], 0.0);
+        disk_state *s = helper_disk_state_start(&w->def);
+        helper_disk_state_advance(s, 2);
+        helper_disk_state_push(s, 17, 0.0, -speeds[k], 0.0);
         w->def.n_obstacles = 0;
         advance_wrongly(s, &err);
-        helper_planar_end(s);
+        helper_disk_state_end(s);
         free(w);
     }
 }

@@ -6,8 +6,8 @@
 #include "core/micro/backend.h"
 #include "core/micro/disk/disk_priv.h"
 #include "core/micro/disk/kernels.h"
+#include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
-#include "tests/unit/core/helper_planar.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -254,12 +254,12 @@ static void a_part_at_rest_keeps_its_list(void **state)
     d->def.dt = 5e-5;
     for (int has_kinds = 0; has_kinds < 2; has_kinds++) {
         d->def.n_kinds = has_kinds ? 2 : 1;
-        disk_state *s = helper_planar_start(&d->def);
-        helper_planar_advance(s, 4000);
+        disk_state *s = helper_disk_state_start(&d->def);
+        helper_disk_state_advance(s, 4000);
         uint64_t n_builds = s->n_builds;
-        helper_planar_advance(s, 10000);
+        helper_disk_state_advance(s, 10000);
         assert_true(s->n_builds <= n_builds + 1);
-        helper_planar_end(s);
+        helper_disk_state_end(s);
     }
     helper_disks_free(d);
 }

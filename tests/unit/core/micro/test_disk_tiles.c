@@ -2,7 +2,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/memory.h"
-#include "tests/unit/core/helper_planar.h"
+#include "tests/unit/core/helper_disk_state.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -17,11 +17,11 @@
 // Parts that touch each other and a plate, change belts and leave.
 static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
 {
-    helper_planar *w = helper_planar_make(0.5, 0.9);
+    helper_disk_state *w = helper_disk_state_make(0.5, 0.9);
 
-    helper_planar_crowd(w, is_mixed);
+    helper_disk_state_crowd(w, is_mixed);
     w->def.n_threads = n_threads;
-    disk_state *s = helper_planar_start(&w->def);
+    disk_state *s = helper_disk_state_start(&w->def);
     free(w);
     if (is_tiled) {
         assert_int_equal(disk__tiling_init(s), BF_OK);
@@ -57,19 +57,19 @@ static void tiles_give_the_bits_of_single_steps(void **state)
     (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
         disk_state *single = start_crowd(is_mixed, false, 1);
-        helper_planar_advance(single, 803);
+        helper_disk_state_advance(single, 803);
         assert_true(count_gone(single) > 0);
         for (int n_threads = 1; n_threads <= 2; n_threads++) {
             disk_state *tiled = start_crowd(is_mixed, true, n_threads);
-            helper_planar_advance(tiled, 803);
+            helper_disk_state_advance(tiled, 803);
             assert_int_equal(tiled->steps, 803);
             assert_true(tiled->tiling.n_made > 20);
             assert_int_equal(digest_of(tiled), digest_of(single));
             assert_true(tiled->largest_overlap == single->largest_overlap);
             assert_true(tiled->overlap_share == single->overlap_share);
-            helper_planar_end(tiled);
+            helper_disk_state_end(tiled);
         }
-        helper_planar_end(single);
+        helper_disk_state_end(single);
     }
 }
 
@@ -97,8 +97,8 @@ static disk_state *start_burst_of_speed(bool is_mixed, bool is_tiled, double v)
 
     while (s->now[s->slot_of[find_front(s)]].x < 1.998 ||
            s->displacement_bound + 16.0 * s->last_bound > 0.5 * s->skin)
-        helper_planar_advance(s, 1);
-    helper_planar_push(s, find_front(s), v, 0.0, 0.0);
+        helper_disk_state_advance(s, 1);
+    helper_disk_state_push(s, find_front(s), v, 0.0, 0.0);
     return s;
 }
 
@@ -110,16 +110,16 @@ static void a_tile_that_outlives_its_list_is_put_back(void **state)
         disk_state *tiled = start_burst_of_speed(is_mixed, true, 12.0);
         uint64_t n_put_back = tiled->tiling.n_put_back;
         size_t n_gone = count_gone(single);
-        helper_planar_advance(single, 8);
-        helper_planar_advance(tiled, 8);
+        helper_disk_state_advance(single, 8);
+        helper_disk_state_advance(tiled, 8);
         assert_true(count_gone(single) > n_gone);
         assert_int_equal(tiled->tiling.n_put_back, n_put_back + 1);
         assert_int_equal(digest_of(tiled), digest_of(single));
-        helper_planar_advance(single, 200);
-        helper_planar_advance(tiled, 200);
+        helper_disk_state_advance(single, 200);
+        helper_disk_state_advance(tiled, 200);
         assert_int_equal(digest_of(tiled), digest_of(single));
-        helper_planar_end(single);
-        helper_planar_end(tiled);
+        helper_disk_state_end(single);
+        helper_disk_state_end(tiled);
     }
 }
 
@@ -135,8 +135,8 @@ static void a_failure_in_a_tile_is_told_as_by_single_steps(void **state)
     assert_int_equal(disk__advance_explicit(tiled, 8, &of_tiled), BF_ENUMERIC);
     assert_string_equal(of_tiled.text, of_single.text);
     assert_int_equal(tiled->steps, single->steps);
-    helper_planar_end(single);
-    helper_planar_end(tiled);
+    helper_disk_state_end(single);
+    helper_disk_state_end(tiled);
 }
 
 static void no_memory_for_tiles_leaves_single_steps(void **state)
@@ -148,10 +148,10 @@ static void no_memory_for_tiles_leaves_single_steps(void **state)
         memory_plan_fault(n, 0);
         assert_int_equal(disk__tiling_init(s), BF_ENOMEM);
         memory_plan_fault(0, 0);
-        helper_planar_advance(s, 10);
+        helper_disk_state_advance(s, 10);
         assert_int_equal(s->tiling.n_made, 0);
     }
-    helper_planar_end(s);
+    helper_disk_state_end(s);
 }
 
 int main(void)

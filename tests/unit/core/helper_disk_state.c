@@ -1,4 +1,4 @@
-#include "tests/unit/core/helper_planar.h"
+#include "tests/unit/core/helper_disk_state.h"
 
 #include "core/base/check.h"
 #include "core/micro/backend.h"
@@ -23,9 +23,9 @@ static void set_kind(micro_kind *kind, double r)
     kind->spin_radius = 2.0 / 3.0 * r;
 }
 
-helper_planar *helper_planar_make(double v_west, double v_east)
+helper_disk_state *helper_disk_state_make(double v_west, double v_east)
 {
-    helper_planar *w = calloc(1, sizeof *w);
+    helper_disk_state *w = calloc(1, sizeof *w);
 
     BF_CHECK(w != NULL);
     w->def = micro_def_default();
@@ -46,20 +46,20 @@ helper_planar *helper_planar_make(double v_west, double v_east)
     return w;
 }
 
-void helper_planar_add(helper_planar *w, double x, double y)
+void helper_disk_state_add(helper_disk_state *w, double x, double y)
 {
-    BF_CHECK(w->def.n_parts < HELPER_PLANAR_PARTS);
+    BF_CHECK(w->def.n_parts < HELPER_DISK_STATE_PARTS);
     w->poses[w->def.n_parts++] = (scene_pose){ x, y, 0.0 };
 }
 
-void helper_planar_crowd(helper_planar *w, bool is_mixed)
+void helper_disk_state_crowd(helper_disk_state *w, bool is_mixed)
 {
     w->path[0] = (vec2){ 1.998, 0.1 };
     w->path[1] = (vec2){ 1.98, 0.6 };
     w->def.n_obstacles = 1;
     w->def.dt = is_mixed ? 2.5e-5 : 5e-5;
     for (int k = 0; k < 32 * 44; k++)
-        helper_planar_add(w, 1.982 - 0.0237 * (k % 44), 0.11 + 0.0236 * (k / 44));
+        helper_disk_state_add(w, 1.982 - 0.0237 * (k % 44), 0.11 + 0.0236 * (k / 44));
     for (size_t k = 0; is_mixed && k < w->def.n_parts; k++)
         w->part_kinds[k] = k % 7 == 0;
     w->def.part_kinds = is_mixed ? w->part_kinds : NULL;
@@ -67,7 +67,7 @@ void helper_planar_crowd(helper_planar *w, bool is_mixed)
         w->def.n_kinds = 1;
 }
 
-void helper_planar_jam(helper_outflow *e, double angle_deg)
+void helper_disk_state_jam(helper_outflow *e, double angle_deg)
 {
     const double spacing = 0.97 * 2.0 * 0.012;
 
@@ -82,7 +82,7 @@ void helper_planar_jam(helper_outflow *e, double angle_deg)
     e->def.dt = 5e-5;
 }
 
-disk_state *helper_planar_start(const micro_def *def)
+disk_state *helper_disk_state_start(const micro_def *def)
 {
     void *s = NULL;
 
@@ -90,26 +90,26 @@ disk_state *helper_planar_start(const micro_def *def)
     return s;
 }
 
-void helper_planar_end(disk_state *s)
+void helper_disk_state_end(disk_state *s)
 {
     micro__disk.destroy(s);
 }
 
-disk *helper_planar_row(disk_state *s, size_t number)
+disk *helper_disk_state_row(disk_state *s, size_t number)
 {
     return &s->now[s->slot_of[number]];
 }
 
-void helper_planar_push(disk_state *s, size_t k, double vx, double vy, double spin)
+void helper_disk_state_push(disk_state *s, size_t k, double vx, double vy, double spin)
 {
-    disk *row = helper_planar_row(s, k);
+    disk *row = helper_disk_state_row(s, k);
 
     row->vx = vx;
     row->vy = vy;
     row->spin = spin;
 }
 
-void helper_planar_advance(disk_state *s, uint64_t n)
+void helper_disk_state_advance(disk_state *s, uint64_t n)
 {
     BF_CHECK(micro__disk.advance(s, n, NULL) == BF_OK);
 }

@@ -1,4 +1,4 @@
-#include "tests/unit/core/helper_spatial.h"
+#include "tests/unit/core/helper_body.h"
 
 #include "core/base/check.h"
 #include "core/base/digest.h"
@@ -6,19 +6,19 @@
 #include <math.h>
 #include <stdio.h>
 
-scene_shape helper_spatial_box(double length, double width, double height)
+scene_shape helper_body_box(double length, double width, double height)
 {
     return (scene_shape){ .type = SCENE_BOX, .length = length, .width = width, .height = height };
 }
 
-scene_shape helper_spatial_cylinder(double radius, double height)
+scene_shape helper_body_cylinder(double radius, double height)
 {
     return (scene_shape){ .type = SCENE_CYLINDER, .radius = radius, .height = height };
 }
 
-void helper_spatial_init(helper_spatial *h, scene_shape shape)
+void helper_body_init(helper_body *h, scene_shape shape)
 {
-    *h = (helper_spatial){ .def = micro_def_default() };
+    *h = (helper_body){ .def = micro_def_default() };
     h->def.domain = (scene_rect){ -1.0, 1.0, -1.0, 1.0 };
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         h->def.edges[side] = SCENE_EDGE_OUTFLOW;
@@ -32,18 +32,18 @@ void helper_spatial_init(helper_spatial *h, scene_shape shape)
     h->def.n_kinds = h->def.n_parts = 1;
     h->belts[0].velocity = h->belts[1].velocity = (vec2){ 0.395, 0.0 };
     h->obstacle = (scene_obstacle){ .n_points = 2, .path = h->path, .thickness = 0.005 };
-    for (size_t k = 0; k < HELPER_SPATIAL_KINDS; k++)
+    for (size_t k = 0; k < HELPER_BODY_KINDS; k++)
         h->kinds[k] = (micro_kind){ shape, { 210e9, 0.28 }, 0.03, 0.008 };
 }
 
-void helper_spatial_jam(helper_spatial *h)
+void helper_body_jam(helper_body *h)
 {
     static double wedge[4][3] = {
         { -0.008, -0.008, 0.0 }, { 0.01, -0.008, 0.0 }, { 0.0, 0.012, 0.0 }, { 0.0, 0.0, 0.015 }
     };
 
-    helper_spatial_init(h, helper_spatial_box(0.022, 0.018, 0.012));
-    h->kinds[1].shape = helper_spatial_cylinder(0.01, 0.012);
+    helper_body_init(h, helper_body_box(0.022, 0.018, 0.012));
+    h->kinds[1].shape = helper_body_cylinder(0.01, 0.012);
     h->kinds[2].shape = (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = wedge };
     h->def.n_kinds = 3;
     h->def.n_parts = 36;
@@ -58,9 +58,9 @@ void helper_spatial_jam(helper_spatial *h)
     }
 }
 
-void helper_spatial_passage(helper_spatial *h, scene_shape shape)
+void helper_body_passage(helper_body *h, scene_shape shape)
 {
-    helper_spatial_init(h, shape);
+    helper_body_init(h, shape);
     h->def.n_belts = h->def.n_obstacles = 1;
     h->def.n_parts = 60;
     h->def.damping = 0.1;
@@ -73,7 +73,7 @@ void helper_spatial_passage(helper_spatial *h, scene_shape shape)
                                     0.04 + 0.0212 * (k / 6), 0.0 };
 }
 
-void helper_spatial_curve(const micro_def *def, double every, int n_samples, double *ret_count)
+void helper_body_curve(const micro_def *def, double every, int n_samples, double *ret_count)
 {
     micro_solver *s = NULL;
 
@@ -88,7 +88,7 @@ void helper_spatial_curve(const micro_def *def, double every, int n_samples, dou
     micro_destroy(s);
 }
 
-double helper_spatial_gap(const double *a, const double *b, int n_samples)
+double helper_body_gap(const double *a, const double *b, int n_samples)
 {
     double sum = 0.0;
 
@@ -97,7 +97,7 @@ double helper_spatial_gap(const double *a, const double *b, int n_samples)
     return sum / n_samples;
 }
 
-body_state *helper_spatial_start(const helper_spatial *h)
+body_state *helper_body_start(const helper_body *h)
 {
     void *state = NULL;
     bf_error err = { .code = BF_OK };
@@ -109,7 +109,7 @@ body_state *helper_spatial_start(const helper_spatial *h)
     return state;
 }
 
-void helper_spatial_run(body_state *s, double time)
+void helper_body_run(body_state *s, double time)
 {
     bf_error err = { .code = BF_OK };
 
@@ -119,7 +119,7 @@ void helper_spatial_run(body_state *s, double time)
     BF_CHECK(status == BF_OK);
 }
 
-void helper_spatial_tilt(body_state *s, size_t k, vec3 axis, double angle, double height)
+void helper_body_tilt(body_state *s, size_t k, vec3 axis, double angle, double height)
 {
     body_body *body = &s->bodies[k];
     const hull *shape = &s->kinds[body->kind].shape;
@@ -132,7 +132,7 @@ void helper_spatial_tilt(body_state *s, size_t k, vec3 axis, double angle, doubl
     body->x.z = height - mat3_apply(&body->r, hull_vertex(shape, lowest)).z;
 }
 
-double helper_spatial_energy(const body_state *s)
+double helper_body_energy(const body_state *s)
 {
     double sum = body__measure(s).kinetic_energy;
 
@@ -141,7 +141,7 @@ double helper_spatial_energy(const body_state *s)
     return sum;
 }
 
-vec3 helper_spatial_momentum(const body_state *s)
+vec3 helper_body_momentum(const body_state *s)
 {
     vec3 sum = { 0.0, 0.0, 0.0 };
 
@@ -150,7 +150,7 @@ vec3 helper_spatial_momentum(const body_state *s)
     return sum;
 }
 
-vec3 helper_spatial_angular_momentum(const body_state *s)
+vec3 helper_body_angular_momentum(const body_state *s)
 {
     vec3 sum = { 0.0, 0.0, 0.0 };
 
@@ -165,7 +165,7 @@ vec3 helper_spatial_angular_momentum(const body_state *s)
     return sum;
 }
 
-uint64_t helper_spatial_digest(const body_state *s)
+uint64_t helper_body_digest(const body_state *s)
 {
     uint64_t digest = DIGEST_START;
 
@@ -179,7 +179,7 @@ uint64_t helper_spatial_digest(const body_state *s)
     return digest;
 }
 
-double helper_spatial_stored(const body_state *s)
+double helper_body_stored(const body_state *s)
 {
     const body_body *body = &s->bodies[0];
     const body_kind *kind = &s->kinds[body->kind];
