@@ -149,7 +149,7 @@ typedef struct api_snapshot_list {
     bf_buffer items; ///< n api_snapshot
 } api_snapshot_list;
 
-/// Kinds of events; the words stand in streams.
+/// Kinds of events with their words in streams.
 #define API_EVENT_LIST(X)                                                                          \
     X(API_EVENT_STATUS, "status")                                                                  \
     X(API_EVENT_PROGRESS, "progress")                                                              \
@@ -167,8 +167,8 @@ typedef enum api_event_type {
 
 /// One stored event.
 typedef struct api_event {
-    uint64_t id;           ///< rises over all runs of a store, never reused
-    char run[API_ID_SIZE]; ///< whose
+    uint64_t id;           ///< rising over all runs of a store, never reused
+    char run[API_ID_SIZE]; ///< of this run
     api_event_type type;   ///< kind
     uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index
     size_t n;              ///< bytes of data
@@ -181,9 +181,9 @@ typedef bf_status api_event_fn(void *context, const api_event *event, bf_error *
 /// The table. context is given to every function.
 typedef struct api_services {
     void *context; ///< first argument of every function
-    /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the
-    /// caller's. BF_EBUSY: the queue is full; BF_ELIMIT: the client's share of it is; BF_EINPUT: the
-    /// key was used with another body; BF_ECONFLICT: a submission with the key is under way.
+    /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
+    /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
+    /// with it is under way; BF_ELIMIT: the client's quota is used up; BF_EBUSY: the queue is full.
     bf_status (*submit)(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);

@@ -62,7 +62,7 @@ static int read_quality(const char *text, size_t n)
     return quality <= 1000 ? quality : -1;
 }
 
-// Reads the parameters behind a range for its q; false if they cannot be read.
+// Reads the parameters of a range for its q; false if they cannot be read.
 static bool read_params(const char **text, media_range *range)
 {
     const char *p = skip_spaces(*text);
@@ -123,7 +123,7 @@ static int specificity(const media_range *range, const char *offer)
                : 0;
 }
 
-// What the header thinks of one offer, in thousandths; 0 is not acceptable.
+// The q-value that the header gives one offer, in thousandths; 0: not acceptable.
 static int offer_quality(const char *header, const char *offer)
 {
     int quality = 0, best = 0;

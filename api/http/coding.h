@@ -1,14 +1,14 @@
 /// Content codings (RFC 9110, 8.4.1) and the choice between them by Accept-Encoding (12.5.3).
 ///
-/// A representation that is encoded is another one than the plain one, so it has an entity tag of its
-/// own: that of the plain one, a dash and the coding's word.
+/// An encoded representation differs from the plain one, so it has an entity tag of its own: that of the
+/// plain one, a dash and the coding's word.
 
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Coding, its word. The first one is preferred where a client likes several as much.
+/// Coding, its word. The first one is preferred among those with the same q-value.
 #define CODING_LIST(X)                                                                             \
     X(CODING_ZSTD, "zstd")                                                                         \
     X(CODING_GZIP, "gzip")                                                                         \
@@ -27,15 +27,14 @@ enum { CODING_TAG_SIZE = 128 }; ///< bytes of an entity tag without quotes, with
 /// The word of a coding. Never NULL.
 const char *coding_word(coding c);
 
-/// What a client thinks of a coding, in thousandths; 0 is not acceptable. Where the header does not
-/// speak of it, identity is acceptable but least liked, any other is not. header NULL or "": identity
-/// only.
+/// The q-value of a coding in Accept-Encoding, in thousandths; 0: not acceptable. Where the header does
+/// not mention it, identity has the lowest q-value above 0, any other 0. header NULL or "": identity only.
 int coding_quality(const char *header, coding c);
 
-/// The coding among offers that the client likes most, the first of those it likes as much; -1 if it
-/// accepts none of them.
+/// The coding among offers with the highest q-value, the first one of those with the same; -1 if none is
+/// acceptable.
 int coding_choose(const char *header, const coding *offers, size_t n_offers);
 
-/// Write the entity tag (without quotes, CODING_TAG_SIZE bytes) that a representation with this tag
-/// has when it is encoded; too long a tag is a bug.
+/// Write the entity tag (without quotes, CODING_TAG_SIZE bytes) of the encoded form of a representation
+/// with this tag; too long a tag is a bug.
 void coding_tag(const char *tag, coding c, char *ret_tag);

@@ -1,4 +1,4 @@
-// The service itself: ready scenarios, liveness, readiness, figures, version.
+// The service itself: examples, liveness, readiness, metrics, version, the OpenAPI document.
 
 #include "api/http/http_priv.h"
 #include "api/json/json_out.h"

@@ -1,4 +1,4 @@
-// What a run has given so far: scenario, summary, curve, snapshots, parts, all of them in one archive, and
+// The results of a run so far: scenario, summary, curve, snapshots, parts, all of them in one archive, and
 // the stream of its events.
 
 #include "api/http/http_priv.h"
@@ -69,9 +69,9 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
     return status;
 }
 
-// How a picture is wanted.
+// The parameters of a picture.
 typedef struct picture_query {
-    uint64_t width; // pixels; 0: as it comes out well
+    uint64_t width; // pixels; 0: chosen by picture_layout()
     double top;
     const colormap *map;
 } picture_query;
@@ -288,7 +288,7 @@ bf_status handlers_results_archive(exchange *x, bf_error *err)
                                 x->services, &x->response->source, err);
 }
 
-// A browser that reconnects sends the header; the address that it was given stays as it was.
+// The header counts more: a browser that reconnects sends it, with the URL unchanged.
 static bf_status read_last_event(exchange *x, uint64_t *ret_id, bf_error *err)
 {
     const char *last = exchange__header(x, "Last-Event-ID");
@@ -317,7 +317,7 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
     if (status != BF_OK)
         return status;
     if (cursor.n_open == 0) {
-        response->status = 204; // tells a browser not to come back
+        response->status = 204; // tells a browser not to reconnect
         return BF_OK;
     }
     api_response_header(response, "X-Accel-Buffering", "no");

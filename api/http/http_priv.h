@@ -105,7 +105,7 @@ void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, b
 /// The same for the end of the run where the client prefers it (`Prefer: wait=N`).
 void exchange__prefer_long_poll(exchange *x, const api_run *record);
 
-/// Runs: accept, list, show, stop, remove; and what accepting would say.
+/// Runs: accept, validate, list, show, stop, remove.
 route_handler_fn handlers_runs_submit;
 route_handler_fn handlers_runs_validate;
 route_handler_fn handlers_runs_list;
@@ -113,7 +113,7 @@ route_handler_fn handlers_runs_show;
 route_handler_fn handlers_runs_cancel;
 route_handler_fn handlers_runs_remove;
 
-/// What a run has given so far.
+/// The results of a run so far.
 route_handler_fn handlers_results_scenario;
 route_handler_fn handlers_results_summary;
 route_handler_fn handlers_results_curve;
@@ -139,7 +139,7 @@ route_handler_fn handlers_measurements_list;
 route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
 
-/// Runs and measurements against each other.
+/// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;
 
 /// The service itself.

@@ -8,8 +8,8 @@
 #include <stddef.h>
 
 /// Format, word, media type that Accept asks for, Content-Type. The first row of a format is the one
-/// that ?format= gives. Neither IANA nor VTK has media types for .vti and .vtp; they are no XML, either,
-/// with raw bytes in them.
+/// that ?format= gives. There are no registered media types for .vti and .vtp; they are not XML either,
+/// as they contain raw bytes.
 #define MEDIA_LIST(X)                                                                              \
     X(MEDIA_JSON, "json", "application/json", "application/json")                                  \
     X(MEDIA_CSV, "csv", "text/csv", "text/csv; charset=utf-8")                                     \

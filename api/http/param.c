@@ -83,7 +83,7 @@ static bf_status read_whole(const param *row, const char *text, param_value *ret
     return BF_OK;
 }
 
-// A type of its own has its own bounds.
+// The schema of a named type has the bounds.
 static void write_whole_bounds(const param *row, json_out *w)
 {
     if (row->type != NULL)

@@ -11,7 +11,7 @@
 
 /// True if If-None-Match names the state: `*`, or by weak comparison the tag of the plain or of an
 /// encoded form that the client accepts (accept_encoding may be NULL). *ret_tag (CODING_TAG_SIZE
-/// bytes) is then the tag that the client knows it by.
+/// bytes) is then the tag that the client has sent.
 bool precondition_match_etag(const char *if_none_match, const char *tag,
                              const char *accept_encoding, char *ret_tag);
 

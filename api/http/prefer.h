@@ -5,5 +5,5 @@
 #include <stdbool.h>
 
 /// The seconds of `wait=N`; true if it is there and can be read. The first one counts, more than
-/// UINT_MAX is UINT_MAX, preferences that are not known are passed over. header may be NULL.
+/// UINT_MAX is UINT_MAX, unknown preferences are ignored. header may be NULL.
 bool prefer_wait(const char *header, unsigned *ret_seconds);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { RETRY_AFTER_S = 5 }; // for what is full or stopping at the moment
+enum { RETRY_AFTER_S = 5 }; // where something is full, or the daemon is stopping
 
 static const problem_kind kinds[] = {
 #define X(status, word, title, headers, codes, when) { status, word, title, headers, codes, when },
@@ -41,7 +41,7 @@ int problem_status(bf_status code)
     return 500;
 }
 
-// A decoded path is made a URI reference again.
+// Percent-encodes a path, for a URI reference.
 static void encode_path(const char *path, char *ret_text, size_t size)
 {
     static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
@@ -153,7 +153,7 @@ void api_problem_identify(api_response *response, const char *request_id)
     json_out_object_end(&w);
     if (json_out_status(&w, NULL) == BF_OK)
         return;
-    // Room for the bracket that stood there before needs no memory.
+    // The bracket that was there before needs no more memory.
     buffer_truncate(body, n - 1);
     BF_CHECK(buffer_append(body, "}", 1) == BF_OK);
 }

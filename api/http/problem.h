@@ -1,4 +1,4 @@
-/// Problem documents (RFC 9457): the kinds that there are, and what writes them.
+/// Problem documents (RFC 9457): the table of kinds, and the writer.
 
 #pragma once
 

@@ -28,7 +28,7 @@ typedef struct query {
     char text[QUERY_SIZE];                ///< decoded names and values, each with a terminator
 } query;
 
-/// Parse text, the part after the '?'. A '+' is a space; empty pairs ("a=1&&b=2") are passed over.
+/// Parse text, the part after the '?'. A '+' is a space; empty pairs ("a=1&&b=2") are ignored.
 /// BF_EINPUT: a broken %XX, a control byte, an empty name or one given twice; BF_ELIMIT: too long or
 /// too many. The text names the parameter.
 BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error *err);
@@ -36,7 +36,7 @@ BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error
 /// The value of a parameter, or NULL if it was not given.
 const char *query_value(const query *q, const char *name);
 
-/// Check a query against the parameters that a route has (NULL behind the last one): it has no other
+/// Check a query against the parameters that a route has (ended by NULL): it has no other
 /// one, each value is one of its kind, and what is required is there. Errors as of param_kind.
 BF_MUST_CHECK bf_status query_check(const query *q, const param *const *params, bf_error *err);
 

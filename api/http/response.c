@@ -1,4 +1,4 @@
-// Responses: their headers, and their end.
+// Responses: headers and clean-up.
 
 #include "api/http/exchange.h"
 

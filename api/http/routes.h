@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 enum {
-    ROUTES_ANSWERS_MAX = 3, ///< answers of a route that are no refusals
+    ROUTES_ANSWERS_MAX = 3, ///< answers of a route that are not refusals
     ROUTES_PARAMS_MAX = 2,  ///< parameters in a path template
     ROUTES_PARAM_SIZE = 65, ///< bytes of a parameter's value with its terminator
     ROUTES_ALLOW_SIZE = 64, ///< bytes of an Allow header's value with its terminator
@@ -25,12 +25,12 @@ typedef bf_status route_handler_fn(exchange *x, bf_error *err);
 
 /// What a client has to be allowed to do.
 typedef enum route_scope {
-    ROUTE_OPEN,  ///< nothing: tells nothing of the runs
+    ROUTE_OPEN,  ///< nothing: the answer is the same for everyone
     ROUTE_READ,  ///< read runs and results
     ROUTE_WRITE, ///< submit, change and remove them
 } route_scope;
 
-/// An answer that is no problem document.
+/// An answer that is not a problem document.
 typedef struct route_answer {
     int status;          ///< HTTP status; 0: no answer
     const char *schema;  ///< schema of the body as JSON; NULL: no body, or no JSON
@@ -48,7 +48,7 @@ typedef struct route {
     api_cost text_cost;         ///< or of one as JSON or CSV, if that is more
     route_scope scope;          ///< what it is for
     const char *formats;        ///< formats that it answers in, words of media.h, the default first
-    const param *const *params; ///< of path, query and header, NULL behind the last one
+    const param *const *params; ///< of path, query and header, ended by NULL
     const char *id;             ///< operationId, for programs that are made from the document
     const char *tag;            ///< under which the document lists it
     const char *summary;        ///< what it does, one line

@@ -54,7 +54,7 @@ bf_status stream_begin(const api_services *services, stream_format format, bool 
     return BF_OK;
 }
 
-// An event without what closes it.
+// Appends an event without its closing bytes; n bytes of data.
 static bf_status append_open_event(const stream_cursor *cursor, const api_event *event, size_t n,
                                    bf_buffer *out)
 {
@@ -74,8 +74,8 @@ static bf_status append_close(stream_format format, bf_buffer *out)
     return format == STREAM_SSE ? buffer_append(out, "\n\n", 2) : buffer_append(out, "}\n", 2);
 }
 
-// An inline snapshot is left open and stops the reading: its grid is read when the store is free
-// again, since a read within a read would hold two of the store's statements.
+// An inline snapshot is left open and stops the reading: its grid is read after read_events() has
+// returned, as a read within a read would hold two readers of the store.
 static bf_status take_event(void *context, const api_event *event, bf_error *err)
 {
     batch *b = context;

@@ -15,18 +15,15 @@ static const char description[] =
     "get past it, by a macroscopic model (density) and a microscopic one (every part).\n\n"
     "Submit a scenario with `POST /v1/runs`, follow it with its `events` or poll it until its "
     "`status` is `succeeded`, `failed` or `cancelled`, and read its curve, snapshots and summary; "
-    "they are there while it is solved, too. A ready scenario of `/v1/examples` is a good "
+    "they can be read while it is solved, too. The scenarios of `/v1/examples` are a good "
     "start.\n\n"
-    "Units are SI and stand at the end of each name: `_s`, `_m`, `_m_s`, `_per_m2`. A member that "
-    "is not known is refused, with the name that is most like it. Numbers in answers read back to "
+    "Units are SI and are the last part of each name: `_s`, `_m`, `_m_s`, `_per_m2`. A member that "
+    "is not known is refused, with the most similar name. Numbers in answers read back to "
     "the same bits; what is not known is null.\n\n"
     "HEAD is answered wherever GET is, and OPTIONS on every path with `Allow`. A format is chosen "
-    "by "
-    "`?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
-    "problem "
-    "documents (RFC 9457). There is no authentication: where others can reach the daemon, it "
-    "belongs "
-    "behind a proxy.";
+    "by `?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
+    "problem documents (RFC 9457). There is no authentication: where others can reach the daemon, "
+    "it belongs behind a proxy.";
 
 static const struct {
     const char *name;
@@ -69,7 +66,7 @@ static const char *model_word(int model)
     return run_model_words[model];
 }
 
-// BF_OK is no failure.
+// BF_OK is not a failure.
 static const char *failure_word(int index)
 {
     return bf_status_word((bf_status)(index + 1));
