@@ -1,7 +1,7 @@
-/// Signs of life of a thread: the watchdog asks, and the thread answers in its next turn. A thread that hangs
-/// does not. Without a watchdog no thread is woken for it.
+/// Checks whether a thread is alive: another thread asks, and the thread answers in its next turn. One that
+/// hangs does not. A thread does not answer unasked, so an idle one sleeps.
 ///
-/// Threads  any. Whoever asks also wakes the thread, in the thread's own way.
+/// Threads  any. Who asks also wakes the thread, in the thread's own way.
 
 #pragma once
 
@@ -9,26 +9,26 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/// The pulse of one thread, or of a group of which one must live. Zero-initialise.
-typedef struct pulse {
+/// Questions to one thread, or to a group of which one must live. Zero-initialise.
+typedef struct liveness {
     _Atomic uint64_t n_asked;    ///< questions
     _Atomic uint64_t n_answered; ///< the last of them that was answered
-} pulse;
+} liveness;
 
 /// Ask.
-static inline void pulse_ask(pulse *p)
+static inline void liveness_ask(liveness *l)
 {
-    (void)atomic_fetch_add(&p->n_asked, 1);
+    (void)atomic_fetch_add(&l->n_asked, 1);
 }
 
-/// True if there is something to be answered.
-static inline bool pulse_is_asked(const pulse *p)
+/// True if there is a question without an answer.
+static inline bool liveness_is_asked(const liveness *l)
 {
-    return atomic_load(&p->n_answered) != atomic_load(&p->n_asked);
+    return atomic_load(&l->n_answered) != atomic_load(&l->n_asked);
 }
 
-/// Answer all that was asked.
-static inline void pulse_answer(pulse *p)
+/// Answer all questions.
+static inline void liveness_answer(liveness *l)
 {
-    atomic_store(&p->n_answered, atomic_load(&p->n_asked));
+    atomic_store(&l->n_answered, atomic_load(&l->n_asked));
 }

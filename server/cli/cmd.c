@@ -25,19 +25,19 @@ static void print_faults(const char *command, const bf_faults *faults)
                 faults->n - faults_kept(faults));
 }
 
-static bf_status read_scenario(const char *path, run_model model, scene *ret_scene,
-                               bf_faults *faults, bf_error *err)
+static bf_status read_scenario(const cmd_subject *subject, scene *ret_scene, bf_faults *faults,
+                               bf_error *err)
 {
     bf_buffer document = { 0 };
     scene s;
 
-    bf_status status = file_io_read(path, NULL, SCENARIO_BYTES_MAX, &document, err);
+    bf_status status = file_io_read(subject->scenario, NULL, SCENARIO_BYTES_MAX, &document, err);
     if (status == BF_OK)
         status = scenario_read(document.bytes, document.n, &s, faults, err);
     buffer_fini(&document);
     if (status != BF_OK)
         return status;
-    run_check(&s, model, faults);
+    run_check(&s, subject->model, faults);
     status = faults_status(faults, err);
     if (status == BF_OK)
         *ret_scene = s;
@@ -46,13 +46,13 @@ static bf_status read_scenario(const char *path, run_model model, scene *ret_sce
     return status;
 }
 
-cmd_exit cmd_read_scenario(const char *command, const char *path, run_model model, scene *ret_scene)
+cmd_exit cmd_read_scenario(const char *command, const cmd_subject *subject, scene *ret_scene)
 {
     bf_faults faults = { 0 };
     bf_error err = { 0 };
     cmd_exit code = CMD_DONE;
 
-    bf_status status = read_scenario(path, model, ret_scene, &faults, &err);
+    bf_status status = read_scenario(subject, ret_scene, &faults, &err);
     if (faults.n > 0) {
         print_faults(command, &faults);
         code = CMD_BAD_INPUT;
@@ -62,7 +62,7 @@ cmd_exit cmd_read_scenario(const char *command, const char *path, run_model mode
     return code;
 }
 
-run_model cmd_take_model(const char *word, const struct argp_state *state)
+static run_model find_model(const char *word, const struct argp_state *state)
 {
     for (int model = 0; run_model_words[model] != NULL; model++) {
         if (strcmp(word, run_model_words[model]) == 0 && run_model_is_available((run_model)model))
@@ -71,6 +71,26 @@ run_model cmd_take_model(const char *word, const struct argp_state *state)
     argp_failure(state, CMD_BAD_INPUT, 0, "there is no model '%s'; there are macro and micro",
                  word);
     return RUN_MACRO;
+}
+
+int cmd_take_subject(int key, const char *argument, const struct argp_state *state,
+                     cmd_subject *subject)
+{
+    switch (key) {
+    case CMD_KEY_MODEL:
+        subject->model = find_model(argument, state);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (state->arg_num > 0)
+            argp_usage(state);
+        subject->scenario = argument;
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_usage(state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
 }
 
 bf_status cmd_read_curve(const char *path, const char *column, cmd_curve *ret_curve, bf_error *err)

@@ -35,13 +35,22 @@ int cmd_worker(int argc, char **argv);
 /// "<command>: <text>". Returns the exit code for it.
 cmd_exit cmd_fail(const char *command, const bf_error *err);
 
-/// Read the scenario at path ("-": standard input) and check it for the model. CMD_DONE: *ret_scene is
-/// the caller's, scene_fini(). Else its faults were printed, one "<pointer>: <text>" a line.
-cmd_exit cmd_read_scenario(const char *command, const char *path, run_model model,
-                           scene *ret_scene);
+/// The scenario that a command is about, and the model for it.
+typedef struct cmd_subject {
+    const char *scenario; ///< path; "-": standard input
+    run_model model;      ///< to solve it with, or to check it for
+} cmd_subject;
 
-/// The model of a word given on the command line; what is none ends the program with usage.
-run_model cmd_take_model(const char *word, const struct argp_state *state);
+enum { CMD_KEY_MODEL = 'm' }; ///< of the option --model
+
+/// Take --model or the path of the scenario from the command line, for a parser of argp; what is wrong, also a
+/// missing path, ends the program with usage. ARGP_ERR_UNKNOWN: key is of neither.
+int cmd_take_subject(int key, const char *argument, const struct argp_state *state,
+                     cmd_subject *subject);
+
+/// Read the scenario and check it for the model. CMD_DONE: *ret_scene is
+/// the caller's, scene_fini(). Else its faults were printed, one "<pointer>: <text>" a line.
+cmd_exit cmd_read_scenario(const char *command, const cmd_subject *subject, scene *ret_scene);
 
 /// A curve read from a CSV file or from curve.csv of a results directory.
 typedef struct cmd_curve {

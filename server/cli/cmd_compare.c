@@ -17,7 +17,7 @@ typedef struct compare_arguments {
     bool is_json;
 } compare_arguments;
 
-// What is told of a curve.
+// What is printed of a curve.
 typedef struct compare_result {
     compare_figures figures;
     compare_measures measures; // against the reference; all NAN for itself

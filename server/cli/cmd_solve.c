@@ -15,16 +15,15 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { REPORT_MS = 100, THREADS_MAX = 256, KEY_MODEL = 'm', KEY_OUT = 'o', KEY_THREADS = 'j' };
+enum { REPORT_MS = 100, THREADS_MAX = 256, KEY_OUT = 'o', KEY_THREADS = 'j' };
 
 typedef struct solve_arguments {
-    const char *scenario;
+    cmd_subject subject;
     const char *out;
-    run_model model;
     int n_threads;
 } solve_arguments;
 
-// One solving: where its frames go and what they told.
+// One run being solved: where its frames go, and what is known from them.
 typedef struct solving {
     const solve_arguments *arguments;
     scene scene;
@@ -78,7 +77,8 @@ static bf_status execute(solving *s, bf_error *err)
     run *r = NULL;
     run_sink sink = { .context = s, .take = take_frame, .requested = wish };
 
-    bf_status status = run_create(&s->scene, s->arguments->model, s->arguments->n_threads, &r, err);
+    bf_status status =
+        run_create(&s->scene, s->arguments->subject.model, s->arguments->n_threads, &r, err);
     if (status == BF_OK)
         status = results_dir_open(s->arguments->out, s->columns.bytes, &s->results, err);
     if (status == BF_OK)
@@ -102,8 +102,8 @@ static bf_status finish(solving *s, bf_error *err)
 
     if (s->end.stopped)
         return results_dir_finish(s->results, NULL, 0, err);
-    bf_status status = results_summary(s->arguments->model, s->document.bytes, s->document.n,
-                                       &s->begin, &s->end, &timing, &summary, err);
+    bf_status status = results_summary(s->arguments->subject.model, s->document.bytes,
+                                       s->document.n, &s->begin, &s->end, &timing, &summary, err);
     if (status == BF_OK)
         status = results_dir_finish(s->results, summary.bytes, summary.n, err);
     buffer_fini(&summary);
@@ -131,7 +131,7 @@ static void print_result(const solving *s)
     size_t n_id = strcspn(s->columns.bytes, ",");
 
     printf("%s%s%s model, %g s in %llu steps%s\n", s->scene.name, s->scene.name[0] ? ": " : "",
-           run_model_words[s->arguments->model], e->t, (unsigned long long)e->n_steps,
+           run_model_words[s->arguments->subject.model], e->t, (unsigned long long)e->n_steps,
            e->stopped ? " (interrupted)" : "");
     printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
            s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
@@ -188,31 +188,23 @@ static error_t take_option(int key, char *argument, struct argp_state *state)
     solve_arguments *a = state->input;
 
     switch (key) {
-    case KEY_MODEL:
-        a->model = cmd_take_model(argument, state);
-        return 0;
     case KEY_OUT:
         a->out = argument;
         return 0;
     case KEY_THREADS:
         take_threads(a, argument, state);
         return 0;
-    case ARGP_KEY_ARG:
-        if (state->arg_num > 0)
-            argp_usage(state);
-        a->scenario = argument;
-        return 0;
     case ARGP_KEY_END:
-        if (a->scenario == NULL || a->out == NULL)
+        if (a->out == NULL)
             argp_usage(state);
         return 0;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return cmd_take_subject(key, argument, state, &a->subject);
     }
 }
 
 static const struct argp_option options[] = {
-    { "model", KEY_MODEL, "macro|micro", 0, "The model to solve (default macro)", 0 },
+    { "model", CMD_KEY_MODEL, "macro|micro", 0, "The model to solve (default macro)", 0 },
     { "out", KEY_OUT, "DIR", 0, "Where results go; created if missing", 0 },
     { "threads", KEY_THREADS, "N", 0, "Threads (default 1); results do not depend on it", 0 },
     { 0 },
@@ -230,11 +222,11 @@ static const struct argp parser = {
 
 int cmd_solve(int argc, char **argv)
 {
-    solve_arguments arguments = { .model = RUN_MACRO, .n_threads = 1 };
+    solve_arguments arguments = { .subject = { .model = RUN_MACRO }, .n_threads = 1 };
     solving s = { .arguments = &arguments };
 
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);
-    cmd_exit code = cmd_read_scenario(argv[0], arguments.scenario, arguments.model, &s.scene);
+    cmd_exit code = cmd_read_scenario(argv[0], &arguments.subject, &s.scene);
     if (code != CMD_DONE)
         return code;
     run_control_catch(SIGINT, RUN_CONTROL_CATCH_FIRST);

@@ -59,12 +59,12 @@ static bool flush_frames(working *w)
 static bf_status take_frame(void *context, const frame *f, bf_error *err)
 {
     working *w = context;
-    bool is_awaited = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
+    bool is_urgent = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
 
     bf_status status = frame_encode(f, &w->out, err);
     if (status != BF_OK)
         return status;
-    if ((is_awaited || w->out.n >= FLUSH_BYTES) && !flush_frames(w))
+    if ((is_urgent || w->out.n >= FLUSH_BYTES) && !flush_frames(w))
         return bf_fail(err, BF_ESYSTEM, "", "frames cannot be written: %s", strerror(errno));
     return BF_OK;
 }
@@ -93,8 +93,8 @@ static bf_status next_frame(const bf_buffer *in, frame_type type, frame *ret_fra
     return BF_OK;
 }
 
-// Go on from the checkpoint in *in, if there is one. One that does not fit (of another version) is
-// left aside: the run then starts from t = 0.
+// Resume from the checkpoint in *in, if there is one. One that does not fit (of another version) is
+// ignored: the run then starts from t = 0.
 static bf_status resume(run *r, bf_buffer *in, bf_error *err)
 {
     frame f = { .type = FRAME_RESUME };
@@ -163,8 +163,8 @@ static void set_limit(int resource, uint64_t soft, uint64_t hard)
         fprintf(stderr, "a limit cannot be set: %s\n", strerror(errno));
 }
 
-// The memory killer of the system is to choose this process, not the daemon.
-static void offer_to_memory_killer(void)
+// The out-of-memory killer is to choose this process, not the daemon.
+static void prefer_for_memory_killer(void)
 {
     FILE *file = fopen("/proc/self/oom_score_adj", "we");
 
@@ -185,7 +185,7 @@ static bool limit_process(const worker_arguments *a)
     if (a->cpu_s != 0)
         set_limit(RLIMIT_CPU, a->cpu_s, a->cpu_s + CPU_GRACE_S);
     set_limit(RLIMIT_CORE, 0, 0);
-    offer_to_memory_killer();
+    prefer_for_memory_killer();
     signal(SIGPIPE, SIG_IGN);
     run_control_catch(SIGTERM, RUN_CONTROL_CATCH_ALL);
     return true;
@@ -239,7 +239,7 @@ int cmd_worker(int argc, char **argv)
         // The error stands on stderr too, for when there is no memory left to make a frame of it.
         fprintf(stderr, "%s\n", failure.error.error.text);
         if (take_frame(&w, &failure, NULL) != BF_OK)
-            fputs("and nobody could be told\n", stderr);
+            fputs("the error frame could not be written\n", stderr);
     }
     buffer_fini(&w.out);
     return status == BF_OK ? CMD_DONE : CMD_FAILED;

@@ -206,7 +206,7 @@ static void *watch(void *context)
 
     lock_take(&h->lock);
     while (!h->watch_ends) {
-        pulse_answer(&h->watch_pulse);
+        liveness_answer(&h->watch_liveness);
         (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
     }
     lock_give(&h->lock);

@@ -128,7 +128,7 @@ struct http {
     bool watch_ends;                   ///< it shall not
     int64_t looked_ms;                 ///< when it last looked for disconnected clients
     pthread_t watch;                   ///< deadlines, heartbeats, disconnected clients
-    pulse watch_pulse;                 ///< of that thread
+    liveness watch_liveness;           ///< of that thread
     int probes[HTTP_PROBES_MAX];       ///< main's: connections to epoll threads; 0: none
     unsigned n_lingering;              ///< sockets in linger
     int linger_fds[HTTP_LINGER_MAX];   ///< sockets to be drained

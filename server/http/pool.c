@@ -37,7 +37,7 @@ struct http_pool {
     unsigned n;                   // request threads that were asked for
     bool is_turn_of_chunks;       // if requests and chunks wait
     bool is_stopping;             // nothing more is queued
-    pulse pulse;                  // of those that handle requests: one must live
+    liveness liveness;            // of those that handle requests: one must live
     unsigned n_threads;           // started
     pthread_t threads[];          // they
 };
@@ -83,7 +83,7 @@ static void give_sign_of_life(http_pool *p)
 {
     lock_assert_held(&p->lock);
     if (p->n_busy[LANE_REQUESTS] < p->n)
-        pulse_answer(&p->pulse);
+        liveness_answer(&p->liveness);
 }
 
 // The next request, waiting for one. *lane is that of the request that is done (N_LANES: none), then
@@ -193,10 +193,10 @@ void http__pool_push(http_pool *p, http_request *r)
 
 bool http__pool_is_alive(http_pool *p)
 {
-    bool is_alive = !pulse_is_asked(&p->pulse);
+    bool is_alive = !liveness_is_asked(&p->liveness);
 
     lock_take(&p->lock);
-    pulse_ask(&p->pulse);
+    liveness_ask(&p->liveness);
     lock_wake_all(&p->changed);
     lock_give(&p->lock);
     return is_alive;

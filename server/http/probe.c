@@ -82,10 +82,10 @@ static bool is_full(http *h)
 
 static bool is_watch_alive(http *h)
 {
-    bool is_alive = !pulse_is_asked(&h->watch_pulse);
+    bool is_alive = !liveness_is_asked(&h->watch_liveness);
 
     lock_take(&h->lock);
-    pulse_ask(&h->watch_pulse);
+    liveness_ask(&h->watch_liveness);
     lock_wake_all(&h->changed);
     lock_give(&h->lock);
     return is_alive;

@@ -261,7 +261,7 @@ static void *run_loop(void *context)
     supervisor__attach(s);
     supervisor__claim(s);
     while (!is_over(s, &grace_ms)) {
-        pulse_answer(&s->pulse);
+        liveness_answer(&s->liveness);
         read_stop_requests(s);
         for (size_t i = 0; i < s->n_tasks; i++)
             enforce_stop(s, s->tasks[i], grace_ms);
@@ -370,9 +370,9 @@ void supervisor_reconfigure(supervisor *s, const supervisor_options *options)
 
 bool supervisor_is_alive(supervisor *s)
 {
-    bool is_alive = !pulse_is_asked(&s->pulse);
+    bool is_alive = !liveness_is_asked(&s->liveness);
 
-    pulse_ask(&s->pulse);
+    liveness_ask(&s->liveness);
     supervisor__wake_loop(s);
     return is_alive;
 }

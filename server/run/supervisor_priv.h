@@ -140,7 +140,7 @@ struct supervisor {
     int64_t grace_ms;                    ///< with this
     bool has_new_options;                ///< the thread shall apply new_options
     supervisor_options new_options;      ///< see supervisor_reconfigure()
-    pulse pulse;                         ///< of the thread
+    liveness liveness;                   ///< of the thread
     supervisor__writers writers;         ///< their own
 };
 

@@ -87,10 +87,10 @@ void store_set_client_quota(store *s, size_t quota)
 
 bool store_is_alive(store *s)
 {
-    bool is_alive = !pulse_is_asked(&s->pulse);
+    bool is_alive = !liveness_is_asked(&s->liveness);
 
     lock_take(&s->lock);
-    pulse_ask(&s->pulse);
+    liveness_ask(&s->liveness);
     lock_wake_all(&s->writing.filled);
     lock_give(&s->lock);
     return is_alive;

@@ -110,7 +110,7 @@ struct store {
     store_stats stats;                ///< as counted last
     bool has_new_stats;               ///< something has changed since then
     int64_t count_at_ms;              ///< monotonic; they are not counted again before
-    pulse pulse;                      ///< of the store's thread
+    liveness liveness;                ///< of the store's thread
     store__write_test ready;          ///< the last one
 };
 

@@ -164,16 +164,17 @@ static int64_t due_ms(const store *s)
     return counts_first ? s->count_at_ms : s->turn.next_ms;
 }
 
-// Sleep until there are operations, the end, a question for the pulse, or something is due.
+// Sleep until there are operations, the end, a question of liveness, or something is due.
 static void wait_for_work(store *s)
 {
     const store__queue *queue = &s->writing;
     bool is_time = true;
 
     lock_assert_held(&s->lock);
-    while (is_time && queue->first == NULL && !queue->is_stopping && !pulse_is_asked(&s->pulse))
+    while (is_time && queue->first == NULL && !queue->is_stopping &&
+           !liveness_is_asked(&s->liveness))
         is_time = lock_wait(&s->writing.filled, &s->lock, due_ms(s));
-    pulse_answer(&s->pulse);
+    liveness_answer(&s->liveness);
 }
 
 static void do_group(store *s, store__operation *first)
