@@ -267,7 +267,7 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
 // Take what the job has sent, about SUPERVISOR_READ_BYTES at most.
 static bf_status read_output(supervisor__task *task, bf_error *err)
 {
-    executor *e = task->supervisor->options.executor;
+    executor *e = task->supervisor->executor;
     size_t n = 0, n_total = 0;
 
     do {

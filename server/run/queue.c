@@ -36,7 +36,7 @@ static bool retry_pending(supervisor *s)
         const supervisor__pending_update *update = &s->pending[s->n_pending - 1];
         store_ending ending = { .run_id = update->run_id, .state = update->state };
         api_run after;
-        bf_status status = store_finish(s->options.store, &ending, &after, NULL);
+        bf_status status = store_finish(s->store, &ending, &after, NULL);
         if (status != BF_OK && status != BF_ENOTFOUND && status != BF_ECONFLICT) {
             supervisor__backoff(s);
             return false;
@@ -151,9 +151,8 @@ static void attach_run(supervisor *s, const store_running *running)
     supervisor__task *task = supervisor__task_create(s);
     bf_error err = { 0 };
 
-    bf_status status = task == NULL
-                           ? bf_fail(&err, BF_ENOMEM, "", "no memory to take over a run")
-                           : store_read_job(s->options.store, running->id, &task->claimed, &err);
+    bf_status status = task == NULL ? bf_fail(&err, BF_ENOMEM, "", "no memory to take over a run")
+                                    : store_read_job(s->store, running->id, &task->claimed, &err);
     if (status == BF_OK)
         status = supervisor__task_start(task, running->external_id, &err);
     if (status == BF_OK) {
@@ -173,7 +172,7 @@ void supervisor__attach(supervisor *s)
     size_t n = 0;
     char quoted[LOG_QUOTED_SIZE];
 
-    if (store_list_running(s->options.store, SUPERVISOR_WORKERS_MAX, running, &n, &err) != BF_OK)
+    if (store_list_running(s->store, SUPERVISOR_WORKERS_MAX, running, &n, &err) != BF_OK)
         log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
     for (size_t i = 0; i < n; i++)
         attach_run(s, &running[i]);

@@ -56,7 +56,7 @@ static void read_stop_requests(supervisor *s)
     size_t n = 0;
 
     if (!take_may_stop(s) ||
-        store_list_running(s->options.store, SUPERVISOR_WORKERS_MAX, running, &n, NULL) != BF_OK)
+        store_list_running(s->store, SUPERVISOR_WORKERS_MAX, running, &n, NULL) != BF_OK)
         return;
     for (size_t i = 0; i < s->n_tasks; i++) {
         supervisor__task *task = s->tasks[i];
@@ -77,7 +77,7 @@ static void kill_by(supervisor__task *task, int64_t at_ms)
 // even that has no effect.
 static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms)
 {
-    executor *e = s->options.executor;
+    executor *e = s->executor;
     int64_t now_ms = clock_monotonic_ms();
 
     if (task->phase != SUPERVISOR_SOLVING)
@@ -196,7 +196,7 @@ static int find_timeout(const supervisor *s)
 
 static void wait_for_events(supervisor *s)
 {
-    executor *e = s->options.executor;
+    executor *e = s->executor;
     struct pollfd fds[] = { { .fd = s->wake_fd, .events = POLLIN },
                             { .fd = e->wake_fd, .events = POLLIN } };
     uint64_t n_wakes;
@@ -325,6 +325,8 @@ static supervisor *create_supervisor(const supervisor_options *options)
         memory_free(pending);
         return NULL;
     }
+    s->store = options->store;
+    s->executor = options->executor;
     s->options = complete(options);
     s->tasks = tasks;
     s->pending = pending;
@@ -361,8 +363,6 @@ void supervisor_reconfigure(supervisor *s, const supervisor_options *options)
 {
     lock_take(&s->lock);
     s->new_options = complete(options);
-    s->new_options.store = s->options.store;
-    s->new_options.executor = s->options.executor;
     s->has_new_options = true;
     lock_give(&s->lock);
     supervisor__wake_loop(s);

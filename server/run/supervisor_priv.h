@@ -124,6 +124,8 @@ typedef struct supervisor__pending_update {
 /// Threads  the thread owns everything but what stands under the lock. Others set flags under the lock
 ///          and make wake_fd readable.
 struct supervisor {
+    store *store;               ///< as it was given; never changes
+    executor *executor;         ///< as it was given; never changes
     supervisor_options options; ///< the thread's: what counts at the moment
     pthread_t thread;           ///< runs the loop
     int wake_fd;                ///< eventfd

@@ -24,7 +24,7 @@ supervisor__task *supervisor__task_create(supervisor *s)
 void supervisor__task_destroy(supervisor__task *task)
 {
     supervisor *s = task->supervisor;
-    executor *e = s->options.executor;
+    executor *e = s->executor;
 
     BF_CHECK(!task->write.is_pending);
     for (size_t i = 0; i < s->n_tasks; i++) {
@@ -43,7 +43,7 @@ void supervisor__task_destroy(supervisor__task *task)
 static bf_status start_job(supervisor__task *task, bf_error *err)
 {
     const supervisor_options *options = &task->supervisor->options;
-    executor *e = options->executor;
+    executor *e = task->supervisor->executor;
     const executor_work work = { .run_id = task->claimed.run.id,
                                  .model = task->claimed.run.model,
                                  .n_threads = options->n_threads,
@@ -59,7 +59,7 @@ static bf_status start_job(supervisor__task *task, bf_error *err)
 
 bf_status supervisor__task_start(supervisor__task *task, const char *external_id, bf_error *err)
 {
-    executor *e = task->supervisor->options.executor;
+    executor *e = task->supervisor->executor;
 
     bf_status status = external_id == NULL ? start_job(task, err)
                                            : e->functions->attach(e, external_id, &task->job, err);
@@ -84,7 +84,7 @@ double supervisor__wall_s(const supervisor__task *task)
 
 void supervisor__fail(supervisor__task *task, const bf_error *err)
 {
-    executor *e = task->supervisor->options.executor;
+    executor *e = task->supervisor->executor;
 
     if (!task->failed)
         task->error = *err;
@@ -175,7 +175,7 @@ static void log_end(const supervisor__task *task)
 
 bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
 {
-    store *s = task->supervisor->options.store;
+    store *s = task->supervisor->store;
     store_ending *ending = &task->ending;
     bf_buffer summary = { 0 };
     api_run after;

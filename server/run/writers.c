@@ -10,7 +10,7 @@
 
 static bf_status do_write(supervisor__task *task, bf_error *err)
 {
-    store *s = task->supervisor->options.store;
+    store *s = task->supervisor->store;
 
     switch (task->write.kind) {
     case SUPERVISOR_WRITE_CLAIM:
@@ -93,7 +93,7 @@ void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind
         enqueue(&s->writers, task);
         return;
     }
-    bf_status status = store_begin_append(s->options.store, &task->batch, set_done, task, &err);
+    bf_status status = store_begin_append(s->store, &task->batch, set_done, task, &err);
     if (status != BF_OK)
         set_done(task, status, &err);
 }
