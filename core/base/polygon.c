@@ -8,10 +8,10 @@ double polygon_segment_distance(vec2 at, vec2 start, vec2 end)
     vec2 along = vec2_sub(end, start);
     vec2 to = vec2_sub(at, start);
     double square = vec2_dot(along, along);
-    double share = square > 0.0 ? vec2_dot(to, along) / square : 0.0;
+    double fraction = square > 0.0 ? vec2_dot(to, along) / square : 0.0;
 
-    share = fmin(fmax(share, 0.0), 1.0);
-    return vec2_length(vec2_sub(to, vec2_scale(along, share)));
+    fraction = fmin(fmax(fraction, 0.0), 1.0);
+    return vec2_length(vec2_sub(to, vec2_scale(along, fraction)));
 }
 
 /// Distance of a point to the line through start and end, positive on the left.

@@ -366,7 +366,7 @@ static void check_cargo(const scene *s, bf_faults *faults)
 
 static void check_shapes(const scene *s, bf_faults *faults)
 {
-    double reach = 0.0, area = INFINITY;
+    double bounding_radius = 0.0, area = INFINITY;
     size_t n_before = faults->n;
     char room[BF_POINTER_SIZE], at[2 * BF_POINTER_SIZE];
 
@@ -379,14 +379,15 @@ static void check_shapes(const scene *s, bf_faults *faults)
     }
     for (size_t k = 0; k < s->n_cargo && faults->n == n_before; k++) {
         shape_footprint f = shape_footprint_of(&s->cargo[k].shape);
-        reach = fmax(reach, f.reach);
+        bounding_radius = fmax(bounding_radius, f.bounding_radius);
         area = fmin(area, f.area);
     }
-    if (faults->n == n_before && s->n_cargo > 1 && M_PI * reach * reach > UNLIKE_MAX * area)
+    if (faults->n == n_before && s->n_cargo > 1 &&
+        M_PI * bounding_radius * bounding_radius > UNLIKE_MAX * area)
         faults_add_limit(faults, "/cargo",
                          "kinds are too unlike in size: the disk about the largest has %g times "
                          "the area of the smallest, the limit is %g",
-                         M_PI * reach * reach / area, UNLIKE_MAX);
+                         M_PI * bounding_radius * bounding_radius / area, UNLIKE_MAX);
 }
 
 /// Note a length that is no whole number of cells, with the nearest cell edges that divide it.

@@ -14,11 +14,11 @@ typedef struct span {
     size_t end;
 } span;
 
-/// The cells of one axis whose centres lie within reach of a place.
-static span find_span(double lower, double d, size_t n, double at, double reach)
+/// The cells of one axis whose centres lie near a place.
+static span find_span(double lower, double d, size_t n, double at, double radius)
 {
-    double first = ceil((at - reach - lower) / d - 0.5);
-    double end = floor((at + reach - lower) / d - 0.5) + 1.0;
+    double first = ceil((at - radius - lower) / d - 0.5);
+    double end = floor((at + radius - lower) / d - 0.5) + 1.0;
 
     return (span){ (size_t)fmin(fmax(first, 0.0), (double)n),
                    (size_t)fmin(fmax(end, 0.0), (double)n) };
@@ -35,16 +35,16 @@ static void add_scaled(double *restrict row, const double *restrict weights, siz
 static void add_part(const bf_grid *g, double sigma0, double peak, scene_pose at, double *weights,
                      double *rho)
 {
-    double reach = sqrt(2.0 * CUT / sigma0);
-    span columns = find_span(g->lower1, g->d1, g->n1, at.x, reach);
-    span rows = find_span(g->lower2, g->d2, g->n2, at.y, reach);
+    double radius = sqrt(2.0 * CUT / sigma0);
+    span columns = find_span(g->lower1, g->d1, g->n1, at.x, radius);
+    span rows = find_span(g->lower2, g->d2, g->n2, at.y, radius);
 
     for (size_t i = columns.first; i < columns.end; i++) {
         double off = grid_x1(g, i) - at.x;
         weights[i] = exp(-0.5 * sigma0 * off * off);
     }
     for (size_t j = rows.first; j < rows.end; j++) {
-        double off = grid_x2(g, j) - at.y, left = reach * reach - off * off;
+        double off = grid_x2(g, j) - at.y, left = radius * radius - off * off;
         span in_row = find_span(g->lower1, g->d1, g->n1, at.x, sqrt(fmax(left, 0.0)));
         if (in_row.first < in_row.end)
             add_scaled(rho + j * g->n1 + in_row.first, weights + in_row.first,

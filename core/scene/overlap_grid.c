@@ -16,7 +16,7 @@ bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footp
     overlap_grid c = { .footprints = footprints, .kinds = kinds, .poses = poses };
 
     for (size_t k = 0; k < n_kinds; k++)
-        c.cell = fmax(c.cell, 2.0 * footprints[k].reach);
+        c.cell = fmax(c.cell, 2.0 * footprints[k].bounding_radius);
     c.n_buckets = 16;
     while (c.n_buckets < 2 * n)
         c.n_buckets *= 2;
@@ -58,18 +58,18 @@ static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shap
     vec2 corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
     double distance = vec2_length((vec2){ b.x - a.x, b.y - a.y });
 
-    if (distance >= of_a->reach + of_b->reach - SCENE_TOLERANCE)
+    if (distance >= of_a->bounding_radius + of_b->bounding_radius - SCENE_TOLERANCE)
         return false;
     if (of_a->n_corners == 0 && of_b->n_corners == 0)
         return true;
     shape_place(of_a, a, corners_a);
     shape_place(of_b, b, corners_b);
     if (of_a->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ a.x, a.y }, of_a->reach, corners_b, of_b->n_corners,
-                                     SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ a.x, a.y }, of_a->bounding_radius, corners_b,
+                                     of_b->n_corners, SCENE_TOLERANCE);
     if (of_b->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ b.x, b.y }, of_b->reach, corners_a, of_a->n_corners,
-                                     SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ b.x, b.y }, of_b->bounding_radius, corners_a,
+                                     of_a->n_corners, SCENE_TOLERANCE);
     return polygon_overlaps(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
                             SCENE_TOLERANCE);
 }

@@ -25,7 +25,7 @@ static double find_support(const shape_footprint *footprint, scene_pose pose, ve
     double support = -INFINITY;
 
     if (footprint->n_corners == 0)
-        return footprint->reach;
+        return footprint->bounding_radius;
     shape_place(footprint, (scene_pose){ 0.0, 0.0, pose.heading }, corners);
     for (size_t k = 0; k < footprint->n_corners; k++)
         support = fmax(support, vec2_dot(corners[k], u));
@@ -104,27 +104,27 @@ static size_t fill_region(const scene *s, overlap_grid *c, scene_pose *ret_poses
     return n;
 }
 
-/// Largest share of a region that is worth a try. Random places jam near 0.55; few parts that reach
+/// Largest fraction of a region that is worth a try. Random places jam near 0.55; few parts that extend
 /// over a small region's border may do better.
 static double limit_cover(size_t n)
 {
     return n < 10000 ? 1.0 : 0.6;
 }
 
-/// Share of the region, with the margin that parts may reach over its border, that the parts cover.
+/// Fraction of the region, with the margin that parts may extend over its border, that the parts cover.
 static double measure_cover(const scene *s, const shape_footprint *footprints)
 {
     const scene_rect *region = &s->initial.region;
     size_t counts[SCENE_KINDS_MAX];
-    double reach = 0.0, area = 0.0;
+    double margin = 0.0, area = 0.0;
 
     mix_count(s, s->initial.n_random, counts);
     for (size_t k = 0; k < s->n_cargo; k++) {
-        reach = fmax(reach, 2.0 * footprints[k].reach);
+        margin = fmax(margin, 2.0 * footprints[k].bounding_radius);
         area += (double)counts[k] * footprints[k].area;
     }
     return area /
-           ((region->x_max - region->x_min + reach) * (region->y_max - region->y_min + reach));
+           ((region->x_max - region->x_min + margin) * (region->y_max - region->y_min + margin));
 }
 
 static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose *ret_poses,
@@ -235,7 +235,7 @@ static const char *point_at(const scene *s, size_t k, char *room)
     return room;
 }
 
-/// Note a part that reaches over a side of the domain. Returns true if it does not.
+/// Note a part that extends over a side of the domain. Returns true if it does not.
 static bool check_inside(overlap_findings *f, size_t k)
 {
     static const char *const words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
@@ -278,7 +278,7 @@ static bool check_free(overlap_findings *f, const overlap_grid *c, size_t k)
         faults_add(f->faults, pointer,
                    "part %zu at (%g, %g) m overlaps part %zu: they are %g m apart, the least is "
                    "%g m",
-                   k, at.x, at.y, other, distance, own->reach + its->reach);
+                   k, at.x, at.y, other, distance, own->bounding_radius + its->bounding_radius);
     else
         faults_add(f->faults, pointer, "part %zu at (%g, %g) m overlaps part %zu, %g m away", k,
                    at.x, at.y, other, distance);
@@ -315,7 +315,7 @@ typedef struct plate_findings {
     const scene *s;
     const scene_placement *p;
     shape_footprint footprints[SCENE_KINDS_MAX];
-    double reach; ///< of the part that reaches farthest, m
+    double bounding_radius; ///< of the largest part, m
     place *places;
     bf_faults *faults;
     size_t n_reported;
@@ -352,8 +352,8 @@ static bool is_overlapping(const plate_findings *f, size_t k, const piece *plate
     scene_pose at = f->p->poses[k];
 
     if (footprint->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->reach, plate->corners, 4,
-                                     SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->bounding_radius,
+                                     plate->corners, 4, SCENE_TOLERANCE);
     shape_place(footprint, at, corners);
     return polygon_overlaps(corners, footprint->n_corners, plate->corners, 4, SCENE_TOLERANCE);
 }
@@ -380,10 +380,10 @@ static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const
     char room[BF_POINTER_SIZE];
 
     for (int k = 0; k < 4; k++) {
-        box.x_min = fmin(box.x_min, plate->corners[k].x - f->reach);
-        box.x_max = fmax(box.x_max, plate->corners[k].x + f->reach);
-        box.y_min = fmin(box.y_min, plate->corners[k].y - f->reach);
-        box.y_max = fmax(box.y_max, plate->corners[k].y + f->reach);
+        box.x_min = fmin(box.x_min, plate->corners[k].x - f->bounding_radius);
+        box.x_max = fmax(box.x_max, plate->corners[k].x + f->bounding_radius);
+        box.y_min = fmin(box.y_min, plate->corners[k].y - f->bounding_radius);
+        box.y_max = fmax(box.y_max, plate->corners[k].y + f->bounding_radius);
     }
     for (size_t i = find_first(f, box.x_min);
          i < f->p->n && f->places[i].x <= box.x_max && f->n_reported < limit; i++) {
@@ -408,7 +408,7 @@ bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_fa
         return BF_ENOMEM;
     mix_footprints(s, f.footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
-        f.reach = fmax(f.reach, f.footprints[k].reach);
+        f.bounding_radius = fmax(f.bounding_radius, f.footprints[k].bounding_radius);
     for (uint32_t k = 0; k < p->n; k++)
         f.places[k] = (place){ p->poses[k].x, k };
     qsort(f.places, p->n, sizeof *f.places, compare_places);

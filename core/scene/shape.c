@@ -85,13 +85,13 @@ shape_footprint shape_footprint_of(const scene_shape *shape)
         f.n_corners = polygon_convex_hull(points, shape->n_vertices, f.corners);
         break;
     default:
-        f.reach = shape->radius;
+        f.bounding_radius = shape->radius;
         f.area = M_PI * shape->radius * shape->radius;
         return f;
     }
     f.area = polygon_area(f.corners, f.n_corners);
     for (size_t k = 0; k < f.n_corners; k++)
-        f.reach = fmax(f.reach, vec2_length(f.corners[k]));
+        f.bounding_radius = fmax(f.bounding_radius, vec2_length(f.corners[k]));
     return f;
 }
 
@@ -293,7 +293,7 @@ static void check_footprint(const checking *c)
         : c->shape->type == SCENE_HULL ? point_at(c, "vertices_m", room, sizeof room)
                                        : c->pointer;
     shape_footprint f = shape_footprint_of(c->shape);
-    double ratio = M_PI * f.reach * f.reach / f.area;
+    double ratio = M_PI * f.bounding_radius * f.bounding_radius / f.area;
 
     if (f.area < SCENE_LENGTH_MIN * SCENE_LENGTH_MIN)
         faults_add(c->faults, pointer, "is too small: %g m2 seen from above", f.area);

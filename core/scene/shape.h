@@ -11,7 +11,7 @@
 typedef struct shape_footprint {
     size_t n_corners;                     ///< 0: a disk
     vec2 corners[SCENE_VERTICES_MAX + 1]; ///< of a convex polygon, counter-clockwise, m
-    double reach;                         ///< from the origin to the farthest point, m
+    double bounding_radius;               ///< from the origin to the farthest point, m
     double area;                          ///< m2
 } shape_footprint;
 

@@ -216,7 +216,8 @@ static bool is_overlapping(const shape_footprint *f, scene_pose a, scene_pose b)
     vec2 corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
 
     if (f->n_corners == 0)
-        return vec2_length((vec2){ a.x - b.x, a.y - b.y }) < 2.0 * f->reach - SCENE_TOLERANCE;
+        return vec2_length((vec2){ a.x - b.x, a.y - b.y }) <
+               2.0 * f->bounding_radius - SCENE_TOLERANCE;
     shape_place(f, a, corners_a);
     shape_place(f, b, corners_b);
     return polygon_overlaps(corners_a, f->n_corners, corners_b, f->n_corners, SCENE_TOLERANCE);
