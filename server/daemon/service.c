@@ -43,7 +43,6 @@ static bf_status list(void *context, const api_list_query *query, api_run_list *
     return store_list(((service *)context)->store, query, ret_list, err);
 }
 
-// The revision is compared when the run is first found; what this call itself changes is no reason to refuse.
 static bf_status cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
                         bf_error *err)
 {
@@ -80,7 +79,8 @@ static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
     return is_notified;
 }
 
-// A run that is running is asked to stop by the first attempt, and removed when it has.
+// A run that is running is asked to stop by the first attempt, and removed when it has. The revision is
+// compared by that attempt only: the run's end, which the request itself asks for, changes it.
 static bf_status remove_run(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     service *s = context;
@@ -183,17 +183,17 @@ static bf_status ready(void *context, bf_error *err)
 
 static void read_figures(service *s)
 {
-    store_stats figures;
+    store_stats stats;
 
-    store_read_stats(s->store, &figures);
-    int64_t oldest_ms = figures.oldest_queued_ms;
+    store_read_stats(s->store, &stats);
+    int64_t oldest_ms = stats.oldest_queued_ms;
     int64_t age_ms = oldest_ms == 0 ? 0 : clock_unix_ms() - oldest_ms;
     for (size_t state = 0; state < RUN_STATE_COUNT; state++)
-        metrics_set(METRICS_RUNS, state, (int64_t)figures.n_runs[state]);
-    metrics_set(METRICS_QUEUE_LENGTH, 0, (int64_t)figures.n_runs[RUN_QUEUED]);
+        metrics_set(METRICS_RUNS, state, (int64_t)stats.n_runs[state]);
+    metrics_set(METRICS_QUEUE_LENGTH, 0, (int64_t)stats.n_runs[RUN_QUEUED]);
     metrics_set(METRICS_QUEUE_AGE, 0, age_ms > 0 ? age_ms * 1000000 : 0);
-    metrics_set(METRICS_STORE_SIZE, 0, (int64_t)figures.file_bytes);
-    metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)figures.log_bytes);
+    metrics_set(METRICS_STORE_SIZE, 0, (int64_t)stats.file_bytes);
+    metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)stats.log_bytes);
 }
 
 static bf_status write_metrics(void *context, bf_buffer *out, bf_error *err)

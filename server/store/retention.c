@@ -1,5 +1,5 @@
 // What the store's thread does by itself, in turns: results that no run has any more go, then runs
-// beyond the limits, the one that ended first before all others, then answers that are too old. A
+// beyond the limits, the one that ended first before all others, then idempotency keys that are too old. A
 // turn is a row of small transactions with the groups of others in between.
 //
 // Pages that become free stay in the file and are used again, so the file is as long as it ever had to
