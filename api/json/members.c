@@ -27,7 +27,8 @@ static unsigned read_choice(const void *item, size_t offset)
     return choice;
 }
 
-bool members_applies(const member_table *table, const member *m, const void *item)
+// True if the member can stand in the object that *item is (by its tag, its choice, its rule).
+static bool applies(const member_table *table, const member *m, const void *item)
 {
     if (m->applies != NULL)
         return m->applies(item);
@@ -85,7 +86,7 @@ static void read_member(json_in *in, const json_t *object, const member_table *t
     const json_t *value = json_object_get(object, m->name);
     size_t mark = json_pointer_enter(&in->pointer, m->name, strlen(m->name));
 
-    if (!members_applies(table, m, item)) {
+    if (!applies(table, m, item)) {
         if (value != NULL)
             json_in_fault(in, "does not belong to this %s", table->title);
     } else if (value != NULL) {
@@ -144,7 +145,7 @@ static bool is_written(const member_table *table, const member *m, const void *i
         return false;
     if ((m->flags & MEMBER_OMIT_EMPTY) != 0)
         memcpy(&n, (const char *)item + m->offset_n, sizeof n);
-    return n > 0 && members_applies(table, m, item);
+    return n > 0 && applies(table, m, item);
 }
 
 void members_write_into(json_out *w, const member_table *table, const void *item)

@@ -156,9 +156,6 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
 void members_write(json_out *w, const member_table *table, const void *item);
 void members_write_into(json_out *w, const member_table *table, const void *item);
 
-/// True if the member can stand in the object that *item is (by its tag, its choice, its rule).
-bool members_applies(const member_table *table, const member *m, const void *item);
-
 /// True if a member of a client's document may be missing.
 bool members_has_default(const member *m);
 
