@@ -10,7 +10,7 @@ typedef struct team_task {
     driver_progress progress; // before the first step, then after the last
 } team_task;
 
-void driver_share(const driver_member *m, size_t first, size_t last, driver_work *work)
+void driver_split(const driver_member *m, size_t first, size_t last, driver_work *work)
 {
     for (size_t item = first + (size_t)m->index; item < last; item += (size_t)m->n_members)
         work(m, item);

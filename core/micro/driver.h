@@ -83,7 +83,7 @@ BF_MUST_CHECK bf_status driver_advance(const driver_solver *solver, void *state,
 typedef void driver_work(const driver_member *m, size_t item);
 
 /// Do the member's part of the items first .. last - 1: every n_members-th of them.
-void driver_share(const driver_member *m, size_t first, size_t last, driver_work *work);
+void driver_split(const driver_member *m, size_t first, size_t last, driver_work *work);
 
 /// Wait until all members have come here.
 static inline void driver_wait(const driver_member *m)

@@ -13,7 +13,7 @@
 static const double step_slack = 1e-9; // for steps that meet the bound in decimal
 
 // Of the stable step of MICRO_VERLET, where none is given: keeps U(t) within about 1 % of N.
-static const double chosen_share = 0.25;
+static const double chosen_fraction = 0.25;
 
 struct micro_solver {
     const micro_backend *backend;
@@ -62,7 +62,7 @@ double micro_dt_chosen(const micro_def *def)
     const micro_backend *backend = choose_backend(def);
 
     return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, backend == &micro__disk)
-                                             : chosen_share * backend->dt_stable(def);
+                                             : chosen_fraction * backend->dt_stable(def);
 }
 
 static bf_status check_step(const micro_def *def, bf_error *err)

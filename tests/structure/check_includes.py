@@ -15,6 +15,8 @@ ARROWS = {
     "core/scene": {"core/base", "core/scene"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
+    "core/micro/disk": {"core/base", "core/scene", "core/micro", "core/micro/disk"},
+    "core/micro/body": {"core/base", "core/convex", "core/scene", "core/micro", "core/micro/body"},
     "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
     "core/compare": {"core/base", "core/compare"},
     "api": {"core/base", "core/scene", "core/run", "api"},
@@ -62,8 +64,9 @@ ONLY_IN = {
 
 def folder_of(name):
     """The folder that the arrows speak of."""
-    parts = name.split("/")
-    return "/".join(parts[:2]) if parts[0] in ("core", "api") and len(parts) > 2 else parts[0]
+    parts = name.split("/")[:-1]
+    known = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
+    return next((folder for folder in known if folder in ARROWS), parts[0] if parts else name)
 
 
 def outside_fault(name, header):

@@ -194,9 +194,9 @@ static driver_outcome step(driver_member *m)
 {
     const body_state *s = m->state;
 
-    driver_share(m, 0, s->n_blocks, meet_block);
+    driver_split(m, 0, s->n_blocks, meet_block);
     driver_wait(m);
-    driver_share(m, 0, s->n_blocks, move_block);
+    driver_split(m, 0, s->n_blocks, move_block);
     driver_wait(m);
     return body__judge(s);
 }

@@ -268,9 +268,9 @@ static void move_block(const driver_member *m, size_t block)
     }
 }
 
-static void share_blocks(const driver_member *m, driver_work *work)
+static void split_blocks(const driver_member *m, driver_work *work)
 {
-    driver_share(m, 0, ((const body_state *)m->state)->n_blocks, work);
+    driver_split(m, 0, ((const body_state *)m->state)->n_blocks, work);
     driver_wait(m);
 }
 
@@ -279,18 +279,18 @@ static driver_outcome step(driver_member *m)
     body_state *s = m->state;
     double near; // m, gaps that may close in this step
 
-    share_blocks(m, predict_block);
+    split_blocks(m, predict_block);
     if (!find_near(s, &near))
         return DRIVER_NOT_MADE;
     m->step = &near;
-    share_blocks(m, meet_block);
+    split_blocks(m, meet_block);
     if (m->index == 0)
         sort_by_colours(s, s->implicit);
     driver_wait(m);
     sweep(m, body_implicit__begin);
     for (int round = 0; round < s->implicit->rounds; round++)
         sweep(m, body_implicit__relax);
-    share_blocks(m, move_block);
+    split_blocks(m, move_block);
     return body__judge(s);
 }
 

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double skin_share = 0.25; // of the radius
-enum { TILED_PARTS = 150000 };         // from here on parts are too many for caches
+static const double skin_fraction = 0.25; // of the radius
+enum { TILED_PARTS = 150000 };            // from here on parts are too many for caches
 
 static void destroy(void *state)
 {
@@ -103,7 +103,7 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
         s->radius_max = fmax(s->radius_max, s->kinds[k].part.radius);
     }
     s->uniform_deceleration = s->kinds[0].spin_deceleration;
-    s->skin = skin_share * sqrt(s->radius_min * s->radius_max);
+    s->skin = skin_fraction * sqrt(s->radius_min * s->radius_max);
     if (def->part_kinds == NULL || s->n == 0)
         return BF_OK;
     s->kind_of = memory_alloc(s->n, sizeof *s->kind_of);

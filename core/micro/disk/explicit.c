@@ -118,7 +118,7 @@ static driver_outcome step(driver_member *m)
     single.of.now = turn == 0 ? s->now : s->next;
     single.of.next = turn == 0 ? s->next : s->now;
     m->step = &single;
-    driver_share(m, 0, (size_t)s->n_partitions, advance_partition);
+    driver_split(m, 0, (size_t)s->n_partitions, advance_partition);
     driver_wait(m);
     for (int k = 0; k < s->n_partitions; k++)
         driver_join(&of_step, &single.extremes[k].of);

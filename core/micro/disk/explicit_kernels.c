@@ -56,7 +56,7 @@ typedef struct loads {
 typedef struct pair_law {
     simd damping, friction;
     simd rate;                        // lambda / 8
-    simd floor;                       // of the normal force
+    simd lower_bound;                 // of the normal force
     simd line;                        // k times the sum of compliances
     simd contact_distance, stiffness; // sum of radii and k, if uniform
 } pair_law;
@@ -68,7 +68,7 @@ INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other
     return (pair_law){ .damping = simd_all(law->damping),
                        .friction = simd_all(law->friction),
                        .rate = simd_all(law->tanh_linear / 8.0),
-                       .floor = simd_all(s->def.tension ? -INFINITY : 0.0),
+                       .lower_bound = simd_all(s->def.tension ? -INFINITY : 0.0),
                        .line = simd_all(law->line),
                        .contact_distance = simd_all(kind->radius + kind->radius),
                        .stiffness = simd_all(law->line / (kind->compliance + other_compliance)) };
@@ -98,7 +98,7 @@ INLINED void add_contact(const contact *c, simd friction, bool uniform, loads *s
 INLINED simd normal_force(const pair_law *law, simd stiffness, simd overlap, simd parting, simd low,
                           simd high)
 {
-    simd force = simd_max(stiffness * overlap - law->damping * parting, law->floor);
+    simd force = simd_max(stiffness * overlap - law->damping * parting, law->lower_bound);
 
     return simd_where_less(low, high, force);
 }
@@ -299,12 +299,12 @@ static void raise(double *largest, double to)
     *largest = to > *largest ? to : *largest;
 }
 
-INLINED void raise_overlaps(const disk_state *s, simd overlap, simd share, bool uniform,
+INLINED void raise_overlaps(const disk_state *s, simd overlap, simd ratio, bool uniform,
                             driver_extremes *extremes)
 {
     raise(&extremes->overlap, simd_peak(overlap));
     raise(&extremes->overlap_share,
-          uniform ? simd_peak(overlap) / s->kinds[0].part.radius : simd_peak(share));
+          uniform ? simd_peak(overlap) / s->kinds[0].part.radius : simd_peak(ratio));
 }
 
 INLINED void advance_groups(const explicit_step *step, size_t first, size_t last, bool uniform,

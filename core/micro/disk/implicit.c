@@ -157,7 +157,7 @@ static implicit_state *state_of(const driver_member *m)
 
 // The pieces of one group after those of the other. Groups of one piece are all the first member's, who
 // need not wait between them.
-static void share_groups(const driver_member *m, driver_work *work)
+static void split_groups(const driver_member *m, driver_work *work)
 {
     const size_t *piece = state_of(m)->group_piece;
     bool is_alone = true;
@@ -169,7 +169,7 @@ static void share_groups(const driver_member *m, driver_work *work)
         if (n > 1 || !is_alone)
             driver_wait(m);
         is_alone = n == 1;
-        driver_share(m, piece[g], piece[g + 1], work);
+        driver_split(m, piece[g], piece[g + 1], work);
     }
     driver_wait(m);
 }
@@ -259,22 +259,22 @@ static void make_phases(driver_member *m)
     const implicit_state *z = s->implicit;
     const size_t n_chunks = count_chunks(s);
 
-    driver_share(m, 0, n_chunks, predict_chunk);
+    driver_split(m, 0, n_chunks, predict_chunk);
     driver_wait(m);
     const double margin = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2); // gaps that may close
     m->step = &margin;
-    share_groups(m, find_contacts_of_piece);
+    split_groups(m, find_contacts_of_piece);
     for (int iteration = 0; iteration < z->iterations; iteration++) {
         if (iteration > 0) {
-            driver_share(m, 0, n_chunks, apply_belt_friction_of_chunk);
+            driver_split(m, 0, n_chunks, apply_belt_friction_of_chunk);
             driver_wait(m);
         }
-        share_groups(m, solve_piece);
+        split_groups(m, solve_piece);
     }
-    driver_share(m, 0, z->group_piece[IMPLICIT_GROUPS], store_impulses_of_piece);
-    driver_share(m, 0, n_chunks, move_chunk);
+    driver_split(m, 0, z->group_piece[IMPLICIT_GROUPS], store_impulses_of_piece);
+    driver_split(m, 0, n_chunks, move_chunk);
     driver_wait(m);
-    driver_share(m, 0, (size_t)s->n_partitions, update_partition);
+    driver_split(m, 0, (size_t)s->n_partitions, update_partition);
 }
 
 static void raise_overlaps(const implicit_state *z, driver_extremes *largest)

@@ -316,7 +316,7 @@ static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
     block->ny[lane] = m->ny;
     block->bias[lane] = (joint * overlap - m->damping * pressed) * scale;
     block->gain[lane] = h * joint * scale;
-    block->floor[lane] = s->def.tension && overlap > 0.0 ? -HUGE_VAL : 0.0;
+    block->lower_bound[lane] = s->def.tension && overlap > 0.0 ? -HUGE_VAL : 0.0;
     block->friction[lane] = m->friction;
     block->rate[lane] = m->rate;
     block->lever[0][lane] = m->radius[0] - 0.5 * overlap;

@@ -98,7 +98,7 @@ static inline void solve_lanes(solver_body *bodies, implicit_block *block, size_
                 b[2] * simd_load(block->lever[1] + lane);
     simd new_normal =
         simd_max(simd_load(block->bias + lane) - simd_load(block->gain + lane) * parting,
-                 simd_load(block->floor + lane));
+                 simd_load(block->lower_bound + lane));
     simd new_sliding = friction_impulse(block, lane, size_of(new_normal), slip);
 
     apply_impulse(bodies, block, lane, &e, new_normal - normal, new_sliding - sliding);

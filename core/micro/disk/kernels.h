@@ -108,12 +108,13 @@ typedef struct implicit_block {
     uint32_t padding[IMPLICIT_WIDTH]; ///< to a cache line
     double nx[IMPLICIT_WIDTH];        ///< unit normal
     double ny[IMPLICIT_WIDTH];        ///< same
-    double bias[IMPLICIT_WIDTH];     ///< J = max(floor, bias - gain v), v = parting speed without J
-    double gain[IMPLICIT_WIDTH];     ///< N s per m/s
-    double floor[IMPLICIT_WIDTH];    ///< 0, or -infinity where contacts may pull
-    double friction[IMPLICIT_WIDTH]; ///< mu
-    double rate[IMPLICIT_WIDTH];     ///< lambda, s/m
-    double lever[2][IMPLICIT_WIDTH]; ///< from the centres to the contact, m
+    double
+        bias[IMPLICIT_WIDTH]; ///< J = max(lower_bound, bias - gain v), v = parting speed without J
+    double gain[IMPLICIT_WIDTH];           ///< N s per m/s
+    double lower_bound[IMPLICIT_WIDTH];    ///< 0, or -infinity where contacts may pull
+    double friction[IMPLICIT_WIDTH];       ///< mu
+    double rate[IMPLICIT_WIDTH];           ///< lambda, s/m
+    double lever[2][IMPLICIT_WIDTH];       ///< from the centres to the contact, m
     double spin_change[2][IMPLICIT_WIDTH]; ///< of both parts by a sliding impulse, 1/(kg m)
     double inv_slip_mass[IMPLICIT_WIDTH];  ///< what a sliding impulse changes the slip by, 1/kg
     double normal[IMPLICIT_WIDTH];         ///< J so far, N s

@@ -310,7 +310,7 @@ static void fill_block(implicit_block *block, solver_body *bodies)
         block->ny[k] = sin(k);
         block->bias[k] = 1e-3 * sin(7 * k);
         block->gain[k] = 0.01 + 1e-3 * k;
-        block->floor[k] = k == 3 ? -HUGE_VAL : 0.0;
+        block->lower_bound[k] = k == 3 ? -HUGE_VAL : 0.0;
         block->friction[k] = 0.1 + 0.01 * k;
         block->rate[k] = 10.0;
         block->lever[0][k] = 0.012;
