@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-// What a page may send beyond the headers that need no leave, and what it may read.
+// The headers that a page may send beyond those that are always allowed, and those that it may read.
 static const char request_headers[] = "Content-Type, Idempotency-Key, If-Match, If-None-Match, "
                                       "If-Range, Last-Event-ID, Prefer, Range, "
                                       "X-Request-Id, traceparent";

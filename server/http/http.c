@@ -21,7 +21,7 @@ enum {
     LENIENT = 0,    // the guard is the strict one; MHD would answer with its own pages
 };
 
-// MHD must not decode: the guard does, strictly.
+// MHD's own decoding is lenient; the guard decodes strictly.
 static size_t leave_as_it_is(void *context, struct MHD_Connection *mhd, char *text)
 {
     (void)context;
@@ -80,7 +80,7 @@ static void on_message(void *context, const char *format, va_list arguments)
     log_event(LOG_LEVEL_DEBUG, "http", "text=%s", log_quote(text, quoted));
 }
 
-// Requests may be using the directory, so another one takes its descriptor over.
+// Request threads may be using the descriptor of the directory, so a new directory takes over its number.
 static bf_status open_web(http *h, const char *directory, bf_error *err)
 {
     if (directory == NULL)
@@ -116,7 +116,7 @@ static char *copy(const char *text, size_t n)
     return to;
 }
 
-// What is made of the settings about other origins, hosts, proxies and limits.
+// Checks and copies the settings about other origins, hosts, proxies and limits.
 static bf_status prepare_policies(http *h, bf_error *err)
 {
     const char *origins = h->options.cors_origins == NULL ? "" : h->options.cors_origins;
@@ -142,7 +142,7 @@ static bf_status prepare_policies(http *h, bf_error *err)
     return BF_OK;
 }
 
-// Listens, and says by what addresses and names requests may come.
+// Listens, and lists the addresses and names under which requests are answered.
 static bf_status start_listening(http *h, bf_error *err)
 {
     const char *address = h->options.listen;

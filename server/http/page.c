@@ -179,7 +179,7 @@ bool http__page_may_have(const http *h, const char *path)
     return h->web_fd >= 0 && strncmp(path, "/v1/", 4) != 0 && !api_route_exists(path);
 }
 
-// What stands in place of a page that this build or this start does not have.
+// What is answered in place of a page that this build lacks or that no directory was given for.
 static const struct {
     const char *path;
     bool needs_no_folder; // it is also said where a folder was given that lacks the page

@@ -62,11 +62,6 @@ enum {
 
 #define NEVER INT64_MAX
 
-static bool is_source(const http_pull *p, http_pull_kind kind)
-{
-    return p->is_under_way && p->kind == kind;
-}
-
 static unsigned limit_of(const http *h, http_pull_kind kind)
 {
     switch (kind) {
@@ -164,7 +159,7 @@ void http__pull_end(http_request *r)
         p->next->pull.previous = p->previous;
     h->n_pulls[p->kind]--;
     lock_give(&h->lock);
-    if (is_source(p, HTTP_PULL_STREAM))
+    if (p->kind == HTTP_PULL_STREAM)
         metrics_add(METRICS_STREAMS, 0, -1);
     p->is_under_way = false;
     buffer_fini(&p->chunk);

@@ -1,5 +1,5 @@
-// From an answer to MHD's response. Finalizing adds what the transport adds to every answer; it is done by
-// the thread that made the answer, since encoding a large one takes a while.
+// Responses: what the transport adds to every answer, and how MHD is given the result. An answer is finalized
+// by the thread that made it, since encoding a large one takes a while.
 
 #include "server/http/http_priv.h"
 
@@ -54,8 +54,8 @@ static bool is_get(const http_request *r)
     return strcmp(r->method, "GET") == 0;
 }
 
-// The coding of a body of this kind and size for this client; CODING_COUNT: it accepts none. A file is
-// plain by now.
+// The coding of a body of this kind and size for this client; CODING_COUNT: it accepts none. A file
+// was chosen in its form before.
 static coding choose_coding(http_request *r, bool is_text)
 {
     static const coding any[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
@@ -284,7 +284,7 @@ void http__respond_past_body(http_request *r)
 
     http__finalize_response(r);
     r->stage = HTTP_STAGE_SENT;
-    // What does not fit into the socket's buffer is lost: nothing was sent before, so it fits.
+    // Nothing was sent on this connection's request before, so it fits into the socket's buffer.
     if (write_head(&r->response, &bytes) == BF_OK &&
         buffer_append(&bytes, r->response.body.bytes, r->response.body.n) == BF_OK)
         (void)send(r->connection->fd, bytes.bytes, bytes.n, MSG_DONTWAIT | MSG_NOSIGNAL);
