@@ -8,14 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-/// A batch on its way into the store.
+/// A batch on its way into the store; freed by finish_append().
 typedef struct append_context {
+    store__operation operation;
     const store_batch *batch;
-    bf_buffer
-        *compressed; ///< two for each item, empty but for snapshots, and one for the checkpoint
+    bf_buffer *compressed; ///< two for each item, empty but for snapshots; one for the checkpoint
     store__row row;
-    bf_buffer columns; ///< of the curve; empty until it is needed
-    size_t n_columns;  ///< of them
+    bf_buffer columns;        ///< of the curve; empty until it is needed
+    size_t n_columns;         ///< of them
+    store_appended *appended; ///< called at the end
+    void *appended_context;
 } append_context;
 
 // Which of the compressed ones: grid and parts of item i, and the checkpoint.
@@ -46,7 +48,7 @@ static bf_status pack_item(const append_context *context, size_t i, bf_error *er
     return status;
 }
 
-// Compressing takes longer than writing, so it is done on the caller's thread.
+// Compressing takes longer than writing, so it is done on the preparing thread.
 static bf_status pack_all(append_context *context, bf_error *err)
 {
     const store_batch *batch = context->batch;
@@ -286,47 +288,6 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 
-static bf_status begin_context(const store_batch *batch, append_context *context, bf_error *err)
-{
-    *context = (append_context){ .batch = batch };
-    context->compressed = memory_alloc(2 * batch->n + 1, sizeof *context->compressed);
-    return context->compressed == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
-}
-
-static void end_context(append_context *context, bf_status status)
-{
-    const store_batch *batch = context->batch;
-
-    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
-        metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
-    for (size_t i = 0; i <= 2 * batch->n; i++)
-        buffer_fini(&context->compressed[i]);
-    memory_free(context->compressed);
-    buffer_fini(&context->columns);
-}
-
-bf_status store_append(store *s, const store_batch *batch, bf_error *err)
-{
-    append_context context;
-
-    bf_status status = begin_context(batch, &context, err);
-    if (status != BF_OK)
-        return status;
-    status = pack_all(&context, err);
-    if (status == BF_OK)
-        status = store__write(s, apply_append, &context, err);
-    end_context(&context, status);
-    return status;
-}
-
-/// A batch without a waiting caller; freed by finish_append().
-typedef struct begun_append {
-    store__operation operation;
-    append_context context;
-    store_appended *appended;
-    void *appended_context;
-} begun_append;
-
 static bf_status prepare_append(store__operation *operation, bf_error *err)
 {
     return pack_all(operation->context, err);
@@ -334,30 +295,39 @@ static bf_status prepare_append(store__operation *operation, bf_error *err)
 
 static void finish_append(store__operation *operation)
 {
-    begun_append *begun = (begun_append *)operation; // its first member
+    append_context *context = operation->context;
+    const store_batch *batch = context->batch;
 
-    end_context(&begun->context, operation->status);
-    begun->appended(begun->appended_context, operation->status, &operation->error);
-    memory_free(begun);
+    for (size_t i = 0; i < batch->n && operation->status == BF_OK; i++)
+        metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
+    for (size_t i = 0; i <= 2 * batch->n; i++)
+        buffer_fini(&context->compressed[i]);
+    memory_free(context->compressed);
+    buffer_fini(&context->columns);
+    // From here on the batch is its owner's again.
+    context->appended(context->appended_context, operation->status, &operation->error);
+    memory_free(context);
 }
 
 bf_status store_begin_append(store *s, const store_batch *batch, store_appended *appended,
                              void *appended_context, bf_error *err)
 {
-    begun_append *begun = memory_alloc(1, sizeof *begun);
+    append_context *context = memory_alloc(1, sizeof *context);
+    bf_buffer *compressed = memory_alloc(2 * batch->n + 1, sizeof *compressed);
 
-    if (begun == NULL)
+    if (context == NULL || compressed == NULL) {
+        memory_free(context);
+        memory_free(compressed);
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    begun->operation = (store__operation){ .apply = apply_append,
-                                           .prepare = prepare_append,
-                                           .finish = finish_append,
-                                           .context = &begun->context };
-    begun->appended = appended;
-    begun->appended_context = appended_context;
-    bf_status status = begin_context(batch, &begun->context, err);
-    if (status == BF_OK)
-        store__begin_write(s, &begun->operation);
-    else
-        memory_free(begun);
-    return status;
+    }
+    *context = (append_context){ .operation = { .apply = apply_append,
+                                                .prepare = prepare_append,
+                                                .finish = finish_append,
+                                                .context = context },
+                                 .batch = batch,
+                                 .compressed = compressed,
+                                 .appended = appended,
+                                 .appended_context = appended_context };
+    store__begin_write(s, &context->operation);
+    return BF_OK;
 }

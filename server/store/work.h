@@ -54,22 +54,20 @@ typedef struct store_batch {
     size_t n_checkpoint;    ///< bytes
 } store_batch;
 
-/// Store a batch. BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do
-/// not fit the run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots
-/// that are stored already are left out, and their events with them; of a curve item that is stored
-/// in part the rest is stored, and its event covers that rest only (I4): the store
-/// cuts t, values and event data by events_curve().
-BF_MUST_CHECK bf_status store_append(store *s, const store_batch *batch, bf_error *err);
-
 /// What became of a batch; err is of a status that is not BF_OK. Called once, on a thread of the store's,
 /// after the commit. Must not block and must not call the store.
 typedef void store_appended(void *context, bf_status status, const bf_error *err);
 
-/// Store a batch as store_append() does, but without waiting: it is compressed on a thread of the store's
-/// and committed together with what else waits. *batch and all that it points at must stay as they are
-/// until `appended` is called. Batches are stored in the order of these calls; one that follows a batch
-/// that failed may be refused for the gap. Before store_finish() of a run, and before store_close(), all
-/// of its batches must have been answered. Not BF_OK: nothing was begun, and `appended` is not called.
+/// Store a batch without waiting: it is compressed on a thread of the store's and committed together with
+/// what else waits. *batch and all that it points at must stay as they are until `appended` is called. Batches
+/// are stored in the order of these calls; one that follows a batch that failed may be refused for the gap.
+/// Before store_finish() of a run, and before store_close(), all of its batches must have been answered.
+///
+/// `appended` gets BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do not fit the
+/// run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots that are stored
+/// already are left out, and their events with them; of a curve item that is stored in part the rest is stored,
+/// and its event covers that rest only (I4): the store cuts t, values and event data by events_curve().
+/// Not BF_OK: nothing was begun, and `appended` is not called.
 BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
                                            store_appended *appended, void *appended_context,
                                            bf_error *err);

@@ -254,6 +254,48 @@ void helper_item_fini(store_item *item)
     buffer_fini(&item->parts);
 }
 
+/// What became of a batch that is waited for.
+typedef struct outcome {
+    lock lock;
+    lock_condition changed;
+    bool is_done;
+    bf_status status;
+    bf_error error;
+} outcome;
+
+static void note_outcome(void *context, bf_status status, const bf_error *err)
+{
+    outcome *o = context;
+
+    lock_take(&o->lock);
+    o->status = status;
+    o->error = *err;
+    o->is_done = true;
+    lock_wake_all(&o->changed);
+    lock_give(&o->lock);
+}
+
+bf_status helper_store_append(store *s, const store_batch *batch, bf_error *err)
+{
+    outcome o = { .is_done = false };
+
+    lock_init(&o.lock);
+    lock_condition_init(&o.changed);
+    bf_status status = store_begin_append(s, batch, note_outcome, &o, err);
+    if (status == BF_OK) {
+        lock_take(&o.lock);
+        while (!o.is_done)
+            lock_wait(&o.changed, &o.lock, -1);
+        lock_give(&o.lock);
+        status = o.status;
+        if (status != BF_OK && err != NULL)
+            *err = o.error;
+    }
+    lock_condition_fini(&o.changed);
+    lock_fini(&o.lock);
+    return status;
+}
+
 bf_status helper_append(store *s, const char *id, store_item *item, bf_error *err)
 {
     bf_grid grid = helper_grid();
@@ -267,7 +309,7 @@ bf_status helper_append(store *s, const char *id, store_item *item, bf_error *er
         .grid = &grid,
     };
 
-    bf_status status = store_append(s, &batch, err);
+    bf_status status = helper_store_append(s, &batch, err);
     helper_item_fini(item);
     return status;
 }

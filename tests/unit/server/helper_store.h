@@ -80,6 +80,9 @@ bool helper_snapshot_is(const bf_buffer *rho, uint64_t index);
 /// True if the curve holds exactly samples first .. first + n - 1 of helper_curve_item().
 bool helper_curve_is(const api_curve *curve, uint64_t first, size_t n);
 
+/// Store a batch and wait until it is on disk or refused.
+bf_status helper_store_append(store *s, const store_batch *batch, bf_error *err);
+
 /// Store one item and free it.
 bf_status helper_append(store *s, const char *id, store_item *item, bf_error *err);
 

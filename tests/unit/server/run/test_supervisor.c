@@ -5,6 +5,7 @@
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_store.h"
 #include "tests/unit/server/helper_supervisor.h"
 
 #include <errno.h>
@@ -201,7 +202,7 @@ static void a_long_run_tells_its_progress_seldom(void **state)
     assert_int_equal(store_claim(w->store, &job, NULL), BF_OK);
     store_job_fini(&job);
     store_batch batch = { .run_id = record.id, .wall_s = 1e6 };
-    assert_int_equal(store_append(w->store, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(w->store, &batch, NULL), BF_OK);
     store_ending ending = { .run_id = record.id, .state = RUN_QUEUED };
     assert_int_equal(store_finish(w->store, &ending, &record, NULL), BF_OK);
     helper_supervise(w);

@@ -82,7 +82,7 @@ static void a_damaged_checkpoint_costs_no_more_than_itself(void **state)
     };
     store_ending ending = { .run_id = record.id, .state = RUN_QUEUED };
 
-    assert_int_equal(store_append(h->store, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(h->store, &batch, NULL), BF_OK);
     assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_OK);
     helper_store_close(h);
     helper_store_sql(h, "UPDATE chunks SET data = zeroblob(8)");
@@ -250,7 +250,7 @@ static void an_unknown_run_is_not_found(void **state)
     assert_int_equal(store_cancel(s, unknown, API_ANY_REVISION, &record, NULL), BF_ENOTFOUND);
     assert_int_equal(try_to_finish(s, unknown, RUN_FAILED), BF_ENOTFOUND);
     assert_int_equal(store_remove(s, unknown, API_ANY_REVISION, NULL), BF_ENOTFOUND);
-    assert_int_equal(store_append(s, &batch, NULL), BF_ENOTFOUND);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_text(s, unknown, API_TEXT_SCENARIO, &out, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_curve(s, unknown, 0, &curve, NULL), BF_ENOTFOUND);
     assert_int_equal(store_list_snapshots(s, unknown, &list, NULL), BF_ENOTFOUND);

@@ -210,7 +210,7 @@ static void a_gap_is_refused_with_its_whole_batch(void **state)
             helper_snapshot_item(record.id, 1, &items[2]);
         else
             helper_curve_item(record.id, 6, 1, &items[2]);
-        assert_int_equal(store_append(s, &batch, &err), BF_ECORRUPT);
+        assert_int_equal(helper_store_append(s, &batch, &err), BF_ECORRUPT);
         assert_non_null(strstr(err.text, "gap"));
         for (int i = 0; i < 3; i++)
             helper_item_fini(&items[i]);
@@ -247,9 +247,9 @@ static void a_grid_does_not_change(void **state)
     bf_grid other = { .n1 = HELPER_N2, .n2 = HELPER_N1, .d1 = 0.005, .d2 = 0.005 };
     store_batch batch = { .run_id = record.id, .grid = &other };
 
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     helper_append_snapshot(s, record.id, 0);
-    assert_int_equal(store_append(s, &batch, NULL), BF_ECORRUPT);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_ECORRUPT);
 }
 
 static void progress_follows_the_batch(void **state)
@@ -258,17 +258,17 @@ static void progress_follows_the_batch(void **state)
     api_run record = helper_start(s);
     store_batch batch = { .run_id = record.id, .progress = 0.25, .eta_s = 12.5 };
 
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     api_run after = helper_find(s, record.id);
     assert_true(after.progress == 0.25 && after.eta_s == 12.5);
     assert_int_equal(after.revision, record.revision + 1);
     batch.progress = 1.5;
     batch.eta_s = NAN;
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     after = helper_find(s, record.id);
     assert_true(after.progress == 1.0 && isnan(after.eta_s));
     batch.progress = NAN;
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     assert_true(helper_find(s, record.id).progress == 1.0);
 }
 
@@ -298,7 +298,7 @@ static void append_checkpoint(store *s, const char *id, uint64_t step, const bf_
         .n_checkpoint = bytes->n,
     };
 
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
 }
 
 static void hand_back(store *s, const char *id)

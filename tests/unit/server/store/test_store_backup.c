@@ -78,7 +78,7 @@ static void fill(store *s, api_run *ret_ended, api_run *ret_running)
     helper_append_snapshot(s, ret_running->id, 0);
     helper_append_snapshot(s, ret_running->id, 1);
     checkpoint.run_id = ret_running->id;
-    assert_int_equal(store_append(s, &checkpoint, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &checkpoint, NULL), BF_OK);
 }
 
 static size_t count_files(const char *directory)

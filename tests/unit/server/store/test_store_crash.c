@@ -75,7 +75,7 @@ static void append_step(store *s, const char *id, uint64_t first, bool with_snap
     helper_curve_item(id, first, STEP_SAMPLES, &items[0]);
     if (with_snapshot)
         helper_snapshot_item(id, 0, &items[1]);
-    if (store_append(s, &batch, NULL) != BF_OK)
+    if (helper_store_append(s, &batch, NULL) != BF_OK)
         _exit(1);
     for (size_t i = 0; i < batch.n; i++)
         helper_item_fini(&items[i]);

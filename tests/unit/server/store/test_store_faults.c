@@ -59,7 +59,7 @@ static bf_status try_append(store *s, const char *id, bf_error *err)
         .step = 5,
     };
 
-    return store_append(s, &batch, err);
+    return helper_store_append(s, &batch, err);
 }
 
 static bf_status try_finish(store *s, const char *id, bf_error *err)

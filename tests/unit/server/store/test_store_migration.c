@@ -159,10 +159,10 @@ static void a_run_begins_again_in_a_store_that_was_brought_up_to_date(void **sta
     assert_int_equal(buffer_append(&item.rho, cells, sizeof cells), BF_OK);
     assert_int_equal(buffer_append(&item.event, "{}", 2), BF_OK);
     store_batch batch = { .run_id = run_b, .n = 1, .items = &item, .grid = &grid };
-    assert_int_equal(store_append(h->store, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(h->store, &batch, NULL), BF_OK);
     assert_int_equal(helper_find(h->store, run_b).last_event, last_event);
     item.snapshot.index = 1;
-    assert_int_equal(store_append(h->store, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(h->store, &batch, NULL), BF_OK);
     assert_int_equal(helper_find(h->store, run_b).last_event, last_event + 1);
     helper_item_fini(&item);
     assert_int_equal(helper_finish(h->store, run_b, RUN_SUCCEEDED).n_snapshots, 2);

@@ -50,7 +50,7 @@ static bf_status append(store *s, const char *id, uint64_t index, const api_part
     helper_snapshot_item(id, index, &item);
     if (has_rows)
         add_parts(index, &item);
-    bf_status status = store_append(s, &batch, NULL);
+    bf_status status = helper_store_append(s, &batch, NULL);
     helper_item_fini(&item);
     return status;
 }
@@ -183,7 +183,7 @@ static void without_memory_nothing_is_stored(void **state)
         helper_snapshot_item(record.id, 0, &item);
         assert_int_equal(buffer_append(&item.parts, row, sizeof row), BF_OK);
         memory_plan_fault(n, 0);
-        status = store_append(s, &batch, NULL);
+        status = helper_store_append(s, &batch, NULL);
         memory_plan_fault(0, 0);
         helper_item_fini(&item);
         assert_true(status == BF_OK || status == BF_ENOMEM);

@@ -73,7 +73,7 @@ static void append_snapshot(store *s, const char *id, uint64_t index)
     item.event.n = 0;
     assert_int_equal(events_snapshot(id, &told, true, &item.event, NULL), BF_OK);
     assert_int_equal(buffer_append(&item.parts, part, sizeof part), BF_OK);
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     helper_item_fini(&item);
 }
 
@@ -92,7 +92,7 @@ static void append_item(store *s, const char *id, store_item *item)
 {
     store_batch batch = { .run_id = id, .n = 1, .items = item };
 
-    assert_int_equal(store_append(s, &batch, NULL), BF_OK);
+    assert_int_equal(helper_store_append(s, &batch, NULL), BF_OK);
     helper_item_fini(item);
 }
 
