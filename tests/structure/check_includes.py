@@ -1,5 +1,6 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- scene <- macro, micro
-<- run, inside api json <- scenario <- results <- http, openapi; and every outside header is included only where it belongs."""
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- macro, micro
+<- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
+<- daemon, cli; and every outside header is included only where it belongs."""
 
 import re
 
@@ -25,8 +26,17 @@ ARROWS = {
     "api/results": API_CORE | {"api", "api/json", "api/scenario", "api/results"},
     "api/http": API_CORE | API,
     "api/openapi": API_CORE | API,
-    "server": API_CORE | API | {"server"},
 }
+# What each folder of the server may include from beside what all of them may: core and api.
+for folder, known in {
+    "server/base": set(),
+    "server/http": {"server/base"},
+    "server/store": {"server/base"},
+    "server/run": {"server/base", "server/store"},
+    "server/cli": {"server/base", "server/run"},
+    "server/daemon": {"server/base", "server/http", "server/store", "server/run"},
+}.items():
+    ARROWS[folder] = API_CORE | API | known | {folder}
 
 # What a standard C library offers; clocks, locales, signals and threads are left out on purpose.
 STANDARD = {
