@@ -18,7 +18,7 @@ typedef enum cmd_exit {
     CMD_DONE = 0,         ///< as asked
     CMD_FAILED = 1,       ///< anything that is not the input's fault
     CMD_BAD_INPUT = 2,    ///< the arguments or the documents are at fault
-    CMD_INTERRUPTED = 130 ///< stopped by Ctrl-C, as a shell tells it
+    CMD_INTERRUPTED = 130 ///< stopped by Ctrl-C, the exit code that shells use
 } cmd_exit;
 
 /// Largest curve.csv that is read, bytes.

@@ -65,17 +65,17 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
     return results_dir_take(s->results, f, err);
 }
 
-static unsigned wish(void *context)
+static unsigned find_requested(void *context)
 {
     solving *s = context;
 
-    return run_control_wish(&s->run_control);
+    return run_control_requested(&s->run_control);
 }
 
 static bf_status execute(solving *s, bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = s, .take = take_frame, .requested = wish };
+    run_sink sink = { .context = s, .take = take_frame, .requested = find_requested };
 
     bf_status status =
         run_create(&s->scene, s->arguments->subject.model, s->arguments->n_threads, &r, err);

@@ -69,11 +69,11 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
     return BF_OK;
 }
 
-static unsigned wish(void *context)
+static unsigned find_requested(void *context)
 {
     working *w = context;
 
-    return run_control_wish(&w->run_control);
+    return run_control_requested(&w->run_control);
 }
 
 // Decode the frame at the start of *in, which must be of this type.
@@ -117,7 +117,7 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
                        bf_error *err)
 {
     run *r = NULL;
-    run_sink sink = { .context = w, .take = take_frame, .requested = wish };
+    run_sink sink = { .context = w, .take = take_frame, .requested = find_requested };
 
     if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");

@@ -30,7 +30,7 @@ BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
 BF_MUST_CHECK bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n,
                                              bf_error *err);
 
-/// Write what a frame tells: begin, curve, snapshot, parts; others are none of this directory's business.
+/// Write what a frame of type begin, curve, snapshot or parts has; others are ignored.
 /// BF_ESYSTEM: the disk refused; nothing half-written is left.
 BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
 

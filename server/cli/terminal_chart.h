@@ -1,6 +1,6 @@
 /// Curves as text: a chart of block width and height with axes, ticks and a legend.
 ///
-/// A pure function from numbers to text; terminal.h tells what the terminal at hand can show.
+/// A pure function from numbers to text; terminal.h finds what the terminal can show.
 /// With Unicode a character cell holds 2 x 4 dots (braille), without it one mark. Curves differ by
 /// colour, else by dashes, else by marks.
 

@@ -52,7 +52,7 @@ typedef enum executor_stop {
 typedef enum executor_state {
     EXECUTOR_RUNNING, ///< it is being solved, or waits for that
     EXECUTOR_ENDED,   ///< it has ended, and all its bytes have been taken
-    EXECUTOR_LOST, ///< nothing more will come, and nobody knows why; all its bytes have been taken
+    EXECUTOR_LOST, ///< nothing more will come, for an unknown reason; all its bytes have been taken
     EXECUTOR_UNKNOWN, ///< the executor cannot tell at the moment; it may still be running
 } executor_state;
 
@@ -86,7 +86,7 @@ typedef struct executor_functions {
     bf_status (*attach)(executor *e, const char *external_id, executor_job **ret_job,
                         bf_error *err);
 
-    /// Ask a job to end. Returns at once; poll() tells when it has ended.
+    /// Signal a job to end. Returns at once; poll() shows when it has ended.
     void (*stop)(executor *e, executor_job *job, executor_stop how);
 
     /// Notice what has happened since the last call. Called when wake_fd is readable, which it is not

@@ -6,7 +6,7 @@
 
 static const int64_t ns_per_ms = 1000000;
 
-static volatile sig_atomic_t is_stop_asked;
+static volatile sig_atomic_t is_stop_requested;
 
 static int64_t read_clock_ns(void)
 {
@@ -25,38 +25,38 @@ run_control run_control_init(int64_t report_ms, int64_t checkpoint_ms)
         .checkpoint_ns = checkpoint_ms * ns_per_ms,
         .next_report_ns = now,
         .next_checkpoint_ns = checkpoint_ms == 0 ? INT64_MAX : now + checkpoint_ms * ns_per_ms,
-        .stop_wish = RUN_STOP | (checkpoint_ms == 0 ? 0U : RUN_CHECKPOINT),
+        .on_stop = RUN_STOP | (checkpoint_ms == 0 ? 0U : RUN_CHECKPOINT),
     };
 }
 
-unsigned run_control_wish(void *context)
+unsigned run_control_requested(void *context)
 {
     run_control *p = context;
 
-    if (is_stop_asked)
-        return p->stop_wish;
+    if (is_stop_requested)
+        return p->on_stop;
     int64_t now = read_clock_ns();
-    unsigned wish = RUN_GO_ON;
+    unsigned requested = RUN_GO_ON;
     if (now >= p->next_report_ns) {
         p->next_report_ns = now + p->report_ns;
-        wish |= RUN_REPORT;
+        requested |= RUN_REPORT;
     }
     if (now >= p->next_checkpoint_ns) {
         p->next_checkpoint_ns = now + p->checkpoint_ns;
-        wish |= RUN_CHECKPOINT;
+        requested |= RUN_CHECKPOINT;
     }
-    return wish;
+    return requested;
 }
 
-static void ask_to_stop(int signal_number)
+static void request_stop(int signal_number)
 {
     (void)signal_number;
-    is_stop_asked = 1;
+    is_stop_requested = 1;
 }
 
 void run_control_catch(int signal_number, run_control_catching catching)
 {
-    struct sigaction action = { .sa_handler = ask_to_stop, .sa_flags = SA_RESTART };
+    struct sigaction action = { .sa_handler = request_stop, .sa_flags = SA_RESTART };
 
     if (catching == RUN_CONTROL_CATCH_FIRST)
         action.sa_flags |= (int)SA_RESETHAND;
@@ -66,5 +66,5 @@ void run_control_catch(int signal_number, run_control_catching catching)
 
 bool run_control_is_stopped(void)
 {
-    return is_stop_asked != 0;
+    return is_stop_requested != 0;
 }

@@ -92,7 +92,8 @@ static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms
                                                                        : s->options.stop_grace_ms));
         task->signalled = task->requested;
     }
-    if (task->has_ended || task->failed)
+    // While a batch is stored the job is not polled: it may have ended long ago.
+    if ((task->has_ended || task->failed) && !task->write.is_pending)
         kill_by(task, now_ms + s->options.stop_grace_ms);
     if (task->kill_at_ms >= 0 && task->kill_at_ms <= now_ms) {
         e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
@@ -100,7 +101,8 @@ static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms
         task->kill_at_ms = INT64_MAX;
         task->lost_at_ms = now_ms + s->options.lost_ms;
     }
-    if (task->lost_at_ms >= 0 && task->lost_at_ms <= now_ms && task->state != EXECUTOR_ENDED)
+    if (task->lost_at_ms >= 0 && task->lost_at_ms <= now_ms && !task->write.is_pending &&
+        task->state != EXECUTOR_ENDED)
         task->state = EXECUTOR_LOST;
 }
 
@@ -186,7 +188,7 @@ static int find_timeout(const supervisor *s)
             return 0;
         if (task->kill_at_ms >= 0)
             timeout_ms = sooner(task->kill_at_ms, now_ms, timeout_ms);
-        if (task->lost_at_ms >= 0 && task->state != EXECUTOR_LOST)
+        if (task->lost_at_ms >= 0 && !task->write.is_pending)
             timeout_ms = sooner(task->lost_at_ms, now_ms, timeout_ms);
     }
     if (s->claim_at_ms != 0 && s->n_tasks < s->options.n_workers)
@@ -276,7 +278,7 @@ static void *run_loop(void *context)
     return NULL;
 }
 
-// With all signals blocked: they are for the main thread, and SIGPIPE is for nobody.
+// With all signals blocked: they are for the main thread, and SIGPIPE is ignored.
 static int start_thread(supervisor *s)
 {
     sigset_t all, before;

@@ -81,7 +81,7 @@ struct supervisor__task {
     unsigned n_threads;                 ///< of the job's solver
     size_t n_columns;                   ///< of claimed.columns
     supervisor__stop requested;         ///< how it is to stop
-    supervisor__stop signalled;         ///< what of that the job was told
+    supervisor__stop signalled;         ///< how much of that the job was signalled
     int64_t kill_at_ms;      ///< when it is stopped by force; -1: not planned, INT64_MAX: done
     int64_t lost_at_ms;      ///< when it counts as lost; -1: not planned
     double start_s;          ///< when the job was started, clock_monotonic_s()

@@ -69,6 +69,10 @@ ONLY_IN = {
     "systemd/sd-daemon.h": r"server/daemon/notify\.c",
     "systemd/sd-journal.h": r"server/base/log_journal\.c|tests/unit/server/base/test_log\.c",
     "cmocka.h": r"tests/.+",
+    # Processes are the local executor's; the supervisor knows only jobs.
+    "spawn.h": r"server/run/local_executor\.c",
+    "sys/pidfd.h": r"server/run/local_executor\.c",
+    "sys/wait.h": r"server/run/local_executor\.c|tests/.+",
 }
 
 

@@ -29,7 +29,7 @@ typedef struct helper_world {
     executor *local;                  ///< of helper_supervise(), if options name no executor
     lock lock;                        ///< of n_commits, and of supervisor for the listener
     lock_condition committed;         ///< n_commits has changed
-    uint64_t n_commits;               ///< runs that the store has told of
+    uint64_t n_commits;               ///< changed runs that the listener was called for
     _Atomic unsigned commit_us; ///< how much longer a commit takes for each run that it changes
 } helper_world;
 

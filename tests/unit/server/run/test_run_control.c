@@ -18,22 +18,22 @@ static void the_first_report_is_due_at_once_and_the_next_after_its_time(void **s
 {
     (void)state;
     run_control p = run_control_init(NEVER_MS, 0);
-    assert_int_equal(run_control_wish(&p), RUN_REPORT);
-    assert_int_equal(run_control_wish(&p), RUN_GO_ON);
+    assert_int_equal(run_control_requested(&p), RUN_REPORT);
+    assert_int_equal(run_control_requested(&p), RUN_GO_ON);
     // The clock is moved by moving what it is compared with.
     p.next_report_ns -= NEVER_MS * INT64_C(1000000);
-    assert_int_equal(run_control_wish(&p), RUN_REPORT);
-    assert_int_equal(run_control_wish(&p), RUN_GO_ON);
+    assert_int_equal(run_control_requested(&p), RUN_REPORT);
+    assert_int_equal(run_control_requested(&p), RUN_GO_ON);
 }
 
 static void checkpoints_come_in_their_own_time(void **state)
 {
     (void)state;
     run_control p = run_control_init(NEVER_MS, NEVER_MS);
-    assert_int_equal(run_control_wish(&p), RUN_REPORT);
+    assert_int_equal(run_control_requested(&p), RUN_REPORT);
     p.next_checkpoint_ns -= NEVER_MS * INT64_C(1000000);
-    assert_int_equal(run_control_wish(&p), RUN_CHECKPOINT);
-    assert_int_equal(run_control_wish(&p), RUN_GO_ON);
+    assert_int_equal(run_control_requested(&p), RUN_CHECKPOINT);
+    assert_int_equal(run_control_requested(&p), RUN_GO_ON);
 }
 
 // Signals stay caught for the rest of the process: each case has its own.
@@ -57,8 +57,9 @@ static int stop_with_checkpoint(void)
         return 1;
     raise(SIGTERM);
     raise(SIGTERM);
-    bool ok = run_control_is_stopped() && run_control_wish(&p) == (RUN_STOP | RUN_CHECKPOINT) &&
-              run_control_wish(&q) == RUN_STOP;
+    bool ok = run_control_is_stopped() &&
+              run_control_requested(&p) == (RUN_STOP | RUN_CHECKPOINT) &&
+              run_control_requested(&q) == RUN_STOP;
     return ok ? 0 : 2;
 }
 

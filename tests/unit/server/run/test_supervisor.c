@@ -465,7 +465,7 @@ static void parts_that_do_not_follow_their_snapshot_fail_the_run(void **state)
     }
 }
 
-// A snapshot is not told of before its parts are there, so that who is told can fetch them.
+// A snapshot is published with its parts, so that whoever reads the event can fetch them.
 static void a_snapshot_without_its_parts_is_not_kept(void **state)
 {
     static const double rows[12] = { 0 };
@@ -518,7 +518,7 @@ static void what_came_before_the_solver_failed_is_kept(void **state)
     assert_int_equal(record.n_samples, 2);
 }
 
-// A flood of words and a job that nobody reads must neither block nor fill the supervisor.
+// A flood of words and a job that is not read must neither block nor fill the supervisor.
 static void a_worker_that_only_talks_costs_nothing(void **state)
 {
     helper_world *w = *state;
@@ -604,7 +604,7 @@ static void a_full_disk_ends_the_run_and_hangs_nothing(void **state)
     assert_true(record.state == RUN_FAILED || record.state == RUN_QUEUED);
 }
 
-// With room for nothing the store can be told neither results nor how the run ends; with room again
+// With room for nothing the store takes neither results nor the end of the run; with room again
 // the run must not stay `running` without a child.
 static void a_run_whose_end_could_not_be_stored_goes_on_later(void **state)
 {
