@@ -38,6 +38,7 @@ static helper_run_log *run_jam(int n_threads)
 static void free_log(helper_run_log *log)
 {
     buffer_fini(&log->checkpoint);
+    free(log->parts);
     free(log);
 }
 
