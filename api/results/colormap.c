@@ -9,7 +9,7 @@ enum { DEGREE = 6, CHANNELS = 3 };
 
 struct colormap {
     const char *word;
-    double channels[CHANNELS][DEGREE + 1]; // polynomials of the share, constant term first
+    double channels[CHANNELS][DEGREE + 1]; // polynomials of the fraction, constant term first
 };
 
 // Fitted to the tables of Matplotlib 3.6.3 with the largest error as the measure.
@@ -49,21 +49,21 @@ const char *colormap_word(const colormap *map)
     return map->word;
 }
 
-static uint8_t evaluate(const double *coefficients, double share)
+static uint8_t evaluate(const double *coefficients, double fraction)
 {
     double value = 0.0;
 
     for (int k = DEGREE; k >= 0; k--)
-        value = value * share + coefficients[k];
+        value = value * fraction + coefficients[k];
     return value <= 0.0 ? 0 : value >= 1.0 ? 255 : (uint8_t)(value * 255.0 + 0.5);
 }
 
 colormap_color colormap_at(const colormap *map, unsigned level)
 {
     BF_CHECK(level < COLORMAP_LEVELS);
-    double share = (double)level / (COLORMAP_LEVELS - 1);
+    double fraction = (double)level / (COLORMAP_LEVELS - 1);
 
-    return (colormap_color){ .red = evaluate(map->channels[0], share),
-                             .green = evaluate(map->channels[1], share),
-                             .blue = evaluate(map->channels[2], share) };
+    return (colormap_color){ .red = evaluate(map->channels[0], fraction),
+                             .green = evaluate(map->channels[1], fraction),
+                             .blue = evaluate(map->channels[2], fraction) };
 }

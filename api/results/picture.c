@@ -27,7 +27,7 @@ static span find_span(size_t k, size_t n, size_t n_cells)
     return s;
 }
 
-static double share_of(const span *s, size_t cell)
+static double overlap_of(const span *s, size_t cell)
 {
     return cell == s->from ? s->first : cell + 1 == s->to ? s->last : 1.0;
 }
@@ -77,10 +77,10 @@ static void add_rows(const picture *p, const float *rho, const span *rows, doubl
 
     memset(line, 0, n1 * sizeof *line);
     for (size_t j = rows->from; j < rows->to; j++) {
-        double share = share_of(rows, j);
-        sum += share;
+        double weight = overlap_of(rows, j);
+        sum += weight;
         for (size_t i = 0; i < n1; i++)
-            line[i] += share * (double)rho[j * n1 + i];
+            line[i] += weight * (double)rho[j * n1 + i];
     }
     for (size_t i = 0; i < n1; i++)
         line[i] /= sum;
@@ -103,8 +103,8 @@ void picture_row(const picture *p, const float *rho, size_t row, double *line, u
         span cells = find_span(k, p->width, p->grid.n1);
         double sum = 0.0, mean = 0.0;
         for (size_t i = cells.from; i < cells.to; i++) {
-            sum += share_of(&cells, i);
-            mean += share_of(&cells, i) * line[i];
+            sum += overlap_of(&cells, i);
+            mean += overlap_of(&cells, i) * line[i];
         }
         ret_levels[k] = level_of(mean / sum, p->top);
     }

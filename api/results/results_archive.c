@@ -22,7 +22,7 @@ typedef struct archive {
     size_t kind;       // of the next file, in kinds
     uint64_t index;    // of the next file of that kind
     bf_buffer content; // of the current file
-    size_t n_given;    // bytes of it that were deflated
+    size_t n_appended; // bytes of it that were deflated
     bool is_over;
 } archive;
 
@@ -218,7 +218,7 @@ static bf_status begin_file(archive *a, const api_services *services, bf_buffer 
 {
     char name[RESULTS_FILES_NAME_SIZE];
 
-    a->content.n = a->n_given = 0;
+    a->content.n = a->n_appended = 0;
     bf_status status = kinds[a->kind].write(a, services, a->index, &a->content, err);
     if (status != BF_OK)
         return status;
@@ -226,13 +226,13 @@ static bf_status begin_file(archive *a, const api_services *services, bf_buffer 
     return zip_out_file(a->zip, name, a->content.n, out, err);
 }
 
-static bf_status give_slice(archive *a, bf_buffer *out, bf_error *err)
+static bf_status append_slice(archive *a, bf_buffer *out, bf_error *err)
 {
-    size_t n = a->content.n - a->n_given;
+    size_t n = a->content.n - a->n_appended;
 
     n = n < SLICE_BYTES ? n : SLICE_BYTES;
-    bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_given, n, out, err);
-    a->n_given += n;
+    bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_appended, n, out, err);
+    a->n_appended += n;
     return status;
 }
 
@@ -246,8 +246,8 @@ static bf_status next_chunk(void *state, const api_services *services, size_t li
     for (size_t n_read = 0;
          status == BF_OK && !a->is_over && n_read < TURN_BYTES && out->n - start < limit_bytes;
          n_read += SLICE_BYTES) {
-        if (a->n_given < a->content.n) {
-            status = give_slice(a, out, err);
+        if (a->n_appended < a->content.n) {
+            status = append_slice(a, out, err);
         } else if (find_file(a)) {
             status = begin_file(a, services, out, err);
         } else {

@@ -81,8 +81,8 @@ static inline simd simd_max(simd x, simd y)
 /// x where x >= 1, else 0.
 static inline simd simd_from_1(simd x)
 {
-    __mmask8 packed = _mm512_cmp_pd_mask((__m512d)x, _mm512_set1_pd(1.0), _CMP_GE_OQ);
-    return (simd)_mm512_maskz_mov_pd(packed, (__m512d)x);
+    __mmask8 mask = _mm512_cmp_pd_mask((__m512d)x, _mm512_set1_pd(1.0), _CMP_GE_OQ);
+    return (simd)_mm512_maskz_mov_pd(mask, (__m512d)x);
 }
 
 /// Bit k is set where lane k >= 1.
@@ -122,14 +122,14 @@ static inline simd simd_max(simd x, simd y)
 
 static inline simd simd_from_1(simd x)
 {
-    __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
-    return (simd)_mm256_and_pd(packed, (__m256d)x);
+    __m256d mask = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
+    return (simd)_mm256_and_pd(mask, (__m256d)x);
 }
 
 static inline unsigned simd_bits_from_1(simd x)
 {
-    __m256d packed = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
-    return (unsigned)_mm256_movemask_pd(packed);
+    __m256d mask = _mm256_cmp_pd((__m256d)x, _mm256_set1_pd(1.0), _CMP_GE_OQ);
+    return (unsigned)_mm256_movemask_pd(mask);
 }
 
 static inline simd simd_sqrt(simd x)

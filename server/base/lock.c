@@ -28,13 +28,13 @@ static void note_owner(lock *l)
     l->is_held = true;
 }
 
-void lock_take(lock *l)
+void lock_acquire(lock *l)
 {
     BF_CHECK(pthread_mutex_lock(&l->mutex) == 0);
     note_owner(l);
 }
 
-void lock_give(lock *l)
+void lock_release(lock *l)
 {
     lock_assert_held(l);
     l->is_held = false;

@@ -22,9 +22,9 @@ typedef struct lock_condition {
 void lock_init(lock *l);
 void lock_fini(lock *l);
 
-/// Wait until it is free and hold it; give it back. The owner must not take it again.
-void lock_take(lock *l);
-void lock_give(lock *l);
+/// Wait until it is free and hold it; release it. The owner must not acquire it again.
+void lock_acquire(lock *l);
+void lock_release(lock *l);
 
 /// Assert that this thread holds the lock.
 void lock_assert_held(const lock *l);

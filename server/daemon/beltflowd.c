@@ -106,20 +106,20 @@ static void on_commit(void *context, const char *run_id)
     commit_listener *listener = &p->commit_listener;
 
     service_notify(&p->service, run_id);
-    lock_take(&listener->lock);
+    lock_acquire(&listener->lock);
     if (listener->supervisor != NULL)
         supervisor_notify(listener->supervisor);
     if (listener->http != NULL)
         http_notify(listener->http, run_id);
-    lock_give(&listener->lock);
+    lock_release(&listener->lock);
 }
 
 static void set_commit_listener(commit_listener *listener, supervisor *s, http *h)
 {
-    lock_take(&listener->lock);
+    lock_acquire(&listener->lock);
     listener->supervisor = s;
     listener->http = h;
-    lock_give(&listener->lock);
+    lock_release(&listener->lock);
 }
 
 static supervisor_options options_of_supervisor(const parts *p)

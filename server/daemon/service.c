@@ -51,31 +51,31 @@ static bf_status cancel(void *context, const char *id, uint64_t revision, api_ru
 
 static void add_waiter(service *s, service_waiter *w)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     w->next = s->waiters;
     s->waiters = w;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 static void remove_waiter(service *s, service_waiter *w)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     service_waiter **at = &s->waiters;
     while (*at != w)
         at = &(*at)->next;
     *at = w->next;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 // Wait until a commit has changed the run. False: the deadline has come.
 static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     while (!w->is_notified && lock_wait(&s->committed, &s->lock, deadline_ms))
         ;
     bool is_notified = w->is_notified;
     w->is_notified = false;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return is_notified;
 }
 
@@ -245,11 +245,11 @@ void service_fini(service *s)
 
 void service_notify(service *s, const char *run_id)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     for (service_waiter *w = s->waiters; w != NULL; w = w->next) {
         if (strcmp(w->run_id, run_id) == 0)
             w->is_notified = true;
     }
     lock_wake_all(&s->committed);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }

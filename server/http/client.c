@@ -78,7 +78,7 @@ bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies, 
     return BF_OK;
 }
 
-static bool share_bits(const uint8_t *a, const uint8_t *b, unsigned bits)
+static bool have_same_prefix(const uint8_t *a, const uint8_t *b, unsigned bits)
 {
     unsigned whole = bits / 8, rest = bits % 8;
 
@@ -90,7 +90,7 @@ static bool share_bits(const uint8_t *a, const uint8_t *b, unsigned bits)
 static bool is_proxy(const http_proxies *proxies, const uint8_t *key)
 {
     for (size_t i = 0; i < proxies->n; i++) {
-        if (share_bits(key, proxies->keys[i], proxies->bits[i]))
+        if (have_same_prefix(key, proxies->keys[i], proxies->bits[i]))
             return true;
     }
     return false;

@@ -49,14 +49,14 @@ http_connection *http__connection_open(http *h, int fd)
     c->fd = fd;
     c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
     metrics_add(METRICS_CONNECTIONS, 0, 1);
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     c->next = h->connections;
     if (c->next != NULL)
         c->next->previous = c;
     h->connections = c;
     if (h->n_connections++ == 0)
         lock_wake_all(&h->changed);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return c;
 }
 
@@ -79,7 +79,7 @@ void http__connection_close(http_connection *c)
         return;
     http *h = c->server;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     if (c->previous != NULL)
         c->previous->next = c->next;
     else
@@ -89,16 +89,16 @@ void http__connection_close(http_connection *c)
     h->n_connections--;
     if (c->lingers)
         start_lingering(h, c->fd);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     metrics_add(METRICS_CONNECTIONS, 0, -1);
     memory_free(c);
 }
 
 void http__connection_deadline(http_connection *c, int64_t ms)
 {
-    lock_take(&c->server->lock);
+    lock_acquire(&c->server->lock);
     c->deadline_ms = ms < 0 ? -1 : clock_monotonic_ms() + ms;
-    lock_give(&c->server->lock);
+    lock_release(&c->server->lock);
 }
 
 bool http__connection_is_reserved(const http_connection *c)
@@ -107,9 +107,9 @@ bool http__connection_is_reserved(const http_connection *c)
     unsigned limit = h->options.connection_limit;
     unsigned reserve = limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     bool is_reserved = h->n_connections > limit - reserve;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return is_reserved;
 }
 
@@ -204,12 +204,12 @@ static void *watch(void *context)
 {
     http *h = context;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     while (!h->watch_ends) {
         liveness_answer(&h->watch_liveness);
         (void)lock_wait(&h->changed, &h->lock, look(h, clock_monotonic_ms()));
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return NULL;
 }
 
@@ -225,15 +225,15 @@ void http__watch_stop(http *h)
 {
     if (!h->has_watch)
         return;
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     h->watch_ends = true;
     lock_wake_all(&h->changed);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     BF_CHECK(pthread_join(h->watch, NULL) == 0);
     h->has_watch = false;
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     for (unsigned i = 0; i < h->n_lingering; i++)
         (void)close(h->linger_fds[i]);
     h->n_lingering = 0;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }

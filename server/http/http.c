@@ -254,10 +254,10 @@ static void wait_for_requests(http *h)
 {
     int64_t deadline_ms = clock_monotonic_ms() + STOP_MS;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     while (h->n_requests > 0 && lock_wait(&h->changed, &h->lock, deadline_ms))
         ;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }
 
 http *http_stop(http *h)

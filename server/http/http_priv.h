@@ -171,7 +171,7 @@ BF_MUST_CHECK bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_er
 bool http__pool_suspend(http_pool *p, http_request *r);
 
 /// Queue a suspended request whose pull goes on. Under http.lock, and before http__pool_end().
-void http__pool_push(http_pool *p, http_request *r);
+void http__pool_enqueue(http_pool *p, http_request *r);
 
 /// Do what is queued and end the threads. NULL is fine.
 void http__pool_end(http_pool *p);

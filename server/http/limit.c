@@ -83,12 +83,12 @@ http_limit *http_limit_destroy(http_limit *limit)
 
 void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT])
 {
-    lock_take(&limit->lock);
+    lock_acquire(&limit->lock);
     if (memcmp(limit->quotas, quotas, sizeof limit->quotas) != 0) {
         memcpy(limit->quotas, quotas, sizeof limit->quotas);
         forget_all(limit);
     }
-    lock_give(&limit->lock);
+    lock_release(&limit->lock);
 }
 
 static int *chain_of(http_limit *l, const uint8_t *key)
@@ -201,7 +201,7 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
     http_limit_verdict verdict = { .is_refused = false };
     int n_kinds = creates_work ? HTTP_LIMIT_COUNT : HTTP_LIMIT_WORK;
 
-    lock_take(&limit->lock);
+    lock_acquire(&limit->lock);
     limit_client *c = refill(limit, key, now_ms);
     check_buckets(limit, c, n_kinds, &verdict);
     for (int k = 0; k < n_kinds; k++) {
@@ -213,7 +213,7 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
         verdict.left[k] = c->levels[k] / TOKEN;
         verdict.reset_s[k] = time_to_gain(quota * TOKEN - c->levels[k], quota);
     }
-    lock_give(&limit->lock);
+    lock_release(&limit->lock);
     return verdict;
 }
 

@@ -79,7 +79,7 @@ static bool is_empty(const http_pool *p)
 }
 
 // All request threads hang if none of those that handle requests comes by.
-static void give_sign_of_life(http_pool *p)
+static void answer_liveness(http_pool *p)
 {
     lock_assert_held(&p->lock);
     if (p->n_busy[LANE_REQUESTS] < p->n)
@@ -92,13 +92,13 @@ static http_request *take(http_pool *p, pool_lane *lane)
 {
     http_request *r = NULL;
 
-    lock_take(&p->lock);
+    lock_acquire(&p->lock);
     if (*lane != N_LANES)
         p->n_busy[*lane]--;
-    give_sign_of_life(p);
+    answer_liveness(p);
     while ((*lane = choose_lane(p)) == N_LANES && !(p->is_stopping && is_empty(p))) {
         (void)lock_wait(&p->changed, &p->lock, -1);
-        give_sign_of_life(p);
+        answer_liveness(p);
     }
     if (*lane != N_LANES) {
         r = p->first[*lane];
@@ -109,7 +109,7 @@ static http_request *take(http_pool *p, pool_lane *lane)
     }
     if (p->is_stopping)
         lock_wake_all(&p->changed);
-    lock_give(&p->lock);
+    lock_release(&p->lock);
     return r;
 }
 
@@ -167,13 +167,13 @@ bool http__pool_suspend(http_pool *p, http_request *r)
     http_stage before = r->stage;
 
     r->stage = HTTP_STAGE_WORKING;
-    lock_take(&p->lock);
+    lock_acquire(&p->lock);
     bool has_room = p->n_waiting[lane_of(r)] < p->n * QUEUE_PER_THREAD && !p->is_stopping;
     if (has_room) {
         MHD_suspend_connection(r->mhd);
         append(p, r);
     }
-    lock_give(&p->lock);
+    lock_release(&p->lock);
     // Only now, so that the thread does not wake to wait for the lock.
     if (has_room)
         lock_wake_one(&p->changed);
@@ -182,12 +182,12 @@ bool http__pool_suspend(http_pool *p, http_request *r)
     return has_room;
 }
 
-void http__pool_push(http_pool *p, http_request *r)
+void http__pool_enqueue(http_pool *p, http_request *r)
 {
-    lock_take(&p->lock);
+    lock_acquire(&p->lock);
     BF_CHECK(!p->is_stopping && r->stage != HTTP_STAGE_WORKING);
     append(p, r);
-    lock_give(&p->lock);
+    lock_release(&p->lock);
     lock_wake_one(&p->changed);
 }
 
@@ -195,10 +195,10 @@ bool http__pool_is_alive(http_pool *p)
 {
     bool is_alive = !liveness_is_asked(&p->liveness);
 
-    lock_take(&p->lock);
+    lock_acquire(&p->lock);
     liveness_ask(&p->liveness);
     lock_wake_all(&p->changed);
-    lock_give(&p->lock);
+    lock_release(&p->lock);
     return is_alive;
 }
 
@@ -206,10 +206,10 @@ void http__pool_end(http_pool *p)
 {
     if (p == NULL)
         return;
-    lock_take(&p->lock);
+    lock_acquire(&p->lock);
     p->is_stopping = true;
     lock_wake_all(&p->changed);
-    lock_give(&p->lock);
+    lock_release(&p->lock);
     for (; p->n_threads > 0; p->n_threads--)
         BF_CHECK(pthread_join(p->threads[p->n_threads - 1], NULL) == 0);
 }

@@ -74,9 +74,9 @@ static int ask(http *h, unsigned thread)
 
 static bool is_full(http *h)
 {
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     bool is = h->n_connections + h->options.n_threads > h->options.connection_limit;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return is;
 }
 
@@ -84,10 +84,10 @@ static bool is_watch_alive(http *h)
 {
     bool is_alive = !liveness_is_asked(&h->watch_liveness);
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     liveness_ask(&h->watch_liveness);
     lock_wake_all(&h->changed);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return is_alive;
 }
 

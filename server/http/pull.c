@@ -37,7 +37,7 @@
 // which nothing is parked or queued any more.
 //
 // A run that is computed commits many times a second, and many may wait for its end: two looks of a
-// long poll are LONG_POLL_PACE_MS apart, and the watching thread does those that were put off.
+// long poll are LONG_POLL_INTERVAL_MS apart, and the watching thread does those that were put off.
 
 #include "server/http/pull.h"
 
@@ -55,9 +55,9 @@
 enum {
     STREAM_CHUNK = 64 * 1024,    // bytes of events that are read from the store at once
     DOWNLOAD_CHUNK = 256 * 1024, // bytes of a download that are made at once
-    STREAM_IDLE_S = 60,     // a connection whose client takes none of its stream is closed then
-    STREAM_ACK_MS = 30000,  // and one whose client acknowledges nothing
-    LONG_POLL_PACE_MS = 20, // between two looks at a run that changes
+    STREAM_IDLE_S = 60,         // a connection whose client takes none of its stream is closed then
+    STREAM_ACK_MS = 30000,      // and one whose client acknowledges nothing
+    LONG_POLL_INTERVAL_MS = 20, // between two looks at a run that changes
 };
 
 #define NEVER INT64_MAX
@@ -85,7 +85,7 @@ static bool begin(http_request *r, http_pull_kind kind)
     p->kind = kind;
     p->state = BODY_MORE;
     p->sent_ms = clock_monotonic_ms();
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     // A long poll that begins now is answered at once.
     bool is_too_late = h->is_stopping && kind != HTTP_PULL_LONG_POLL;
     bool is_admitted = !is_too_late && h->n_pulls[kind] < limit_of(h, kind);
@@ -98,7 +98,7 @@ static bool begin(http_request *r, http_pull_kind kind)
             p->next->pull.previous = r;
         h->pulls = r;
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return is_admitted;
 }
 
@@ -136,7 +136,7 @@ bool http__pull_begin_long_poll(http_request *r)
     http_pull *p = &r->pull;
 
     *p = (http_pull){ .source = { .state = r, .next_chunk = next_look, .n_runs = 1 },
-                      .pace_ms = LONG_POLL_PACE_MS,
+                      .interval_ms = LONG_POLL_INTERVAL_MS,
                       .deadline_ms = clock_monotonic_ms() + 1000 * (int64_t)poll->seconds };
     p->source.runs = &poll->run;
     return begin(r, HTTP_PULL_LONG_POLL);
@@ -149,7 +149,7 @@ void http__pull_end(http_request *r)
 
     if (!p->is_under_way)
         return;
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     BF_CHECK(!p->is_parked);
     if (p->previous != NULL)
         p->previous->pull.next = p->next;
@@ -158,7 +158,7 @@ void http__pull_end(http_request *r)
     if (p->next != NULL)
         p->next->pull.previous = p->previous;
     h->n_pulls[p->kind]--;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     if (p->kind == HTTP_PULL_STREAM)
         metrics_add(METRICS_STREAMS, 0, -1);
     p->is_under_way = false;
@@ -169,7 +169,7 @@ static void queue(http *h, http_request *r)
 {
     lock_assert_held(&h->lock);
     r->pull.is_parked = false;
-    http__pool_push(h->pool, r);
+    http__pool_enqueue(h->pool, r);
 }
 
 static bool waits_for(const body_source *source, const char *run_id)
@@ -183,7 +183,7 @@ static bool waits_for(const body_source *source, const char *run_id)
 
 void http_notify(http *h, const char *run_id)
 {
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     int64_t now_ms = h->pulls == NULL ? 0 : clock_monotonic_ms();
     for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
         http_pull *p = &r->pull;
@@ -192,7 +192,7 @@ void http_notify(http *h, const char *run_id)
         p->n_notified++;
         if (!p->is_parked)
             continue;
-        int64_t due_ms = p->looked_ms + p->pace_ms;
+        int64_t due_ms = p->looked_ms + p->interval_ms;
         if (due_ms <= now_ms) {
             queue(h, r);
         } else if (due_ms < p->due_ms) {
@@ -200,7 +200,7 @@ void http_notify(http *h, const char *run_id)
             lock_wake_all(&h->changed);
         }
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }
 
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
@@ -214,9 +214,9 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
             continue;
         if (looks_for_disconnected)
             p->is_disconnected = http__connection_has_hung_up(r->connection->fd);
-        p->owes_heartbeat =
+        p->is_heartbeat_due =
             p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms;
-        if (p->is_disconnected || p->owes_heartbeat || now_ms >= p->due_ms)
+        if (p->is_disconnected || p->is_heartbeat_due || now_ms >= p->due_ms)
             queue(h, r);
         else if (p->due_ms < next_ms)
             next_ms = p->due_ms;
@@ -226,29 +226,29 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
 
 void http__pull_stop_all(http *h)
 {
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     h->is_stopping = true;
     for (http_request *r = h->pulls; r != NULL; r = r->pull.next) {
         if (r->pull.is_parked)
             queue(h, r);
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }
 
 // Step R1. False: it ends, whatever the store has. A download that the server's end cuts off is no whole
 // one; a stream has no end of its own, and a long poll is answered.
-static bool look(http_request *r, bool *ret_owes_heartbeat)
+static bool look(http_request *r, bool *ret_is_heartbeat_due)
 {
     http *h = r->server;
     http_pull *p = &r->pull;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     p->n_seen = p->n_notified;
-    *ret_owes_heartbeat = p->owes_heartbeat;
-    p->owes_heartbeat = false;
+    *ret_is_heartbeat_due = p->is_heartbeat_due;
+    p->is_heartbeat_due = false;
     bool is_stopping = h->is_stopping;
     bool is_disconnected = p->is_disconnected;
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     p->has_failed = is_disconnected || (is_stopping && p->kind == HTTP_PULL_DOWNLOAD);
     if (is_stopping || clock_monotonic_ms() >= p->deadline_ms)
         p->state = BODY_DONE;
@@ -256,7 +256,7 @@ static bool look(http_request *r, bool *ret_owes_heartbeat)
 }
 
 // Step R2. After a failure the body is cut off: the client must not take a part for the whole.
-static void make_chunk(http_request *r, bool owes_heartbeat)
+static void make_chunk(http_request *r, bool is_heartbeat_due)
 {
     http_pull *p = &r->pull;
     const body_source *source = &p->source;
@@ -267,7 +267,7 @@ static void make_chunk(http_request *r, bool owes_heartbeat)
     bf_status status = source->next_chunk(source->state, &r->server->services,
                                           source->is_stream ? STREAM_CHUNK : DOWNLOAD_CHUNK,
                                           &p->chunk, &p->state, &err);
-    if (status == BF_OK && owes_heartbeat && p->chunk.n == 0 && p->state == BODY_WAIT)
+    if (status == BF_OK && is_heartbeat_due && p->chunk.n == 0 && p->state == BODY_WAIT)
         status = buffer_append(&p->chunk, source->heartbeat, strlen(source->heartbeat));
     if (status == BF_OK)
         return;
@@ -290,29 +290,29 @@ static bool leave(http_request *r)
 
     if (p->state == BODY_WAIT)
         buffer_fini(&p->chunk);
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     bool has_news = p->n_notified != p->n_seen;
-    bool can_leave = !h->is_stopping && (!has_news || p->pace_ms > 0 || p->state == BODY_MORE);
+    bool can_leave = !h->is_stopping && (!has_news || p->interval_ms > 0 || p->state == BODY_MORE);
     if (can_leave && p->state == BODY_MORE) {
         queue(h, r);
     } else if (can_leave) {
         p->looked_ms = clock_monotonic_ms();
-        p->due_ms = has_news ? p->looked_ms + p->pace_ms : p->deadline_ms;
+        p->due_ms = has_news ? p->looked_ms + p->interval_ms : p->deadline_ms;
         p->is_parked = true;
         if (has_news)
             lock_wake_all(&h->changed);
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return can_leave;
 }
 
 bool http__pull_work(http_request *r)
 {
     http_pull *p = &r->pull;
-    bool owes_heartbeat = false;
+    bool is_heartbeat_due = false;
 
-    while (look(r, &owes_heartbeat)) {
-        make_chunk(r, owes_heartbeat);
+    while (look(r, &is_heartbeat_due)) {
+        make_chunk(r, is_heartbeat_due);
         if (p->chunk.n > 0 || p->state == BODY_DONE || p->has_failed)
             return true;
         if (leave(r))
@@ -329,7 +329,7 @@ static bool suspend(http_request *r)
 
     if (p->state == BODY_WAIT)
         buffer_fini(&p->chunk);
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     bool can_suspend = !h->is_stopping;
     if (can_suspend) {
         MHD_suspend_connection(r->mhd);
@@ -338,7 +338,7 @@ static bool suspend(http_request *r)
         if (!p->is_parked)
             queue(h, r);
     }
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     return can_suspend;
 }
 

@@ -27,7 +27,7 @@ typedef enum http_pull_kind {
 typedef struct http_pull {
     http_pull_kind kind;    ///< constant
     body_source source;     ///< constant; the response's, or that of a long poll
-    int64_t pace_ms;        ///< constant: least time between looks without a chunk
+    int64_t interval_ms;    ///< constant: least time between looks without a chunk
     int64_t deadline_ms;    ///< constant: it ends then; INT64_MAX: never
     bool is_under_way;      ///< owner: it is in http.pulls
     uint64_t n_seen;        ///< owner: n_notified at the last look
@@ -41,7 +41,7 @@ typedef struct http_pull {
     uint64_t n_notified;    ///< http.lock: wake-ups so far
     bool is_parked;         ///< http.lock: it has no owner, and waits
     bool is_disconnected;   ///< http.lock: the client hung up
-    bool owes_heartbeat;    ///< http.lock: nothing was sent for heartbeat_ms
+    bool is_heartbeat_due;  ///< http.lock: nothing was sent for heartbeat_ms
     int64_t looked_ms;      ///< http.lock: when it was parked
     int64_t due_ms;         ///< http.lock: when it is looked at again, without a wake-up
 } http_pull;

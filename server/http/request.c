@@ -209,11 +209,11 @@ static void count(http_request *r, int change)
 {
     http *h = r->server;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     h->n_requests += (unsigned)change;
     if (h->n_requests == 0 && h->is_stopping)
         lock_wake_all(&h->changed);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
     metrics_add(METRICS_REQUESTS_NOW, 0, change);
     r->is_counted = change > 0;
 }

@@ -66,11 +66,11 @@ void supervisor__claim(supervisor *s)
     s->claim_at_ms = 0;
     if (!retry_pending(s))
         return;
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     bool is_time = s->may_claim && !s->is_stopping;
     if (is_time)
         s->may_claim = false;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     if (!is_time)
         return;
     supervisor__task *task = supervisor__task_create(s);
@@ -124,9 +124,9 @@ void supervisor__finish_claim(supervisor__task *task)
     if (status == BF_OK) {
         start_claimed(task);
         // A stop request may have come before the run was known here; and there may be room for more.
-        lock_take(&s->lock);
+        lock_acquire(&s->lock);
         s->may_claim = s->may_stop = true;
-        lock_give(&s->lock);
+        lock_release(&s->lock);
         return;
     }
     supervisor__task_destroy(task);

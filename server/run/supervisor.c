@@ -41,10 +41,10 @@ static supervisor__stop stop_for(store_stop request)
 
 static bool take_may_stop(supervisor *s)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     bool may_stop = s->may_stop;
     s->may_stop = false;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return may_stop;
 }
 
@@ -215,10 +215,10 @@ static void wait_for_events(supervisor *s)
 // for.
 static bool is_over(supervisor *s, int64_t *ret_grace_ms)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     bool is_stopping = s->is_stopping;
     *ret_grace_ms = s->grace_ms;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     for (size_t i = 0; is_stopping && i < s->n_tasks; i++)
         request_stop(s->tasks[i], SUPERVISOR_STOP_HAND_BACK);
     return is_stopping && s->n_tasks == 0;
@@ -246,13 +246,13 @@ static void note_tasks(const supervisor *s)
 
 static void apply_options(supervisor *s)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     if (s->has_new_options) {
         s->options = s->new_options;
         s->has_new_options = false;
         s->may_claim = true;
     }
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 static void *run_loop(void *context)
@@ -363,10 +363,10 @@ bf_status supervisor_start(const supervisor_options *options, supervisor **ret_s
 
 void supervisor_reconfigure(supervisor *s, const supervisor_options *options)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->new_options = complete(options);
     s->has_new_options = true;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     supervisor__wake_loop(s);
 }
 
@@ -381,17 +381,17 @@ bool supervisor_is_alive(supervisor *s)
 
 void supervisor_wake(supervisor *s)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->may_claim = true;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     supervisor__wake_loop(s);
 }
 
 void supervisor_notify(supervisor *s)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->may_stop = true;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     supervisor__wake_loop(s);
 }
 
@@ -399,10 +399,10 @@ supervisor *supervisor_stop(supervisor *s, int64_t grace_ms)
 {
     if (s == NULL)
         return NULL;
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->is_stopping = true;
     s->grace_ms = grace_ms;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     supervisor__wake_loop(s);
     BF_CHECK(pthread_join(s->thread, NULL) == 0);
     free_supervisor(s);

@@ -58,28 +58,28 @@ static void *run_writer(void *context)
     supervisor__writers *w = &s->writers;
     supervisor__task *task;
 
-    lock_take(&w->lock);
+    lock_acquire(&w->lock);
     while ((task = take_next(w)) != NULL) {
-        lock_give(&w->lock);
+        lock_release(&w->lock);
         bf_error err = { 0 };
         bf_status status = do_write(task, &err);
         set_done(task, status, &err);
-        lock_take(&w->lock);
+        lock_acquire(&w->lock);
     }
-    lock_give(&w->lock);
+    lock_release(&w->lock);
     return NULL;
 }
 
 static void enqueue(supervisor__writers *w, supervisor__task *task)
 {
-    lock_take(&w->lock);
+    lock_acquire(&w->lock);
     if (w->last == NULL)
         w->first = task;
     else
         w->last->write.next = task;
     w->last = task;
     lock_wake_all(&w->queued);
-    lock_give(&w->lock);
+    lock_release(&w->lock);
 }
 
 void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind)
@@ -123,10 +123,10 @@ void supervisor__stop_writers(supervisor *s)
 {
     supervisor__writers *w = &s->writers;
 
-    lock_take(&w->lock);
+    lock_acquire(&w->lock);
     w->is_stopping = true;
     lock_wake_all(&w->queued);
-    lock_give(&w->lock);
+    lock_release(&w->lock);
     for (unsigned i = 0; i < w->n_threads; i++)
         BF_CHECK(pthread_join(w->threads[i], NULL) == 0);
     lock_condition_fini(&w->queued);

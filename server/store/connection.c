@@ -275,22 +275,22 @@ static store__connection *acquire_slot(store__pool *pool)
     bool is_time_left = true;
     int i = -1;
 
-    lock_take(&pool->lock);
+    lock_acquire(&pool->lock);
     while ((i = find_free(pool)) < 0 && is_time_left)
         is_time_left = lock_wait(&pool->released, &pool->lock, deadline_ms);
     if (i >= 0)
         pool->is_taken[i] = true;
-    lock_give(&pool->lock);
+    lock_release(&pool->lock);
     return i < 0 ? NULL : &pool->readers[i];
 }
 
 static void release_slot(store__pool *pool, const store__connection *reader)
 {
-    lock_take(&pool->lock);
+    lock_acquire(&pool->lock);
     BF_CHECK(pool->is_taken[reader - pool->readers]);
     pool->is_taken[reader - pool->readers] = false;
     lock_wake_all(&pool->released);
-    lock_give(&pool->lock);
+    lock_release(&pool->lock);
 }
 
 bf_status store__acquire_reader(store__pool *pool, store__connection **ret_reader, bf_error *err)

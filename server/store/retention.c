@@ -151,13 +151,13 @@ void store__apply_retention(store *s)
                 .limits = s->retention,
                 .idempotency_ms = s->idempotency_ms,
                 .turn = s->turn };
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     bf_status status = run_step(&st, &err);
     if (status == BF_OK)
         notify(s, &st);
     else
         log_event(LOG_LEVEL_WARN, "store_care_failed", "error=%s", log_quote(err.text, quoted));
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     if (status == BF_OK)
         s->turn = st.turn;
     if (status == BF_OK && !st.is_last) {
@@ -169,9 +169,9 @@ void store__apply_retention(store *s)
 
 void store_set_retention(store *s, const store_retention *retention)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->retention = *retention;
     s->turn.next_ms = 0;
     lock_wake_all(&s->writing.filled);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }

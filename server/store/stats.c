@@ -70,9 +70,9 @@ bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err)
 
 void store_read_stats(store *s, store_stats *ret_stats)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     *ret_stats = s->stats;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 void store_set_queue_limit(store *s, size_t limit)
@@ -89,10 +89,10 @@ bool store_is_alive(store *s)
 {
     bool is_alive = !liveness_is_asked(&s->liveness);
 
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     liveness_ask(&s->liveness);
     lock_wake_all(&s->writing.filled);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return is_alive;
 }
 
@@ -134,19 +134,19 @@ bf_status store_ready(store *s, bf_error *err)
     bf_error error = { 0 };
 
     // A result counts for a while; two tests at once do no harm.
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     bool is_known = clock_monotonic_ms() < s->ready.until_ms;
     bf_status status = s->ready.status;
     if (is_known)
         error = s->ready.error;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     if (!is_known) {
         status = probe(s, &error);
-        lock_take(&s->lock);
+        lock_acquire(&s->lock);
         s->ready.status = status;
         s->ready.error = error;
         s->ready.until_ms = clock_monotonic_ms() + READY_MS;
-        lock_give(&s->lock);
+        lock_release(&s->lock);
     }
     if (status != BF_OK && err != NULL)
         *err = error;

@@ -40,7 +40,7 @@ static bf_status use_key(store *s, store__key *key, const void *body, size_t n_b
     if (key->text[0] == '\0')
         return BF_OK;
     (void)crypto_hash_sha256(key->digest, body, n_body);
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     const store__key *used = s->keys;
     while (used != NULL && !are_same(used, key))
         used = used->next;
@@ -48,7 +48,7 @@ static bf_status use_key(store *s, store__key *key, const void *body, size_t n_b
         key->next = s->keys;
         s->keys = key;
     }
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     if (used == NULL)
         return BF_OK;
     return bf_fail(err, BF_ECONFLICT, "",
@@ -59,12 +59,12 @@ static void free_key(store *s, store__key *key)
 {
     if (key->text[0] == '\0')
         return;
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     store__key **at = &s->keys;
     while (*at != key)
         at = &(*at)->next;
     *at = key->next;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 bf_status store__expire_keys(store__connection *writer, int64_t before_ms, bf_error *err)

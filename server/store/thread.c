@@ -131,7 +131,7 @@ static void finish_group(store *s, store__operation *first)
         }
         first = next;
     }
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     while (awaited != NULL) {
         store__operation *next = awaited->next;
         awaited->is_done = true;
@@ -149,9 +149,9 @@ static void count_if_due(store *s)
     if (!s->has_new_stats || clock_monotonic_ms() < s->count_at_ms)
         return;
     s->has_new_stats = false;
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     bf_status status = store__count_stats(s, &stats, NULL);
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     // What could not be counted stays as it was; writers report the fault.
     if (status == BF_OK)
         s->stats = stats;
@@ -179,7 +179,7 @@ static void wait_for_work(store *s)
 
 static void do_group(store *s, store__operation *first)
 {
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     apply_group(&s->writer, first);
     notify_listener(s, first);
     finish_group(s, first);
@@ -190,7 +190,7 @@ static void *write_groups(void *context)
 {
     store *s = context;
 
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     while (s->writing.first != NULL || !s->writing.is_stopping) {
         wait_for_work(s);
         store__operation *first = take_all(s, &s->writing);
@@ -199,7 +199,7 @@ static void *write_groups(void *context)
         store__apply_retention(s);
         count_if_due(s);
     }
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return NULL;
 }
 
@@ -209,7 +209,7 @@ static void *prepare_all(void *context)
     store *s = context;
     store__queue *queue = &s->preparing;
 
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     while (queue->first != NULL || !queue->is_stopping) {
         store__operation *first = queue->first;
         if (first == NULL) {
@@ -219,15 +219,15 @@ static void *prepare_all(void *context)
         queue->first = first->next;
         if (queue->first == NULL)
             queue->last = NULL;
-        lock_give(&s->lock);
+        lock_release(&s->lock);
         bf_status status = first->status = first->prepare(first, &first->error);
         if (status != BF_OK)
             first->finish(first);
-        lock_take(&s->lock);
+        lock_acquire(&s->lock);
         if (status == BF_OK)
             enqueue(s, &s->writing, first);
     }
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return NULL;
 }
 
@@ -257,10 +257,10 @@ static void stop_thread(store *s, store__queue *queue)
 {
     if (!queue->has_thread)
         return;
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     queue->is_stopping = true;
     lock_wake_all(&queue->filled);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     BF_CHECK(pthread_join(queue->thread, NULL) == 0);
     queue->has_thread = false;
 }
@@ -273,20 +273,20 @@ void store__stop_threads(store *s)
 
 void store__begin_write(store *s, store__operation *operation)
 {
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     enqueue(s, &s->preparing, operation);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
 }
 
 bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err)
 {
     store__operation operation = { .apply = apply, .context = context };
 
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     enqueue(s, &s->writing, &operation);
     while (!operation.is_done)
         lock_wait(&s->done, &s->lock, -1);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     if (operation.status != BF_OK && err != NULL)
         *err = operation.error;
     return operation.status;

@@ -470,8 +470,8 @@ double disk__dt_stable_explicit(const micro_def *def)
     // Around a part there is room for pi / asin(small / (small + large)) neighbours; the sum of their
     // n n^T has half as many as its largest eigenvalue at most, and neighbours that move the other way
     // double it. The step is stable while 2 d' dt + k' dt^2 < 4.
-    double crowd = M_PI / asin(r_min / (r_min + r_max)) / m_min;
-    double d = crowd * damping, k = crowd * stiffness;
+    double neighbours = M_PI / asin(r_min / (r_min + r_max)) / m_min;
+    double d = neighbours * damping, k = neighbours * stiffness;
     double dt = 4.0 / (d + sqrt(d * d + 4.0 * k));
     double belt = contact[SCENE_CONVEYOR_CARGO].friction * def->gravity *
                       contact[SCENE_CONVEYOR_CARGO].tanh_linear +

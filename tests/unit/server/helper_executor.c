@@ -62,7 +62,7 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
     helper_executor *e = (helper_executor *)base;
     bf_status status = BF_OK;
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     if (e->n_refused > 0) {
         e->n_refused--;
         status = bf_fail(err, e->refusal, "", "there is no place for a job");
@@ -70,7 +70,7 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
         size_t index = add_job(e, work->run_id, work->checkpoint->n == 0 ? 0 : work->step);
         *ret_job = &e->jobs[index];
     }
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     return status;
 }
 
@@ -80,12 +80,12 @@ static bf_status attach(executor *base, const char *external_id, executor_job **
     helper_executor *e = (helper_executor *)base;
     executor_job *found = NULL;
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     for (size_t i = 0; i < e->n_jobs; i++) {
         if (strcmp(e->jobs[i].id, external_id) == 0)
             found = &e->jobs[i];
     }
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     if (found == NULL)
         return bf_fail(err, BF_ENOTFOUND, "", "there is no job %s", external_id);
     *ret_job = found;
@@ -102,7 +102,7 @@ static void stop(executor *base, executor_job *job, executor_stop how)
     helper_executor *e = (helper_executor *)base;
     const frame end = { .type = FRAME_END, .end = { .stopped = 1, .n_steps = 1 } };
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     job->seen.n_graceful += how == EXECUTOR_STOP_GRACEFUL;
     job->seen.n_now += how == EXECUTOR_STOP_NOW;
     if (!job->ignores_stops && job->state == EXECUTOR_RUNNING) {
@@ -112,7 +112,7 @@ static void stop(executor *base, executor_job *job, executor_stop how)
         job->end.cause = how == EXECUTOR_STOP_GRACEFUL ? EXECUTOR_EXITED : EXECUTOR_KILLED;
     }
     lock_wake_all(&e->changed);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     wake(e);
 }
 
@@ -128,7 +128,7 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
 {
     helper_executor *e = (helper_executor *)base;
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     assert_false(job->seen.is_released);
     size_t n = job->bytes.n < capacity ? job->bytes.n : capacity;
     n = n < e->chunk ? n : e->chunk;
@@ -139,7 +139,7 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     *ret_end = job->end;
     executor_state state = n > 0 ? EXECUTOR_RUNNING : job->state;
     lock_wake_all(&e->changed);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     return state;
 }
 
@@ -152,11 +152,11 @@ static void release(executor *base, executor_job *job)
 {
     helper_executor *e = (helper_executor *)base;
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     assert_false(job->seen.is_released);
     job->seen.is_released = true;
     lock_wake_all(&e->changed);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
 }
 
 helper_executor *helper_executor_create(void)
@@ -198,31 +198,31 @@ executor *helper_executor_base(helper_executor *e)
 
 void helper_executor_refuse(helper_executor *e, unsigned n, bf_status status)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     e->n_refused = n;
     e->refusal = status;
-    lock_give(&e->lock);
+    lock_release(&e->lock);
 }
 
 void helper_executor_ignore_stops(helper_executor *e)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     e->ignores_stops = true;
-    lock_give(&e->lock);
+    lock_release(&e->lock);
 }
 
 void helper_executor_deliver_slowly(helper_executor *e, size_t n)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     e->chunk = n;
-    lock_give(&e->lock);
+    lock_release(&e->lock);
 }
 
 size_t helper_executor_add(helper_executor *e, const char *run_id)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     size_t index = add_job(e, run_id, 0);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     return index;
 }
 
@@ -230,37 +230,37 @@ void helper_executor_await(helper_executor *e, size_t n)
 {
     int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
 
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     while (e->n_jobs < n && lock_wait(&e->changed, &e->lock, deadline_ms))
         ;
     bool is_there = e->n_jobs >= n;
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     assert_true(is_there);
 }
 
 helper_job helper_executor_job(helper_executor *e, size_t index)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     assert_true(index < e->n_jobs);
     e->jobs[index].seen.n_unread = e->jobs[index].bytes.n;
     helper_job seen = e->jobs[index].seen;
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     return seen;
 }
 
 void helper_executor_send_bytes(helper_executor *e, size_t index, const void *bytes, size_t n)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     assert_int_equal(buffer_append(&e->jobs[index].bytes, bytes, n), BF_OK);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     wake(e);
 }
 
 void helper_executor_send(helper_executor *e, size_t index, const frame *f)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     append_frame(&e->jobs[index], f);
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     wake(e);
 }
 
@@ -323,12 +323,12 @@ void helper_executor_finish(helper_executor *e, size_t index, bool stopped)
 
 static void set_state(helper_executor *e, size_t index, executor_state state, executor_cause cause)
 {
-    lock_take(&e->lock);
+    lock_acquire(&e->lock);
     e->jobs[index].state = state;
     e->jobs[index].end.cause = cause;
     if (cause != EXECUTOR_EXITED)
         (void)bf_fail(&e->jobs[index].end.error, BF_ESYSTEM, "", "the fake job ended");
-    lock_give(&e->lock);
+    lock_release(&e->lock);
     wake(e);
 }
 

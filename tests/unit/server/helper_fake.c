@@ -26,41 +26,41 @@ void fake_fini(fake *f)
 
 void fake_append(fake *f, bool is_end)
 {
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     f->n_events++;
     f->has_ended = is_end;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
 }
 
 void fake_hold(fake *f, fake_held held)
 {
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     f->held = held;
     lock_wake_all(&f->changed);
-    lock_give(&f->lock);
+    lock_release(&f->lock);
 }
 
 bool fake_wait_for_held(fake *f, unsigned n)
 {
     int64_t deadline_ms = clock_monotonic_ms() + 5000;
 
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     while (f->n_waiting < n && lock_wait(&f->changed, &f->lock, deadline_ms))
         ;
     bool is_reached = f->n_waiting >= n;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
     return is_reached;
 }
 
 static void wait_while_held(fake *f, fake_held which)
 {
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     f->n_waiting++;
     lock_wake_all(&f->changed);
     while (f->held == which)
         (void)lock_wait(&f->changed, &f->lock, -1);
     f->n_waiting--;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
 }
 
 static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
@@ -70,13 +70,13 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     (void)err;
     memset(ret_run, 0, sizeof *ret_run);
     (void)snprintf(ret_run->id, sizeof ret_run->id, "%s", id);
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     ret_run->last_event = ret_run->revision = f->n_events;
     ret_run->n_snapshots = f->n_snapshots;
     f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
     void (*after_look)(void) = f->after_look;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
     if (after_look != NULL)
         after_look();
     return BF_OK;
@@ -92,13 +92,13 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
 
     (void)n_runs;
     wait_while_held(f, FAKE_HELD_EVENTS);
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     uint64_t n_events = f->n_events;
     bool has_ended = f->has_ended;
     bool is_broken = f->is_broken;
     void (*after_look)(void) = f->after_look;
     f->n_reads++;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
     if (is_broken)
         return bf_fail(err, BF_ESYSTEM, "", "the store failed");
     for (uint64_t id = after + 1; status == BF_OK && id <= n_events && n < limit_bytes; id++) {
@@ -144,9 +144,9 @@ static bf_status list_snapshots(void *context, const char *id, api_snapshot_list
 
     (void)id;
     (void)err;
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     list.n = (size_t)f->n_snapshots;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
     for (size_t i = 0; i < list.n; i++) {
         api_snapshot item = { .index = i, .t = (double)i };
         assert_int_equal(buffer_append(&list.items, &item, sizeof item), BF_OK);
@@ -165,10 +165,10 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
     uint32_t x = (uint32_t)index;
 
     (void)id;
-    lock_take(&f->lock);
+    lock_acquire(&f->lock);
     bool is_broken = f->is_broken;
     f->n_reads++;
-    lock_give(&f->lock);
+    lock_release(&f->lock);
     if (is_broken)
         return bf_fail(err, BF_ESYSTEM, "", "the store failed");
     for (size_t i = 0; i < FAKE_CELLS; i++)

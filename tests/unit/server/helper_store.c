@@ -267,12 +267,12 @@ static void note_outcome(void *context, bf_status status, const bf_error *err)
 {
     outcome *o = context;
 
-    lock_take(&o->lock);
+    lock_acquire(&o->lock);
     o->status = status;
     o->error = *err;
     o->is_done = true;
     lock_wake_all(&o->changed);
-    lock_give(&o->lock);
+    lock_release(&o->lock);
 }
 
 bf_status helper_store_append(store *s, const store_batch *batch, bf_error *err)
@@ -283,10 +283,10 @@ bf_status helper_store_append(store *s, const store_batch *batch, bf_error *err)
     lock_condition_init(&o.changed);
     bf_status status = store_begin_append(s, batch, note_outcome, &o, err);
     if (status == BF_OK) {
-        lock_take(&o.lock);
+        lock_acquire(&o.lock);
         while (!o.is_done)
             lock_wait(&o.changed, &o.lock, -1);
-        lock_give(&o.lock);
+        lock_release(&o.lock);
         status = o.status;
         if (status != BF_OK && err != NULL)
             *err = o.error;
@@ -380,8 +380,8 @@ void helper_hear(void *context, const char *run_id)
 {
     helper_heard *h = context;
 
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     h->n++;
     memcpy(h->id, run_id, API_ID_SIZE);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }

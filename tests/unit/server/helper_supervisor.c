@@ -24,12 +24,12 @@ static void note_commit(void *context, const char *run_id)
 
     // On the store's thread, so this is as if the disk took so long.
     usleep(atomic_load(&w->commit_us));
-    lock_take(&w->lock);
+    lock_acquire(&w->lock);
     if (w->supervisor != NULL)
         supervisor_notify(w->supervisor);
     w->n_commits++;
     lock_wake_all(&w->committed);
-    lock_give(&w->lock);
+    lock_release(&w->lock);
 }
 
 static void open_store(helper_world *w)
@@ -52,9 +52,9 @@ static void open_store(helper_world *w)
 
 static void set_supervisor(helper_world *w, supervisor *s)
 {
-    lock_take(&w->lock);
+    lock_acquire(&w->lock);
     w->supervisor = s;
-    lock_give(&w->lock);
+    lock_release(&w->lock);
 }
 
 int helper_world_setup(void **state)
@@ -172,19 +172,19 @@ static api_run await(helper_world *w, const char *id, run_state state, uint64_t 
     api_run record = { 0 };
 
     for (;;) {
-        lock_take(&w->lock);
+        lock_acquire(&w->lock);
         uint64_t n_before = w->n_commits;
-        lock_give(&w->lock);
+        lock_release(&w->lock);
         assert_int_equal(store_find(w->store, id, &record, NULL), BF_OK);
         if (state == RUN_STATE_COUNT ? record.n_samples >= n_samples : record.state == state)
             return record;
         if (run_state_is_end(record.state))
             fail_msg("the run is %s: %s", run_state_word(record.state), record.error.text);
-        lock_take(&w->lock);
+        lock_acquire(&w->lock);
         while (w->n_commits == n_before && lock_wait(&w->committed, &w->lock, deadline_ms))
             ;
         bool is_late = w->n_commits == n_before;
-        lock_give(&w->lock);
+        lock_release(&w->lock);
         if (is_late)
             fail_msg("the run is still %s", run_state_word(record.state));
     }

@@ -16,7 +16,7 @@ static int choose(const char *header)
     return accept_choose(header, offers, 2);
 }
 
-static void without_a_wish_the_first_offer_is_taken(void **state)
+static void without_accept_the_first_offer_is_taken(void **state)
 {
     (void)state;
     assert_int_equal(choose(NULL), 0);
@@ -129,7 +129,7 @@ static void the_example_of_the_rfc_holds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_a_wish_the_first_offer_is_taken),
+        cmocka_unit_test(without_accept_the_first_offer_is_taken),
         cmocka_unit_test(a_named_type_is_taken),
         cmocka_unit_test(the_larger_quality_wins),
         cmocka_unit_test(among_equals_the_order_of_the_offers_decides),

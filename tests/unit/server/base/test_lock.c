@@ -40,10 +40,10 @@ static void *count(void *context)
     shared *s = context;
 
     for (int i = 0; i < N_ROUNDS; i++) {
-        lock_take(&s->lock);
+        lock_acquire(&s->lock);
         lock_assert_held(&s->lock);
         s->value++;
-        lock_give(&s->lock);
+        lock_release(&s->lock);
     }
     return NULL;
 }
@@ -67,10 +67,10 @@ static void *set_and_wake(void *context)
 {
     shared *s = context;
 
-    lock_take(&s->lock);
+    lock_acquire(&s->lock);
     s->value = 1;
     lock_wake_all(&s->changed);
-    lock_give(&s->lock);
+    lock_release(&s->lock);
     return NULL;
 }
 
@@ -81,12 +81,12 @@ static void waiting_gives_the_lock_away_and_takes_it_again(void **state)
     (void)state;
 
     init_shared(&s);
-    lock_take(&s.lock);
+    lock_acquire(&s.lock);
     assert_int_equal(pthread_create(&thread, NULL, set_and_wake, &s), 0);
     while (s.value == 0)
         assert_true(lock_wait(&s.changed, &s.lock, -1));
     lock_assert_held(&s.lock);
-    lock_give(&s.lock);
+    lock_release(&s.lock);
     assert_int_equal(pthread_join(thread, NULL), 0);
     fini_shared(&s);
 }
@@ -98,25 +98,25 @@ static void waiting_ends_at_its_deadline(void **state)
     (void)state;
 
     init_shared(&s);
-    lock_take(&s.lock);
+    lock_acquire(&s.lock);
     int64_t deadline_ms = clock_monotonic_ms() + 20;
     while (was_woken)
         was_woken = lock_wait(&s.changed, &s.lock, deadline_ms);
     assert_true(clock_monotonic_ms() >= deadline_ms);
     lock_assert_held(&s.lock);
-    lock_give(&s.lock);
+    lock_release(&s.lock);
     fini_shared(&s);
 }
 
 static void take_twice(lock *l)
 {
-    lock_take(l);
-    lock_take(l);
+    lock_acquire(l);
+    lock_acquire(l);
 }
 
 static void fini_held(lock *l)
 {
-    lock_take(l);
+    lock_acquire(l);
     lock_fini(l);
 }
 
@@ -148,7 +148,7 @@ static void mistakes_with_a_lock_stop_the_process(void **state)
 {
     (void)state;
     assert_int_equal(die_of(take_twice), SIGABRT);
-    assert_int_equal(die_of(lock_give), SIGABRT);
+    assert_int_equal(die_of(lock_release), SIGABRT);
     assert_int_equal(die_of(assert_held), SIGABRT);
     assert_int_equal(die_of(fini_held), SIGABRT);
 }

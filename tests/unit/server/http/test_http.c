@@ -118,14 +118,14 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
     for (int i = 0; i < N; i++) {
         fds[i] = client_connect(http_port(server));
         assert_true(client_send(fds[i], "GET /v1/runs HTTP/1.1\r\n" HOST CLOSE "\r\n"));
-        lock_take(&server_services.lock);
+        lock_acquire(&server_services.lock);
         bool has_begun = server_services.n_waiting > 0;
-        lock_give(&server_services.lock);
+        lock_release(&server_services.lock);
         for (int k = 0; i == 0 && !has_begun && k < 500; k++) {
             assert_int_equal(usleep(10000), 0);
-            lock_take(&server_services.lock);
+            lock_acquire(&server_services.lock);
             has_begun = server_services.n_waiting > 0;
-            lock_give(&server_services.lock);
+            lock_release(&server_services.lock);
         }
         assert_true(has_begun);
     }

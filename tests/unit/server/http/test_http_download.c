@@ -29,9 +29,9 @@ static void serve(uint64_t n_snapshots, void (*change)(http_options *options))
 
 static unsigned reads_so_far(void)
 {
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     unsigned n = server_services.n_reads;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     return n;
 }
 
@@ -203,9 +203,9 @@ static void a_download_that_the_store_fails_is_torn_off(void **state)
     serve(MANY, NULL);
     int fd = begin_download();
     assert_true(client_read_until(fd, &answer, "PK", PATIENCE_MS));
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     server_services.is_broken = true;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     assert_false(read_whole(fd, &answer));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);

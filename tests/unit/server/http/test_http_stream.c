@@ -36,9 +36,9 @@ static void wait_until_quiet(void)
     while (before != now) {
         before = now;
         (void)usleep(50000);
-        lock_take(&server_services.lock);
+        lock_acquire(&server_services.lock);
         now = server_services.n_reads;
-        lock_give(&server_services.lock);
+        lock_release(&server_services.lock);
     }
 }
 
@@ -91,9 +91,9 @@ static void a_stream_that_the_store_fails_is_torn_off(void **state)
     (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     server_services.is_broken = true;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     server_append(false);
     assert_true(client_read_all(fd, &answer, 5000));
     assert_null(strstr(answer.bytes, "\r\n0\r\n\r\n"));
@@ -109,15 +109,15 @@ static void a_notice_of_another_run_wakes_nobody(void **state)
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_quiet();
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     unsigned n_reads = server_services.n_reads;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     for (int i = 0; i < 100; i++)
         http_notify(server, "ffffffff-89ab-7cde-8f01-23456789abcd");
     (void)usleep(100000);
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     assert_int_equal(server_services.n_reads, n_reads);
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -197,9 +197,9 @@ enum { N_LATE = 1000 };
 // and is about to sleep.
 static void append_late(void)
 {
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     uint64_t n = server_services.n_events;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     if (n <= N_LATE)
         server_append(n == N_LATE);
 }
@@ -213,9 +213,9 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
     wait_until_quiet();
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     server_services.after_look = append_late;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     server_append(false);
     (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
     assert_true(client_read_until(fd, &answer, event, 20000));
@@ -378,9 +378,9 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     server = fake_serve(&server_services, NULL);
     int lazy_fd = open_stream(&lazy);
     int fd = open_stream(&answer);
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     server_services.n_events = N;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     http_notify(server, FAKE_RUN);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N);
     assert_true(client_read_until(fd, &answer, event, 30000));

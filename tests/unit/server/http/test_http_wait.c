@@ -20,9 +20,9 @@
 
 static unsigned count_finds(void)
 {
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     unsigned n = server_services.n_finds;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     return n;
 }
 
@@ -171,9 +171,9 @@ static void an_end_between_the_last_look_and_the_sleep_is_not_missed(void **stat
 {
     (void)state;
     server = fake_serve(&server_services, NULL);
-    lock_take(&server_services.lock);
+    lock_acquire(&server_services.lock);
     server_services.after_look = end_after_the_second_look;
-    lock_give(&server_services.lock);
+    lock_release(&server_services.lock);
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(end(begin("wait=60", ""), NULL), 200);
     assert_in_range(clock_monotonic_ms() - start_ms, 0, 5000);

@@ -103,10 +103,10 @@ static void threads_write_while_others_read(void **state)
 
 static void expect_heard(helper_heard *h, size_t n, const char *id)
 {
-    lock_take(&h->lock);
+    lock_acquire(&h->lock);
     assert_int_equal(h->n, n);
     assert_string_equal(h->id, id);
-    lock_give(&h->lock);
+    lock_release(&h->lock);
 }
 
 static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
@@ -162,7 +162,7 @@ static void note_outcome(void *context, bf_status status, const bf_error *err)
 {
     outcome *o = context;
 
-    lock_take(&o->lock);
+    lock_acquire(&o->lock);
     o->n++;
     o->last = status;
     if (status != BF_OK) {
@@ -170,22 +170,22 @@ static void note_outcome(void *context, bf_status status, const bf_error *err)
         assert_int_equal(err->code, status);
     }
     lock_wake_all(&o->changed);
-    lock_give(&o->lock);
+    lock_release(&o->lock);
 }
 
 static void await_outcomes(outcome *o, size_t n)
 {
-    lock_take(&o->lock);
+    lock_acquire(&o->lock);
     while (o->n < n)
         lock_wait(&o->changed, &o->lock, -1);
-    lock_give(&o->lock);
+    lock_release(&o->lock);
 }
 
 static size_t count_outcomes(outcome *o)
 {
-    lock_take(&o->lock);
+    lock_acquire(&o->lock);
     size_t n = o->n;
-    lock_give(&o->lock);
+    lock_release(&o->lock);
     return n;
 }
 
