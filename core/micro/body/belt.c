@@ -1,4 +1,4 @@
-// The plane z = 0: belts, and the floor that stands still off every belt.
+// Contacts with the plane z = 0: belts, and a surface at rest outside of them.
 
 #include "core/micro/body/body_priv.h"
 
@@ -9,32 +9,32 @@
 #include <math.h>
 
 static const vec3 nothing = { 0.0, 0.0, 0.0 };
-static const manifold_plane floor_plane = { .normal = { 0.0, 0.0, 1.0 } };
+static const manifold_plane belt_plane = { .normal = { 0.0, 0.0, 1.0 } };
 
-/// What presses on the floor: the points with the force in each, N; or, with n = 0, sums alone.
-typedef struct patch {
+/// Normal forces on the plane: contact points with the force in each, N; or, with n = 0, only their sums.
+typedef struct belt_pressure {
     size_t n;
     vec3 at[MANIFOLD_POINTS_MAX];
     double force[MANIFOLD_POINTS_MAX];
     double sum;      // of |force|
     vec3 middle;     // of |force|
     double gyration; // of |force| about the middle, m
-} patch;
+} belt_pressure;
 
-bf_status body__floor_init(body_state *s, const micro_def *def, bf_error *err)
+bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
 {
-    s->ground = memory_alloc(def->n_parts, sizeof *s->ground);
-    if (s->ground == NULL)
+    s->belt_cache = memory_alloc(def->n_parts, sizeof *s->belt_cache);
+    if (s->belt_cache == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_parts; k++)
-        s->ground[k].clear = -1.0;
+        s->belt_cache[k].clearance = -1.0;
     return micro__copy_surroundings(def, &s->around, err);
 }
 
-void body__floor_fini(body_state *s)
+void body__belt_fini(body_state *s)
 {
     surroundings_fini(&s->around);
-    memory_free(s->ground);
+    memory_free(s->belt_cache);
 }
 
 bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
@@ -49,25 +49,25 @@ bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
 
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
 {
-    body_ground *ground = &s->ground[k];
+    body_belt_cache *cache = &s->belt_cache[k];
     vec2 at = { s->bodies[k].x.x, s->bodies[k].x.y };
 
-    if (!(vec2_length(vec2_sub(at, ground->at)) < ground->clear)) {
-        ground->at = at;
-        ground->clear =
-            surroundings_border_distance(&s->around, at) - s->reach[k] - SCENE_TOLERANCE;
-        (void)body__belt_at(s, at.x, at.y, &ground->velocity);
+    if (!(vec2_length(vec2_sub(at, cache->at)) < cache->clearance)) {
+        cache->at = at;
+        cache->clearance =
+            surroundings_border_distance(&s->around, at) - s->bounding_radius[k] - SCENE_TOLERANCE;
+        (void)body__belt_at(s, at.x, at.y, &cache->velocity);
     }
-    *ret_velocity = ground->velocity;
-    return ground->clear > 0.0;
+    *ret_velocity = cache->velocity;
+    return cache->clearance > 0.0;
 }
 
-/// Add a point to the patch if it presses.
+/// Add a contact point if it has a normal force.
 static void add_point(const body_state *s, const body_body *body, const micro_law *law,
-                      const manifold_point *point, patch *p)
+                      const manifold_point *point, belt_pressure *p)
 {
     double force =
-        body__press(s, law, point->depth, point->weight, body__velocity(body, point->at).z);
+        body__normal_force(s, law, point->depth, point->weight, body__velocity(body, point->at).z);
 
     if (force == 0.0)
         return;
@@ -78,7 +78,7 @@ static void add_point(const body_state *s, const body_body *body, const micro_la
 }
 
 /// Radius of gyration of the pressure about the vertical.
-static double find_gyration(const patch *p)
+static double find_gyration(const belt_pressure *p)
 {
     double sum = 0.0;
 
@@ -89,43 +89,46 @@ static double find_gyration(const patch *p)
     return sqrt(sum / p->sum);
 }
 
-static void find_patch(const body_state *s, const body_body *body, patch *p)
+static void find_pressure(const body_state *s, const body_body *body, belt_pressure *p)
 {
-    const micro_law *law = &s->kinds[body->kind].floor;
-    body_region region;
+    const micro_law *law = &s->kinds[body->kind].belt_law;
+    body_contact contact;
 
     p->n = 0;
     p->sum = p->gyration = 0.0;
     p->middle = nothing;
-    body__find_at_plane(s, body, &floor_plane, 0.0, &region);
-    for (size_t k = 0; region.is_round && k < region.n_spots; k++) {
-        const body_spot *spot = &region.spots[k];
-        add_point(s, body, law, &(manifold_point){ spot->at, spot->depth, spot->share }, p);
+    body__find_at_plane(s, body, &belt_plane, 0.0, &contact);
+    for (size_t k = 0; contact.is_closed_form && k < contact.n_points; k++) {
+        const body_contact_point *contact_point = &contact.points[k];
+        add_point(
+            s, body, law,
+            &(manifold_point){ contact_point->at, contact_point->depth, contact_point->weight }, p);
     }
-    for (size_t k = 0; !region.is_round && k < region.hull.n; k++)
-        add_point(s, body, law, &region.hull.point[k], p);
+    for (size_t k = 0; !contact.is_closed_form && k < contact.hull.n; k++)
+        add_point(s, body, law, &contact.hull.point[k], p);
     if (p->sum <= 0.0)
         return;
     p->middle = vec3_scale(p->middle, 1.0 / p->sum);
     p->gyration = find_gyration(p);
 }
 
-/// The sums of a body that presses with all of a face, without its points: the force in a point p
-/// of the body is f_c + g.(p - c), so that it follows from the moments of the face. Returns false
-/// if the body lies otherwise.
-static bool find_flat_patch(const body_state *s, const body_body *body, patch *p)
+/// The sums for a body with a whole face in contact, without its points: the force in a point p of the
+/// face is f_c + g.(p - c), so that they follow from the moments of the face. Returns false if no whole
+/// face is in contact.
+static bool find_flat_pressure(const body_state *s, const body_body *body, belt_pressure *p)
 {
     const body_kind *kind = &s->kinds[body->kind];
     const vec3 up = body->r.row[2], down = vec3_scale(up, -1.0);
-    size_t number = hull_facing(&kind->shape, hull_support(&kind->shape, down), down);
-    const body_face *face = &kind->faces[number];
-    const vec3 normal = kind->shape.normal[number], w = mat3_apply_back(&body->r, body->w);
+    size_t face_id = hull_facing(&kind->shape, hull_support(&kind->shape, down), down);
+    const body_face *face = &kind->faces[face_id];
+    const vec3 normal = kind->shape.normal[face_id], w = mat3_apply_back(&body->r, body->w);
     const vec3 rate = vec3_cross(up, w);
     double height = body->x.z + vec3_dot(up, face->centre);
     double speed = body->v.z + vec3_dot(rate, face->centre);
-    double force = -kind->floor.stiffness * height - kind->floor.damping * speed;
+    double force = -kind->belt_law.stiffness * height - kind->belt_law.damping * speed;
     vec3 tilt = vec3_along(up, -vec3_dot(up, normal), normal);
-    vec3 slope = vec3_along(vec3_scale(up, -kind->floor.stiffness), -kind->floor.damping, rate);
+    vec3 slope =
+        vec3_along(vec3_scale(up, -kind->belt_law.stiffness), -kind->belt_law.damping, rate);
     vec3 steep = vec3_along(slope, -vec3_dot(slope, normal), normal);
 
     if (height + face->radius * vec3_length(tilt) >= 0.0 ||
@@ -144,56 +147,58 @@ static bool find_flat_patch(const body_state *s, const body_body *body, patch *p
     return true;
 }
 
-/// Friction (8), so that it never turns the spin around.
-static double find_spin_torque(const body_state *s, const body_body *body, const patch *p)
+/// The torque of friction (8), implicit, so that it never reverses the spin.
+static double find_spin_torque(const body_state *s, const body_body *body, const belt_pressure *p)
 {
     const body_kind *kind = &s->kinds[body->kind];
-    const micro_law *law = &kind->floor;
+    const micro_law *law = &kind->belt_law;
     double flat = fmin(1.0, p->gyration / kind->flat_gyration);
     vec3 up = body->r.row[2];
     double inverse_inertia = up.x * up.x / kind->inertia.x + up.y * up.y / kind->inertia.y +
                              up.z * up.z / kind->inertia.z;
 
-    double brake = friction_secant(law->friction * kind->spin_radius * flat, p->sum, law->tanh_spin,
-                                   fabs(body->w.z));
-    return -brake * body->w.z / (1.0 + s->def.dt * brake * inverse_inertia);
+    double spin_secant = friction_secant(law->friction * kind->spin_radius * flat, p->sum,
+                                         law->tanh_spin, fabs(body->w.z));
+    return -spin_secant * body->w.z / (1.0 + s->def.dt * spin_secant * inverse_inertia);
 }
 
-/// Friction (7) in the centre of pressure, point by point where it lies on several belts.
-static void add_sliding(const body_state *s, const body_body *body, const patch *p,
+/// Friction (7) in the centre of pressure; in each contact point where several belts are under the body.
+static void add_sliding(const body_state *s, const body_body *body, const belt_pressure *p,
                         const vec3 *belt, body_load *load)
 {
-    const micro_law *law = &s->kinds[body->kind].floor;
+    const micro_law *law = &s->kinds[body->kind].belt_law;
     vec3 velocity = body__velocity(body, p->middle), under;
 
     velocity.z = 0.0;
     if (belt != NULL) {
-        body__push(load, body, p->middle, body__rub(law, p->sum, vec3_sub(velocity, *belt)));
+        body__add_force(load, body, p->middle,
+                        body__friction_force(law, p->sum, vec3_sub(velocity, *belt)));
         return;
     }
     for (size_t m = 0; m < p->n; m++) {
         (void)body__belt_at(s, p->at[m].x, p->at[m].y, &under);
-        body__push(load, body, p->at[m], body__rub(law, p->force[m], vec3_sub(velocity, under)));
+        body__add_force(load, body, p->at[m],
+                        body__friction_force(law, p->force[m], vec3_sub(velocity, under)));
     }
 }
 
-void body__floor_push(body_state *s, size_t k, body_load *load)
+void body__add_belt_forces(body_state *s, size_t k, body_load *load)
 {
     const body_body *body = &s->bodies[k];
     vec3 belt;
-    patch p;
+    belt_pressure p;
 
-    if (body->x.z >= s->reach[k])
+    if (body->x.z >= s->bounding_radius[k])
         return;
     bool is_one_belt = body__is_on_one_belt(s, k, &belt);
-    if (is_one_belt && find_flat_patch(s, body, &p))
-        body__push(load, body, p.middle, (vec3){ 0.0, 0.0, p.sum });
+    if (is_one_belt && find_flat_pressure(s, body, &p))
+        body__add_force(load, body, p.middle, (vec3){ 0.0, 0.0, p.sum });
     else
-        find_patch(s, body, &p);
+        find_pressure(s, body, &p);
     if (p.sum == 0.0)
         return;
     for (size_t m = 0; m < p.n; m++)
-        body__push(load, body, p.at[m], (vec3){ 0.0, 0.0, p.force[m] });
+        body__add_force(load, body, p.at[m], (vec3){ 0.0, 0.0, p.force[m] });
     add_sliding(s, body, &p, is_one_belt ? &belt : NULL, load);
     load->torque.z += find_spin_torque(s, body, &p);
 }

@@ -1,5 +1,5 @@
-// The state of bodies from its definition to its end, and the list of neighbours: each pair of them once, with what
-// is remembered of it.
+// Creation and destruction of the state of bodies, and the list of neighbours: each pair once, with what is
+// stored of it from step to step.
 
 #include "core/micro/body/body_priv.h"
 
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/// Of the smallest ball around a body: how far parts may move before the list is made anew, twice.
+/// Twice the displacement after which the list is built again, in bounding radii of the smallest part.
 #define SKIN 0.25
 
 static bf_status init_kinds(body_state *s, const micro_def *def, bf_error *err)
@@ -33,49 +33,49 @@ static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
     s->n_blocks = (n + BODY_BLOCK - 1) / BODY_BLOCK;
     s->bodies = memory_alloc(n, sizeof *s->bodies);
     s->is_gone = memory_alloc(n, sizeof *s->is_gone);
-    s->reach = memory_alloc(n, sizeof *s->reach);
+    s->bounding_radius = memory_alloc(n, sizeof *s->bounding_radius);
     s->first_pair = memory_alloc(n + 1, sizeof *s->first_pair);
     s->cursor = memory_alloc(n, sizeof *s->cursor);
     s->reports = memory_alloc(s->n_blocks, sizeof *s->reports);
-    if (s->bodies == NULL || s->is_gone == NULL || s->reach == NULL || s->first_pair == NULL ||
-        s->cursor == NULL || s->reports == NULL)
+    if (s->bodies == NULL || s->is_gone == NULL || s->bounding_radius == NULL ||
+        s->first_pair == NULL || s->cursor == NULL || s->reports == NULL)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
     return BF_OK;
 }
 
-/// Put part k where it starts: flat on z = 0.
+/// Place part k at its initial pose, flat on z = 0.
 static void place_part(body_state *s, const micro_def *def, size_t k)
 {
-    const uint32_t number = def->part_kinds != NULL ? def->part_kinds[k] : 0;
-    const body_kind *kind = &s->kinds[number];
+    const uint32_t kind_id = def->part_kinds != NULL ? def->part_kinds[k] : 0;
+    const body_kind *kind = &s->kinds[kind_id];
     const scene_pose pose = def->poses[k];
     const quat heading = { cos(0.5 * pose.heading), { 0.0, 0.0, sin(0.5 * pose.heading) } };
     const mat3 r = mat3_of_quat(heading);
     const vec3 origin = { pose.x, pose.y, -kind->bottom };
     body_body *body = &s->bodies[k];
 
-    body->kind = number;
+    body->kind = kind_id;
     body->q = quat_unit(quat_multiply(heading, kind->turn));
     body->r = mat3_of_quat(body->q);
     body->x = vec3_add(origin, mat3_apply(&r, kind->centre));
     if (!body__belt_at(s, body->x.x, body->x.y, &body->v))
         body->v = (vec3){ def->start_velocity.x, def->start_velocity.y, 0.0 };
-    s->reach[k] = kind->shape.radius;
+    s->bounding_radius[k] = kind->shape.radius;
 }
 
 static void place_parts(body_state *s, const micro_def *def)
 {
-    s->reach_min = s->n > 0 ? DBL_MAX : 1.0;
+    s->bounding_radius_min = s->n > 0 ? DBL_MAX : 1.0;
     for (size_t k = 0; k < s->n; k++) {
         place_part(s, def, k);
-        s->reach_max = fmax(s->reach_max, s->reach[k]);
-        s->reach_min = fmin(s->reach_min, s->reach[k]);
+        s->bounding_radius_max = fmax(s->bounding_radius_max, s->bounding_radius[k]);
+        s->bounding_radius_min = fmin(s->bounding_radius_min, s->bounding_radius[k]);
     }
-    s->list.skin = SKIN * s->reach_min;
-    s->map_range = s->reach_max;
+    s->list.skin = SKIN * s->bounding_radius_min;
+    s->map_range = s->bounding_radius_max;
 }
 
-/// What the definition says, without its arrays.
+/// Copy the definition without its arrays.
 static void take_def(body_state *s, const micro_def *def)
 {
     const scene_contact *contact = &def->contact[SCENE_CARGO_CARGO];
@@ -87,13 +87,13 @@ static void take_def(body_state *s, const micro_def *def)
     s->def.poses = NULL;
     s->def.part_kinds = NULL;
     s->gravity = (vec3){ 0.0, 0.0, -def->gravity };
-    // From D = 1 on (13) leaves no spin.
+    // For D >= 1 (13) leaves no spin.
     s->spin_damping = def->damping < 1.0 ? pow(1.0 - def->damping, def->dt) : 0.0;
     s->cargo = (micro_law){ 0.25 * M_PI * contact->length, contact->damping, contact->friction,
                             contact->tanh_linear, contact->tanh_spin };
 }
 
-/// Find the first pair of each part and make room for all.
+/// Find the first pair of each part and reserve memory for all.
 static bf_status count_pairs(body_state *s)
 {
     const neighbours_list *list = &s->list;
@@ -116,8 +116,8 @@ static bool is_before(const body_pair *left, const body_pair *right)
     return left->a != right->a ? left->a < right->a : left->b < right->b;
 }
 
-/// Write the new pairs into the spare storage; both lists are sorted, so that one walk along the
-/// old one finds what is remembered.
+/// Write the new pairs into the spare storage, with memory and warm start of those that were pairs before;
+/// both lists are sorted, so that one pass along the old one finds them.
 static void write_pairs(body_state *s)
 {
     const neighbours_list *list = &s->list;
@@ -138,8 +138,8 @@ static void write_pairs(body_state *s)
     }
 }
 
-/// Link the places of neighbours with smaller numbers: those of a part stand in the order in which
-/// its pairs come up.
+/// Set the links of neighbours with smaller ids: pairs come up in the order in which they stand at the part
+/// with the smaller id.
 static void link_back(body_state *s)
 {
     const neighbours_list *list = &s->list;
@@ -157,7 +157,7 @@ bf_status body__list(body_state *s, bf_error *err)
     const neighbours_parts parts = { .x = &s->bodies->x.x,
                                      .y = &s->bodies->x.y,
                                      .stride = sizeof *s->bodies / sizeof(double),
-                                     .radius = s->reach,
+                                     .radius = s->bounding_radius,
                                      .radius_stride = 1 };
 
     s->is_listed = false;
@@ -188,13 +188,13 @@ static void destroy(void *state)
     if (s == NULL)
         return;
     body__plates_fini(s);
-    body__floor_fini(s);
+    body__belt_fini(s);
     body__implicit_fini(s);
     neighbours_fini(&s->list);
     memory_free(s->kinds);
     memory_free(s->bodies);
     memory_free(s->is_gone);
-    memory_free(s->reach);
+    memory_free(s->bounding_radius);
     memory_free(s->first_pair);
     memory_free(s->cursor);
     memory_free(s->reports);
@@ -213,7 +213,7 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
     take_def(s, def);
     if ((status = init_kinds(s, def, err)) == BF_OK &&
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
-        (status = body__floor_init(s, def, err)) == BF_OK) {
+        (status = body__belt_init(s, def, err)) == BF_OK) {
         place_parts(s, def);
         if (def->integrator == MICRO_IMPLICIT)
             status = body__implicit_init(s, err);

@@ -1,12 +1,12 @@
-// Explicit steps: every pair once, then every part by the sum of what acts on it. Blocks of parts are shared
-// out to the members of a team.
+// Explicit steps: the force of every pair, then the motion of every part by the sum of its forces. The members
+// of a team work on blocks of parts.
 
 #include "core/micro/body/body_priv.h"
 
 #include <math.h>
 
-/// Of the smallest ball around a body: farther than this no part moves in a step.
-#define FLIGHT 0.5
+/// Largest displacement in a step, in bounding radii of the smallest part; more is an error.
+#define STEP_MAX 0.5
 
 size_t body__first_of(size_t block)
 {
@@ -20,22 +20,22 @@ size_t body__last_of(const body_state *s, size_t block)
     return last < s->n ? last : s->n;
 }
 
-static void meet_block(const driver_member *m, size_t block)
+static void find_block_forces(const driver_member *m, size_t block)
 {
     body_state *s = m->state;
     size_t last = s->first_pair[body__last_of(s, block)];
 
-    s->reports[block].n_presses = 0;
+    s->reports[block].n_contacts = 0;
     for (size_t p = s->first_pair[body__first_of(block)]; p < last; p++)
-        body__meet(s, &s->pairs[p], &s->reports[block]);
+        body__find_pair_force(s, &s->pairs[p], &s->reports[block]);
 }
 
-/// Sum of what the neighbours of part k do to it.
+/// Add the forces of the neighbours of part k.
 static void add_pairs(const body_state *s, size_t k, body_load *load)
 {
     for (size_t at = s->list.start[k]; at < s->list.start[k + 1]; at++) {
         const body_pair *pair = &s->pairs[s->links[at]];
-        if (!pair->is_pressing)
+        if (!pair->has_force)
             continue;
         bool is_a = pair->a == k;
         load->force =
@@ -54,7 +54,7 @@ static vec3 solve(const mat3 *m, vec3 b)
                    vec3_dot(c0, vec3_cross(c1, b)) / det };
 }
 
-/// The spin after a step without torque, in the body's axes: w+ = w - dt Theta^-1 (w+ x Theta w+).
+/// The angular velocity after a step without torque, in the body's axes: w+ = w - dt Theta^-1 (w+ x Theta w+).
 static vec3 turn_freely(vec3 inertia, double dt, vec3 w)
 {
     vec3 l = { inertia.x * w.x, inertia.y * w.y, inertia.z * w.z };
@@ -69,7 +69,7 @@ static vec3 turn_freely(vec3 inertia, double dt, vec3 w)
     return vec3_sub(w, solve(&m, residual));
 }
 
-vec3 body__turn(const body_state *s, const body_body *body, vec3 torque)
+vec3 body__integrate_spin(const body_state *s, const body_body *body, vec3 torque)
 {
     const vec3 inertia = s->kinds[body->kind].inertia;
     const double dt = s->def.dt;
@@ -80,7 +80,7 @@ vec3 body__turn(const body_state *s, const body_body *body, vec3 torque)
     return mat3_apply(&body->r, turn_freely(inertia, dt, w));
 }
 
-/// Move by the velocities. Returns how far, squared.
+/// Move by the velocities. Returns the squared displacement.
 static double drift(body_body *body, double dt)
 {
     vec3 way = vec3_scale(body->v, dt);
@@ -99,19 +99,19 @@ static body_load load_of(body_state *s, size_t k, body_report *report)
     body_load load = { .torque = { 0.0, 0.0, 0.0 } };
 
     add_pairs(s, k, &load);
-    body__solids_push(s, k, &load, report);
-    body__floor_push(s, k, &load);
+    body__add_boundary_forces(s, k, &load, report);
+    body__add_belt_forces(s, k, &load);
     load.force = vec3_along(load.force, mass, s->gravity);
     return load;
 }
 
-void body__drift(body_state *s, size_t k, body_report *report)
+void body__move(body_state *s, size_t k, body_report *report)
 {
     body_body *body = &s->bodies[k];
-    const double flight = FLIGHT * s->reach_min;
+    const double step_max = STEP_MAX * s->bounding_radius_min;
     double way = drift(body, s->def.dt), spin = vec3_dot(body->w, body->w);
 
-    if (!(way <= flight * flight) || !isfinite(spin)) {
+    if (!(way <= step_max * step_max) || !isfinite(spin)) {
         if (report->bad_part == SIZE_MAX)
             report->bad_part = k;
         return;
@@ -124,14 +124,15 @@ static void move_part(body_state *s, size_t k, bool is_first, body_report *repor
     body_body *body = &s->bodies[k];
     const double dt = s->def.dt;
 
-    // The first step is by forward Euler: with the velocities of the start.
+    // The first step is forward Euler, with the initial velocities.
     if (!is_first) {
         body_load load = load_of(s, k, report);
-        double push = dt / s->kinds[body->kind].mass;
-        body->v = vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), push, load.force);
-        body->w = body__turn(s, body, load.torque);
+        double dt_over_mass = dt / s->kinds[body->kind].mass;
+        body->v =
+            vec3_along(vec3_scale(body->v, 1.0 - s->def.damping * dt), dt_over_mass, load.force);
+        body->w = body__integrate_spin(s, body, load.torque);
     }
-    body__drift(s, k, report);
+    body__move(s, k, report);
     report->is_stale |= !neighbours_holds(s->list.skin, sqrt(body__moved2(s, k)));
 }
 
@@ -162,7 +163,7 @@ bf_status body__check(const void *state, bf_error *err)
                    body->x.y, body->x.z, vec3_length(body->v));
 }
 
-driver_outcome body__judge(const body_state *s)
+driver_outcome body__find_outcome(const body_state *s)
 {
     driver_outcome outcome = DRIVER_MADE;
 
@@ -194,11 +195,11 @@ static driver_outcome step(driver_member *m)
 {
     const body_state *s = m->state;
 
-    driver_split(m, 0, s->n_blocks, meet_block);
+    driver_split(m, 0, s->n_blocks, find_block_forces);
     driver_wait(m);
     driver_split(m, 0, s->n_blocks, move_block);
     driver_wait(m);
-    return body__judge(s);
+    return body__find_outcome(s);
 }
 
 void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
@@ -223,12 +224,12 @@ bf_status body__advance(void *state, uint64_t n, bf_error *err)
         s->reports[block] = (body_report){ .bad_part = SIZE_MAX };
     bf_status status = driver_advance(s->implicit != NULL ? &body__implicit : &explicit, s, n, err);
     if (n > 0)
-        s->n_presses = 0;
+        s->n_contacts = 0;
     for (size_t block = 0; block < s->n_blocks; block++) {
         const body_report *report = &s->reports[block];
         s->largest_overlap = fmax(s->largest_overlap, report->overlap);
-        s->overlap_share = fmax(s->overlap_share, report->share);
-        s->n_presses += report->n_presses;
+        s->overlap_share = fmax(s->overlap_share, report->overlap_share);
+        s->n_contacts += report->n_contacts;
     }
     return status;
 }

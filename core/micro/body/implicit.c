@@ -1,7 +1,7 @@
 // Implicit steps in space.
 //
-// A team meets between the phases of a step. In a phase every member takes its part of the blocks of parts, or
-// of the slices of a colour, none of which writes what another one reads.
+// The members of a team wait for each other between the phases of a step. In a phase every member works on some
+// of the blocks of parts, or of the slices of a colour, none of which writes what another one reads.
 
 #include "core/micro/body/implicit.h"
 #include "core/base/memory.h"
@@ -10,26 +10,27 @@
 #include <math.h>
 #include <string.h>
 
-/// Of the smallest ball around a body: how far parts may move before the list is made anew, twice.
+/// Twice the displacement after which the list is built again, in bounding radii of the smallest part.
 #define SKIN 1.0
 
-/// How far the plates are seen, in radii of the largest ball: as far as a part may come to touch one
-/// before the list is made anew.
-#define SIGHT 2.0
+/// Range of the map of plates, in bounding radii of the largest part: covers all plates that a part may come
+/// into contact with before the list is built again.
+#define PLATE_RANGE 2.0
 
-/// Most rounds that the kinds of parts ask for.
-static int find_rounds(const body_state *s)
+/// The largest number of iterations that a kind of part requires.
+static int find_iterations(const body_state *s)
 {
-    const double damping = fmax(s->cargo.damping, s->kinds[0].solid.damping);
-    int rounds = 1;
+    const double damping = fmax(s->cargo.damping, s->kinds[0].boundary_law.damping);
+    int iterations = 1;
 
     for (size_t k = 0; k < s->n_kinds; k++) {
         const body_kind *kind = &s->kinds[k];
-        double stiffness = fmax(s->cargo.stiffness / (2.0 * kind->softness), kind->solid.stiffness);
+        double stiffness =
+            fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
         int own = implicit_step_iterations(s->n, s->def.dt, stiffness, damping, kind->mass);
-        rounds = own > rounds ? own : rounds;
+        iterations = own > iterations ? own : iterations;
     }
-    return rounds;
+    return iterations;
 }
 
 bf_status body__implicit_init(body_state *s, bf_error *err)
@@ -37,17 +38,18 @@ bf_status body__implicit_init(body_state *s, bf_error *err)
     s->implicit = memory_alloc(1, sizeof *s->implicit);
     body_solver *z = s->implicit;
     if (z != NULL) {
-        z->holds = memory_alloc(s->n, sizeof *z->holds);
-        z->movers = memory_alloc(s->n, sizeof *z->movers);
-        z->used = memory_alloc(s->n, sizeof *z->used);
-        z->shelves = memory_alloc(s->n_blocks, sizeof *z->shelves);
+        z->warm_starts = memory_alloc(s->n, sizeof *z->warm_starts);
+        z->solver_bodies = memory_alloc(s->n, sizeof *z->solver_bodies);
+        z->used_colours = memory_alloc(s->n, sizeof *z->used_colours);
+        z->buffers = memory_alloc(s->n_blocks, sizeof *z->buffers);
     }
-    if (z == NULL || z->holds == NULL || z->movers == NULL || z->used == NULL || z->shelves == NULL)
+    if (z == NULL || z->warm_starts == NULL || z->solver_bodies == NULL ||
+        z->used_colours == NULL || z->buffers == NULL)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", s->n);
-    z->rounds = find_rounds(s);
-    z->keep = exp(-s->def.damping * s->def.dt);
-    s->list.skin = SKIN * s->reach_min;
-    s->map_range = SIGHT * s->reach_max;
+    z->iterations = find_iterations(s);
+    z->damping_factor = exp(-s->def.damping * s->def.dt);
+    s->list.skin = SKIN * s->bounding_radius_min;
+    s->map_range = PLATE_RANGE * s->bounding_radius_max;
     return BF_OK;
 }
 
@@ -57,17 +59,17 @@ void body__implicit_fini(body_state *s)
 
     if (z == NULL)
         return;
-    memory_free(z->holds);
-    memory_free(z->movers);
-    memory_free(z->used);
-    memory_free(z->shelves);
-    memory_free(z->patches);
+    memory_free(z->warm_starts);
+    memory_free(z->solver_bodies);
+    memory_free(z->used_colours);
+    memory_free(z->buffers);
+    memory_free(z->constraints);
     memory_free(z->order);
     memory_free(z);
 }
 
-/// Room for all patches until the list is stale: one for each pair, and for what solids a part may
-/// come near to until then.
+/// Reserve memory for all constraints until the list is stale: one for each pair, and one for each boundary
+/// and belt that a part may come near to until then.
 static bf_status make_room(body_state *s, bf_error *err)
 {
     body_solver *z = s->implicit;
@@ -75,14 +77,14 @@ static bf_status make_room(body_state *s, bf_error *err)
 
     for (size_t block = 0; block < s->n_blocks; block++) {
         const size_t begin = body__first_of(block), end = body__last_of(s, block);
-        body_shelf *shelf = &z->shelves[block];
-        shelf->first = n;
-        shelf->room = s->first_pair[end] - s->first_pair[begin] + 1;
+        body_block_buffer *buffer = &z->buffers[block];
+        buffer->first = n;
+        buffer->capacity = s->first_pair[end] - s->first_pair[begin] + 1;
         for (size_t k = begin; k < end; k++)
-            shelf->room += 1 + body__solids_count(s, k, s->list.skin);
-        n += shelf->room;
+            buffer->capacity += 1 + body__count_boundaries(s, k, s->list.skin);
+        n += buffer->capacity;
     }
-    if (memory_reserve(&z->patches, &z->patches_capacity, n, sizeof *z->patches) != 0 ||
+    if (memory_reserve(&z->constraints, &z->constraints_capacity, n, sizeof *z->constraints) != 0 ||
         memory_reserve(&z->order, &z->order_capacity, s->n_pairs, sizeof(void *)) != 0) {
         s->is_listed = false;
         return bf_fail(err, BF_ENOMEM, "", "no memory for the contacts of %zu parts", s->n);
@@ -98,84 +100,85 @@ static bf_status refresh(void *state, bf_error *err)
                                                                                        : BF_ENOMEM;
 }
 
-/// Inverse of a body's inertia in the world's frame.
-static mat3 find_give(const body_body *body, vec3 inertia)
+/// Inverse inertia of a body in the world's frame.
+static mat3 find_inv_inertia(const body_body *body, vec3 inertia)
 {
     const vec3 x = mat3_column(&body->r, 0), y = mat3_column(&body->r, 1),
                z = mat3_column(&body->r, 2);
-    mat3 give;
+    mat3 inverse;
 
     for (int k = 0; k < 3; k++) {
         vec3 row = vec3_scale(x, vec3_component(x, k) / inertia.x);
         row = vec3_along(row, vec3_component(y, k) / inertia.y, y);
-        give.row[k] = vec3_along(row, vec3_component(z, k) / inertia.z, z);
+        inverse.row[k] = vec3_along(row, vec3_component(z, k) / inertia.z, z);
     }
-    return give;
+    return inverse;
 }
 
-/// A body as it would move in a step without contacts.
-static void predict_part(body_state *s, size_t k, body_shelf *shelf)
+/// Velocities of a body after a step without contacts.
+static void predict_part(body_state *s, size_t k, body_block_buffer *buffer)
 {
     const body_body *body = &s->bodies[k];
     const body_kind *kind = &s->kinds[body->kind];
     const vec3 nothing = { 0.0, 0.0, 0.0 };
-    body_mover *mover = &s->implicit->movers[k];
+    body_solver_body *solver_body = &s->implicit->solver_bodies[k];
 
-    mover->v = vec3_along(vec3_scale(body->v, s->implicit->keep), s->def.dt, s->gravity);
-    mover->w = body__turn(s, body, nothing);
-    mover->give = 1.0 / kind->mass;
-    mover->give_spin = find_give(body, kind->inertia);
-    double before = vec3_length(body->v) + s->reach[k] * vec3_length(body->w);
-    double then = vec3_length(mover->v) + s->reach[k] * vec3_length(mover->w);
-    shelf->speed = fmax(shelf->speed, fmax(before, then));
-    shelf->moved2 = fmax(shelf->moved2, body__moved2(s, k));
+    solver_body->v =
+        vec3_along(vec3_scale(body->v, s->implicit->damping_factor), s->def.dt, s->gravity);
+    solver_body->w = body__integrate_spin(s, body, nothing);
+    solver_body->inv_mass = 1.0 / kind->mass;
+    solver_body->inv_inertia = find_inv_inertia(body, kind->inertia);
+    double before = vec3_length(body->v) + s->bounding_radius[k] * vec3_length(body->w);
+    double then = vec3_length(solver_body->v) + s->bounding_radius[k] * vec3_length(solver_body->w);
+    buffer->speed = fmax(buffer->speed, fmax(before, then));
+    buffer->moved2 = fmax(buffer->moved2, body__moved2(s, k));
 }
 
 static void predict_block(const driver_member *m, size_t block)
 {
     body_state *s = m->state;
-    body_shelf *shelf = &s->implicit->shelves[block];
+    body_block_buffer *buffer = &s->implicit->buffers[block];
 
-    shelf->speed = shelf->moved2 = 0.0;
-    s->reports[block].n_presses = 0;
+    buffer->speed = buffer->moved2 = 0.0;
+    s->reports[block].n_contacts = 0;
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++)
         if (!s->is_gone[k])
-            predict_part(s, k, shelf);
+            predict_part(s, k, buffer);
 }
 
-/// How near parts have to be for this step, m. Returns false if the list does not show all of those.
-static bool find_near(const body_state *s, double *ret_near)
+/// The margin of contacts in this step, m. Returns false if the list may lack some of them.
+static bool find_margin(const body_state *s, double *ret_margin)
 {
     const double skin = s->list.skin;
     double speed = 0.0, moved2 = 0.0;
 
     for (size_t block = 0; block < s->n_blocks; block++) {
-        speed = fmax(speed, s->implicit->shelves[block].speed);
-        moved2 = fmax(moved2, s->implicit->shelves[block].moved2);
+        speed = fmax(speed, s->implicit->buffers[block].speed);
+        moved2 = fmax(moved2, s->implicit->buffers[block].moved2);
     }
-    *ret_near = fmin(2.0 * s->def.dt * speed, 0.5 * skin);
-    return neighbours_holds(skin, sqrt(moved2) + 0.5 * *ret_near);
+    *ret_margin = fmin(2.0 * s->def.dt * speed, 0.5 * skin);
+    return neighbours_holds(skin, sqrt(moved2) + 0.5 * *ret_margin);
 }
 
-static void meet_block(const driver_member *m, size_t block)
+static void find_block_contacts(const driver_member *m, size_t block)
 {
-    const double *near = m->step;
+    const double *margin = m->step;
 
-    body_implicit__meet(m->state, block, *near);
+    body_implicit__find_contacts(m->state, block, *margin);
 }
 
-/// Give the patches of pairs colours that neither part has, in the order of the parts.
+/// Assign each constraint of a pair the first colour that neither part has, in the order of the parts.
 static void choose_colours(body_solver *z, size_t n_blocks, size_t *count)
 {
     for (size_t block = 0; block < n_blocks; block++) {
-        const body_shelf *shelf = &z->shelves[block];
-        for (size_t k = shelf->first; k < shelf->first + shelf->n_pairs; k++) {
-            body_patch *p = &z->patches[k];
-            uint64_t free = ~(z->used[p->a] | z->used[p->b]);
+        const body_block_buffer *buffer = &z->buffers[block];
+        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++) {
+            body_constraint *p = &z->constraints[k];
+            uint64_t free = ~(z->used_colours[p->a] | z->used_colours[p->b]);
             p->colour = free != 0 ? (uint8_t)__builtin_ctzll(free) : BODY_COLOURS;
             if (free != 0) {
-                z->used[p->a] |= 1ULL << p->colour;
-                z->used[p->b] |= 1ULL << p->colour;
+                z->used_colours[p->a] |= 1ULL << p->colour;
+                z->used_colours[p->b] |= 1ULL << p->colour;
             }
             count[p->colour]++;
         }
@@ -186,7 +189,7 @@ static void sort_by_colours(const body_state *s, body_solver *z)
 {
     size_t at[BODY_COLOURS + 1] = { 0 };
 
-    memset(z->used, 0, s->n * sizeof *z->used);
+    memset(z->used_colours, 0, s->n * sizeof *z->used_colours);
     choose_colours(z, s->n_blocks, at);
     z->colour[0] = 0;
     for (int c = 0; c <= BODY_COLOURS; c++) {
@@ -194,34 +197,35 @@ static void sort_by_colours(const body_state *s, body_solver *z)
         at[c] = z->colour[c];
     }
     for (size_t block = 0; block < s->n_blocks; block++) {
-        const body_shelf *shelf = &z->shelves[block];
-        for (size_t k = shelf->first; k < shelf->first + shelf->n_pairs; k++)
-            z->order[at[z->patches[k].colour]++] = &z->patches[k];
+        const body_block_buffer *buffer = &z->buffers[block];
+        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++)
+            z->order[at[z->constraints[k].colour]++] = &z->constraints[k];
     }
 }
 
-typedef void work_on_patch(const body_solver *z, body_patch *patch);
+typedef void constraint_work(const body_solver *z, body_constraint *constraint);
 
-static void sweep_solids(const driver_member *m, work_on_patch *work)
+static void sweep_boundaries(const driver_member *m, constraint_work *work)
 {
     const body_state *s = m->state;
     const body_solver *z = s->implicit;
 
     for (size_t block = (size_t)m->index; block < s->n_blocks; block += (size_t)m->n_members) {
-        const body_shelf *shelf = &z->shelves[block];
-        for (size_t k = shelf->n_pairs; k < shelf->n; k++)
-            work(z, &z->patches[shelf->first + k]);
+        const body_block_buffer *buffer = &z->buffers[block];
+        for (size_t k = buffer->n_pairs; k < buffer->n; k++)
+            work(z, &z->constraints[buffer->first + k]);
     }
 }
 
-/// All patches once. A colour of one slice is the first member's, who need not wait between those.
-static void sweep(const driver_member *m, work_on_patch *work)
+/// Work on all constraints once. The first member alone does colours of one slice, without waiting between
+/// them.
+static void sweep(const driver_member *m, constraint_work *work)
 {
     const body_solver *z = ((const body_state *)m->state)->implicit;
     const size_t *first = z->colour;
     bool is_alone = false;
 
-    sweep_solids(m, work);
+    sweep_boundaries(m, work);
     for (int c = 0; c <= BODY_COLOURS; c++) {
         const size_t n = first[c + 1] - first[c];
         const bool is_short = n <= BODY_SLICE || c == BODY_COLOURS;
@@ -238,33 +242,33 @@ static void sweep(const driver_member *m, work_on_patch *work)
     driver_wait(m);
 }
 
-static void note_patch(const body_state *s, const body_patch *p, body_report *report)
+static void note_constraint(const body_state *s, const body_constraint *p, body_report *report)
 {
     double radius = s->kinds[s->bodies[p->b].kind].radius;
 
-    if (p->a != BODY_STILL)
+    if (p->a != BODY_STATIC)
         radius = fmin(radius, s->kinds[s->bodies[p->a].kind].radius);
-    if (p->floor == NULL && p->press > 0.0 && p->depth > 0.0)
+    if (p->belt_kind == NULL && p->normal_impulse > 0.0 && p->depth > 0.0)
         body__note(report, p->depth, radius);
 }
 
-/// Keep the impulses of a block, and move its parts.
+/// Store the warm starts of a block, and move its parts.
 static void move_block(const driver_member *m, size_t block)
 {
     body_state *s = m->state;
     const body_solver *z = s->implicit;
-    const body_shelf *shelf = &z->shelves[block];
+    const body_block_buffer *buffer = &z->buffers[block];
 
-    for (size_t k = shelf->first; k < shelf->first + shelf->n; k++) {
-        body_implicit__keep(&z->patches[k]);
-        note_patch(s, &z->patches[k], &s->reports[block]);
+    for (size_t k = buffer->first; k < buffer->first + buffer->n; k++) {
+        body_implicit__store_warm_start(&z->constraints[k]);
+        note_constraint(s, &z->constraints[k], &s->reports[block]);
     }
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++) {
         if (s->is_gone[k])
             continue;
-        s->bodies[k].v = z->movers[k].v;
-        s->bodies[k].w = z->movers[k].w;
-        body__drift(s, k, &s->reports[block]);
+        s->bodies[k].v = z->solver_bodies[k].v;
+        s->bodies[k].w = z->solver_bodies[k].w;
+        body__move(s, k, &s->reports[block]);
     }
 }
 
@@ -277,21 +281,21 @@ static void split_blocks(const driver_member *m, driver_work *work)
 static driver_outcome step(driver_member *m)
 {
     body_state *s = m->state;
-    double near; // m, gaps that may close in this step
+    double margin; // m, gaps that may close in this step
 
     split_blocks(m, predict_block);
-    if (!find_near(s, &near))
+    if (!find_margin(s, &margin))
         return DRIVER_NOT_MADE;
-    m->step = &near;
-    split_blocks(m, meet_block);
+    m->step = &margin;
+    split_blocks(m, find_block_contacts);
     if (m->index == 0)
         sort_by_colours(s, s->implicit);
     driver_wait(m);
     sweep(m, body_implicit__begin);
-    for (int round = 0; round < s->implicit->rounds; round++)
-        sweep(m, body_implicit__relax);
+    for (int iteration = 0; iteration < s->implicit->iterations; iteration++)
+        sweep(m, body_implicit__solve_contact);
     split_blocks(m, move_block);
-    return body__judge(s);
+    return body__find_outcome(s);
 }
 
 const driver_solver body__implicit = {

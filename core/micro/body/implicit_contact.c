@@ -1,4 +1,4 @@
-// The patches of a step, each from the region in which two bodies touch or come near each other.
+// Setting up the constraints of a step from the contacts of bodies that overlap or are near each other.
 
 #include "core/micro/body/implicit.h"
 
@@ -7,92 +7,94 @@
 #include <math.h>
 #include <string.h>
 
-/// Most points that overlap where others are coming.
+/// Most points that overlap where others are within the margin.
 #define BELOW_MAX 5
 
-/// Points of a region.
-typedef struct spots {
-    const body_region *region;
+/// The points of a contact, in closed form or of hulls.
+typedef struct contact_points {
+    const body_contact *contact;
     size_t n;
-    size_t n_below; // that overlap; they stand first if the region is one of hulls
-} spots;
+    size_t n_below; // that overlap; they come first if the contact is one of hulls
+} contact_points;
 
-static body_spot spot_of(const spots *from, size_t k)
+static body_contact_point contact_point_of(const contact_points *from, size_t k)
 {
-    const body_region *region = from->region;
+    const body_contact *contact = from->contact;
 
-    if (region->is_round)
-        return region->spots[k];
-    const manifold_point *point = &region->hull.point[k];
-    return (body_spot){ point->at, region->hull.normal, point->depth, point->weight };
+    if (contact->is_closed_form)
+        return contact->points[k];
+    const manifold_point *point = &contact->hull.point[k];
+    return (body_contact_point){ point->at, contact->hull.normal, point->depth, point->weight };
 }
 
-static spots find_spots(const body_region *region)
+static contact_points list_contact_points(const body_contact *contact)
 {
-    size_t n = region->is_round ? region->n_spots : region->hull.n;
+    size_t n = contact->is_closed_form ? contact->n_points : contact->hull.n;
 
-    return (spots){ region, n, region->is_round ? n : region->hull.n_below };
+    return (contact_points){ contact, n, contact->is_closed_form ? n : contact->hull.n_below };
 }
 
-/// Middle and mean normal of the points; those that are coming count where none overlaps.
-static vec3 find_middle(const spots *from, vec3 *ret_normal)
+/// Middle and mean normal of the points that overlap; of all points where none does.
+static vec3 find_middle(const contact_points *from, vec3 *ret_normal)
 {
     const size_t n = from->n_below > 0 ? from->n_below : from->n;
     vec3 middle = { 0.0, 0.0, 0.0 }, normal = middle;
     double sum = 0.0;
 
     for (size_t k = 0; k < n; k++) {
-        body_spot spot = spot_of(from, k);
-        middle = vec3_along(middle, spot.share, spot.at);
-        normal = vec3_along(normal, spot.share, spot.normal);
-        sum += spot.share;
+        body_contact_point contact_point = contact_point_of(from, k);
+        middle = vec3_along(middle, contact_point.weight, contact_point.at);
+        normal = vec3_along(normal, contact_point.weight, contact_point.normal);
+        sum += contact_point.weight;
     }
-    *ret_normal = n == 1 || !from->region->is_round ? spot_of(from, 0).normal : vec3_unit(normal);
+    *ret_normal = n == 1 || !from->contact->is_closed_form ? contact_point_of(from, 0).normal
+                                                           : vec3_unit(normal);
     return vec3_scale(middle, 1.0 / sum);
 }
 
-static void add_share(body_point *to, const body_point *from)
+static void add_weighted(body_constraint_point *to, const body_constraint_point *from)
 {
-    to->x += from->share * from->x;
-    to->y += from->share * from->y;
-    to->depth += from->share * from->depth;
-    to->share += from->share;
+    to->x += from->weight * from->x;
+    to->y += from->weight * from->y;
+    to->depth += from->weight * from->depth;
+    to->weight += from->weight;
 }
 
-/// A point in the middle of n points of a face, which have one normal.
-static body_point join_points(const body_point *points, size_t n)
+/// The weighted mean of n points of a face, which have one normal.
+static body_constraint_point join_points(const body_constraint_point *points, size_t n)
 {
-    body_point joint = { .normal = points[0].normal };
+    body_constraint_point joint = { .normal = points[0].normal };
 
     if (n == 1)
         return points[0];
     for (size_t k = 0; k < n; k++)
-        add_share(&joint, &points[k]);
-    joint.x /= joint.share;
-    joint.y /= joint.share;
-    joint.depth /= joint.share;
+        add_weighted(&joint, &points[k]);
+    joint.x /= joint.weight;
+    joint.y /= joint.weight;
+    joint.depth /= joint.weight;
     return joint;
 }
 
-/// Sum of share r^2 about a middle.
-static double find_spread(const body_point *points, size_t n, const body_point *middle)
+/// Sum of weight r^2 about a middle.
+static double find_spread(const body_constraint_point *points, size_t n,
+                          const body_constraint_point *middle)
 {
     double sum = 0.0;
 
     for (size_t k = 0; k < n; k++) {
         double x = points[k].x - middle->x, y = points[k].y - middle->y;
-        sum += points[k].share * (x * x + y * y);
+        sum += points[k].weight * (x * x + y * y);
     }
     return sum;
 }
 
-/// No more than `most` points of n that stand for a face: neighbours are joined, and then moved apart
-/// until they are as spread out as all were. So forces and torques stay what they are.
-static size_t thin_out(body_point *points, size_t n, size_t most)
+/// Reduce n points of a face to at most `most`: neighbours are joined, and the result is scaled about its
+/// middle to the spread of all points, so that force and torque are preserved.
+static size_t reduce_points(body_constraint_point *points, size_t n, size_t most)
 {
     if (n <= most)
         return n;
-    const body_point middle = join_points(points, n);
+    const body_constraint_point middle = join_points(points, n);
     double before = find_spread(points, n, &middle);
 
     for (size_t k = 0; k < most; k++) {
@@ -109,69 +111,70 @@ static size_t thin_out(body_point *points, size_t n, size_t most)
     return most;
 }
 
-/// All points of the region in the axes of the patch, those that overlap first, then thinned out.
-static void take_points(const spots *from, vec3 middle, body_patch *p)
+/// Take all points of the contact, in the axes of the constraint, those that overlap first, and reduce them.
+static void take_points(const contact_points *from, vec3 middle, body_constraint *p)
 {
-    body_point points[MANIFOLD_POINTS_MAX];
+    body_constraint_point points[MANIFOLD_POINTS_MAX];
 
     for (size_t k = 0; k < from->n; k++) {
-        body_spot spot = spot_of(from, k);
-        vec3 to = vec3_sub(spot.at, middle), n = spot.normal;
-        points[k] = (body_point){
+        body_contact_point contact_point = contact_point_of(from, k);
+        vec3 to = vec3_sub(contact_point.at, middle), n = contact_point.normal;
+        points[k] = (body_constraint_point){
             .x = vec3_dot(p->axis[0], to),
             .y = vec3_dot(p->axis[1], to),
             .normal = { vec3_dot(p->axis[0], n), vec3_dot(p->axis[1], n), vec3_dot(p->axis[2], n) },
-            .depth = spot.depth,
-            .share = spot.share,
+            .depth = contact_point.depth,
+            .weight = contact_point.weight,
         };
     }
     size_t n_coming = from->n - from->n_below;
-    size_t below = thin_out(points, from->n_below, n_coming > 0 ? BELOW_MAX : BODY_POINTS);
-    size_t coming = thin_out(&points[from->n_below], n_coming, BODY_POINTS - below);
+    size_t below =
+        reduce_points(points, from->n_below, n_coming > 0 ? BELOW_MAX : BODY_CONSTRAINT_POINTS);
+    size_t coming = reduce_points(&points[from->n_below], n_coming, BODY_CONSTRAINT_POINTS - below);
     memcpy(p->point, points, below * sizeof *points);
     memcpy(&p->point[below], &points[from->n_below], coming * sizeof *points);
     p->n = (uint32_t)(below + coming);
 }
 
-static void find_gains(const body_state *s, const micro_law *law, body_patch *p)
+static void find_gains(const body_state *s, const micro_law *law, body_constraint *p)
 {
     const double h = s->def.dt, joint = h * law->stiffness + law->damping;
 
     for (uint32_t k = 0; k < p->n; k++) {
-        body_point *point = &p->point[k];
-        double pressed = point->depth > 0.0 ? point->depth : 0.0;
-        point->gain = point->share * h * joint;
-        point->bias = point->share * (joint * point->depth - law->damping * pressed);
-        point->is_stuck = s->def.tension && point->depth > 0.0;
+        body_constraint_point *point = &p->point[k];
+        double overlap = point->depth > 0.0 ? point->depth : 0.0;
+        point->gain = point->weight * h * joint;
+        point->bias = point->weight * (joint * point->depth - law->damping * overlap);
+        point->can_pull = s->def.tension && point->depth > 0.0;
     }
 }
 
-/// The impulse of the last step in the axes of this one, and shared out to the points.
-static void take_impulse(const body_hold *before, body_patch *p)
+/// Take the impulse of the last step, in the axes of this one, distributed to the points by weight.
+static void take_impulse(const body_warm_start *before, body_constraint *p)
 {
     double sum = 0.0;
 
     if (before == NULL || before->key == 0)
         return;
     for (int k = 0; k < 3; k++) {
-        p->impulse[k] = vec3_dot(p->axis[k], before->push);
-        p->impulse[3 + k] = vec3_dot(p->axis[k], before->twist);
+        p->impulse[k] = vec3_dot(p->axis[k], before->impulse);
+        p->impulse[3 + k] = vec3_dot(p->axis[k], before->angular_impulse);
     }
-    p->press = fmax(0.0, p->impulse[2]);
+    p->normal_impulse = fmax(0.0, p->impulse[2]);
     for (uint32_t k = 0; k < p->n; k++)
-        sum += p->point[k].share;
+        sum += p->point[k].weight;
     for (uint32_t k = 0; k < p->n; k++)
-        p->point[k].press = p->press * p->point[k].share / sum;
+        p->point[k].normal_impulse = p->normal_impulse * p->point[k].weight / sum;
 }
 
-/// The vector in the axes of the patch.
-static vec3 to_axes(const body_patch *p, vec3 a)
+/// A vector in the axes of the constraint.
+static vec3 to_axes(const body_constraint *p, vec3 a)
 {
     return (vec3){ vec3_dot(p->axis[0], a), vec3_dot(p->axis[1], a), vec3_dot(p->axis[2], a) };
 }
 
-/// Column k of a symmetric matrix in the axes of the patch.
-static vec3 turn_column(const body_patch *p, const mat3 *m, int k)
+/// Column k of a symmetric matrix in the axes of the constraint.
+static vec3 turn_column(const body_constraint *p, const mat3 *m, int k)
 {
     return to_axes(p, mat3_apply(m, p->axis[k]));
 }
@@ -184,15 +187,16 @@ static vec3 cross_axis(vec3 r, int k)
     return rows[k];
 }
 
-/// Add what impulses in the middle, in the axes of the patch, change a body's velocity there by.
-static void add_give(const body_patch *p, const body_mover *mover, vec3 lever, mat6 *give)
+/// Add the inverse effective mass of a body in the middle of a constraint, in its axes.
+static void add_inv_effective_mass(const body_constraint *p, const body_solver_body *solver_body,
+                                   vec3 lever, mat6 *inv_effective_mass)
 {
     const vec3 r = to_axes(p, lever);
     mat3 j; // symmetric, so that its rows are its columns
     vec3 arm[6], turn[6];
 
     for (int k = 0; k < 3; k++) {
-        j.row[k] = turn_column(p, &mover->give_spin, k);
+        j.row[k] = turn_column(p, &solver_body->inv_inertia, k);
         arm[k] = cross_axis(r, k);
         arm[3 + k] = (vec3){ k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0 };
     }
@@ -200,13 +204,13 @@ static void add_give(const body_patch *p, const body_mover *mover, vec3 lever, m
         turn[k] = k < 3 ? mat3_apply(&j, arm[k]) : j.row[k - 3];
     for (int i = 0; i < 6; i++)
         for (int k = 0; k <= i; k++)
-            give->row[i][k] += vec3_dot(arm[i], turn[k]);
+            inv_effective_mass->row[i][k] += vec3_dot(arm[i], turn[k]);
     for (int k = 0; k < 3; k++)
-        give->row[k][k] += mover->give;
+        inv_effective_mass->row[k][k] += solver_body->inv_mass;
 }
 
-/// The inertia of one body in the middle of its patch.
-static void find_own_inertia(const body_state *s, body_patch *p)
+/// The effective mass of one body in the middle of its constraint.
+static void find_own_inertia(const body_state *s, body_constraint *p)
 {
     const body_body *body = &s->bodies[p->b];
     const body_kind *kind = &s->kinds[body->kind];
@@ -227,193 +231,196 @@ static void find_own_inertia(const body_state *s, body_patch *p)
     }
 }
 
-/// The inertia that a patch meets: two bodies give way as the sum of both.
-static void find_inertia(const body_state *s, body_patch *p)
+/// The effective mass of a constraint: for two bodies the inverses add up.
+static void find_inertia(const body_state *s, body_constraint *p)
 {
     const body_solver *z = s->implicit;
-    mat6 give = { { { 0.0 } } };
+    mat6 inv_effective_mass = { { { 0.0 } } };
 
-    if (p->a == BODY_STILL) {
+    if (p->a == BODY_STATIC) {
         find_own_inertia(s, p);
         return;
     }
-    add_give(p, &z->movers[p->a], p->lever[0], &give);
-    add_give(p, &z->movers[p->b], p->lever[1], &give);
-    mat6_factor(&give);
-    mat6_invert(&give, &p->inertia);
+    add_inv_effective_mass(p, &z->solver_bodies[p->a], p->lever[0], &inv_effective_mass);
+    add_inv_effective_mass(p, &z->solver_bodies[p->b], p->lever[1], &inv_effective_mass);
+    mat6_factor(&inv_effective_mass);
+    mat6_invert(&inv_effective_mass, &p->inertia);
 }
 
-// What the patches of a step are made with.
-typedef struct body_touch {
-    uint32_t a;              // as in a patch
-    uint32_t b;              // same
-    const micro_law *law;    // of the contact
-    const body_kind *floor;  // as in a patch
-    const body_hold *before; // its impulse in the step before; NULL: none
-} body_touch;
+/// What a constraint is made from, beside the contact.
+typedef struct constraint_source {
+    uint32_t a;                    // see body_constraint
+    uint32_t b;                    // same
+    const micro_law *law;          // of the contact
+    const body_kind *belt_kind;    // see body_constraint
+    const body_warm_start *before; // impulse of the previous step; NULL: none
+} constraint_source;
 
-static void set_axes(const body_touch *touch, vec3 normal, body_patch *p)
+static void set_axes(const constraint_source *source, vec3 normal, body_constraint *p)
 {
     p->axis[2] = normal;
-    p->axis[0] = touch->floor != NULL ? (vec3){ 1.0, 0.0, 0.0 } : vec3_aside(normal);
+    p->axis[0] = source->belt_kind != NULL ? (vec3){ 1.0, 0.0, 0.0 } : vec3_aside(normal);
     p->axis[1] = vec3_cross(normal, p->axis[0]);
 }
 
-// Make the patch of a region. Returns false, with no use of it, if it has no points.
-static bool make_patch(const body_state *s, const body_touch *touch, const body_region *region,
-                       body_patch *ret_patch)
+/// Make the constraint of a contact. Returns false, with undefined output, if it has no points.
+static bool make_constraint(const body_state *s, const constraint_source *source,
+                            const body_contact *contact, body_constraint *ret_constraint)
 {
-    const spots from = find_spots(region);
-    body_patch *p = ret_patch;
+    const contact_points from = list_contact_points(contact);
+    body_constraint *p = ret_constraint;
     vec3 normal;
 
     if (from.n == 0)
         return false;
     const vec3 middle = find_middle(&from, &normal);
-    *p = (body_patch){ .a = touch->a,
-                       .b = touch->b,
-                       .floor = touch->floor,
-                       .is_flat = from.n == 1 || !region->is_round,
-                       .friction = touch->law->friction,
-                       .rate = touch->law->tanh_linear };
-    set_axes(touch, normal, p);
+    *p = (body_constraint){ .a = source->a,
+                            .b = source->b,
+                            .belt_kind = source->belt_kind,
+                            .is_flat = from.n == 1 || !contact->is_closed_form,
+                            .friction = source->law->friction,
+                            .rate = source->law->tanh_linear };
+    set_axes(source, normal, p);
     p->lever[1] = vec3_sub(middle, s->bodies[p->b].x);
-    if (p->a != BODY_STILL)
+    if (p->a != BODY_STATIC)
         p->lever[0] = vec3_sub(middle, s->bodies[p->a].x);
     take_points(&from, middle, p);
     for (uint32_t k = 0; k < p->n; k++)
         p->depth = k == 0 ? p->point[k].depth : fmax(p->depth, p->point[k].depth);
-    find_gains(s, touch->law, p);
-    take_impulse(touch->before, p);
+    find_gains(s, source->law, p);
+    take_impulse(source->before, p);
     find_inertia(s, p);
     return true;
 }
 
-enum { KEY_FLOOR = 1, KEY_SOLIDS = 2 }; // of holds: then walls and plates by their numbers
+enum { KEY_BELT = 1, KEY_BOUNDARIES = 2 }; // of warm starts: then walls and plates by id
 
-static const manifold_plane floor_plane = { .normal = { 0.0, 0.0, 1.0 } };
+static const manifold_plane belt_plane = { .normal = { 0.0, 0.0, 1.0 } };
 
-/// Room for one more patch.
-static body_patch *next_patch(const body_solver *z, const body_shelf *shelf)
+/// Memory for one more constraint.
+static body_constraint *next_constraint(const body_solver *z, const body_block_buffer *buffer)
 {
-    BF_CHECK(shelf->n < shelf->room);
-    return &z->patches[shelf->first + shelf->n];
+    BF_CHECK(buffer->n < buffer->capacity);
+    return &z->constraints[buffer->first + buffer->n];
 }
 
-static void meet_pair(const body_state *s, double near, body_pair *pair, body_shelf *shelf)
+static void find_pair_contact(const body_state *s, double margin, body_pair *pair,
+                              body_block_buffer *buffer)
 {
     const body_kind *kind_a = &s->kinds[s->bodies[pair->a].kind];
     const body_kind *kind_b = &s->kinds[s->bodies[pair->b].kind];
     const micro_law law = body__law(s, kind_a, kind_b);
-    const body_touch touch = { pair->a, pair->b, &law, NULL, &pair->hold };
-    body_region region;
+    const constraint_source source = { pair->a, pair->b, &law, NULL, &pair->warm_start };
+    body_contact contact;
 
-    if (!body__find_pair(s, near, pair, &region)) {
-        pair->hold = (body_hold){ 0 };
+    if (!body__find_pair(s, margin, pair, &contact)) {
+        pair->warm_start = (body_warm_start){ 0 };
         return;
     }
-    body_patch *patch = next_patch(s->implicit, shelf);
-    if (!make_patch(s, &touch, &region, patch)) {
-        pair->hold = (body_hold){ 0 };
+    body_constraint *constraint = next_constraint(s->implicit, buffer);
+    if (!make_constraint(s, &source, &contact, constraint)) {
+        pair->warm_start = (body_warm_start){ 0 };
         return;
     }
-    patch->hold = &pair->hold;
-    patch->key = 1;
-    shelf->n++;
+    constraint->warm_start = &pair->warm_start;
+    constraint->key = 1;
+    buffer->n++;
 }
 
-/// A part that meets solids.
+/// For visit_boundary(): the part whose constraints with boundaries are made.
 typedef struct visitor {
     const body_state *s;
-    body_shelf *shelf;
-    const body_hold *before; // of the part
-    body_hold *after;        // same, being written
+    body_block_buffer *buffer;
+    const body_warm_start *before; // of the part
+    body_warm_start *after;        // same, being written
     size_t n_after;
 } visitor;
 
-static const body_hold *find_hold(const body_hold *holds, uint32_t key)
+static const body_warm_start *find_warm_start(const body_warm_start *warm_starts, uint32_t key)
 {
-    for (size_t k = 0; k < BODY_HOLDS; k++)
-        if (holds[k].key == key)
-            return &holds[k];
+    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
+        if (warm_starts[k].key == key)
+            return &warm_starts[k];
     return NULL;
 }
 
-/// Returns the patch; NULL if there is no point.
-static body_patch *add_solid(visitor *v, size_t k, const micro_law *law, uint32_t key,
-                             const body_kind *floor, const body_region *region)
+/// Returns the constraint; NULL if the contact has no point.
+static body_constraint *add_boundary(visitor *v, size_t k, const micro_law *law, uint32_t key,
+                                     const body_kind *belt_kind, const body_contact *contact)
 {
-    const body_touch touch = { BODY_STILL, (uint32_t)k, law, floor, find_hold(v->before, key) };
-    body_patch *patch = next_patch(v->s->implicit, v->shelf);
+    const constraint_source source = { BODY_STATIC, (uint32_t)k, law, belt_kind,
+                                       find_warm_start(v->before, key) };
+    body_constraint *constraint = next_constraint(v->s->implicit, v->buffer);
 
-    if (!make_patch(v->s, &touch, region, patch))
+    if (!make_constraint(v->s, &source, contact, constraint))
         return NULL;
-    if (v->n_after < BODY_HOLDS)
-        patch->hold = &v->after[v->n_after++];
-    patch->key = key;
-    v->shelf->n++;
-    return patch;
+    if (v->n_after < BODY_WARM_STARTS)
+        constraint->warm_start = &v->after[v->n_after++];
+    constraint->key = key;
+    v->buffer->n++;
+    return constraint;
 }
 
-static void visit_solid(void *context, size_t k, const micro_law *law, uint32_t solid,
-                        const body_region *region)
+static void visit_boundary(void *context, size_t k, const micro_law *law, uint32_t boundary,
+                           const body_contact *contact)
 {
-    (void)add_solid(context, k, law, KEY_SOLIDS + solid, NULL, region);
+    (void)add_boundary(context, k, law, KEY_BOUNDARIES + boundary, NULL, contact);
 }
 
-/// The belts under the points of a patch.
-static void find_drives(body_state *s, size_t k, body_patch *patch)
+/// The velocities of the belts under the points of a constraint.
+static void find_belt_velocities(body_state *s, size_t k, body_constraint *constraint)
 {
-    const vec3 middle = vec3_add(s->bodies[k].x, patch->lever[1]);
+    const vec3 middle = vec3_add(s->bodies[k].x, constraint->lever[1]);
     vec3 belt;
     bool is_one = body__is_on_one_belt(s, k, &belt);
 
-    for (uint32_t m = 0; m < patch->n; m++) {
-        body_point *point = &patch->point[m];
+    for (uint32_t m = 0; m < constraint->n; m++) {
+        body_constraint_point *point = &constraint->point[m];
         if (!is_one)
             (void)body__belt_at(s, middle.x + point->x, middle.y + point->y, &belt);
-        point->drive[0] = belt.x;
-        point->drive[1] = belt.y;
+        point->belt_velocity[0] = belt.x;
+        point->belt_velocity[1] = belt.y;
     }
 }
 
-static void meet_floor(body_state *s, size_t k, double near, visitor *v)
+static void find_belt_contact(body_state *s, size_t k, double margin, visitor *v)
 {
     const body_body *body = &s->bodies[k];
     const body_kind *kind = &s->kinds[body->kind];
-    body_region region;
+    body_contact contact;
 
-    if (body->x.z >= s->reach[k] + near)
+    if (body->x.z >= s->bounding_radius[k] + margin)
         return;
-    body__find_at_plane(s, body, &floor_plane, near, &region);
-    body_patch *patch = add_solid(v, k, &kind->floor, KEY_FLOOR, kind, &region);
-    if (patch != NULL)
-        find_drives(s, k, patch);
+    body__find_at_plane(s, body, &belt_plane, margin, &contact);
+    body_constraint *constraint = add_boundary(v, k, &kind->belt_law, KEY_BELT, kind, &contact);
+    if (constraint != NULL)
+        find_belt_velocities(s, k, constraint);
 }
 
-static void meet_solids(body_state *s, size_t k, double near, body_shelf *shelf)
+static void find_boundary_contacts(body_state *s, size_t k, double margin,
+                                   body_block_buffer *buffer)
 {
-    body_hold before[BODY_HOLDS], *holds = s->implicit->holds[k];
-    visitor v = { .s = s, .shelf = shelf, .before = before, .after = holds };
+    body_warm_start before[BODY_WARM_STARTS], *warm_starts = s->implicit->warm_starts[k];
+    visitor v = { .s = s, .buffer = buffer, .before = before, .after = warm_starts };
 
-    for (size_t m = 0; m < BODY_HOLDS; m++) {
-        before[m] = holds[m];
-        holds[m] = (body_hold){ 0 };
+    for (size_t m = 0; m < BODY_WARM_STARTS; m++) {
+        before[m] = warm_starts[m];
+        warm_starts[m] = (body_warm_start){ 0 };
     }
-    body__solids_visit(s, k, near, visit_solid, &v);
-    meet_floor(s, k, near, &v);
+    body__visit_boundaries(s, k, margin, visit_boundary, &v);
+    find_belt_contact(s, k, margin, &v);
 }
 
-void body_implicit__meet(body_state *s, size_t block, double near)
+void body_implicit__find_contacts(body_state *s, size_t block, double margin)
 {
-    body_shelf *shelf = &s->implicit->shelves[block];
+    body_block_buffer *buffer = &s->implicit->buffers[block];
     const size_t first = body__first_of(block), last = body__last_of(s, block);
 
-    shelf->n = 0;
+    buffer->n = 0;
     for (size_t p = s->first_pair[first]; p < s->first_pair[last]; p++)
-        meet_pair(s, near, &s->pairs[p], shelf);
-    shelf->n_pairs = shelf->n;
+        find_pair_contact(s, margin, &s->pairs[p], buffer);
+    buffer->n_pairs = buffer->n;
     for (size_t k = first; k < last; k++)
         if (!s->is_gone[k])
-            meet_solids(s, k, near, shelf);
+            find_boundary_contacts(s, k, margin, buffer);
 }

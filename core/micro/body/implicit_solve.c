@@ -1,29 +1,29 @@
-// The impulses of a patch.
+// Solving one constraint for its impulse.
 
 #include "core/micro/body/implicit.h"
 #include "core/micro/friction.h"
 
 #include <math.h>
 
-enum { ITERATIONS = 6 }; // on which points press, and on the secants
+enum { ITERATIONS = 6 }; // on active points and secants
 
-/// The pressure may grow by this factor before the friction that it carries is found anew.
+/// Largest growth of the normal impulse without another iteration for the friction that it causes.
 #define SETTLED 1.1
 
-/// Impulses of the points as c - D q.
-typedef struct contact_law_of_patch {
+/// The impulse as c - D q.
+typedef struct constraint_law {
     mat6 slope;      // D
     double start[6]; // c
-} contact_law_of_patch;
+} constraint_law;
 
-/// The velocity of b against a in the middle of a patch, in its axes.
-static void find_twist(const body_solver *z, const body_patch *p, double q[6])
+/// Velocity and spin of b relative to a in the middle of a constraint, in its axes.
+static void find_relative_velocity(const body_solver *z, const body_constraint *p, double q[6])
 {
-    const body_mover *b = &z->movers[p->b];
+    const body_solver_body *b = &z->solver_bodies[p->b];
     vec3 v = vec3_add(b->v, vec3_cross(b->w, p->lever[1])), w = b->w;
 
-    if (p->a != BODY_STILL) {
-        const body_mover *a = &z->movers[p->a];
+    if (p->a != BODY_STATIC) {
+        const body_solver_body *a = &z->solver_bodies[p->a];
         v = vec3_sub(v, vec3_add(a->v, vec3_cross(a->w, p->lever[0])));
         w = vec3_sub(w, a->w);
     }
@@ -33,30 +33,30 @@ static void find_twist(const body_solver *z, const body_patch *p, double q[6])
     }
 }
 
-static void push(body_mover *m, double sign, vec3 lever, vec3 force, vec3 torque)
+static void add_to_body(body_solver_body *m, double sign, vec3 lever, vec3 force, vec3 torque)
 {
     vec3 turn = vec3_add(vec3_cross(lever, force), torque);
 
-    m->v = vec3_along(m->v, sign * m->give, force);
-    m->w = vec3_along(m->w, sign, mat3_apply(&m->give_spin, turn));
+    m->v = vec3_along(m->v, sign * m->inv_mass, force);
+    m->w = vec3_along(m->w, sign, mat3_apply(&m->inv_inertia, turn));
 }
 
-static vec3 to_world(const body_patch *p, const double a[3])
+static vec3 to_world(const body_constraint *p, const double a[3])
 {
     return vec3_along(vec3_along(vec3_scale(p->axis[0], a[0]), a[1], p->axis[1]), a[2], p->axis[2]);
 }
 
-static void apply(const body_solver *z, const body_patch *p, const double impulse[6])
+static void apply_impulse(const body_solver *z, const body_constraint *p, const double impulse[6])
 {
     vec3 force = to_world(p, impulse), torque = to_world(p, impulse + 3);
 
-    push(&z->movers[p->b], 1.0, p->lever[1], force, torque);
-    if (p->a != BODY_STILL)
-        push(&z->movers[p->a], -1.0, p->lever[0], force, torque);
+    add_to_body(&z->solver_bodies[p->b], 1.0, p->lever[1], force, torque);
+    if (p->a != BODY_STATIC)
+        add_to_body(&z->solver_bodies[p->a], -1.0, p->lever[0], force, torque);
 }
 
-/// What the speed along the normal in a point is by q.
-static void find_row(const body_point *point, double row[6])
+/// The row r with r.q the speed along the normal in a point.
+static void find_row(const body_constraint_point *point, double row[6])
 {
     const vec3 n = point->normal;
 
@@ -68,7 +68,8 @@ static void find_row(const body_point *point, double row[6])
     row[5] = point->x * n.y - point->y * n.x;
 }
 
-static double press_at(const body_patch *p, const body_point *point, const double q[6])
+static double normal_impulse_at(const body_constraint *p, const body_constraint_point *point,
+                                const double q[6])
 {
     double row[6], speed = 0.0;
 
@@ -80,28 +81,28 @@ static double press_at(const body_patch *p, const body_point *point, const doubl
     return point->bias - point->gain * speed;
 }
 
-/// Which points press when b moves by q: a bit each.
-static unsigned find_open(const body_patch *p, const double q[6])
+/// The points with a normal impulse for q: a bit each.
+static unsigned find_active(const body_constraint *p, const double q[6])
 {
-    unsigned open = 0;
+    unsigned active = 0;
 
     for (uint32_t k = 0; k < p->n; k++)
-        if (p->point[k].is_stuck || press_at(p, &p->point[k], q) > 0.0)
-            open |= 1U << k;
-    return open;
+        if (p->point[k].can_pull || normal_impulse_at(p, &p->point[k], q) > 0.0)
+            active |= 1U << k;
+    return active;
 }
 
-static void set_presses(body_patch *p, const double q[6], unsigned open)
+static void set_normal_impulses(body_constraint *p, const double q[6], unsigned active)
 {
-    p->press = 0.0;
+    p->normal_impulse = 0.0;
     for (uint32_t k = 0; k < p->n; k++) {
-        p->point[k].press = open & 1U << k ? press_at(p, &p->point[k], q) : 0.0;
-        p->press += fabs(p->point[k].press);
+        p->point[k].normal_impulse = active & 1U << k ? normal_impulse_at(p, &p->point[k], q) : 0.0;
+        p->normal_impulse += fabs(p->point[k].normal_impulse);
     }
 }
 
-/// What a point adds where all normals are that of the patch: its row is (0, 0, 1, y, -x, 0).
-static void add_flat(const body_point *point, contact_law_of_patch *law)
+/// Add a point where all normals are that of the constraint: its row is (0, 0, 1, y, -x, 0).
+static void add_flat(const body_constraint_point *point, constraint_law *law)
 {
     const double x = point->x, y = point->y, gain = point->gain, bias = point->bias;
     double(*row)[6] = law->slope.row;
@@ -117,13 +118,13 @@ static void add_flat(const body_point *point, contact_law_of_patch *law)
     law->start[4] -= bias * x;
 }
 
-static void add_normals(const body_patch *p, unsigned open, contact_law_of_patch *law)
+static void add_normals(const body_constraint *p, unsigned active, constraint_law *law)
 {
     double row[6];
 
     for (uint32_t k = 0; k < p->n; k++) {
-        const body_point *point = &p->point[k];
-        if (!(open & 1U << k))
+        const body_constraint_point *point = &p->point[k];
+        if (!(active & 1U << k))
             continue;
         if (p->is_flat) {
             add_flat(point, law);
@@ -136,99 +137,104 @@ static void add_normals(const body_patch *p, unsigned open, contact_law_of_patch
     }
 }
 
-/// Friction of strength `grip` that acts in (x, y) on the slip there.
-static void add_grip(contact_law_of_patch *law, double grip, double x, double y)
+/// Add friction with a secant coefficient, N s/m, that acts in (x, y) on the slip there.
+static void add_secant(constraint_law *law, double secant, double x, double y)
 {
     mat6 *d = &law->slope;
 
-    d->row[0][0] += grip;
-    d->row[1][1] += grip;
-    d->row[5][0] -= grip * y;
-    d->row[5][1] += grip * x;
-    d->row[5][5] += grip * (x * x + y * y);
+    d->row[0][0] += secant;
+    d->row[1][1] += secant;
+    d->row[5][0] -= secant * y;
+    d->row[5][1] += secant * x;
+    d->row[5][5] += secant * (x * x + y * y);
 }
 
-/// The push of what drives a point.
-static void add_drive(contact_law_of_patch *law, double grip, const body_point *point)
+/// Add the impulse by which the moving belt drives a point.
+static void add_belt_friction(constraint_law *law, double secant,
+                              const body_constraint_point *point)
 {
-    law->start[0] += grip * point->drive[0];
-    law->start[1] += grip * point->drive[1];
-    law->start[5] += grip * (point->x * point->drive[1] - point->y * point->drive[0]);
+    law->start[0] += secant * point->belt_velocity[0];
+    law->start[1] += secant * point->belt_velocity[1];
+    law->start[5] +=
+        secant * (point->x * point->belt_velocity[1] - point->y * point->belt_velocity[0]);
 }
 
-/// The secant of (7) for a pressure and a slip.
-static double find_grip(const body_patch *p, double press, double slip_x, double slip_y)
+/// The secant coefficient of (7) for a normal impulse and a slip.
+static double find_secant(const body_constraint *p, double normal_impulse, double slip_x,
+                          double slip_y)
 {
     double slip = sqrt(slip_x * slip_x + slip_y * slip_y);
 
-    return friction_secant(p->friction, press, p->rate, slip);
+    return friction_secant(p->friction, normal_impulse, p->rate, slip);
 }
 
-static void add_sliding(const body_patch *p, const double q[6], contact_law_of_patch *law)
+static void add_sliding(const body_constraint *p, const double q[6], constraint_law *law)
 {
     for (uint32_t k = 0; k < p->n; k++) {
-        const body_point *point = &p->point[k];
-        if (point->press == 0.0)
+        const body_constraint_point *point = &p->point[k];
+        if (point->normal_impulse == 0.0)
             continue;
-        double grip = find_grip(p, point->press, q[0] - point->y * q[5], q[1] + point->x * q[5]);
-        add_grip(law, grip, point->x, point->y);
+        double secant =
+            find_secant(p, point->normal_impulse, q[0] - point->y * q[5], q[1] + point->x * q[5]);
+        add_secant(law, secant, point->x, point->y);
     }
 }
 
-/// Friction (8): about the normal, with the radius of gyration of the pressure about its centre.
-static double find_brake(const body_patch *p, double x, double y, double spin)
+/// The secant coefficient of (8), about the normal, with the radius of gyration of the pressure about its centre.
+static double find_spin_secant(const body_constraint *p, double x, double y, double spin)
 {
-    const body_kind *kind = p->floor;
-    const micro_law *law = &kind->floor;
+    const body_kind *kind = p->belt_kind;
+    const micro_law *law = &kind->belt_law;
     double sum = 0.0;
 
     for (uint32_t k = 0; k < p->n; k++) {
         double dx = p->point[k].x - x, dy = p->point[k].y - y;
-        sum += fabs(p->point[k].press) * (dx * dx + dy * dy);
+        sum += fabs(p->point[k].normal_impulse) * (dx * dx + dy * dy);
     }
-    double flat = fmin(1.0, sqrt(sum / p->press) / kind->flat_gyration);
-    return friction_secant(law->friction * kind->spin_radius * flat, p->press, law->tanh_spin,
-                           fabs(spin));
+    double flat = fmin(1.0, sqrt(sum / p->normal_impulse) / kind->flat_gyration);
+    return friction_secant(law->friction * kind->spin_radius * flat, p->normal_impulse,
+                           law->tanh_spin, fabs(spin));
 }
 
-/// The belt's friction, by the slip in the centre of pressure.
-static void add_belt(const body_patch *p, const double q[6], contact_law_of_patch *law)
+/// Add the friction of the belt, by the slip in the centre of pressure.
+static void add_belt(const body_constraint *p, const double q[6], constraint_law *law)
 {
-    double x = 0.0, y = 0.0, sum = 0.0, grip_x = 0.0, grip_y = 0.0;
+    double x = 0.0, y = 0.0, sum = 0.0, secant_x = 0.0, secant_y = 0.0;
 
-    if (p->press <= 0.0)
+    if (p->normal_impulse <= 0.0)
         return;
     for (uint32_t k = 0; k < p->n; k++) {
-        x += fabs(p->point[k].press) * p->point[k].x / p->press;
-        y += fabs(p->point[k].press) * p->point[k].y / p->press;
+        x += fabs(p->point[k].normal_impulse) * p->point[k].x / p->normal_impulse;
+        y += fabs(p->point[k].normal_impulse) * p->point[k].y / p->normal_impulse;
     }
     double vx = q[0] - y * q[5], vy = q[1] + x * q[5];
     for (uint32_t k = 0; k < p->n; k++) {
-        const body_point *point = &p->point[k];
-        double grip = find_grip(p, point->press, vx - point->drive[0], vy - point->drive[1]);
-        add_drive(law, grip, point);
-        sum += grip;
-        grip_x += grip * point->x;
-        grip_y += grip * point->y;
+        const body_constraint_point *point = &p->point[k];
+        double secant = find_secant(p, point->normal_impulse, vx - point->belt_velocity[0],
+                                    vy - point->belt_velocity[1]);
+        add_belt_friction(law, secant, point);
+        sum += secant;
+        secant_x += secant * point->x;
+        secant_y += secant * point->y;
     }
     if (sum > 0.0)
-        add_grip(law, sum, grip_x / sum, grip_y / sum);
-    law->slope.row[5][5] += find_brake(p, x, y, q[5]);
+        add_secant(law, sum, secant_x / sum, secant_y / sum);
+    law->slope.row[5][5] += find_spin_secant(p, x, y, q[5]);
 }
 
-static void find_law(const body_patch *p, const double q[6], unsigned open,
-                     contact_law_of_patch *law)
+static void find_law(const body_constraint *p, const double q[6], unsigned active,
+                     constraint_law *law)
 {
-    *law = (contact_law_of_patch){ .start = { 0.0 } };
-    add_normals(p, open, law);
-    if (p->floor != NULL)
+    *law = (constraint_law){ .start = { 0.0 } };
+    add_normals(p, active, law);
+    if (p->belt_kind != NULL)
         add_belt(p, q, law);
     else if (p->friction > 0.0)
         add_sliding(p, q, law);
 }
 
-/// Solve (M + D) dq = c - D q - impulse, where q is with the impulse. *ret_more is M dq.
-static void solve(const body_patch *p, const contact_law_of_patch *law, const double q[6],
+/// Solve (M + D) dq = c - D q - impulse, where q includes the impulse so far. *ret_more is M dq.
+static void solve(const body_constraint *p, const constraint_law *law, const double q[6],
                   double ret_dq[6], double ret_more[6])
 {
     double rest[6], slowed[6];
@@ -247,52 +253,53 @@ static void solve(const body_patch *p, const contact_law_of_patch *law, const do
         ret_more[i] = rest[i] - slowed[i];
 }
 
-static bool is_idle(const body_patch *p)
+static bool has_no_impulse(const body_constraint *p)
 {
-    bool is_pushing = false;
+    bool has_impulse = false;
 
     for (int k = 0; k < 6; k++)
-        is_pushing |= p->impulse[k] != 0.0;
-    return !is_pushing;
+        has_impulse |= p->impulse[k] != 0.0;
+    return !has_impulse;
 }
 
-void body_implicit__begin(const body_solver *z, body_patch *patch)
+void body_implicit__begin(const body_solver *z, body_constraint *constraint)
 {
-    if (!is_idle(patch))
-        apply(z, patch, patch->impulse);
+    if (!has_no_impulse(constraint))
+        apply_impulse(z, constraint, constraint->impulse);
 }
 
-void body_implicit__relax(const body_solver *z, body_patch *patch)
+void body_implicit__solve_contact(const body_solver *z, body_constraint *constraint)
 {
     double q[6], q_end[6], dq[6], more[6];
-    contact_law_of_patch law;
+    constraint_law law;
 
-    find_twist(z, patch, q);
-    unsigned open = find_open(patch, q);
-    if (open == 0 && is_idle(patch))
+    find_relative_velocity(z, constraint, q);
+    unsigned active = find_active(constraint, q);
+    if (active == 0 && has_no_impulse(constraint))
         return;
     for (int k = 0; k < 6; k++)
         q_end[k] = q[k];
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        const double press = patch->press;
-        const unsigned before = open;
-        find_law(patch, q_end, open, &law);
-        solve(patch, &law, q, dq, more);
+        const double normal_impulse = constraint->normal_impulse;
+        const unsigned before = active;
+        find_law(constraint, q_end, active, &law);
+        solve(constraint, &law, q, dq, more);
         for (int k = 0; k < 6; k++)
             q_end[k] = q[k] + dq[k];
-        open = find_open(patch, q_end);
-        set_presses(patch, q_end, open);
-        if (open == before && patch->press <= SETTLED * press)
+        active = find_active(constraint, q_end);
+        set_normal_impulses(constraint, q_end, active);
+        if (active == before && constraint->normal_impulse <= SETTLED * normal_impulse)
             break;
     }
     for (int k = 0; k < 6; k++)
-        patch->impulse[k] += more[k];
-    apply(z, patch, more);
+        constraint->impulse[k] += more[k];
+    apply_impulse(z, constraint, more);
 }
 
-void body_implicit__keep(body_patch *patch)
+void body_implicit__store_warm_start(body_constraint *constraint)
 {
-    if (patch->hold != NULL)
-        *patch->hold = (body_hold){ patch->key, to_world(patch, patch->impulse),
-                                    to_world(patch, patch->impulse + 3) };
+    if (constraint->warm_start != NULL)
+        *constraint->warm_start =
+            (body_warm_start){ constraint->key, to_world(constraint, constraint->impulse),
+                               to_world(constraint, constraint->impulse + 3) };
 }

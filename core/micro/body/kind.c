@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/// Cosine of the angle within which a face looks down.
+/// Cosine of the largest angle between a face that lies flat and the plane below.
 #define FLAT (1.0 - 1e-9)
 
 _Static_assert((int)HULL_POINTS_MAX >= (int)SCENE_VERTICES_MAX,
@@ -59,26 +59,27 @@ static void add_product(mat3 *m, double factor, vec3 a)
     m->row[2] = vec3_along(m->row[2], factor * a.z, a);
 }
 
-/// Shares as manifold.h has them: half the sides that meet in a corner by the outline.
-static body_face weigh_face(const hull *h, size_t number)
+/// Moments of a face with weights as in manifold.h: half the two sides that meet in a corner, divided by the
+/// outline.
+static body_face weigh_face(const hull *h, size_t face_id)
 {
-    const uint8_t *corner = &h->corner[h->first[number]];
-    size_t n = (size_t)(h->first[number + 1] - h->first[number]);
+    const uint8_t *corner = &h->corner[h->first[face_id]];
+    size_t n = (size_t)(h->first[face_id + 1] - h->first[face_id]);
     body_face face = { .radius = 0.0 };
-    double share[SCENE_VERTICES_MAX], outline = 0.0;
+    double weight[SCENE_VERTICES_MAX], outline = 0.0;
 
     for (size_t k = 0; k < n; k++) {
         vec3 at = hull_vertex(h, corner[k]), last = hull_vertex(h, corner[(k + n - 1) % n]);
         vec3 next = hull_vertex(h, corner[(k + 1) % n]);
-        share[k] = vec3_length(vec3_sub(at, last)) + vec3_length(vec3_sub(next, at));
-        outline += share[k];
+        weight[k] = vec3_length(vec3_sub(at, last)) + vec3_length(vec3_sub(next, at));
+        outline += weight[k];
     }
     for (size_t k = 0; k < n; k++)
-        face.centre = vec3_along(face.centre, share[k] / outline, hull_vertex(h, corner[k]));
+        face.centre = vec3_along(face.centre, weight[k] / outline, hull_vertex(h, corner[k]));
     for (size_t k = 0; k < n; k++) {
         vec3 off = vec3_sub(hull_vertex(h, corner[k]), face.centre);
-        add_product(&face.spread, share[k] / outline, off);
-        face.skew = vec3_along(face.skew, share[k] / outline * vec3_dot(off, off), off);
+        add_product(&face.spread, weight[k] / outline, off);
+        face.skew = vec3_along(face.skew, weight[k] / outline * vec3_dot(off, off), off);
         face.radius = fmax(face.radius, vec3_length(off));
     }
     return face;
@@ -88,15 +89,15 @@ static void find_laws(const micro_def *def, const scene_material *material, body
 {
     const double reduction = def->modulus_reduction;
 
-    kind->softness = contact_law_compliance(material, reduction);
-    kind->floor = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material, &def->conveyor,
-                                      reduction, kind->radius);
-    kind->solid = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material, &def->handling,
-                                      reduction);
+    kind->compliance = contact_law_compliance(material, reduction);
+    kind->belt_law = contact_law_of_disk(&def->contact[SCENE_CONVEYOR_CARGO], material,
+                                         &def->conveyor, reduction, kind->radius);
+    kind->boundary_law = contact_law_of_line(&def->contact[SCENE_HANDLING_CARGO], material,
+                                             &def->handling, reduction);
 }
 
-/// Radius of gyration of the pressure under a body that lies flat on the face that looks down. One
-/// that stands on an edge or a corner at the start is given that of a disk of the same area.
+/// Radius of gyration of the pressure under a body that lies flat on its lowest face. If it starts on an
+/// edge or a corner, that of a disk of the same area.
 static double find_flat_gyration(const body_kind *kind, vec3 down)
 {
     const hull *h = &kind->shape;
@@ -121,9 +122,9 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
         return status;
     kind->mass = from->mass;
     kind->spin_radius = from->spin_radius;
-    kind->is_round = shape->type == SCENE_CYLINDER;
-    kind->radius = kind->is_round ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
-    kind->half_height = kind->is_round ? 0.5 * shape->height : 0.0;
+    kind->is_cylinder = shape->type == SCENE_CYLINDER;
+    kind->radius = kind->is_cylinder ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
+    kind->half_height = kind->is_cylinder ? 0.5 * shape->height : 0.0;
     kind->bottom = hull_vertex(&kind->shape, hull_support(&kind->shape, down)).z;
     hull_mass mass = mass_of(shape, &kind->shape);
     mat3 axes = hull_principal_axes(&mass.inertia, &moments);
@@ -138,9 +139,8 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
     return BF_OK;
 }
 
-/// The most that a dashpot of strength 1 slows a body by turning it about one of its axes, 1/kg:
-/// lever squared by moment of inertia.
-static double find_turning(const body_kind *kind)
+/// Largest rotational part of the inverse effective mass in a vertex, 1/kg: lever squared by moment of inertia.
+static double find_rotational_response(const body_kind *kind)
 {
     const hull *h = &kind->shape;
     double most = 0.0;
@@ -155,8 +155,8 @@ static double find_turning(const body_kind *kind)
 }
 
 // The step is stable while 2 d dt + k dt^2 < 4, where d and k are dashpot and stiffness per mass of
-// the fastest motion. In a packing that is a part against six neighbours which move the other way,
-// and which it also meets with both its ends; on the belt a part that stands on one end.
+// the fastest motion. In a dense packing that is a part against six neighbours which move the opposite way,
+// in contact at both its ends; on the belt a part that stands on one end.
 double body__dt_stable(const micro_def *def)
 {
     const scene_contact *contact = def->contact;
@@ -169,16 +169,16 @@ double body__dt_stable(const micro_def *def)
         const scene_material *material = &def->kinds[k].material;
         if (body__kind_init(def, &def->kinds[k], kind, NULL) != BF_OK)
             continue;
-        double packed = 6.0 / kind->mass + 2.0 * find_turning(kind);
-        double lying = 1.0 / kind->mass + find_turning(kind);
-        double stiffness = kind->solid.stiffness;
+        double crowded = 6.0 / kind->mass + 2.0 * find_rotational_response(kind);
+        double lying = 1.0 / kind->mass + find_rotational_response(kind);
+        double stiffness = kind->boundary_law.stiffness;
         for (size_t m = 0; m < def->n_kinds; m++)
             stiffness =
                 fmax(stiffness, contact_law_of_line(&contact[SCENE_CARGO_CARGO], material,
                                                     &def->kinds[m].material, def->modulus_reduction)
                                     .stiffness);
-        dashpot = fmax(dashpot, fmax(damping * packed, kind->floor.damping * lying));
-        spring = fmax(spring, fmax(stiffness * packed, kind->floor.stiffness * lying));
+        dashpot = fmax(dashpot, fmax(damping * crowded, kind->belt_law.damping * lying));
+        spring = fmax(spring, fmax(stiffness * crowded, kind->belt_law.stiffness * lying));
     }
     memory_free(kind);
     return 4.0 / (dashpot + sqrt(dashpot * dashpot + 4.0 * spring));

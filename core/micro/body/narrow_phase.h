@@ -1,13 +1,13 @@
-/// Where two bodies touch each other, or a body touches a plane or a plate, and what acts there.
+/// Contacts of two bodies, or of a body with a plane or a plate, and the forces in them.
 ///
-/// Cylinders that stand side by side, or near a plate, or lie, touch in closed form; everything else by the
-/// convex hulls of the bodies (core/convex/).
+/// Contact points of cylinders that stand side by side or near a plate, or lie, are computed in closed form; all
+/// others from the convex hulls of the bodies (core/convex/).
 ///
-/// Memory   the direction that separates two bodies, or the feature that carries their contact, is
-///          kept from step to step while the balls around them touch, and forgotten when they do
-///          not, so that it does not depend on when the list of neighbours was made. A feature is
-///          kept as long as no other one close by has less depth: contacts do not jump through thin
-///          bodies.
+/// Memory   the separating direction of two bodies, or the feature (face or edges) that carries
+///          their contact, is stored from step to step while their bounding spheres overlap, and
+///          cleared when they do not, so that it does not depend on when the list of neighbours
+///          was built. A feature stays in use as long as no adjacent one has less depth, so that
+///          contacts do not jump to the far side of thin bodies.
 
 #pragma once
 
@@ -17,7 +17,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BODY_SPOTS_MAX = 2 }; ///< contact points of cylinders in closed form
+enum { BODY_CLOSED_FORM_POINTS = 2 }; ///< contact points of cylinders in closed form
 
 typedef struct body_state body_state; ///< core/micro/body/body_priv.h
 
@@ -31,52 +31,51 @@ typedef struct body_body {
     uint32_t kind; ///< see there
 } body_body;
 
-/// What a pair of bodies is remembered by; zero: by nothing.
+/// What is stored of a pair of bodies from step to step; zero: nothing.
 typedef struct body_memory {
-    vec3 axis;                ///< of the last search, from a to b in a's frame
-    manifold_feature feature; ///< MANIFOLD_NONE: they were apart
-    double gap;               ///< m; no contact until they have moved by so much
+    vec3 axis;                ///< direction of the last search, from a to b in a's frame
+    manifold_feature feature; ///< MANIFOLD_NONE: they did not overlap
+    double gap;               ///< lower bound of their distance, m
 } body_memory;
 
-/// The impulse of a contact in the last step of MICRO_IMPLICIT.
-typedef struct body_hold {
-    uint32_t key; ///< which contact of a part with a solid, and 1; 0: none
-    vec3 push;    ///< on b, N s
-    vec3 twist;   ///< same about the middle of the contact, N m s
-} body_hold;
+/// The impulse of a contact in the last step of MICRO_IMPLICIT, from which the next one starts.
+typedef struct body_warm_start {
+    uint32_t key;         ///< which contact of a part, see implicit_contact.c; 0: none
+    vec3 impulse;         ///< on b, N s
+    vec3 angular_impulse; ///< same about the middle of the contact, N m s
+} body_warm_start;
 
-/// What acts between two parts, a < b.
+/// Two neighbouring parts, a < b, and the force between them.
 typedef struct body_pair {
-    uint32_t a;         ///< part
-    uint32_t b;         ///< part
-    body_memory memory; ///< see there
-    bool is_pressing;   ///< a force acts in this step
-    vec3 force;         ///< on b; minus that on a, N
-    vec3 torque_a;      ///< on a about its centre, N m
-    vec3 torque_b;      ///< on b
-    body_hold hold;     ///< MICRO_IMPLICIT
+    uint32_t a;                 ///< part
+    uint32_t b;                 ///< part
+    body_memory memory;         ///< see there
+    bool has_force;             ///< a force acts in this step
+    vec3 force;                 ///< on b; minus that on a, N
+    vec3 torque_a;              ///< on a about its centre, N m
+    vec3 torque_b;              ///< on b
+    body_warm_start warm_start; ///< MICRO_IMPLICIT
 } body_pair;
 
 /// A contact point that has a normal of its own.
-typedef struct body_spot {
-    vec3 at;      ///< in the middle of the overlap, m
-    vec3 normal;  ///< from a to b, or out of the solid
-    double depth; ///< m; < 0: apart
-    double share; ///< of stiffness and dashpot
-} body_spot;
+typedef struct body_contact_point {
+    vec3 at;       ///< in the middle of the overlap, m
+    vec3 normal;   ///< from a to b, or out of the boundary
+    double depth;  ///< m; < 0: apart
+    double weight; ///< of stiffness and dashpot
+} body_contact_point;
 
-/// Where a part touches another one or something at rest, in the world's frame: in closed form or
-/// by hulls.
-typedef struct body_region {
-    bool is_round;                   ///< spots count, else hull
-    size_t n_spots;                  ///< see there
-    body_spot spots[BODY_SPOTS_MAX]; ///< see there
-    manifold hull;                   ///< see there
-} body_region;
+/// The contact points of a part with another one or with a boundary, in the world's frame.
+typedef struct body_contact {
+    bool is_closed_form;                                ///< points are used, else hull
+    size_t n_points;                                    ///< see there
+    body_contact_point points[BODY_CLOSED_FORM_POINTS]; ///< see there
+    manifold hull;                                      ///< see there
+} body_contact;
 
 enum { BODY_NO_PLATE = -1 };
 
-/// A straight plate that stands on the belt without end upwards.
+/// A straight plate on the belt, of infinite height.
 typedef struct body_plate {
     vec3 middle;           ///< z = 0
     vec3 along;            ///< unit vector along it
@@ -88,16 +87,17 @@ typedef struct body_plate {
     double bend[2];        ///< sine of the angle by which the path turns left there
 } body_plate;
 
-/// What a block of parts found in a step.
+/// Extremes and events of a block of parts.
 typedef struct body_report {
-    double overlap;   ///< largest of part with part, plate or wall since the start, m
-    double share;     ///< same, by the smaller part's radius
-    size_t n_presses; ///< such contacts in the last step
-    size_t bad_part;  ///< the first one that flew off or is not finite; SIZE_MAX: none
-    bool is_stale;    ///< a part moved too far for the list
+    double overlap;       ///< largest of a part with a part, plate or wall since the start, m
+    double overlap_share; ///< same, divided by the smaller part's radius
+    size_t n_contacts;    ///< such contacts in the last step
+    size_t
+        bad_part;  ///< the first one that moved too far in a step or is not finite; SIZE_MAX: none
+    bool is_stale; ///< a part moved too far for the list
 } body_report;
 
-/// What acts on a body: sums about its centre of mass.
+/// Force and torque on a body, about its centre of mass.
 typedef struct body_load {
     vec3 force;  ///< N
     vec3 torque; ///< N m
@@ -110,31 +110,33 @@ static inline vec3 body__velocity(const body_body *body, vec3 at)
 }
 
 /// Add a force that acts in a point.
-static inline void body__push(body_load *load, const body_body *body, vec3 at, vec3 force)
+static inline void body__add_force(body_load *load, const body_body *body, vec3 at, vec3 force)
 {
     load->force = vec3_add(load->force, force);
     load->torque = vec3_add(load->torque, vec3_cross(vec3_sub(at, body->x), force));
 }
 
-/// The region of a pair if it touches, or comes nearer than `near`, m. Returns false if not.
-bool body__find_pair(const body_state *s, double near, body_pair *pair, body_region *ret_region);
+/// Find the contact of a pair that overlaps or is nearer than `margin`, m. Returns false if there is none.
+bool body__find_pair(const body_state *s, double margin, body_pair *pair,
+                     body_contact *ret_contact);
 
-/// Work out what acts in a pair.
-void body__meet(const body_state *s, body_pair *pair, body_report *report);
+/// Compute the force between the parts of a pair.
+void body__find_pair_force(const body_state *s, body_pair *pair, body_report *report);
 
-/// Note a contact that presses.
+/// Record a contact with a normal force.
 void body__note(body_report *report, double overlap, double radius);
 
-/// The contact of two hulls from what is remembered of them, in the frame of a. Returns false if
-/// they are apart by more than `near`, m.
-bool body__find_manifold(const gjk_pair *pair, double near, body_memory *memory,
+/// Find the manifold of two hulls, in the frame of a, starting from their memory. Returns false if they are
+/// farther apart than `margin`, m.
+bool body__find_manifold(const gjk_pair *pair, double margin, body_memory *memory,
                          manifold *ret_manifold);
 
-/// The region of a body at a plane, in closed form or by its hull.
+/// Find the contact of a body with a plane, in closed form or by its hull.
 void body__find_at_plane(const body_state *s, const body_body *body, const manifold_plane *plane,
-                         double near, body_region *ret_region);
+                         double margin, body_contact *ret_contact);
 
-/// The contact points of a cylinder that stands against a plate, 0 to 2, where they are not apart by more than
-/// `near`. Returns false, with no output, if it stands otherwise or is none.
-bool body__round_plate(const body_state *s, const body_body *body, const body_plate *plate,
-                       double near, body_spot *ret_spots, size_t *ret_n);
+/// Find the 0 to 2 contact points of an upright cylinder at a plate, those within `margin`, m. Returns false,
+/// without output, if the body is no upright cylinder.
+bool body__find_cylinder_at_plate(const body_state *s, const body_body *body,
+                                  const body_plate *plate, double margin,
+                                  body_contact_point *ret_points, size_t *ret_n);

@@ -1,13 +1,13 @@
-// Plates and walls. A straight piece of an obstacle's path is a plate, without end upwards; a wall is
-// a half space.
+// Contacts with plates and walls. A straight piece of an obstacle's path is a plate of infinite height; a wall
+// is a half space.
 //
-// While the centre of a body is between the ends of a plate, the side of the plate on which it is
-// pushes it back, however thin the plate and however deep the body is in it. Near the ends the
-// least depth counts.
+// While the centre of a body is between the ends of a plate, the contact normal is that of the side on which
+// the centre is, however thin the plate and however large the overlap. Beyond the ends it is the direction of
+// least depth.
 //
-// Where a path bends, two plates meet. On the inner side of the bend both are felt. On its outer side the
-// corner belongs to one of them, so that it is felt once; and where the outer side is the downstream one,
-// both are prolonged until their downstream faces meet.
+// Where a path bends, two plates meet. On the inner side of the bend both have contacts. On its outer side the
+// corner belongs to one of them, so that it acts once; and where the outer side is the downstream one, both
+// are prolonged until their downstream faces meet.
 
 #include "core/micro/body/body_priv.h"
 
@@ -19,12 +19,12 @@
 
 enum { CELLS_A_SIDE_MAX = 256 };
 
-/// Most looks of a cell at a plate when the map is made. Where cells grow together to keep to it,
-/// one is left at last: it must not be smaller.
-#define LOOKS_MAX 1e8
+/// Most tests of a cell against a plate when the map is made. At least the number of plates, as one cell
+/// always remains.
+#define MAP_TESTS_MAX 1e8
 
 /// Half the height of the cuboid that stands for a plate near a body, in radii of the body.
-#define TALL 8.0
+#define CUBOID_HALF_HEIGHT 8.0
 
 /// A sine below this, between two segments of a path, is rounding: they make one plate.
 #define STRAIGHT 1e-9
@@ -118,8 +118,8 @@ static bool is_beyond(const body_plate *plate, int end, double x, double y)
     return end == 0 ? a < -plate->half_length : a > plate->half_length;
 }
 
-/// True if a body with its centre at a point on the outer side of a bend is felt by the plate beyond the
-/// joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
+/// True if a body with its centre at a point on the outer side of a bend has its contact with the plate beyond
+/// the joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
 static bool is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y)
 {
     const vec3 to = { x - plate->middle.x, y - plate->middle.y, 0.0 };
@@ -145,7 +145,7 @@ static double distance_to(const body_plate *plate, double x, double y)
     return sqrt(a * a + c * c);
 }
 
-/// Column or row of a coordinate, moved into the map.
+/// Column or row of a coordinate, clamped to the map.
 static size_t find_cell(double value, double low, double edge, size_t n)
 {
     double cell = floor((value - low) / edge);
@@ -172,7 +172,7 @@ static bf_status map_cell(body_state *s, size_t i, size_t j, size_t *n)
     return BF_OK;
 }
 
-/// Cells as large as parts, but no more of them than can be looked at in a moment.
+/// Cells of the size of parts, or larger to limit the work of making the map.
 static bf_status make_map(body_state *s, const scene_rect *domain)
 {
     double width = domain->x_max - domain->x_min, height = domain->y_max - domain->y_min;
@@ -182,8 +182,8 @@ static bf_status make_map(body_state *s, const scene_rect *domain)
 
     map->x_min = domain->x_min;
     map->y_min = domain->y_min;
-    map->edge = fmax(2.0 * s->reach_max, least);
-    while (ceil(width / map->edge) * ceil(height / map->edge) * (double)s->n_plates > LOOKS_MAX)
+    map->edge = fmax(2.0 * s->bounding_radius_max, least);
+    while (ceil(width / map->edge) * ceil(height / map->edge) * (double)s->n_plates > MAP_TESTS_MAX)
         map->edge *= 2.0;
     map->n_x = (size_t)fmax(1.0, ceil(width / map->edge));
     map->n_y = (size_t)fmax(1.0, ceil(height / map->edge));
@@ -207,8 +207,8 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
     if (n == 0)
         return BF_OK;
     s->plates = memory_alloc(n, sizeof *s->plates);
-    s->near = memory_alloc(def->n_parts, sizeof *s->near);
-    if (s->plates == NULL || s->near == NULL)
+    s->plate_memories = memory_alloc(def->n_parts, sizeof *s->plate_memories);
+    if (s->plates == NULL || s->plate_memories == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     for (size_t k = 0; k < def->n_obstacles; k++)
         make_plates(s, &def->obstacles[k]);
@@ -220,58 +220,60 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
 void body__plates_fini(body_state *s)
 {
     memory_free(s->plates);
-    memory_free(s->near);
+    memory_free(s->plate_memories);
     memory_free(s->map.first);
     memory_free(s->map.plate);
 }
 
-/// What body__solids_push() adds to.
-typedef struct solids_push {
+/// What body__add_boundary_forces() adds to.
+typedef struct boundary_forces {
     const body_state *s;
     body_load *load;
     body_report *report;
-} solids_push;
+} boundary_forces;
 
-/// Push part k in a contact point of something at rest. Returns true if it presses.
-static bool push_point(const body_state *s, size_t k, const micro_law *law, vec3 normal,
-                       const manifold_point *point, body_load *load)
+/// Add the force on part k in a contact point of a boundary. Returns true if it is not zero.
+static bool add_point_force(const body_state *s, size_t k, const micro_law *law, vec3 normal,
+                            const manifold_point *point, body_load *load)
 {
     const body_body *body = &s->bodies[k];
     vec3 velocity = body__velocity(body, point->at);
     double approach = vec3_dot(velocity, normal);
-    double press = body__press(s, law, point->depth, point->weight, approach);
+    double normal_force = body__normal_force(s, law, point->depth, point->weight, approach);
 
-    if (press == 0.0)
+    if (normal_force == 0.0)
         return false;
-    vec3 rub = body__rub(law, press, vec3_along(velocity, -approach, normal));
-    body__push(load, body, point->at, vec3_along(rub, press, normal));
+    vec3 friction =
+        body__friction_force(law, normal_force, vec3_along(velocity, -approach, normal));
+    body__add_force(load, body, point->at, vec3_along(friction, normal_force, normal));
     return true;
 }
 
-/// Push part k in all points of its region.
-static void push_region(void *context, size_t k, const micro_law *law, uint32_t solid,
-                        const body_region *region)
+/// Add the forces on part k in all points of its contact.
+static void add_contact_force(void *context, size_t k, const micro_law *law, uint32_t boundary,
+                              const body_contact *contact)
 {
-    const solids_push *push = context;
+    const boundary_forces *forces = context;
     double depth = 0.0;
 
-    (void)solid;
-    for (size_t m = 0; region->is_round && m < region->n_spots; m++) {
-        const body_spot *spot = &region->spots[m];
-        manifold_point point = { spot->at, spot->depth, spot->share };
-        if (push_point(push->s, k, law, spot->normal, &point, push->load))
+    (void)boundary;
+    for (size_t m = 0; contact->is_closed_form && m < contact->n_points; m++) {
+        const body_contact_point *contact_point = &contact->points[m];
+        manifold_point point = { contact_point->at, contact_point->depth, contact_point->weight };
+        if (add_point_force(forces->s, k, law, contact_point->normal, &point, forces->load))
             depth = fmax(depth, point.depth);
     }
-    for (size_t m = 0; !region->is_round && m < region->hull.n; m++)
-        if (push_point(push->s, k, law, region->hull.normal, &region->hull.point[m], push->load))
-            depth = region->hull.depth;
+    for (size_t m = 0; !contact->is_closed_form && m < contact->hull.n; m++)
+        if (add_point_force(forces->s, k, law, contact->hull.normal, &contact->hull.point[m],
+                            forces->load))
+            depth = contact->hull.depth;
     if (depth > 0.0)
-        body__note(push->report, depth, push->s->kinds[push->s->bodies[k].kind].radius);
+        body__note(forces->report, depth, forces->s->kinds[forces->s->bodies[k].kind].radius);
 }
 
-/// Try the side of a plate that a body is on. Returns true if its contact is there.
+/// Find the contact with the side of a plate that a body is on. Returns false if the contact is elsewhere.
 static bool find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
-                         double near, manifold *m)
+                         double margin, manifold *m)
 {
     vec3 to = vec3_sub(body->x, plate->middle);
     double a = vec3_dot(to, plate->along), c = vec3_dot(to, plate->across);
@@ -283,16 +285,16 @@ static bool find_at_side(const body_state *s, const body_body *body, const body_
     if (fabs(a) > plate->half_length)
         return false;
     side.offset = vec3_dot(side.normal, plate->middle) + plate->half_thickness;
-    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, near, m);
-    return m->depth <= -near || m->is_least;
+    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, margin, m);
+    return m->depth <= -margin || m->is_least;
 }
 
 /// The contact with a plate as a cuboid, in the world's frame. Returns false if there is none.
 static bool find_at_cuboid(const body_state *s, const body_body *body, const body_plate *plate,
-                           double near, body_memory *memory, manifold *m)
+                           double margin, body_memory *memory, manifold *m)
 {
     double a = plate->half_length, c = plate->half_thickness;
-    double tall = TALL * s->kinds[body->kind].shape.radius;
+    double half_height = CUBOID_HALF_HEIGHT * s->kinds[body->kind].shape.radius;
     const vec2 outline[] = { { -a, -c }, { a, -c }, { a, c }, { -a, c } };
     mat3 axes = { { { plate->along.x, -plate->along.y, 0.0 },
                     { plate->along.y, plate->along.x, 0.0 },
@@ -300,10 +302,10 @@ static bool find_at_cuboid(const body_state *s, const body_body *body, const bod
     vec3 origin = { plate->middle.x, plate->middle.y, body->x.z };
     hull cuboid;
 
-    hull_from_outline(outline, 4, -tall, tall, &cuboid);
+    hull_from_outline(outline, 4, -half_height, half_height, &cuboid);
     gjk_pair pair =
         gjk_pair_of(&cuboid, origin, &axes, &s->kinds[body->kind].shape, body->x, &body->r);
-    if (!body__find_manifold(&pair, near, memory, m))
+    if (!body__find_manifold(&pair, margin, memory, m))
         return false;
     m->normal = mat3_apply(&axes, m->normal);
     for (size_t k = 0; k < m->n; k++)
@@ -311,56 +313,57 @@ static bool find_at_cuboid(const body_state *s, const body_body *body, const bod
     return true;
 }
 
-/// Where a part remembers a plate, or could; NULL if there is no place.
-static body_near *recall(body_near *near, uint32_t plate)
+/// The slot of a plate among those of a part, or a free one; NULL if all are taken.
+static body_plate_memory *find_memory_slot(body_plate_memory *slots, uint32_t plate)
 {
-    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
-        if (near[k].plate == plate + 1)
-            return &near[k];
-    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
-        if (near[k].plate == 0)
-            return &near[k];
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == plate + 1)
+            return &slots[k];
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == 0)
+            return &slots[k];
     return NULL;
 }
 
-static void forget(body_near *near, uint32_t plate)
+static void clear_memory_slot(body_plate_memory *slots, uint32_t plate)
 {
-    for (size_t k = 0; k < BODY_PLATES_NEAR; k++)
-        if (near[k].plate == plate + 1)
-            near[k] = (body_near){ 0 };
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == plate + 1)
+            slots[k] = (body_plate_memory){ 0 };
 }
 
 /// Returns false if part k is not near the plate.
-static bool find_at_plate(body_state *s, size_t k, uint32_t number, double near,
-                          body_region *region)
+static bool find_at_plate(body_state *s, size_t k, uint32_t id, double margin,
+                          body_contact *contact)
 {
     const body_body *body = &s->bodies[k];
-    const body_plate *plate = &s->plates[number];
+    const body_plate *plate = &s->plates[id];
     body_memory passing = { 0 };
 
-    region->is_round = false;
-    if (distance_to(plate, body->x.x, body->x.y) >= s->reach[k] + near ||
+    contact->is_closed_form = false;
+    if (distance_to(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin ||
         is_felt_beyond_joint(s, plate, body->x.x, body->x.y)) {
-        forget(s->near[k], number);
+        clear_memory_slot(s->plate_memories[k], id);
         return false;
     }
-    region->is_round = body__round_plate(s, body, plate, near, region->spots, &region->n_spots);
-    if (region->is_round || find_at_side(s, body, plate, near, &region->hull)) {
-        forget(s->near[k], number);
+    contact->is_closed_form =
+        body__find_cylinder_at_plate(s, body, plate, margin, contact->points, &contact->n_points);
+    if (contact->is_closed_form || find_at_side(s, body, plate, margin, &contact->hull)) {
+        clear_memory_slot(s->plate_memories[k], id);
         return true;
     }
-    body_near *place = recall(s->near[k], number);
-    if (place != NULL)
-        place->plate = number + 1;
-    return find_at_cuboid(s, body, plate, near, place != NULL ? &place->memory : &passing,
-                          &region->hull);
+    body_plate_memory *slot = find_memory_slot(s->plate_memories[k], id);
+    if (slot != NULL)
+        slot->plate = id + 1;
+    return find_at_cuboid(s, body, plate, margin, slot != NULL ? &slot->memory : &passing,
+                          &contact->hull);
 }
 
-static void visit_plates(body_state *s, size_t k, double near, body_visit *visit, void *context)
+static void visit_plates(body_state *s, size_t k, double margin, body_visit *visit, void *context)
 {
     const body_map *map = &s->map;
-    const micro_law *law = &s->kinds[s->bodies[k].kind].solid;
-    body_region region;
+    const micro_law *law = &s->kinds[s->bodies[k].kind].boundary_law;
+    body_contact contact;
 
     if (s->n_plates == 0)
         return;
@@ -368,8 +371,8 @@ static void visit_plates(body_state *s, size_t k, double near, body_visit *visit
     size_t j = find_cell(s->bodies[k].x.y, map->y_min, map->edge, map->n_y);
     size_t cell = j * map->n_x + i;
     for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
-        if (find_at_plate(s, k, map->plate[at], near, &region))
-            visit(context, k, law, SCENE_SIDE_COUNT + map->plate[at], &region);
+        if (find_at_plate(s, k, map->plate[at], margin, &contact))
+            visit(context, k, law, SCENE_SIDE_COUNT + map->plate[at], &contact);
 }
 
 /// The wall on a side of the domain.
@@ -381,38 +384,39 @@ static manifold_plane wall_of(const surroundings *around, int side)
                              .offset = vec2_dot(line.inward, line.at) };
 }
 
-/// True if the ball around part k is nearer to a plane than `near`.
-static bool is_near_plane(const body_state *s, size_t k, const manifold_plane *plane, double near)
+/// True if the bounding sphere of part k is nearer to a plane than `margin`.
+static bool is_near_plane(const body_state *s, size_t k, const manifold_plane *plane, double margin)
 {
-    return vec3_dot(plane->normal, s->bodies[k].x) - plane->offset < s->reach[k] + near;
+    return vec3_dot(plane->normal, s->bodies[k].x) - plane->offset < s->bounding_radius[k] + margin;
 }
 
-static void visit_walls(const body_state *s, size_t k, double near, body_visit *visit,
+static void visit_walls(const body_state *s, size_t k, double margin, body_visit *visit,
                         void *context)
 {
     const body_body *body = &s->bodies[k];
-    micro_law law = s->kinds[body->kind].solid;
-    body_region region;
+    micro_law law = s->kinds[body->kind].boundary_law;
+    body_contact contact;
 
     law.friction = 0.0; // walls slip freely
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         if (s->around.edges[side] != SCENE_EDGE_WALL)
             continue;
         manifold_plane wall = wall_of(&s->around, side);
-        if (!is_near_plane(s, k, &wall, near))
+        if (!is_near_plane(s, k, &wall, margin))
             continue;
-        body__find_at_plane(s, body, &wall, near, &region);
-        visit(context, k, &law, (uint32_t)side, &region);
+        body__find_at_plane(s, body, &wall, margin, &contact);
+        visit(context, k, &law, (uint32_t)side, &contact);
     }
 }
 
-void body__solids_visit(body_state *s, size_t k, double near, body_visit *visit, void *context)
+void body__visit_boundaries(body_state *s, size_t k, double margin, body_visit *visit,
+                            void *context)
 {
-    visit_plates(s, k, near, visit, context);
-    visit_walls(s, k, near, visit, context);
+    visit_plates(s, k, margin, visit, context);
+    visit_walls(s, k, margin, visit, context);
 }
 
-size_t body__solids_count(const body_state *s, size_t k, double range)
+size_t body__count_boundaries(const body_state *s, size_t k, double range)
 {
     const body_map *map = &s->map;
     const vec3 x = s->bodies[k].x;
@@ -428,13 +432,13 @@ size_t body__solids_count(const body_state *s, size_t k, double range)
     size_t j = find_cell(x.y, map->y_min, map->edge, map->n_y);
     size_t cell = j * map->n_x + i;
     for (size_t at = map->first[cell]; at < map->first[cell + 1]; at++)
-        n += distance_to(&s->plates[map->plate[at]], x.x, x.y) < s->reach[k] + range;
+        n += distance_to(&s->plates[map->plate[at]], x.x, x.y) < s->bounding_radius[k] + range;
     return n;
 }
 
-void body__solids_push(body_state *s, size_t k, body_load *load, body_report *report)
+void body__add_boundary_forces(body_state *s, size_t k, body_load *load, body_report *report)
 {
-    solids_push push = { s, load, report };
+    boundary_forces forces = { s, load, report };
 
-    body__solids_visit(s, k, 0.0, push_region, &push);
+    body__visit_boundaries(s, k, 0.0, add_contact_force, &forces);
 }

@@ -1,4 +1,4 @@
-// The state from outside: parts, figures, saving and loading.
+// Access to the state: parts, totals, saving and loading.
 
 #include "core/micro/body/implicit.h"
 
@@ -7,14 +7,14 @@
 #include <math.h>
 #include <string.h>
 
-/// What stands first in a saved state; then come n saved_part, n_pairs saved_pair, n_near
-/// saved_near, and n_holds impulses of MICRO_IMPLICIT.
+/// The start of a saved state, followed by n saved_part, n_pairs saved_pair, n_plate_memories
+/// saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT).
 typedef struct saved_header {
     uint64_t steps;
     uint64_t n_pairs;
-    uint64_t n_near;
-    uint64_t n_holds;
-    uint64_t n_presses;
+    uint64_t n_plate_memories;
+    uint64_t n_warm_starts;
+    uint64_t n_contacts;
     double largest_overlap;
     double overlap_share;
 } saved_header;
@@ -35,10 +35,10 @@ typedef struct saved_pair {
     uint16_t feature[4]; // kind, of_a, of_b, 0
 } saved_pair;
 
-typedef struct saved_near {
+typedef struct saved_plate_memory {
     saved_pair pair; // a: the part, b: the plate
-    uint64_t place;  // among those of the part
-} saved_near;
+    uint64_t slot;   // among those of the part
+} saved_plate_memory;
 
 micro_part body__part(const void *state, size_t k)
 {
@@ -67,7 +67,7 @@ static double kinetic_energy(const body_state *s, const body_body *body)
 micro_totals body__measure(const void *state)
 {
     const body_state *s = state;
-    micro_totals totals = { .n_contacts = s->n_presses,
+    micro_totals totals = { .n_contacts = s->n_contacts,
                             .largest_overlap = s->largest_overlap,
                             .overlap_share = s->overlap_share };
 
@@ -80,81 +80,87 @@ micro_totals body__measure(const void *state)
     return totals;
 }
 
-/// An impulse; those of pairs stand first, in the order of the pairs, then those with solids.
-typedef struct saved_hold {
+/// A warm start; those of pairs come first, in the order of the pairs, then those with boundaries and belts.
+typedef struct saved_warm_start {
     uint32_t a;
-    uint32_t b;   // BODY_STILL: a solid
+    uint32_t b;   // BODY_STATIC: a boundary or the belt
     uint32_t key; // > 0
     uint32_t zero;
-    double push[3];
-    double twist[3];
-} saved_hold;
+    double impulse[3];
+    double angular_impulse[3];
+} saved_warm_start;
 
 /// Returns how many it wrote.
-static uint64_t save_hold(uint32_t a, uint32_t b, const body_hold *hold, checkpoint_writer *w)
+static uint64_t save_warm_start(uint32_t a, uint32_t b, const body_warm_start *warm_start,
+                                checkpoint_writer *w)
 {
-    const saved_hold saved = { a,
-                               b,
-                               hold->key,
-                               0,
-                               { hold->push.x, hold->push.y, hold->push.z },
-                               { hold->twist.x, hold->twist.y, hold->twist.z } };
+    const saved_warm_start saved = { a,
+                                     b,
+                                     warm_start->key,
+                                     0,
+                                     { warm_start->impulse.x, warm_start->impulse.y,
+                                       warm_start->impulse.z },
+                                     { warm_start->angular_impulse.x, warm_start->angular_impulse.y,
+                                       warm_start->angular_impulse.z } };
 
-    if (hold->key == 0)
+    if (warm_start->key == 0)
         return 0;
     checkpoint_write(w, &saved, sizeof saved);
     return 1;
 }
 
-static uint64_t save_holds(const body_state *s, checkpoint_writer *w)
+static uint64_t save_warm_starts(const body_state *s, checkpoint_writer *w)
 {
     uint64_t n = 0;
 
     for (size_t k = 0; k < s->n_pairs; k++)
-        n += save_hold(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].hold, w);
+        n += save_warm_start(s->pairs[k].a, s->pairs[k].b, &s->pairs[k].warm_start, w);
     for (size_t k = 0; k < s->n; k++)
-        for (size_t m = 0; m < BODY_HOLDS; m++)
-            n += save_hold((uint32_t)k, BODY_STILL, &s->implicit->holds[k][m], w);
+        for (size_t m = 0; m < BODY_WARM_STARTS; m++)
+            n += save_warm_start((uint32_t)k, BODY_STATIC, &s->implicit->warm_starts[k][m], w);
     return n;
 }
 
-/// The next free place of a part; NULL if there is none.
-static body_hold *find_place(body_hold *holds)
+/// The next free warm start of a part; NULL if there is none.
+static body_warm_start *find_free_warm_start(body_warm_start *warm_starts)
 {
-    for (size_t k = 0; k < BODY_HOLDS; k++)
-        if (holds[k].key == 0)
-            return &holds[k];
+    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
+        if (warm_starts[k].key == 0)
+            return &warm_starts[k];
     return NULL;
 }
 
-/// Where a saved impulse belongs; *cursor walks along the pairs. NULL: nowhere.
-static body_hold *locate(const body_state *s, const saved_hold *saved, body_pair *listed,
-                         size_t n_pairs, size_t *cursor, body_hold (*holds)[BODY_HOLDS])
+/// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown.
+static body_warm_start *locate(const body_state *s, const saved_warm_start *saved,
+                               body_pair *listed, size_t n_pairs, size_t *cursor,
+                               body_warm_start (*warm_starts)[BODY_WARM_STARTS])
 {
     if (saved->key == 0 || saved->a >= s->n)
         return NULL;
-    if (saved->b == BODY_STILL)
-        return find_place(holds[saved->a]);
+    if (saved->b == BODY_STATIC)
+        return find_free_warm_start(warm_starts[saved->a]);
     while (*cursor < n_pairs && (listed[*cursor].a != saved->a || listed[*cursor].b != saved->b))
         (*cursor)++;
-    return *cursor < n_pairs ? &listed[*cursor].hold : NULL;
+    return *cursor < n_pairs ? &listed[*cursor].warm_start : NULL;
 }
 
-static bool load_holds(const body_state *s, checkpoint_reader *r, uint64_t n, body_pair *listed,
-                       size_t n_pairs, body_hold (*holds)[BODY_HOLDS])
+static bool load_warm_starts(const body_state *s, checkpoint_reader *r, uint64_t n,
+                             body_pair *listed, size_t n_pairs,
+                             body_warm_start (*warm_starts)[BODY_WARM_STARTS])
 {
     size_t cursor = 0;
-    saved_hold saved;
+    saved_warm_start saved;
 
     for (uint64_t k = 0; k < n; k++) {
         if (!checkpoint_read(r, &saved, sizeof saved))
             return false;
-        body_hold *hold = locate(s, &saved, listed, n_pairs, &cursor, holds);
-        if (hold == NULL)
+        body_warm_start *warm_start = locate(s, &saved, listed, n_pairs, &cursor, warm_starts);
+        if (warm_start == NULL)
             return false;
-        *hold = (body_hold){ saved.key,
-                             { saved.push[0], saved.push[1], saved.push[2] },
-                             { saved.twist[0], saved.twist[1], saved.twist[2] } };
+        *warm_start = (body_warm_start){ saved.key,
+                                         { saved.impulse[0], saved.impulse[1], saved.impulse[2] },
+                                         { saved.angular_impulse[0], saved.angular_impulse[1],
+                                           saved.angular_impulse[2] } };
     }
     return true;
 }
@@ -184,15 +190,16 @@ static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
                          { memory->feature.kind, memory->feature.of_a, memory->feature.of_b, 0 } };
 }
 
-/// Append all that follows the header, and count it.
-static void save_near(const body_state *s, size_t k, checkpoint_writer *w, saved_header *header)
+/// Append the plate memories of part k and count them in the header.
+static void save_plate_memories(const body_state *s, size_t k, checkpoint_writer *w,
+                                saved_header *header)
 {
-    for (size_t place = 0; place < BODY_PLATES_NEAR; place++) {
-        const body_near *near = &s->near[k][place];
-        if (near->plate == 0)
+    for (size_t slot = 0; slot < BODY_PLATE_MEMORIES; slot++) {
+        const body_plate_memory *kept = &s->plate_memories[k][slot];
+        if (kept->plate == 0)
             continue;
-        const saved_near saved = { save_memory(k, near->plate - 1u, &near->memory), place };
-        header->n_near++;
+        const saved_plate_memory saved = { save_memory(k, kept->plate - 1u, &kept->memory), slot };
+        header->n_plate_memories++;
         checkpoint_write(w, &saved, sizeof saved);
     }
 }
@@ -201,7 +208,7 @@ void body__save(const void *state, checkpoint_writer *w)
 {
     const body_state *s = state;
     saved_header header = { .steps = s->steps,
-                            .n_presses = s->n_presses,
+                            .n_contacts = s->n_contacts,
                             .largest_overlap = s->largest_overlap,
                             .overlap_share = s->overlap_share };
 
@@ -213,35 +220,35 @@ void body__save(const void *state, checkpoint_writer *w)
     for (size_t k = 0; k < s->n_pairs; k++) {
         const body_pair *pair = &s->pairs[k];
         const saved_pair saved = save_memory(pair->a, pair->b, &pair->memory);
-        if (is_empty(&pair->memory) && pair->hold.key == 0)
+        if (is_empty(&pair->memory) && pair->warm_start.key == 0)
             continue;
         header.n_pairs++;
         checkpoint_write(w, &saved, sizeof saved);
     }
-    for (size_t k = 0; s->near != NULL && k < s->n; k++)
-        save_near(s, k, w, &header);
+    for (size_t k = 0; s->plate_memories != NULL && k < s->n; k++)
+        save_plate_memories(s, k, w, &header);
     if (s->implicit != NULL)
-        header.n_holds = save_holds(s, w);
+        header.n_warm_starts = save_warm_starts(s, w);
     checkpoint_rewrite(w, &header, sizeof header);
 }
 
-/// What is loaded, until it is known to be sound.
-typedef struct arrival {
+/// A loaded state, until all of it is validated.
+typedef struct loaded_state {
     saved_header header;
     body_body *bodies;
     uint8_t *is_gone;
     body_pair *pairs;
-    body_near (*near)[BODY_PLATES_NEAR];
-    body_hold (*holds)[BODY_HOLDS];
-} arrival;
+    body_plate_memory (*plate_memories)[BODY_PLATE_MEMORIES];
+    body_warm_start (*warm_starts)[BODY_WARM_STARTS];
+} loaded_state;
 
-static void drop_arrival(arrival *a)
+static void free_loaded_state(loaded_state *a)
 {
     memory_free(a->bodies);
     memory_free(a->is_gone);
     memory_free(a->pairs);
-    memory_free(a->near);
-    memory_free(a->holds);
+    memory_free(a->plate_memories);
+    memory_free(a->warm_starts);
 }
 
 static body_body load_part(const saved_part *saved, uint32_t kind)
@@ -256,7 +263,7 @@ static body_body load_part(const saved_part *saved, uint32_t kind)
     return body;
 }
 
-/// Numbers of faces and edges of two hulls; the cuboid of a plate has 6 and 12.
+/// How many faces and edges two hulls have; the cuboid of a plate has 6 and 12.
 typedef struct sizes {
     size_t faces_a, edges_a, faces_b, edges_b;
 } sizes;
@@ -286,7 +293,7 @@ static const hull *hull_of(const body_state *s, size_t k)
     return &s->kinds[s->bodies[k].kind].shape;
 }
 
-static bool load_pairs(const body_state *s, checkpoint_reader *r, arrival *a)
+static bool load_pairs(const body_state *s, checkpoint_reader *r, loaded_state *a)
 {
     saved_pair saved;
 
@@ -307,25 +314,25 @@ static bool load_pairs(const body_state *s, checkpoint_reader *r, arrival *a)
     return true;
 }
 
-static bool load_near(const body_state *s, checkpoint_reader *r, arrival *a)
+static bool load_plate_memories(const body_state *s, checkpoint_reader *r, loaded_state *a)
 {
-    saved_near saved;
+    saved_plate_memory saved;
 
-    for (size_t k = 0; k < a->header.n_near; k++) {
+    for (size_t k = 0; k < a->header.n_plate_memories; k++) {
         if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= s->n ||
-            saved.pair.b >= s->n_plates || saved.place >= BODY_PLATES_NEAR)
+            saved.pair.b >= s->n_plates || saved.slot >= BODY_PLATE_MEMORIES)
             return false;
         const hull *shape = hull_of(s, saved.pair.a);
         const sizes n = { 6, 12, shape->n_faces, shape->n_edges };
-        body_near *near = &a->near[saved.pair.a][saved.place];
-        near->plate = saved.pair.b + 1;
-        if (!load_memory(&saved.pair, n, &near->memory))
+        body_plate_memory *slot = &a->plate_memories[saved.pair.a][saved.slot];
+        slot->plate = saved.pair.b + 1;
+        if (!load_memory(&saved.pair, n, &slot->memory))
             return false;
     }
     return true;
 }
 
-static bool load_items(const body_state *s, checkpoint_reader *r, arrival *a)
+static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *a)
 {
     saved_part saved;
 
@@ -335,35 +342,36 @@ static bool load_items(const body_state *s, checkpoint_reader *r, arrival *a)
         a->bodies[k] = load_part(&saved, s->bodies[k].kind);
         a->is_gone[k] = saved.is_gone != 0;
     }
-    return load_pairs(s, r, a) && load_near(s, r, a) &&
-           (s->implicit == NULL ||
-            load_holds(s, r, a->header.n_holds, a->pairs, a->header.n_pairs, a->holds)) &&
+    return load_pairs(s, r, a) && load_plate_memories(s, r, a) &&
+           (s->implicit == NULL || load_warm_starts(s, r, a->header.n_warm_starts, a->pairs,
+                                                    a->header.n_pairs, a->warm_starts)) &&
            r->n_left == 0;
 }
 
-/// Make the arrival the state; what it replaces is left in it.
-static void move_in(body_state *s, arrival *a)
+/// Exchange the loaded state with that of the solver.
+static void move_in(body_state *s, loaded_state *a)
 {
-    arrival old = {
-        .bodies = s->bodies, .is_gone = s->is_gone, .pairs = s->pairs, .near = s->near
-    };
+    loaded_state old = { .bodies = s->bodies,
+                         .is_gone = s->is_gone,
+                         .pairs = s->pairs,
+                         .plate_memories = s->plate_memories };
 
     if (s->implicit != NULL) {
-        old.holds = s->implicit->holds;
-        s->implicit->holds = a->holds;
+        old.warm_starts = s->implicit->warm_starts;
+        s->implicit->warm_starts = a->warm_starts;
     }
     s->bodies = a->bodies;
     s->is_gone = a->is_gone;
     s->pairs = a->pairs;
-    s->near = a->near;
+    s->plate_memories = a->plate_memories;
     s->n_pairs = s->pairs_capacity = a->header.n_pairs;
     s->steps = a->header.steps;
-    s->n_presses = a->header.n_presses;
+    s->n_contacts = a->header.n_contacts;
     s->largest_overlap = a->header.largest_overlap;
     s->overlap_share = a->header.overlap_share;
     s->is_listed = false;
     for (size_t k = 0; k < s->n; k++)
-        s->ground[k].clear = -1.0;
+        s->belt_cache[k].clearance = -1.0;
     *a = old;
 }
 
@@ -371,24 +379,26 @@ bf_status body__load(void *state, checkpoint_reader *r, bf_error *err)
 {
     body_state *s = state;
     bf_status status = BF_OK;
-    arrival a = { 0 };
+    loaded_state a = { 0 };
 
     if (!checkpoint_read(r, &a.header, sizeof a.header) ||
         a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
-        (a.header.n_near > 0 && s->near == NULL))
+        (a.header.n_plate_memories > 0 && s->plate_memories == NULL))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     a.bodies = memory_alloc(s->n, sizeof *a.bodies);
     a.is_gone = memory_alloc(s->n, sizeof *a.is_gone);
     a.pairs = a.header.n_pairs > 0 ? memory_alloc(a.header.n_pairs, sizeof *a.pairs) : NULL;
-    a.near = s->near != NULL ? memory_alloc(s->n, sizeof *a.near) : NULL;
-    a.holds = s->implicit != NULL ? memory_alloc(s->n, sizeof *a.holds) : NULL;
+    a.plate_memories =
+        s->plate_memories != NULL ? memory_alloc(s->n, sizeof *a.plate_memories) : NULL;
+    a.warm_starts = s->implicit != NULL ? memory_alloc(s->n, sizeof *a.warm_starts) : NULL;
     if (a.bodies == NULL || a.is_gone == NULL || (a.header.n_pairs > 0 && a.pairs == NULL) ||
-        (s->near != NULL && a.near == NULL) || (s->implicit != NULL && a.holds == NULL))
+        (s->plate_memories != NULL && a.plate_memories == NULL) ||
+        (s->implicit != NULL && a.warm_starts == NULL))
         status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
     else if (!load_items(s, r, &a))
         status = bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
     else
         move_in(s, &a);
-    drop_arrival(&a);
+    free_loaded_state(&a);
     return status;
 }

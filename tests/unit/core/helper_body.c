@@ -189,7 +189,7 @@ double helper_body_stored(const body_state *s)
 
     manifold_on_plane(&kind->shape, body->x, &body->r, &floor, 0.0, &m);
     for (size_t k = 0; k < m.n; k++)
-        sum +=
-            0.5 * kind->floor.stiffness * m.point[k].weight * m.point[k].depth * m.point[k].depth;
+        sum += 0.5 * kind->belt_law.stiffness * m.point[k].weight * m.point[k].depth *
+               m.point[k].depth;
     return sum;
 }

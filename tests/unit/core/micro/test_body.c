@@ -41,7 +41,7 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
         body_state *s = helper_body_start(&h);
         assert_near(body__part(s, 0).x[2], 0.005, 1e-15);
         helper_body_run(s, 0.08);
-        double sunk = 0.03 * g / s->kinds[0].floor.stiffness;
+        double sunk = 0.03 * g / s->kinds[0].belt_law.stiffness;
         assert_near(body__part(s, 0).x[2], 0.005 - sunk, 1e-6 * sunk);
         micro__body.destroy(s);
     }
@@ -58,8 +58,8 @@ static void an_edge_is_half_as_stiff_as_a_face(void **state)
     body_load load = { .torque = { 0.0, 0.0, 0.0 } };
     const double depth = 1e-5;
     helper_body_tilt(s, 0, along_y, M_PI / 6.0, -depth);
-    body__floor_push(s, 0, &load);
-    assert_near(load.force.z, 0.5 * s->kinds[0].floor.stiffness * depth, 1e-3 * load.force.z);
+    body__add_belt_forces(s, 0, &load);
+    assert_near(load.force.z, 0.5 * s->kinds[0].belt_law.stiffness * depth, 1e-3 * load.force.z);
     micro__body.destroy(s);
 }
 
@@ -73,7 +73,7 @@ static void a_box_dropped_flat_comes_to_rest_flat_without_spin(void **state)
     s->bodies[0].x.z += 0.005;
     helper_body_run(s, 0.15);
     micro_part part = body__part(s, 0);
-    double sunk = 0.03 * g / s->kinds[0].floor.stiffness;
+    double sunk = 0.03 * g / s->kinds[0].belt_law.stiffness;
     assert_near(part.x[2], 0.01 - sunk, 1e-9);
     assert_near(part.x[0], 0.0, 1e-12);
     assert_near(part.x[1], 0.0, 1e-12);
@@ -459,7 +459,7 @@ static void boxes_and_cylinders_stack(void **state)
         body_state *s = helper_body_start(&h);
         s->bodies[1].x.z = 0.0151;
         helper_body_run(s, 0.2);
-        double weight = 0.03 * g, k = s->kinds[0].floor.stiffness;
+        double weight = 0.03 * g, k = s->kinds[0].belt_law.stiffness;
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
         assert_near(s->bodies[1].x.z, 0.015 - 2.0 * weight / k - weight / between, 1e-7);

@@ -35,7 +35,7 @@ static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
         h.def.n_belts = 1;
         h.poses[0].heading = 0.3;
         body_state *s = helper_body_start(&h);
-        double half = s->bodies[0].x.z, sunk = mass * g / s->kinds[0].floor.stiffness;
+        double half = s->bodies[0].x.z, sunk = mass * g / s->kinds[0].belt_law.stiffness;
         helper_body_run(s, 0.5);
         for (int m = 0; m < 20; m++) {
             helper_body_run(s, 0.05);
@@ -338,7 +338,7 @@ static void boxes_and_cylinders_stack(void **state)
         body_state *s = helper_body_start(&h);
         s->bodies[1].x.z = 0.0151;
         helper_body_run(s, 0.4);
-        double weight = mass * g, k = s->kinds[0].floor.stiffness;
+        double weight = mass * g, k = s->kinds[0].belt_law.stiffness;
         double between = body__law(s, &s->kinds[0], &s->kinds[0]).stiffness;
         assert_near(s->bodies[0].x.z, 0.005 - 2.0 * weight / k, 1e-7);
         assert_near(s->bodies[1].x.z, 0.015 - 2.0 * weight / k - weight / between, 1e-7);

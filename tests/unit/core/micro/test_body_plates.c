@@ -58,7 +58,7 @@ static vec3 force_at_tip(size_t n_points)
     body_state *s = helper_body_start(&h);
     s->bodies[0].x.x = -0.02 + 1e-5;
     s->bodies[0].v = (vec3){ 0.0, 0.0, 0.0 };
-    body__solids_push(s, 0, &load, &report);
+    body__add_boundary_forces(s, 0, &load, &report);
     micro__body.destroy(s);
     return load.force;
 }
