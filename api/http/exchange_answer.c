@@ -9,6 +9,11 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *exchange__header(const exchange *x, const char *name)
+{
+    return x->request->header(x->request->header_context, name);
+}
+
 bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
                            const char *format, ...)
 {

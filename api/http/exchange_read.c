@@ -10,11 +10,6 @@
 #include <string.h>
 #include <strings.h>
 
-const char *exchange__header(const exchange *x, const char *name)
-{
-    return x->request->header(x->request->header_context, name);
-}
-
 bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
 {
     const char *id = x->params.values[0];

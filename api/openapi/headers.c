@@ -2,6 +2,8 @@
 
 #include "api/openapi/openapi_priv.h"
 
+#include "core/base/check.h"
+
 #include <string.h>
 
 static const openapi_header table[] = {
@@ -40,4 +42,25 @@ const openapi_header *openapi__header(const char *name, size_t n)
             return &table[k];
     }
     return NULL;
+}
+
+static void write_header_refs(json_out *w, const char *words)
+{
+    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n) {
+        const openapi_header *header = openapi__header(words, n);
+        BF_CHECK(header != NULL);
+        json_out_key(w, header->name);
+        json_out_object(w);
+        schema_write_ref(w, "headers", header->name, n);
+        json_out_object_end(w);
+    }
+}
+
+void openapi__write_headers(json_out *w, const char *words)
+{
+    json_out_key(w, "headers");
+    json_out_object(w);
+    write_header_refs(w, words);
+    write_header_refs(w, ROUTES_COMMON_HEADERS);
+    json_out_object_end(w);
 }

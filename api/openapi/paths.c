@@ -171,27 +171,6 @@ void openapi__write_header_components(json_out *w)
     }
 }
 
-static void write_header_refs(json_out *w, const char *words)
-{
-    for (size_t n; words != NULL && (n = schema_next_word(&words)) > 0; words += n) {
-        const openapi_header *header = openapi__header(words, n);
-        BF_CHECK(header != NULL);
-        json_out_key(w, header->name);
-        json_out_object(w);
-        schema_write_ref(w, "headers", header->name, n);
-        json_out_object_end(w);
-    }
-}
-
-void openapi__write_headers(json_out *w, const char *words)
-{
-    json_out_key(w, "headers");
-    json_out_object(w);
-    write_header_refs(w, words);
-    write_header_refs(w, ROUTES_COMMON_HEADERS);
-    json_out_object_end(w);
-}
-
 static void write_answer(json_out *w, const route *r, const route_answer *answer)
 {
     bool has_body = answer->status != 204 && answer->status != 304;

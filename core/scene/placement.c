@@ -12,6 +12,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+size_t scene_parts(const scene *s)
+{
+    switch (s->initial.type) {
+    case SCENE_INITIAL_POSITIONS:
+        return s->initial.n_poses;
+    case SCENE_INITIAL_HEXAGONAL:
+        return (size_t)s->initial.n_rows * s->initial.n_columns;
+    case SCENE_INITIAL_RANDOM:
+        return s->initial.n_random;
+    default:
+        return 0;
+    }
+}
+
 /// Most places that are tried for n random parts.
 static size_t limit_attempts(size_t n)
 {

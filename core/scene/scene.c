@@ -278,20 +278,6 @@ double scene_belt_speed(const scene *s)
     return speed;
 }
 
-size_t scene_parts(const scene *s)
-{
-    switch (s->initial.type) {
-    case SCENE_INITIAL_POSITIONS:
-        return s->initial.n_poses;
-    case SCENE_INITIAL_HEXAGONAL:
-        return (size_t)s->initial.n_rows * s->initial.n_columns;
-    case SCENE_INITIAL_RANDOM:
-        return s->initial.n_random;
-    default:
-        return 0;
-    }
-}
-
 bool scene_mirrors_walls(const scene *s)
 {
     for (size_t k = 0; k < s->n_obstacles; k++) {
