@@ -1,4 +1,4 @@
-/// What a path of the microscopic solver gives to micro.c: one table for planar, one for spatial.
+/// The interface between micro.c and a path of the microscopic solver: one table for planar, one for spatial.
 
 #pragma once
 

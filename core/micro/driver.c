@@ -1,6 +1,6 @@
 #include "core/micro/driver.h"
 
-// The work of a team; what stands behind n_wanted is written by its first member.
+// The work of a team; the members after n_wanted are written by its first thread.
 typedef struct team_task {
     const driver_solver *solver;
     void *state;

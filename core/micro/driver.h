@@ -1,12 +1,12 @@
-/// The loop over steps that all four solvers share: disks and bodies, explicit and implicit.
+/// The loop over steps of all four solvers: disks and bodies, explicit and implicit.
 ///
 /// As long as steps are left, the driver lets the solver bring its lists up to date, and then a team of
 /// threads makes steps until all are made, the lists no longer hold or a step has to be checked. Every
 /// member of the team runs the same loop: it does its part of each phase of a step, waits for the others
-/// between phases, and comes to the same outcome as they do from the same figures.
+/// between phases, and finds the same outcome as they do from the same values.
 ///
-/// What makes results independent of the number of threads is the solvers': in a phase no item writes what
-/// another one reads.
+/// The solvers make results independent of the number of threads: in a phase no item writes what another one
+/// reads.
 
 #pragma once
 
@@ -33,7 +33,7 @@ typedef struct driver_extremes {
     double overlap_share; ///< largest overlap divided by the smaller part's radius
 } driver_extremes;
 
-/// How far things have come. Each member has a copy, all alike.
+/// Progress of a team. Each member has a copy, all with the same values.
 typedef struct driver_progress {
     double displacement_bound; ///< m, no part has moved farther since the list was made
     double pair_bound;       ///< m, nor since pairs were chosen from it, where that is another time
@@ -62,7 +62,7 @@ typedef struct driver_solver {
     /// solver has no such way.
     uint64_t (*advance_tile)(void *state, uint64_t n, uint64_t *ret_most, bool *ret_suspect);
 
-    /// Say where things stand before a team begins. Returns how many threads are of use.
+    /// Set the progress with which a team begins. Returns how many threads are of use.
     int (*begin)(const void *state, driver_progress *ret_progress);
 
     /// One member's part of a step, which waits for the others at least once. All members return the same.

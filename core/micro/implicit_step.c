@@ -75,7 +75,7 @@ static extremes extremes_of(const micro_def *def)
     return e;
 }
 
-// Longest step for which no part at the largest speed moves by more than `share` of the radius.
+// Longest step for which no part at the largest speed moves by more than `fraction` of the radius.
 static double step_of_move(const extremes *e, double fraction)
 {
     return e->speed > 0.0 ? fraction * e->radius / e->speed : HUGE_VAL;

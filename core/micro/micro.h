@@ -9,16 +9,16 @@
 ///     verlet    x+ = (2 - D dt) x - (1 - D dt) x- + dt^2 F/m, v = (x+ - x-)/(2 dt);
 ///               w+ = (1 - D)^dt w + dt Theta^-1 (torque)                                  (12), (13)
 ///
-/// Two paths behind one face. Planar: upright cylinders that stay on belts keep their axes vertical, so
+/// Two paths behind one interface. Planar: upright cylinders that stay on belts keep their axes vertical, so
 /// position, heading, velocity and spin in the plane are exact for them. Spatial: everything else, as
 /// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
-/// solid boxes; contact points by GJK/EPA or in closed form.
+/// rigid boundaries; contact points by GJK/EPA or in closed form.
 ///
-/// A part whose centre leaves the domain over an edge that is not a wall is gone: it keeps its place in
-/// the arrays of parts, and micro_is_gone() tells.
+/// A part whose centre leaves the domain over an edge that is not a wall is gone: it keeps its id, and
+/// micro_is_gone() is true.
 ///
 /// Units    SI. The belt surface is z = 0; heights count from there.
-/// Order    parts are numbered as they were given, whatever the solver's own order.
+/// Ids      of parts are their indices in the definition, whatever order the solver stores them in.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the same
 ///          bits for any number of them.
 /// Errors   as in core/macro/macro.h; pointers are those of a scenario.
@@ -62,7 +62,7 @@ typedef struct micro_def {
     scene_rect domain;                  ///< m (no default)
     scene_edge edges[SCENE_SIDE_COUNT]; ///< walls are solid (default inflow, outflow, wall, wall)
     size_t n_belts;                     ///< (default 0)
-    const scene_belt *belts;            ///< what they carry moves with them; later ones win
+    const scene_belt *belts;            ///< later ones lie on top of earlier ones
     size_t n_obstacles;                 ///< (default 0)
     const scene_obstacle *obstacles;    ///< plates: path, thickness; solid
     size_t n_kinds;                     ///< >= 1 (no default)
@@ -100,10 +100,10 @@ typedef struct micro_part {
     bool is_gone; ///< left the domain
 } micro_part;
 
-/// Figures of the present state and of the run so far.
+/// Totals of the current state and of the run so far.
 typedef struct micro_totals {
-    size_t n_parts;         ///< parts in the domain
-    size_t n_contacts;      ///< contacts of part with part, obstacle or wall that press now
+    size_t n_parts;    ///< parts in the domain
+    size_t n_contacts; ///< contacts of a part with a part, obstacle or wall that have a force now
     double kinetic_energy;  ///< of all parts in the domain, J
     double largest_overlap; ///< of any such contact since the start, m
     double overlap_share;   ///< the largest of overlap divided by the smaller part's radius
@@ -144,7 +144,7 @@ bool micro_is_planar(const micro_solver *s);
 /// Number of parts, gone ones included.
 size_t micro_parts(const micro_solver *s);
 
-/// Figures; O(n).
+/// Totals; O(n).
 micro_totals micro_measure(const micro_solver *s);
 
 /// The step in use, s.

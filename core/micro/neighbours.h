@@ -3,9 +3,9 @@
 /// A list of neighbours holds every pair of parts whose centres are nearer in the plane than the sum of
 /// their radii plus a skin. It stays right until some part has moved by half the skin: neighbours_holds().
 /// The neighbours of a part stand in the order of their ids, so that sums over them have the same bits
-/// however the work is shared out, and whenever the list was made.
+/// however the work is split, and whenever the list was built.
 ///
-/// The search writes the neighbours of one part wherever they belong. neighbours_list has them part by
+/// The search writes the neighbours of one part to an array of the caller. neighbours_list has them part by
 /// part, for bodies; disks, which several lanes of a register handle together, lay them out in
 /// core/micro/disk/list.c.
 ///
@@ -50,8 +50,8 @@ typedef struct neighbours_parts {
     const uint32_t *order; ///< that of the cells; NULL: parts stand in it
 } neighbours_parts;
 
-/// Sort n parts into cells with edges of at least `edge`, as many as is sensible for n; those with
-/// skip[k] != 0 are left out (NULL: none). Places that are not finite end up in some cell. BF_ENOMEM: the
+/// Sort n parts into cells with edges of at least `edge`, their number limited in proportion to n; those with
+/// skip[k] != 0 are left out (NULL: none). Positions that are not finite are put into some cell. BF_ENOMEM: the
 /// grid is empty.
 BF_MUST_CHECK bf_status neighbours_sort(neighbours_cells *cells, size_t n,
                                         const neighbours_parts *parts, const uint8_t *skip,
@@ -60,7 +60,7 @@ BF_MUST_CHECK bf_status neighbours_sort(neighbours_cells *cells, size_t n,
 /// Free what the grid owns and zero it. NULL is fine.
 void neighbours_cells_fini(neighbours_cells *cells);
 
-/// Column and row of a place, moved into the grid.
+/// Column and row of a position, clamped to the grid.
 size_t neighbours_column(const neighbours_cells *cells, double x);
 size_t neighbours_row(const neighbours_cells *cells, double y);
 

@@ -140,3 +140,14 @@ void body__find_at_plane(const body_state *s, const body_body *body, const manif
 bool body__find_cylinder_at_plate(const body_state *s, const body_body *body,
                                   const body_plate *plate, double margin,
                                   body_contact_point *ret_points, size_t *ret_n);
+
+/// Horizontal distance from a point to a plate, m; 0 inside.
+double body__plate_distance(const body_plate *plate, double x, double y);
+
+/// True if a body with its centre at a point on the outer side of a bend has its contact with the plate beyond
+/// the joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
+bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y);
+
+/// Ids, ascending, of the plates that a part with its centre at a point may be in contact with until the list
+/// of neighbours is built again. NULL without plates.
+const uint32_t *body__plates_near(const body_state *s, double x, double y, size_t *ret_n);

@@ -183,11 +183,11 @@ double helper_body_stored(const body_state *s)
 {
     const body_body *body = &s->bodies[0];
     const body_kind *kind = &s->kinds[body->kind];
-    const manifold_plane floor = { .normal = { 0.0, 0.0, 1.0 } };
+    const manifold_plane belt = { .normal = { 0.0, 0.0, 1.0 } };
     double sum = 0.0;
     manifold m;
 
-    manifold_on_plane(&kind->shape, body->x, &body->r, &floor, 0.0, &m);
+    manifold_on_plane(&kind->shape, body->x, &body->r, &belt, 0.0, &m);
     for (size_t k = 0; k < m.n; k++)
         sum += 0.5 * kind->belt_law.stiffness * m.point[k].weight * m.point[k].depth *
                m.point[k].depth;

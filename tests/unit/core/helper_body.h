@@ -1,4 +1,4 @@
-/// Small worlds for the spatial path, whose inside tests may change: gravity, places, velocities.
+/// Small test cases for the spatial path, whose state tests may change: gravity, positions, velocities.
 
 #pragma once
 
@@ -54,7 +54,7 @@ double helper_body_energy(const body_state *s);
 vec3 helper_body_momentum(const body_state *s);
 vec3 helper_body_angular_momentum(const body_state *s);
 
-/// Elastic energy of part 0 on the floor, J.
+/// Elastic energy of part 0 on the belt plane, J.
 double helper_body_stored(const body_state *s);
 
 /// Digest of all parts.

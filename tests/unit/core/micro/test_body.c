@@ -16,7 +16,7 @@
 static const double g = 9.81;
 static const vec3 along_x = { 1.0, 0.0, 0.0 }, along_y = { 0.0, 1.0, 0.0 };
 
-// Weight m g is carried by k delta, however many points share it: four, three, six or 32.
+// The weight m g equals k delta, for any number of contact points: four, three, six or 32.
 static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **state)
 {
     (void)state;
@@ -48,7 +48,7 @@ static void a_part_that_lies_flat_sinks_by_its_weight_over_the_stiffness(void **
 }
 
 // Two of the four corners of a face carry an edge: half the stiffness. A body cannot balance on its
-// edge, so it is the force at a given depth that is looked at.
+// edge, so the force is compared at a given depth.
 static void an_edge_is_half_as_stiff_as_a_face(void **state)
 {
     (void)state;
@@ -163,7 +163,7 @@ static void energy_never_grows_without_a_belt(void **state)
     }
 }
 
-// Nothing but the step of the integrator turns L; the error halves with the step, and energy, taken
+// Only the error of the integrator changes the direction of L; the error halves with the step, and energy, taken
 // at the end of the step, only falls.
 static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void **state)
 {
@@ -224,14 +224,14 @@ static void a_free_pair_keeps_its_momentum(void **state)
 }
 
 // delta'' + (d/mu) delta' + (k/mu) delta = 0 with mu = m/2, delta = 0 and delta' = 2 v at the
-// start: for two boxes face to face and for two cylinders side by side, until they would pull.
+// start: for two boxes face to face and for two cylinders side by side, until the force would become negative.
 static void a_head_on_contact_is_a_damped_oscillator(void **state)
 {
     (void)state;
-    for (int is_round = 0; is_round <= 1; is_round++) {
+    for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
-        helper_body_init(&h, is_round ? helper_body_cylinder(0.01, 0.02)
-                                      : helper_body_box(0.02, 0.03, 0.02));
+        helper_body_init(&h, is_cylinder ? helper_body_cylinder(0.01, 0.02)
+                                         : helper_body_box(0.02, 0.03, 0.02));
         h.def.n_parts = 2;
         h.def.dt = 2e-7;
         h.poses[0].x = -0.01;
@@ -252,7 +252,7 @@ static void a_head_on_contact_is_a_damped_oscillator(void **state)
 }
 
 // I w' = -mu r_spin m g tanh(w), solved by sinh w = sinh(w_0) exp(-mu r_spin m g t / I).
-static void spin_on_the_floor_decays_by_its_law(void **state)
+static void spin_on_the_plane_decays_by_its_law(void **state)
 {
     (void)state;
     helper_body h;
@@ -294,7 +294,7 @@ static void a_belt_takes_a_part_up_by_its_law(void **state)
     micro__body.destroy(s);
 }
 
-// Each half is pulled its own way.
+// The two halves are on belts with opposite velocities.
 static void a_box_across_two_belts_turns_on_the_spot(void **state)
 {
     (void)state;
@@ -317,8 +317,8 @@ static void a_box_across_two_belts_turns_on_the_spot(void **state)
     micro__body.destroy(s);
 }
 
-// The belt pulls with F = mu m g tanh(lambda |u|) u/|u|, u = v_T - v t; the plate presses back with
-// F.n and brakes with mu_p (F.n) tanh(lambda v): the speed along it is where both are equal.
+// The belt exerts F = mu m g tanh(lambda |u|) u/|u|, u = v_T - v t; the plate exerts the normal force F.n
+// and the friction mu_p (F.n) tanh(lambda v): the speed along it is the one at which F.t equals that.
 static double sliding_speed(double angle)
 {
     double low = 0.0, high = 0.395;
@@ -326,9 +326,9 @@ static double sliding_speed(double angle)
     for (int k = 0; k < 60; k++) {
         double v = 0.5 * (low + high);
         double ux = 0.395 - v * cos(angle), uy = -v * sin(angle), u = hypot(ux, uy);
-        double pull = tanh(10.0 * u) * (ux * cos(angle) + uy * sin(angle)) / u;
-        double press = tanh(10.0 * u) * (ux * sin(angle) - uy * cos(angle)) / u;
-        if (pull > 0.19 * press * tanh(10.0 * v))
+        double belt_friction = tanh(10.0 * u) * (ux * cos(angle) + uy * sin(angle)) / u;
+        double normal_force = tanh(10.0 * u) * (ux * sin(angle) - uy * cos(angle)) / u;
+        if (belt_friction > 0.19 * normal_force * tanh(10.0 * v))
             low = v;
         else
             high = v;
@@ -388,7 +388,7 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
     }
 }
 
-// The end of a plate is met by the least depth, corner first.
+// At the end of a plate the normal is the direction of least depth.
 static void a_box_is_turned_by_the_end_of_a_plate(void **state)
 {
     (void)state;
@@ -447,14 +447,14 @@ static void a_hull_is_placed_by_its_origin_and_told_by_its_centre_of_mass(void *
     micro__body.destroy(s);
 }
 
-// One on top of the other, set down flat: the lower one carries two weights.
+// One on top of the other, both flat: the contact below carries two weights, the one between them one.
 static void boxes_and_cylinders_stack(void **state)
 {
     (void)state;
-    for (int is_round = 0; is_round <= 1; is_round++) {
+    for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
-        helper_body_init(&h, is_round ? helper_body_cylinder(0.02, 0.01)
-                                      : helper_body_box(0.04, 0.04, 0.01));
+        helper_body_init(&h, is_cylinder ? helper_body_cylinder(0.02, 0.01)
+                                         : helper_body_box(0.04, 0.04, 0.01));
         h.def.n_parts = 2;
         body_state *s = helper_body_start(&h);
         s->bodies[1].x.z = 0.0151;
@@ -496,7 +496,7 @@ int main(void)
         cmocka_unit_test(a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step),
         cmocka_unit_test(a_free_pair_keeps_its_momentum),
         cmocka_unit_test(a_head_on_contact_is_a_damped_oscillator),
-        cmocka_unit_test(spin_on_the_floor_decays_by_its_law),
+        cmocka_unit_test(spin_on_the_plane_decays_by_its_law),
         cmocka_unit_test(theta_is_tanh_by_its_argument),
         cmocka_unit_test(a_belt_takes_a_part_up_by_its_law),
         cmocka_unit_test(a_box_across_two_belts_turns_on_the_spot),

@@ -23,7 +23,7 @@ static void begin(helper_body *h, scene_shape shape, double dt)
     h->def.dt = dt;
 }
 
-// Weight m g is carried by k delta; energy of motion is that of the belt's speed, to rounding.
+// The weight m g equals k delta; the kinetic energy is that of the belt's speed, up to rounding.
 static void a_part_rests_flat_on_the_belt_and_goes_with_it(void **state)
 {
     (void)state;
@@ -167,7 +167,7 @@ static void a_head_on_contact_nears_the_damped_oscillator_with_order_1(void **st
     }
 }
 
-// With m/2d = 0.13 ms a step of 2 ms spans the impact; what is left decays with d/k.
+// With m/2d = 0.13 ms a step of 2 ms spans the impact; the remaining overlap decays with d/k.
 static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **state)
 {
     (void)state;
@@ -225,8 +225,8 @@ static void energy_never_grows_without_a_belt(void **state)
     }
 }
 
-/// Two crowds of boxes that run into each other, a little askew, high above the floor.
-static body_state *make_crowds(helper_body *h, double dt)
+/// Two groups of boxes that collide at a small angle, high above the belt.
+static body_state *make_groups(helper_body *h, double dt)
 {
     begin(h, helper_body_box(0.022, 0.018, 0.02), dt);
     h->def.gravity = 0.0;
@@ -250,7 +250,7 @@ static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
     const double steps[] = { 2e-4, 1e-3, 2e-3 };
     for (int k = 0; k < 3; k++) {
         helper_body h;
-        body_state *s = make_crowds(&h, steps[k]);
+        body_state *s = make_groups(&h, steps[k]);
         vec3 before = helper_body_momentum(s);
         double energy = body__measure(s).kinetic_energy, start = energy;
         for (int m = 0; m < 100; m++) {
@@ -326,13 +326,14 @@ static void nothing_passes_a_thin_plate_or_a_wall(void **state)
     }
 }
 
-// One on top of the other, set down flat: the lower one carries two weights.
+// One on top of the other, both flat: the contact below carries two weights, the one between them one.
 static void boxes_and_cylinders_stack(void **state)
 {
     (void)state;
-    for (int is_round = 0; is_round <= 1; is_round++) {
+    for (int is_cylinder = 0; is_cylinder <= 1; is_cylinder++) {
         helper_body h;
-        begin(&h, is_round ? helper_body_cylinder(0.02, 0.01) : helper_body_box(0.04, 0.04, 0.01),
+        begin(&h,
+              is_cylinder ? helper_body_cylinder(0.02, 0.01) : helper_body_box(0.04, 0.04, 0.01),
               1e-3);
         h.def.n_parts = 2;
         body_state *s = helper_body_start(&h);

@@ -1,4 +1,4 @@
-// Unit tests of plates whose paths bend: bodies feel a joint once, and there is no gap behind it.
+// Unit tests of plates whose paths bend: a joint acts on a body once, and there is no gap behind it.
 
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"

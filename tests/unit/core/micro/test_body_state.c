@@ -83,7 +83,7 @@ static bf_status load_state(body_state *s, const char *bytes, size_t n, bf_error
     return status == BF_OK ? body__load(s, &r, err) : status;
 }
 
-// When the list is made depends on when the solver was: it must not count.
+// The list is built at other times after loading: results must not depend on them.
 static void check_resume(micro_integrator integrator)
 {
     helper_body h;
@@ -117,7 +117,7 @@ static void a_loaded_state_goes_on_with_the_same_bits(void **state)
     check_resume(MICRO_IMPLICIT);
 }
 
-// Once there is room for the contacts of the jam, steps take none any more.
+// Once memory for the contacts of the jam is reserved, steps allocate none.
 static void implicit_steps_allocate_nothing(void **state)
 {
     (void)state;
@@ -167,7 +167,7 @@ static void a_damaged_state_is_refused_and_changes_nothing(void **state)
     check_damages(MICRO_IMPLICIT);
 }
 
-/// Create, step, save and load. Whatever fails says that there is no memory.
+/// Create, step, save and load. Every failure is BF_ENOMEM.
 static bf_status live(const helper_body *h)
 {
     bf_buffer saved = { 0 };
@@ -211,7 +211,7 @@ static void every_allocation_may_fail(void **state)
     check_faults(MICRO_IMPLICIT);
 }
 
-// A list that could not grow is made by the next call; nothing is lost.
+// A list that could not grow is built by the next call, and the state is unchanged.
 static void check_retry(micro_integrator integrator)
 {
     helper_body h;
@@ -236,7 +236,7 @@ static void a_step_without_memory_can_be_made_again(void **state)
     check_retry(MICRO_IMPLICIT);
 }
 
-// Far beyond the stable step a contact throws parts about.
+// Far beyond the stable step contacts are unstable.
 static void a_part_that_flies_off_is_named_with_step_and_time(void **state)
 {
     (void)state;

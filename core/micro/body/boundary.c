@@ -1,0 +1,223 @@
+// Contacts with plates and walls, which are half spaces, and the forces in them.
+//
+// While the centre of a body is between the ends of a plate, the contact normal is that of the side on which
+// the centre is, however thin the plate and however large the overlap. Beyond the ends it is the direction of
+// least depth.
+
+#include "core/micro/body/body_priv.h"
+
+#include "core/base/vec2.h"
+
+#include <math.h>
+
+/// Half the height of the cuboid that stands for a plate near a body, in radii of the body.
+#define CUBOID_HALF_HEIGHT 8.0
+
+/// What body__add_boundary_forces() adds to.
+typedef struct boundary_forces {
+    const body_state *s;
+    body_load *load;
+    body_report *report;
+} boundary_forces;
+
+/// Add the force on part k in a contact point of a boundary. Returns true if it is not zero.
+static bool add_point_force(const body_state *s, size_t k, const micro_law *law, vec3 normal,
+                            const manifold_point *point, body_load *load)
+{
+    const body_body *body = &s->bodies[k];
+    vec3 velocity = body__velocity(body, point->at);
+    double approach = vec3_dot(velocity, normal);
+    double normal_force = body__normal_force(s, law, point->depth, point->weight, approach);
+
+    if (normal_force == 0.0)
+        return false;
+    vec3 friction =
+        body__friction_force(law, normal_force, vec3_along(velocity, -approach, normal));
+    body__add_force(load, body, point->at, vec3_along(friction, normal_force, normal));
+    return true;
+}
+
+/// Add the forces on part k in all points of its contact.
+static void add_contact_force(void *context, size_t k, const micro_law *law, uint32_t boundary,
+                              const body_contact *contact)
+{
+    const boundary_forces *forces = context;
+    double depth = 0.0;
+
+    (void)boundary;
+    for (size_t m = 0; contact->is_closed_form && m < contact->n_points; m++) {
+        const body_contact_point *contact_point = &contact->points[m];
+        manifold_point point = { contact_point->at, contact_point->depth, contact_point->weight };
+        if (add_point_force(forces->s, k, law, contact_point->normal, &point, forces->load))
+            depth = fmax(depth, point.depth);
+    }
+    for (size_t m = 0; !contact->is_closed_form && m < contact->hull.n; m++)
+        if (add_point_force(forces->s, k, law, contact->hull.normal, &contact->hull.point[m],
+                            forces->load))
+            depth = contact->hull.depth;
+    if (depth > 0.0)
+        body__note(forces->report, depth, forces->s->kinds[forces->s->bodies[k].kind].radius);
+}
+
+/// Find the contact with the side of a plate that a body is on. Returns false if the contact is elsewhere.
+static bool find_at_side(const body_state *s, const body_body *body, const body_plate *plate,
+                         double margin, manifold *m)
+{
+    vec3 to = vec3_sub(body->x, plate->middle);
+    double a = vec3_dot(to, plate->along), c = vec3_dot(to, plate->across);
+    manifold_plane side = { .normal = vec3_scale(plate->across, c < 0.0 ? -1.0 : 1.0),
+                            .half_length = plate->half_length,
+                            .along = plate->along,
+                            .middle = plate->middle };
+
+    if (fabs(a) > plate->half_length)
+        return false;
+    side.offset = vec3_dot(side.normal, plate->middle) + plate->half_thickness;
+    manifold_on_plane(&s->kinds[body->kind].shape, body->x, &body->r, &side, margin, m);
+    return m->depth <= -margin || m->is_least;
+}
+
+/// The contact with a plate as a cuboid, in the world's frame. Returns false if there is none.
+static bool find_at_cuboid(const body_state *s, const body_body *body, const body_plate *plate,
+                           double margin, body_memory *memory, manifold *m)
+{
+    double a = plate->half_length, c = plate->half_thickness;
+    double half_height = CUBOID_HALF_HEIGHT * s->kinds[body->kind].shape.radius;
+    const vec2 outline[] = { { -a, -c }, { a, -c }, { a, c }, { -a, c } };
+    mat3 axes = { { { plate->along.x, -plate->along.y, 0.0 },
+                    { plate->along.y, plate->along.x, 0.0 },
+                    { 0.0, 0.0, 1.0 } } };
+    vec3 origin = { plate->middle.x, plate->middle.y, body->x.z };
+    hull cuboid;
+
+    hull_from_outline(outline, 4, -half_height, half_height, &cuboid);
+    gjk_pair pair =
+        gjk_pair_of(&cuboid, origin, &axes, &s->kinds[body->kind].shape, body->x, &body->r);
+    if (!body__find_manifold(&pair, margin, memory, m))
+        return false;
+    m->normal = mat3_apply(&axes, m->normal);
+    for (size_t k = 0; k < m->n; k++)
+        m->point[k].at = vec3_add(mat3_apply(&axes, m->point[k].at), origin);
+    return true;
+}
+
+/// The slot of a plate among those of a part, or a free one; NULL if all are taken.
+static body_plate_memory *find_memory_slot(body_plate_memory *slots, uint32_t plate)
+{
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == plate + 1)
+            return &slots[k];
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == 0)
+            return &slots[k];
+    return NULL;
+}
+
+static void clear_memory_slot(body_plate_memory *slots, uint32_t plate)
+{
+    for (size_t k = 0; k < BODY_PLATE_MEMORIES; k++)
+        if (slots[k].plate == plate + 1)
+            slots[k] = (body_plate_memory){ 0 };
+}
+
+/// Returns false if part k is not near the plate.
+static bool find_at_plate(body_state *s, size_t k, uint32_t id, double margin,
+                          body_contact *contact)
+{
+    const body_body *body = &s->bodies[k];
+    const body_plate *plate = &s->plates[id];
+    body_memory passing = { 0 };
+
+    contact->is_closed_form = false;
+    if (body__plate_distance(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin ||
+        body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y)) {
+        clear_memory_slot(s->plate_memories[k], id);
+        return false;
+    }
+    contact->is_closed_form =
+        body__find_cylinder_at_plate(s, body, plate, margin, contact->points, &contact->n_points);
+    if (contact->is_closed_form || find_at_side(s, body, plate, margin, &contact->hull)) {
+        clear_memory_slot(s->plate_memories[k], id);
+        return true;
+    }
+    body_plate_memory *slot = find_memory_slot(s->plate_memories[k], id);
+    if (slot != NULL)
+        slot->plate = id + 1;
+    return find_at_cuboid(s, body, plate, margin, slot != NULL ? &slot->memory : &passing,
+                          &contact->hull);
+}
+
+static void visit_plates(body_state *s, size_t k, double margin, body_visit *visit, void *context)
+{
+    const micro_law *law = &s->kinds[s->bodies[k].kind].boundary_law;
+    body_contact contact;
+    size_t n;
+
+    const uint32_t *plates = body__plates_near(s, s->bodies[k].x.x, s->bodies[k].x.y, &n);
+    for (size_t m = 0; m < n; m++)
+        if (find_at_plate(s, k, plates[m], margin, &contact))
+            visit(context, k, law, SCENE_SIDE_COUNT + plates[m], &contact);
+}
+
+/// The wall on a side of the domain.
+static manifold_plane wall_of(const surroundings *around, int side)
+{
+    const surroundings_line line = surroundings_side(around, (scene_side)side);
+
+    return (manifold_plane){ .normal = { line.inward.x, line.inward.y, 0.0 },
+                             .offset = vec2_dot(line.inward, line.at) };
+}
+
+/// True if the bounding sphere of part k is nearer to a plane than `margin`.
+static bool is_near_plane(const body_state *s, size_t k, const manifold_plane *plane, double margin)
+{
+    return vec3_dot(plane->normal, s->bodies[k].x) - plane->offset < s->bounding_radius[k] + margin;
+}
+
+static void visit_walls(const body_state *s, size_t k, double margin, body_visit *visit,
+                        void *context)
+{
+    const body_body *body = &s->bodies[k];
+    micro_law law = s->kinds[body->kind].boundary_law;
+    body_contact contact;
+
+    law.friction = 0.0; // walls slip freely
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        if (s->around.edges[side] != SCENE_EDGE_WALL)
+            continue;
+        manifold_plane wall = wall_of(&s->around, side);
+        if (!is_near_plane(s, k, &wall, margin))
+            continue;
+        body__find_at_plane(s, body, &wall, margin, &contact);
+        visit(context, k, &law, (uint32_t)side, &contact);
+    }
+}
+
+void body__visit_boundaries(body_state *s, size_t k, double margin, body_visit *visit,
+                            void *context)
+{
+    visit_plates(s, k, margin, visit, context);
+    visit_walls(s, k, margin, visit, context);
+}
+
+size_t body__count_boundaries(const body_state *s, size_t k, double range)
+{
+    const vec3 x = s->bodies[k].x;
+    size_t n = 0, n_near;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        manifold_plane wall = wall_of(&s->around, side);
+        n += s->around.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
+    }
+    const uint32_t *plates = body__plates_near(s, x.x, x.y, &n_near);
+    for (size_t m = 0; m < n_near; m++)
+        n += body__plate_distance(&s->plates[plates[m]], x.x, x.y) < s->bounding_radius[k] + range;
+    return n;
+}
+
+void body__add_boundary_forces(body_state *s, size_t k, body_load *load, body_report *report)
+{
+    boundary_forces forces = { s, load, report };
+
+    body__visit_boundaries(s, k, 0.0, add_contact_force, &forces);
+}
