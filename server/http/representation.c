@@ -63,10 +63,10 @@ static bf_status pack_zstd(const void *bytes, size_t n, bf_buffer *out)
 
     if (to == NULL)
         return BF_ENOMEM;
-    size_t packed = ZSTD_compress(to, room, bytes, n, ZSTD_LEVEL);
-    if (ZSTD_isError(packed)) // with room enough only for want of memory
+    size_t n_encoded = ZSTD_compress(to, room, bytes, n, ZSTD_LEVEL);
+    if (ZSTD_isError(n_encoded)) // with room enough only for want of memory
         return BF_ENOMEM;
-    out->n += packed;
+    out->n += n_encoded;
     return BF_OK;
 }
 

@@ -9,6 +9,7 @@ import check_format
 import check_headers
 import check_includes
 import check_invariants
+import check_names
 import check_quiet
 import check_readmes
 import check_sizes
@@ -115,6 +116,14 @@ class Checks(unittest.TestCase):
         self.put("README.md", README.replace("queued --> running", "running --> queued")
                  .replace("`core/`", ""))
         self.assertEqual(len(check_readmes.check(self.root)), 2)
+
+    def test_a_name_with_a_word_of_several_meanings_is_found(self):
+        self.put("core/base/a.c", "// keep\nint n = floor(x);\nconst char *a = \"keep\";\n")
+        self.put("server/http/a.c", "int how = SHUT_RDWR;\n")
+        self.assertEqual(check_names.check(self.root), [])
+        self.put("core/base/a.c", "int keep_it;\nint SHUT_RDWR;\n")
+        self.assertEqual([fault.split(" ")[0] for fault in check_names.check(self.root)],
+                         ["core/base/a.c:1:", "core/base/a.c:2:"])
 
     def test_postponed_work_is_found(self):
         self.put("core/base/a.c", "// TO" "DO: later\n")
