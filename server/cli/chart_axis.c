@@ -49,7 +49,7 @@ int chart_axis_label(const chart_axis *a, int i, char *ret_label)
 
 int chart_axis_place(const chart_axis *a, double value, int n)
 {
-    double share = (value - a->low) / (a->high - a->low);
+    double fraction = (value - a->low) / (a->high - a->low);
 
-    return (int)lround(fmin(fmax(share, 0.0), 1.0) * (n - 1));
+    return (int)lround(fmin(fmax(fraction, 0.0), 1.0) * (n - 1));
 }

@@ -87,12 +87,12 @@ void http__set_coding(api_response *response, coding c)
 // Replaces the body by its encoded form; without memory it stays as it is.
 static void encode(api_response *response, coding c)
 {
-    bf_buffer packed = { 0 };
+    bf_buffer encoded = { 0 };
 
-    if (http_encoding_pack(c, response->body.bytes, response->body.n, &packed) != BF_OK)
+    if (http_encoding_pack(c, response->body.bytes, response->body.n, &encoded) != BF_OK)
         return;
     buffer_fini(&response->body);
-    response->body = packed;
+    response->body = encoded;
     http__set_coding(response, c);
 }
 

@@ -14,7 +14,7 @@
 /// x+ = x + dt v+, the same numbers with less rounding, and the first step by forward Euler is the one
 /// without forces and torques.
 ///
-/// Ids      a part has the id under which it was given, for ever, and a slot, where it is stored. Slots are
+/// Ids      a part has a fixed id, its index in the definition, and a slot, where it is stored. Slots are
 ///          sorted in space whenever the list of neighbours is made, and come in groups of DISK_GROUP:
 ///          live parts at 0 .. n_live - 1; then padding up to n_padded (far away, of no effect); then
 ///          parts that are gone, as they left.

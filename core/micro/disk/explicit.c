@@ -1,6 +1,6 @@
 // Explicit steps of disks: one by one, or several in one pass over the parts.
 //
-// Single steps   A team shares out the partitions of the groups and meets once a step. A thread writes
+// Single steps   A team divides the partitions of the groups among its members and waits once a step. A thread writes
 //                parts, headings, forces, border parts and what is under them of its own partitions only; it
 //                reads all parts of `now`.
 //
@@ -9,7 +9,7 @@
 //                t - 1; so the steps of a tile run over the parts one close behind the other, and what a
 //                part is comes from memory once for all of them. Step t reads one array of parts and writes
 //                the other, over the state before step t - 1, which only neighbours needed. Each member of
-//                a team makes some steps that follow one another; n_done is all that they tell each other.
+//                a team makes some steps that follow one another; n_done is all that they exchange.
 //                That the list held through all steps, and that all went well, is known at the end. If not,
 //                the parts are put back as they were, and single steps find out where it ended: results are
 //                those of single steps, to the bit.

@@ -77,7 +77,7 @@ INLINED pair_law make_law(const disk_state *s, const disk_law *law, double other
 // A contact of a part with something in direction n, before its friction is known.
 typedef struct contact {
     simd nx, ny;  // unit, from the part to what it touches
-    simd force;   // (4a), N; 0 where nothing presses
+    simd force;   // (4a), N; 0 where there is no contact
     simd sliding; // lambda/8 times the speed along the tangent, n turned left
     simd lever;   // from the part's centre to the contact point, m
 } contact;
@@ -103,7 +103,7 @@ INLINED simd normal_force(const pair_law *law, simd stiffness, simd overlap, sim
     return simd_where_less(low, high, force);
 }
 
-// Contacts with neighbours; false if none of them presses.
+// Contacts with neighbours; false if no neighbour overlaps.
 INLINED bool find_contact(const pair_law *law, const parts *own, const parts *other, bool uniform,
                           contact *c, loads *sum)
 {

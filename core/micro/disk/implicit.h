@@ -4,7 +4,7 @@
 ///          part occur twice, so that its contacts may be solved in any order, many at once, by any
 ///          thread: first those with the boundary (a part's first candidate, its second ...), then the
 ///          colours of a greedy colouring of the pairs of parts. The last group is for what is left over.
-///          Pieces of a group are what threads share out, blocks of a piece what goes through registers
+///          Pieces of a group are what threads divide among themselves, blocks of a piece what goes through registers
 ///          together.
 /// State    The pairs with their groups and impulses outlive a step and are saved; the rest is scratch.
 ///          Pairs are chosen anew, and disk__rebuild() is called, when their own displacement_bound says so,
