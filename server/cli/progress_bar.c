@@ -15,15 +15,15 @@ progress_bar progress_bar_start(void)
 void progress_bar_text(const frame_progress *p, uint64_t first_step, double elapsed_s,
                        char *ret_text)
 {
-    double share = p->n_steps == 0 ? 1.0 : (double)p->step / (double)p->n_steps;
+    double fraction = p->n_steps == 0 ? 1.0 : (double)p->step / (double)p->n_steps;
     double rate = elapsed_s > 0.0 ? (double)(p->step - first_step) / elapsed_s : 0.0;
     char cells[CELLS + 1];
 
     for (int i = 0; i < CELLS; i++)
-        cells[i] = i < (int)(share * CELLS) ? '#' : '.';
+        cells[i] = i < (int)(fraction * CELLS) ? '#' : '.';
     cells[CELLS] = '\0';
-    int n = snprintf(ret_text, PROGRESS_BAR_SIZE, "[%s] %3.0f %%  t = %.3g s", cells, 100.0 * share,
-                     p->t);
+    int n = snprintf(ret_text, PROGRESS_BAR_SIZE, "[%s] %3.0f %%  t = %.3g s", cells,
+                     100.0 * fraction, p->t);
     if (rate > 0.0)
         snprintf(ret_text + n, (size_t)(PROGRESS_BAR_SIZE - n), "  %.3g steps/s  %.0f s left", rate,
                  (double)(p->n_steps - p->step) / rate);

@@ -51,15 +51,16 @@ def is_allowed(name, path):
 
 
 def check(root):
-    found = {}
+    found = []
     for path in tree.sources(root, *tree.FLOORS):
-        where = tree.name(root, path)
+        where, seen = tree.name(root, path), set()
         for name, number in names(path.read_text(encoding="utf-8")):
-            for word in words(name):
-                if word in AMBIGUOUS and not is_allowed(name, where):
-                    found.setdefault((name, word), f"{where}:{number}")
-    return [f"{where}: {name}: '{word}' had several meanings: {AMBIGUOUS[word]}"
-            for (name, word), where in sorted(found.items(), key=lambda item: item[1])]
+            if name in seen or is_allowed(name, where):
+                continue
+            seen.add(name)
+            found.extend(f"{where}:{number}: {name}: '{word}' had several meanings: {AMBIGUOUS[word]}"
+                         for word in words(name) if word in AMBIGUOUS)
+    return found
 
 
 if __name__ == "__main__":
