@@ -1,16 +1,20 @@
-// Dispatch: path and method to a route, query and Accept checked against its row, failures to problems.
+// One exchange: path and method to a route, query and Accept checked against its row, the handler, failures
+// to problems; and what handlers read of the request and say in the response beside its body.
 
 #include "api/http/exchange.h"
 
 #include "api/http/http_priv.h"
+#include "api/http/negotiation.h"
 #include "api/http/problem.h"
 #include "core/base/check.h"
 #include "core/base/digest.h"
 
 #include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-// A request for a format that does not exist will be refused, which is not work.
 api_cost api_request_cost(const api_request *request)
 {
     const route *found = routes_find(request->method, request->path, NULL);
@@ -19,10 +23,11 @@ api_cost api_request_cost(const api_request *request)
 
     if (found == NULL)
         return API_COST_NONE;
-    bool can_be_work =
-        found->text_cost > found->cost && query_parse(request->query, &q, NULL) == BF_OK &&
-        media_choose(found->formats, query_value(&q, "format"),
-                     request->header(request->header_context, "Accept"), &chosen, NULL) == BF_OK;
+    bool can_be_work = found->text_cost > found->cost &&
+                       query_parse(request->query, &q, NULL) == BF_OK &&
+                       negotiation_choose_media(found->formats, query_value(&q, "format"),
+                                                request->header(request->header_context, "Accept"),
+                                                &chosen, NULL) == BF_OK;
     bool is_text = can_be_work && (chosen->format == MEDIA_JSON || chosen->format == MEDIA_CSV);
     return is_text ? found->text_cost : found->cost;
 }
@@ -53,8 +58,8 @@ static bf_status find_route(exchange *x, bf_error *err)
 static bf_status choose_media(exchange *x, bf_error *err)
 {
     const char *word = query_value(&x->query, "format");
-    bf_status status =
-        media_choose(x->route->formats, word, exchange__header(x, "Accept"), &x->media, err);
+    bf_status status = negotiation_choose_media(x->route->formats, word,
+                                                exchange__header(x, "Accept"), &x->media, err);
 
     if (status != BF_OK && word == NULL)
         x->refusal = 406;
@@ -191,4 +196,248 @@ void api_handle_again(const api_services *services, const api_request *request,
     api_response_fini(unused);
     if (!is_worse)
         *response = late;
+}
+
+bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
+{
+    const char *id = x->params.values[0];
+
+    BF_CHECK(x->params.n > 0);
+    if (!param_is_id(id))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", id);
+    return x->services->find(x->services->context, id, ret_run, err);
+}
+
+const char *exchange__text(const exchange *x, const char *name)
+{
+    return query_value(&x->query, name);
+}
+
+uint64_t exchange__whole(const exchange *x, const char *name)
+{
+    param_value value = { .whole = 0 };
+
+    (void)query_read(&x->query, x->route->params, name, &value);
+    return value.whole;
+}
+
+double exchange__real(const exchange *x, const char *name)
+{
+    param_value value = { .real = 0.0 };
+
+    BF_CHECK(query_read(&x->query, x->route->params, name, &value));
+    return value.real;
+}
+
+size_t exchange__ids(const exchange *x, const char *name, char (*ret_ids)[API_ID_SIZE])
+{
+    param_value value;
+
+    if (!query_read(&x->query, x->route->params, name, &value))
+        return 0;
+    memcpy(ret_ids, value.ids.items, value.ids.n * sizeof *ret_ids);
+    return value.ids.n;
+}
+
+bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t *ret_index,
+                                  bf_error *err)
+{
+    const char *number = x->params.values[1];
+    uint64_t index = 0;
+
+    BF_CHECK(x->params.n > 1);
+    if (param_read_digits(number, &index) != 0 || index >= of->n_snapshots)
+        return bf_fail(err, BF_ENOTFOUND, "", "the run has no snapshot '%s'; it has %" PRIu64,
+                       number, of->n_snapshots);
+    *ret_index = index;
+    return BF_OK;
+}
+
+bf_status exchange__check_match(exchange *x, const api_run *record, uint64_t *ret_revision,
+                                bf_error *err)
+{
+    const char *wanted = exchange__header(x, "If-Match");
+    char tag[EXCHANGE_ETAG_SIZE];
+
+    snprintf(tag, sizeof tag, "r%" PRIu64, record->revision);
+    if (wanted == NULL || negotiation_allows_change(wanted, tag)) {
+        *ret_revision = wanted == NULL ? API_ANY_REVISION : record->revision;
+        return BF_OK;
+    }
+    return exchange__refuse(x, 412, "", err,
+                            "the run is not in the state that If-Match names: it is \"%s\"", tag);
+}
+
+static void list_types(exchange *x, const char *const *types)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; types[i] != NULL && n < sizeof x->accepts; i++)
+        n += (size_t)snprintf(x->accepts + n, sizeof x->accepts - n, "%s%s", i == 0 ? "" : ", ",
+                              types[i]);
+}
+
+bf_status exchange__check_body(exchange *x, const char *const *types, size_t *ret_type,
+                               bf_error *err)
+{
+    const char *type = exchange__header(x, "Content-Type");
+    const char *encoding = exchange__header(x, "Content-Encoding");
+    size_t found = 0;
+
+    list_types(x, types);
+    if (type == NULL)
+        return exchange__refuse(x, 415, "", err, "the body needs Content-Type: %s", x->accepts);
+    size_t n = strcspn(type, "; \t");
+    while (types[found] != NULL &&
+           (strlen(types[found]) != n || strncasecmp(type, types[found], n) != 0))
+        found++;
+    if (types[found] == NULL)
+        return exchange__refuse(x, 415, "", err, "the body must be %s, not '%.64s'", x->accepts,
+                                type);
+    if (encoding != NULL && strcasecmp(encoding, "identity") != 0)
+        return exchange__refuse(x, 415, "", err, "the body must not be encoded ('%.32s')",
+                                encoding);
+    *ret_type = found;
+    return BF_OK;
+}
+
+exchange_page exchange__page(const exchange *x)
+{
+    const char *label = exchange__text(x, "label");
+    const char *cursor = exchange__text(x, "cursor");
+    exchange_page page = { .limit = (size_t)exchange__whole(x, "limit") };
+
+    snprintf(page.label, sizeof page.label, "%s", label == NULL ? "" : label);
+    snprintf(page.before, sizeof page.before, "%s", cursor == NULL ? "" : cursor);
+    return page;
+}
+
+void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, bool is_for_change)
+{
+    api_long_poll *wait = &x->response->long_poll;
+
+    if (x->request->polled != NULL || seconds == 0 || run_state_is_end(record->state))
+        return;
+    *wait = (api_long_poll){ .seconds = seconds < API_WAIT_MAX_S ? seconds : API_WAIT_MAX_S,
+                             .is_for_change = is_for_change,
+                             .revision = record->revision };
+    memcpy(wait->run, record->id, sizeof wait->run);
+}
+
+void exchange__prefer_long_poll(exchange *x, const api_run *record)
+{
+    unsigned seconds = 0;
+
+    if (!negotiation_read_wait(exchange__header(x, "Prefer"), &seconds))
+        return;
+    api_response_header(x->response, "Preference-Applied", "wait=%u",
+                        seconds < API_WAIT_MAX_S ? seconds : API_WAIT_MAX_S);
+    exchange__long_poll(x, record, seconds, false);
+}
+
+const char *exchange__header(const exchange *x, const char *name)
+{
+    return x->request->header(x->request->header_context, name);
+}
+
+bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
+                           const char *format, ...)
+{
+    char text[BF_TEXT_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    x->refusal = http_status;
+    return bf_fail(err, BF_EINPUT, pointer, "%s", text);
+}
+
+void exchange__cache_immutable(exchange *x)
+{
+    api_response_header(x->response, "Cache-Control", "private, max-age=31536000, immutable");
+}
+
+void exchange__name_snapshot(exchange *x, uint64_t index)
+{
+    api_response_header(x->response, "Content-Disposition", "inline; filename=\"%06" PRIu64 ".%s\"",
+                        index, x->media->word);
+}
+
+// Sets ETag, and the status if the client has this state. ret_form is the tag that it knows it by.
+static bool tag_state(exchange *x, const char *tag, char *ret_form)
+{
+    const char *known = exchange__header(x, "If-None-Match");
+    bool is_known =
+        known != NULL &&
+        negotiation_match_etag(known, tag, exchange__header(x, "Accept-Encoding"), ret_form);
+
+    api_response_header(x->response, "ETag", "\"%s\"", tag);
+    if (is_known)
+        x->response->status = 304;
+    return is_known;
+}
+
+static void write_tag(char *tag, const char *format, va_list args)
+{
+    int n = vsnprintf(tag, EXCHANGE_ETAG_SIZE, format, args);
+
+    BF_CHECK(n >= 0 && n < EXCHANGE_ETAG_SIZE);
+}
+
+bool exchange__match_etag(exchange *x, const char *format, ...)
+{
+    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    write_tag(tag, format, args);
+    va_end(args);
+    return tag_state(x, tag, form);
+}
+
+bool exchange__is_unchanged(exchange *x, const char *format, ...)
+{
+    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE], quoted[CODING_TAG_SIZE + 2];
+    va_list args;
+
+    va_start(args, format);
+    write_tag(tag, format, args);
+    va_end(args);
+    if (!tag_state(x, tag, form))
+        return false;
+    snprintf(quoted, sizeof quoted, "\"%s\"", form);
+    api_response_set(x->response, "ETag", quoted);
+    return true;
+}
+
+void exchange__cache_revalidate(exchange *x)
+{
+    api_response_header(x->response, "Cache-Control", "private, no-cache");
+}
+
+// Writes a value for a query; text has room for three bytes per byte of value.
+static void encode_value(const char *value, char *text)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+
+    for (; *value != '\0'; value++) {
+        if (strchr(plain, *value) != NULL)
+            *text++ = *value;
+        else
+            text += sprintf(text, "%%%02X", (unsigned char)*value);
+    }
+    *text = '\0';
+}
+
+void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
+                         const char *last_id)
+{
+    char label[API_LABEL_SIZE * 3];
+
+    encode_value(page->label, label);
+    api_response_header(x->response, "Link", "<%s?limit=%zu%s%s%s&cursor=%s>; rel=\"next\"",
+                        x->route->path, page->limit, filters,
+                        label[0] == '\0' ? "" : "&label=", label, last_id);
 }

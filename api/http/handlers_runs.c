@@ -1,8 +1,7 @@
 // Runs: accept or validate a submission, list, show, cancel, remove.
 
 #include "api/http/http_priv.h"
-#include "api/http/idempotency.h"
-#include "api/http/prefer.h"
+#include "api/http/negotiation.h"
 #include "api/results/run_json.h"
 #include "api/scenario/submission.h"
 #include "core/base/memory.h"
@@ -30,7 +29,7 @@ static bf_status read_key(const exchange *x, api_submission *submission, bf_erro
 {
     submission->body = x->request->body;
     submission->n_body = x->request->n_body;
-    return idempotency_read_key(exchange__header(x, "Idempotency-Key"), submission->key, err);
+    return negotiation_read_key(exchange__header(x, "Idempotency-Key"), submission->key, err);
 }
 
 // The head of the answer to a submission.
@@ -58,7 +57,7 @@ static bool answer_now(exchange *x, const char *id)
 static void answer_accepted(exchange *x, api_acceptance *accepted)
 {
     unsigned seconds = 0;
-    bool waits = prefer_wait(exchange__header(x, "Prefer"), &seconds);
+    bool waits = negotiation_read_wait(exchange__header(x, "Prefer"), &seconds);
 
     if (accepted->is_replay)
         api_response_header(x->response, "Idempotent-Replayed", "true");

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/http/exchange.h"
-#include "api/http/media.h"
+#include "api/http/negotiation.h"
 #include "api/http/query.h"
 #include "api/http/routes.h"
 #include "core/base/faults.h"

@@ -35,7 +35,7 @@ typedef struct param_kind {
 extern const param_kind param_text;   ///< text of at most `most` bytes; 0: of any length
 extern const param_kind param_member; ///< text that is checked with the document in the body
 extern const param_kind param_word;   ///< a text for which `is_word` is true
-extern const param_kind param_format; ///< one of the route's formats; media_choose() reads it
+extern const param_kind param_format; ///< one of the route's formats; negotiation.h chooses it
 extern const param_kind param_whole;  ///< whole number of least .. most
 extern const param_kind param_flag;   ///< 0 or 1
 extern const param_kind param_real;   ///< number of least_real .. most_real

@@ -36,25 +36,25 @@ typedef struct route_answer {
     const char *schema;  ///< schema of the body as JSON; NULL: no body, or no JSON
     const char *headers; ///< names of headers, words of api/openapi/headers.c
     const char *help;    ///< when it is given
-    const char *formats; ///< words of media.h, where only some of the route's have it; else NULL
+    const char *formats; ///< words of MEDIA_LIST, where only some of the route's have it; else NULL
 } route_answer;
 
 /// One route. HEAD goes where GET goes; OPTIONS is answered for every path.
 typedef struct route {
-    const char *method;         ///< "GET", ...
-    const char *path;           ///< template: "/v1/runs/{id}"
-    route_handler_fn *handle;   ///< what answers
-    api_cost cost;              ///< what an answer takes,
-    api_cost text_cost;         ///< or of one as JSON or CSV, if that is more
-    route_scope scope;          ///< what it is for
-    const char *formats;        ///< formats that it answers in, words of media.h, the default first
+    const char *method;       ///< "GET", ...
+    const char *path;         ///< template: "/v1/runs/{id}"
+    route_handler_fn *handle; ///< what answers
+    api_cost cost;            ///< what an answer takes,
+    api_cost text_cost;       ///< or of one as JSON or CSV, if that is more
+    route_scope scope;        ///< what it is for
+    const char *formats; ///< formats that it answers in, words of MEDIA_LIST, the default first
     const param *const *params; ///< of path, query and header, ended by NULL
     const char *id;             ///< operationId, for programs that are made from the document
     const char *tag;            ///< under which the document lists it
     const char *summary;        ///< what it does, one line
     const char *help;           ///< what a client should know beyond that
     const char *body;           ///< schema of the request's body as JSON; NULL: it has none
-    const char *body_formats;   ///< formats of the body, words of media.h; NULL: JSON only
+    const char *body_formats;   ///< formats of the body, words of MEDIA_LIST; NULL: JSON only
     const char *refusals;       ///< HTTP statuses beside ROUTES_COMMON_REFUSALS, words; NULL: none
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "api/http/media.h"
+#include "api/http/negotiation.h"
 #include "api/http/routes.h"
 #include "api/json/json_out.h"
 #include "api/json/members.h"

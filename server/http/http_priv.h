@@ -14,8 +14,8 @@
 
 #pragma once
 
-#include "api/http/coding.h"
 #include "api/http/exchange.h"
+#include "api/http/negotiation.h"
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"

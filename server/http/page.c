@@ -4,7 +4,7 @@
 
 #include "server/http/page.h"
 
-#include "api/http/precondition.h"
+#include "api/http/negotiation.h"
 #include "server/http/http_priv.h"
 #include "server/http/representation.h"
 
@@ -248,7 +248,7 @@ static bool wants_plain(http_request *r, const http_file *file)
     bool pays = http_encoding_is_text(file->type) && file->n >= HTTP_ENCODING_MIN &&
                 http__request_header(r, "Range") == NULL;
 
-    return !pays && coding_quality(accepted, CODING_IDENTITY) > 0;
+    return !pays && negotiation_coding_quality(accepted, CODING_IDENTITY) > 0;
 }
 
 // Exchanges the plain file for the encoded one beside it that the client likes best, if that is as
@@ -257,13 +257,14 @@ static coding choose_form(http_request *r, http_file *file)
 {
     static const coding offers[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
     const char *accepted = http__request_header(r, "Accept-Encoding");
-    int chosen = coding_choose(accepted, offers, CODING_COUNT);
+    int chosen = negotiation_choose_coding(accepted, offers, CODING_COUNT);
 
     if (chosen < 0 || offers[chosen] == CODING_IDENTITY || wants_plain(r, file))
         return CODING_IDENTITY;
     for (int c = chosen; c < CODING_IDENTITY; c++) {
         http_file beside;
-        if (coding_quality(accepted, offers[c]) < coding_quality(accepted, offers[chosen]) ||
+        if (negotiation_coding_quality(accepted, offers[c]) <
+                negotiation_coding_quality(accepted, offers[chosen]) ||
             !http__page_open(r->server->web_fd, r->path, offers[c], &beside))
             continue;
         (void)close(file->fd);
@@ -289,7 +290,7 @@ static void answer_file(http_request *r, http_file *file)
     if (form != CODING_IDENTITY)
         http__set_coding(&r->response, form);
     if (known != NULL &&
-        precondition_match_etag(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
+        negotiation_match_etag(known, file->etag, http__request_header(r, "Accept-Encoding"), tag))
         r->response.status = 304;
     r->file = *file;
 }

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "api/http/coding.h"
+#include "api/http/negotiation.h"
 #include "server/http/http.h"
 
 #include <stdbool.h>

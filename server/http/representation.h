@@ -10,7 +10,7 @@
 
 #pragma once
 
-#include "api/http/coding.h"
+#include "api/http/negotiation.h"
 #include "core/base/buffer.h"
 
 #include <stdbool.h>

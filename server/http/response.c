@@ -64,11 +64,12 @@ static coding choose_coding(http_request *r, bool is_text)
     bool pays = is_text && r->response.body.n >= HTTP_ENCODING_MIN;
 
     if (r->file.fd >= 0)
-        return coding_quality(accepted, CODING_IDENTITY) > 0 ? CODING_IDENTITY : CODING_COUNT;
-    if (!pays && coding_quality(accepted, CODING_IDENTITY) > 0)
+        return negotiation_coding_quality(accepted, CODING_IDENTITY) > 0 ? CODING_IDENTITY
+                                                                         : CODING_COUNT;
+    if (!pays && negotiation_coding_quality(accepted, CODING_IDENTITY) > 0)
         return CODING_IDENTITY;
     const coding *offers = pays ? any : plain_first;
-    int chosen = coding_choose(accepted, offers, CODING_COUNT);
+    int chosen = negotiation_choose_coding(accepted, offers, CODING_COUNT);
     return chosen < 0 ? CODING_COUNT : offers[chosen];
 }
 
@@ -77,10 +78,11 @@ void http__set_coding(api_response *response, coding c)
     const char *etag = api_response_find(response, "ETag");
     char tag[CODING_TAG_SIZE + 8];
 
-    api_response_header(response, "Content-Encoding", "%s", coding_word(c));
+    api_response_header(response, "Content-Encoding", "%s", negotiation_coding_word(c));
     if (etag == NULL)
         return;
-    (void)snprintf(tag, sizeof tag, "%.*s-%s\"", (int)strlen(etag) - 1, etag, coding_word(c));
+    (void)snprintf(tag, sizeof tag, "%.*s-%s\"", (int)strlen(etag) - 1, etag,
+                   negotiation_coding_word(c));
     api_response_set(response, "ETag", tag);
 }
 

@@ -3,7 +3,7 @@
 #include "api/http/routes.h"
 
 #include "api/http/exchange.h"
-#include "api/http/media.h"
+#include "api/http/negotiation.h"
 #include "api/http/query.h"
 
 #include <setjmp.h>
@@ -221,7 +221,8 @@ static void every_row_of_the_table_is_complete(void **state)
         bool has_choice = strchr(table[i].formats, ' ') != NULL;
         assert_non_null(table[i].handle);
         assert_true(strlen(table[i].summary) > 10);
-        assert_int_equal(media_choose(table[i].formats, NULL, NULL, &chosen, NULL), BF_OK);
+        assert_int_equal(negotiation_choose_media(table[i].formats, NULL, NULL, &chosen, NULL),
+                         BF_OK);
         assert_memory_equal(table[i].formats, chosen->word, strlen(chosen->word));
         assert_int_equal(has_param(&table[i], &param_format), has_choice);
         assert_int_equal(count_path_params(&table[i]), count_braces(table[i].path));
