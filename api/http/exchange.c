@@ -15,6 +15,7 @@
 #include <string.h>
 #include <strings.h>
 
+// A request for a format that does not exist will be refused, which is not work.
 api_cost api_request_cost(const api_request *request)
 {
     const route *found = routes_find(request->method, request->path, NULL);

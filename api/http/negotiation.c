@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+// A member of Accept, "type/subtype;q=0.5".
 typedef struct media_range {
     const char *type;    // not terminated
     size_t n_type;       // bytes
@@ -284,6 +285,7 @@ void negotiation_coding_tag(const char *tag, coding c, char *ret_tag)
     BF_CHECK(n >= 0 && n < CODING_TAG_SIZE);
 }
 
+// A member of If-Match or If-None-Match, `W/"abc"`.
 typedef struct entity_tag {
     const char *text; // between the quotes, not terminated
     size_t n;         // bytes
@@ -364,7 +366,7 @@ bool negotiation_allows_change(const char *if_match, const char *tag)
     return false;
 }
 
-// The end of a preference: the next comma that is not inside a quoted string.
+// The end of a preference in Prefer: the next comma that is not inside a quoted string.
 static const char *find_preference_end(const char *text)
 {
     bool is_quoted = false;
@@ -423,7 +425,7 @@ static bool is_bare(char c)
     return c > ' ' && c <= '~' && strchr("\",;\\", c) == NULL;
 }
 
-// Reads a key without quotes. Returns what follows it.
+// Reads an Idempotency-Key without quotes. Returns what follows it.
 static const char *read_bare(const char *from, char *key, size_t *n)
 {
     for (; is_bare(*from) && *n < API_KEY_SIZE; from++)
