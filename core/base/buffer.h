@@ -1,4 +1,4 @@
-/// A growing run of bytes.
+/// A growable byte buffer.
 
 #pragma once
 
@@ -10,7 +10,7 @@
 typedef struct bf_buffer {
     char *bytes;     ///< n bytes and, after any append, a terminating zero that n does not count
     size_t n;        ///< bytes in use
-    size_t capacity; ///< bytes of room
+    size_t capacity; ///< bytes allocated
 } bf_buffer;
 
 /// Append n bytes. BF_ENOMEM: the buffer is as before.
@@ -20,14 +20,14 @@ BF_MUST_CHECK bf_status buffer_append(bf_buffer *b, const void *bytes, size_t n)
 BF_MUST_CHECK bf_status buffer_printf(bf_buffer *b, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/// Make room for n more bytes and return where they start; add to b->n what was written.
+/// Reserve memory for n more bytes and return where they start; add to b->n what was written.
 /// NULL: no memory.
 char *buffer_reserve(bf_buffer *b, size_t n);
 
-/// Forget the first n bytes.
+/// Remove the first n bytes.
 void buffer_drop(bf_buffer *b, size_t n);
 
-/// Forget all but the first n bytes, n <= b->n: undoes appends.
+/// Truncate to the first n bytes, n <= b->n: undoes appends.
 void buffer_truncate(bf_buffer *b, size_t n);
 
 /// Free the bytes and zero the buffer. NULL is fine.

@@ -3,7 +3,7 @@
 ///     offset  bytes  content, little-endian
 ///     0       4      magic "BFCP"
 ///     4       4      CHECKPOINT_VERSION
-///     8       4      whose state it is, enum checkpoint_kind
+///     8       4      owner of the state, enum checkpoint_kind
 ///     12      4      0
 ///     16      8      digest of the definition that the state belongs to
 ///     24      8      n, length of the payload
@@ -22,10 +22,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Rises with every change of what any solver writes.
+/// Incremented with every change of the format of any solver's state.
 enum { CHECKPOINT_VERSION = 1 };
 
-/// Whose state a checkpoint is.
+/// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {
     CHECKPOINT_RUN = 1, ///< core/run
     CHECKPOINT_MACRO,   ///< core/macro
@@ -37,7 +37,7 @@ typedef enum checkpoint_kind {
 typedef struct checkpoint_writer {
     bf_buffer *out;  ///< what it is appended to
     size_t start;    ///< of the envelope in *out
-    bool has_failed; ///< there was no memory; further writes do nothing
+    bool has_failed; ///< an allocation failed; further writes do nothing
 } checkpoint_writer;
 
 /// A checkpoint that is being read. checkpoint_open().
@@ -53,7 +53,7 @@ void checkpoint_begin(checkpoint_writer *w, bf_buffer *out, checkpoint_kind kind
 /// Append n bytes to the payload.
 void checkpoint_write(checkpoint_writer *w, const void *bytes, size_t n);
 
-/// Replace the first n bytes of the payload, which were written before: for counts that are known late.
+/// Replace the first n bytes of the payload, which were written before: for counts that are known only at the end.
 void checkpoint_rewrite(checkpoint_writer *w, const void *bytes, size_t n);
 
 /// Complete the envelope. BF_ENOMEM: some write had no memory; the buffer is as before checkpoint_begin().

@@ -4,7 +4,7 @@
 
 #define FACTOR UINT64_C(0xc6a4a7935bd1e995)
 
-// The word is mixed before it meets the digest: otherwise its top bit could be made up for by one
+// The word is mixed before it is combined with the digest: otherwise its top bit could be cancelled by one
 // bit of the next word.
 static uint64_t add_word(uint64_t digest, uint64_t word)
 {

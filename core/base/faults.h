@@ -7,12 +7,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { FAULTS_MAX = 64 }; ///< kept per document; further ones are only counted
+enum { FAULTS_MAX = 64 }; ///< recorded per document; further ones are only counted
 
 /// Faults in the order in which they were found. Zero-initialise; owns nothing.
 typedef struct bf_faults {
     bf_error items[FAULTS_MAX]; ///< the first FAULTS_MAX of them
-    size_t n;                   ///< how many were found, kept or not
+    size_t n;                   ///< how many were found, recorded or not
 } bf_faults;
 
 /// Note a fault of the document (BF_EINPUT) at pointer.
@@ -23,10 +23,10 @@ void faults_add(bf_faults *faults, const char *pointer, const char *format, ...)
 void faults_add_limit(bf_faults *faults, const char *pointer, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/// Note a failure as it was reported, whatever its code.
+/// Add a failure as it was reported, with any code.
 void faults_add_error(bf_faults *faults, const bf_error *err);
 
-/// How many are kept: the smaller of n and FAULTS_MAX.
+/// How many are recorded: the smaller of n and FAULTS_MAX.
 size_t faults_kept(const bf_faults *faults);
 
 /// BF_OK if there are none; else the first one, copied to *err (NULL is fine), and its code.

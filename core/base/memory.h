@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /// Zeroed room for n items of size bytes, aligned to 64 bytes (a cache line, an AVX-512 register).
-/// NULL when there is none, when n * size overflows, or when a planned fault strikes. n = 0 gives a
+/// NULL when there is none, when n * size overflows, or when an allocation fault was planned for it. n = 0 gives a
 /// valid pointer. Free with memory_free().
 void *memory_alloc(size_t n, size_t size);
 
@@ -17,10 +17,10 @@ void *memory_alloc(size_t n, size_t size);
 /// items points to the caller's array pointer, of any object type.
 int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
 
-/// Free what memory_alloc() or memory_reserve() gave; NULL is fine.
+/// Free memory of memory_alloc() or memory_reserve(); NULL is fine.
 void memory_free(void *block);
 
-/// n bytes as malloc() gives them, NULL too when a planned fault strikes; for libraries that ask for
+/// n bytes as by malloc(), also NULL when a fault was planned; for libraries that accept
 /// an allocator. Free with free().
 void *memory_alloc_plain(size_t n);
 

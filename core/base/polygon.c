@@ -30,9 +30,9 @@ static bool are_bounds_apart(double a0, double a1, double b0, double b1, double 
     return fmax(a0, a1) + tolerance < fmin(b0, b1) || fmax(b0, b1) + tolerance < fmin(a0, a1);
 }
 
-// A crossing whose ends all keep away from the other segment has them clearly on both sides of its
-// line; sides too near to tell belong to ends beyond the other segment, and then an end of that one
-// is near if the two meet at all.
+// Where all ends are farther than the tolerance from the other segment, crossing segments have their ends
+// clearly on both sides of each other's line. An end whose side rounding leaves undecided lies beyond the other
+// segment; then an end of that segment is near if the two cross at all.
 bool polygon_segments_touch(vec2 a_start, vec2 a_end, vec2 b_start, vec2 b_end, double tolerance)
 {
     if (are_bounds_apart(a_start.x, a_end.x, b_start.x, b_end.x, tolerance) ||

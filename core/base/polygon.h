@@ -12,8 +12,8 @@
 /// Distance from a point to the segment from start to end.
 double polygon_segment_distance(vec2 at, vec2 start, vec2 end);
 
-/// True if the segments a and b cross or come as near as tolerance. Never wrongly false: what
-/// rounding leaves open counts as touching.
+/// True if the segments a and b cross or come as near as tolerance. Conservative: cases
+/// that rounding leaves undecided count as touching.
 bool polygon_segments_touch(vec2 a_start, vec2 a_end, vec2 b_start, vec2 b_end, double tolerance);
 
 /// True if the point lies in the polygon or within tolerance of its border.
@@ -22,7 +22,7 @@ bool polygon_holds(const vec2 *polygon, size_t n, vec2 at, double tolerance);
 /// Signed area, positive for counter-clockwise corners, m2.
 double polygon_area(const vec2 *polygon, size_t n);
 
-/// True if no two sides of the polygon cross or touch, and none has no length.
+/// True if no two sides of the polygon cross or touch, and all have a positive length.
 bool polygon_is_simple(const vec2 *polygon, size_t n, double tolerance);
 
 /// True if every corner lies left of every side, or as near as tolerance to it: the polygon is
@@ -39,5 +39,5 @@ bool polygon_overlaps_disk(vec2 centre, double radius, const vec2 *polygon, size
                            double tolerance);
 
 /// True if two convex counter-clockwise polygons overlap by more than tolerance: no side of either
-/// has the other one beyond it (separating axes).
+/// separates them (separating axis theorem).
 bool polygon_overlaps(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, double tolerance);

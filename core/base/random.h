@@ -1,5 +1,5 @@
-/// Random numbers that are the same on every machine: xoshiro256** (Blackman and Vigna 2018),
-/// seeded through splitmix64 as its authors advise. Not for secrets.
+/// A random generator with the same sequence on every machine: xoshiro256** (Blackman and Vigna 2018),
+/// seeded through splitmix64 as its authors advise. Not cryptographic.
 
 #pragma once
 

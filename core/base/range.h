@@ -1,4 +1,4 @@
-/// Ranges of numbers: one value that a check enforces and that documents state.
+/// Valid ranges of numbers: one definition that checks enforce and documents state.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-/// Doubles that move together: a register of the instruction set that the compiler may use.
+/// SIMD: a register of doubles of the instruction set that the compiler may use.
 ///
 /// Every operation acts on each lane alone and is exact or correctly rounded, so a kernel written
 /// with lanes gives the same bits on every processor, whatever their number. Kernels are compiled

@@ -4,7 +4,7 @@
 
 #include "core/base/simd.h"
 
-/// What a comparison of lanes gives: all bits of a lane, or none.
+/// The result of a comparison: all bits of a lane set, or none.
 typedef long long simd_bits __attribute__((vector_size(sizeof(simd))));
 
 /// x in lanes where a < b, else 0.

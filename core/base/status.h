@@ -1,8 +1,8 @@
 /// Status codes and the error record that everything in Beltflow reports failures with.
 ///
-/// A function that can fail returns bf_status and fills a caller-owned bf_error (NULL: not wanted)
+/// A function that can fail returns bf_status and fills a caller-owned bf_error (NULL: not required)
 /// at the place where the failure is known; the record is then passed up unchanged. Outputs are
-/// named ret_... and stay untouched on failure. Our own mistakes are not errors: see check.h.
+/// named ret_... and stay untouched on failure. Programming errors are asserted instead: see check.h.
 
 #pragma once
 
@@ -17,9 +17,9 @@
     X(BF_ENUMERIC, "numeric")     /* a value became non-finite; the text gives step and place */   \
     X(BF_ECORRUPT, "corrupt")     /* stored or transported bytes are damaged */                    \
     X(BF_ESYSTEM, "system")       /* the operating system refused */                               \
-    X(BF_ENOTFOUND, "not-found")  /* the thing that was asked for does not exist */                \
+    X(BF_ENOTFOUND, "not-found")  /* the requested item does not exist */                          \
     X(BF_ECONFLICT, "conflict")   /* the request does not fit the present state */                 \
-    X(BF_EBUSY, "busy")           /* full at the moment; trying again later can help */
+    X(BF_EBUSY, "busy")           /* full at the moment; a later attempt may succeed */
 
 typedef enum bf_status {
 #define X(code, word) code,
@@ -37,7 +37,7 @@ enum {
 typedef struct bf_error {
     bf_status code;                ///< same as the returned status
     char pointer[BF_POINTER_SIZE]; ///< JSON pointer of the place at fault; "" is the whole document
-    char text[BF_TEXT_SIZE];       ///< one sentence for a person, no full stop
+    char text[BF_TEXT_SIZE];       ///< one sentence in English, no full stop
 } bf_error;
 
 /// Mark a function whose status must be looked at.
@@ -47,6 +47,6 @@ typedef struct bf_error {
 const char *bf_status_word(bf_status code);
 
 /// Fill *err (NULL is fine) and return code, so that a failing function ends with
-/// `return bf_fail(err, BF_ELIMIT, "/macro/cell_m", "...")`. Too long a text is cut.
+/// `return bf_fail(err, BF_ELIMIT, "/macro/cell_m", "...")`. A text that is too long is truncated.
 bf_status bf_fail(bf_error *err, bf_status code, const char *pointer, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

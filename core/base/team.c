@@ -22,13 +22,13 @@ struct team_barrier {
     _Alignas(64) atomic_uint round;
 };
 
-/// What a worker is doing. It leaves BUSY and AWAITED by itself, the caller leaves IDLE and ASLEEP.
+/// The state of a worker. The worker itself leaves BUSY and AWAITED, the caller leaves IDLE and ASLEEP.
 enum { IDLE, ASLEEP, BUSY, AWAITED };
 
 /// A thread of the process's set. The call that took it writes the work and then BUSY to `state`.
 typedef struct worker {
-    _Alignas(64)
-        atomic_uint state; ///< also the futex of whoever sleeps: ASLEEP worker, AWAITED caller
+    _Alignas(64) atomic_uint
+        state; ///< also the futex of the sleeper: the worker when ASLEEP, the caller when AWAITED
     struct worker *next;   ///< in the list of idle workers, or of the call that took it
     team_member *body;     ///< the work
     void *context;         ///< of the work
@@ -38,7 +38,7 @@ typedef struct worker {
 
 static struct {
     pthread_mutex_t lock; ///< of all members but `workers`
-    worker *idle;         ///< the last returned first, so that a solver gets the same threads again
+    worker *idle;         ///< last in, first out, so that a solver gets the same threads again
     int n_started;
     worker workers[WORKERS_MAX];
 } set = { .lock = PTHREAD_MUTEX_INITIALIZER };

@@ -3,7 +3,7 @@
 /// One set of worker threads serves the whole process: a call takes idle workers, starts those that are
 /// missing, and returns them when it ends. So solvers that follow one another or work at the same time do
 /// not start threads again and again, and a process never has more threads than are at work at once. Calls
-/// may come from any thread, also from inside another call. Workers that have nothing to do spin for about
+/// may come from any thread, also from inside another call. Idle workers spin for about
 /// a millisecond, then sleep; they block all signals and end with the process.
 
 #pragma once
@@ -35,7 +35,7 @@ typedef void team_member(void *context, int member, int n_members, team_barrier 
 /// system refuses threads.
 void team_run(int n_threads, team_member *body, void *context);
 
-/// Wait until all members of the team have come here. What they wrote before is seen by all after it.
+/// Barrier: wait until all members of the team have called it. Their earlier writes are visible to all afterwards.
 /// Takes well below a microsecond where every member has a processor of its own.
 void team_barrier_wait(team_barrier *barrier);
 

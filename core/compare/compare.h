@@ -1,4 +1,4 @@
-/// How far outflow curves are apart, and densities on the same grid.
+/// Measures of the difference of outflow curves, and of densities on the same grid.
 ///
 /// Curve       Between samples it is linear; where two curves have different times, both are read
 ///             on the union of their times within the common interval. Integrals are exact for such
@@ -8,7 +8,7 @@
 ///                 0.8 |U(t1) - U(t0)| / (t90 - t10),   parts/s,
 ///
 ///             t10 and t90 being the first times at which the curve has gone 10 % and 90 % of the
-///             way from U(t0) to U(t1): the ramp at the start and the last stragglers do not count.
+///             way from U(t0) to U(t1): the ramp at the start and the slow tail at the end are excluded.
 /// Gaps        of figures are b minus a.
 
 #pragma once
@@ -66,7 +66,7 @@ BF_MUST_CHECK bf_status compare_figures_of(const compare_curve *curve, compare_f
 BF_MUST_CHECK bf_status compare_curves(const compare_curve *a, const compare_curve *b,
                                        compare_measures *ret_measures, bf_error *err);
 
-/// How far two densities are apart.
+/// The difference of two densities.
 typedef struct compare_distance {
     double mean_abs; ///< mean |a - b| over the cells
     double l1; ///< sum |a - b| / sum (|a| + |b|): 0 the same, 1 nothing in common; NAN: both empty
@@ -77,9 +77,9 @@ typedef struct compare_distance {
 /// Compare two densities on the same grid, cell (i, j) at j * n1 + i.
 ///
 /// The earth mover's distance is the integral of |F_a - F_b| along an axis, F the fraction of the mass
-/// up to there, with the density constant within a cell: how far the cargo of the one would have to
-/// be carried along this axis to lie as that of the other. Each density counts by its own mass, so
-/// that unequal masses are not seen by it; they are by l1. BF_ENOMEM.
+/// up to there, with the density constant within a cell: the mean distance by which the cargo of the one would have to
+/// be moved along this axis to have the distribution of the other. Each density is normalised by its own mass,
+/// so that unequal masses have no effect on it; l1 measures them. BF_ENOMEM.
 BF_MUST_CHECK bf_status compare_densities(const bf_grid *grid, const float *a, const float *b,
                                           compare_distance *ret_distance, bf_error *err);
 
@@ -87,7 +87,7 @@ BF_MUST_CHECK bf_status compare_densities(const bf_grid *grid, const float *a, c
 /// compared.
 bool compare_is_same_grid(const bf_grid *a, const bf_grid *b);
 
-/// Rising times, s, that stand in an array of other things. Borrowed.
+/// Rising times, s, that are members of the items of an array. Borrowed.
 typedef struct compare_times {
     size_t n;          ///< times
     const void *first; ///< the first one, a double

@@ -1,4 +1,4 @@
-/// What gjk.c and gjk_epa.c weight: points of the Minkowski difference a - b.
+/// Points and simplices of the Minkowski difference a - b, used by gjk.c and epa.c.
 
 #pragma once
 
@@ -24,7 +24,7 @@ minkowski__point minkowski__support(const gjk_pair *pair, vec3 d);
 /// Size of the difference, m: rounding is measured by it.
 double minkowski__size(const gjk_pair *pair);
 
-/// The touch at the mix of n points of the difference.
+/// The contact at the weighted mean of n points of the difference.
 gjk_result minkowski__witnesses(const gjk_pair *pair, const minkowski__point *points,
                                 const double *weights, int n);
 

@@ -1,5 +1,5 @@
 // A polytope of triangles inside a - b grows at the side that is nearest to the origin, until that
-// side lies on the border of a - b: the way out is then the shortest.
+// side lies on the border of a - b: its distance is then the depth.
 
 #include "core/convex/convex_priv.h"
 
@@ -25,7 +25,7 @@ typedef struct polytope {
     int n_points, n_sides, n_rim;
     minkowski__point point[POINTS_MAX];
     side sides[FACES_MAX];
-    int rim_side[FACES_MAX], rim_edge[FACES_MAX]; // what new sides will stand on, in order
+    int rim_side[FACES_MAX], rim_edge[FACES_MAX]; // the horizon: the edges of new sides, in order
 } polytope;
 
 static void set_plane(polytope *p, side *s)
@@ -48,8 +48,8 @@ static bool is_seen(const side *s, vec3 from, double margin)
     return s->distance != DBL_MAX && vec3_dot(s->normal, from) - s->distance > margin;
 }
 
-/// Drop the sides that are seen from a point, from the one that is entered over an edge on, and
-/// note the edges around them in order.
+/// Remove the sides that are visible from a point, starting from the one that is entered over an edge, and
+/// record the edges around them (the horizon) in order.
 static void drop_seen(polytope *p, int at, int entered, vec3 from, double margin)
 {
     side *s = &p->sides[at];
@@ -70,7 +70,7 @@ static void drop_seen(polytope *p, int at, int entered, vec3 from, double margin
     }
 }
 
-/// True if the rim is one closed way.
+/// True if the horizon is one closed path.
 static bool is_closed(const polytope *p)
 {
     for (int k = 0; k < p->n_rim; k++) {
@@ -82,7 +82,7 @@ static bool is_closed(const polytope *p)
     return p->n_rim >= 3;
 }
 
-/// Stand new sides on the rim, with their tip in the last point.
+/// Add new sides from the edges of the horizon to the last point.
 static void close_up(polytope *p)
 {
     int first = p->n_sides, n = p->n_rim;
@@ -105,7 +105,7 @@ static void close_up(polytope *p)
     p->n_sides += n;
 }
 
-/// Add a point beyond a side. Returns false if there is no room, or rounding spoils the rim; the
+/// Add a point beyond a side. Returns false if there is no memory, or rounding makes the horizon invalid; the
 /// sides are then as good as they were.
 static bool grow(polytope *p, int at, minkowski__point point)
 {
@@ -164,7 +164,7 @@ static int list_directions(const polytope *p, vec3 *ret_directions)
     return 6;
 }
 
-/// How far a point stands out of the simplex of the points so far: off the point, the line, the
+/// Distance of a point from the affine hull of the points so far: a point, a line or a
 /// plane.
 static double measure_off(const polytope *p, vec3 at)
 {
@@ -250,8 +250,8 @@ static double find_weights(const polytope *p, const side *s, vec3 at, double *re
     return fmin(ret_weights[0], fmin(ret_weights[1], ret_weights[2]));
 }
 
-/// The touch at the foot of the origin on a side. A face of the difference may be several sides in
-/// one plane: the witnesses are those of the one that has the foot in it.
+/// The contact at the projection of the origin on a side. A face of the difference may be several sides in
+/// one plane: the witnesses are those of the one that contains the projection.
 static gjk_result touch_at(const polytope *p, const side *best)
 {
     vec3 foot = vec3_scale(best->normal, best->distance);
@@ -276,7 +276,7 @@ static gjk_result touch_at(const polytope *p, const side *best)
     return touch;
 }
 
-/// Points and lines that touch: no depth, and any direction at right angles to them is as good.
+/// Points and lines that touch: depth 0; any direction at right angles to them is a valid normal.
 static gjk_result touch_flat(const polytope *p, vec3 axis)
 {
     double length = vec3_length(axis);

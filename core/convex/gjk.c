@@ -1,6 +1,5 @@
-// The simplex of at most four points of a - b that is nearest to the origin walks towards it. Each
-// round adds the farthest point towards the origin and keeps the corners that the nearest point
-// needs.
+// A simplex of at most four points of a - b moves towards the origin. Each iteration adds the farthest point
+// towards the origin and retains the corners that the nearest point depends on.
 
 #include "core/convex/gjk.h"
 
@@ -25,7 +24,7 @@ gjk_pair gjk_pair_of(const hull *a, vec3 x_a, const mat3 *r_a, const hull *b, ve
     return (gjk_pair){ a, b, mat3_between(r_a, r_b), mat3_apply_back(r_a, vec3_sub(x_b, x_a)) };
 }
 
-/// Keep only corner i, corners i and j, or i, j and k, with their weights.
+/// Reduce to corner i, corners i and j, or i, j and k, with their weights.
 static void select_one(gjk__simplex *s, int i)
 {
     *s = (gjk__simplex){ 1, { s->point[i] }, { 1.0 } };
@@ -97,7 +96,7 @@ static vec3 nearest_point(const gjk__simplex *s)
         at = vec3_along(at, s->weight[k], s->point[k].at);
     if (s->n != 3)
         return at;
-    // The foot of the origin on the plane has less rounding than the sum.
+    // The projection of the origin on the plane has less rounding error than the sum.
     vec3 a = s->point[0].at;
     vec3 normal = vec3_cross(vec3_sub(s->point[1].at, a), vec3_sub(s->point[2].at, a));
     return vec3_scale(normal, vec3_dot(normal, a) / vec3_dot(normal, normal));
@@ -158,9 +157,9 @@ static bool has_point(const gjk__simplex *s, const minkowski__point *p)
     return false;
 }
 
-/// Walk from direction *axis. If the hulls are apart *axis is left as the direction of the last
-/// round, and *ret_gap as how far they are apart along it; hurried ends with any such direction
-/// instead of the best one.
+/// Search from direction *axis. If the hulls are apart *axis is set to the direction of the last
+/// iteration, and *ret_gap to their distance along it; with `hurried` the search ends at any separating
+/// direction instead of the one of the largest gap.
 static outcome search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simplex *ret_simplex,
                       double *ret_gap)
 {
@@ -172,7 +171,7 @@ static outcome search(const gjk_pair *pair, bool hurried, vec3 *axis, gjk__simpl
         minkowski__point p = minkowski__support(pair, *axis);
         double beyond = vec3_dot(p.at, *axis), length = vec3_length(*axis);
         *ret_gap = -beyond / length;
-        // With *axis = -v: v.v - v.p is what the round can gain, times |v|.
+        // With *axis = -v: v.v - v.p is the largest possible gain of the iteration, times |v|.
         if ((hurried && beyond < 0.0) ||
             (round > 0 &&
              (has_point(&s, &p) || length * length + beyond <= ROUNDING * size * length)))

@@ -1,5 +1,5 @@
-/// How far two convex hulls are apart, by Gilbert, Johnson and Keerthi's algorithm, or how deep
-/// they are in each other, by the expanding polytope on their Minkowski difference.
+/// The distance of two convex hulls, by Gilbert, Johnson and Keerthi's algorithm, or the depth of
+/// their penetration, by the expanding polytope on their Minkowski difference.
 ///
 /// All vectors are in the frame of hull a. The normal is the unit vector from a to b: the shortest
 /// move of b that brings them just into touch is (depth) * normal. Both algorithms end after
@@ -20,13 +20,13 @@ typedef struct gjk_pair {
     vec3 translation; ///< origin of b in a's frame, m
 } gjk_pair;
 
-/// What was found.
+/// The result.
 typedef struct gjk_result {
     double distance; ///< m; below 0: minus the depth of penetration
     vec3 normal;     ///< see above
     vec3 on_a;      ///< witnesses: the points of a and b that are nearest to each other, or deepest
     vec3 on_b;      ///< inside each other
-    int n_vertices; ///< 1 to 3: they mix these vertices
+    int n_vertices; ///< 1 to 3: they are weighted means of these vertices
     uint8_t of_a[3]; ///< numbers of vertices of a
     uint8_t of_b[3]; ///< same of b
 } gjk_result;

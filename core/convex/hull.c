@@ -37,7 +37,7 @@ static double measure_extent(const hull *h)
     return fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
 }
 
-/// Plane of the face that was added last, by Newell's sum, which no short side spoils.
+/// Plane of the face that was added last, by Newell's sum, which is accurate with short sides.
 static void set_plane(hull *h, size_t face)
 {
     size_t first = h->first[face], last = h->first[face + 1];
@@ -97,7 +97,7 @@ static void find_fans(hull *h)
     h->around[h->n_vertices] = n;
 }
 
-/// Note every edge once, and the faces around every vertex. Returns false if the faces do not close
+/// Record every edge once, and the faces around every vertex. Returns false if the faces do not close
 /// up.
 static bool find_edges(hull *h)
 {
@@ -166,7 +166,7 @@ static bool is_between(const hull *h, size_t k, double tolerance)
     return false;
 }
 
-/// Keep the vertices that are marked.
+/// Remove the vertices that are not marked.
 static void compact_vertices(hull *h, const bool *is_kept)
 {
     double kept[HULL_VERTICES_MAX][3];
@@ -259,7 +259,7 @@ static bool find_faces(hull *h, double tolerance)
     return h->n_faces >= 4;
 }
 
-/// Drop the vertices that are corners of no face, and give the rest their new numbers.
+/// Remove the vertices that are corners of no face, and renumber the others.
 static void drop_inner(hull *h)
 {
     static const size_t nowhere = HULL_VERTICES_MAX;

@@ -1,5 +1,5 @@
-/// Convex bodies as hulls of points: faces, edges, the farthest point in a direction, and what a
-/// uniform filling weighs: volume, centre of mass, tensor of inertia and principal axes.
+/// Convex bodies as hulls of points: faces, edges, the farthest point in a direction, and the mass
+/// properties of a uniform body: volume, centre of mass, tensor of inertia and principal axes.
 ///
 /// Units    m; inertia is per mass, m2.
 /// Layout   corners of a face run counter-clockwise as seen from outside; those of face f are
@@ -25,7 +25,7 @@ enum {
     HULL_CYLINDER_SIDES = 32,                   ///< the polygon that stands for a circle
 };
 
-/// Where two faces meet.
+/// An edge between two faces.
 typedef struct hull_edge {
     uint8_t from;  ///< vertex
     uint8_t to;    ///< vertex
@@ -52,7 +52,7 @@ typedef struct hull {
     double radius;                            ///< of the ball around the origin that holds it
 } hull;
 
-/// What a uniform body of mass 1 in the shape of a hull is like.
+/// Mass properties of a uniform body of mass 1 in the shape of a hull.
 typedef struct hull_mass {
     double volume; ///< m3
     vec3 centre;   ///< of mass, m
@@ -69,7 +69,7 @@ static inline vec3 hull_vertex(const hull *h, size_t k)
 void hull_set_points(const double (*points)[3], size_t n, hull *ret_hull);
 
 /// The convex hull of 4 to HULL_POINTS_MAX points; those inside it, or inside a face or an edge,
-/// are dropped. BF_EINPUT: they enclose no volume, or so little that faces cannot be told apart.
+/// are dropped. BF_EINPUT: they enclose no volume, or so little that faces cannot be distinguished.
 BF_MUST_CHECK bf_status hull_from_points(const double (*points)[3], size_t n, hull *ret_hull,
                                          bf_error *err);
 
@@ -94,5 +94,5 @@ void hull_move(hull *h, vec3 centre, const mat3 *axes);
 /// A vertex that is farthest in direction d, the first one of several.
 size_t hull_support(const hull *h, vec3 d);
 
-/// Of the faces around a vertex the one that looks most into direction d.
+/// Of the faces around a vertex the one whose normal is nearest to direction d.
 size_t hull_facing(const hull *h, size_t vertex, vec3 d);

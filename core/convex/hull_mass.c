@@ -1,4 +1,4 @@
-// What a hull weighs: integrals over tetrahedra from one of its vertices to its faces.
+// Mass properties of a hull: integrals over tetrahedra from one of its vertices to its faces.
 
 #include "core/convex/hull.h"
 

@@ -9,14 +9,14 @@
 /// Sine of the angle below which edges are parallel and span no plane.
 #define PARALLEL 1e-6
 
-/// What is deepest in the region may lie this weight of the depth above the deepest vertex, which
-/// may reach over the side of the reference.
+/// The deepest point of the region may lie this fraction of the depth above the deepest vertex, which
+/// may extend over the side of the reference.
 #define OVERHANG 0.02
 
-/// Of what counts as near: what was cut off there is not coming any more.
+/// Fraction of `near`: what was clipped off at that distance cannot come into contact any more.
 #define COMING 0.999
 
-/// Share of crossing edges.
+/// Weight of crossing edges.
 #define CROSSING 0.25
 
 /// A polygon.
@@ -25,7 +25,7 @@ typedef struct ring {
     vec3 at[MANIFOLD_POINTS_MAX];
 } ring;
 
-/// Cut away what lies beyond the plane: keep inward . p >= offset.
+/// Clip by a plane: the part with inward . p >= offset remains.
 static void clip(ring *polygon, vec3 inward, double offset)
 {
     double height[MANIFOLD_POINTS_MAX];
@@ -113,7 +113,7 @@ static void add_coming(ring *polygon, vec3 normal, double offset, double near, m
             m->point[m->n++] = points[k];
 }
 
-/// Points and weights of what of the polygon is below a plane, and of what comes near it.
+/// Points and weights of the part of the polygon that is below a plane, and of the part near it.
 static void take_points(ring *polygon, vec3 normal, double offset, double near, manifold *m)
 {
     m->n = 0;
@@ -130,7 +130,7 @@ static void take_points(ring *polygon, vec3 normal, double offset, double near, 
         add_coming(polygon, normal, offset, near, m);
 }
 
-/// True if what is deepest in the region is about as deep as the hull.
+/// True if the deepest point of the region is about as deep as that of the hull.
 static bool is_deepest(const manifold *m, double near)
 {
     double deepest = m->depth > 0.0 ? 0.0 : -HUGE_VAL;
@@ -244,7 +244,7 @@ void manifold_from_result(const gjk_result *touch, manifold *ret_manifold)
                                                -touch->distance, CROSSING };
 }
 
-/// The face that looks most into direction d.
+/// The face whose normal is nearest to direction d.
 static size_t find_facing(const hull *h, vec3 d, double *ret_facing)
 {
     size_t found = 0;

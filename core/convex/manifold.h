@@ -1,16 +1,16 @@
-/// The region where two convex hulls press on each other: a polygon, a line or a point, as contact
+/// The contact region of two convex hulls: a polygon, a line or a point, as contact
 /// points with depths and weights.
 ///
-/// A face that carries the least depth of penetration (gjk.h) is the reference. The face of the
-/// other hull that looks most against it is clipped by the planes through the reference's sides and
+/// The face with the least depth of penetration (gjk.h) is the reference. The face of the
+/// other hull whose normal is most opposed to it is clipped by the planes through the reference's sides and
 /// by its own plane; what is left are the contact points, so that a box rests on a box on up to
 /// eight of them. Where two edges cross there is one point.
 ///
-/// Weights   what part of stiffness and dashpot of the contact acts in a point: half the two sides
+/// Weights   the fraction of stiffness and dashpot of the contact that acts in a point: half the two sides
 ///          of the polygon that meet there, divided by its outline. They sum to 1, however many
 ///          points there are and however close some are together, and change smoothly as the bodies
 ///          move. A flat contact thus has stiffness k, an edge that lies in a face k/2, as half of
-///          its outline is in depth 0, a corner k/4 to 0.3 k; crossing edges are given k/4.
+///          its outline is in depth 0, a corner k/4 to 0.3 k; crossing edges have k/4.
 /// Near     where hulls are apart, but by less than a distance `near`, the corners of the face that
 ///          are above the reference by less than that are points too, of depth <= 0: they may come
 ///          into touch. They follow those that are below, as if nothing were below; near = 0: none.
@@ -21,7 +21,7 @@
 
 enum { MANIFOLD_POINTS_MAX = 2 * HULL_POINTS_MAX + 2 }; ///< two faces clipped, and once more
 
-/// What carries the least depth.
+/// The kind of feature with the least depth.
 typedef enum manifold_kind {
     MANIFOLD_NONE,   ///< nothing known
     MANIFOLD_FACE_A, ///< a face of a

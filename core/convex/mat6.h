@@ -6,7 +6,7 @@
 
 /// A symmetric matrix by its rows.
 typedef struct mat6 {
-    double row[6][6]; ///< row[i][j] for j <= i; the rest is of no account
+    double row[6][6]; ///< row[i][j] for j <= i; the others are unused
 } mat6;
 
 /// m += weight a a^T.

@@ -1,4 +1,4 @@
-/// Blocks of cells of a row, and sets of them, so that work can be left out where it would be exactly nothing.
+/// Blocks of cells of a row, and sets of them, so that work can be skipped where its result is exactly zero.
 ///
 /// A set is an array of bits: block b, -1 <= b < n_blocks, is bit b + 1.
 
@@ -44,14 +44,14 @@ static inline bool block_set_has(const uint64_t *set, ptrdiff_t b)
     return (set[(b + 1) / 64] >> ((b + 1) % 64) & 1) != 0;
 }
 
-/// Take all blocks out.
+/// Remove all blocks.
 static inline void block_set_clear(uint64_t *set, size_t n_words)
 {
     for (size_t w = 0; w < n_words; w++)
         set[w] = 0;
 }
 
-/// True if nothing is in the set.
+/// True if the set is empty.
 static inline bool block_set_is_empty(const uint64_t *set, size_t n_words)
 {
     uint64_t any = 0;
@@ -114,20 +114,20 @@ static inline int block_set_count(const uint64_t *set, size_t n_words)
     return n;
 }
 
-/// What is found out about blocks that integral a word of a set.
+/// Marks of the blocks of one word of a set, as they are found.
 typedef struct block_marks {
-    uint64_t bit;   ///< of the block at hand
+    uint64_t bit;   ///< of the current block
     uint64_t any;   ///< blocks with a cell rho >= 1
     uint64_t first; ///< blocks whose first cell is one
 } block_marks;
 
-/// No marks yet; block b comes first.
+/// No marks yet; block b is the first one.
 static inline block_marks block_marks_from(ptrdiff_t b)
 {
     return (block_marks){ UINT64_C(1) << (b + 1) % 64, 0, 0 };
 }
 
-/// Adds what is known of the block at hand (bit k: cell k is saturated) and moves on to the next.
+/// Add the marks of the current block (bit k: cell k is saturated) and advance to the next.
 static inline block_marks block_marks_add(block_marks m, unsigned saturated_cells)
 {
     m.any |= saturated_cells != 0 ? m.bit : 0;
@@ -136,7 +136,7 @@ static inline block_marks block_marks_add(block_marks m, unsigned saturated_cell
     return m;
 }
 
-/// Puts the marks of the blocks from low to high, which integral a word, into the sets.
+/// Store the marks of the blocks from low to high, which are in one word, in the sets.
 static inline void block_marks_put(block_marks m, ptrdiff_t low, ptrdiff_t high,
                                    uint64_t *saturated, uint64_t *saturated_first)
 {
@@ -147,7 +147,7 @@ static inline void block_marks_put(block_marks m, ptrdiff_t low, ptrdiff_t high,
     saturated_first[w] = (saturated_first[w] & ~range) | m.first;
 }
 
-/// The end of the blocks from low on that integral a word of a set.
+/// The end of the blocks from low on that are in one word of a set.
 static inline ptrdiff_t block_set_end_of_word(ptrdiff_t low, ptrdiff_t b_max)
 {
     const ptrdiff_t end = (low + 1) / 64 * 64 + 63;

@@ -1,9 +1,9 @@
-// The dispersion velocity I of (10) where it is wanted, by the sums of convolution.h: the x1 part in a ring of
+// The dispersion velocity I of (10) where it is needed, by the sums of convolution.h: the x1 part in a ring of
 // rows, then the x2 part and the root.
 //
-// What a step will want is nearly known before it: I at the faces whose cells are active in `now`. So
-// the x1 part of a row is made once, for all rows that will read it, when the row enters the ring. A
-// cell that becomes active only by the x1 sweep is the exception, and its blocks are made when it is found.
+// Most of what a step needs is known before it: I at the faces whose cells are active in `now`. So
+// the x1 part of a row is computed once, for all rows that will read it, when the row enters the ring. The
+// exception are cells that become active by the x1 sweep; their blocks are computed when they are found.
 
 #include "core/macro/convolution.h"
 #include "core/macro/macro_priv.h"
@@ -17,7 +17,7 @@ static macro_ring_row *ring_place(const macro_band *band, ptrdiff_t r)
     return &band->ring[r & (band->solver->n_ring - 1)];
 }
 
-// Makes the x1 part of row r for the blocks of wanted that are not done.
+// Computes the x1 part of row r for the blocks of wanted that are missing.
 static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
 {
     const macro_solver *s = band->solver;
@@ -35,7 +35,7 @@ static void convolve_row(macro_band *band, ptrdiff_t r, const uint64_t *wanted)
                              place->gradient1, place->integral1);
 }
 
-// Lets the rows up to r enter the ring, each with the blocks that the rows within reach expect.
+// Lets the rows up to r enter the ring, each with the blocks that the rows within S of it expect.
 static void fill_ring(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
@@ -58,7 +58,7 @@ static ptrdiff_t seen_row(const macro_solver *s, ptrdiff_t r)
     return is_mirror && mirrored >= 0 && mirrored < s->n2 ? mirrored : NO_ROW;
 }
 
-// Makes near from expected: the union over windows of 2 S + 1 rows, in windows that double in length.
+// Computes near from expected: the union over windows of 2 S + 1 rows, in windows that double in length.
 static void spread_expected(macro_band *band, ptrdiff_t first, ptrdiff_t last)
 {
     const macro_solver *s = band->solver;
@@ -125,7 +125,7 @@ static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff
         }
 }
 
-// Makes the x1 part of all rows that row r reads for the missing blocks that were not expected.
+// Computes the x1 part of all rows that row r reads for the missing blocks that were not expected.
 static void make_unexpected(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;

@@ -5,7 +5,7 @@
 ///     I1 = D1 s,  I2 = D2 s,  s = -eps / sqrt(1 + D1^2 + D2^2)
 ///
 /// For the files that are compiled once per instruction set (core/CMakeLists.txt), so that the loops are
-/// inlined there with the registers at hand; all builds give the same bits (core/base/simd.h). A row pointer
+/// inlined there with the registers of that set; all builds give the same bits (core/base/simd.h). A row pointer
 /// is the address of its cell 0, aligned to 64 bytes; rows have room on both sides (macro_priv.h). Block b
 /// is cells 8 b .. 8 b + 7 and, for faces, the faces i + 1/2 east (or north) of those cells; b may be -1.
 /// Ranges are b_min <= b < b_max.
@@ -18,7 +18,7 @@
 
 #include <stddef.h>
 
-enum { CONVOLUTION_UNROLL = 4 }; ///< registers that integral one load of a weight
+enum { CONVOLUTION_UNROLL = 4 }; ///< registers that are updated per load of a weight
 
 /// The sums of n neighbouring registers; a constant n unrolls.
 static inline __attribute__((always_inline)) void convolve_registers(

@@ -1,4 +1,4 @@
-// The static velocity and the closed faces, sorted by what a sweep has to do with them.
+// The static velocity and the closed faces, sorted into the sets that a sweep treats differently.
 
 #include "core/base/memory.h"
 #include "core/macro/macro_priv.h"

@@ -4,7 +4,7 @@
 ///     dynamic  I >= 0 ? rho_i H(rho_i - 1) I : rho_{i+1} H(rho_{i+1} - 1) I
 ///
 /// For the files that are compiled once per instruction set (core/CMakeLists.txt), so that the loops are
-/// inlined there with the registers at hand; all builds give the same bits (core/base/simd.h). A row pointer
+/// inlined there with the registers of that set; all builds give the same bits (core/base/simd.h). A row pointer
 /// is the address of its cell 0, aligned to 64 bytes; rows have room on both sides (macro_priv.h). Block b
 /// is cells 8 b .. 8 b + 7 and, for faces, the faces i + 1/2 east (or north) of those cells; b may be -1.
 /// Ranges are b_min <= b < b_max.

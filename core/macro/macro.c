@@ -127,7 +127,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n_bands = def->n_threads < s->n2 ? def->n_threads : (int)s->n2;
 }
 
-// Hands out rows and sets, one after the other.
+// Allocates rows and sets from the storage of a band, one after the other.
 typedef struct partition {
     const macro_solver *solver;
     double *rows;

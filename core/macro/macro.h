@@ -13,7 +13,7 @@
 /// Layout   as in core/base/grid.h.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the
 ///          same bits for any number of them, and with every instruction set (no contraction to FMA).
-/// Errors   what can fail returns bf_status, fills *err (NULL: not wanted) and leaves every ret_
+/// Errors   what can fail returns bf_status, fills *err (NULL: not required) and leaves every ret_
 ///          output as it was. The pointer of *err is the JSON pointer of the member in a scenario.
 
 #pragma once
@@ -44,7 +44,7 @@ typedef struct macro_def {
     bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
                      ///< this edge instead of zero outside (default false)
     int n_threads;   ///< threads to use, >= 1 (default 1)
-    uint32_t cookie; ///< set by macro_def_default(); leave alone
+    uint32_t cookie; ///< set by macro_def_default(); do not change
 } macro_def;
 
 /// A running solver; opaque, on the heap.

@@ -7,12 +7,12 @@
 ///             x1 sweep of row r, from now into next;
 ///             flux between rows r-1 and r; x2 sweep of row r-1, in place in next.
 ///
-/// Rows have `margin` doubles before cell 0 and room for the mollifier's reach S behind the last cell.
+/// Rows have `margin` doubles before cell 0 and room for the S cells of the mollifier behind the last cell.
 /// Outside the grid they hold zeros, or the mirrored density, which only the convolution sees: the
 /// faces of a mirroring edge are closed.
 ///
 /// Threads each take a band of rows and repeat the x1 sweep of the rows next to it for themselves, so
-/// they have nothing in common and every bit is the same for any number of bands.
+/// they share no data and every bit is the same for any number of bands.
 
 #pragma once
 
@@ -70,28 +70,28 @@ typedef struct macro_band {
     ptrdiff_t last;             ///< row after the last
     double *rows;               ///< storage of all rows below
     uint64_t *sets;             ///< storage of all sets below
-    uint64_t *expected;         ///< per row of the grid: blocks whose I this step will want
-    uint64_t *near;             ///< at j + S: blocks that the rows within reach of row j expect
-    macro_ring_row *ring;       ///< n_ring places; row r is at place r mod n_ring
-    ptrdiff_t ring_end;         ///< rows below have been through the ring
+    uint64_t *expected;   ///< per row of the grid: blocks whose I this step will probably need
+    uint64_t *near;       ///< at j + S: blocks that the rows within S of row j expect
+    macro_ring_row *ring; ///< n_ring places; row r is at place r mod n_ring
+    ptrdiff_t ring_end;   ///< rows below have been through the ring
     const double *
         *gradient_ring; ///< gradient1 of all places of the ring, twice over, so that any window
                         ///< of consecutive rows stands together
     const double **integral_ring; ///< same for integral1
     const double **gradient_rows; ///< scratch: such a window where rows are mirrored or missing
     const double **integral_rows; ///< same
-    macro_dispersion_row dispersion[2]; ///< I of the row at hand and of the one before
-    macro_row_after_x1 after_x1[2];     ///< the row at hand and the one before after their x1 sweep
+    macro_dispersion_row dispersion[2]; ///< I of the current row and of the one before
+    macro_row_after_x1 after_x1[2];     ///< the current row and the one before after their x1 sweep
     double *after_x1_h_rho[2];          ///< storage for macro_row_after_x1.h_rho
     double *outside[2];                 ///< x1 sweeps of the rows before and after the band
     uint64_t *outside_active[2];        ///< their sets
     uint64_t *outside_first[2];         ///< same
     double *h_rho;                      ///< H(rho - 1) rho of a row of `now`
-    double *flux1;                      ///< x1 fluxes of the row at hand
+    double *flux1;                      ///< x1 fluxes of the current row
     double *flux2[2];       ///< x2 fluxes into and out of the row before; 0 outside flux2_set
     uint64_t *flux2_set[2]; ///< blocks with such a flux
-    uint64_t *active_faces; ///< x1-faces of the row at hand with H not zero on a side
-    uint64_t *wanted;       ///< blocks whose I is asked for
+    uint64_t *active_faces; ///< x1-faces of the current row with H not zero on a side
+    uint64_t *wanted;       ///< blocks whose I is requested
     uint64_t *missing;      ///< of them, those that macro__dispersion_make() has to make
     uint64_t *unexpected;   ///< of them, those that band->expected lacks
     uint64_t *todo;         ///< scratch
@@ -158,7 +158,7 @@ static inline const uint8_t *macro__closed(const macro_solver *s, const macro_fa
 BF_MUST_CHECK bf_status macro__faces_init(macro_solver *s, const macro_def *def);
 void macro__faces_fini(macro_solver *s);
 
-/// Bring what lies outside the grid in a row of a state in order: zeros or the mirrored density.
+/// Fill the cells of a row outside the grid: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);
 
 /// Set margins, span and sets of row j of `now` from its densities.

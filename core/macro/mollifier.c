@@ -24,7 +24,7 @@ static double interval_integral(double sigma, double a, double b)
 
 int mollifier_reach(double sigma, double d)
 {
-    // 4/(0.01 * 0.005) must give 8 in spite of rounding, so a hair is taken off.
+    // 4/(0.01 * 0.005) must give 8 in spite of rounding, so a small tolerance is subtracted.
     double cells = ceil(4.0 / (sqrt(sigma) * d) * (1.0 - 1e-12));
     return cells < 1.0 ? 1 : cells > 1e9 ? 1000000000 : (int)cells;
 }

@@ -24,9 +24,9 @@ typedef struct mollifier {
     double integral[2 * MOLLIFIER_REACH_MAX + 1]; ///< integral_p in the same order
 } mollifier;
 
-/// S = ceil(4 / (sqrt(sigma) d)): the mollifier reaches four standard deviations.
+/// S = ceil(4 / (sqrt(sigma) d)): the mollifier is cut off at four standard deviations.
 int mollifier_reach(double sigma, double d);
 
-/// The weights for cells of edge d, m, and sigma, 1/m2. The reach must be at most
+/// The weights for cells of edge d, m, and sigma, 1/m2. S must be at most
 /// MOLLIFIER_REACH_MAX.
 void mollifier_init(mollifier *m, double sigma, double d);

@@ -1,14 +1,14 @@
-/// What a step leaves out: which blocks of a row need which part of the work.
+/// What a step skips: which blocks of a row need which part of the work.
 ///
-/// The scheme (sweep.c) is right without any of it. Here is found where its terms are exactly zero, or the
-/// same for whole blocks:
+/// The scheme (sweep.c) is correct without any of it. These functions find where its terms are exactly zero, or
+/// the same for whole blocks:
 ///
 ///     rho = 0                    no flux: a row is swept from its first to its last block with mass
 ///     H = 0 on both sides        no dynamic flux: I is not needed there
 ///     one velocity, I = 0        x1 fluxes of the free belt, without a row of velocities
 ///     v = 0 and I = 0            no x2 flux
 ///
-/// A set may hold too much, never too little: a flux made without need is exactly zero. For sweep.c, which
+/// A set may contain more blocks than necessary, never fewer: a flux made without need is exactly zero. For sweep.c, which
 /// is compiled once per instruction set.
 
 #pragma once
@@ -69,7 +69,7 @@ static inline void skip_find_special(macro_band *band, ptrdiff_t r, block_span s
 }
 
 /// Set the blocks of the x2 flux between rows r - 1 and r that are not exactly zero: band->flux2_set; of
-/// them band->wanted needs I. What the flux array held elsewhere is cleared.
+/// them band->wanted needs I. The flux array is cleared elsewhere.
 static inline void skip_find_flux_x2(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;

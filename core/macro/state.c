@@ -1,4 +1,4 @@
-// The density from outside: setting, reading, measuring, saving.
+// Access to the density: set, read, measure, checkpoint.
 
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
@@ -184,7 +184,7 @@ uint64_t macro_digest(const macro_solver *s)
     return digest;
 }
 
-// Everything that steers the solution but the number of threads, so that a checkpoint fits no other one.
+// All that determines the solution, so not the number of threads: a checkpoint is refused by a solver that differs.
 uint64_t macro__digest_definition(const macro_def *def)
 {
     const bf_grid *g = &def->grid;

@@ -3,8 +3,8 @@
 //     rho <- rho - lambda (F+ - F-)        along x1, then along x2 with the same velocities,
 //
 // with the fluxes of flux.h and the dispersion velocity of convolution.c. Rows come in rising order: the x1
-// sweep of row r, the flux between rows r - 1 and r, then the x2 sweep of row r - 1. What is left out
-// because it is exactly zero is found in skip.h.
+// sweep of row r, the flux between rows r - 1 and r, then the x2 sweep of row r - 1. skip.h finds the terms
+// that are exactly zero and skipped.
 
 #include "core/macro/flux.h"
 #include "core/macro/macro_priv.h"
@@ -71,7 +71,7 @@ static void update_uniform(const double *rho, double lambda, double v, ptrdiff_t
         largest = simd_max(updated, largest);
         simd_store(out + i, updated);
     }
-    // Carried cargo seldom becomes saturated, so that is looked for only where it happened.
+    // Transported cargo seldom becomes saturated, so cells are tested one by one only in blocks where one did.
     if (simd_bits_from_1(largest) != 0)
         mark_range(out, b_min, b_max, saturated, saturated_first);
 }
@@ -161,7 +161,7 @@ static void prepare_dispersion(macro_band *band, ptrdiff_t r)
             (any == 0 ? 0.0 : cost_of_dispersion * block_set_count(expected, macro__words(s)));
 }
 
-// Where the x1 sweep of row r goes: into `next` inside the band, aside for its neighbours.
+// The output of the x1 sweep of row r: `next` inside the band, separate storage for the rows next to it.
 static double *begin_after_x1(macro_band *band, ptrdiff_t r, macro_row_after_x1 *after_x1)
 {
     const macro_solver *s = band->solver;

@@ -4,11 +4,11 @@
 // evaluated at each face next to a border and, of every run of faces between borders, at one; the rest
 // are copies of it. So the cost is little more than that of writing the result.
 //
-// Closed lines are watertight: a link between cell centres is closed if it touches the line, so that no
-// way along links leads across a line that ends at walls or is closed. But where a cell centre lies on
-// the line itself all its links touch it, and the cell would be cut off. Therefore the links look at the
+// Closed lines have no gaps: a link between cell centres is closed if it touches the line, so that no
+// path along links leads across a line that ends at walls or is closed. But where a cell centre lies on
+// the line itself all its links touch it, and the cell would be cut off. Therefore the links are tested against the
 // line moved downstream by the tolerance, as one piece with its corners: cell centres on the line lie
-// upstream of it, as in the rules of the regions, and the moved line is as tight as the line is.
+// upstream of it, as in the rules of the regions, and the moved line has no gaps either.
 
 #include "core/macro/velocity_field.h"
 
@@ -34,21 +34,21 @@ typedef struct segment {
     surroundings_piece piece;       ///< see there
 } segment;
 
-/// The regions of section 3.1; the larger one wins.
+/// The regions of section 3.1; the larger value takes precedence.
 typedef enum region {
     REGION_FREE,   ///< A: the belt's velocity
     REGION_SLIDE,  ///< C: along the obstacle
     REGION_OUTWARD ///< B: away from it
 } region;
 
-/// v_stat at a point, as far as obstacles were considered.
+/// v_stat at a point for the obstacles considered so far.
 typedef struct evaluation {
     region region; ///< of these obstacles
     vec2 belt;     ///< v_T under the point, m/s
     vec2 velocity; ///< v_stat, m/s
 } evaluation;
 
-/// A closed line as the links between cell centres see it.
+/// A closed line as links between cell centres are tested against it.
 typedef struct line {
     vec2 start; ///< m
     vec2 end;   ///< m
@@ -92,8 +92,8 @@ static evaluation begin(const surroundings *around, vec2 at)
     return e;
 }
 
-/// Consider one more segment; earlier ones win within a region. Its upstream side is by the belt under
-/// the point.
+/// Consider one more segment; earlier ones take precedence within a region. Its upstream side follows from the
+/// belt under the point.
 static void consider(evaluation *e, const segment *g, vec2 at)
 {
     vec2 along = g->piece.along, upstream = surroundings_upstream(along, e->belt);
@@ -138,7 +138,7 @@ static vec2 shift_of(const surroundings *around, const scene_obstacle *obstacle)
         length += piece.length;
     }
     double size = vec2_length(sum);
-    // Pieces that face all ways, like those of a closed path, have no common upstream side.
+    // Pieces with normals in all directions, like those of a closed path, have no common upstream side.
     vec2 upstream = size > 1e-6 * length ? vec2_scale(sum, 1.0 / size) : first;
     return vec2_scale(upstream, -SCENE_TOLERANCE);
 }
@@ -248,7 +248,7 @@ static void add_border(sampler *k, vec2 a, vec2 b)
     k->borders[k->n_borders++] = a.y <= b.y ? (border){ a, b } : (border){ b, a };
 }
 
-/// The borders of a segment's bands, on both sides: which one is upstream is the belt's matter.
+/// The borders of a segment's bands, on both sides: which one is upstream depends on the belt.
 static void add_band_borders(sampler *k, const segment *g)
 {
     const surroundings_piece *piece = &g->piece;

@@ -1,4 +1,4 @@
-// Refuses definitions that no solver can take.
+// Rejects invalid definitions.
 
 #include "core/micro/micro_priv.h"
 

@@ -1,9 +1,9 @@
 /// The loop over steps of all four solvers: disks and bodies, explicit and implicit.
 ///
-/// As long as steps are left, the driver lets the solver bring its lists up to date, and then a team of
-/// threads makes steps until all are made, the lists no longer hold or a step has to be checked. Every
+/// As long as steps are left, the driver calls the solver's refresh(), which rebuilds its lists, and then a team of
+/// threads makes steps until all are made, the lists are no longer valid or a step has to be checked. Every
 /// member of the team runs the same loop: it does its part of each phase of a step, waits for the others
-/// between phases, and finds the same outcome as they do from the same values.
+/// between phases, and computes the same outcome from the same values.
 ///
 /// The solvers make results independent of the number of threads: in a phase no item writes what another one
 /// reads.
@@ -17,18 +17,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// What became of a step.
+/// The outcome of a step.
 typedef enum driver_outcome {
     DRIVER_MADE,     ///< the next one may follow
-    DRIVER_STALE,    ///< made, but the lists do not hold for the next one
-    DRIVER_SUSPECT,  ///< made, but driver_solver.check has to look at it
-    DRIVER_NOT_MADE, ///< nothing was done, as the lists do not hold for it
+    DRIVER_STALE,    ///< made, but the lists are not valid for the next one
+    DRIVER_SUSPECT,  ///< made, but driver_solver.check has to be called
+    DRIVER_NOT_MADE, ///< not made, as the lists are not valid for it
 } driver_outcome;
 
 /// Extremes of all parts in a step, or since a list was made.
 typedef struct driver_extremes {
     double speed2;        ///< largest v^2, m2/s2
-    double sum;           ///< of what has to be finite: not so if anything is not
+    double sum;           ///< of all that must be finite: not finite if any term is not
     double overlap;       ///< largest, m; 0 or more
     double overlap_share; ///< largest overlap divided by the smaller part's radius
 } driver_extremes;
@@ -44,7 +44,7 @@ typedef struct driver_progress {
 /// A member of the team.
 typedef struct driver_member {
     void *state;              ///< the solver's
-    const void *step;         ///< for what the solver wants its phases to know of a step
+    const void *step;         ///< for data that the solver passes to its phases
     int index;                ///< 0 <= index < n_members
     int n_members;            ///< see there
     team_barrier *barrier;    ///< driver_wait()
@@ -54,7 +54,7 @@ typedef struct driver_member {
 
 /// The functions of a solver; state is its own.
 typedef struct driver_solver {
-    /// Make anew those lists that do not hold for the next step.
+    /// Rebuild the lists that are not valid for the next step.
     bf_status (*refresh)(void *state, bf_error *err);
 
     /// Make several steps at once, at most n, in another way than by single ones. Returns how many; 0: none,
@@ -79,13 +79,13 @@ typedef struct driver_solver {
 BF_MUST_CHECK bf_status driver_advance(const driver_solver *solver, void *state, uint64_t n,
                                        bf_error *err);
 
-/// What is done with one item of a phase.
+/// The work of one item of a phase.
 typedef void driver_work(const driver_member *m, size_t item);
 
 /// Do the member's part of the items first .. last - 1: every n_members-th of them.
 void driver_split(const driver_member *m, size_t first, size_t last, driver_work *work);
 
-/// Wait until all members have come here.
+/// Barrier: wait until all members have called it.
 static inline void driver_wait(const driver_member *m)
 {
     team_barrier_wait(m->barrier);

@@ -38,7 +38,7 @@ static double radius_of(const scene_shape *shape)
     return 0.5 * least;
 }
 
-// The extremes of a definition that count here.
+// The extremes of a definition that determine the step.
 typedef struct extremes {
     double stiffness; // largest k, N/m
     double damping;   // largest d, N s/m

@@ -1,4 +1,4 @@
-/// How long a step of MICRO_IMPLICIT may be, and how many iterations it takes; in the plane
+/// The length of a step of MICRO_IMPLICIT, and its number of iterations; in the plane
 /// and in space.
 ///
 /// The equations of a step couple parts by stiffness and by dashpots, in terms of their inertia,
@@ -6,13 +6,13 @@
 ///     2 h^2 k / m   and   2 h d / m,
 ///
 /// and impulses spread over about as many parts in a step as the square roots of these. The number of
-/// iterations grows with the number of layers that a jam may have, through which its load is passed on;
-/// less so with dashpots, whose forces decay. Measured on Examples 1
+/// iterations grows with the number of layers of a jam, through which loads are transmitted;
+/// less with dashpots, whose forces decay. Measured on Examples 1
 /// and 2 and on jams of up to 40,000 parts for reductions of 1e2 to 1e6 and steps of 0.2 to 4 ms,
 ///
 ///     iterations^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
 ///
-/// keep the outflow curve within 1 % of N of the explicit one and jams about as calm: the residual is
+/// keep the outflow curve within 1 % of N of the explicit one and the kinetic energy of jams about the same: the residual is
 /// reduced in the next step, which starts from the impulses of this one. The step that is chosen is
 /// the shortest of
 ///
@@ -20,7 +20,7 @@
 ///     0.08 r / v            parts move by less than a twelfth of a radius: directions of contacts remain valid;
 ///                           in space 0.02 r / v, as corners and faces of bodies that turn take over
 ///                           each other's load
-///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt takes parts up in many steps
+///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt accelerates parts over many steps
 ///     where iterations(h) = 16: stiffer contacts take shorter steps instead of more iterations
 ///
 /// with v the speed of the fastest belt or of the parts at the start, and r the radius of a cylinder or

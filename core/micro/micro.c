@@ -84,7 +84,7 @@ bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
     return surroundings_copy(&around, ret_copy, err);
 }
 
-// Everything that steers the solution but the number of threads and the path, which is the checkpoint's
+// All that determines the solution, so not the number of threads; the path is the checkpoint's
 // kind.
 static uint64_t digest_definition(const micro_def *def)
 {
@@ -198,7 +198,7 @@ uint64_t micro_digest(const micro_solver *s)
         digest = digest_add(digest, part.x, sizeof part.x);
         digest = digest_add(digest, part.v, sizeof part.v);
         digest = digest_add(digest, part.w, sizeof part.w);
-        // Of the heading q is made by sines, which differ from machine to machine.
+        // q is computed from the heading by sines, which differ between versions of libm.
         if (is_planar)
             digest = digest_add(digest, &part.heading, sizeof part.heading);
         else

@@ -14,7 +14,7 @@
 /// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
 /// rigid boundaries; contact points by GJK/EPA or in closed form.
 ///
-/// A part whose centre leaves the domain over an edge that is not a wall is gone: it keeps its id, and
+/// A part whose centre leaves the domain over an edge that is not a wall has left: its id remains valid, and
 /// micro_is_gone() is true.
 ///
 /// Units    SI. The belt surface is z = 0; heights count from there.
@@ -83,7 +83,7 @@ typedef struct micro_def {
     micro_integrator integrator;             ///< (default MICRO_VERLET)
     micro_path path;                         ///< (default MICRO_PATH_AUTO)
     int n_threads;                           ///< >= 1 (default 1)
-    uint32_t cookie;                         ///< set by micro_def_default(); leave alone
+    uint32_t cookie;                         ///< set by micro_def_default(); do not change
 } micro_def;
 
 /// A running solver; opaque, on the heap.
@@ -129,7 +129,7 @@ BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_so
 micro_solver *micro_destroy(micro_solver *s);
 
 /// Make n steps of dt. BF_ENUMERIC: a value is not finite, or a part moved impossibly far in a step;
-/// the text has step, time and part. BF_ENOMEM: the neighbour list had to grow and could not.
+/// the text has step, time and part. BF_ENOMEM: no memory for a longer neighbour list.
 BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err);
 
 /// The state of part k, 0 <= k < n_parts.

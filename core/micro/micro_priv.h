@@ -1,4 +1,4 @@
-/// What the files of the solver's face share.
+/// Internal interface of micro.c and check.c.
 
 #pragma once
 

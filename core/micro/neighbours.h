@@ -1,15 +1,15 @@
 /// Which parts are near each other: a grid of cells and the search in it, O(n) for all parts.
 ///
 /// A list of neighbours holds every pair of parts whose centres are nearer in the plane than the sum of
-/// their radii plus a skin. It stays right until some part has moved by half the skin: neighbours_holds().
+/// their radii plus a skin. It is valid until some part has moved by half the skin: neighbours_holds().
 /// The neighbours of a part stand in the order of their ids, so that sums over them have the same bits
 /// however the work is split, and whenever the list was built.
 ///
-/// The search writes the neighbours of one part to an array of the caller. neighbours_list has them part by
+/// The search writes the neighbours of one part to an array of the caller. neighbours_list stores them part by
 /// part, for bodies; disks, which several lanes of a register handle together, lay them out in
 /// core/micro/disk/list.c.
 ///
-/// Units    m. Parts that are gone are in no cell.
+/// Units    m. Parts that have left are in no cell.
 
 #pragma once
 
@@ -39,7 +39,7 @@ typedef struct neighbours_cells {
     size_t cell_capacity;  ///< room
 } neighbours_cells;
 
-/// Parts as the search sees them; arrays are the caller's.
+/// The input of the search; arrays are the caller's.
 typedef struct neighbours_parts {
     const double *x;       ///< of the centre of part k: x[k * stride], m
     const double *y;       ///< likewise
@@ -79,7 +79,7 @@ static inline size_t neighbours_cell(const neighbours_cells *cells, size_t colum
 size_t neighbours_find(const neighbours_cells *cells, const neighbours_parts *parts, double skin,
                        size_t k, uint32_t *ret, size_t step, size_t room);
 
-/// True if a list holds while no part has moved farther than this since it was made.
+/// True if a list is valid while no part has moved farther than this since it was made.
 static inline bool neighbours_holds(double skin, double moved)
 {
     return moved <= 0.5 * skin;

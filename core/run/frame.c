@@ -22,7 +22,7 @@ enum {
 typedef enum field_kind {
     FIELD_END,   // of the list
     FIELD_COPY,  // the member's bytes
-    FIELD_ZEROS, // padding that stands for no member
+    FIELD_ZEROS, // padding without a member
     FIELD_ARRAY, // what the member points to: n times m items
     FIELD_REST,  // what the member points to, up to the payload's end: n bytes; n is not written
 } field_kind;
@@ -188,12 +188,12 @@ typedef struct reader {
     size_t n_left;
 } reader;
 
-// Bytes of the items of an array that is to be read; more than are left if its counts cannot be true.
+// Bytes of the items of an array that is to be read; more than are left if its counts are invalid.
 static uint64_t count_bytes(const frame *f, const field *k, size_t n_left)
 {
     const uint64_t n = count_of(f, &k->n), m = count_of(f, &k->m);
 
-    // Rows of nothing would let any number of them pass.
+    // Rows without values would pass the check with any number of rows.
     if (n > 0 && (m == 0 || n > n_left / k->item_size / m))
         return UINT64_MAX;
     return n * m * k->item_size;
@@ -219,7 +219,7 @@ static bool take_field(reader *r, const field *k, frame *f)
     return true;
 }
 
-// An error's texts end, and its code is one of ours.
+// An error's texts must be terminated, and its code must be known.
 static void tidy_error(bf_error *e)
 {
     if ((unsigned)e->code >= BF_STATUS_COUNT)

@@ -8,9 +8,9 @@
 ///     16 + n  0..7   zeros up to a multiple of 8, so that the frame after it is aligned
 ///     ...     8      digest (digest.h) of all bytes of the frame before it
 ///
-/// A reader sees a torn end (the file stops inside a frame: wait, or drop the rest) apart from
+/// A reader can distinguish an incomplete frame at the end (wait, or discard it) from
 /// damage (magic, type, length or digest wrong: BF_ECORRUPT). The same bytes serve a pipe, a file and
-/// a shared file system; nothing here knows which.
+/// a shared file system.
 
 #pragma once
 
@@ -23,11 +23,11 @@
 
 /// Frames in the order in which a run emits them: job (to the run), begin, then any number of
 /// curve, snapshot, progress and checkpoint, then one end or error. Where begin announces rows of
-/// parts, a parts frame follows each snapshot at once. The values stand in files: never renumber.
+/// parts, a parts frame follows each snapshot at once. The values are stored in files: never renumber.
 typedef enum frame_type {
     FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
     FRAME_RESUME,     ///< to the run: a checkpoint's bytes to go on from
-    FRAME_BEGIN,      ///< sizes of what comes
+    FRAME_BEGIN,      ///< sizes of the results
     FRAME_CURVE,      ///< samples of the counters
     FRAME_SNAPSHOT,   ///< the density grid at one time
     FRAME_PROGRESS,   ///< how far the run is
@@ -41,7 +41,7 @@ typedef enum frame_type {
 /// Longest payload that a reader accepts, bytes.
 #define FRAME_PAYLOAD_MAX (UINT64_C(1) << 32)
 
-/// The work itself.
+/// The job.
 typedef struct frame_job {
     uint32_t model;       ///< run_model of core/run/run.h
     uint32_t n_threads;   ///< threads to use
@@ -56,7 +56,7 @@ typedef struct frame_bytes {
     const void *bytes; ///< the solver's state
 } frame_bytes;
 
-/// Sizes of what comes.
+/// Sizes of the results.
 typedef struct frame_begin {
     uint32_t model;      ///< run_model
     uint32_t n_columns;  ///< columns of the curve: the counters and left_domain
@@ -94,7 +94,7 @@ typedef struct frame_snapshot {
 enum { FRAME_VALUES_PLANAR = 6, FRAME_VALUES_SPATIAL = 13 };
 
 /// The parts at one time, in the order in which they were placed or entered. A part that has left the
-/// domain keeps its row, of NANs, so that row k is part k in every frame that has it.
+/// domain still has a row, of NANs, so that row k is part k in every frame that has it.
 typedef struct frame_parts {
     uint64_t index;     ///< of the snapshot
     double t;           ///< s
@@ -124,7 +124,7 @@ typedef struct frame_end {
     uint64_t n_snapshots; ///< snapshots since t = 0
     // Of models with parts, else 0:
     uint64_t n_parts_left;  ///< parts that left the domain since t = 0
-    uint64_t n_contacts;    ///< contacts of parts that press at the end
+    uint64_t n_contacts;    ///< contacts with a force at the end
     double kinetic_energy;  ///< of the parts in the domain at the end, J
     double largest_overlap; ///< of any contact since t = 0, m
     double overlap_share;   ///< largest overlap divided by the smaller part's radius, since t = 0
@@ -132,10 +132,10 @@ typedef struct frame_end {
 
 /// Why a run failed.
 typedef struct frame_error {
-    bf_error error; ///< as it was known where it happened
+    bf_error error; ///< as reported by the failing function
 } frame_error;
 
-/// One frame; the member of its type counts. Pointers are borrowed from the frame's maker.
+/// One frame; only the member of its type is valid. Pointers are borrowed from the creator of the frame.
 typedef struct frame {
     frame_type type; ///< which member
     union {

@@ -1,4 +1,4 @@
-// The macroscopic model as a run sees it: scenario to solver, density to parts.
+// The macroscopic model's run_backend: scenario to solver, density to parts.
 
 #include "core/base/memory.h"
 #include "core/macro/macro.h"

@@ -1,4 +1,4 @@
-// The microscopic model as a run sees it: scenario to solver, parts to counts and density.
+// The microscopic model's run_backend: scenario to solver, parts to counts and density.
 
 #include "core/base/faults.h"
 #include "core/base/memory.h"
@@ -108,7 +108,7 @@ static bf_status check_count(const scene *s, double dt, bf_error *err)
                    "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
 }
 
-// Let the solver itself refuse what it cannot take, with the first part alone: that costs little.
+// The solver's own checks, applied to the first part alone, which is cheap.
 static bf_status probe(const micro_def *def, bf_error *err)
 {
     micro_def first = *def;

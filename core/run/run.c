@@ -23,7 +23,7 @@ typedef struct schedule {
     uint64_t n;     // how many were taken
 } schedule;
 
-// What stands before the solver's state in a checkpoint.
+// The header of the solver's state in a checkpoint.
 typedef struct saved_header {
     uint64_t step;
     uint64_t sample_index, n_samples;
@@ -270,7 +270,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
     return sink->take(sink->context, &f, err);
 }
 
-// Takes a sample of the curve; a full batch goes out.
+// Takes a sample of the curve; a full batch is emitted.
 static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 {
     double *values = &r->values[r->n_waiting * r->n_columns];
@@ -343,7 +343,7 @@ static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
     return status;
 }
 
-// Does what is requested besides going on.
+// Serves the sink's requests.
 static bf_status serve_request(run *r, unsigned request, const run_sink *sink, bf_error *err)
 {
     bf_status status = emit_curve(r, sink, err);
@@ -357,7 +357,7 @@ static bf_status serve_request(run *r, unsigned request, const run_sink *sink, b
     return status;
 }
 
-// Steps up to the next that something is due at, but not so many that a request waits for long.
+// Steps until the next result is due, but not so many that a request waits for long.
 static uint64_t count_steps(const run *r)
 {
     uint64_t next = r->samples.step < r->snapshots.step ? r->samples.step : r->snapshots.step;

@@ -18,15 +18,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// The models. The values stand in frames and stores: never renumber.
+/// The models. The values are stored in frames and databases: never renumber.
 typedef enum run_model {
     RUN_MACRO, ///< density
     RUN_MICRO, ///< parts
     RUN_MODEL_COUNT
 } run_model;
 
-/// Version of what the solvers compute: it rises with every change that lets a scenario give other
-/// bytes than before, so that results of different versions are never taken for the same.
+/// Version of what the solvers compute: incremented with every change by which a scenario's results get other
+/// bytes, so that results of different versions are never reused for each other.
 enum { RUN_VERSION = 2 };
 
 /// What the caller requests at the moment; flags.
@@ -42,8 +42,8 @@ typedef struct run_sink {
     void *context; ///< given to both functions
     /// Take a frame; pointers in it are valid during the call. A failure ends the run with it.
     bf_status (*take)(void *context, const frame *f, bf_error *err);
-    /// Called every few milliseconds of work or more often, so it should be cheap. Returns what is
-    /// requested, run_request flags. NULL: nothing ever is.
+    /// Called every few milliseconds of work or more often, so it should be cheap. Returns
+    /// run_request flags. NULL: no requests.
     unsigned (*requested)(void *context);
 } run_sink;
 
@@ -56,8 +56,8 @@ extern const char *const run_model_words[];
 /// True if this build can solve scenarios with the model.
 bool run_model_is_available(run_model model);
 
-/// Note what speaks against solving a resolved and checked scenario with one of the models that are
-/// available, beyond what scene_check() finds whatever the model: steps that would be unstable or too
+/// Add the faults for which a resolved and checked scenario cannot be solved with one of the available
+/// models, beyond those that scene_check() finds for both: steps that would be unstable or too
 /// many, parts inside obstacles, results too large. No memory is noted like a fault, with BF_ENOMEM.
 void run_check(const scene *s, run_model model, bf_faults *faults);
 
@@ -75,21 +75,21 @@ BF_MUST_CHECK bf_status run_resume(run *r, const void *bytes, size_t n, bf_error
 /// sink->take are returned; emitting FRAME_ERROR for them is the caller's part.
 BF_MUST_CHECK bf_status run_execute(run *r, const run_sink *sink, bf_error *err);
 
-/// Above this density (1 is close packing) the macroscopic model is further from the microscopic one
-/// than it need be.
+/// Above this density (1 is close packing) the macroscopic model differs noticeably from the microscopic
+/// one.
 extern const double run_density_trusted;
 
-/// Parts that overlap by a larger share of their radius are too soft: the outflow depends on it.
+/// Above this overlap, relative to the radius, parts are too soft: the outflow depends on their stiffness.
 extern const double run_overlap_trusted;
 
-/// What speaks against trusting the results of a run; flags.
+/// Warnings about the results of a run; flags.
 typedef enum run_doubt {
     RUN_DOUBT_DENSITY = 1, ///< the density rose above run_density_trusted
     RUN_DOUBT_STEP = 2,    ///< densities may become negative, see scene_step_positive()
     RUN_DOUBT_OVERLAP = 4, ///< overlaps rose above run_overlap_trusted
 } run_doubt;
 
-/// The doubts about a run of a resolved scenario, as run_doubt flags.
+/// The warnings about a run of a resolved scenario, as run_doubt flags.
 unsigned run_doubts(const scene *s, const frame_begin *begin, const frame_end *end);
 
 /// Free a run. NULL is fine. Always returns NULL.

@@ -13,7 +13,7 @@
 
 #include <stdint.h>
 
-/// Rounding that a step at the bound of stability is forgiven.
+/// Tolerance for rounding of a step at the bound of stability.
 #define RUN__STABLE_SLACK 1e-12
 
 /// The sizes of a run.
@@ -28,22 +28,23 @@ typedef struct run_plan {
 
 /// What is in the domain at one time.
 typedef struct run_load {
-    double parts;    ///< parts in the domain
-    double entered;  ///< parts that entered since t = 0
-    double peak;     ///< largest density; 0 where the model knows it at snapshots only
-    uint64_t n_rows; ///< rows of FRAME_PARTS: parts at the start and entered, gone ones too
+    double parts;   ///< parts in the domain
+    double entered; ///< parts that entered since t = 0
+    double peak;    ///< largest density; 0 where the model knows it at snapshots only
+    uint64_t
+        n_rows; ///< rows of FRAME_PARTS: parts at the start and entered, including those that left
 } run_load;
 
 /// A model. solver is what create() made.
 typedef struct run_backend {
-    /// Note what speaks against solving a checked scenario.
+    /// Add the faults for which a checked scenario cannot be solved.
     void (*check_scenario)(const scene *s, bf_faults *faults);
     /// Build the solver at t = 0. The caller owns *ret_solver: destroy().
     bf_status (*create)(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
                         bf_error *err);
     void (*destroy)(void *solver);
     /// Make n steps of dt. How steps are cut into calls must not change the result. BF_ENUMERIC with
-    /// step, time and place where that is noticed at once.
+    /// step, time and place where that is detected at once.
     bf_status (*advance)(void *solver, uint64_t n, bf_error *err);
     /// BF_ENUMERIC with step, time and place if something is not finite. NULL: advance() reports that.
     bf_status (*check)(const void *solver, bf_error *err);
@@ -82,5 +83,5 @@ BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, int n_threads,
 /// Free what the setup owns and zero it. NULL is fine.
 void run__micro_fini_setup(run__micro_setup *setup);
 
-/// Steps until the first one at or past time t; a hair of rounding does not add a step.
+/// Steps until the first one at or past time t; rounding errors do not add a step.
 uint64_t run__steps_until(double t, double dt);

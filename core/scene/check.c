@@ -21,12 +21,12 @@ enum {
 /// more, far too many small parts fit into one cell of the search for overlaps.
 #define UNLIKE_MAX 1000.0
 
-/// A domain this near to a whole number of cells is one, relative to its length, and at most this
+/// A domain this near to a whole number of cells counts as one, relative to its length, and at most this
 /// part of a cell off.
 #define WHOLE     1e-6
 #define WHOLE_MAX 0.01
 
-/// A number of a struct and the range it must keep to.
+/// A number of a struct and its valid range.
 typedef struct number_rule {
     const char *pointer;   ///< below that of the struct
     size_t offset;         ///< of the double in the struct
@@ -253,7 +253,7 @@ static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faul
 {
     char pointer[BF_POINTER_SIZE];
     size_t n = obstacle->n_points;
-    // Two points may come from another form than a path.
+    // Two points may have been given in another form than a path.
     bool whole = n == 2;
 
     snprintf(pointer, sizeof pointer, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
@@ -329,12 +329,12 @@ static const number_rule kind_rules[] = {
     RULE("/material/poisson_ratio", scene_cargo, material.poisson_ratio, scene_range_poisson_ratio),
 };
 
-/// What only a kind of a mix says itself.
+/// Members that only a kind of a mix has.
 static const number_rule mix_rules[] = {
     RULE("/spin_friction_radius_m", scene_cargo, spin_friction_radius, scene_range_lever),
 };
 
-/// What says how many parts are of a kind.
+/// The member that determines how many parts are of a kind.
 static const number_rule share_rule = RULE("/share", scene_cargo, share, scene_range_share);
 
 /// The pointer of kind k: "/cargo", or "/cargo/<k>" in a mix.
@@ -454,7 +454,7 @@ static void check_sizes(const scene *s, bf_faults *faults)
     check_limit(floor(s->duration / s->output.curve_every) + 2.0, SCENE_SAMPLES_MAX,
                 "samples of the curve", "/output/curve_every_s", faults);
     check_limit(n_snapshots, SCENE_SNAPSHOTS_MAX, "snapshots", "/output/snapshot_every_s", faults);
-    // What follows from a wrong cell would only repeat that it is wrong.
+    // Faults that follow from an invalid cell size are not reported again.
     if (!check_grid(s, n1, n2, faults))
         return;
     check_limit(n_snapshots * n1 * n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
@@ -539,8 +539,8 @@ static void check_initial(const scene *s, bf_faults *faults)
     }
 }
 
-/// Note cargo that finds no room, lies outside or overlaps. Needs sound domain, shape and source. The
-/// places are kept in the scene.
+/// Note cargo that does not fit, lies outside or overlaps. Needs a valid domain, shape and source. The
+/// places are stored in the scene.
 static void check_placement(scene *s, bf_faults *faults)
 {
     scene_placement p;

@@ -1,6 +1,6 @@
-/// Digests of what a scenario defines: equal where every number is, by which a solver knows its
-/// checkpoints. Each function adds to a digest (core/base/digest.h) and returns the sum. Names and ids do
-/// not count.
+/// Digests of what a scenario defines: equal where every number is, by which a solver recognises its
+/// checkpoints. Each function adds to a digest (core/base/digest.h) and returns the sum. Names and ids are
+/// not included.
 
 #pragma once
 

@@ -2,7 +2,7 @@
 ///
 ///     rho0(x) = sigma0 / (2 pi rho_max) * sum_i exp(-sigma0 |x - x_i|^2 / 2)
 ///
-/// evaluated at cell centres. A part adds nothing where it would add less than 2^-53 of its peak:
+/// evaluated at cell centres. The term of a part is left out where it is less than 2^-53 of its peak:
 /// below the rounding of the sum, and it leaves cells without cargo exactly zero.
 
 #pragma once

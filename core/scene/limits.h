@@ -1,4 +1,4 @@
-/// The limits of a scenario. What a client can make us keep or compute is bounded by them.
+/// The limits of a scenario. They bound the memory and the work that a client can cause.
 
 #pragma once
 
@@ -36,7 +36,7 @@ enum {
 #define SCENE_SPEED_MAX 1e3
 
 /// Most values that the density of the parts at the start may take to sum up: parts times cells
-/// within the reach of initial_mollifier.
+/// within the cut-off of initial_mollifier.
 #define SCENE_INITIAL_WORK_MAX 1e12
 
 /// The same for the density of the parts in all snapshots of a microscopic run.

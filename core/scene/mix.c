@@ -27,7 +27,7 @@ void mix_count(const scene *s, size_t n, size_t ret_counts[SCENE_KINDS_MAX])
     }
 }
 
-// Fisher and Yates: every order is as likely as any other.
+// Fisher and Yates: all orders have the same probability.
 static void shuffle(uint32_t *kinds, size_t n, uint64_t seed)
 {
     bf_random random;

@@ -1,5 +1,5 @@
 /// A set of parts, and whether one more would overlap any of them: by a hashed grid of cells, in constant
-/// time however many there are.
+/// time for any number of parts.
 
 #pragma once
 
@@ -30,9 +30,9 @@ BF_MUST_CHECK bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_fo
 /// Free the set; NULL is fine.
 void overlap_grid_fini(overlap_grid *c);
 
-/// True if the part of that number, put at pose, would overlap one of the set by more than
+/// True if the part of that number, placed at pose, would overlap one of the set by more than
 /// SCENE_TOLERANCE; *ret_other is then which one.
 bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, size_t *ret_other);
 
-/// Put part k, with its place in poses, into the set.
+/// Add part k, with its place in poses, to the set.
 void overlap_grid_add(overlap_grid *c, size_t k);

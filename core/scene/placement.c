@@ -99,7 +99,7 @@ static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random 
     return pose;
 }
 
-/// Place parts at random until all have room, or too many places were tried. Returns how many.
+/// Place parts at random until all fit, or too many places were tried. Returns how many.
 static size_t fill_region(const scene *s, overlap_grid *c, scene_pose *ret_poses)
 {
     size_t n = 0;
@@ -118,8 +118,8 @@ static size_t fill_region(const scene *s, overlap_grid *c, scene_pose *ret_poses
     return n;
 }
 
-/// Largest fraction of a region that is worth a try. Random places jam near 0.55; few parts that extend
-/// over a small region's border may do better.
+/// Largest fraction of a region that is worth a try. Random places jam near 0.55; a few parts that extend
+/// over a small region's border may exceed it.
 static double limit_cover(size_t n)
 {
     return n < 10000 ? 1.0 : 0.6;
@@ -217,7 +217,7 @@ void placement_fini(scene_placement *p)
 
 enum { REPORTED_MAX = 4 }; ///< faults of one kind that are reported
 
-/// What the check has found so far.
+/// The state of the check.
 typedef struct overlap_findings {
     const scene *s;
     const scene_placement *p;
@@ -227,7 +227,7 @@ typedef struct overlap_findings {
     size_t n_overlaps;
 } overlap_findings;
 
-/// Faults of one kind after which a check ends: a pattern is at fault as a whole, once.
+/// Number of faults of one kind after which a check ends: 1 for a pattern, which is reported as a whole.
 static size_t limit_reported(const scene *s)
 {
     return s->initial.type == SCENE_INITIAL_POSITIONS ? REPORTED_MAX : 1;
@@ -324,7 +324,7 @@ typedef struct place {
     uint32_t part;
 } place;
 
-/// What the check knows.
+/// The data of the check.
 typedef struct plate_findings {
     const scene *s;
     const scene_placement *p;

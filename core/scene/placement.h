@@ -1,13 +1,13 @@
-/// Where the parts are at the start: listed, hexagonal or random.
+/// Positions of the parts at the start: listed, hexagonal or random.
 
 #pragma once
 
 #include "core/scene/scene.h"
 
-/// Place the parts of a scenario. Random places are drawn by a generator of our own from
+/// Place the parts of a scenario. Random places are drawn by random.h from
 /// initial.seed, so the same scenario gives the same places on every machine.
 /// The caller owns *ret_placement: placement_fini().
-/// BF_ENOMEM; BF_EINPUT: no room for that many random parts without overlap.
+/// BF_ENOMEM; BF_EINPUT: that many random parts do not fit without overlap.
 BF_MUST_CHECK bf_status placement_make(const scene *s, scene_placement *ret_placement,
                                        bf_error *err);
 
@@ -18,7 +18,7 @@ BF_MUST_CHECK bf_status placement_of(const scene *s, scene_placement *ret_placem
 /// Free the places and zero *p. NULL is fine.
 void placement_fini(scene_placement *p);
 
-/// Note parts that reach outside the domain (over a wall) or have their centre outside (over an
+/// Note parts that extend outside the domain (over a wall) or have their centre outside (over an
 /// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part.
 /// O(n) by a cell grid. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,

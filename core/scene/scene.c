@@ -129,7 +129,7 @@ static void resolve_counter(scene_counter *c, const scene_rect *domain)
     fill_in(&c->rect.y_max, domain->y_max);
 }
 
-// See scene_packing_density(). A hair of rounding must not turn 1000 into 999.9.
+// See scene_packing_density(). Rounding errors must not turn 1000 into 999.9.
 static double cut_to_four_digits(double value)
 {
     double unit = pow(10.0, floor(log10(value)) - 3.0);
@@ -138,7 +138,7 @@ static double cut_to_four_digits(double value)
                        : floor(value * round(1.0 / unit) * (1.0 + 1e-12)) / round(1.0 / unit);
 }
 
-// 2/3 of the radius: a disk that presses evenly.
+// 2/3 of the radius: a disk with uniform pressure.
 static double spin_radius_of(const scene_shape *shape)
 {
     double radius =
@@ -154,7 +154,7 @@ static bool is_sound(const scene_cargo *kind)
     return faults.n == 0 && kind->share > 0.0;
 }
 
-// Area is shared out in proportion: 1/rho_max is that of a part.
+// 1/rho_max is the mean area of a part, weighted by the proportions.
 static double mean_packing(const scene *s)
 {
     double sum = 0.0, area = 0.0;
@@ -186,7 +186,7 @@ static void resolve_cargo(scene *s)
     fill_in(&s->macro.packing, are_sound ? cut_to_four_digits(mean_packing(s)) : 1.0);
 }
 
-// A member at fault is reported once, at its own place: what is derived from it must then be sound.
+// A member at fault is reported once, at its own place: derived values must then be valid.
 static void resolve_derived(scene *s)
 {
     double speed = scene_belt_speed(s);

@@ -13,8 +13,8 @@
 ///          (hull), contacts/cargo_cargo/{length_m, damping_n_s_m, friction, tanh_linear_s_m,
 ///          tanh_spin_s}, micro/{damping_per_s, gravity_m_s2, spin_friction_radius_m},
 ///          initial/random/{count, region/x_m, region/y_m, seed}. Members of a kind of a mix stand
-///          below cargo/<n> instead of cargo. An obstacle of two points is pointed at as a whole, a
-///          longer path at its point.
+///          below cargo/<n> instead of cargo. The pointer of a fault is that of the whole obstacle if it has two points,
+///          else that of the point.
 
 #pragma once
 
@@ -38,14 +38,14 @@ void scene_belt_init(scene_belt *b);
 void scene_obstacle_init(scene_obstacle *o);
 void scene_counter_init(scene_counter *c);
 
-/// Fill in what was left to be derived: every NAN that has a default in terms of other members,
+/// Fill in the derived values: every NAN that has a default in terms of other members,
 /// empty ids, the belt and the counter if there are none. BF_ENOMEM: *s is as before.
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 
 /// Check a resolved scenario, whatever the model: ranges, ids, geometry, sizes, cargo outside or
-/// overlapping. What one model cannot take is run_check()'s (core/run/run.h). Notes every fault it can
-/// find, of one kind of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM. The places of
-/// the parts are then in s->placement, so that they are worked out once; after a change to cargo or its
+/// overlapping. The limits of one model are checked by run_check() (core/run/run.h). Adds every fault it can
+/// find, of each kind of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM. The places of
+/// the parts are then in s->placement, so that they are computed once; after a change to cargo or its
 /// source the scene must be checked again.
 void scene_check(scene *s, bf_faults *faults);
 
@@ -72,7 +72,7 @@ bool scene_is_id(const char *text);
 size_t scene_parts(const scene *s);
 
 /// True if the convolution sees the density mirrored at wall edges instead of zero outside: when
-/// no obstacle asks for one of the paper's own treatments.
+/// no obstacle has one of the paper's own treatments.
 bool scene_mirrors_walls(const scene *s);
 
 /// The rule for the step "auto" of both models: the largest step that is at most `most` (is_below: less

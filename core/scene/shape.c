@@ -14,7 +14,7 @@
 /// Relative to the size of the shape: nearer corners are one, and an outline with less area is flat.
 #define FLAT 1e-9
 
-/// The same for the volume of a hull, which must stand well above what FLAT leaves open.
+/// The same for the volume of a hull, which must be well above the tolerance FLAT.
 #define HULL_FLAT 1e-6
 
 typedef struct vector {
@@ -178,7 +178,7 @@ double shape_packing_density(const scene_shape *shape)
     return M_PI / (2.0 * sqrt(3.0)) / shape_footprint_of(shape).area;
 }
 
-/// A shape that is being checked, and where its faults go.
+/// A shape that is being checked, and its list of faults.
 typedef struct checking {
     const scene_shape *shape;
     const char *pointer; ///< of the shape
@@ -284,7 +284,7 @@ static void check_hull(const checking *c)
         faults_add(c->faults, pointer, "is degenerate: the points enclose no volume");
 }
 
-/// Note a footprint that is too small, or too small for how far it reaches from the origin.
+/// Note a footprint that is too small, or too small for its radius about the origin.
 static void check_footprint(const checking *c)
 {
     char room[BF_POINTER_SIZE];

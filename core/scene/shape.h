@@ -1,4 +1,4 @@
-/// What the shape of a part amounts to: its footprint on the belt and its volume.
+/// Geometry of the shape of a part: its footprint on the belt and its volume.
 
 #pragma once
 

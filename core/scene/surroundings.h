@@ -1,16 +1,16 @@
-/// What is around the parts: belts under them, plates in their way, edges of the domain.
+/// The surroundings of the parts: belts, plates, edges of the domain.
 ///
-/// Both models, the placement of parts and the checks ask here, and nowhere else,
+/// The only implementation, for both models, the placement of parts and the checks, of
 ///
 ///     which belt carries a point at a time, and how fast;
 ///     what a straight piece of a plate is: tangent, length, thickness and upstream side;
 ///     what a side of the domain is, and whether a point is outside.
 ///
-/// A solver may prepare what it needs of the answers once and keep it for its loops.
+/// A solver may precompute from these functions the data of its loops.
 ///
 /// Units    SI.
 /// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along
-///          the belt has no upstream side of its own: the left one, seen from its start, counts.
+///          the belt has no upstream side: the left one, seen from its start, is used.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-/// A scenario as plain data; see scene.h, which says what is done with it.
+/// A scenario as plain data; see scene.h for the functions on it.
 ///
 /// Units    SI: m, s, kg, m/s, Pa. Angles are radians.
 
@@ -30,13 +30,13 @@ typedef enum scene_side {
 
 /// What a side of the domain is.
 typedef enum scene_edge {
-    SCENE_EDGE_INFLOW,  ///< zero density comes in (11a)
+    SCENE_EDGE_INFLOW,  ///< density 0 outside (11a)
     SCENE_EDGE_OUTFLOW, ///< open: cargo leaves
     SCENE_EDGE_WALL,    ///< solid, free slip: no flux crosses it (11b)
     SCENE_EDGE_COUNT
 } scene_edge;
 
-/// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one wins.
+/// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one applies.
 typedef struct scene_belt {
     char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
     vec2 velocity;          ///< v_T, m/s (default 0.395, 0)
@@ -46,9 +46,9 @@ typedef struct scene_belt {
 
 /// How the macroscopic model holds cargo back at an obstacle.
 typedef enum scene_treatment {
-    SCENE_SEALED, ///< line closed, outward field upstream of it: keeps to the microscopic model
-    SCENE_FIELD,  ///< the paper's field alone (sections 3.1, 4.2): cargo leaks through
-    SCENE_WALL,   ///< line closed (11b), slide zone only
+    SCENE_SEALED, ///< line closed, outward field upstream of it: agrees best with the microscopic model
+    SCENE_FIELD, ///< the paper's field alone (sections 3.1, 4.2): cargo leaks through
+    SCENE_WALL,  ///< line closed (11b), slide zone only
     SCENE_TREATMENT_COUNT
 } scene_treatment;
 
@@ -90,7 +90,7 @@ typedef struct scene_material {
     double poisson_ratio; ///< nu, 0 <= nu < 0.5
 } scene_material;
 
-/// Who touches whom in the microscopic model.
+/// Pairs of materials in contact in the microscopic model.
 typedef enum scene_pair {
     SCENE_CARGO_CARGO,
     SCENE_CONVEYOR_CARGO,
@@ -137,10 +137,10 @@ typedef struct scene_placement {
     size_t n;          ///< parts; 0: not placed yet
     scene_pose *poses; ///< n of them
     uint32_t *kinds;   ///< kind of each; NULL: all are of kind 0
-    bool is_borrowed;  ///< the arrays are another's
+    bool is_borrowed;  ///< the arrays are owned by another struct
 } scene_placement;
 
-/// The source of cargo at t = 0. Only the members of its type count.
+/// The source of cargo at t = 0. Only the members of its type are used.
 typedef struct scene_initial {
     scene_initial_type type; ///< (no default)
     size_t n_poses;          ///< positions: how many
@@ -167,7 +167,7 @@ typedef struct scene_output {
     double snapshot_every; ///< s, > 0 (default 0.1)
 } scene_output;
 
-/// What lets the dispersion act at density rho.
+/// The function H by which the dispersion acts at density rho.
 typedef enum scene_heaviside {
     SCENE_HEAVISIDE_SHARP,  ///< 1 where rho >= 1, else 0
     SCENE_HEAVISIDE_SMOOTH, ///< 1/2 + atan((rho - 1)/width)/pi
@@ -227,7 +227,7 @@ typedef struct scene_micro {
 
 /// The whole scenario. Begin with scene_init().
 typedef struct scene {
-    char name[SCENE_NAME_SIZE];         ///< for people (default "")
+    char name[SCENE_NAME_SIZE];         ///< a free text (default "")
     double duration;                    ///< s, > 0 (no default)
     scene_rect domain;                  ///< (no default)
     scene_edge edges[SCENE_SIDE_COUNT]; ///< (default inflow, outflow, wall, wall)

@@ -1,7 +1,7 @@
 // Walls and plates as faces and arcs.
 //
 // A plate is its path swept by the thickness to the downstream side: a rectangle a segment. Of their
-// union only the outside counts, so that a part that glides over a joint feels one surface: sides reach
+// union only the outside counts, so that a part that slides over a joint is in contact with one surface: sides extend
 // from joint to joint, each over its half-open range; on the outer side of a bend an arc joins them,
 // around the joint itself and with radius 0 if that is the upstream side, else the thickness; at free
 // ends there is a short face across and a sharp edge at each of its ends.

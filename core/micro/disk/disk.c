@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double skin_fraction = 0.25; // of the radius
-enum { TILED_PARTS = 150000 };            // from here on parts are too many for caches
+enum { TILED_PARTS = 150000 };            // from this number on parts do not fit into the caches
 
 static void destroy(void *state)
 {

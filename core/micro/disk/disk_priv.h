@@ -16,9 +16,9 @@
 ///
 /// Ids      a part has a fixed id, its index in the definition, and a slot, where it is stored. Slots are
 ///          sorted in space whenever the list of neighbours is made, and come in groups of DISK_GROUP:
-///          live parts at 0 .. n_live - 1; then padding up to n_padded (far away, of no effect); then
-///          parts that are gone, as they left.
-/// List     Everything that depends on where parts are (neighbours, candidates for the boundary, parts
+///          live parts at 0 .. n_live - 1; then padding up to n_padded (far away, without effect); then
+///          parts that have left, in their last state.
+/// List     Everything that depends on the positions of parts (neighbours, candidates for the boundary, parts
 ///          at borders, belts) is made together by disk__rebuild() and holds as long as
 ///          neighbours_holds() says of displacement_bound.
 /// Sums     over features of the boundary first, in their order, then over neighbours by their ids, so
@@ -35,7 +35,7 @@
 
 enum { DISK_PARTITIONS_MAX = 64 }; ///< threads that advance the parts together
 
-/// What a contact needs beyond the parts: k = line / (compliance of one + compliance of the other).
+/// Parameters of contacts besides those of the parts: k = line / (compliance of one + compliance of the other).
 typedef struct disk_law {
     double line;        ///< pi/4 l, m
     double damping;     ///< d, N s/m
@@ -50,14 +50,14 @@ typedef struct disk_belt {
     double on_belt; ///< 1 on a belt, 0 off every belt
 } disk_belt;
 
-/// What the planar path needs of a kind of part.
+/// Parameters of a kind of part.
 typedef struct disk_kind {
     disk part;                ///< radius, compliance and inverse mass; the rest is 0
     double spin_deceleration; ///< A, rad/s2
     double height;            ///< m
 } disk_kind;
 
-/// A part that may touch a face or an arc before the list is made anew.
+/// A part that may touch a face or an arc before the list is rebuilt.
 typedef struct disk_candidate {
     uint32_t slot;    ///< of the part
     uint32_t feature; ///< face, or n_faces + arc
@@ -67,10 +67,10 @@ typedef struct disk_candidate {
 typedef enum disk_presence {
     DISK_HERE,  ///< in the domain
     DISK_GONE,  ///< it left
-    DISK_GOING, ///< it left in a step that may be taken back
+    DISK_GOING, ///< it left in a step that may be undone
 } disk_presence;
 
-/// A part near an open edge or the border of a belt: looked at after each step.
+/// A part near an open edge or the border of a belt: checked after each step.
 typedef struct disk_border_part {
     uint32_t slot;      ///< of the part
     disk_presence gone; ///< unless DISK_HERE, part and heading are what it left with
@@ -95,8 +95,8 @@ typedef struct disk_tiling {
     size_t n_blocks;            ///< see there
     size_t lead;                ///< how far a step may be ahead of the next one, blocks
     int n_steps;                ///< of a tile; fewer than 2: none fits
-    uint64_t n_made;            ///< tiles that counted
-    uint64_t n_put_back;        ///< tiles that did not
+    uint64_t n_made;            ///< tiles whose steps were accepted
+    uint64_t n_put_back;        ///< tiles that were undone
 } disk_tiling;
 
 /// The list of neighbours, by groups: row r of group g is the DISK_GROUP entries from
@@ -116,7 +116,7 @@ struct disk_state {
     disk_law cargo;                 ///< cargo on cargo
     disk_law handling;              ///< cargo on obstacles and walls
     double handling_compliance;     ///< as in disk
-    micro_law belt;                 ///< cargo on belts; its stiffness does not count here
+    micro_law belt;                 ///< cargo on belts; its stiffness is not used
     double spin_damping;            ///< (1 - D)^dt
     bool is_uniform;                ///< one kind, one belt or none all over, no tension
     disk_belt uniform_belt;         ///< if is_uniform
@@ -168,21 +168,21 @@ struct disk_state {
     void *implicit;               ///< an implicit_state; NULL at first
 };
 
-/// Make the list and all that depends on positions from the parts in `now`: sorts them, files away those that
-/// are gone or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and next
-/// may trade their storage. BF_ENOMEM: the list is unusable until a call succeeds.
+/// Make the list and all that depends on positions from the parts in `now`: sorts them, stores the final state of those that
+/// have left or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and next
+/// may exchange their storage. BF_ENOMEM: the list is unusable until a call succeeds.
 BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 
-/// After a step was written into `parts` (and headings): look at the border parts first .. last - 1. Parts
+/// After a step was written into `parts` (and headings): check the border parts first .. last - 1. Parts
 /// that left are frozen in their disk_border_part, which then says `left`, and moved far away and to rest in
-/// `parts`; those at the border of a belt learn what is under them. Touches nothing of other parts.
+/// `parts`; those at the border of a belt get the belt that is now under them. Does not modify other parts.
 void disk__update_border_parts(disk_state *s, disk *parts, size_t first, size_t last,
                                disk_presence left);
 
 /// Belt under a point.
 disk_belt disk__belt_at(const disk_state *s, double x, double y);
 
-/// A part far away and at rest, of its own for each slot, in contact with nothing.
+/// A part far away and at rest, at a different place for each slot, without contacts.
 disk disk__pad(const disk_state *s, size_t slot);
 
 /// Put all parts into the slots of their ids, with what belongs to their kinds and without position and
@@ -225,10 +225,11 @@ void disk__boundary_fini(disk_state *s); ///< Free them.
 /// are not in contact.
 double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts);
 
-/// Have what tiles need, from the next rebuild on. BF_ENOMEM: steps will be made one by one.
+/// Allocate the data of tiles, in use from the next rebuild on. BF_ENOMEM: steps will be made one by one.
 BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);
 void disk__tiling_fini(disk_state *s); ///< Free it.
-void disk__plan_tiles(disk_state *s);  ///< Lay tiles over the present list, if there is that.
+void disk__plan_tiles(
+    disk_state *s); ///< Compute the tiles of the current list, if tiles are in use.
 
 /// driver_solver.check: a part is not finite or moves by more than half the smallest radius in a step.
 BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);

@@ -4,15 +4,15 @@
 //                parts, headings, forces, border parts and what is under them of its own partitions only; it
 //                reads all parts of `now`.
 //
-// Several steps  For more disks than caches hold. Parts are sorted in space and fall into blocks. A block
+// Several steps  For disks that do not fit into the caches. Parts are sorted in space and fall into blocks. A block
 //                can make its step t as soon as all blocks that hold neighbours of its parts have made step
-//                t - 1; so the steps of a tile run over the parts one close behind the other, and what a
-//                part is comes from memory once for all of them. Step t reads one array of parts and writes
-//                the other, over the state before step t - 1, which only neighbours needed. Each member of
-//                a team makes some steps that follow one another; n_done is all that they exchange.
-//                That the list held through all steps, and that all went well, is known at the end. If not,
-//                the parts are put back as they were, and single steps find out where it ended: results are
-//                those of single steps, to the bit.
+//                t - 1; so the steps of a tile follow each other closely through the parts, and
+//                a part is loaded from memory once for all of them. Step t reads one array of parts and writes
+//                the other, over the state before step t - 1, which is no longer needed. Each member of
+//                a team makes some steps that follow one another; n_done is their only shared state.
+//                Whether the list was valid in all steps, and all of them succeeded, is checked at the end. If
+//                not, the parts are restored, and single steps are made instead: results have
+//                the bits of single steps.
 
 #include "core/micro/disk/disk_priv.h"
 
@@ -161,7 +161,7 @@ typedef struct level {
 
 typedef struct tile {
     disk_state *s;
-    explicit_step step; // its parts do not count
+    explicit_step step; // without its parts
     int n_levels;
     level levels[TILE_STEPS];
 } tile;
@@ -234,7 +234,7 @@ void disk__plan_tiles(disk_state *s)
     tiles->n_steps = most - most % s->n_partitions;
 }
 
-// Puts the parts of a block aside.
+// Saves the parts of a block.
 static void back_up_block(disk_state *s, const disk_block *block)
 {
     const size_t last = block[1].group_first * DISK_GROUP;
@@ -278,7 +278,7 @@ static bool is_ready(const tile *w, int of_step, size_t of_block)
            (of_step + 1 == w->n_levels || of_block < count_done(w, of_step + 1) + tiles->lead);
 }
 
-// What one look at a member's steps came to.
+// The result of one pass over a member's steps.
 typedef enum turn { TURN_OVER, TURN_WAITS, TURN_MADE } turn;
 
 // Makes a block of the last step that can go on: steps stay close together.
@@ -314,7 +314,7 @@ static void make_levels(void *context, int member, int n_members, team_barrier *
     }
 }
 
-// What single steps would have come to; *ret_holds: they would not have ended before the last.
+// The outcome of single steps; *ret_holds: they would not have ended before the last.
 static driver_outcome outcome_of(const tile *w, driver_progress *ret_progress, bool *ret_holds)
 {
     driver_outcome outcome = DRIVER_MADE;
@@ -383,7 +383,7 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
     bool holds;
 
     *ret_most = n_steps > 0 && n_steps < n ? n_steps : n;
-    // Twice the last speed is a guess, which saves tiles that would only be put back.
+    // Twice the last speed is a guess, which avoids tiles that would only be undone.
     if (s->tiling.backup == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
         !neighbours_holds(s->skin, s->displacement_bound + 2.0 * s->last_bound * (int)n_steps))
         return 0;
@@ -467,7 +467,7 @@ double disk__dt_stable_explicit(const micro_def *def)
                                                 &def->handling, def->modulus_reduction)
                                 .stiffness);
     }
-    // Around a part there is room for pi / asin(small / (small + large)) neighbours; the sum of their
+    // At most pi / asin(small / (small + large)) neighbours fit around a part; the sum of their
     // n n^T has half as many as its largest eigenvalue at most, and neighbours that move the other way
     // double it. The step is stable while 2 d' dt + k' dt^2 < 4.
     double neighbours = M_PI / asin(r_min / (r_min + r_max)) / m_min;

@@ -212,7 +212,7 @@ INLINED void turn(const motion *m, parts *own, const loads *sum)
     own->spin = w * t.down / (t.down + m->on_belt * m->spin_secant * t.up);
 }
 
-// The largest of all parts of a call, and the sum that tells whether all are finite.
+// The largest of all parts of a call, and a sum that is finite only if all are.
 typedef struct largest {
     simd speed2, sum, overlap, overlap_share;
 } greatest;
@@ -269,7 +269,7 @@ INLINED loaded load_lanes(const explicit_step *step, const pair_law *law, size_t
     return (loaded){ own, sum };
 }
 
-// speed2 where a part is in the scene; 0 for padding, which stands far away but rides the belt.
+// speed2 where a part is in the scene; 0 for padding, which is far away but has the belt's velocity.
 INLINED simd speed2_in_scene(const parts *own, simd speed2)
 {
     const simd far2 = simd_all(0.25 * DISK_FAR * DISK_FAR);
@@ -339,15 +339,15 @@ static void advance(const explicit_step *step, size_t first, size_t last, driver
         advance_groups(step, first, last, false, extremes);
 }
 
-// A square of which the root is never zero.
+// A square whose root is never zero.
 static const double tiny2 = 1e-200;
 
-// SIMD_LANES candidates: what of the boundary is where, seen from the parts.
+// SIMD_LANES candidates: the geometry of the boundary relative to the parts.
 typedef struct surface {
     simd nx, ny;   // unit normal out of the boundary
     simd height;   // of the part's centre over it, m
     simd friction; // mu
-    simd inside;   // 1 where the centre is where the feature counts, else 0
+    simd inside;   // 1 where the centre is in the range of the feature, else 0
 } surface;
 
 INLINED surface find_faces(const disk_state *s, const parts *own, const uint32_t *feature)
@@ -395,7 +395,7 @@ INLINED surface choose(surface a, surface b, simd pick)
     return s;
 }
 
-// Candidates first .. first + SIMD_LANES - 1, of which those from last on do not count.
+// Candidates first .. first + SIMD_LANES - 1, of which those from last on are ignored.
 typedef struct candidate_lanes {
     uint32_t slot[SIMD_LANES];
     uint32_t row[SIMD_LANES], face[SIMD_LANES], arc[SIMD_LANES]; // where they begin
@@ -456,7 +456,7 @@ static void clear_forces(disk *rows)
         rows[k].x = rows[k].y = rows[k].spin = 0.0;
 }
 
-// Adds what SIMD_LANES candidates, of which n count, do to their parts. *group is that of the candidate before.
+// Adds the forces of SIMD_LANES candidates, of which n are valid, to their parts. *group is that of the candidate before.
 INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, size_t n,
                           const loads *sum, uint32_t *group)
 {

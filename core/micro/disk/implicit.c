@@ -2,8 +2,8 @@
 //
 //     overlap    delta+ = delta - h v+, v = speed at which the surfaces part
 //     normal     impulse J = max(0, E (delta - h v+) - d max(delta, 0)), E = h k + d: for delta > 0
-//                h times (4a) at the end of the step; for a gap (delta < 0), nothing until it closes
-//                and then the dashpot on what it closed to
+//                h times (4a) at the end of the step; for a gap (delta < 0), zero until it closes,
+//                and then the dashpot acts on the overlap
 //     sliding    impulse -mu |J| lambda theta(lambda |u|) u+, at most mu |J|; u the slip known so far: (7),
 //                implicit by its secant (core/micro/friction.h)
 //     belt       impulse -h mu m g lambda theta(lambda |u|) u+, u the velocity relative to the belt
@@ -11,11 +11,11 @@
 //                changes the inertia
 //
 // The coupled equations are solved contact by contact (Gauss-Seidel) from the impulses of the step
-// before; each iteration takes the secants anew and so comes nearer to implicit Euler. Every impulse acts
+// before; each iteration updates the secants and so converges to implicit Euler. Every impulse acts
 // on both parts, so momentum is conserved however few iterations are made.
 //
-// A team meets between the phases of a step. In a phase every member takes its part of the chunks of slots
-// or of the pieces of a group, none of which writes what another one reads.
+// The members of a team wait for each other between the phases of a step. In a phase every member works on some of
+// the chunks of slots or of the pieces of a group, none of which writes what another one reads.
 
 #include "core/micro/disk/implicit.h"
 #include "core/base/memory.h"
@@ -65,7 +65,7 @@ implicit_state *disk_implicit__destroy(implicit_state *z)
     return NULL;
 }
 
-// Most iterations that the kinds of parts ask for.
+// The largest number of iterations that a kind of part requires.
 static int find_iterations(const disk_state *s)
 {
     const double damping = fmax(s->cargo.damping, s->handling.damping);
@@ -125,8 +125,8 @@ static bf_status rebuild(disk_state *s, implicit_state *z, bf_error *err)
     return disk__rebuild(s, err);
 }
 
-// The list and the pairs as the next step needs them. The list alone is made anew if it is of another
-// age than the pairs, as after a load.
+// The list and the pairs as the next step needs them. The list alone is rebuilt if it was made at another
+// time than the pairs, as after a load.
 static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
@@ -155,8 +155,8 @@ static implicit_state *state_of(const driver_member *m)
     return ((disk_state *)m->state)->implicit;
 }
 
-// The pieces of one group after those of the other. Groups of one piece are all the first member's, who
-// need not wait between them.
+// The pieces of one group after those of the other. Groups of one piece are solved by the first member alone,
+// without waiting between them.
 static void split_groups(const driver_member *m, driver_work *work)
 {
     const size_t *piece = state_of(m)->group_piece;

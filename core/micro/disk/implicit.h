@@ -3,12 +3,12 @@
 /// Order    contacts stand in groups, solved one after the other. In no group but the last one does a
 ///          part occur twice, so that its contacts may be solved in any order, many at once, by any
 ///          thread: first those with the boundary (a part's first candidate, its second ...), then the
-///          colours of a greedy colouring of the pairs of parts. The last group is for what is left over.
-///          Pieces of a group are what threads divide among themselves, blocks of a piece what goes through registers
+///          colours of a greedy colouring of the pairs of parts. The last group has the pairs for which no colour was left.
+///          Pieces of a group are what threads divide among themselves, blocks of a piece are processed in registers
 ///          together.
 /// State    The pairs with their groups and impulses outlive a step and are saved; the rest is scratch.
-///          Pairs are chosen anew, and disk__rebuild() is called, when their own displacement_bound says so,
-///          which is saved too: when the list was made by others has no influence.
+///          Pairs are selected again, and disk__rebuild() is called, by their own displacement_bound,
+///          which is saved too, so that other rebuilds of the list have no influence.
 
 #pragma once
 
@@ -17,13 +17,13 @@
 enum {
     IMPLICIT_BOUNDARY = 4, ///< groups 0 .. 3: contacts with the boundary
     IMPLICIT_COLOURS = 31, ///< groups from IMPLICIT_BOUNDARY on
-    IMPLICIT_REST = 35,    ///< group of what is left over, one contact a block
+    IMPLICIT_REST = 35,    ///< group of pairs without a colour, one contact a block
     IMPLICIT_GROUPS = 36,  ///< all of them
     IMPLICIT_PIECE = 1024, ///< most pairs of a piece but the last
     IMPLICIT_CHUNK = 1024, ///< slots that a thread takes at a time, a multiple of IMPLICIT_WIDTH
 };
 
-/// Two parts, or a part and a feature of the boundary, that may touch before pairs are chosen anew.
+/// Two parts, or a part and a feature of the boundary, that may touch before pairs are selected again.
 typedef struct implicit_pair {
     uint32_t id[2];   ///< of the parts, rising; a feature has id n + feature
     uint32_t slot[2]; ///< of the parts; void_slot for the boundary
@@ -81,8 +81,8 @@ implicit_state *disk_implicit__create(const disk_state *s);
 /// Free it. NULL is fine. Always returns NULL.
 implicit_state *disk_implicit__destroy(implicit_state *z);
 
-/// Choose the pairs anew from the list and the candidates, which must be fresh; pairs that were there
-/// before keep their impulses. BF_ENOMEM: they are of no use until a call succeeds, with the same impulses.
+/// Select the pairs again from the list and the candidates, which must be current; pairs that existed
+/// before retain their impulses. BF_ENOMEM: they are of no use until a call succeeds, with the same impulses.
 BF_MUST_CHECK bf_status disk_implicit__choose(disk_state *s, implicit_state *z, bf_error *err);
 
 /// Find the slots of pairs that came from a saved state, on the present list.
@@ -99,13 +99,13 @@ BF_MUST_CHECK bf_status disk_implicit__cut(const disk_state *s, implicit_state *
 void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t piece,
                                   double margin);
 
-/// Put the impulses of a piece's contacts back into its pairs.
+/// Store the impulses of a piece's contacts in its pairs.
 void disk_implicit__store_impulses(implicit_state *z, size_t piece);
 
 /// Write what MICRO_IMPLICIT needs beyond parts, headings and steps: the impulses of the last step, and which
-/// pairs it looks at; nothing if s->implicit is NULL.
+/// pairs are selected; nothing if s->implicit is NULL.
 void disk_implicit__save(const disk_state *s, checkpoint_writer *w);
 
-/// Take that back, to the end of the payload; nothing makes s->implicit as at first. Looks at nothing in s that
-/// changes with time. BF_ECORRUPT or BF_ENOMEM: s is as before.
+/// Load that, to the end of the payload; if there is nothing, s->implicit is reset to its initial state. Reads
+/// nothing in s that changes with time. BF_ECORRUPT or BF_ENOMEM: s is as before.
 BF_MUST_CHECK bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err);

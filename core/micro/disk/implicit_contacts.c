@@ -22,7 +22,7 @@ static size_t bound_pairs(const disk_state *s)
     return s->n_candidates + n_rows * DISK_GROUP / 2;
 }
 
-// A colour that neither slot has; what is left over goes to the last group.
+// A colour that neither slot has; without one the pair goes to the last group.
 static uint8_t take_colour(uint32_t *used, uint32_t a, uint32_t b)
 {
     uint32_t free = ~(used[a] | used[b]) & (UINT32_MAX >> (32 - IMPLICIT_COLOURS));
@@ -70,7 +70,7 @@ static void collect_candidates(const disk_state *s, implicit_state *z, size_t *n
 }
 
 // All pairs into spare, those of parts in the order of ids: colours must not depend on the order
-// of slots, which has a history. Room is there.
+// of slots, which depends on earlier steps. Memory is reserved.
 static size_t collect_pairs(const disk_state *s, implicit_state *z)
 {
     size_t n = 0;
@@ -119,8 +119,8 @@ static void count_groups(implicit_state *z, size_t n)
         z->group[g + 1] += z->group[g];
 }
 
-// The n pairs in spare by their groups into z->pairs, where room is; coloured ones by slots, so that
-// memory is gone through in order, the others in the order in which they stand.
+// The n pairs in spare by their groups into z->pairs, whose memory is reserved; coloured ones by slots, so that
+// memory is accessed in order, the others in their present order.
 static void sort_pairs(const disk_state *s, implicit_state *z, size_t n)
 {
     size_t at[IMPLICIT_GROUPS];
@@ -224,7 +224,7 @@ typedef struct contact_geometry {
     double rate;      // lambda, s/m
     double vx;        // velocity of 1 minus that of 0, m/s
     double vy;        //
-    double inv_mass;  // what an impulse along n changes the parting speed by, 1/kg
+    double inv_mass;  // change of the parting speed by a unit impulse along n, 1/kg
     double radius[2]; // m; 0 for the boundary
     double spin[2];   // rad/s
 } contact_geometry;

@@ -10,7 +10,7 @@ static inline simd size_of(simd x)
     return simd_max(x, -x);
 }
 
-// The first quad of rows that stand anywhere; where one stands twice both must be alike.
+// The first quad of rows at arbitrary places; a row that occurs twice must have the same values.
 static inline void scatter(solver_body *bodies, const uint32_t *at, const simd_quad *quad)
 {
     _Alignas(64) double rows[SIMD_LANES * SIMD_ROW];
@@ -20,7 +20,7 @@ static inline void scatter(solver_body *bodies, const uint32_t *at, const simd_q
         memcpy(&bodies->vx + at[k], &rows[k * SIMD_ROW], 4 * sizeof(double));
 }
 
-// SIMD_LANES contacts of a block and what moves there: vx, vy, spin and inv_mass of both ends.
+// SIMD_LANES contacts of a block and the motion of both ends: vx, vy, spin and inv_mass of both ends.
 typedef struct ends {
     simd_quad a, b;
     simd nx, ny;
@@ -33,7 +33,7 @@ static inline ends load_ends(const solver_body *bodies, const implicit_block *bl
                    simd_load(block->ny + lane) };
 }
 
-// Apply impulses, or what they have changed by, to both ends.
+// Apply impulses, or their changes, to both ends.
 static inline void apply_impulse(solver_body *bodies, const implicit_block *block, size_t lane,
                                  ends *e, simd normal, simd sliding)
 {
@@ -86,7 +86,7 @@ static inline simd friction_impulse(const implicit_block *block, size_t lane, si
     return simd_min(simd_max(-secant * free_slip / (theta.down + secant * inv_mass), -most), most);
 }
 
-// Each contact is solved for its impulses while all others stay.
+// Each contact is solved for its impulses while all others are fixed.
 static inline void solve_lanes(solver_body *bodies, implicit_block *block, size_t lane)
 {
     ends e = load_ends(bodies, block, lane);
@@ -175,7 +175,7 @@ typedef struct greatest {
     simd speed2, sum;
 } greatest;
 
-// Notes SIMD_LANES speeds, but not those of padding and of parts that are gone: these stand far away.
+// Records SIMD_LANES speeds, except those of padding and of parts that have left: these are far away.
 static inline void note_speeds(greatest *all, simd x, simd y, simd vx, simd vy, simd spin)
 {
     simd far = simd_max(size_of(x), size_of(y)), speed2 = vx * vx + vy * vy;

@@ -1,7 +1,7 @@
-/// What the inner loops of disks work on, and their tables of functions.
+/// The data of the inner loops of disks, and their tables of functions.
 ///
 /// explicit_kernels.c and implicit_kernels.c are compiled once per instruction set (core/CMakeLists.txt). All
-/// builds give the same bits: core/base/simd.h says why. Tables that are read in lanes have rows of
+/// builds give the same bits, see core/base/simd.h. Tables that are read in lanes have rows of
 /// SIMD_ROW doubles (core/base/simd_rows.h), aligned to their size.
 
 #pragma once
@@ -37,8 +37,8 @@ typedef struct disk {
 
 /// A straight piece of the boundary: a side of a plate, an end of one, or a wall. A part with centre c is in
 /// contact if from <= (c - p).t < to, t = n turned right, and -depth < (c - p).n < r; its overlap is
-/// r - (c - p).n, along n. The upstream side of a plate holds centres that were pressed into it, all
-/// through the plate; other sides count from outside only.
+/// r - (c - p).n, along n. The upstream side of a plate also acts on centres inside the plate, through
+/// its whole thickness; other sides act from outside only.
 typedef struct disk_face {
     double px;       ///< a point of it, m
     double py;       ///< same
@@ -47,7 +47,7 @@ typedef struct disk_face {
     double from;     ///< m along t
     double to;       ///< same
     double depth;    ///< m, how deep a centre may be inside
-    double friction; ///< mu; 0 for walls, which slip freely
+    double friction; ///< mu; 0 for walls, which are frictionless
 } disk_face;
 
 /// A round corner of the boundary: where it is the arc of radius `radius` around p (0: a sharp edge). A
@@ -70,7 +70,7 @@ typedef struct explicit_step {
     disk *next;              ///< after it; before, in groups near the boundary, the forces of that
     double *heading;         ///< by slot, updated
     double dt;               ///< s, for positions and headings
-    double dt_force;         ///< s, what forces act for: dt, or 0 in the first step
+    double dt_force;         ///< s, for forces: dt, or 0 in the first step
     double damping_factor;   ///< 1 - D dt, or 1 in the first step
     double spin_damping_factor; ///< (1 - D)^dt, or 1 in the first step
 } explicit_step;
@@ -102,9 +102,8 @@ const explicit_kernels *disk__explicit_kernels(cpu_level level);
 /// Contacts of pairs that are near enough in this step. Normals point from parts 0 to parts 1, impulses are
 /// those on parts 1. Lanes without a pair have a static body at both ends and zeros.
 typedef struct implicit_block {
-    uint32_t row[2]
-                [IMPLICIT_WIDTH];  ///< rows of bodies, as core/base/simd_rows.h wants them: doubles
-    uint32_t pair[IMPLICIT_WIDTH]; ///< indices of pairs; UINT32_MAX: none
+    uint32_t row[2][IMPLICIT_WIDTH];  ///< rows of bodies for core/base/simd_rows.h: doubles
+    uint32_t pair[IMPLICIT_WIDTH];    ///< indices of pairs; UINT32_MAX: none
     uint32_t padding[IMPLICIT_WIDTH]; ///< to a cache line
     double nx[IMPLICIT_WIDTH];        ///< unit normal
     double ny[IMPLICIT_WIDTH];        ///< same
@@ -116,48 +115,48 @@ typedef struct implicit_block {
     double rate[IMPLICIT_WIDTH];           ///< lambda, s/m
     double lever[2][IMPLICIT_WIDTH];       ///< from the centres to the contact, m
     double spin_change[2][IMPLICIT_WIDTH]; ///< of both parts by a sliding impulse, 1/(kg m)
-    double inv_slip_mass[IMPLICIT_WIDTH];  ///< what a sliding impulse changes the slip by, 1/kg
+    double inv_slip_mass[IMPLICIT_WIDTH];  ///< change of the slip by a unit sliding impulse, 1/kg
     double normal[IMPLICIT_WIDTH];         ///< J so far, N s
     double sliding[IMPLICIT_WIDTH];        ///< sliding impulse so far, N s
 } implicit_block;
 
-/// Velocity of a part within a step, and how impulses change it. Behind the rows of slots stand those of
-/// static bodies, which nothing moves.
+/// Velocity of a part within a step, and how impulses change it. The rows of slots are followed by those of
+/// static bodies.
 typedef struct solver_body {
     double vx;          ///< m/s
     double vy;          ///< same
     double spin;        ///< rad/s
     double inv_mass;    ///< 1/kg
-    double inv_inertia; ///< of the inertia that an impulse meets, 1/(kg m2)
-    double belt_dvx;    ///< what the belt changed the velocity by in this step, m/s
+    double inv_inertia; ///< inverse of the effective inertia for an impulse, 1/(kg m2)
+    double belt_dvx;    ///< change of the velocity by the belt in this step, m/s
     double belt_dvy;    ///< same
     double padding;     ///< to a cache line
 } solver_body;
 
 /// The numbers of an implicit step.
 typedef struct implicit_step {
-    double damping_factor; ///< what the damping D leaves of a velocity
+    double damping_factor; ///< factor by which the damping D reduces a velocity
     double belt_secant;    ///< h mu g lambda of the belts
 } implicit_step;
 
 /// Implicit steps for one instruction set.
 typedef struct implicit_kernels {
-    /// Fill in what spins make of the blocks' contacts, and apply their impulses to the bodies.
+    /// Complete the blocks' contacts by the terms that depend on spins, and apply their impulses to the bodies.
     void (*warm_start)(solver_body *bodies, implicit_block *blocks, size_t n);
 
     /// One iteration over the blocks.
     void (*solve)(solver_body *bodies, implicit_block *blocks, size_t n);
 
     /// Bodies of the slots first .. last - 1, both multiples of IMPLICIT_WIDTH, as they would move in a
-    /// step without contacts. Returns what is true of them before and then.
+    /// step without contacts. Returns their extremes, before and after.
     driver_extremes (*predict)(const disk_state *s, const implicit_step *step, solver_body *bodies,
                                size_t first, size_t last);
 
-    /// Take the friction of the belts at the velocities of now, instead of as it was before.
+    /// Update the friction of the belts to the current velocities.
     void (*apply_belt_friction)(const disk_state *s, const implicit_step *step, solver_body *bodies,
                                 size_t first, size_t last);
 
-    /// Parts and headings at the end of the step. Returns what is true of them.
+    /// Parts and headings at the end of the step. Returns their extremes.
     driver_extremes (*move)(disk_state *s, const solver_body *bodies, size_t first, size_t last);
 } implicit_kernels;
 

@@ -1,4 +1,4 @@
-// What is made anew when parts have moved: their order in space, their neighbours, the faces and arcs that
+// What is rebuilt when parts have moved: their order in space, their neighbours, the faces and arcs that
 // they may touch, those near open edges and borders of belts, and what each thread advances.
 
 #include "core/micro/disk/disk_priv.h"
@@ -15,7 +15,7 @@ enum {
     GROUPS_A_PARTITION = 64, // least work of a thread
 };
 
-// Gives parts that are gone the state they left with. Parts that left unseen left just now.
+// Sets parts that have left to the state they left with. Parts whose exit was not recorded left just now.
 static void find_gone(disk_state *s)
 {
     for (size_t k = 0; k < s->n_border_parts; k++) {
@@ -31,7 +31,7 @@ static void find_gone(disk_state *s)
             s->is_gone[s->id_of[slot]] = 1;
 }
 
-// Copies what stands in a slot into a new one: rows to next, id and heading to scratch.
+// Copies a slot into a new one: rows to next, id and heading to scratch.
 static void move_part(disk_state *s, size_t from, size_t to)
 {
     s->next[to] = s->now[from];
@@ -46,7 +46,7 @@ static void fill_pad(disk_state *s, size_t to)
     s->list.scratch[to] = UINT32_MAX;
 }
 
-// What move_part() put aside becomes the state.
+// The copies of move_part() become the state.
 static void take_moved(disk_state *s)
 {
     uint32_t *ids = s->id_of;
@@ -79,7 +79,7 @@ static neighbours_parts parts_of(const disk_state *s)
                                .id = s->id_of };
 }
 
-// Sorts live parts by cell to the front, gone ones behind the padding.
+// Sorts live parts by cell to the front, those that left behind the padding.
 static bf_status sort_parts(disk_state *s, bf_error *err)
 {
     const neighbours_parts parts = parts_of(s);
@@ -111,11 +111,11 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     return BF_OK;
 }
 
-// A run of groups whose list one thread makes, in rows of its own.
+// Consecutive groups whose list one thread makes, in its own rows.
 typedef struct piece {
     size_t group_first, group_last;
     size_t row_first, row_room, n_rows;
-    bool is_short; // the room was not enough
+    bool is_short; // the memory was not sufficient
 } piece;
 
 typedef struct making {
@@ -270,7 +270,7 @@ disk_belt disk__belt_at(const disk_state *s, double x, double y)
     return (disk_belt){ velocity.x, velocity.y, is_on_belt ? 1.0 : 0.0 };
 }
 
-// A box that holds all centres in question; sides may be infinite.
+// A box that contains all relevant centres; sides may be infinite.
 typedef struct box {
     double x_min, x_max, y_min, y_max;
 } box;

@@ -1,4 +1,4 @@
-// The planar path from outside: reading, measuring, saving.
+// Access to the state: read, measure, save and load.
 
 #include "core/micro/disk/implicit.h"
 
@@ -10,14 +10,14 @@ typedef struct saved_part {
     double x, y, vx, vy, spin, heading, is_gone;
 } saved_part;
 
-// What stands before the parts of a saved state; what the integrator adds stands behind them.
+// The header of a saved state. The parts follow, then the data of the integrator.
 typedef struct saved_header {
     uint64_t steps;
     double largest_overlap;
     double overlap_share;
 } saved_header;
 
-// Where a part is kept that left after the last list was made, or NULL.
+// The record of a part that left after the last list was made, or NULL.
 static const disk_border_part *find_left(const disk_state *s, uint32_t slot)
 {
     size_t first = 0, last = s->n_border_parts;
@@ -114,7 +114,7 @@ micro_totals disk__measure(const void *state)
     return totals;
 }
 
-// What stands before the pairs.
+// The header of the pairs.
 typedef struct state_header {
     uint64_t is_chosen;
     uint64_t n_pairs;
@@ -168,7 +168,7 @@ static bool is_header_sound(const state_header *h)
     return is_sound;
 }
 
-// Contacts with the boundary and pairs of parts stand in their groups, and no part twice in any but the last:
+// Contacts with the boundary and pairs of parts must be in their groups, and no part twice in any but the last:
 // registers and threads rely on it.
 static bool is_pair_sound(const disk_state *s, const implicit_state *z, size_t k, uint32_t group)
 {

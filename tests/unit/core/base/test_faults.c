@@ -20,7 +20,7 @@ static void an_empty_list_is_no_failure(void **state)
     assert_string_equal(err.text, "untouched");
 }
 
-static void faults_keep_their_order_code_place_and_text(void **state)
+static void faults_retain_their_order_code_place_and_text(void **state)
 {
     static bf_faults faults;
     bf_error err = { .code = BF_ENOMEM, .pointer = "/c", .text = "three" };
@@ -83,7 +83,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_empty_list_is_no_failure),
-        cmocka_unit_test(faults_keep_their_order_code_place_and_text),
+        cmocka_unit_test(faults_retain_their_order_code_place_and_text),
         cmocka_unit_test(the_first_fault_is_the_status),
         cmocka_unit_test(a_flood_is_counted_but_not_kept),
         cmocka_unit_test(long_texts_and_pointers_are_cut),

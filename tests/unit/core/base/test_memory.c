@@ -38,7 +38,7 @@ static void freeing_nothing_is_fine(void **state)
     memory_free(NULL);
 }
 
-static void reserved_room_grows_by_doubling_and_keeps_what_was_there(void **state)
+static void reserved_memory_grows_by_doubling_and_retains_its_content(void **state)
 {
     int *items = NULL;
     size_t capacity = 0, n_moves = 0;
@@ -123,7 +123,7 @@ int main(void)
         cmocka_unit_test(room_is_zeroed_and_aligned_to_cache_lines),
         cmocka_unit_test(a_size_that_overflows_is_no_memory),
         cmocka_unit_test(freeing_nothing_is_fine),
-        cmocka_unit_test(reserved_room_grows_by_doubling_and_keeps_what_was_there),
+        cmocka_unit_test(reserved_memory_grows_by_doubling_and_retains_its_content),
         cmocka_unit_test(a_failed_reservation_leaves_everything),
         cmocka_unit_test(a_planned_fault_strikes_once_or_for_good),
         cmocka_unit_test(plain_memory_is_freed_as_malloc_gave_it),

@@ -44,7 +44,7 @@ static void numbers_are_uniform_between_0_and_1(void **state)
         assert_in_range(counts[b], N / BINS - 475, N / BINS + 475);
 }
 
-static void seeds_tell_sequences_apart(void **state)
+static void different_seeds_give_different_sequences(void **state)
 {
     bf_random a, b;
 
@@ -59,7 +59,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(splitmix_and_xoshiro_give_the_published_sequences),
         cmocka_unit_test(numbers_are_uniform_between_0_and_1),
-        cmocka_unit_test(seeds_tell_sequences_apart),
+        cmocka_unit_test(different_seeds_give_different_sequences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,7 +79,7 @@ static void a_block_that_spreads_is_carried_by_a_quarter_of_its_width(void **sta
 }
 
 // Twice the cargo in the same place: |1 - 2| / (1 + 2), and nothing to be carried.
-static void unequal_masses_are_told_by_l1_alone(void **state)
+static void unequal_masses_change_l1_alone(void **state)
 {
     (void)state;
     put_block(of_a, 3, 9, 4, 14, 0.25F);
@@ -173,7 +173,7 @@ int main(void)
         cmocka_unit_test(a_density_is_at_no_distance_from_itself),
         cmocka_unit_test(a_shifted_block_is_as_far_as_its_shift),
         cmocka_unit_test(a_block_that_spreads_is_carried_by_a_quarter_of_its_width),
-        cmocka_unit_test(unequal_masses_are_told_by_l1_alone),
+        cmocka_unit_test(unequal_masses_change_l1_alone),
         cmocka_unit_test(an_empty_belt_is_nowhere),
         cmocka_unit_test(without_memory_nothing_is_compared),
         cmocka_unit_test(grids_are_the_same_up_to_rounding),

@@ -74,7 +74,7 @@ static void a_box_rests_on_a_box_on_its_four_corners(void **state)
 
 // The overlap of [-2, 2] and [1.5, 2.5] along x; and of a square with itself turned by 45 degrees:
 // an octagon with equal sides.
-static void what_reaches_over_the_side_is_cut_away(void **state)
+static void what_extends_over_the_side_is_clipped(void **state)
 {
     (void)state;
     hull a, b;
@@ -138,7 +138,7 @@ static void an_edge_in_a_face_has_half_the_stiffness(void **state)
 }
 
 // What the feature says is what the search found; points lie within both hulls.
-static void random_pairs_have_their_depth_and_shares_that_sum_to_one(void **state)
+static void random_pairs_have_their_depth_and_weights_that_sum_to_one(void **state)
 {
     (void)state;
     bf_random random;
@@ -261,10 +261,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_box_rests_on_a_box_on_its_four_corners),
-        cmocka_unit_test(what_reaches_over_the_side_is_cut_away),
+        cmocka_unit_test(what_extends_over_the_side_is_clipped),
         cmocka_unit_test(crossing_edges_have_one_point),
         cmocka_unit_test(an_edge_in_a_face_has_half_the_stiffness),
-        cmocka_unit_test(random_pairs_have_their_depth_and_shares_that_sum_to_one),
+        cmocka_unit_test(random_pairs_have_their_depth_and_weights_that_sum_to_one),
         cmocka_unit_test(a_feature_is_kept_while_it_is_the_least_and_no_longer),
         cmocka_unit_test(a_prism_lies_on_a_plane_with_all_its_face),
         cmocka_unit_test(a_strip_of_a_plane_ends),

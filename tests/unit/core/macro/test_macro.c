@@ -189,7 +189,7 @@ static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
 // The scene is symmetric about the middle row, and so must the density be, to the bit: the mollifier's
 // share weights are symmetric, but slope weights reach one cell further on one side, so only the
 // static part is exactly symmetric.
-static void carried_density_keeps_its_symmetry(void **state)
+static void transported_density_stays_symmetric(void **state)
 {
     (void)state;
     world *w = make_world();
@@ -525,7 +525,7 @@ int main(void)
         cmocka_unit_test(a_wall_holds_saturated_cargo_and_nothing_leaks),
         cmocka_unit_test(density_stays_positive_below_the_bound),
         cmocka_unit_test(mass_is_conserved_in_a_closed_box_for_every_heaviside),
-        cmocka_unit_test(carried_density_keeps_its_symmetry),
+        cmocka_unit_test(transported_density_stays_symmetric),
         cmocka_unit_test(smooth_density_is_carried_with_first_order),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_saved_solver_goes_on_with_the_same_bits),

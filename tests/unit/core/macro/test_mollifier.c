@@ -13,7 +13,7 @@
 static const double sigma = 10000.0, cell = 5e-3;
 
 // 4 standard deviations of 0.01 m are 8 cells of 5 mm, 4 of 0.0316 m are 25.3.
-static void the_reach_is_four_standard_deviations(void **state)
+static void the_weights_end_at_four_standard_deviations(void **state)
 {
     (void)state;
     assert_int_equal(mollifier_reach(1e4, 5e-3), 8);
@@ -23,7 +23,7 @@ static void the_reach_is_four_standard_deviations(void **state)
 }
 
 // The shares are those of the cells in +-(S + 1/2) cells of a normal distribution.
-static void the_shares_sum_to_the_probability_of_the_reach(void **state)
+static void the_integral_weights_sum_to_the_probability_of_the_range(void **state)
 {
     (void)state;
     mollifier m;
@@ -63,7 +63,7 @@ static void the_gradient_of_a_line_is_its_slope(void **state)
     assert_true(fabs(gradient - 1.0) < 1e-3);
 }
 
-static void shares_are_even_and_slopes_are_odd_about_the_face(void **state)
+static void integral_weights_are_even_and_gradient_weights_odd_about_the_face(void **state)
 {
     (void)state;
     mollifier m;
@@ -77,11 +77,11 @@ static void shares_are_even_and_slopes_are_odd_about_the_face(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_reach_is_four_standard_deviations),
-        cmocka_unit_test(the_shares_sum_to_the_probability_of_the_reach),
+        cmocka_unit_test(the_weights_end_at_four_standard_deviations),
+        cmocka_unit_test(the_integral_weights_sum_to_the_probability_of_the_range),
         cmocka_unit_test(the_slopes_sum_to_the_difference_of_the_ends),
         cmocka_unit_test(the_gradient_of_a_line_is_its_slope),
-        cmocka_unit_test(shares_are_even_and_slopes_are_odd_about_the_face),
+        cmocka_unit_test(integral_weights_are_even_and_gradient_weights_odd_about_the_face),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

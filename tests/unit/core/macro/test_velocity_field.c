@@ -49,7 +49,7 @@ static void assert_sliding(const scene *s, vec2 at, double angle)
     assert_velocity(s, at, speed * cos(angle) * cos(angle), speed * cos(angle) * sin(angle));
 }
 
-static void a_sealed_obstacle_pushes_outward_then_lets_slide(void **state)
+static void a_sealed_obstacle_has_an_outward_band_and_then_a_slide_zone(void **state)
 {
     (void)state;
     for (double angle_deg = 30.0; angle_deg <= 90.0; angle_deg += 15.0) {
@@ -69,7 +69,7 @@ static void a_sealed_obstacle_pushes_outward_then_lets_slide(void **state)
     }
 }
 
-static void the_papers_field_pushes_outward_behind_the_line_and_lets_slide_before_it(void **state)
+static void the_papers_field_is_outward_behind_the_line_and_slides_before_it(void **state)
 {
     double angle = M_PI / 3.0;
     scene s;
@@ -575,8 +575,8 @@ static void without_memory_no_field_is_given_or_lost(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sealed_obstacle_pushes_outward_then_lets_slide),
-        cmocka_unit_test(the_papers_field_pushes_outward_behind_the_line_and_lets_slide_before_it),
+        cmocka_unit_test(a_sealed_obstacle_has_an_outward_band_and_then_a_slide_zone),
+        cmocka_unit_test(the_papers_field_is_outward_behind_the_line_and_slides_before_it),
         cmocka_unit_test(a_wall_lets_slide_before_it_and_has_the_belt_behind),
         cmocka_unit_test(bands_span_the_length_of_the_line),
         cmocka_unit_test(borders_belong_to_the_bands_with_the_tolerance),

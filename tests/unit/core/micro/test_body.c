@@ -165,7 +165,7 @@ static void energy_never_grows_without_a_belt(void **state)
 
 // Only the error of the integrator changes the direction of L; the error halves with the step, and energy, taken
 // at the end of the step, only falls.
-static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void **state)
+static void a_free_body_conserves_its_angular_momentum_to_the_order_of_the_step(void **state)
 {
     (void)state;
     double error[2];
@@ -193,7 +193,7 @@ static void a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step(void
 }
 
 // Two boxes meet off centre, so that they turn.
-static void a_free_pair_keeps_its_momentum(void **state)
+static void a_free_pair_conserves_its_momentum(void **state)
 {
     (void)state;
     helper_body h;
@@ -427,7 +427,7 @@ static void a_part_that_leaves_over_an_open_edge_is_gone(void **state)
 }
 
 // A tetrahedron has its centre of mass at a quarter of its height, and lies on its face.
-static void a_hull_is_placed_by_its_origin_and_told_by_its_centre_of_mass(void **state)
+static void a_hull_is_placed_by_its_origin_and_reported_by_its_centre_of_mass(void **state)
 {
     (void)state;
     double points[4][3] = {
@@ -493,8 +493,8 @@ int main(void)
         cmocka_unit_test(above_the_angle_of_friction_a_box_slides),
         cmocka_unit_test(a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond),
         cmocka_unit_test(energy_never_grows_without_a_belt),
-        cmocka_unit_test(a_free_body_keeps_its_angular_momentum_to_the_order_of_the_step),
-        cmocka_unit_test(a_free_pair_keeps_its_momentum),
+        cmocka_unit_test(a_free_body_conserves_its_angular_momentum_to_the_order_of_the_step),
+        cmocka_unit_test(a_free_pair_conserves_its_momentum),
         cmocka_unit_test(a_head_on_contact_is_a_damped_oscillator),
         cmocka_unit_test(spin_on_the_plane_decays_by_its_law),
         cmocka_unit_test(theta_is_tanh_by_its_argument),
@@ -504,7 +504,7 @@ int main(void)
         cmocka_unit_test(nothing_passes_a_thin_plate_or_a_wall),
         cmocka_unit_test(a_box_is_turned_by_the_end_of_a_plate),
         cmocka_unit_test(a_part_that_leaves_over_an_open_edge_is_gone),
-        cmocka_unit_test(a_hull_is_placed_by_its_origin_and_told_by_its_centre_of_mass),
+        cmocka_unit_test(a_hull_is_placed_by_its_origin_and_reported_by_its_centre_of_mass),
         cmocka_unit_test(boxes_and_cylinders_stack),
         cmocka_unit_test(a_cylinder_on_its_side_rolls_without_sliding),
     };

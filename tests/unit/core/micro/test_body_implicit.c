@@ -244,7 +244,7 @@ static body_state *make_groups(helper_body *h, double dt)
     return s;
 }
 
-static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
+static void free_jams_lose_energy_and_conserve_their_momentum(void **state)
 {
     (void)state;
     const double steps[] = { 2e-4, 1e-3, 2e-3 };
@@ -266,7 +266,7 @@ static void free_crowds_lose_energy_and_keep_their_momentum(void **state)
 }
 
 // Two boxes meet off centre, so that they turn.
-static void a_free_pair_keeps_its_momentum(void **state)
+static void a_free_pair_conserves_its_momentum(void **state)
 {
     (void)state;
     helper_body h;
@@ -397,8 +397,8 @@ int main(void)
         cmocka_unit_test(a_step_far_longer_than_the_impact_gives_the_overlap_after_it),
         cmocka_unit_test(a_tilted_cylinder_tips_over_the_edge_that_its_centre_is_beyond),
         cmocka_unit_test(energy_never_grows_without_a_belt),
-        cmocka_unit_test(free_crowds_lose_energy_and_keep_their_momentum),
-        cmocka_unit_test(a_free_pair_keeps_its_momentum),
+        cmocka_unit_test(free_jams_lose_energy_and_conserve_their_momentum),
+        cmocka_unit_test(a_free_pair_conserves_its_momentum),
         cmocka_unit_test(nothing_passes_a_thin_plate_or_a_wall),
         cmocka_unit_test(boxes_and_cylinders_stack),
         cmocka_unit_test(upright_cylinders_do_as_on_the_planar_path),

@@ -64,7 +64,7 @@ static vec3 force_at_tip(size_t n_points)
 }
 
 // With two points there is only the plate below the tip.
-static void the_outer_side_of_a_bend_pushes_once(void **state)
+static void the_outer_side_of_a_bend_acts_once(void **state)
 {
     (void)state;
     vec3 one = force_at_tip(2), both = force_at_tip(3);
@@ -104,7 +104,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_point_on_a_straight_path_changes_nothing),
-        cmocka_unit_test(the_outer_side_of_a_bend_pushes_once),
+        cmocka_unit_test(the_outer_side_of_a_bend_acts_once),
         cmocka_unit_test(there_is_no_gap_behind_a_bend),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

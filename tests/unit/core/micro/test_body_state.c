@@ -47,7 +47,7 @@ static void two_threads_give_the_same_bits_as_one(void **state)
     check_threads(MICRO_IMPLICIT);
 }
 
-static void parts_keep_to_their_side_and_on_the_belt(void **state)
+static void parts_stay_on_their_side_and_on_the_belt(void **state)
 {
     (void)state;
     helper_body h;
@@ -335,7 +335,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_give_the_same_bits_as_one),
-        cmocka_unit_test(parts_keep_to_their_side_and_on_the_belt),
+        cmocka_unit_test(parts_stay_on_their_side_and_on_the_belt),
         cmocka_unit_test(a_loaded_state_goes_on_with_the_same_bits),
         cmocka_unit_test(implicit_steps_allocate_nothing),
         cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),

@@ -119,7 +119,7 @@ static momenta measure_momenta(disk_state *s, const helper_disks *d)
 }
 
 // Forces are equal and opposite in one line, and levers add up to the distance of the centres.
-static void a_free_pair_keeps_its_momenta(void **state)
+static void a_free_pair_conserves_its_momenta(void **state)
 {
     (void)state;
     helper_disks *d = helper_disks_make_bare();
@@ -204,7 +204,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_head_on_contact_is_the_damped_oscillator_with_order_1),
         cmocka_unit_test(contacts_do_not_pull_unless_asked_to),
-        cmocka_unit_test(a_free_pair_keeps_its_momenta),
+        cmocka_unit_test(a_free_pair_conserves_its_momenta),
         cmocka_unit_test(energy_does_not_grow_without_a_belt),
     };
 

@@ -242,7 +242,7 @@ static void nobody_is_no_trouble(void **state)
 
 // One part rests against a plate across a belt of 0.5 m/s. Rows that fill its group up ride the belt and
 // would be 250 mm away in 0.5 s; the list, good for half a skin of 3 mm, is for the part alone.
-static void a_part_at_rest_keeps_its_list(void **state)
+static void the_list_of_a_part_at_rest_stays_valid(void **state)
 {
     (void)state;
     helper_disks *d = helper_disks_make(1.0, 0.2, 0.5);
@@ -274,7 +274,7 @@ int main(void)
         cmocka_unit_test(steps_and_checkpoints_without_memory_fail_and_can_be_repeated),
         cmocka_unit_test(the_largest_stable_step_is_stable),
         cmocka_unit_test(nobody_is_no_trouble),
-        cmocka_unit_test(a_part_at_rest_keeps_its_list),
+        cmocka_unit_test(the_list_of_a_part_at_rest_stays_valid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -124,7 +124,7 @@ static void a_tile_that_outlives_its_list_is_put_back(void **state)
 }
 
 // 500 m/s are more than half a radius in a step.
-static void a_failure_in_a_tile_is_told_as_by_single_steps(void **state)
+static void a_failure_in_a_tile_is_reported_as_by_single_steps(void **state)
 {
     (void)state;
     disk_state *single = start_burst_of_speed(false, false, 500.0);
@@ -159,7 +159,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tiles_give_the_bits_of_single_steps),
         cmocka_unit_test(a_tile_that_outlives_its_list_is_put_back),
-        cmocka_unit_test(a_failure_in_a_tile_is_told_as_by_single_steps),
+        cmocka_unit_test(a_failure_in_a_tile_is_reported_as_by_single_steps),
         cmocka_unit_test(no_memory_for_tiles_leaves_single_steps),
     };
 

@@ -221,7 +221,7 @@ static void a_step_far_longer_than_the_impact_gives_the_overlap_after_it(void **
     assert_near(overlap_after(119.0, 2e-3, 0.02) / exact_overlap(119.0, 0.02), 1.0, 0.02);
 }
 
-static void a_part_rests_at_a_wall_where_the_belts_push_holds_the_contact(void **state)
+static void a_part_rests_at_a_wall_where_contact_and_belt_forces_balance(void **state)
 {
     world *w = make_world(speed);
 
@@ -358,7 +358,7 @@ static void sum_momenta(const micro_solver *s, double *ret_p)
     }
 }
 
-static void free_crowds_keep_their_momenta(void **state)
+static void free_jams_conserve_their_momenta(void **state)
 {
     double before[3], after[3];
     world *w = make_crowds(2e-3);
@@ -423,11 +423,11 @@ int main(void)
         cmocka_unit_test(outflow_of_example_2_is_that_of_explicit_steps),
         cmocka_unit_test(a_head_on_contact_nears_the_damped_oscillator_with_order_1),
         cmocka_unit_test(a_step_far_longer_than_the_impact_gives_the_overlap_after_it),
-        cmocka_unit_test(a_part_rests_at_a_wall_where_the_belts_push_holds_the_contact),
+        cmocka_unit_test(a_part_rests_at_a_wall_where_contact_and_belt_forces_balance),
         cmocka_unit_test(a_part_slides_along_an_obstacle_as_with_explicit_steps),
         cmocka_unit_test(a_fast_part_does_not_pass_a_wall_in_the_largest_step),
         cmocka_unit_test(energy_does_not_grow_without_the_belt),
-        cmocka_unit_test(free_crowds_keep_their_momenta),
+        cmocka_unit_test(free_jams_conserve_their_momenta),
         cmocka_unit_test(the_step_is_chosen_from_stiffness_speed_and_size),
         cmocka_unit_test(a_step_beyond_the_largest_is_refused),
     };

@@ -144,7 +144,7 @@ static void an_interrupted_run_ends_with_the_same_bits(void **state)
     free(w);
 }
 
-static void a_part_with_more_neighbours_than_colours_is_pushed_by_all(void **state)
+static void a_part_with_more_neighbours_than_colours_has_forces_of_all(void **state)
 {
     // A disk of 0.3 m amid 64 small ones, evenly around it and moving with it: it stays where it is.
     scenery *w = make_scenery();
@@ -350,7 +350,7 @@ int main(void)
         cmocka_unit_test(one_and_two_threads_give_the_same_bits),
         cmocka_unit_test(steps_one_by_one_give_the_bits_of_steps_in_a_row),
         cmocka_unit_test(an_interrupted_run_ends_with_the_same_bits),
-        cmocka_unit_test(a_part_with_more_neighbours_than_colours_is_pushed_by_all),
+        cmocka_unit_test(a_part_with_more_neighbours_than_colours_has_forces_of_all),
         cmocka_unit_test(without_memory_nothing_is_lost),
         cmocka_unit_test(pairs_that_cannot_be_are_refused),
         cmocka_unit_test(bytes_of_another_length_are_refused),

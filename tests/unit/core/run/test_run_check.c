@@ -84,7 +84,7 @@ static void too_many_macroscopic_steps_are_refused_with_figure_and_limit(void **
 }
 
 // ceil(4 / (sqrt(100) 0.005)) = 80 cells.
-static void a_mollifier_that_reaches_over_too_many_cells_is_refused(void **state)
+static void a_mollifier_that_covers_too_many_cells_is_refused(void **state)
 {
     (void)state;
     scene s;
@@ -119,7 +119,7 @@ int main(void)
         cmocka_unit_test(a_belt_too_fast_for_the_macroscopic_step_is_not_for_the_other_model),
         cmocka_unit_test(a_run_shorter_than_a_macroscopic_step_is_refused),
         cmocka_unit_test(too_many_macroscopic_steps_are_refused_with_figure_and_limit),
-        cmocka_unit_test(a_mollifier_that_reaches_over_too_many_cells_is_refused),
+        cmocka_unit_test(a_mollifier_that_covers_too_many_cells_is_refused),
         cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
     };
 

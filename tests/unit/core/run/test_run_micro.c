@@ -122,7 +122,7 @@ static void the_density_is_that_of_the_parts(void **state)
     scene_fini(&s);
 }
 
-static void a_jam_tells_its_overlaps_contacts_and_energy(void **state)
+static void a_jam_reports_its_overlaps_contacts_and_energy(void **state)
 {
     (void)state;
     scene s;
@@ -460,7 +460,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_ride_the_free_belt_and_leave_it),
         cmocka_unit_test(the_density_is_that_of_the_parts),
-        cmocka_unit_test(a_jam_tells_its_overlaps_contacts_and_energy),
+        cmocka_unit_test(a_jam_reports_its_overlaps_contacts_and_energy),
         cmocka_unit_test(threads_and_reports_change_no_result),
         cmocka_unit_test(a_run_stopped_anywhere_resumes_to_the_same_results),
         cmocka_unit_test(a_checkpoint_of_the_other_model_is_refused),

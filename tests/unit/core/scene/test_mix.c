@@ -45,7 +45,7 @@ static void check_counts(const double *shares, size_t n_kinds, size_t n, const s
 
 // 10 parts of 1 : 1 : 1 are 3.33 each: the first of the equal remainders gets the tenth. 7 parts of
 // 5 : 3 : 2 are 3.5, 2.1, 1.4: rounded down 6, and the remainder 0.5 is the largest.
-static void shares_are_met_by_the_largest_remainder(void **state)
+static void counts_follow_the_proportions_by_the_largest_remainder(void **state)
 {
     (void)state;
     check_counts((double[]){ 1, 1, 1 }, 3, 10, (size_t[]){ 4, 3, 3 });
@@ -186,7 +186,7 @@ static void kinds_overlap_by_their_own_footprints(void **state)
 
 // The wall is where the part of that kind ends: 0.011 m is enough for a disk and not for a box that
 // lies across.
-static void kinds_keep_off_walls_by_their_own_footprints(void **state)
+static void overlaps_with_walls_depend_on_the_footprint_of_the_kind(void **state)
 {
     (void)state;
     const scene_pose poses[] = { { 0.2, 0.011, M_PI / 2.0 }, { 0.7, 0.011, M_PI / 2.0 } };
@@ -197,7 +197,7 @@ static void kinds_keep_off_walls_by_their_own_footprints(void **state)
     scene_fini(&s);
 }
 
-static void a_random_mix_has_its_shares_and_no_overlaps(void **state)
+static void a_random_mix_has_its_proportions_and_no_overlaps(void **state)
 {
     (void)state;
     scene_placement p = { 0 };
@@ -246,15 +246,15 @@ static void out_of_memory_anywhere_is_an_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shares_are_met_by_the_largest_remainder),
+        cmocka_unit_test(counts_follow_the_proportions_by_the_largest_remainder),
         cmocka_unit_test(one_kind_needs_no_list),
         cmocka_unit_test(kinds_are_spread_and_follow_their_seed),
         cmocka_unit_test(the_packing_of_a_mix_is_the_mean_of_areas),
         cmocka_unit_test(each_kind_has_its_own_lever_of_spin_friction),
         cmocka_unit_test(faults_of_a_kind_point_into_the_list),
         cmocka_unit_test(kinds_overlap_by_their_own_footprints),
-        cmocka_unit_test(kinds_keep_off_walls_by_their_own_footprints),
-        cmocka_unit_test(a_random_mix_has_its_shares_and_no_overlaps),
+        cmocka_unit_test(overlaps_with_walls_depend_on_the_footprint_of_the_kind),
+        cmocka_unit_test(a_random_mix_has_its_proportions_and_no_overlaps),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error),
     };
 

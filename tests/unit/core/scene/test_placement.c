@@ -153,7 +153,7 @@ static void boxes_overlap_by_their_sides_and_corners(void **state)
     }
 }
 
-static void cargo_keeps_off_walls_and_its_centres_in_the_domain(void **state)
+static void cargo_must_not_overlap_walls_and_its_centres_lie_in_the_domain(void **state)
 {
     static const struct {
         scene_pose pose;
@@ -178,7 +178,7 @@ static void cargo_keeps_off_walls_and_its_centres_in_the_domain(void **state)
     }
 }
 
-static void a_turned_box_reaches_farther_than_a_straight_one(void **state)
+static void a_turned_box_extends_farther_than_a_straight_one(void **state)
 {
     // Half extent across the belt: 0.01 straight, (0.02 + 0.01)/sqrt(2) = 0.0212 at 45 degrees.
     scene s;
@@ -192,7 +192,7 @@ static void a_turned_box_reaches_farther_than_a_straight_one(void **state)
     scene_fini(&s);
 }
 
-static void many_bad_places_are_told_of_a_few_times(void **state)
+static void of_many_bad_places_only_a_few_are_reported(void **state)
 {
     enum { N = 1000 };
     scene_pose poses[N];
@@ -384,9 +384,9 @@ int main(void)
         cmocka_unit_test(example_1_lies_in_16_rows_of_12),
         cmocka_unit_test(cylinders_may_touch_but_not_overlap),
         cmocka_unit_test(boxes_overlap_by_their_sides_and_corners),
-        cmocka_unit_test(cargo_keeps_off_walls_and_its_centres_in_the_domain),
-        cmocka_unit_test(a_turned_box_reaches_farther_than_a_straight_one),
-        cmocka_unit_test(many_bad_places_are_told_of_a_few_times),
+        cmocka_unit_test(cargo_must_not_overlap_walls_and_its_centres_lie_in_the_domain),
+        cmocka_unit_test(a_turned_box_extends_farther_than_a_straight_one),
+        cmocka_unit_test(of_many_bad_places_only_a_few_are_reported),
         cmocka_unit_test(the_search_by_cells_finds_what_a_search_of_all_pairs_finds),
         cmocka_unit_test(random_places_are_free_inside_and_within_the_region),
         cmocka_unit_test(a_seed_gives_the_same_places_every_time_and_another_gives_others),

@@ -61,7 +61,7 @@ static void the_examples_have_no_fault(void **state)
     }
 }
 
-static void the_check_tells_of_no_memory(void **state)
+static void the_check_reports_that_memory_is_exhausted(void **state)
 {
     scene s;
 
@@ -211,7 +211,7 @@ static void a_fresh_scene_lacks_all_that_has_no_default(void **state)
     assert_true(has_fault(faults, BF_EINPUT, "/initial", ""));
 }
 
-static void a_wrong_member_is_told_of_once_not_again_through_what_is_derived(void **state)
+static void a_wrong_member_is_reported_once_and_not_again_for_derived_members(void **state)
 {
     scene s;
 
@@ -530,12 +530,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_examples_have_no_fault),
-        cmocka_unit_test(the_check_tells_of_no_memory),
+        cmocka_unit_test(the_check_reports_that_memory_is_exhausted),
         cmocka_unit_test(numbers_out_of_range_are_refused_where_they_stand),
         cmocka_unit_test(numbers_of_items_are_refused_where_they_stand),
         cmocka_unit_test(words_out_of_range_are_refused),
         cmocka_unit_test(a_fresh_scene_lacks_all_that_has_no_default),
-        cmocka_unit_test(a_wrong_member_is_told_of_once_not_again_through_what_is_derived),
+        cmocka_unit_test(a_wrong_member_is_reported_once_and_not_again_for_derived_members),
         cmocka_unit_test(ids_are_words_and_unique),
         cmocka_unit_test(counters_do_not_take_the_names_of_other_columns),
         cmocka_unit_test(polygons_of_belts_are_simple),
