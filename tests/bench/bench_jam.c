@@ -1,4 +1,4 @@
-// How fast the explicit microscopic solver is on a jam: disks that a belt presses against a plate.
+// How fast the explicit microscopic solver is on a jam: disks that a belt drives against a plate.
 //
 //     bench_jam SCENE RESULT WARMUP STEPS REPETITIONS [THREADS]
 //

@@ -1,4 +1,4 @@
-// Programs beside the daemon that a story needs: a service manager's socket, a lock on the store.
+// Auxiliary programs of the stories: a service manager's socket, a lock on the store.
 
 import { spawn } from "node:child_process";
 import { once } from "node:events";
@@ -35,7 +35,7 @@ export async function serviceManager(t) {
   };
 }
 
-// Let nobody write to the store of a daemon until the function that this resolves with is called.
+// Blocks all writes to the store of a daemon until the function that this resolves with is called.
 export async function holdStore(t, d) {
   return (await script(t, "hold_store.py", d.data)).end;
 }

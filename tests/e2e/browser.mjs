@@ -46,7 +46,7 @@ export async function closeBrowser() {
 }
 
 // A page of its own for this story. Whatever goes wrong in it fails the story at its end; refused
-// requests are what the stories provoke, so those are only counted.
+// requests are provoked by the stories, so those are only counted.
 export async function openPage(t, d, { scheme = "light", size = "wide", motion = "no-preference" } = {}) {
   const context = await (await launch()).newContext({
     baseURL: d.url, viewport: sizes[size], colorScheme: scheme, reducedMotion: motion, acceptDownloads: true,
@@ -68,7 +68,7 @@ export async function openPage(t, d, { scheme = "light", size = "wide", motion =
   return page;
 }
 
-// Goes to a view by its address, from nothing.
+// Opens a view by its address, from an empty page.
 export async function visit(page, address) {
   await page.goto("about:blank");
   await page.goto(`/${address}`);
@@ -82,7 +82,7 @@ export async function assertAccessible(page, name) {
   assert.deepEqual(found, [], name);
 }
 
-// A picture of the whole view in the build folder, and nothing that sticks out of it.
+// A picture of the whole view in the build folder, and no element that overflows it.
 export async function takePicture(page, name, size) {
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });

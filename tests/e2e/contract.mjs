@@ -43,7 +43,7 @@ const digest = (text) => createHash("sha256").update(text).digest("hex").slice(0
 const varying = new Set(["connection", "content-length", "date", "etag", "keep-alive", "last-modified", "ratelimit",
   "traceparent", "x-request-id"]);
 
-// An answer without ids and times: what stays the same when the same story is told again.
+// An answer without ids and times: what stays the same when the same story runs again.
 function digestOfAnswer(answer) {
   const headers = Object.entries(answer.headers)
     .map(([name, value]) => `${name}: ${varying.has(name) ? "*" : value}\n`)
@@ -75,7 +75,7 @@ function makeValidator() {
 
 const escape = (key) => key.replaceAll("~", "~0").replaceAll("/", "~1");
 
-// The thing at a place of the document, references followed, and where it really is.
+// The value at a pointer of the document, references resolved, and its actual pointer.
 function at(place) {
   let value = document;
   for (const key of place.slice(2).split("/").filter((part) => part !== "")) {
@@ -186,7 +186,7 @@ function checkRequest({ operation, place }, { target, headers, body }, what) {
   for (const { name, required } of known) {
     assert.ok(!required || query.has(name), `${what}: accepted without ${name}`);
   }
-  if (body === undefined || operation.requestBody === undefined) return; // nobody looks at it
+  if (body === undefined || operation.requestBody === undefined) return; // not examined
   const type = typeOf(headers);
   assert.ok(type in operation.requestBody.content, `${what}: accepted a body of ${type}`);
   if (type !== "application/json") return;

@@ -1,5 +1,5 @@
 // A real daemon for a story: started on a free port with a data directory of its own, stopped and
-// looked at when the story is over. Only Node's own modules.
+// checked when the story is over. Only Node's own modules.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -71,7 +71,7 @@ class Daemon {
     return text.split("\n")[0];
   }
 
-  // SIGTERM; the daemon must leave with status 0 and no child behind.
+  // SIGTERM; the daemon must exit with status 0 and leave no child process.
   async stop() {
     const children = childrenOf(this.pid);
     this.process.kill("SIGTERM");
@@ -170,7 +170,7 @@ class Daemon {
     return answer.json;
   }
 
-  // Wait for a state of a run; its document. An end that is not wanted fails at once.
+  // Wait for a state of a run; its document. Another final state fails at once.
   async reached(id, ...states) {
     return until(async () => {
       const run = await this.run(id);
@@ -180,7 +180,7 @@ class Daemon {
     }, `run ${id} to be ${states.join(" or ")}`);
   }
 
-  // Wait until a running run has made this share of its way.
+  // Wait until a running run has made this fraction of its steps.
   async progressed(id, share) {
     return until(async () => {
       const run = await this.run(id);

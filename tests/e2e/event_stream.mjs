@@ -1,5 +1,5 @@
-// A reader of server-sent events that keeps to the letter of their grammar and hides nothing: ids,
-// comments and a torn end can be asked for.
+// A reader of server-sent events that follows their grammar exactly and exposes everything: ids,
+// comments and an incomplete end.
 
 import http from "node:http";
 
@@ -97,7 +97,7 @@ export class EventStream {
     return events;
   }
 
-  // Leave, as a client that goes away does.
+  // Disconnect.
   close() {
     this.request.destroy();
   }

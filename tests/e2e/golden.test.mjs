@@ -16,7 +16,7 @@ const scenarios = path.join(root, "api/scenario/examples");
 const withoutFma = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable";
 const hasFma = /^flags.*\bfma\b/m.test(readFileSync("/proc/cpuinfo", "utf8"));
 
-// What a summary tells of the results, without how long they took.
+// The members of a summary that describe results, without timings.
 function withoutTiming(text) {
   return text.replace(/"(wall_time_s|threads|\w+_steps_per_s)":[-+.\de]+/g, '"$1":0');
 }

@@ -1,4 +1,4 @@
-// Bytes that no honest client sends: each is answered or cut off, and the daemon goes on.
+// Malformed and malicious requests: each is answered or disconnected, and the daemon goes on.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";

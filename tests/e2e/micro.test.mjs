@@ -1,4 +1,4 @@
-// The microscopic model through all floors: the same way as the macroscopic one, with its parts.
+// The microscopic model through all layers, like the macroscopic one, with its parts.
 
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
@@ -108,7 +108,7 @@ test("both models of a scenario compare: their curves, and their densities cell 
   assert.ok(curve.l1 > 0 && curve.l1 <= curve.largest && curve.largest <= 20);
   assert.equal(density.same_grid, true);
   assert.deepEqual(density.snapshots.map(({ a, b }) => [a, b]), [0, 1, 2, 3].map((n) => [n, n]));
-  // Both begin with the same density (18) of the same parts; a share of a cell's rounding is left.
+  // Both begin with the same density (18) of the same parts; only rounding errors are left.
   assert.ok(density.snapshots[0].mean_abs < 1e-6);
 
   const folders = [await solve(t, smallJam()), await solveMicro(t, smallJam())];

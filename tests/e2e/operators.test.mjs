@@ -1,4 +1,4 @@
-// What those who run the daemon rely on: metrics, settings read again, the service manager's words.
+// What those who run the daemon rely on: metrics, settings read again, messages to the service manager.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";

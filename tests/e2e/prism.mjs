@@ -2,10 +2,10 @@
 //
 //     story -> Prism -> relay -> daemon
 //
-// Prism parses bodies and writes them anew, which changes bytes and spoils what is no text. So the
+// Prism parses bodies and writes them anew, which changes bytes and damages binary data. So the
 // relay sends the daemon what the story really sent, and the story gets what the daemon really
-// answered; Prism sees both and judges the answer. What Prism cannot take goes straight to the daemon,
-// reasonToBypass() says why; it is still checked by contract.mjs.
+// answered; Prism sees both and validates the answer. What Prism does not support goes directly to the daemon,
+// see reasonToBypass(); it is still checked by contract.mjs.
 
 import assert from "node:assert/strict";
 import http from "node:http";

@@ -28,7 +28,7 @@ export function childrenOf(pid) {
     });
 }
 
-// A zombie that nobody reaps is not alive: it runs nothing and holds nothing.
+// A zombie that is not reaped is not alive: it runs nothing and has no resources.
 export function isAlive(pid) {
   const stat = statOf(pid);
   return stat !== null && stat.state !== "Z" && stat.state !== "X";

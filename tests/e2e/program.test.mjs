@@ -1,4 +1,4 @@
-// The two programs as a user of a terminal meets them: words, exit codes, refusals.
+// The two programs as used in a terminal: commands, exit codes, refusals.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";

@@ -1,4 +1,4 @@
-// What the README tells to paste works as pasted, against a real daemon.
+// The README's blocks of code work as pasted, against a real daemon.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";

@@ -1,5 +1,5 @@
-// The daemon goes away, by signal or by crash, and comes back: no accepted run is lost, no child is
-// left, and what comes out is what would have come out undisturbed.
+// The daemon is stopped, by signal or by crash, and restarted: no accepted run is lost, no child is
+// left, and results are those of an undisturbed run.
 
 import assert from "node:assert/strict";
 import test from "node:test";

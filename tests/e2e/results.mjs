@@ -1,4 +1,4 @@
-// What a run gives over HTTP against what the command line writes into a folder.
+// The results of a run over HTTP against the files that the command line writes.
 
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
@@ -18,7 +18,7 @@ export async function solve(t, scenario, ...more) {
   return out;
 }
 
-// Members of a summary that tell how long it took and whether it was done now, not what came out.
+// Members of a summary on timing and reuse, which are not results.
 function withoutTiming(summary) {
   const { wall_time_s, threads, cell_steps_per_s, cached, ...rest } = summary;
   assert.ok(cached === undefined || cached === true, JSON.stringify(summary));

@@ -1,4 +1,4 @@
-// The main way through: a scenario goes in, results come out, and they are the command line's bytes.
+// The main use case: a scenario is submitted, and its results are the command line's bytes.
 
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";

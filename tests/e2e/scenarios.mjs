@@ -1,4 +1,4 @@
-// Scenarios that the stories share, as JSON values: small ones that are solved at once, and ones
+// Scenarios of several stories, as JSON values: small ones that are solved at once, and ones
 // that last as long as a story needs.
 
 import { isSanitized } from "./setup.mjs";
@@ -19,7 +19,7 @@ export function tiny(changes = {}) {
   };
 }
 
-// A gate across the whole belt: all 192 parts stay and press against it, so there is work to the
+// A gate across the whole belt: all 192 parts stay in contact with it, so there is work to the
 // end however long it lasts.
 export function jam(duration_s, output) {
   return {

@@ -1,4 +1,4 @@
-// Event streams: nothing is missed, nothing comes twice, and a slow reader costs nobody but itself.
+// Event streams: every event arrives exactly once, and a slow reader does not affect others.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";

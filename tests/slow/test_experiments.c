@@ -50,9 +50,9 @@ typedef struct hopper {
     double exit; // x where the opening is, m
 } hopper;
 
-// The disks of such experiments rub on each other and on the funnel more than the paper's steel, and by
+// The disks of such experiments have more friction with each other and with the funnel than the paper's steel, by
 // Coulomb's law: the paper's 10 s/m would smooth it over 0.1 m/s, the speed of a belt here. Moduli are
-// high enough that a heap does not press its disks together.
+// high enough that a heap does not compress its disks.
 static void set_contacts(micro_def *def)
 {
     for (int pair = 0; pair < SCENE_PAIR_COUNT; pair++)
@@ -83,7 +83,7 @@ static double place_parts(hopper *h, const trial *t, uint64_t seed)
 }
 
 // The sides of the channel are plates, too: walls of the domain would be slippery, and a heap between
-// them would press on the opening with all its length.
+// them would load the opening with all its length.
 static void place_funnel(hopper *h, const trial *t, double heap)
 {
     const double side = 0.5 * (belt_width - t->opening), edge = 2.0 * radius;

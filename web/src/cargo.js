@@ -82,7 +82,7 @@ function generator(seed) {
   };
 }
 
-// The kind of each of n parts of a mix, as the solver deals them: shares by the largest remainder, in
+// The kind of each of n parts of a mix, as in the solver: counts by the largest remainder, in
 // an order drawn from cargo_seed.
 export function dealKinds(cargo, seed, n) {
   const kinds = new Uint8Array(n);

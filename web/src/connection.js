@@ -1,5 +1,5 @@
-// Whether the daemon answers. Everyone who talks to it reports here; while it is away one question is
-// asked again and again, and who listens hears when it is back.
+// Whether the daemon is reachable. All requests report their outcome here; while it is unreachable one request is
+// repeated, and listeners are called when it answers again.
 
 const PERIOD_MS = 1500;
 
@@ -19,7 +19,7 @@ async function askAgain() {
       return;
     }
   } catch {
-    // Still away.
+    // Still unreachable.
   }
   timer = setTimeout(askAgain, PERIOD_MS);
 }

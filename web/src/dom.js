@@ -23,7 +23,7 @@ export function h(name, properties = {}, ...children) {
   return element;
 }
 
-// Replaces the text only when it differs, so that selections and screen readers stay calm.
+// Replaces the text only when it differs, so that selections remain and screen readers do not announce it again.
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -42,7 +42,7 @@ const paths = {
   download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
 };
 
-// A drawing of 16 x 16 that says nothing by itself.
+// A decorative icon of 16 x 16, hidden from assistive technology.
 export function icon(name) {
   const svg = document.createElementNS(SVG, "svg");
   const path = document.createElementNS(SVG, "path");

@@ -23,7 +23,7 @@ function angleOf(scenario) {
   return tidy((Math.atan2(plate.to[1] - plate.from[1], plate.to[0] - plate.from[0]) * 180) / Math.PI, 6);
 }
 
-// The plate keeps its end and its reach across the belt, so the opening stays; its foot moves.
+// The plate's end and its extent across the belt, and so the opening, are unchanged; its start moves.
 function setAngle(scenario, angle) {
   const { from, to } = plateOf(scenario);
   const across = to[1] - from[1];
@@ -74,7 +74,7 @@ export const fields = [
     set: (scenario, value) => (scenario.micro = { ...scenario.micro, step_s: value }) },
 ];
 
-// What is wrong with a number by itself; the daemon judges the rest.
+// The fault of a number by itself; the daemon validates the rest.
 export function faultOf(field, text) {
   if (field.choices) return "";
   if (text.trim() === "") return field.auto ? "" : "must be given";

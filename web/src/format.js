@@ -11,7 +11,7 @@ function formatOf(options) {
   return formats.get(key);
 }
 
-// As many digits as matter: 3 unless told otherwise; null is a dash.
+// Rounded to significant digits, by default 3; null is a dash.
 export function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -73,7 +73,7 @@ export function bytes(n) {
   return quantity(n, units[k]);
 }
 
-// How many places after the point tell times of this distance apart.
+// How many decimal places distinguish times of this distance.
 export function placesOf(step) {
   return Math.min(6, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
 }

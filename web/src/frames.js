@@ -1,4 +1,4 @@
-// Snapshots that were fetched, and those that soon will be wanted. Bytes in the cache are bounded; the
+// The cache of fetched snapshots, and prefetching. Bytes in the cache are bounded; the
 // ones unused for longest go first.
 
 import { getBytes } from "./api.js";
@@ -6,7 +6,7 @@ import { isDaemonAway } from "./connection.js";
 import { readNpy } from "./npy.js";
 
 const AT_ONCE = 3;
-const REST_MS = 2000; // after an answer that asks for patience
+const REST_MS = 2000; // after an answer with Retry-After
 const later = new Set([0, 429, 502, 503, 504]);
 
 export class Frames {
@@ -30,7 +30,7 @@ export class Frames {
     return frame;
   }
 
-  // The frames that are wanted now, the most urgent first. What is fetched and not among them is given up.
+  // Sets the frames that are needed now, the most urgent first. Requests for others are aborted.
   want(urls) {
     if (isDaemonAway() || this.isResting) return;
     this.wanted = urls.filter((url) => !this.kept.has(url) && !this.failed.has(url));

@@ -23,7 +23,7 @@ function oneLine(value) {
 }
 
 // Walks over text and calls found(pointer, start, end) for each value, a member's from its name on.
-// Stops without a word where the text is not JSON.
+// Stops without an error where the text is not JSON.
 class Walker {
   constructor(text, found) {
     Object.assign(this, { text, found, at: 0 });

@@ -1,5 +1,5 @@
 // A new run: an example or a past run to begin with, the numbers that matter in a form, or the JSON itself.
-// The daemon judges it while it is written; its faults stand at their fields and lines.
+// The daemon validates it while it is edited; faults are shown at their fields and lines.
 
 import { getJson, listRuns, paths, post, Problem } from "./api.js";
 import { fields, faultOf, limitsOf } from "./fields.js";

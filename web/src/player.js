@@ -22,7 +22,7 @@ export class Player {
     this.onTime = () => {};
   }
 
-  // More is there; who follows goes along.
+  // More snapshots are available; in live mode the time moves to the newest.
   setTimes(times) {
     this.times = times;
     this.end = times.at(-1) ?? 0;
@@ -39,7 +39,7 @@ export class Player {
     this.onTime();
   }
 
-  // Comes to rest at a snapshot, so that what is seen was computed.
+  // Pauses at a snapshot, so that the displayed state was computed.
   pause() {
     if (!this.isPlaying) return;
     this.halt();
@@ -96,7 +96,7 @@ export class Player {
     return after - t < t - before ? after : before;
   }
 
-  // The clock waits while a picture is still on its way.
+  // The clock waits while a snapshot is being fetched.
   tick() {
     this.request = requestAnimationFrame((now) => {
       if (!this.isPlaying) return;

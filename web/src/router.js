@@ -1,5 +1,5 @@
-// Addresses. A view is #/NAME/ARGUMENT?QUERY, so that each can be sent to a colleague and any web server
-// will do.
+// Addresses. A view is #/NAME/ARGUMENT?QUERY, so that each is a link that can be shared, on any web
+// server.
 
 let onRoute = () => {};
 
@@ -20,7 +20,7 @@ export function go(target) {
   location.hash = target;
 }
 
-// Another query for the view that is shown, without telling it and without a step in the history.
+// Another query for the view that is shown, without notifying it and without an entry in the history.
 export function note(query) {
   const { name, argument, query: old } = parse(location.hash);
   const target = address(name, argument, { ...Object.fromEntries(old), ...query });

@@ -11,7 +11,7 @@ export function isGoing(id) {
   return going.has(id);
 }
 
-// Hides the run at once and deletes it when nobody undid that for some seconds. onChange: hidden, back
+// Hides the run at once and deletes it after some seconds unless that is undone. onChange: hidden, back
 // again, or gone for good.
 export function removeLater(run, onChange) {
   const removeNow = async () => {
@@ -36,7 +36,7 @@ export function removeLater(run, onChange) {
   onChange();
 }
 
-// Who leaves the page has not undone it.
+// Leaving the page confirms the deletion.
 addEventListener("pagehide", () => {
   for (const dismiss of going.values()) dismiss();
 });

@@ -153,7 +153,7 @@ export class RunView {
     if (this.cinema.axisEnd !== before) this.showCurve();
   }
 
-  // The results are complete. Who watched a short run live sees it once more.
+  // The results are complete. A short run that was watched live is shown again.
   finish() {
     const { data, cinema } = this;
     const wasFollowing = cinema.player.isFollowing;

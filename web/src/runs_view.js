@@ -200,7 +200,7 @@ export class RunsView {
         link(address("new", "", { example: "example-1" }), "New run", { class: "button primary" })]));
   }
 
-  // Between two looks at the list, what runs tells of itself.
+  // Between two requests of the list, updates by the events of its runs.
   followActive(runs) {
     const ids = runs.filter((run) => !isOver(run)).map((run) => run.id);
     if (ids.join() === this.followed) return;

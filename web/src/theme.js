@@ -27,7 +27,7 @@ export function prefersStillness() {
   return stillness.matches;
 }
 
-// Colours that tell runs apart, safe for the colour-blind; each also has a dash of its own.
+// Colours that distinguish runs, safe for the colour-blind; each also has a dash of its own.
 export const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
 
 export function runColor(k) {

@@ -1,10 +1,10 @@
-// Short words at the edge of the page: what was done, and a way back.
+// Notifications at the edge of the page: what was done, and a button to undo it.
 
 import { h, iconButton } from "./dom.js";
 
 const SHOWN_MS = 6000;
 
-// { undo, onGone }: undo() when the way back is taken, onGone() when it was not.
+// { undo, onGone }: undo() when the button was used, onGone() when it was not.
 export function toast(text, { undo, onGone, isFault = false } = {}) {
   const box = document.getElementById("toasts");
   let isOpen = true;

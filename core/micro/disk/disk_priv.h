@@ -168,9 +168,9 @@ struct disk_state {
     void *implicit;               ///< an implicit_state; NULL at first
 };
 
-/// Make the list and all that depends on positions from the parts in `now`: sorts them, stores the final state of those that
-/// have left or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and next
-/// may exchange their storage. BF_ENOMEM: the list is unusable until a call succeeds.
+/// Make the list and all that depends on positions from the parts in `now`: sorts them, stores the final state of
+/// those that have left or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and
+/// next may exchange their storage. BF_ENOMEM: the list is unusable until a call succeeds.
 BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 
 /// After a step was written into `parts` (and headings): check the border parts first .. last - 1. Parts
@@ -228,8 +228,7 @@ double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bo
 /// Allocate the data of tiles, in use from the next rebuild on. BF_ENOMEM: steps will be made one by one.
 BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);
 void disk__tiling_fini(disk_state *s); ///< Free it.
-void disk__plan_tiles(
-    disk_state *s); ///< Compute the tiles of the current list, if tiles are in use.
+void disk__plan_tiles(disk_state *s);  ///< Compute the tiles of the current list, if in use.
 
 /// driver_solver.check: a part is not finite or moves by more than half the smallest radius in a step.
 BF_MUST_CHECK bf_status disk__check(const void *state, bf_error *err);

@@ -1,4 +1,4 @@
-/// Small worlds for the planar path with explicit steps, open to the hands of a test.
+/// Small test cases for the planar path with explicit steps, whose state tests may change.
 
 #pragma once
 
@@ -27,7 +27,7 @@ helper_disk_state *helper_disk_state_make(double v_west, double v_east);
 /// Add a part.
 void helper_disk_state_add(helper_disk_state *w, double x, double y);
 
-/// A crowd of 32 x 44 parts that overlap a little and are pushed against an obstacle on the east belt
+/// A jam of 32 x 44 parts that overlap a little and are driven against an obstacle on the east belt
 /// and across the edge in the east; every seventh is of kind 1 if is_mixed.
 void helper_disk_state_crowd(helper_disk_state *w, bool is_mixed);
 

@@ -1,4 +1,4 @@
-/// Hulls that several tests are about, and the slow, sure way to how far two of them are apart.
+/// Hulls that several tests are about, and the distance of two of them by exhaustive search.
 
 #pragma once
 

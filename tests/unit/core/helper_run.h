@@ -1,4 +1,4 @@
-/// A sink that keeps what a run tells.
+/// A sink that records what a run emits.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 4 };
 
-/// Everything a run told, and what is requested of it. Zero-initialise.
+/// Everything that a run emitted, and the requests to it. Zero-initialise.
 typedef struct helper_run_log {
     size_t n_frames[FRAME_TYPE_COUNT];                     ///< frames of each type
     size_t n_samples;                                      ///< samples, in order and without gap
@@ -24,9 +24,9 @@ typedef struct helper_run_log {
     uint64_t parts_digest;                                 ///< of all times and rows of parts
     double *parts;                                         ///< rows of the last ones; free()
     size_t n_present;                                      ///< parts in the domain in those
-    uint64_t n_askings;                                    ///< how often the run asked
-    uint64_t stop_at;      ///< request a checkpoint and a stop at this asking; 0: never
-    uint64_t report_every; ///< request a report every so many askings; 0: never
+    uint64_t n_askings;                                    ///< calls of requested()
+    uint64_t stop_at;      ///< request a checkpoint and a stop in this call; 0: never
+    uint64_t report_every; ///< request a report every so many calls; 0: never
 } helper_run_log;
 
 /// Run a scenario to its end or stop, on n_threads threads, into *log, from log->checkpoint if resume

@@ -15,7 +15,7 @@ enum { HELPER_JOBS_MAX = 32 }; ///< that an executor ever starts
 
 typedef struct helper_executor helper_executor;
 
-/// What helper_executor_job() tells of a job.
+/// The state of a job, by helper_executor_job().
 typedef struct helper_job {
     char run_id[64];     ///< of its run
     uint64_t first_step; ///< of the checkpoint that it got; 0: none

@@ -40,7 +40,7 @@ void helper_store_close(helper_store *h);
 /// the first row as an integer, -1 if there is no row.
 int64_t helper_store_sql(const helper_store *h, const char *sql);
 
-/// Wait until the SQL gives what is wanted; fails the test after a while.
+/// Wait until the SQL has the expected result; fails the test after a while.
 void helper_await_sql(const helper_store *h, const char *sql, int64_t wanted);
 
 /// Submit it and return the new run.
@@ -105,7 +105,7 @@ typedef struct helper_events {
 /// Read all events of a run behind `after`. Free data with buffer_fini().
 helper_events helper_read_events(store *s, const char *id, uint64_t after);
 
-/// What a listener heard. Begin with lock_init(), end with lock_fini().
+/// The calls of a listener. Begin with lock_init(), end with lock_fini().
 typedef struct helper_heard {
     lock lock;            ///< guards what follows
     size_t n;             ///< calls

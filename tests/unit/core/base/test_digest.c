@@ -1,4 +1,4 @@
-// Unit tests of the digest. Its values are not promised, only that it tells things apart.
+// Unit tests of the digest. Its values are not specified, only that different inputs have different digests.
 
 #include "core/base/digest.h"
 

@@ -1,4 +1,4 @@
-// Distance and depth of hulls against libccd, another's implementation of the same algorithms.
+// Distance and depth of hulls against libccd, an independent implementation of the same algorithms.
 
 #include "core/convex/gjk.h"
 
@@ -60,8 +60,8 @@ static gjk_pair make_pair(bf_random *random, int k, hull *a, hull *b, placed *at
     return gjk_pair_of(a, at_a->x, &at_a->r, b, at_b->x, &at_b->r);
 }
 
-// It says whether hulls touch, and mostly the same depth. Its walk over the polytope ends early now
-// and then: where the two differ everything is tried, and ours is right.
+// It says whether hulls touch, and mostly the same depth. It sometimes ends its search
+// early: where the two differ, ours agrees with an exhaustive search.
 static void libccd_finds_the_same_contacts_and_depths(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Unit tests of distance and depth of convex hulls: closed forms, and everything tried.
+// Unit tests of distance and depth of convex hulls: closed forms, and exhaustive search.
 
 #include "core/convex/gjk.h"
 
@@ -125,7 +125,7 @@ static void touching_is_neither_apart_nor_deep(void **state)
     assert_near(measure(&above).distance, 0.5, 1e-12);
 }
 
-// A plate of 1e-6 of its length, pressed by a corner, and one through which a box stands.
+// A plate of 1e-6 of its length, in contact with a corner, and one through which a box stands.
 static void thin_plates_are_no_harder(void **state)
 {
     (void)state;

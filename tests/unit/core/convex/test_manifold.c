@@ -1,4 +1,4 @@
-// Unit tests of the region where two hulls press on each other.
+// Unit tests of the contact region of two hulls.
 
 #include "core/convex/manifold.h"
 

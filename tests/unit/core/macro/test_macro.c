@@ -187,7 +187,7 @@ static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
 }
 
 // The scene is symmetric about the middle row, and so must the density be, to the bit: the mollifier's
-// share weights are symmetric, but slope weights reach one cell further on one side, so only the
+// integral weights are symmetric, but gradient weights extend one cell further on one side, so only the
 // static part is exactly symmetric.
 static void transported_density_stays_symmetric(void **state)
 {

@@ -88,7 +88,7 @@ static fixture *random_fixture(unsigned seed, scene_heaviside heaviside, row_len
         s->def.mirror[side] = rand() % 2 == 0;
     fill_faces(s);
     close_mirroring_edges(s);
-    // A third of the columns stays empty, so that sparse rows and growing spans are met too.
+    // A third of the columns stays empty, so that sparse rows and growing spans occur too.
     for (size_t k = 0; k < grid_cells(&s->def.grid); k++)
         s->rho[k] =
             k % s->def.grid.n1 > s->def.grid.n1 / 3 && rand() % 4 > 0 ? uniform(0.0, 1.6) : 0.0;

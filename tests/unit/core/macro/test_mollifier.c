@@ -22,7 +22,7 @@ static void the_weights_end_at_four_standard_deviations(void **state)
     assert_int_equal(mollifier_reach(1e12, 1.0), 1);
 }
 
-// The shares are those of the cells in +-(S + 1/2) cells of a normal distribution.
+// The integral weights are the probabilities of the cells in +-(S + 1/2) cells of a normal distribution.
 static void the_integral_weights_sum_to_the_probability_of_the_range(void **state)
 {
     (void)state;

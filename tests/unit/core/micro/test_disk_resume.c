@@ -1,5 +1,5 @@
-// What explicit planar steps keep: the same bits for any number of threads, any instruction set and any
-// interruption; and what they do without memory, with damaged bytes and with impossible input.
+// Reproducibility of explicit planar steps: the same bits for any number of threads, any instruction set and any
+// interruption; and their behaviour without memory, with damaged bytes and with invalid input.
 
 #include "core/base/memory.h"
 #include "core/micro/disk/kernels.h"

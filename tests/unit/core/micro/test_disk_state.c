@@ -144,7 +144,7 @@ static void when_a_list_was_made_has_no_influence(void **state)
     assert_true(totals[0].overlap_share == totals[1].overlap_share);
 }
 
-// No pair that presses is missing from the list, however long it has been in use.
+// No pair in contact is missing from the list, however long it has been in use.
 static void the_list_holds_every_contact(void **state)
 {
     (void)state;

@@ -89,7 +89,7 @@ static size_t find_front(const disk_state *s)
     return front;
 }
 
-// The crowd when its foremost part is about to leave, at a time when the last speed makes a tile seem to
+// The jam when its foremost part is about to leave, at a time when the last speed makes a tile seem to
 // fit; then that part is thrown out so fast that the list, good for 1.5 mm, does not hold for all of it.
 static disk_state *start_burst_of_speed(bool is_mixed, bool is_tiled, double v)
 {

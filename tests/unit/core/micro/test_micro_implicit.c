@@ -295,7 +295,7 @@ static void a_fast_part_does_not_pass_a_wall_in_the_largest_step(void **state)
     free(w);
 }
 
-// Two crowds that run into each other, a little askew.
+// Two groups of parts that collide at a small angle.
 static world *make_crowds(double dt)
 {
     world *w = make_world(-speed);

@@ -1,5 +1,5 @@
-// What implicit steps keep between steps: the same bits for any number of threads, any instruction set
-// and any interruption; and what they do without memory or with damaged bytes.
+// Reproducibility of implicit steps: the same bits for any number of threads, any instruction set
+// and any interruption; and their behaviour without memory or with damaged bytes.
 
 #include "core/base/memory.h"
 #include "core/micro/disk/implicit.h"
@@ -17,7 +17,7 @@
 
 enum { ROWS = 48, COLUMNS = 60, CROWD = ROWS * COLUMNS, STEPS = 90 };
 
-// A crowd that a belt forces against a plate and, past its end, out of the domain. Larger than two
+// A jam that a belt drives against a plate and, past its end, out of the domain. Larger than two
 // threads' least partitions, with parts of two sizes.
 typedef struct scenery {
     micro_def def;

@@ -1,4 +1,4 @@
-// What speaks against solving a scenario with the macroscopic model, and does not concern the other.
+// Faults for which a scenario cannot be solved with the macroscopic model, but with the microscopic one.
 
 #include "core/run/run.h"
 #include "tests/unit/core/helper_scene.h"

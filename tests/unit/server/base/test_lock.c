@@ -15,7 +15,7 @@
 
 enum { N_THREADS = 4, N_ROUNDS = 2000 };
 
-/// What the threads of a test share.
+/// Data common to the threads of a test.
 typedef struct shared {
     lock lock;
     lock_condition changed;

@@ -251,7 +251,7 @@ static void no_parts_of_an_earlier_run_are_left(void **state)
     buffer_fini(&list);
 }
 
-// What somebody else put there stays, and the folder with it.
+// Files of others are not removed, nor is the folder then.
 static void files_of_others_among_the_parts_stay(void **state)
 {
     (void)state;

@@ -164,7 +164,7 @@ static void a_point_that_is_no_number_leaves_a_gap(void **state)
 static void a_label_cannot_command_the_terminal(void **state)
 {
     terminal_chart_options options = plain_options();
-    // ESC, DEL, the C1 control CSI as UTF-8, a lone continuation byte, and one honest character.
+    // ESC, DEL, the C1 control CSI as UTF-8, a lone continuation byte, and one valid character.
     const terminal_chart_curve curve = { "a\x1b[2Jb\x7f\xc2\x9b"
                                          "c\x80\xc3\xa4",
                                          2, two_times, rising };

@@ -48,7 +48,7 @@ static void write_input(const char *to, const void *checkpoint, size_t n)
     buffer_fini(&in);
 }
 
-// Asserts that these frames tell a whole run from t = 0.
+// Asserts that these frames are those of a whole run from t = 0.
 static void check_frames(const char *from)
 {
     bool has_begun = false, has_ended = false;

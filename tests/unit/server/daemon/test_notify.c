@@ -1,4 +1,4 @@
-// Unit tests of what the service manager is told, with a socket of ours in its place.
+// Unit tests of the messages to the service manager, with a socket of the test in its place.
 
 #include "server/daemon/notify.h"
 
@@ -66,7 +66,7 @@ static void readiness_comes_with_words(void **state)
     assert_string_equal(receive(), "WATCHDOG=1\nSTATUS=well");
 }
 
-// A manager tells this reload from the one before by the time.
+// A manager distinguishes this reload from the one before by the time.
 static void a_reload_comes_with_its_time(void **state)
 {
     int64_t from_us = clock_monotonic_ns() / 1000, at_us = 0;

@@ -106,7 +106,7 @@ static void one_request_thread(http_options *options)
     options->n_request_threads = 1;
 }
 
-// One thread handles, sixteen requests wait, the rest is told to come again.
+// One thread handles, sixteen requests wait, the rest get 503 with Retry-After.
 static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
 {
     enum { N = 30, TAKEN = 17 };

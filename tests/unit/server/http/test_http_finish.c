@@ -246,7 +246,7 @@ static void a_range_of_a_file_is_its_bytes(void **state)
     assert_null(header("Accept-Ranges"));
 }
 
-// Its length would be that of a curve that nobody has made.
+// Its length would be that of a curve that has not been computed.
 static void a_304_of_what_was_not_made_has_no_length(void **state)
 {
     (void)state;
@@ -349,7 +349,7 @@ static void two_requests_a_minute(http_options *options)
     options->requests_per_minute = 2;
 }
 
-// Behind a proxy of this machine that nobody has configured everybody would be this machine.
+// Behind a proxy of this machine that is not configured, all clients would count as this machine.
 static void what_an_unknown_proxy_forwards_is_limited_as_one_client(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Tests of event streams over HTTP: nothing is lost, nothing sleeps too long, all of them stop.
+// Tests of event streams over HTTP: no event is lost, no wake-up is missed, all of them stop.
 
 #include "server/http/http.h"
 
@@ -67,7 +67,7 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
     buffer_fini(&answer);
 }
 
-// What GET would send has no length, so 0 would be a lie.
+// The body of a GET has no known length, so Content-Length: 0 would be wrong.
 static void head_of_a_stream_has_its_headers_and_no_length(void **state)
 {
     bf_buffer answer = { 0 };
@@ -223,7 +223,7 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     buffer_fini(&answer);
 }
 
-// After each event everybody is asleep, so each round needs every wake-up.
+// After each event all readers are asleep, so each round needs every wake-up.
 static void a_stream_that_sleeps_is_woken_every_time(void **state)
 {
     enum { ROUNDS = 2000 };
@@ -428,7 +428,7 @@ static void a_store_that_stalls_stops_streams_and_nothing_else(void **state)
     }
 }
 
-// Long requests hold all request threads that they may; what happens is told all the same.
+// Long requests hold all request threads that they may; events are sent nevertheless.
 static void long_requests_do_not_delay_streams(void **state)
 {
     enum { N_REQUEST_THREADS = 4, N = 2 * N_REQUEST_THREADS };

@@ -190,7 +190,7 @@ static bf_status count_progress(void *context, const api_event *event, bf_error 
     return BF_OK;
 }
 
-// After a million seconds the next pause is a thousand: only the first and the last word of progress
+// After a million seconds the next pause is a thousand: only the first and the last progress
 // are stored. (The worker reports every 50 ms of the second or so that this takes.)
 static void a_long_run_tells_its_progress_seldom(void **state)
 {
@@ -286,7 +286,7 @@ static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **st
     assert_same_results(w, record.id, medium_jam);
 }
 
-// Somebody else's SIGTERM, as a service manager sends it to all processes at once, loses no run. The
+// A SIGTERM from another process, as a service manager sends it to all processes at once, loses no run. The
 // fake does that to itself the first time and is the real program the second time.
 static void a_run_stopped_by_others_goes_back_to_the_queue(void **state)
 {
@@ -366,7 +366,7 @@ static const frame begin_frame = {
     .begin = { .n_columns = 2, .n_steps = 10, .grid = { .n1 = 4, .n2 = 2, .d1 = 1, .d2 = 1 } },
 };
 
-// It tells of a sample when it is ready to heed nothing.
+// It sends a sample when it has begun to ignore signals.
 static void a_worker_that_heeds_no_signal_is_killed(void **state)
 {
     const double t = 0.0, values[] = { 1.0, 0.0 };
@@ -518,7 +518,7 @@ static void what_came_before_the_solver_failed_is_kept(void **state)
     assert_int_equal(record.n_samples, 2);
 }
 
-// A flood of words and a job that is not read must neither block nor fill the supervisor.
+// Excessive output and a job that is not read must neither block the supervisor nor exhaust its memory.
 static void a_worker_that_only_talks_costs_nothing(void **state)
 {
     helper_world *w = *state;
@@ -576,7 +576,7 @@ static void a_worker_without_its_parent_ends_at_once(void **state)
     FILE *output = popen("exec '" PROGRAM_DIR "/beltflow' worker --parent 1 </dev/null", "re");
     assert_non_null(output);
     assert_int_equal(fread(&byte, 1, 1, output),
-                     0); // not even an error frame: nobody would read it
+                     0); // not even an error frame: it would not be read
     assert_int_not_equal(pclose(output), 0);
 }
 
@@ -620,7 +620,7 @@ static void a_run_whose_end_could_not_be_stored_goes_on_later(void **state)
     limit.rlim_cur = 1;
     int64_t n_errors = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    // The child is gone before the store has refused every way to end the run, which the log tells.
+    // The child is gone before the store has refused every way to end the run, which is logged.
     for (int i = 0; i < 6000 && metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR) == n_errors; i++)
         usleep(10000);
     assert_true(helper_is_childless());

@@ -1,4 +1,4 @@
-// Tests of the supervisor, with a real store, against jobs that are lost, late, torn, repeated or deaf:
+// Tests of the supervisor, with a real store, against jobs that are lost, late, truncated, repeated or unresponsive:
 // no sample is stored twice, none is missing (I4), and each run ends in exactly one state.
 
 #include "server/base/clock.h"
@@ -31,7 +31,7 @@ static int setup(void **state)
     f.world = world;
     f.executor = helper_executor_create();
     f.world->options.executor = helper_executor_base(f.executor);
-    // So that tests of deaf jobs are short.
+    // So that tests of unresponsive jobs are short.
     f.world->options.stop_grace_ms = 50;
     f.world->options.lost_ms = 50;
     *state = &f;
@@ -57,8 +57,8 @@ static api_run start_run(fixture *f)
     return helper_await_state(f->world, record.id, RUN_RUNNING);
 }
 
-// The run has samples 0 to n - 1 of helper_executor_samples() without offset, once each, and events that
-// tell of each once, and snapshots 0 to n_snapshots - 1.
+// The run has samples 0 to n - 1 of helper_executor_samples() without offset, once each, with one event
+// for each, and snapshots 0 to n_snapshots - 1.
 static bf_status count_samples(void *context, const api_event *event, bf_error *err)
 {
     uint64_t *n = context;
@@ -415,7 +415,7 @@ static void await_stop_now(helper_executor *e, size_t index, int64_t deadline_ms
         usleep(1000);
 }
 
-// The time of a deaf job is over while the batch of another run is being committed.
+// The deadline of an unresponsive job passes while the batch of another run is being committed.
 static void a_stop_is_enforced_while_a_commit_is_slow(void **state)
 {
     enum { GRACE_MS = 300, COMMIT_MS = 2000 };

@@ -340,7 +340,7 @@ static void a_summary_may_come_without_an_end(void **state)
     api_run record = helper_start(s);
     bf_buffer text = { 0 };
 
-    // What a run told before it was handed back stays and is replaced by what it tells at its end.
+    // Timing reported before a run returned to the queue is retained, and replaced at its end.
     helper_finish(s, record.id, RUN_QUEUED);
     helper_claim(s);
     record = helper_finish(s, record.id, RUN_SUCCEEDED);

@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/// What a verification told.
+/// The report of a verification.
 typedef struct outcome {
     size_t n;        ///< checks
     size_t n_failed; ///< of them, what found something
@@ -137,7 +137,7 @@ static void a_copy_of_an_open_store_is_a_store(void **state)
     assert_int_equal(facts.st_mode & 0777, 0600);
     assert_sound(copy);
     expect_the_same(h->store, copy, &ended);
-    // The original goes on as if nothing had been.
+    // The original is not affected.
     helper_append_snapshot(h->store, running.id, 2);
     helper_finish(h->store, running.id, RUN_SUCCEEDED);
 }
@@ -161,7 +161,7 @@ static void a_closed_store_can_be_copied_and_checked(void **state)
     assert_int_equal(unlink(copy), 0);
 }
 
-/// What a writing thread and its test share.
+/// Data common to a writing thread and its test.
 typedef struct shared {
     store *store;
     atomic_bool is_over;

@@ -1,7 +1,7 @@
 // A store whose process is killed at any moment. I1 ... I14 are the invariants of server/store/store.h.
 //
 // A child submits, claims, appends and finishes in a loop and writes to a pipe what the store has
-// acknowledged. It is killed at a random moment; then everything it was promised must be there.
+// acknowledged. It is killed at a random moment; then everything that was acknowledged must be there.
 
 #include "tests/unit/server/helper_store.h"
 
@@ -33,7 +33,7 @@ typedef struct promise {
     uint64_t last_event;  ///< acknowledged
 } promise;
 
-// A promise is shorter than PIPE_BUF, so it is written whole or not at all.
+// An acknowledgement is shorter than PIPE_BUF, so it is written whole or not at all.
 static void tell(int out, const promise *p)
 {
     if (write(out, p, sizeof *p) != (ssize_t)sizeof *p)
@@ -115,7 +115,7 @@ static _Noreturn void live(helper_store *h, int out)
 
 static promise *find_promise(promise *all, size_t *n, const char *id)
 {
-    // Newest first: a child tells mostly of the run before.
+    // Newest first: most acknowledgements are of the last run.
     for (size_t i = *n; i-- > 0;)
         if (strcmp(all[i].id, id) == 0)
             return &all[i];
@@ -131,7 +131,7 @@ static void take_promises(int in, promise *all, size_t *n)
         *find_promise(all, n, p.id) = p;
 }
 
-// Start a child, let it live for a while, kill it and take what it was promised.
+// Start a child, let it work for a while, kill it and read its acknowledgements.
 static void spend_life(helper_store *h, promise *all, size_t *n)
 {
     int ends[2];

@@ -172,7 +172,7 @@ static void without_memory_every_call_fails_and_changes_nothing(void **state)
     assert_true(walk(try_read_snapshot, s, record.id) > 0);
     assert_true(walk(try_read_events, s, record.id) > 0);
     assert_true(walk(try_finish, s, record.id) > 0);
-    // Queued, running, progress, curve, snapshot, the last status, the end: each told once.
+    // Queued, running, progress, curve, snapshot, the last status, the end: each event once.
     helper_events events = helper_read_events(s, record.id, 0);
     assert_int_equal(events.n, 7);
     buffer_fini(&events.data);

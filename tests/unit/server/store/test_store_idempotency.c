@@ -172,7 +172,7 @@ static void of_too_many_answers_the_oldest_go(void **state)
     buffer_fini(&made.answer);
 }
 
-/// What the threads of a test share.
+/// Data common to the threads of a test.
 typedef struct shared {
     store *store;
     atomic_int n_new, n_replays, n_conflicts, n_others;

@@ -88,7 +88,7 @@ static void a_second_daemon_is_refused(void **state)
     expect_refusal(h->directory, "in use by another daemon");
     expect_refusal(h->directory, pid);
     helper_submit(h->store, "", 0);
-    // And welcome when the first one is gone.
+    // Accepted when the first one has closed.
     helper_store_close(h);
     helper_store_open(h);
 }

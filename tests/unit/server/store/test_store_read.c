@@ -134,7 +134,7 @@ static void events_of_several_runs_come_in_one_order(void **state)
         for (int i = 0; i < 2; i++)
             helper_append_samples(s, ids[i], first, 1);
     helper_append_snapshot(s, ids[1], 0);
-    // Two of the three: each has told queued, running and four samples; one a snapshot, too.
+    // Two of the three: each has the events queued, running and four samples; one a snapshot, too.
     assert_int_equal(
         store_read_events(s, (const char(*)[API_ID_SIZE])ids, 2, 0, SIZE_MAX, take, &t, NULL),
         BF_OK);

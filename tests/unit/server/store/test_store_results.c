@@ -204,7 +204,7 @@ static void its_texts_are_its_own(void **state)
     bf_buffer text = { 0 };
 
     solve(s, submit(s, "work", "first").id);
-    // The third one learns from the second as well as from the first.
+    // The third one reuses the second as well as the first.
     for (int i = 0; i < 2; i++) {
         api_run other = submit(s, "work", "other");
         text.n = 0;
@@ -338,7 +338,7 @@ static void known_results_do_not_wait(void **state)
     assert_true(submit(h->store, "work", "second").is_cached);
 }
 
-// What another version began or solved says nothing about what this one would.
+// What another version began or solved is not reused.
 static void results_of_another_solver_do_not_count(void **state)
 {
     helper_store *h = *state;

@@ -19,7 +19,7 @@
 
 enum { N_WRITERS = 4, N_READERS = 12, N_RUNS = 12 };
 
-/// What the threads of a test share.
+/// Data common to the threads of a test.
 typedef struct shared {
     store *store;
     atomic_int n_open; ///< writers that are not done
@@ -131,7 +131,7 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     expect_heard(&ear, 3, second.id);
     helper_append_samples(h->store, first.id, 0, 1);
     expect_heard(&ear, 4, first.id);
-    // Refused, left as it was, and read: nothing to be told.
+    // Refused, left as it was, and read: nothing to be notified.
     ending.run_id = second.id;
     assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_ECONFLICT);
     assert_int_equal(store_ready(h->store, NULL), BF_OK);
@@ -149,7 +149,7 @@ static void the_listener_hears_of_each_change_and_of_nothing_else(void **state)
     lock_fini(&ear.lock);
 }
 
-/// What became of batches that nobody waited for.
+/// The outcomes of batches whose caller did not wait.
 typedef struct outcome {
     lock lock;
     lock_condition changed;
