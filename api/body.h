@@ -1,11 +1,11 @@
 /// A response body that is pulled: it is made chunk by chunk while it is sent, so that only a chunk of
 /// it is in memory however long it is. Archives and event streams are such bodies.
 ///
-/// A handler that answers with one first finds out everything that can be refused, then gives the
+/// A handler that answers with one first makes all checks that can fail, then gives the
 /// response a body_source and returns. The transport asks for the next chunk when the client has taken
-/// the one before, always on a request thread, one at a time. Between two chunks nothing of the store
-/// is held, so that a slow client costs the memory of one chunk and of state, and nothing else. A
-/// client that disconnects is told by nothing but destroy.
+/// the one before, always on a request thread, one at a time. Between two chunks no resource of the
+/// store is held, so a slow client costs only the memory of one chunk and of state. When a client
+/// disconnects, only destroy is called.
 
 #pragma once
 
@@ -22,10 +22,10 @@ typedef enum body_state {
     BODY_DONE, ///< this was the last chunk
 } body_state;
 
-/// Append the next chunk to *out, about limit_bytes or fewer. An empty one with BODY_MORE lets other
-/// bodies have their turn. A change of a run that was committed before the call is in the chunk, or the
+/// Append the next chunk to *out, about limit_bytes or fewer. An empty one with BODY_MORE yields to
+/// other bodies. A change of a run that was committed before the call is in the chunk, or the
 /// state is BODY_MORE. On failure *out is as before or longer, the response is cut off, so that the
-/// client does not take a part for the whole, and nothing more is asked for.
+/// client detects the truncation, and next_chunk is not called again.
 typedef bf_status body_next_chunk_fn(void *state, const api_services *services, size_t limit_bytes,
                                      bf_buffer *out, body_state *ret_state, bf_error *err);
 

@@ -1,8 +1,8 @@
-/// A writer of JSON text: commas, escapes and numbers are its business, structure the caller's.
+/// A writer of JSON text: it writes commas, escapes and numbers; the caller is responsible for the structure.
 ///
-/// A failed allocation is remembered: further calls do nothing and json_out_status() tells at the
-/// end. Numbers that are not finite are written as null. What comes out is valid JSON whatever
-/// bytes a text has: what is not UTF-8 becomes U+FFFD.
+/// After a failed allocation further calls do nothing, and json_out_status() returns the error.
+/// Numbers that are not finite are written as null. The output is valid JSON for any input bytes:
+/// invalid UTF-8 becomes U+FFFD.
 
 #pragma once
 

@@ -129,7 +129,7 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
         size_t n_faults = in->faults->n;
         if ((m->flags & MEMBER_FORM) == 0)
             read_member(in, value, table, m, item);
-        // Without its tag nothing can be said of the other members.
+        // Without the tag the other members cannot be checked.
         if (table->choice == MEMBER_TAGGED && k == 0 && in->faults->n != n_faults)
             return;
     }

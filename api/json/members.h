@@ -1,5 +1,5 @@
 /// Objects of JSON documents as tables: which members they have, where each lies in a C struct, and
-/// what a person must know of it. Documents of clients are read, answers are written, and both are
+/// their descriptions. Documents of clients are read, answers are written, and both are
 /// described (JSON Schema, README) by these tables, so that adding a member is one line.
 
 #pragma once

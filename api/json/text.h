@@ -19,5 +19,5 @@ enum { TEXT_LENGTH_MAX = 64 }; ///< bytes of a name; longer ones are like nothin
 /// SIZE_MAX if one is longer than TEXT_LENGTH_MAX.
 size_t text_distance(const char *a, const char *b);
 
-/// True if someone who wrote a name at that distance may have meant `known`.
+/// True if a name at that edit distance may be a misspelling of `known`.
 bool text_is_near(const char *known, size_t distance);

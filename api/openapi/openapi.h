@@ -1,6 +1,6 @@
-/// The API described by itself: the OpenAPI 3.1 document, made from the tables that the code goes
-/// by (routes, formats, members of the scenario, states, events, problems) and from those of
-/// openapi_*.c, which say of each what only a document needs. README of api says how to add to it.
+/// The OpenAPI 3.1 document of the API, generated from the tables that the code uses
+/// (routes, formats, members of the scenario, states, events, problems) and from those of
+/// openapi_*.c, which add what only the document needs. api/README.md describes how to extend it.
 
 #pragma once
 

@@ -76,7 +76,7 @@ static void write_type(json_out *w, const member *m, member_view view)
 static void write_member(json_out *w, const member_table *table, const member *m, const form *f)
 {
     bool is_tag = table->choice == MEMBER_TAGGED && m == table->members;
-    // What says which of several forms an object has has no default.
+    // The member that selects one of several forms of an object has no default.
     bool chooses = is_tag || table->choice == MEMBER_ONE_OF ||
                    (f->names != NULL && has_word(f->names, m->name));
     bool has_default = f->view == MEMBER_GIVEN && members_has_default(m) && !chooses;

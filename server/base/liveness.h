@@ -1,7 +1,7 @@
-/// Checks whether a thread is alive: another thread asks, and the thread answers in its next turn. One that
-/// hangs does not. A thread does not answer unasked, so an idle one sleeps.
+/// Liveness of threads: another thread sends a probe, and the thread answers it in its next turn; a thread that
+/// hangs does not. Without a probe there is nothing to answer, so an idle thread sleeps.
 ///
-/// Threads  any. Who asks also wakes the thread, in the thread's own way.
+/// Threads  any. The prober must also wake the thread.
 
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/// Questions to one thread, or to a group of which one must live. Zero-initialise.
+/// Probes of one thread, or of a group of which one must answer. Zero-initialise.
 typedef struct liveness {
     _Atomic uint64_t n_asked;    ///< questions
     _Atomic uint64_t n_answered; ///< the last of them that was answered

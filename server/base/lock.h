@@ -1,4 +1,4 @@
-/// Mutex and condition that know their owner; nothing else touches pthread mutexes.
+/// Mutex and condition that record their owner; no other file uses pthread mutexes.
 
 #pragma once
 

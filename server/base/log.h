@@ -7,7 +7,7 @@
 #pragma once
 
 /// What a line means to an operator, X(level, word, priority of syslog): someone must act, and there
-/// is none of these in a clean day; we coped; a change of state that an operator wants to see; for
+/// is none of these in normal operation; recovered; a change of state of interest to operators; for
 /// developers.
 #define LOG_LEVEL_LIST(X)                                                                          \
     X(LOG_LEVEL_ERROR, "error", 3)                                                                 \

@@ -27,7 +27,7 @@ enum {
     METRICS__N_CODES = sizeof(const char *[]){ METRICS_CODES } / sizeof(const char *),
 };
 
-/// What metrics can be told apart by, X(symbol, label, how many values).
+/// Labels of metrics, X(symbol, label, how many values).
 #define METRICS_DIMENSION_LIST(X)                                                                  \
     X(METRICS__BY_ROUTE, "route", METRICS_ROUTES_MAX)                                              \
     X(METRICS__BY_METHOD, "method", METRICS__N_METHODS)                                            \

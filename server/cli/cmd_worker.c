@@ -26,7 +26,7 @@
 enum {
     REPORT_MS = 50,
     FLUSH_BYTES = 256 * 1024,
-    CPU_GRACE_S = 5, // from SIGXCPU, which says what happened, to SIGKILL
+    CPU_GRACE_S = 5, // from SIGXCPU, which identifies the cause, to SIGKILL
     KEY_MEMORY = 256,
     KEY_CPU,
     KEY_PARENT,
@@ -174,7 +174,7 @@ static void prefer_for_memory_killer(void)
     fclose(file);
 }
 
-// Tie this process to its parent and limit what it may use. False: the parent is gone already.
+// Tie this process to its parent and limit what it may use. False: the parent has already exited.
 static bool limit_process(const worker_arguments *a)
 {
     if (a->parent != 0 &&

@@ -31,7 +31,7 @@ BF_MUST_CHECK bf_status results_dir_scenario(results_dir *d, const char *scenari
                                              bf_error *err);
 
 /// Write what a frame of type begin, curve, snapshot or parts has; others are ignored.
-/// BF_ESYSTEM: the disk refused; nothing half-written is left.
+/// BF_ESYSTEM: the disk refused; no partial file is left.
 BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
 
 /// Write snapshots.json and, unless summary is NULL (the run was stopped), summary.json.

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { TERMINAL_CHART_CURVES_MAX = 6 }; ///< curves that can be told apart
+enum { TERMINAL_CHART_CURVES_MAX = 6 }; ///< curves that can be distinguished
 
 /// How to draw.
 typedef struct terminal_chart_options {

@@ -1,11 +1,11 @@
 // The daemon: settings, then store, supervisor and HTTP, in this order, until SIGTERM or SIGINT;
-// then back in the reverse order. SIGHUP lets it read its settings again.
+// then back in the reverse order. SIGHUP reloads the settings.
 //
 // Threads  signals are blocked before the first thread starts, so that every thread inherits that
 //          and only main takes them. A commit of the store's thread reaches supervisor and streams through
 //          `commit_listener`, because they start after the store and stop before it.
-// Watchdog main asks every part for a sign of life each half interval of the service manager's, and
-//          says that the daemon lives only if all have answered what they were asked before. Without
+// Watchdog main probes every part at half the service manager's watchdog interval, and notifies the
+//          manager only if all parts have answered the previous probe. Without
 //          a watchdog main sleeps until a signal comes.
 
 #include "server/base/clock.h"
@@ -302,7 +302,7 @@ static void reload(parts *p)
     notify_ready("%s", describe(p, text));
 }
 
-// Every part is asked each time, whatever the others said.
+// Every part is probed each time, even if another one has failed.
 static void beat(const parts *p)
 {
     bool has_store = store_is_alive(p->service.store);
@@ -394,7 +394,7 @@ int main(int argc, char **argv)
     config_parse_flags(argc, argv, &flags);
     if (flags.is_sample)
         return print(NULL, write_sample);
-    // Whatever is wrong with the settings, the one who gave them must act.
+    // All errors of settings are reported as BF_EINPUT: only the operator can correct them.
     if (config_read(&flags, &p.settings, &err) != BF_OK)
         return fail(flags.is_check ? "" : "beltflowd: ", &err, BF_EINPUT);
     if (flags.is_check)

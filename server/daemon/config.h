@@ -12,8 +12,8 @@
 #include <stdint.h>
 
 /// X(name, kind, default, least, most, when, help): name is the key in the file; BELTFLOW_<NAME> in the
-/// environment; --name on the command line, with '-' for '_'. A change counts when the daemon is told
-/// to read its settings again (RELOAD, by SIGHUP), or only after a RESTART.
+/// environment; --name on the command line, with '-' for '_'. A change takes effect when the
+/// settings are reloaded (RELOAD, by SIGHUP), or only after a RESTART.
 #define CONFIG_LIST(X)                                                                             \
     X(listen, TEXT, "127.0.0.1:8080", 0, 0, RESTART, "address and port; port 0 picks a free one")  \
     X(data, TEXT, "beltflow-data", 0, 0, RESTART, "directory of the store, created if missing")    \
@@ -82,7 +82,7 @@ typedef struct config {
 #undef CONFIG_TEXT
 #undef CONFIG_NUMBER
     char origins[CONFIG_COUNT]
-                [CONFIG_ORIGIN_SIZE]; ///< who said so: "default", "file:7", "--workers"
+                [CONFIG_ORIGIN_SIZE]; ///< its origin: "default", "file:7", "--workers"
 } config;
 
 /// One row of the table.
@@ -99,7 +99,7 @@ const config_row *config_rows(size_t *ret_n);
 /// The defaults of the table.
 void config_init(config *c);
 
-/// Set one setting from text. where says who asks ("--workers", "beltflowd.conf:7"), for the error.
+/// Set one setting from text. where is the origin ("--workers", "beltflowd.conf:7"), for the error.
 /// BF_EINPUT: unknown (with a suggestion), not a number, out of range, or a text that a line of a file
 /// could not say.
 BF_MUST_CHECK bf_status config_set(config *c, const char *name, const char *value,
@@ -111,7 +111,7 @@ BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *
 /// Take the BELTFLOW_... variables that name a setting; others are left alone.
 BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
 
-/// Fill in what is empty and lies beside the running program, whose folder is given: program, and
+/// Set empty paths to files in the folder of the running program: program, and
 /// web if there is one (installed, or in a build tree; else it stays empty).
 /// BF_ELIMIT: a path is too long.
 BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
@@ -122,14 +122,14 @@ log_level config_log_level(const config *c);
 /// Append a sample file: every setting with its help and default, commented out.
 BF_MUST_CHECK bf_status config_sample(bf_buffer *out, bf_error *err);
 
-/// Append the settings as they are, with where each comes from as comments: a file that says the same.
+/// Append the current settings as a settings file, with the origin of each as a comment.
 BF_MUST_CHECK bf_status config_print(const config *c, bf_buffer *out, bf_error *err);
 
-/// Told of a setting that has changed, with both values as text.
+/// Called for each setting that has changed, with both values as text.
 typedef void config_take_change(void *context, const config_row *row, const char *before,
                                 const char *after);
 
-/// Take over from *fresh what can be changed without a restart, and tell of all that differs.
+/// Take over from *fresh what can be changed without a restart, and report all differences.
 void config_reload(config *c, const config *fresh, config_take_change *take, void *context);
 
 /// What the daemon is to do: its first word.

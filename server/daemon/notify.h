@@ -1,5 +1,5 @@
-/// What the service manager is told (sd_notify): that the daemon is ready, reloads, stops, is alive, and
-/// what it does in words. Without a manager all of it does nothing. The only place beside the journal
+/// State notifications to the service manager (sd_notify): ready, reloading, stopping, watchdog, and a
+/// status text. Without a manager the functions do nothing. The only place beside the journal
 /// that includes libsystemd.
 ///
 /// Threads  any; none waits.
@@ -19,7 +19,7 @@ void notify_reloading(void);
 /// The daemon stops.
 void notify_stopping(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/// The daemon is alive; with what it does, for people.
+/// Watchdog notification, with a status text for operators.
 void notify_alive(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /// How often notify_alive() must be called at least, ms; 0: the manager does not watch.

@@ -79,8 +79,8 @@ static bool await_commit(service *s, service_waiter *w, int64_t deadline_ms)
     return is_notified;
 }
 
-// A run that is running is asked to stop by the first attempt, and removed when it has. The revision is
-// compared by that attempt only: the run's end, which the request itself asks for, changes it.
+// The first attempt requests that a running run stop; it is removed once it has stopped. Only that attempt
+// compares the revision, because the run's end, caused by this request, changes it.
 static bf_status remove_run(void *context, const char *id, uint64_t revision, bf_error *err)
 {
     service *s = context;

@@ -1,11 +1,11 @@
 /// Who sent a request: the address that limits hold for.
 ///
-/// Behind a proxy every connection comes from the proxy; it says in X-Forwarded-For whom it asks for.
-/// That is believed of configured proxies only, read from the right as far as they go: what stands
-/// left of the first address that is no proxy of ours, anybody can have written.
+/// Behind a proxy every connection comes from the proxy; X-Forwarded-For names the original client.
+/// The header is trusted from configured proxies only, and read from the right up to the first address
+/// that is no configured proxy: anything left of it may be forged.
 ///
-/// Who is on this machine is exempt from limits, unless a forwarding header says that it asks for
-/// somebody else: a proxy on this machine that is not configured must not exempt all the clients whose requests it forwards.
+/// Clients on this machine are exempt from limits, unless a forwarding header shows that the request was
+/// forwarded: a local proxy that is not configured must not exempt all the clients behind it.
 
 #pragma once
 
@@ -22,7 +22,7 @@ enum {
     HTTP_PROXIES_MAX = 32,     ///< configured proxies
 };
 
-/// Networks whose X-Forwarded-For is believed. Zero-initialise: none.
+/// Networks whose X-Forwarded-For is trusted. Zero-initialise: none.
 typedef struct http_proxies {
     size_t n;                                             ///< networks
     uint8_t keys[HTTP_PROXIES_MAX][HTTP_CLIENT_KEY_SIZE]; ///< their addresses
@@ -34,7 +34,7 @@ typedef struct http_client {
     uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< for comparison
     char text[API_CLIENT_SIZE];        ///< for people
     bool is_local;                     ///< of this machine, for itself: the loopback network
-    bool is_unknown_proxy;             ///< of this machine, for somebody who is not known
+    bool is_unknown_proxy;             ///< of this machine, for an unknown client
 } http_client;
 
 /// Read a list of addresses and networks ("10.0.0.0/8 ::1"), separated by spaces or commas.

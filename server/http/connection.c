@@ -1,7 +1,7 @@
 // Deadlines of connections, and the thread that watches them.
 //
 // MHD's own timeout is for inactivity only: a client that sends a byte now and then would hold its
-// connection forever. So each connection has an absolute deadline for what it owes at the moment (a
+// connection indefinitely. So each connection has an absolute deadline for what is due next (a
 // complete header, then a complete body), and one thread shuts down the sockets of those that are
 // late; MHD notices and closes. Between requests the deadline is that of the next header and the
 // time for which a connection may be idle, together.
@@ -10,7 +10,7 @@
 // MHD reads the bytes and waits for another event, which never comes. The same thread looks for such
 // sockets: disconnected, nothing left to be read, and a request still incomplete, at two looks in a row.
 //
-// A socket of the list is open: MHD tells us of a connection's end before it closes the socket, and
+// A socket of the list is open: MHD reports a connection's end before it closes the socket, and
 // the list is only looked at under http.lock.
 //
 // A client whose request was refused may still be sending. If its socket were closed at once, the kernel

@@ -2,7 +2,7 @@
 ///
 /// MHD lets through what proxies in front of it may read differently (request smuggling): repeated or
 /// contradicting lengths, repeated hosts, control bytes, names that are none, lines that are folded
-/// or end in half. All of that is refused before any of the request is used.
+/// or end incomplete. Such requests are refused before any part of them is used.
 
 #pragma once
 

@@ -20,7 +20,7 @@
 /// How to serve.
 typedef struct http_options {
     const char *listen;           ///< "127.0.0.1:8080", "[::1]:0"; port 0 picks a free one
-    const api_services *services; ///< what the API asks
+    const api_services *services; ///< services of the API
     const char *web_directory;    ///< files of the page; NULL: none
     unsigned n_threads;           ///< epoll threads, >= 1
     unsigned n_request_threads;   ///< requests that may block, at once, >= 1
@@ -28,7 +28,7 @@ typedef struct http_options {
     unsigned per_address_limit;   ///< of them from one address; 0: no limit
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
     const char *hosts; ///< names that requests may be sent to, see listen.h; NULL: none more
-    const char *trusted_proxies;  ///< whose X-Forwarded-For is believed, addresses; NULL: nobody's
+    const char *trusted_proxies;  ///< addresses whose X-Forwarded-For is trusted; NULL: none
     uint64_t requests_per_minute; ///< of one client that is not local; 0: no limit
     uint64_t work_per_minute;     ///< of them such that create work; 0: no limit
     /// What http_reconfigure() changes while threads read it:
@@ -56,9 +56,9 @@ BF_MUST_CHECK bf_status http_check_address(const char *text, bf_error *err);
 /// else is done, and the page stays as it was.
 BF_MUST_CHECK bf_status http_reconfigure(http *h, const http_options *options, bf_error *err);
 
-/// Ask the threads that serve connections, the request threads and the one that watches for a sign of
-/// life; true if all have answered the call before. The first are asked by requests
-/// (GET /livez) on connections of our own; while all connections are in use they are not asked.
+/// Probe the epoll threads, the request threads and the watching thread; true if all have answered the
+/// previous probe. Epoll threads are probed by requests (GET /livez) on internal connections; while all
+/// connections are in use they are not probed.
 bool http_is_alive(http *h);
 
 /// The port that is listened on.

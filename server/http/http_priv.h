@@ -1,4 +1,4 @@
-/// Private parts of the HTTP transport. README.md tells the way through its files.
+/// Private parts of the HTTP transport. README.md describes its files.
 ///
 /// Life of a request (one http_request, made when its request line is parsed, freed when MHD says
 /// that it is completed):
@@ -41,7 +41,7 @@ enum {
     HTTP_METHOD_SIZE = 32, ///< bytes of a method with its terminator
     HTTP_IDLE_S = 15,      ///< an inactive connection is closed after it
     HTTP_LINGER_MAX = 64,  ///< sockets that are drained after a refusal
-    HTTP_PROBES_MAX = 64,  ///< epoll threads that are asked whether they live
+    HTTP_PROBES_MAX = 64,  ///< epoll threads that are probed
 };
 
 /// A connection's socket, from accept to close.
@@ -114,7 +114,7 @@ struct http {
     char *listened;                    ///< host part of the address that is listened on
     http_hosts hosts;                  ///< which Host is answered
     _Atomic int64_t warned_ms;         ///< when a proxy was last warned of, clock_monotonic_ms()
-    http_proxies proxies;              ///< whose X-Forwarded-For is believed
+    http_proxies proxies;              ///< whose X-Forwarded-For is trusted
     http_limit *limit;                 ///< rates of clients
     lock lock;                         ///< guards all that follows
     lock_condition changed;            ///< a connection came, a request went, or is_stopping
@@ -143,7 +143,7 @@ http_connection *http__connection_open(http *h, int fd);
 /// Take a connection out of the list and free it; its socket is still open. NULL is fine.
 void http__connection_close(http_connection *c);
 
-/// Shut the connection down in ms from now, unless told otherwise; -1: never.
+/// Shut the connection down in ms from now, unless called again; -1: never.
 void http__connection_deadline(http_connection *c, int64_t ms);
 
 /// True if only requests about the daemon's health are still answered.
@@ -179,7 +179,7 @@ void http__pool_end(http_pool *p);
 /// Free a pool that has ended. NULL is fine. Always returns NULL.
 http_pool *http__pool_free(http_pool *p);
 
-/// Ask for a sign of life of any thread, and true if one has given what was asked for before.
+/// Probe a group of threads; true if one of them has answered the previous probe.
 bool http__pool_is_alive(http_pool *p);
 
 // request.c: what MHD's callbacks for requests call

@@ -1,7 +1,7 @@
 /// Rate limits: a bucket of tokens per client and kind of request, in a table of bounded size.
 ///
 /// A bucket holds the quota of a minute and fills evenly; each request takes one token. Requests that
-/// create work take one of both kinds. When the table is full, the client whose last request is oldest is forgotten.
+/// create work take one of both kinds. When the table is full, the client whose last request is oldest is evicted.
 /// The figures go to clients in the fields RateLimit-Policy and RateLimit
 /// (draft-ietf-httpapi-ratelimit-headers-11).
 ///
@@ -19,7 +19,7 @@
 enum {
     HTTP_LIMIT_WINDOW_S = 60,  ///< in which a quota comes back
     HTTP_LIMIT_CLIENTS = 4096, ///< clients in the table
-    HTTP_LIMIT_KEY_SIZE = 16,  ///< bytes that tell clients apart
+    HTTP_LIMIT_KEY_SIZE = 16,  ///< bytes that identify a client
 };
 
 /// The kinds of quota, each with its name for clients.

@@ -300,7 +300,7 @@ static bool is_listed(const http_hosts *hosts, const host_text *host)
     return is_same(host, hosts->listened, strlen(hosts->listened));
 }
 
-// An address is nobody's name that could lead elsewhere: of all that are listened on, any may be meant.
+// A literal address cannot be rebound by DNS, so any address that is listened on is accepted.
 static bool is_our_address(const http_hosts *hosts, const uint8_t *address)
 {
     static const uint8_t loopback4[] = { 127, 0, 0, 1 };

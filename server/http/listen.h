@@ -1,12 +1,11 @@
-/// Where it is listened, and which Host a request may name (RFC 9110, 7.2 and 15.5.20).
+/// The listening socket, and which Host a request may name (RFC 9110, 7.2 and 15.5.20).
 ///
-/// A page on the internet can have its own
-/// name resolved to 127.0.0.1 and so let a browser send requests to a service that listens there alone
-/// (DNS rebinding); the name stands in Host. So a request is answered only under the addresses that
-/// are listened on and under names that were configured.
+/// A page on the internet can resolve its own name to 127.0.0.1 and so make a browser send requests
+/// to a service that listens only there (DNS rebinding); the Host header then has that name. So a request
+/// is answered only under the addresses that are listened on and under configured names.
 ///
-/// Ports are not compared: a tunnel, a container or a proxy may give the service another one, and they
-/// tell a page on the internet from one of ours no better than the name does.
+/// Ports are not compared: a tunnel, a container or a proxy may give the service another one, and
+/// they add nothing to the protection that the name gives.
 
 #pragma once
 
@@ -22,7 +21,7 @@ BF_MUST_CHECK bf_status http_listen(const char *address, int *ret_fd, unsigned *
 
 enum { HTTP_HOST_ADDRESS_SIZE = 16 }; ///< bytes of an address, IPv6 or IPv4 mapped into it
 
-/// What is answered under.
+/// The hosts that are accepted.
 typedef struct http_hosts {
     const char *names;                       ///< configured ones, as http_host_check(); borrowed
     const char *listened;                    ///< host part of the address to listen on; borrowed
@@ -31,7 +30,7 @@ typedef struct http_hosts {
     bool is_loopback;                        ///< only this machine is
 } http_hosts;
 
-/// What is to be said of a Host.
+/// Classification of a Host.
 typedef enum http_host_verdict {
     HTTP_HOST_OURS,      ///< answer
     HTTP_HOST_MALFORMED, ///< 400
@@ -41,7 +40,7 @@ typedef enum http_host_verdict {
 /// BF_EINPUT unless names are host names or addresses, separated by commas or spaces, without ports.
 BF_MUST_CHECK bf_status http_host_check(const char *names, bf_error *err);
 
-/// What is answered under by who listens on this address of a socket.
+/// The hosts accepted by a server that listens on this socket address.
 http_hosts http_host_list(const char *names, const char *listened, const struct sockaddr *address);
 
 /// Classify the value of a Host header.

@@ -1,5 +1,5 @@
-// Request threads: whatever may wait for the disk or compute for long is done here, so that the epoll
-// threads never wait. A queued request is the pool's alone: its connection is suspended, so MHD calls
+// Request threads: work that may wait for the disk or compute for long runs here, so that the epoll
+// threads never block. The pool has exclusive access to a queued request: its connection is suspended, so MHD calls
 // nothing for it until MHD_resume_connection(), after which the pool does not touch it any more.
 //
 // Three lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request

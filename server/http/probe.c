@@ -1,9 +1,9 @@
-// Liveness of the server's threads. Each round sends every thread a question and looks whether the question of
-// the round before was answered.
+// Liveness of the server's threads. Each round probes every thread and checks whether the probe of the previous
+// round was answered.
 //
-// An epoll thread can only be asked by a request, so each gets a connection of its own: one end of a
+// An epoll thread can only be probed by a request, so each gets a connection of its own: one end of a
 // pair of sockets, handed to MHD past the listening socket. While clients hold all connections the thread
-// is not asked, since the probe would be refused whatever the thread does.
+// is not probed, since the probe would be refused regardless of the thread's state.
 //
 // MHD gives a connection to the thread whose number is the descriptor's, modulo their number.
 
@@ -22,7 +22,7 @@ static const char question[] =
     "GET /livez HTTP/1.1\r\nHost: localhost\r\nUser-Agent: watchdog\r\nConnection: close\r\n\r\n";
 static const char answer[] = "HTTP/1.1 200 ";
 
-// True unless the thread was asked and has not answered; closes our end.
+// True unless the thread was probed and has not answered; closes our end.
 static bool collect(int *fd)
 {
     char text[sizeof answer - 1];
@@ -54,7 +54,7 @@ static int renumber(int fd, unsigned thread, unsigned n_threads)
     return found;
 }
 
-// Our end of a connection on which the thread was asked; 0: it could not be.
+// Our end of the connection of a probe; 0: the thread could not be probed.
 static int ask(http *h, unsigned thread)
 {
     const struct sockaddr_un nobody = { .sun_family = AF_UNIX };

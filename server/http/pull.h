@@ -15,7 +15,7 @@
 /// http_priv.h
 typedef struct http_request http_request;
 
-/// What is pulled (pull.c). The kinds are limited in number, each by itself.
+/// What is pulled (pull.c). Each kind has its own limit.
 typedef enum http_pull_kind {
     HTTP_PULL_STREAM,    ///< an event stream
     HTTP_PULL_DOWNLOAD,  ///< another body that is made while it is sent

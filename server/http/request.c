@@ -149,7 +149,7 @@ static void identify(http_request *r)
         warn_of_proxy(r);
 }
 
-// Which host is asked for: the target's, if it names one, else that of the header.
+// The requested host: the target's if it has one, else that of the Host header.
 static http_host_verdict classify_host(const http_request *r, const char *host)
 {
     char name[HOST_SIZE];
@@ -166,7 +166,7 @@ static http_host_verdict classify_host(const http_request *r, const char *host)
     return http_host_classify(&r->server->hosts, name);
 }
 
-// Without Host (HTTP/1.0) no browser asks; nor does it over a socket that is none of the network.
+// Exempt are requests without Host (HTTP/1.0) and those over other sockets: no browser sends them.
 static void check_host(http_request *r)
 {
     const char *host = http__request_header(r, "Host");
@@ -287,7 +287,7 @@ static void handle(http_request *r)
         http__page_answer(r);
 }
 
-// What a request is told that would have waited, where too many do.
+// Answer to a long poll beyond the limit of long polls.
 static void refuse_long_poll(http_request *r)
 {
     bf_error err = { 0 };
@@ -315,7 +315,7 @@ static bool begin_long_poll(http_request *r)
     return true;
 }
 
-// The answer is made anew, unless there is nobody to read it.
+// Make the answer again, unless the client has disconnected.
 static void end_long_poll(http_request *r)
 {
     const api_request request = view(r);
@@ -344,7 +344,7 @@ bool http__request_work(http_request *r)
     return true;
 }
 
-// False: the client has asked too often, and was told so. Who is on this machine may.
+// False: the client exceeded its rate and the answer is set. Local clients are exempt.
 static bool check_rate(http_request *r)
 {
     bf_error err = { 0 };
@@ -431,7 +431,7 @@ static void log_request(const http_request *r)
               r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent);
 }
 
-// What a client wants to wait for says nothing about the service.
+// A wait that the client asked for is no measure of the service's latency.
 static bool is_timed(const http_request *r)
 {
     return !r->response.source.is_stream && !r->has_waited;

@@ -12,8 +12,9 @@
 /// that two attempts at one run cannot mix.
 ///
 /// Implementations  server/run/local_executor.h: child processes of the daemon.
-/// Threads  all functions are called from the supervisor's thread (attach() also before that has started). Whoever else feeds a job (a thread
-///          that receives frames over HTTP) synchronises inside the executor and makes wake_fd readable.
+/// Threads  all functions are called from the supervisor's thread (attach() also
+///          before that has started). Another source of a job's bytes (a thread that receives frames over
+///          HTTP) synchronises inside the executor and makes wake_fd readable.
 
 #pragma once
 
@@ -45,7 +46,7 @@ typedef struct executor_work {
 /// How a job is asked to end; the later one is the stronger one.
 typedef enum executor_stop {
     EXECUTOR_STOP_GRACEFUL, ///< write a checkpoint, send the frames that are left, and end
-    EXECUTOR_STOP_NOW,      ///< end at once, whatever is lost
+    EXECUTOR_STOP_NOW,      ///< end at once, without saving anything
 } executor_stop;
 
 /// What poll() finds.
@@ -53,16 +54,16 @@ typedef enum executor_state {
     EXECUTOR_RUNNING, ///< it is being solved, or waits for that
     EXECUTOR_ENDED,   ///< it has ended, and all its bytes have been taken
     EXECUTOR_LOST, ///< nothing more will come, for an unknown reason; all its bytes have been taken
-    EXECUTOR_UNKNOWN, ///< the executor cannot tell at the moment; it may still be running
+    EXECUTOR_UNKNOWN, ///< the state is temporarily not known; it may still be running
 } executor_state;
 
 /// How a job has ended.
 typedef enum executor_cause {
-    EXECUTOR_EXITED,    ///< by itself, after all that it had to do
-    EXECUTOR_FAILED,    ///< by itself, with a failure
-    EXECUTOR_STOPPED,   ///< by a graceful stop, ours or somebody else's, that it could not answer
-    EXECUTOR_KILLED,    ///< by force: EXECUTOR_STOP_NOW, or the system's memory killer
-    EXECUTOR_CRASHED,   ///< by a fault of the program
+    EXECUTOR_EXITED,  ///< it exited after completing its work
+    EXECUTOR_FAILED,  ///< it exited with a failure
+    EXECUTOR_STOPPED, ///< by a graceful stop, the daemon's or another's, before it could handle it
+    EXECUTOR_KILLED,  ///< by force: EXECUTOR_STOP_NOW, or the system's memory killer
+    EXECUTOR_CRASHED, ///< by a fault of the program
     EXECUTOR_TIMED_OUT, ///< because it used up its CPU time
 } executor_cause;
 

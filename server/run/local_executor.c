@@ -243,7 +243,7 @@ static bool reap(executor_job *job)
         return false;
     kill(-job->pid, SIGKILL);
     if (waitpid(job->pid, &job->status, 0) != job->pid)
-        job->status = SIGKILL; // somebody else has reaped it
+        job->status = SIGKILL; // already reaped elsewhere
     job->pid = 0;
     job->has_output = true;
     return true;

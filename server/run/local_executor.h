@@ -6,8 +6,8 @@
 ///          blocked or ignored; it limits its own address space and CPU time before it reads anything. A
 ///          graceful stop is SIGTERM, a stop by force SIGKILL to its whole group. Its pid cannot be of
 ///          another process before it is reaped.
-/// Restart  a child asks the kernel to be killed when the thread that started it is gone. So none outlives the
-///          daemon, and attach() answers BF_ENOTFOUND.
+/// Restart  a child is killed by the kernel when the thread that started it ends (PR_SET_PDEATHSIG). So none
+///          outlives the daemon, and attach() returns BF_ENOTFOUND.
 
 #pragma once
 

@@ -145,7 +145,7 @@ bool supervisor_still_runs(void *context, const store_running *running)
            e->functions->attach(e, running->external_id, &job, NULL) == BF_OK;
 }
 
-// Take over one run that was running before the daemon was; it goes back to the queue if its job is gone.
+// Take over one run that was running before the daemon was; it goes back to the queue if its job no longer exists.
 static void attach_run(supervisor *s, const store_running *running)
 {
     supervisor__task *task = supervisor__task_create(s);

@@ -28,11 +28,11 @@ unsigned run_control_requested(void *context);
 
 /// How long a signal is caught.
 typedef enum run_control_catching {
-    RUN_CONTROL_CATCH_FIRST, ///< a second one ends the process: for a person who will not wait
+    RUN_CONTROL_CATCH_FIRST, ///< a second one ends the process: for interactive use
     RUN_CONTROL_CATCH_ALL,   ///< always: for supervisors, of which there can be several
 } run_control_catching;
 
-/// From now on let this signal ask for a stop instead of ending the process.
+/// From now on this signal requests a stop instead of ending the process.
 void run_control_catch(int signal_number, run_control_catching catching);
 
 /// True if a caught signal has come.

@@ -131,7 +131,7 @@ static void finish_end(supervisor *s, supervisor__task *task)
     supervisor_wake(s); // there is room for another run
 }
 
-// Take the result of the task's write. False: it is pending still, or the task is gone.
+// Take the result of the task's write. False: it is still pending, or the task was freed.
 static bool finish_write(supervisor *s, supervisor__task *task)
 {
     if (!task->write.is_pending)
@@ -174,7 +174,7 @@ static int sooner(int64_t at_ms, int64_t now_ms, int timeout_ms)
     return timeout_ms < 0 || left_ms < timeout_ms ? (int)left_ms : timeout_ms;
 }
 
-// Until when the loop may sleep: for ever, unless something is planned or left to be read.
+// How long poll() may block: indefinitely, unless a timer is set or there is data to read.
 static int find_timeout(const supervisor *s)
 {
     int64_t now_ms = clock_monotonic_ms();

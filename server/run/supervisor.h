@@ -1,7 +1,7 @@
-/// The supervisor: takes queued runs from the store, lets an executor solve each, and stores what comes
+/// The supervisor: takes queued runs from the store, has an executor solve each, and stores what comes
 /// back until the run has ended.
 ///
-/// Stopping a run has one owner: whoever wants a run cancelled or removed writes a stop request into the
+/// Stopping a run has one owner: to cancel or remove a run, other threads write a stop request into the
 /// store (store_cancel(), store_remove()). The supervisor reads the outstanding requests when a commit has
 /// changed one of its runs, and enforces them: a graceful stop first, by force when its time is over.
 ///

@@ -90,7 +90,7 @@ struct supervisor__task {
     bool has_more;           ///< the job may have more bytes than one turn takes
     bool has_begun;          ///< FRAME_BEGIN came
     bool has_ended;          ///< FRAME_END came
-    bool failed;             ///< it fails with error, whatever else comes
+    bool failed;             ///< it fails with error, regardless of later frames
     bool timed_out;          ///< it was stopped by force because it did not end in time
     frame_begin begin;       ///< valid if has_begun
     frame_end end;           ///< valid if has_ended
@@ -107,7 +107,7 @@ struct supervisor__task {
     store_item *items;       ///< what is not stored yet
     size_t n_items;          ///< of them
     size_t items_capacity;   ///< room
-    store_batch batch;       ///< of SUPERVISOR_WRITE_BATCH; speaks of items and output
+    store_batch batch;       ///< of SUPERVISOR_WRITE_BATCH; points into items and output
     store_ending ending;     ///< of SUPERVISOR_WRITE_END
     bool has_snapshot;       ///< a snapshot came whose parts have not come yet:
     store_item snapshot;     ///< that one

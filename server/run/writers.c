@@ -38,7 +38,7 @@ static supervisor__task *take_next(supervisor__writers *w)
     return task;
 }
 
-// The write's result. From here on the task belongs to the supervisor's thread, which may free it. On a
+// The write's result. From here on the supervisor's thread owns the task and may free it. On a
 // writing thread or one of the store's.
 static void set_done(void *context, bf_status status, const bf_error *err)
 {

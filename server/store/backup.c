@@ -283,7 +283,7 @@ bf_status store_verify(const char *path, store_verify_fn *take, void *context, b
     if (status != BF_OK)
         return status;
     status = check_version(&v, path, err);
-    // All checks see the store as it is now, whatever a daemon writes meanwhile.
+    // All checks see the store as it is now, even if a daemon writes meanwhile.
     if (status == BF_OK)
         status = store__run_plain(&v.reader, STORE__SQL_BEGIN_READ, err);
     if (status == BF_OK) {

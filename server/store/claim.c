@@ -348,7 +348,7 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
     bf_status status = store__write(s, apply_remove, &context, err);
     if (status == BF_OK && context.is_running)
         return bf_fail(err, BF_ECONFLICT, "", "the run is running: it has been asked to stop");
-    // The run is gone with the first step. What a failure leaves over is deleted in time.
+    // The first step removes the run. What a failure leaves is deleted by later collection.
     for (bf_status collected = status; collected == BF_OK && !context.is_over;)
         collected = store__write(s, apply_collect, &context, NULL);
     return status;

@@ -41,7 +41,7 @@ static const int open_flags[] = {
     [STORE__READ_ONLY] = SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
 };
 
-// What the operating system said; SQLite does not always know.
+// The operating system's error; SQLite does not always report it.
 static const char *name_cause(struct sqlite3 *db)
 {
     int cause = db == NULL ? 0 : sqlite3_system_errno(db);
@@ -232,7 +232,7 @@ bf_status store__end_transaction(store__connection *c, bf_status status, bf_erro
 {
     if (status == BF_OK)
         status = store__run_plain(c, STORE__SQL_COMMIT, err);
-    // Some failures make SQLite undo the transaction by itself. Nothing is left to be done about a
+    // After some failures SQLite has already rolled the transaction back. Nothing is left to be done about a
     // rollback that fails: the next transaction will not begin, and say so.
     if (status != BF_OK && sqlite3_get_autocommit(c->db) == 0) {
         bf_status undone = store__run_plain(c, STORE__SQL_ROLLBACK, NULL);

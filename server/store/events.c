@@ -1,5 +1,5 @@
 // Events: inserted by the operation that they report (I7), and read for several runs in the order of their
-// ids. Events that are read are copied before they are passed on: their taker may ask the store for more, and
+// ids. Events that are read are copied before they are passed on: the callback may call the store, and
 // no reader waits for it.
 
 #include "server/store/store_priv.h"

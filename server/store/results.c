@@ -38,7 +38,7 @@ static bf_status fail_zstd(size_t code, bf_status otherwise, bf_error *err)
 static size_t compress(ZSTD_CCtx *context, char *to, size_t room, const void *bytes, size_t n)
 {
     size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
-    // The checksum tells damage in the file from what the solver wrote.
+    // The checksum detects damage of the file after the solver wrote it.
     if (!ZSTD_isError(code))
         code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
     return ZSTD_isError(code) ? code : ZSTD_compress2(context, to, room, bytes, n);

@@ -1,4 +1,4 @@
-// What the store's thread does by itself, in turns: results that no run has any more go, then runs
+// Periodic work of the store's thread, in turns: results without a run are removed, then runs
 // beyond the limits, the one that ended first before all others, then idempotency keys that are too old. A
 // turn is a row of small transactions with the groups of others in between.
 //
@@ -21,7 +21,7 @@ typedef struct step {
     int64_t idempotency_ms;
     store__retention_turn turn; ///< as it was, and as it will be if the step succeeds
     char removed[API_ID_SIZE];  ///< the run that was removed; "": none
-    const char *rule;           ///< the limit that asked for it
+    const char *rule;           ///< the limit that caused it
     bool is_last;               ///< nothing is left to be done in this turn
 } step;
 

@@ -153,7 +153,7 @@ static const char schema_4[] = "CREATE TABLE measurements ("
                                "CREATE INDEX measurements_by_label ON measurements (label, id);";
 
 // What the queue and the supervisor need to know of a run. Checkpoints are of a format that is not read
-// any more: their runs start again, and what they tell again is known (I4).
+// any more: their runs start again, and what they emit again is already stored (I4).
 static const char schema_5[] =
     "ALTER TABLE runs ADD COLUMN client TEXT NOT NULL DEFAULT '';" // who submitted it; '': nobody's limit
     "ALTER TABLE runs ADD COLUMN stop_request INTEGER NOT NULL DEFAULT 0;" // a store_stop

@@ -1,4 +1,4 @@
-// What the store says about itself: counts of runs and sizes of files, a sign of life, and whether it can
+// Statistics and health of the store: counts of runs and sizes of files, a liveness probe, and whether it can
 // write.
 
 #include "server/store/store_priv.h"

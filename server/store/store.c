@@ -67,7 +67,7 @@ static bf_status fail_held(const store *s, int file, bf_error *err)
                    holder);
 }
 
-// For people who look; the lock itself is what counts.
+// For operators only; the lock itself is authoritative.
 static bool write_holder(int file)
 {
     char text[32];

@@ -19,7 +19,7 @@
 ///       several runs have is that of a run that succeeded, and never changes again.
 ///   I11 The answer to an idempotency key is stored with the run that it describes, in one transaction;
 ///       while it is stored, the key makes no second run.
-///   I12 What the store removes by itself has ended, and there is no run that ended before it.
+///   I12 What retention removes has ended, and there is no run that ended before it.
 ///   I13 A measurement is there with all its samples or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
 ///   I14 A stop request is on disk before its requester is answered, and goes with the run's end. A run with
@@ -79,10 +79,10 @@ typedef struct store_options {
     size_t client_quota;      ///< most of them of one client, beyond it BF_ELIMIT; 0: no quota
     store_listener *listener; ///< NULL: none
     void *listener_context;   ///< given to it
-    store_still_runs *still_runs; ///< asked for each run that was running (I8); NULL: none still is
-    void *still_runs_context;     ///< given to it
-    int64_t idempotency_ms;       ///< how long answers to idempotency keys are stored; 0: a day
-    store_retention retention;    ///< what is removed by itself
+    store_still_runs *still_runs;  ///< called for each run left running (I8); NULL: none still is
+    void *still_runs_context;      ///< given to it
+    int64_t idempotency_ms;        ///< how long answers to idempotency keys are stored; 0: a day
+    store_retention retention;     ///< limits of automatic removal
     int64_t retention_interval_ms; ///< between looks at what is to be removed; 0: a minute
 } store_options;
 
@@ -165,7 +165,7 @@ void store_read_stats(store *s, store_stats *ret_stats);
 void store_set_queue_limit(store *s, size_t limit);
 void store_set_client_quota(store *s, size_t quota);
 
-/// Ask the store's thread for a sign of life; true if it has answered all that were asked for before.
+/// Probe the store's thread; true if it has answered all previous probes.
 bool store_is_alive(store *s);
 
 /// BF_OK if the store can write; else why not.

@@ -1,5 +1,5 @@
 // The store's thread. It takes all operations that wait, does them in one transaction, each inside
-// a savepoint of its own, and lets their callers go on after the commit (I1). While it syncs, the next ones
+// a savepoint of its own, and releases their callers after the commit (I1). While it syncs, the next ones
 // gather: the busier the store, the larger the groups. Between two groups it does a step of retention
 // (retention.c), when it is time.
 //

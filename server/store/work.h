@@ -87,7 +87,7 @@ BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_r
                                      bf_error *err);
 
 /// Store the executor's id of a running run's job, so that the daemon after this one finds it again. It is
-/// forgotten when the run ends or is queued again. BF_ECONFLICT: the run is not running.
+/// deleted when the run ends or is queued again. BF_ECONFLICT: the run is not running.
 BF_MUST_CHECK bf_status store_set_external_id(store *s, const char *id, const char *external_id,
                                               bf_error *err);
 
