@@ -28,7 +28,7 @@ static bf_status check_curve(const compare_curve *c, const char *pointer, bf_err
 // A curve that is read at rising times.
 typedef struct cursor {
     const compare_curve *curve;
-    size_t k; // last sample at or before the time at hand
+    size_t k; // last sample at or before the current time
 } cursor;
 
 static double read_at(cursor *c, double t)

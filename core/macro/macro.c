@@ -9,7 +9,7 @@
 
 enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
 
-static const double cfl_slack = 1e-9; // for steps that meet the bound in decimal
+static const double cfl_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
 #define X(suffix) macro_sweep_fn macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix;
 CPU_EACH_BUILD(X)

@@ -8,8 +8,8 @@
 ///     one velocity, I = 0        x1 fluxes of the free belt, without a row of velocities
 ///     v = 0 and I = 0            no x2 flux
 ///
-/// A set may contain more blocks than necessary, never fewer: a flux made without need is exactly zero. For sweep.c, which
-/// is compiled once per instruction set.
+/// A set may contain more blocks than necessary, never fewer: a flux made without need is exactly zero. For
+/// sweep.c, which is compiled once per instruction set.
 
 #pragma once
 

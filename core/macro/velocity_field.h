@@ -1,6 +1,6 @@
 /// The static velocity field v_stat of the macroscopic model (section 3.1) and the closed faces.
 ///
-/// By region, B before C before A; among obstacles the one listed first takes precedence. With t the unit tangent of the
+/// By region, B before C before A; the obstacle listed first takes precedence. With t the unit tangent of the
 /// obstacle's segment, n its unit normal on the upstream side (n . v_T < 0), a = (x - start).t,
 /// d = (x - start).n and 0 <= a <= length:
 ///

@@ -12,8 +12,8 @@
 ///
 ///     iterations^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
 ///
-/// keep the outflow curve within 1 % of N of the explicit one and the kinetic energy of jams about the same: the residual is
-/// reduced in the next step, which starts from the impulses of this one. The step that is chosen is
+/// keep the outflow curve within 1 % of N of the explicit one and the kinetic energy of jams about the same: the
+/// residual is reduced in the next step, which starts from the impulses of this one. The step that is chosen is
 /// the shortest of
 ///
 ///     2 ms

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double step_slack = 1e-9; // for steps that meet the bound in decimal
+static const double step_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
 // Of the stable step of MICRO_VERLET, where none is given: keeps U(t) within about 1 % of N.
 static const double chosen_fraction = 0.25;

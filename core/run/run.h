@@ -1,4 +1,4 @@
-/// One scenario from its start to its end: the solver is stepped, results come out as frames.
+/// The run of one scenario: steps the solver and emits results as frames.
 ///
 /// Samples of the curve and snapshots (of density and, where the model has them, parts) are taken at the
 /// first step at or past each multiple of their period, at t = 0 and at the end. The same scenario gives the

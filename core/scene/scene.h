@@ -13,8 +13,8 @@
 ///          (hull), contacts/cargo_cargo/{length_m, damping_n_s_m, friction, tanh_linear_s_m,
 ///          tanh_spin_s}, micro/{damping_per_s, gravity_m_s2, spin_friction_radius_m},
 ///          initial/random/{count, region/x_m, region/y_m, seed}. Members of a kind of a mix stand
-///          below cargo/<n> instead of cargo. The pointer of a fault is that of the whole obstacle if it has two points,
-///          else that of the point.
+///          below cargo/<n> instead of cargo. The pointer of a fault of a path is that of the
+///          whole obstacle if it has two points, else that of the point.
 
 #pragma once
 
@@ -85,6 +85,6 @@ double scene_fit_step(const scene *s, double most, bool is_below);
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt (max|v_stat| + eps) <= dx, and the largest below which
-/// rho >= 0 is kept, dt < dx / (2 (max|v_stat| + eps)); s.
+/// rho stays >= 0, dt < dx / (2 (max|v_stat| + eps)); s.
 double scene_step_stable(const scene *s);
 double scene_step_positive(const scene *s);

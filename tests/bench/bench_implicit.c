@@ -80,7 +80,7 @@ static void show_example(double angle_deg, double modulus_reduction)
     free(e);
 }
 
-// Parts in hexagonal order in a box, pushed east by the belt: about 6 contacts each.
+// Parts in hexagonal order in a box, driven east by the belt: about 6 contacts each.
 static void place_jam(helper_outflow *e, scene_pose *poses, size_t n)
 {
     const double spacing = 0.024;

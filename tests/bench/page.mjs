@@ -54,7 +54,7 @@ async function play(page, name, speed) {
   tell(name, `${rate.toFixed(1)} frames/s; between frames median ${ms(at(0.5))}, 95 % ${ms(at(0.95))}; ${ms(spent / gaps.length)} of CPU a frame`);
 }
 
-// From the press on the run's link to its first picture, and from the last byte of a snapshot to it.
+// From the click on the run's link to its first picture, and from the last byte of a snapshot to it.
 async function open(page, name, run) {
   await visit(page, "#/");
   const link = page.getByRole("link", { name: run.name, exact: true }).first();

@@ -1,4 +1,4 @@
-// A real Chromium for the stories of the page, and how a story looks at what it shows.
+// A real Chromium for the stories of the page, and functions to examine what it shows.
 
 import assert from "node:assert/strict";
 import { accessSync, mkdirSync } from "node:fs";

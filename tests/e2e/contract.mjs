@@ -104,7 +104,7 @@ export function operationOf(method, target) {
   return { operation, place, template: found.template };
 }
 
-// A value of a header or a query is text; the document may want a number.
+// A value of a header or a query is text; the document may require a number.
 function fromText(text, place) {
   const { value: schema } = at(place);
   const isNumber = ["integer", "number"].includes(schema.type);
@@ -155,7 +155,7 @@ function checkProblem(answer, what) {
   assert.equal(problem.status, answer.status, what);
 }
 
-// Where the document knows no such path or method: a refusal, or a file of the page.
+// Where the document has no such path or method: a refusal, or a file of the page.
 function checkUnknown(method, target, answer, what) {
   if (answer.status < 400) assert.doesNotMatch(target, /^\/v1\//, what);
   else if (method !== "HEAD") checkProblem(answer, what);

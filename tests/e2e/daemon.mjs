@@ -157,7 +157,7 @@ class Daemon {
   }
 
   // Submit a scenario; the run's document. It is solved also where its results are known, unless the
-  // story wants otherwise.
+  // story disables that.
   async submit(scenario, extra = {}) {
     const answer = await this.post("/v1/runs", { scenario, fresh: true, ...extra });
     assert.equal(answer.status, 201, answer.text);

@@ -1,5 +1,5 @@
 // The daemon describes itself, and does what it says: every operation, format and method of the
-// document is asked for. Each answer is checked against the document by the way (contract.mjs).
+// document is requested. Each answer is also checked against the document (contract.mjs).
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";

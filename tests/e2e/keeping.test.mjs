@@ -1,4 +1,4 @@
-// What is kept, and for how long: retention, copies of a store, and whether a store is sound.
+// Retention, copies of a store, and verification of a store.
 
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, readdirSync, statSync, writeFileSync } from "node:fs";
@@ -65,7 +65,7 @@ test("a copy that was made under load serves the same results (I1)", async (t) =
   assert.match(again.stderr, /there already/);
   await d.stop();
 
-  // The copy takes the place of the store; what was solved is there, what was not goes on.
+  // The copy takes the place of the store; finished runs are there, others continue.
   d.data = path.join(d.folder, "restored");
   mkdirSync(d.data);
   copyFileSync(file, path.join(d.data, "beltflow.db"));

@@ -1,4 +1,4 @@
-// Measured curves: kept, listed, removed, and laid over runs of both models.
+// Measured curves: stored, listed, removed, and compared with runs of both models.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";

@@ -25,7 +25,7 @@ export function smallJam(changes = {}) {
   };
 }
 
-// A closed gate that 192 parts press against to the end; solved in a second or a few.
+// A closed gate that holds 192 parts to the end; solved in a second or a few.
 export function longJam() {
   const duration = isSanitized ? 0.5 : 8;
   return smallJam({

@@ -84,7 +84,7 @@ async function look({ page, size, scheme }, [name, address, wait]) {
   await judge({ page, size, scheme }, name);
 }
 
-// Colours do not depend on the size, so dark is judged on the wide screen alone.
+// Colours do not depend on the size, so dark is checked on the wide screen alone.
 async function judge({ page, size, scheme }, name) {
   await takePicture(page, `${name}-${size}-${scheme}`, size);
   if (size === "wide" || scheme === "light") await assertAccessible(page, `${name} ${size} ${scheme}`);

@@ -2,7 +2,7 @@
 //
 //     story -> Prism -> relay -> daemon
 //
-// Prism parses bodies and writes them anew, which changes bytes and damages binary data. So the
+// Prism parses bodies and reserialises them, which changes bytes and damages binary data. So the
 // relay sends the daemon what the story really sent, and the story gets what the daemon really
 // answered; Prism sees both and validates the answer. What Prism does not support goes directly to the daemon,
 // see reasonToBypass(); it is still checked by contract.mjs.
@@ -80,7 +80,7 @@ async function startPrism(upstream) {
       upstream: new URL(upstream),
       upstreamProxy: undefined,
       checkSecurity: true,
-      validateRequest: false, // bad requests must reach the daemon: its refusals are what is judged
+      validateRequest: false, // bad requests must reach the daemon: its refusals are what is validated
       validateResponse: true,
       errors: true,
       mock: { dynamic: false, ignoreExamples: false },

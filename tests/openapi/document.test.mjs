@@ -71,7 +71,7 @@ test("an obstacle has one form, and where cargo is at the start is said once", (
   assertTaken("Scenario", scenario, "the good scenario of the stories");
 });
 
-// What only the whole scenario can tell (overlaps, stability) no schema finds.
+// Faults of the scenario as a whole (overlaps, stability) cannot be found by a schema.
 test("most bad scenarios of the stories are refused by the schema already", (t) => {
   const refused = badScenarios.filter(([, change]) => {
     const scenario = goodScenario();

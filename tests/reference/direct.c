@@ -106,7 +106,7 @@ void direct_set_density(direct *d, const double *rho)
     memcpy(d->rho, rho, (size_t)d->n1 * (size_t)d->n2 * sizeof *rho);
 }
 
-// The index that the convolution sees at k of n, or -1: nothing there.
+// The index that the convolution reads at k of n, or -1 for zero.
 static int seen(int k, int n, bool mirror_below, bool mirror_above)
 {
     if (k < 0)

@@ -1,5 +1,5 @@
 /// The planar microscopic model as core/micro/disk/disk_priv.h states it, by explicit steps: all pairs, one
-/// after the other, nothing sorted, nothing kept between steps. Slow on purpose: an oracle for
+/// after the other, nothing sorted, nothing stored between steps. Slow on purpose: an oracle for
 /// core/micro. Plates must be straight; polygons of belts convex and counter-clockwise.
 
 #pragma once

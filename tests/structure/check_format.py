@@ -1,4 +1,4 @@
-"""C files are as clang-format leaves them; all text files keep to .editorconfig."""
+"""C files are as clang-format leaves them; all text files follow .editorconfig."""
 
 import subprocess
 

@@ -77,7 +77,7 @@ ONLY_IN = {
 
 
 def folder_of(name):
-    """The folder that the arrows speak of."""
+    """The folder whose rules apply."""
     parts = name.split("/")[:-1]
     known = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
     return next((folder for folder in known if folder in ARROWS), parts[0] if parts else name)

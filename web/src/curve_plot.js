@@ -1,4 +1,4 @@
-// Outflow curves in one plot, with a line at the time of the animation. A press or a drag moves that time.
+// Outflow curves in one plot, with a line at the time of the animation. A click or a drag moves that time.
 
 import uPlot from "uplot";
 

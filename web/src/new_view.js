@@ -11,7 +11,7 @@ import { address, go, note } from "./router.js";
 import { segments } from "./transport.js";
 
 const JUDGE_AFTER_MS = 350;
-const PREFIX = '{"scenario":'; // before the text, so that its lines keep their numbers
+const PREFIX = '{"scenario":'; // before the text, so that its line numbers do not change
 
 export class NewView {
   constructor() {
@@ -238,7 +238,7 @@ export class NewView {
     this.sayFaults(error.message);
   }
 
-  // Each fault at the field that it speaks of, the rest below the form; all of them at their lines.
+  // Each fault at the field that it is about, the rest below the form; all of them at their lines.
   showFaults(errors) {
     this.editor.showFaults(errors);
     const byField = new Map();

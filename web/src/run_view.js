@@ -1,4 +1,4 @@
-// One run: the animation, the outflow curve beside it, and below what came out. Live while it is solved.
+// One run: the animation, the outflow curve beside it, and below the results. Live while it is solved.
 
 import { isOver } from "./api.js";
 import { Cinema } from "./cinema.js";

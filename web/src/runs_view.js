@@ -1,4 +1,4 @@
-// The list of runs: kept up to date, filtered, paged by the API's cursor.
+// The list of runs: updated by events, filtered, paged by the API's cursor.
 
 import { isOver, listRuns } from "./api.js";
 import { onConnection } from "./connection.js";

@@ -1,5 +1,5 @@
 // How many parts have left the belt, for the list: of runs that ended from their summaries, fetched a few
-// at a time and kept; of others from their curves as they come.
+// at a time and cached; of others from their curves as they come.
 
 import { getJson, isOver, paths } from "./api.js";
 

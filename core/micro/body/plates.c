@@ -1,8 +1,8 @@
 // Plates and which of them are near a point. A straight piece of an obstacle's path is a plate of infinite height.
 //
-// Where a path bends, two plates meet. On the inner side of the bend both have contacts. On its outer side the
+// Where a path bends, two plates are joined. On the inner side of the bend both have contacts. On its outer side the
 // corner belongs to one of them, so that it acts once; and where the outer side is the downstream one, both
-// are prolonged until their downstream faces meet.
+// are prolonged until their downstream faces intersect.
 
 #include "core/micro/body/body_priv.h"
 

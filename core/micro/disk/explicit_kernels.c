@@ -456,7 +456,7 @@ static void clear_forces(disk *rows)
         rows[k].x = rows[k].y = rows[k].spin = 0.0;
 }
 
-// Adds the forces of SIMD_LANES candidates, of which n are valid, to their parts. *group is that of the candidate before.
+// Adds the forces of SIMD_LANES candidates, of which n are valid. *group is that of the candidate before.
 INLINED void store_forces(const explicit_step *step, const candidate_lanes *t, size_t n,
                           const loads *sum, uint32_t *group)
 {

@@ -3,8 +3,8 @@
 /// Order    contacts stand in groups, solved one after the other. In no group but the last one does a
 ///          part occur twice, so that its contacts may be solved in any order, many at once, by any
 ///          thread: first those with the boundary (a part's first candidate, its second ...), then the
-///          colours of a greedy colouring of the pairs of parts. The last group has the pairs for which no colour was left.
-///          Pieces of a group are what threads divide among themselves, blocks of a piece are processed in registers
+///          colours of a greedy colouring of the pairs of parts. The last group has the pairs without a
+///          colour. Pieces of a group are what threads divide among themselves, blocks of a piece are processed in registers
 ///          together.
 /// State    The pairs with their groups and impulses outlive a step and are saved; the rest is scratch.
 ///          Pairs are selected again, and disk__rebuild() is called, by their own displacement_bound,

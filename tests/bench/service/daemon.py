@@ -24,7 +24,7 @@ SCENARIO = {
     "output": {"curve_every_s": 0.01, "snapshot_every_s": 0.05},
     "macro": {"cell_m": 0.01, "step_s": 0.00125},
 }
-# Solved anew each time, also where the same was solved before.
+# Solved each time, even if the same scenario was solved before.
 BODY = json.dumps({"scenario": SCENARIO, "fresh": True}).encode()
 JSON_TYPE = {"Content-Type": "application/json"}
 

@@ -23,5 +23,5 @@ bf_buffer document_complete(void);
 /// status; *faults and *err are as scenario_read() leaves them.
 bf_status document_refuse(const char *json, size_t n, bf_faults *faults, bf_error *err);
 
-/// True if a fault at the pointer was kept.
+/// True if a fault at the pointer was recorded.
 bool document_has_fault(const bf_faults *faults, const char *pointer);

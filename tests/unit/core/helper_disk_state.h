@@ -31,7 +31,7 @@ void helper_disk_state_add(helper_disk_state *w, double x, double y);
 /// and across the edge in the east; every seventh is of kind 1 if is_mixed.
 void helper_disk_state_crowd(helper_disk_state *w, bool is_mixed);
 
-/// Example 1 (60) or 2 (90) with its parts pressed together by 3 % and against the plate.
+/// Example 1 (60) or 2 (90) with its packing compressed by 3 % and in contact with the plate.
 void helper_disk_state_jam(helper_outflow *e, double angle_deg);
 
 /// The state of the solver of a definition, asserted to be made; helper_disk_state_end().

@@ -44,7 +44,7 @@ bool client_send(int fd, const char *text)
     return client_send_bytes(fd, text, strlen(text));
 }
 
-// What came of one read.
+// The outcome of one read.
 typedef enum got { GOT_BYTES, GOT_END, GOT_NOTHING } got;
 
 static got read_some(int fd, bf_buffer *answer, int64_t deadline_ms)

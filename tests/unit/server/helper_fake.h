@@ -53,6 +53,6 @@ void fake_hold(fake *f, fake_held held);
 /// Wait until n calls wait because they are held; false: they are fewer after five seconds.
 bool fake_wait_for_held(fake *f, unsigned n);
 
-/// A server on a free port with limits that tests seldom meet. change (NULL: none) may adjust the
+/// A server on a free port with limits that tests seldom exceed. change (NULL: none) may adjust the
 /// options before it starts.
 http *fake_serve(fake *f, void (*change)(http_options *options));

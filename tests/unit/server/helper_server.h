@@ -21,7 +21,7 @@ extern http *server;         ///< what the present test started; NULL: nothing
 int server_set_up(void **state);
 int server_tear_down(void **state);
 
-/// Append an event to the run's log and tell the server, as a commit does.
+/// Append an event to the run's log and notify the server, as a commit does.
 void server_append(bool is_end);
 
 /// A thread that appends events all the time.

@@ -68,7 +68,7 @@ static void files_for_vtk_come_when_asked(void **state)
     assert_true(ask_body_has("'vtk' must be a whole number from 0 to 1"));
 }
 
-// The tests free an answer that nobody made.
+// The tests free an answer that was not created.
 static void a_run_that_goes_on_has_no_archive_yet(void **state)
 {
     static const run_state early[] = { RUN_QUEUED, RUN_RUNNING };

@@ -118,7 +118,7 @@ static void a_key_that_is_none_is_a_bad_request(void **state)
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BODY, 400);
     assert_true(ask_body_has("Idempotency-Key is no key"));
     assert_int_equal(ask_daemon.n_submitted, 0);
-    // A fault of the document is told first.
+    // A fault of the document is reported first.
     ask("POST", "/v1/runs", NULL, IS_JSON "Idempotency-Key: a, b\n", BAD_BODY, 422);
 }
 

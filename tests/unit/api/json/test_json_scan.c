@@ -1,4 +1,4 @@
-// The look at JSON text before it is parsed: depth, numbers that are none, and places.
+// The scan of JSON text before it is parsed: depth, invalid numbers, and places.
 
 #include "api/json/json_scan.h"
 

@@ -1,4 +1,4 @@
-// The OpenAPI document: complete, consistent, and the one that is kept in the tree.
+// The OpenAPI document: complete, consistent, and identical to the file in the tree.
 
 #include "api/openapi/openapi.h"
 

@@ -40,7 +40,7 @@ static helper_run *add_run(run_model model)
     return of;
 }
 
-// Makes a body to its end; *ret_pieces (NULL: not wanted) counts them.
+// Makes a body to its end; *ret_pieces (NULL: not required) counts them.
 static bf_status make_all(const body_source *body, size_t limit_bytes, bf_buffer *out,
                           size_t *ret_pieces)
 {

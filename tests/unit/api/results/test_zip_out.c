@@ -75,7 +75,7 @@ static void an_archive_holds_its_files(void **unused)
     buffer_fini(&out);
 }
 
-// What was given comes out before the end, all but what deflating keeps back.
+// Input is output before the end, except what the compressor buffers.
 static void bytes_come_out_while_a_file_goes_in(void **unused)
 {
     bf_buffer out = { 0 };

@@ -18,7 +18,7 @@
 
 enum { LENGTH_MAX = 640, WIDTH_MAX = 80, FACES_MAX = (LENGTH_MAX + 1) * (WIDTH_MAX + 1) };
 
-// The two sum in another order. A cell within rounding of the threshold of H would tell them apart
+// The two sum in another order. A cell within rounding of the threshold of H would make them differ
 // at once; densities are random, so none is that near in these scenes.
 static const double agreement = 1e-11;
 

@@ -49,7 +49,7 @@ static void the_slopes_sum_to_the_difference_of_the_ends(void **state)
 }
 
 // rho = x1 has gradient 1 everywhere, and the mollified gradient of a line is its own, but for the
-// mass of the Gaussian beyond the reach: at 4 standard deviations below 1e-3.
+// mass of the Gaussian beyond the cut-off: at 4 standard deviations below 1e-3.
 static void the_gradient_of_a_line_is_its_slope(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// What the paper says must come out, and the reference answers of its Examples.
+// Statements of the paper, and the reference answers of its Examples.
 
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"

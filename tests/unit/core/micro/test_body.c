@@ -192,7 +192,7 @@ static void a_free_body_conserves_its_angular_momentum_to_the_order_of_the_step(
     assert_near(error[0] / error[1], 2.0, 0.1);
 }
 
-// Two boxes meet off centre, so that they turn.
+// Two boxes collide off centre, so that they turn.
 static void a_free_pair_conserves_its_momentum(void **state)
 {
     (void)state;

@@ -110,7 +110,7 @@ static void a_belt_takes_a_part_up_by_its_law_with_order_1(void **state)
     }
 }
 
-/// Overlap after time t of two parts that meet head-on, face to face, with 2 x 0.1 m/s.
+/// Overlap after time t of two parts that collide head-on, face to face, with 2 x 0.1 m/s.
 static double overlap_after(scene_shape shape, double damping, double dt, double t,
                             double *ret_stiffness)
 {
@@ -265,7 +265,7 @@ static void free_jams_lose_energy_and_conserve_their_momentum(void **state)
     }
 }
 
-// Two boxes meet off centre, so that they turn.
+// Two boxes collide off centre, so that they turn.
 static void a_free_pair_conserves_its_momentum(void **state)
 {
     (void)state;

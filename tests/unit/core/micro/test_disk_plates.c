@@ -25,7 +25,7 @@ static double rectangle_distance(vec2 c, vec2 a, vec2 b, vec2 down, double thick
     return hypot(along - fmin(fmax(along, 0.0), length), deep - fmin(fmax(deep, 0.0), thickness));
 }
 
-// What the features of the state's boundary say: the deepest overlap, and how many press.
+// By the features of the state's boundary: the deepest overlap, and the number of contacts.
 static double feature_overlap(const disk_state *s, vec2 c, int *ret_n)
 {
     const disk part = { .x = c.x, .y = c.y, .radius = radius };

@@ -94,7 +94,7 @@ static void check_builds(disk_state *s)
                   &extremes[set]);
         assert_memory_equal(rows + set * n, rows, n * sizeof *rows);
         assert_memory_equal(heading + set * n, heading, n * sizeof *heading);
-        // The sum only tells what is finite; it may be added up in any order.
+        // The sum only shows whether all is finite; its order is not specified.
         assert_true(extremes[set].speed2 == extremes[0].speed2);
         assert_true(extremes[set].overlap == extremes[0].overlap);
         assert_true(extremes[set].overlap_share == extremes[0].overlap_share);

@@ -56,7 +56,7 @@ static helper_disks *make_mix(void)
     return d;
 }
 
-// 56 x 56 parts make work for several threads; the list is made anew some 10 times.
+// 56 x 56 parts make work for several threads; the list is rebuilt some 10 times.
 static helper_disks *make_jam(void)
 {
     helper_disks *d = helper_disks_make(2.0, 1.5, 0.395);
@@ -173,7 +173,7 @@ static void the_list_holds_every_contact(void **state)
     helper_disks_free(d);
 }
 
-// After a failure the run goes on as if nothing had been.
+// After a failure the run continues with the same results.
 static void steps_and_checkpoints_without_memory_fail_and_can_be_repeated(void **state)
 {
     (void)state;

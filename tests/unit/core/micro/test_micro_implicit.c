@@ -165,7 +165,7 @@ static void outflow_of_example_2_is_that_of_explicit_steps(void **state)
     check_example(90.0, 1e4);
 }
 
-// Overlap of two parts that meet head-on with 2 `speed`, after time t.
+// Overlap of two parts that collide head-on with 2 `speed`, after time t.
 static double overlap_after(double damping, double dt, double t)
 {
     world *w = make_world(-speed);

@@ -204,7 +204,7 @@ static void without_memory_nothing_is_lost(void **state)
     free(w);
 }
 
-// A planar state that has what saving and loading look at: 4 parts, 2 features.
+// A planar state with the members that saving and loading read: 4 parts, 2 features.
 static disk_state make_bare_state(void)
 {
     disk_state s = { .n = 4, .n_faces = 1, .n_arcs = 1, .void_slot = 16, .radius_min = 0.01 };
@@ -294,7 +294,7 @@ static void bytes_of_another_length_are_refused(void **state)
     buffer_fini(&sound);
 }
 
-// Blocks and bodies of no particular meaning, but of sound magnitudes.
+// Blocks and bodies of no particular meaning, but of plausible magnitudes.
 static void fill_block(implicit_block *block, solver_body *bodies)
 {
     for (uint32_t k = 0; k < 2 * IMPLICIT_WIDTH; k++)

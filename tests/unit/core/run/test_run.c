@@ -96,7 +96,7 @@ static void parts_are_either_in_the_domain_or_have_left_it(void **state)
         assert_true(log->values[k][1] >= -1e-9);
     double left = log->values[log->n_samples - 1][1];
     assert_near(log->end.parts_start - log->end.parts_end, left, 0.0);
-    // The tails of the outermost parts reach over the western edge: fewer than 192 by 2e-6.
+    // The tails of the outermost parts extend over the western edge: fewer than 192 by 2e-6.
     assert_near(log->end.parts_start, 192.0, 1e-5);
     free_log(log);
 }

@@ -61,7 +61,7 @@ static void sixteen_connections(http_options *options)
     options->n_threads = 1;
 }
 
-// Connections that say nothing, and that the server knows.
+// Idle connections that the server has accepted.
 static void connect_crowd(int *fds, int n)
 {
     for (int i = 0; i < n; i++)

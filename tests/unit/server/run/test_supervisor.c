@@ -275,7 +275,7 @@ static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **st
     }
     assert_true(n_stops > 0);
     assert_int_equal(record.state, RUN_QUEUED);
-    // What it goes on from, and how long it took so far.
+    // Its checkpoint, and its solving time so far.
     assert_int_equal(store_claim(w->store, &job, NULL), BF_OK);
     assert_true(job.checkpoint.n > 0 && job.step > 0 && job.wall_s > 0.0);
     store_job_fini(&job);
@@ -465,7 +465,7 @@ static void parts_that_do_not_follow_their_snapshot_fail_the_run(void **state)
     }
 }
 
-// A snapshot is published with its parts, so that whoever reads the event can fetch them.
+// A snapshot is published with its parts, so that a client that reads the event can fetch them.
 static void a_snapshot_without_its_parts_is_not_kept(void **state)
 {
     static const double rows[12] = { 0 };

@@ -306,7 +306,7 @@ static void event_ids_are_never_used_again(void **state)
     assert_true(helper_submit(h->store, "", 0).last_event > record.last_event + 1);
 }
 
-// I8, and what was handed back before: both are queued after the start, in the order of their ids.
+// I8, and runs that had returned to the queue before: both are queued after the start, in the order of their ids.
 static void what_was_running_is_queued_again_after_a_restart(void **state)
 {
     helper_store *h = *state;
@@ -341,7 +341,7 @@ static void a_store_that_can_write_is_ready(void **state)
 
     assert_int_equal(store_ready(h->store, NULL), BF_OK);
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM probe"), 1);
-    // Asked again at once, it answers from what it knows.
+    // A second call soon after is answered from the cache.
     int64_t at_ms = helper_store_sql(h, "SELECT at_ms FROM probe");
     assert_int_equal(store_ready(h->store, NULL), BF_OK);
     assert_int_equal(helper_store_sql(h, "SELECT at_ms FROM probe"), at_ms);

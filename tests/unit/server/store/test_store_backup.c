@@ -245,7 +245,7 @@ static void what_cannot_be_copied_leaves_nothing(void **state)
     assert_int_not_equal(access(path, F_OK), 0);
 }
 
-// Each of these breaks what one check looks at. The store is closed.
+// Each of these violates what one check verifies. The store is closed.
 static void what_is_broken_is_found(void **state)
 {
     static const struct {
@@ -279,7 +279,7 @@ static void what_is_broken_is_found(void **state)
     assert_int_equal(store_backup(h->directory, copy, NULL), BF_OK);
     helper_store_close(h);
     for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
-        // The sound copy takes the place of what was damaged before, and is copied again.
+        // The intact copy replaces what was damaged before, and is copied again.
         assert_int_equal(rename(copy, path), 0);
         assert_int_equal(store_backup(h->directory, copy, NULL), BF_OK);
         helper_store_sql(h, damages[i].sql);

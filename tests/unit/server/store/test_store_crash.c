@@ -16,8 +16,8 @@
 
 enum {
     N_LIVES = 25,            // of the child
-    LIFE_MS_MAX = 60,        // after its first promise
-    N_RUNS_MAX = 20000,      // that are kept track of
+    LIFE_MS_MAX = 60,        // after its first acknowledgement
+    N_RUNS_MAX = 20000,      // that are tracked
     N_STEPS = 4,             // batches of a run
     STEP_SAMPLES = 3,        // samples of a batch
     SNAPSHOT_STEP = 1,       // the batch with the snapshot
@@ -81,7 +81,7 @@ static void append_step(store *s, const char *id, uint64_t first, bool with_snap
         helper_item_fini(&items[i]);
 }
 
-// Goes on from the checkpoint, as a solver would.
+// Continues from the checkpoint, as a solver would.
 static void solve(store *s, int out, const store_job *job)
 {
     store_ending ending = { .run_id = job->run.id, .state = RUN_SUCCEEDED };

@@ -63,7 +63,7 @@ static void who_has_no_name_has_no_quota(void **state)
     assert_int_equal(submit(s, "", "", NULL), BF_EBUSY);
 }
 
-// The quota comes before the queue: a client that has used it up learns so, also when the queue is full.
+// The quota comes before the queue: a client that has used it up gets that refusal, also when the queue is full.
 static void the_quota_comes_before_the_queue(void **state)
 {
     store *s = ((helper_store *)*state)->store;
