@@ -1,5 +1,5 @@
 /// Reading JSON documents of clients: text to a tree, values of the tree to C, faults with their
-/// pointers. Everything that reads goes on after a fault, so that one pass finds them all.
+/// pointers. Reading continues after a fault, so that one pass finds all of them.
 ///
 /// Numbers are read as doubles, whole ones too, so each is the double nearest to what was written.
 

@@ -97,7 +97,7 @@ struct member_table {
     /// place counts where the object stands at several places with defaults of their own.
     void (*init)(void *item, size_t place);
     size_t n_places; ///< of init; 0: one
-    /// Read what the members cannot say (MEMBER_FORM); NULL: nothing.
+    /// Read what the member table cannot express (MEMBER_FORM); NULL: nothing.
     void (*post_read)(json_in *in, const struct json_t *object, void *item);
 };
 

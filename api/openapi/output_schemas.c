@@ -1,6 +1,6 @@
-// The schemas of what is answered. Those of what is sent follow from the tables of what is read
-// (schema_writer.c); those of what one function writes from its table. The rows here are of what is
-// written piece by piece, and of values that are no objects.
+// Schemas of answers. Schemas of request bodies are generated from the input tables (schema_writer.c),
+// and those of answers that have a table from it. The rows here are for answers that code writes
+// member by member, and for values that are no objects.
 
 #include "api/openapi/openapi_priv.h"
 

@@ -100,7 +100,7 @@ void metrics_observe(metrics_id metric, size_t series, int64_t value);
 /// The present value of a counter or gauge.
 int64_t metrics_value(metrics_id metric, size_t series);
 
-/// What stands for the template of a route: of files of the page, and of what no route answered.
+/// Values of the route label without a route's template: files of the page, and requests without a route.
 #define METRICS_PAGE     "page"
 #define METRICS_NO_ROUTE "none"
 

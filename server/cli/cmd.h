@@ -1,7 +1,7 @@
 /// The subcommands of the program `beltflow` and what they share.
 ///
 /// A subcommand gets its arguments with its full name ("beltflow solve") as the first, prints its
-/// results on stdout and what is wrong on stderr, and returns the exit code.
+/// results on stdout and errors on stderr, and returns the exit code.
 
 #pragma once
 

@@ -52,7 +52,7 @@ static bf_status open_directories(results_dir *d, const char *path, bf_error *er
     return open_folder(d, "snapshots", &d->snapshots, err);
 }
 
-// Append whole lines; what the disk does not take completely is taken back.
+// Append whole lines; a partial write is truncated.
 static bf_status append_to_curve(results_dir *d, bf_error *err)
 {
     if (!file_io_write_fd(d->curve, d->text.bytes, d->text.n)) {
@@ -63,7 +63,7 @@ static bf_status append_to_curve(results_dir *d, bf_error *err)
     return BF_OK;
 }
 
-// Forget what a run before left, its mark of completeness first, and begin the curve.
+// Remove the results of an earlier run, its mark of completeness first, and begin the curve.
 static bf_status begin_results(results_dir *d, const char *columns, bf_error *err)
 {
     static const char *const marks[] = { "summary.json", "snapshots.json", "scenario.json" };

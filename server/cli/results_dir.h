@@ -21,7 +21,7 @@
 /// A directory being written; opaque.
 typedef struct results_dir results_dir;
 
-/// Create path (and the directories above it) or take what is there over. columns as from
+/// Create path (and the directories above it) or reuse an existing directory. columns as from
 /// scenario_columns(). BF_ESYSTEM: it cannot be written, or another program writes it.
 BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
                                          results_dir **ret_dir, bf_error *err);
@@ -31,7 +31,7 @@ BF_MUST_CHECK bf_status results_dir_scenario(results_dir *d, const char *scenari
                                              bf_error *err);
 
 /// Write what a frame of type begin, curve, snapshot or parts has; others are ignored.
-/// BF_ESYSTEM: the disk refused; no partial file is left.
+/// BF_ESYSTEM: a write failed; no partial file is left.
 BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
 
 /// Write snapshots.json and, unless summary is NULL (the run was stopped), summary.json.

@@ -38,7 +38,7 @@ typedef struct http_client {
 } http_client;
 
 /// Read a list of addresses and networks ("10.0.0.0/8 ::1"), separated by spaces or commas.
-/// BF_EINPUT names what is none; BF_ELIMIT.
+/// BF_EINPUT: an item is no network, and the text names it; BF_ELIMIT: too many.
 BF_MUST_CHECK bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies,
                                                  bf_error *err);
 

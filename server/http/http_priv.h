@@ -170,10 +170,10 @@ BF_MUST_CHECK bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_er
 /// has ended; nothing was done.
 bool http__pool_suspend(http_pool *p, http_request *r);
 
-/// Queue a suspended request whose pull goes on. Under http.lock, and before http__pool_end().
+/// Queue a suspended request to continue its pull. Under http.lock, and before http__pool_end().
 void http__pool_enqueue(http_pool *p, http_request *r);
 
-/// Do what is queued and end the threads. NULL is fine.
+/// Handle all queued requests and end the threads. NULL is fine.
 void http__pool_end(http_pool *p);
 
 /// Free a pool that has ended. NULL is fine. Always returns NULL.
@@ -188,12 +188,12 @@ bool http__pool_is_alive(http_pool *p);
 /// buffer. NULL: no memory.
 http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target);
 
-/// Go on with a request; *n bytes of its body came, all of which are taken. False: close the
+/// Continue a request; *n bytes of its body were received, and all are consumed. False: close the
 /// connection.
 bool http__request_advance(http_request *r, const char *method, const char *version,
                            const char *bytes, size_t *n);
 
-/// On a request thread: do what the request is there for. False: it waits, and is not this thread's
+/// On a request thread: handle the request. False: it is parked, and this thread must not access it
 /// any more.
 bool http__request_work(http_request *r);
 
@@ -208,11 +208,11 @@ const char *http__request_header(void *context, const char *name);
 /// Make the request's response a problem.
 void http__respond_refuse(http_request *r, int status, const bf_error *err);
 
-/// Add what the transport adds to an answer: encoding, range, and the headers of limits, origins and
+/// Add the transport's part of an answer: encoding, range, and the headers of limits, origins and
 /// traces. Does nothing the second time.
 void http__finalize_response(http_request *r);
 
-/// Say that the body is encoded; the entity tag becomes that of the encoded form.
+/// Mark the body as encoded; the entity tag becomes that of the encoded form.
 void http__set_coding(api_response *response, coding c);
 
 /// Give the response to MHD. False: it cannot be sent, close the connection.

@@ -2,11 +2,11 @@
 // streams, downloads), and the end of a wait before the answer is made (long polls, whose chunks are
 // empty). While nothing can be sent, the connection is suspended and costs no thread.
 //
-// A pull is in exactly one of three places, and is touched by its owner there alone:
+// A pull is in exactly one of three places, and only its owner there may access it:
 //
 //     MHD        the connection is not suspended; MHD calls the reader
 //     a thread   it is suspended; the request is in the pool's queue, or a request thread has it
-//     nobody     it is suspended and parked; under http.lock anybody may queue it
+//     parked     it is suspended and has no owner; under http.lock any thread may queue it
 //
 // No wake-up may be lost, and MHD forbids to suspend what is suspended and to resume what is not.
 // Under http.lock each pull has a counter of wake-ups (n_notified) and one flag (is_parked).
@@ -235,8 +235,8 @@ void http__pull_stop_all(http *h)
     lock_release(&h->lock);
 }
 
-// Step R1. False: it ends, whatever the store has. A download that the server's end cuts off is no whole
-// one; a stream has no end of its own, and a long poll is answered.
+// Step R1. False: it ends, even if the store has more. A download that is cut off by a shutdown is reported as
+// incomplete; a stream has no defined end, and a long poll is answered.
 static bool look(http_request *r, bool *ret_is_heartbeat_due)
 {
     http *h = r->server;
@@ -255,7 +255,7 @@ static bool look(http_request *r, bool *ret_is_heartbeat_due)
     return !p->has_failed && p->state != BODY_DONE;
 }
 
-// Step R2. After a failure the body is cut off: the client must not take a part for the whole.
+// Step R2. After a failure the body is cut off, so that the client detects the truncation.
 static void make_chunk(http_request *r, bool is_heartbeat_due)
 {
     http_pull *p = &r->pull;

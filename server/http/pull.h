@@ -52,8 +52,8 @@ bool http__pull_begin_body(http_request *r);
 /// Begin the long poll that the response asks for. False: there are too many.
 bool http__pull_begin_long_poll(http_request *r);
 
-/// On a request thread: make the next chunk. False: there is none yet, and the request is not this
-/// thread's any more.
+/// On a request thread: make the next chunk. False: there is none yet, and this thread must not
+/// access the request any more.
 bool http__pull_work(http_request *r);
 
 /// End the pull, if there is one.
@@ -62,8 +62,8 @@ void http__pull_end(http_request *r);
 /// MHD's content reader of a body that is pulled; context is the http_request.
 ssize_t http__pull_read(void *context, uint64_t position, char *bytes, size_t n);
 
-/// Under http.lock: queue what is due, owes a heartbeat, or lost its client. Returns when to be called
-/// again.
+/// Under http.lock: queue each pull that is due, needs a heartbeat, or whose client disconnected. Returns the time
+/// of the next call.
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected);
 
 /// Set is_stopping, and queue all that are parked to be ended. Before http__pool_end().

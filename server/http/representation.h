@@ -2,8 +2,8 @@
 ///
 /// Text is encoded when the client takes it (Accept-Encoding) and it has HTTP_ENCODING_MIN bytes.
 /// Pictures and arrays are not: they are compressed already, or hardly can be. Event streams are
-/// not either: an encoder holds back what it has not yet filled a block with, so events would come
-/// late, and each stream would cost its window of memory for as long as it is open.
+/// not either: an encoder buffers its input until a block is full, so events would be delayed,
+/// and each open stream would need memory for the encoder's window.
 ///
 /// A request for one range is answered by that range, one for several by the whole body, as the standard
 /// allows.

@@ -114,7 +114,7 @@ static enum MHD_Result gather_forwarded(void *context, enum MHD_ValueKind kind, 
     return buffer_printf(context, ",%s", value) == BF_OK ? MHD_YES : MHD_NO;
 }
 
-// A limit meant for one client holds for all of them; once a minute is enough to say so.
+// All clients of the proxy then share one client's limit. Warn at most once a minute.
 static void warn_of_proxy(http_request *r)
 {
     int64_t now_ms = clock_monotonic_ms();
@@ -361,8 +361,8 @@ static bool check_rate(http_request *r)
     return false;
 }
 
-// True if handling it can wait for the disk, so that it is for a request thread. Of what is about health
-// that is readiness alone, which writes to the store.
+// True if handling it can wait for the disk, so it needs a request thread. Of the health routes
+// only readiness does: it writes to the store.
 static bool can_block(const http_request *r)
 {
     return r->cost == API_COST_HEALTH

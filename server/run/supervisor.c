@@ -73,8 +73,8 @@ static void kill_by(supervisor__task *task, int64_t at_ms)
         task->kill_at_ms = at_ms;
 }
 
-// Pass on to the job what is requested, stop it by force when its time is over, and give it up when
-// even that has no effect.
+// Forward the requested stop to the job, stop it by force after the grace period, and declare it lost if
+// that has no effect.
 static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms)
 {
     executor *e = s->executor;

@@ -126,7 +126,7 @@ typedef struct supervisor__pending_update {
 struct supervisor {
     store *store;               ///< as it was given; never changes
     executor *executor;         ///< as it was given; never changes
-    supervisor_options options; ///< the thread's: what counts at the moment
+    supervisor_options options; ///< the thread's: currently in effect
     pthread_t thread;           ///< runs the loop
     int wake_fd;                ///< eventfd
     int64_t claim_at_ms;        ///< no claiming before; 0: at once
@@ -152,7 +152,7 @@ void supervisor__wake_loop(supervisor *s);
 /// Start the writing threads. BF_ESYSTEM: none could be started.
 BF_MUST_CHECK bf_status supervisor__start_writers(supervisor *s, bf_error *err);
 
-/// Let the writing threads finish what is queued, and join them.
+/// Wait until the writing threads have finished all queued writes, and join them.
 void supervisor__stop_writers(supervisor *s);
 
 /// Begin a write of a task that has none pending.
@@ -162,7 +162,7 @@ void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind
 supervisor__task *supervisor__task_create(supervisor *s);
 
 /// Start a job of the claimed run, or take over the one of this name (external_id not NULL). BF_EBUSY and
-/// BF_ENOMEM may pass; other errors do not.
+/// BF_ENOMEM are temporary; other errors are not.
 BF_MUST_CHECK bf_status supervisor__task_start(supervisor__task *task, const char *external_id,
                                                bf_error *err);
 
@@ -173,7 +173,7 @@ void supervisor__task_destroy(supervisor__task *task);
 /// fails the task and stops its job by force.
 void supervisor__read_frames(supervisor__task *task);
 
-/// Forget the batch that has been stored, and fail if it could not be.
+/// Discard the batch that has been stored; fail the task if it could not be stored.
 void supervisor__finish_batch(supervisor__task *task);
 
 /// The task fails with this error: discard what was sent and stop the job by force.
@@ -193,7 +193,7 @@ BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_erro
 /// Solving time so far, all attempts together, s.
 double supervisor__wall_s(const supervisor__task *task);
 
-/// Forget what is not stored yet.
+/// Free the items that are not stored yet.
 void supervisor__free_items(supervisor__task *task);
 
 /// Take over the runs that the daemon before left running and whose jobs go on.

@@ -1,5 +1,5 @@
 /// The store: every run, its scenario, curve, snapshots, events and checkpoint, and measured curves,
-/// in one SQLite file. What the supervisor does with it stands in work.h.
+/// in one SQLite file. The supervisor's functions are in work.h.
 ///
 /// Invariants (cited by the tests as I1 ...):
 ///   I1  What a write function returned BF_OK for is on disk and survives kill -9 and power loss.

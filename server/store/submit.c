@@ -230,7 +230,7 @@ static bf_status adapt_summary(store__connection *writer, const store__row *solv
     return status;
 }
 
-// False with BF_OK: the results are not known, or what is known of them is damaged.
+// False with BF_OK: there are no stored results, or they are damaged.
 static bf_status accept_solved(store__connection *writer, submit_context *context,
                                bool *ret_is_solved, bf_error *err)
 {
