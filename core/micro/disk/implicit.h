@@ -4,8 +4,8 @@
 ///          part occur twice, so that its contacts may be solved in any order, many at once, by any
 ///          thread: first those with the boundary (a part's first candidate, its second ...), then the
 ///          colours of a greedy colouring of the pairs of parts. The last group has the pairs without a
-///          colour. Pieces of a group are what threads divide among themselves, blocks of a piece are processed in registers
-///          together.
+///          colour. Threads divide the pieces of a group among themselves; the blocks of a piece are
+///          processed in registers together.
 /// State    The pairs with their groups and impulses outlive a step and are saved; the rest is scratch.
 ///          Pairs are selected again, and disk__rebuild() is called, by their own displacement_bound,
 ///          which is saved too, so that other rebuilds of the list have no influence.
