@@ -191,7 +191,7 @@ void api_handle_again(const api_services *services, const api_request *request,
     again.polled = &polled;
     response->long_poll.seconds = 0;
     api_handle(services, &again, &late);
-    // A run that was accepted has been accepted, even if it is gone by now or cannot be read.
+    // The run was accepted (201), even if it has been removed since or cannot be read.
     bool is_worse = response->status == 201 && late.status != 201;
     api_response *unused = is_worse ? &late : response;
     api_response_fini(unused);

@@ -4,7 +4,7 @@
 /// and writes the response; errors become application/problem+json (RFC 9457, problem.h).
 ///
 /// Threads  api_handle() may be called from any thread at the same time; it blocks while a service
-///          reads or writes the disk, which api_request_cost() tells before.
+///          reads or writes the disk, which api_request_cost() predicts.
 
 #pragma once
 

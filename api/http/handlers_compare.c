@@ -31,7 +31,7 @@ typedef struct entry {
 
 // What one request compares.
 typedef struct comparison {
-    bool is_pair; // asked by a and b
+    bool is_pair; // requested by a and b
     size_t n;
     size_t reference; // index
     entry entries[API_COMPARE_MAX];
@@ -166,7 +166,7 @@ static const entry *find_lack(const comparison *c, const char *name)
     return NULL;
 }
 
-// The column that is asked for, else the first one of the reference that all have.
+// The requested column, else the first one of the reference that all have.
 static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
 {
     const char *wanted = exchange__text(x, "column");
@@ -235,7 +235,7 @@ static compare_curve view_of(const column *c)
                             .parts = c->parts };
 }
 
-// Curves that are right each by itself may still be none that can be compared.
+// Curves that are each valid may still not be comparable.
 static bf_status refuse_curves(exchange *x, const entry *e, bf_status status, const bf_error *why,
                                bf_error *err)
 {

@@ -40,7 +40,7 @@ static void answer_head(exchange *x, const char *id, uint64_t revision)
     api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision);
 }
 
-// The run as it is now. False: it is gone or cannot be read.
+// The run's current state. False: it was removed or cannot be read.
 static bool answer_now(exchange *x, const char *id)
 {
     api_run record;

@@ -63,14 +63,14 @@ BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run
 BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
                                               uint64_t *ret_revision, bf_error *err);
 
-/// Which page of a list is asked for, by the parameters label, cursor and limit.
+/// The requested page of a list, from the parameters label, cursor and limit.
 typedef struct exchange_page {
     char label[API_LABEL_SIZE]; ///< "": any
     char before[API_ID_SIZE];   ///< only what is older than this id; "": from the newest
     size_t limit;               ///< 1 .. API_LIST_MAX
 } exchange_page;
 
-/// The page that is asked for.
+/// The requested page.
 exchange_page exchange__page(const exchange *x);
 
 /// Add the Link to the page that follows last_id. filters stands for further parameters:

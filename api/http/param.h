@@ -1,5 +1,5 @@
-/// Parameters of requests: one row says what a parameter is. Requests are read by it, and the OpenAPI
-/// document is written from it.
+/// Parameters of requests: one row describes a parameter. Requests are parsed by it, and the OpenAPI
+/// document is generated from it.
 
 #pragma once
 

@@ -72,7 +72,7 @@ typedef struct route_params {
 /// The table. Static; *ret_n is how many.
 const route *routes_list(size_t *ret_n);
 
-/// The route of a request, or NULL (*ret_params untouched). ret_params NULL: not wanted. A parameter
+/// The route of a request, or NULL (*ret_params untouched). ret_params may be NULL. A parameter
 /// is one segment, not empty, shorter than ROUTES_PARAM_SIZE.
 const route *routes_find(const char *method, const char *path, route_params *ret_params);
 

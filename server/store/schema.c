@@ -155,7 +155,7 @@ static const char schema_4[] = "CREATE TABLE measurements ("
 // What the queue and the supervisor need to know of a run. Checkpoints are of a format that is not read
 // any more: their runs start again, and what they emit again is already stored (I4).
 static const char schema_5[] =
-    "ALTER TABLE runs ADD COLUMN client TEXT NOT NULL DEFAULT '';" // who submitted it; '': nobody's limit
+    "ALTER TABLE runs ADD COLUMN client TEXT NOT NULL DEFAULT '';" // who submitted it; '': no quota
     "ALTER TABLE runs ADD COLUMN stop_request INTEGER NOT NULL DEFAULT 0;" // a store_stop
     "ALTER TABLE runs ADD COLUMN external_id TEXT NOT NULL DEFAULT '';" // the executor's name of its job
     "ALTER TABLE runs ADD COLUMN parent TEXT NOT NULL DEFAULT '';" // id of the run that made it
