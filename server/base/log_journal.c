@@ -1,7 +1,7 @@
 // The journal: MESSAGE is the line without its time and level, which the journal has in fields of its
 // own; the ids that the line names become fields, so that `journalctl RUN_ID=...` finds them.
 
-#include "server/base/log_priv.h"
+#include "server/base/base_priv.h"
 
 #include <inttypes.h>
 #include <stdint.h>

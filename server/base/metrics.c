@@ -2,7 +2,7 @@
 
 #include "api/http/routes.h"
 #include "core/base/check.h"
-#include "server/base/metrics_priv.h"
+#include "server/base/base_priv.h"
 
 #include <stdbool.h>
 #include <string.h>

@@ -16,7 +16,7 @@
 
 /// X(symbol, type, name, unit, labels, help). Type: COUNTER, GAUGE, or a histogram of durations
 /// (TIMES) or of sizes (SIZES). A name ends with its unit, and with _total if it is a counter's.
-/// Labels: one of METRICS_LABELS_LIST (metrics_priv.h).
+/// Labels: one of METRICS_LABELS_LIST (base_priv.h).
 #define METRICS_LIST(X)                                                                            \
     X(REQUESTS, COUNTER, "beltflow_http_requests_total", "", EXCHANGE, "Requests answered")        \
     X(REQUEST_TIMES, TIMES, "beltflow_http_request_duration_seconds", "seconds", ROUTE,            \

@@ -1,6 +1,6 @@
 #include "server/base/metrics.h"
 
-#include "server/base/metrics_priv.h"
+#include "server/base/base_priv.h"
 
 #include <inttypes.h>
 #include <stdbool.h>

@@ -2,7 +2,7 @@
 
 #include "server/base/log.h"
 
-#include "server/base/log_priv.h"
+#include "server/base/base_priv.h"
 #include "server/base/metrics.h"
 
 #include <errno.h>

@@ -4,7 +4,7 @@
 #include "server/base/metrics.h"
 
 #include "core/base/memory.h"
-#include "server/base/metrics_priv.h"
+#include "server/base/base_priv.h"
 
 #include <pthread.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/// Private parts of the metrics, shared by metrics.c (counting) and metrics_text.c (writing).
+/// Private parts of the log (log.c, log_journal.c) and of the metrics (metrics.c counts, metrics_text.c writes).
 
 #pragma once
 
@@ -9,6 +9,18 @@
 #include "server/base/metrics.h"
 
 #include <stdatomic.h>
+#include <stdbool.h>
+
+// log.c and log_journal.c
+
+/// True if descriptor fd is the stream that JOURNAL_STREAM ("device:inode"; NULL: none) names.
+bool log__is_journal(int fd, const char *stream);
+
+/// Send an event to the journal: text is its line from `event=` on. False: the journal does not take
+/// it.
+bool log__send(log_level level, const char *text);
+
+// metrics.c and metrics_text.c
 
 enum {
     METRICS_ROUTES_MAX = 96, ///< routes of the API and the two words beside them
