@@ -158,7 +158,11 @@ static bool crosses(const line *l, vec2 from, vec2 to)
     return polygon_segments_touch(from, to, l->start, l->end, TOUCH);
 }
 
-bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to)
+/// What is done with a closing line; true ends the visit.
+typedef bool line_fn(void *context, const line *l);
+
+/// Visit the lines of all obstacles that close faces. True if a visit was ended.
+static bool visit_lines(const scene *s, line_fn *visit, void *context)
 {
     const surroundings around = surroundings_of(s);
 
@@ -170,11 +174,25 @@ bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to)
         for (size_t m = 0; m + 1 < obstacle->n_points; m++) {
             surroundings_piece piece = surroundings_piece_of(&around, obstacle, m);
             line l = line_of(&piece, shift);
-            if (crosses(&l, from, to))
+            if (visit(context, &l))
                 return true;
         }
     }
     return false;
+}
+
+static bool crosses_link(void *context, const line *l)
+{
+    const line *link = context;
+
+    return crosses(l, link->start, link->end);
+}
+
+bool velocity_field_is_closed(const scene *s, vec2 from, vec2 to)
+{
+    line link = { from, to };
+
+    return visit_lines(s, crosses_link, &link);
 }
 
 /// A straight border between constant velocities.
@@ -420,22 +438,11 @@ static void close_links(velocity_field *f, const line *l, bool swap)
     }
 }
 
-static void close_obstacles(const scene *s, velocity_field *f)
+static bool close_line(void *context, const line *l)
 {
-    const surroundings around = surroundings_of(s);
-
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        const scene_obstacle *obstacle = &s->obstacles[k];
-        if (!is_closing(obstacle))
-            continue;
-        vec2 shift = shift_of(&around, obstacle);
-        for (size_t m = 0; m + 1 < obstacle->n_points; m++) {
-            surroundings_piece piece = surroundings_piece_of(&around, obstacle, m);
-            line l = line_of(&piece, shift);
-            close_links(f, &l, false);
-            close_links(f, &l, true);
-        }
-    }
+    close_links(context, l, false);
+    close_links(context, l, true);
+    return false;
 }
 
 static void close_edges(const scene *s, velocity_field *f)
@@ -488,7 +495,7 @@ bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_e
     sampler_prepare(&k);
     fill_faces(&k, &(lattice){ &f->grid, n1 + 1, n2, 0.0, 0.5 }, 0, f->v1);
     fill_faces(&k, &(lattice){ &f->grid, n1, n2 + 1, 0.5, 0.0 }, 1, f->v2);
-    close_obstacles(s, f);
+    (void)visit_lines(s, close_line, f);
     close_edges(s, f);
     stop_at_closed(f->v1, f->closed1, (n1 + 1) * n2);
     stop_at_closed(f->v2, f->closed2, n1 * (n2 + 1));

@@ -161,6 +161,11 @@ static inline double body__normal_force(const body_state *s, const micro_law *la
 /// Friction (7) on b for a normal force, N; slip is the tangential velocity of b relative to a, m/s.
 vec3 body__friction_force(const micro_law *law, double force, vec3 slip);
 
+/// Force in a contact point: normal force (4a) and friction (7), N. velocity is that of the contact point against
+/// what it touches, m/s; the normal points to where the force acts. False, without output: there is no force.
+bool body__contact_force(const body_state *s, const micro_law *law, vec3 normal,
+                         const manifold_point *point, vec3 velocity, vec3 *ret_force);
+
 /// Prepare a kind. BF_EINPUT: its hull is degenerate.
 BF_MUST_CHECK bf_status body__kind_init(const micro_def *def, const micro_kind *from,
                                         body_kind *ret_kind, bf_error *err);

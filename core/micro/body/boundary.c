@@ -25,15 +25,11 @@ static bool add_point_force(const body_state *s, size_t k, const micro_law *law,
                             const manifold_point *point, body_load *load)
 {
     const body_body *body = &s->bodies[k];
-    vec3 velocity = body__velocity(body, point->at);
-    double approach = vec3_dot(velocity, normal);
-    double normal_force = body__normal_force(s, law, point->depth, point->weight, approach);
+    vec3 force;
 
-    if (normal_force == 0.0)
+    if (!body__contact_force(s, law, normal, point, body__velocity(body, point->at), &force))
         return false;
-    vec3 friction =
-        body__friction_force(law, normal_force, vec3_along(velocity, -approach, normal));
-    body__add_force(load, body, point->at, vec3_along(friction, normal_force, normal));
+    body__add_force(load, body, point->at, force);
     return true;
 }
 

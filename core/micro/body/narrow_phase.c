@@ -69,12 +69,9 @@ bool body__find_manifold(const gjk_pair *pair, double margin, body_memory *memor
     return search(pair, margin, memory, ret_manifold);
 }
 
-/// Add the force in one contact point; the normal is from a to b. Returns true if it is not zero.
-static bool add_point(const body_state *s, const micro_law *law, body_pair *pair, vec3 normal,
-                      const manifold_point *point)
+bool body__contact_force(const body_state *s, const micro_law *law, vec3 normal,
+                         const manifold_point *point, vec3 velocity, vec3 *ret_force)
 {
-    const body_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
-    vec3 velocity = vec3_sub(body__velocity(b, point->at), body__velocity(a, point->at));
     double approach = vec3_dot(velocity, normal);
     double normal_force = body__normal_force(s, law, point->depth, point->weight, approach);
 
@@ -82,7 +79,20 @@ static bool add_point(const body_state *s, const micro_law *law, body_pair *pair
         return false;
     vec3 friction =
         body__friction_force(law, normal_force, vec3_along(velocity, -approach, normal));
-    vec3 force = vec3_along(friction, normal_force, normal);
+    *ret_force = vec3_along(friction, normal_force, normal);
+    return true;
+}
+
+/// Add the force in one contact point; the normal is from a to b. Returns true if it is not zero.
+static bool add_point(const body_state *s, const micro_law *law, body_pair *pair, vec3 normal,
+                      const manifold_point *point)
+{
+    const body_body *a = &s->bodies[pair->a], *b = &s->bodies[pair->b];
+    vec3 velocity = vec3_sub(body__velocity(b, point->at), body__velocity(a, point->at));
+    vec3 force;
+
+    if (!body__contact_force(s, law, normal, point, velocity, &force))
+        return false;
     pair->force = vec3_add(pair->force, force);
     pair->torque_a = vec3_sub(pair->torque_a, vec3_cross(vec3_sub(point->at, a->x), force));
     pair->torque_b = vec3_add(pair->torque_b, vec3_cross(vec3_sub(point->at, b->x), force));

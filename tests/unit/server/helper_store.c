@@ -2,6 +2,7 @@
 
 #include "api/results/events.h"
 #include "server/base/clock.h"
+#include "server/base/metrics.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -384,4 +385,16 @@ void helper_hear(void *context, const char *run_id)
     h->n++;
     memcpy(h->id, run_id, API_ID_SIZE);
     lock_release(&h->lock);
+}
+
+double helper_read_metric(const char *name)
+{
+    bf_buffer text = { 0 };
+
+    assert_int_equal(metrics_write(&text, NULL), BF_OK);
+    const char *at = strstr(text.bytes, name);
+    assert_non_null(at);
+    double value = strtod(at + strlen(name), NULL);
+    buffer_fini(&text);
+    return value;
 }

@@ -112,5 +112,8 @@ typedef struct helper_heard {
     char id[API_ID_SIZE]; ///< of the last one
 } helper_heard;
 
+/// The value of a metric without labels, as the text form has it.
+double helper_read_metric(const char *name);
+
 /// A store_listener whose context is a helper_heard.
 void helper_hear(void *context, const char *run_id);

@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 #include "tests/unit/server/helper_executor.h"
+#include "tests/unit/server/helper_store.h"
 #include "tests/unit/server/helper_supervisor.h"
 
 #include <stdio.h>
@@ -397,18 +398,6 @@ static void a_stop_request_outlives_the_daemon(void **state)
 
 // ------------------------------------------------------------------------ slow commits
 
-static double read_metric(const char *name)
-{
-    bf_buffer text = { 0 };
-
-    assert_int_equal(metrics_write(&text, NULL), BF_OK);
-    const char *at = strstr(text.bytes, name);
-    assert_non_null(at);
-    double value = strtod(at + strlen(name), NULL);
-    buffer_fini(&text);
-    return value;
-}
-
 static void await_stop_now(helper_executor *e, size_t index, int64_t deadline_ms)
 {
     while (helper_executor_job(e, index).n_now == 0 && clock_monotonic_ms() < deadline_ms)
@@ -460,14 +449,14 @@ static void batches_of_several_runs_share_a_commit(void **state)
     for (size_t i = 0; i < N; i++)
         helper_await_samples(f->world, records[i].id, 1);
     helper_world_slow_commits(f->world, COMMIT_MS);
-    double n_commits = read_metric("\nbeltflow_store_commit_operations_count ");
+    double n_commits = helper_read_metric("\nbeltflow_store_commit_operations_count ");
     for (size_t i = 0; i < N; i++)
         helper_executor_samples(f->executor, i, 1, 1, 0.0);
     for (size_t i = 0; i < N; i++)
         helper_await_samples(f->world, records[i].id, 2);
     helper_world_slow_commits(f->world, 0);
     // The first may go alone; all that come while it is committed are one group.
-    assert_true(read_metric("\nbeltflow_store_commit_operations_count ") - n_commits <= 2);
+    assert_true(helper_read_metric("\nbeltflow_store_commit_operations_count ") - n_commits <= 2);
 }
 
 // A job that sends much more than the store takes is not read ahead of it.

@@ -202,18 +202,6 @@ static void end_outcome(outcome *o)
     lock_fini(&o->lock);
 }
 
-static double read_metric(const char *name)
-{
-    bf_buffer text = { 0 };
-
-    assert_int_equal(metrics_write(&text, NULL), BF_OK);
-    const char *at = strstr(text.bytes, name);
-    assert_non_null(at);
-    double value = strtod(at + strlen(name), NULL);
-    buffer_fini(&text);
-    return value;
-}
-
 static store_batch batch_of(const char *id, store_item *item, const bf_grid *grid)
 {
     return (store_batch){
@@ -241,8 +229,8 @@ static void batches_of_several_runs_share_a_commit(void **state)
         helper_snapshot_item(records[i].id, 0, &items[i]);
         batches[i] = batch_of(records[i].id, &items[i], &grid);
     }
-    double n_commits = read_metric("\nbeltflow_store_commit_operations_count ");
-    double n_operations = read_metric("\nbeltflow_store_commit_operations_sum ");
+    double n_commits = helper_read_metric("\nbeltflow_store_commit_operations_count ");
+    double n_operations = helper_read_metric("\nbeltflow_store_commit_operations_sum ");
     snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
     assert_int_equal(sqlite3_open(path, &holder), SQLITE_OK);
     assert_int_equal(sqlite3_exec(holder, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
@@ -254,8 +242,8 @@ static void batches_of_several_runs_share_a_commit(void **state)
     sqlite3_close(holder);
     await_outcomes(&o, N);
     assert_int_equal(o.failed, BF_OK);
-    assert_true(read_metric("\nbeltflow_store_commit_operations_sum ") - n_operations == N);
-    assert_true(read_metric("\nbeltflow_store_commit_operations_count ") - n_commits <= 2);
+    assert_true(helper_read_metric("\nbeltflow_store_commit_operations_sum ") - n_operations == N);
+    assert_true(helper_read_metric("\nbeltflow_store_commit_operations_count ") - n_commits <= 2);
     for (int i = 0; i < N; i++) {
         assert_int_equal(helper_find(h->store, records[i].id).n_snapshots, 1);
         helper_item_fini(&items[i]);
