@@ -229,14 +229,18 @@ static bf_status append_batch(batch *b, const api_services *services, size_t lim
 bf_status stream_next(stream_cursor *cursor, const api_services *services, size_t limit_bytes,
                       bf_buffer *out, body_state *ret_state, bf_error *err)
 {
-    stream_cursor before = *cursor;
     batch b = { .cursor = cursor, .out = out };
-    size_t start = out->n;
+    size_t start = out->n, n_open = cursor->n_open;
+    uint64_t after = cursor->after;
+    bool has_begun = cursor->has_begun;
 
     BF_CHECK(limit_bytes > 0);
     bf_status status = append_batch(&b, services, limit_bytes, ret_state, err);
     if (status != BF_OK) {
-        *cursor = before;
+        // What never changes is not written: a transport may compare the ids of runs at the same time.
+        cursor->n_open = n_open;
+        cursor->after = after;
+        cursor->has_begun = has_begun;
         out->n = start;
         if (out->bytes != NULL)
             out->bytes[start] = '\0';
