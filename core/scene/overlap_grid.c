@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define NOBODY UINT32_MAX
+#define NO_PART UINT32_MAX
 
 bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footprints,
                             size_t n_kinds, const uint32_t *kinds, const scene_pose *poses,
@@ -82,7 +82,7 @@ bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, 
     for (int64_t i = column - 1; i <= column + 1; i++) {
         for (int64_t j = row - 1; j <= row + 1; j++) {
             uint32_t k = c->heads[find_bucket(c, i, j)];
-            for (; k != NOBODY; k = c->next[k]) {
+            for (; k != NO_PART; k = c->next[k]) {
                 if (is_overlapping(own, pose, footprint_of(c, k), c->poses[k])) {
                     *ret_other = k;
                     return true;

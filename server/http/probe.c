@@ -57,7 +57,7 @@ static int renumber(int fd, unsigned thread, unsigned n_threads)
 // Our end of the connection of a probe; 0: the thread could not be probed.
 static int ask(http *h, unsigned thread)
 {
-    const struct sockaddr_un nobody = { .sun_family = AF_UNIX };
+    const struct sockaddr_un unnamed = { .sun_family = AF_UNIX };
     int ends[2];
 
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
@@ -65,7 +65,7 @@ static int ask(http *h, unsigned thread)
     int theirs = renumber(ends[1], thread, h->options.n_threads);
     if (send(ends[0], question, sizeof question - 1, MSG_DONTWAIT | MSG_NOSIGNAL) ==
             sizeof question - 1 &&
-        MHD_add_connection(h->daemon, theirs, (const struct sockaddr *)&nobody, sizeof nobody) ==
+        MHD_add_connection(h->daemon, theirs, (const struct sockaddr *)&unnamed, sizeof unnamed) ==
             MHD_YES)
         return ends[0];
     (void)close(ends[0]);
