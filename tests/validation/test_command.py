@@ -1,0 +1,82 @@
+"""The scenes are what beltflow accepts, and the command compares one. BELTFLOW_BIN_DIR names the folder of the
+programs, build/release/bin if unset."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from documents import macro_document, micro_documents, set_member
+from scenes import GOALS, SCENES
+
+HERE = Path(__file__).resolve().parent
+PROGRAM = Path(os.environ.get("BELTFLOW_BIN_DIR", HERE.parents[1] / "build/release/bin")) / "beltflow"
+
+
+def compare(out, *options):
+    """The rows of the table that the command writes."""
+    subprocess.run([sys.executable, "-B", HERE / "validate.py", "--program", PROGRAM, "--out", out, "--starts", "2",
+                    "--closures", "dispersive", "--cells", "10", *options], check=True, capture_output=True)
+    with open(out / "table.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Scenes(unittest.TestCase):
+    def test_names_are_unique_and_groups_have_goals(self):
+        self.assertEqual(len({scene.name for scene in SCENES}), len(SCENES))
+        self.assertLessEqual({scene.group for scene in SCENES}, set(GOALS))
+
+    def test_both_models_accept_every_scene(self):
+        for scene in SCENES:
+            micro = list(micro_documents(scene, "implicit", 4))
+            macro = macro_document(scene, "dispersive", 5.0, [], is_named=False)
+            for model, document in [("macro", macro), ("micro", micro[0]), ("micro", micro[-1])]:
+                with self.subTest(scene=scene.name, model=model):
+                    check = subprocess.run([PROGRAM, "check", "--model", model, "-"], input=json.dumps(document),
+                                           capture_output=True, text=True)
+                    self.assertEqual(check.stderr, "")
+
+    def test_members_are_set_by_pointer(self):
+        document = {"belts": [{"velocity_m_s": [1, 0]}]}
+        for setting in ("/belts/0/velocity_m_s/1=0.5", "/macro/scheme=roe", '/macro/step_s="auto"'):
+            set_member(document, setting)
+        self.assertEqual(document, {"belts": [{"velocity_m_s": [1, 0.5]}],
+                                    "macro": {"scheme": "roe", "step_s": "auto"}})
+
+
+class Command(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = Path(folder.name)
+
+    def test_a_scene_is_compared_and_drawn(self):
+        row, = compare(self.out, "small-60-half", "--pictures", "2")
+        self.assertEqual((row["scene"], row["closure"], row["cell_mm"]), ("small-60-half", "dispersive", "10"))
+        rates = float(row["rate"]), float(row["micro_rate"])
+        self.assertAlmostEqual(float(row["rate_error"]), 100 * (rates[0] / rates[1] - 1), places=2)
+        # An opening of 0.1 m lets at most close packing through, at the speed of the belt.
+        self.assertTrue(all(0 < rate < 2004 * 0.1 * 0.395 for rate in rates), rates)
+        for drawn in ("small-60-half.svg", "small-60-half-belt.svg"):
+            self.assertIn("</svg>", (self.out / "plots" / drawn).read_text())
+
+    def test_what_was_solved_is_not_solved_again(self):
+        first = compare(self.out, "small-60-half")
+        runs = {run: run.stat().st_mtime_ns for run in (self.out / "runs").iterdir()}
+        self.assertEqual(len(runs), 3)
+        self.assertEqual(compare(self.out, "small-60-half"), first)
+        self.assertEqual({run: run.stat().st_mtime_ns for run in (self.out / "runs").iterdir()}, runs)
+
+    def test_members_of_the_macroscopic_runs_can_be_changed(self):
+        first, = compare(self.out, "small-60-half")
+        changed, = compare(self.out, "small-60-half", "--set", "/macro/dispersion_m_s=0.4")
+        self.assertEqual(changed["micro_rate"], first["micro_rate"])
+        self.assertNotEqual(changed["rate"], first["rate"])
+
+
+if __name__ == "__main__":
+    unittest.main()
