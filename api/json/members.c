@@ -137,15 +137,27 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
         table->post_read(in, value, item);
 }
 
+// MEMBER_OMIT_EMPTY
+static bool is_empty(const member *m, const void *item)
+{
+    double number;
+    size_t n;
+
+    if (m->kind == &member_number) {
+        memcpy(&number, (const char *)item + m->offset, sizeof number);
+        return !isfinite(number);
+    }
+    memcpy(&n, (const char *)item + m->offset_n, sizeof n);
+    return n == 0;
+}
+
 static bool is_written(const member_table *table, const member *m, const void *item)
 {
-    size_t n = 1;
-
     if ((m->flags & MEMBER_FORM) != 0 || (m->name != NULL && m->kind->write == NULL))
         return false;
-    if ((m->flags & MEMBER_OMIT_EMPTY) != 0)
-        memcpy(&n, (const char *)item + m->offset_n, sizeof n);
-    return n > 0 && applies(table, m, item);
+    if ((m->flags & MEMBER_OMIT_EMPTY) != 0 && is_empty(m, item))
+        return false;
+    return applies(table, m, item);
 }
 
 void members_write_into(json_out *w, const member_table *table, const void *item)

@@ -38,7 +38,8 @@ typedef struct member_kind {
 enum {
     MEMBER_FORM = 1,       ///< another way to say something: the table's post_read reads it, and it
                            ///< is never written
-    MEMBER_OMIT_EMPTY = 2, ///< a list that is not written when it has no items
+    MEMBER_OMIT_EMPTY = 2, ///< not written when empty: a list without items, an object whose count
+                           ///< is 0, a number that is not finite
     MEMBER_OPTIONAL = 4,   ///< answers: it may be missing
     MEMBER_FILE = 8,       ///< in files only: not in the document of the API
     MEMBER_SERVED = 16,    ///< its rule is false in files only: in answers it is always there
@@ -55,7 +56,8 @@ struct member {
     unsigned flags;          ///< MEMBER_FORM, ...
     unsigned tags;           ///< objects with a tag: bit k: is a member under tag k; 0: always
     size_t offset;           ///< of its place in the struct, bytes
-    size_t offset_n;         ///< lists: of the size_t count; links: of the uint64_t for {n}
+    size_t offset_n;         ///< lists, MEMBER_OMIT_EMPTY: of the size_t count; links: of the
+                             ///< uint64_t for {n}
     size_t offset_list;      ///< ONE_OR_LIST: of the bool that tells a list from one object
     size_t least;            ///< lists: fewest items; texts: fewest bytes
     size_t limit;            ///< lists: most items; texts: bytes with the terminator; 0: any

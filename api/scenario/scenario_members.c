@@ -90,12 +90,35 @@ static const member_table edge_table = { MEMBER_TABLE("edges", edge_members),
                                          .init = init_edges };
 #undef AT
 
+#define AT(place) offsetof(scene_speed_schedule, place)
+static const member speed_schedule_members[] = {
+    MEMBER("t_s", numbers, AT(times), "from which on a factor is the target, rising", .unit = "s",
+           .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
+           .limit = SCENE_SPEEDS_MAX),
+    MEMBER("factor", numbers, AT(factors), "of velocity_m_s, one for each time; 0: it stands",
+           .offset_n = AT(n_factors), .range = &scene_range_speed_factor, .least = 1,
+           .limit = SCENE_SPEEDS_MAX),
+};
+static const member_table speed_schedule_table = {
+    MEMBER_TABLE("speedSchedule", speed_schedule_members), .size = sizeof(scene_speed_schedule)
+};
+#undef AT
+
 #define AT(place) offsetof(scene_belt, place)
 static const member belt_members[] = {
     MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
            .limit = SCENE_ID_SIZE),
     MEMBER("velocity_m_s", point, AT(velocity), "of the surface", .unit = "m/s",
            .flags = MEMBER_INIT),
+    MEMBER("acceleration_m_s2", number, AT(acceleration), "of ramps to a higher speed",
+           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "at once"),
+    MEMBER("deceleration_m_s2", number, AT(deceleration), "of ramps to a lower speed",
+           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "at once"),
+    MEMBER("speed_schedule", object, AT(speed_schedule), "how its speed changes in time",
+           .table = &speed_schedule_table, .offset_n = AT(speed_schedule.n_times),
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "factor 1 at all times"),
     MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
            .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
            .flags = MEMBER_OMIT_EMPTY, .default_text = "the domain"),

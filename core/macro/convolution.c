@@ -125,6 +125,16 @@ static void close_faces(const macro_solver *s, const macro_faces *faces, ptrdiff
         }
 }
 
+// Scales I by the factors of the belts under the faces.
+static void scale_faces(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
+                        block_span blocks, double *velocity)
+{
+    const uint16_t *belt = macro__belts(s, faces, row);
+
+    for (ptrdiff_t i = blocks.first * BLOCK_CELLS; i < blocks.last * BLOCK_CELLS; i++)
+        velocity[i] *= s->factors[belt[i]];
+}
+
 // Computes the x1 part of all rows that row r reads for the missing blocks that were not expected.
 static void make_unexpected(macro_band *band, ptrdiff_t r)
 {
@@ -184,10 +194,15 @@ void macro__dispersion_make(macro_band *band, ptrdiff_t r)
     fill_ring(band, r + s->across.reach);
     make_unexpected(band, r);
     const window seen = window_of(band, r);
-    while (block_set_next_run(missing, macro__words(s), &b, &run))
+    while (block_set_next_run(missing, macro__words(s), &b, &run)) {
         convolution_dispersion_velocity(seen.gradient_rows, seen.integral_rows, &s->across,
                                         s->def.dispersion, run.first, run.last, place->i1,
                                         place->i2);
+        if (!s->speeds.are_constant && r >= 0)
+            scale_faces(s, &s->faces1, r, run, place->i1);
+        if (!s->speeds.are_constant)
+            scale_faces(s, &s->faces2, r + 1, run, place->i2);
+    }
     if (r >= 0)
         close_faces(s, &s->faces1, r, missing, place->i1);
     close_faces(s, &s->faces2, r + 1, missing, place->i2);

@@ -1,17 +1,25 @@
 // The static velocity and the closed faces, sorted into the sets that a sweep treats differently.
+//
+// Where speeds of belts change, the velocities of a step are v_full times the factor of the belt under the
+// face. The sets are the same at all times: faces of the uniform velocity are those over one belt, so
+// that they have one factor.
 
 #include "core/base/memory.h"
+#include "core/base/team.h"
 #include "core/macro/macro_priv.h"
 
 #include <string.h>
+
+enum { ROWS_AT_ONCE = 16 }; // that a thread updates
 
 // Where a direction's faces stand in the definition's arrays.
 typedef struct face_source {
     const double *v;
     const uint8_t *closed;
-    size_t row_stride; // elements from row to row
-    ptrdiff_t first;   // face of the row's element 0
-    ptrdiff_t n_faces; // faces of a row
+    const uint16_t *belt; // NULL: no speed changes
+    size_t row_stride;    // elements from row to row
+    ptrdiff_t first;      // face of the row's element 0
+    ptrdiff_t n_faces;    // faces of a row
     ptrdiff_t n_rows;
 } face_source;
 
@@ -24,17 +32,49 @@ static bf_status alloc_faces(const macro_solver *s, macro_faces *faces, ptrdiff_
     faces->closable = memory_alloc(words, sizeof *faces->closable);
     faces->closed_blocks = memory_alloc(words, sizeof *faces->closed_blocks);
     faces->closed = memory_alloc((size_t)(n_rows * (s->n_blocks + 1)), sizeof *faces->closed);
-    return faces->v != NULL && faces->mixed != NULL && faces->closable != NULL &&
-                   faces->closed_blocks != NULL && faces->closed != NULL
-               ? BF_OK
-               : BF_ENOMEM;
+    bool is_whole = faces->v != NULL && faces->mixed != NULL && faces->closable != NULL &&
+                    faces->closed_blocks != NULL && faces->closed != NULL;
+    if (is_whole && !s->speeds.are_constant) {
+        faces->v_full = memory_alloc((size_t)(n_rows * s->stride), sizeof *faces->v_full);
+        faces->belt = memory_alloc((size_t)(n_rows * s->stride), sizeof *faces->belt);
+        is_whole = faces->v_full != NULL && faces->belt != NULL;
+    }
+    return is_whole ? BF_OK : BF_ENOMEM;
+}
+
+// A velocity at the factor 1, and the belt under the faces that have it.
+typedef struct uniform_faces {
+    double v;
+    uint16_t belt; // 0 where no speed changes
+} uniform_faces;
+
+// True if a face, by its index in the definition's arrays, has the uniform velocity at all times.
+static bool is_uniform(const face_source *from, size_t at, const uniform_faces *uniform)
+{
+    const double v = from->v != NULL ? from->v[at] : 0.0;
+
+    return v == uniform->v && (v == 0.0 || from->belt == NULL || from->belt[at] == uniform->belt);
+}
+
+// Copies face `face` of a row; at is its index in the definition's arrays. Returns true if it is closed.
+static bool fill_face(macro_solver *s, macro_faces *faces, const face_source *from, ptrdiff_t row,
+                      ptrdiff_t face, size_t at)
+{
+    bool is_closed = from->closed != NULL && from->closed[at] != 0;
+    double v = is_closed || from->v == NULL ? 0.0 : from->v[at];
+
+    macro__row(s, faces->v, row)[face] = v;
+    if (faces->belt != NULL) {
+        macro__row(s, faces->v_full, row)[face] = v;
+        macro__belts(s, faces, row)[face] = from->belt[at];
+    }
+    return is_closed;
 }
 
 // Copies the faces of block b of a row and puts it into the sets it belongs to.
-static void fill_block(macro_solver *s, macro_faces *faces, const face_source *from, double uniform,
-                       ptrdiff_t row, ptrdiff_t b)
+static void fill_block(macro_solver *s, macro_faces *faces, const face_source *from,
+                       const uniform_faces *uniform, ptrdiff_t row, ptrdiff_t b)
 {
-    double *v = macro__row(s, faces->v, row);
     const size_t base = (size_t)row * from->row_stride;
     unsigned mask = 0, n_faces = 0, n_uniform = 0;
 
@@ -43,10 +83,9 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         if (face < from->first || face >= from->first + from->n_faces)
             continue;
         size_t at = base + (size_t)(face - from->first);
-        bool is_closed = from->closed != NULL && from->closed[at] != 0;
-        v[face] = is_closed || from->v == NULL ? 0.0 : from->v[at];
+        bool is_closed = fill_face(s, faces, from, row, face, at);
         mask |= (unsigned)is_closed << k;
-        n_uniform += !is_closed && v[face] == uniform;
+        n_uniform += !is_closed && is_uniform(from, at, uniform);
         n_faces++;
     }
     faces->closed[row * (s->n_blocks + 1) + 1 + b] = (uint8_t)mask;
@@ -58,30 +97,31 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         block_set_add(macro__set(s, faces->closed_blocks, row), b);
 }
 
-static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from, double uniform)
+static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from,
+                       const uniform_faces *uniform)
 {
     for (ptrdiff_t row = 0; row < from->n_rows; row++)
         for (ptrdiff_t b = -1; b < s->n_blocks; b++)
             fill_block(s, faces, from, uniform, row, b);
 }
 
-// The velocity that most faces of a sample have; a wrong guess costs time only.
-static double guess_uniform(const macro_def *def)
+// The velocity, >= 0, that most faces of a sample have; a wrong guess costs time only.
+static uniform_faces guess_uniform(const face_source *from)
 {
-    const bf_grid *g = &def->grid;
-    double best = 0.0;
+    const ptrdiff_t row_step = from->n_rows / 8 + 1, face_step = from->n_faces / 8 + 1;
+    uniform_faces best = { 0.0, 0 };
     size_t best_count = 0;
 
-    if (def->v1 == NULL)
-        return 0.0;
-    for (size_t j = 0; j < g->n2; j += g->n2 / 8 + 1) {
-        const double *row = def->v1 + j * (g->n1 + 1);
-        for (size_t i = 0; i <= g->n1; i += g->n1 / 8 + 1) {
+    for (ptrdiff_t row = 0; from->v != NULL && row < from->n_rows; row += row_step) {
+        const size_t base = (size_t)row * from->row_stride;
+        for (ptrdiff_t face = 0; face < from->n_faces; face += face_step) {
+            const size_t at = base + (size_t)face;
+            const uniform_faces guess = { from->v[at], from->belt != NULL ? from->belt[at] : 0 };
             size_t count = 0;
-            for (size_t k = 0; k <= g->n1; k++)
-                count += row[k] == row[i];
-            if (count > best_count && row[i] >= 0.0) {
-                best = row[i];
+            for (ptrdiff_t k = 0; k < from->n_faces; k++)
+                count += is_uniform(from, base + (size_t)k, &guess);
+            if (count > best_count && guess.v >= 0.0) {
+                best = guess;
                 best_count = count;
             }
         }
@@ -91,16 +131,66 @@ static double guess_uniform(const macro_def *def)
 
 bf_status macro__faces_init(macro_solver *s, const macro_def *def)
 {
-    face_source from1 = { def->v1, def->closed1, def->grid.n1 + 1, -1, s->n1 + 1, s->n2 };
-    face_source from2 = { def->v2, def->closed2, def->grid.n1, 0, s->n1, s->n2 + 1 };
+    const bool changes = !s->speeds.are_constant;
+    const face_source from1 = { .v = def->v1,
+                                .closed = def->closed1,
+                                .belt = changes ? def->belt1 : NULL,
+                                .row_stride = def->grid.n1 + 1,
+                                .first = -1,
+                                .n_faces = s->n1 + 1,
+                                .n_rows = s->n2 };
+    const face_source from2 = { .v = def->v2,
+                                .closed = def->closed2,
+                                .belt = changes ? def->belt2 : NULL,
+                                .row_stride = def->grid.n1,
+                                .n_faces = s->n1,
+                                .n_rows = s->n2 + 1 };
+    const uniform_faces uniform1 = guess_uniform(&from1), uniform2 = { 0.0, 0 };
 
     if (alloc_faces(s, &s->faces1, s->n2) != BF_OK ||
         alloc_faces(s, &s->faces2, s->n2 + 1) != BF_OK)
         return BF_ENOMEM;
-    s->uniform1 = guess_uniform(def);
-    fill_faces(s, &s->faces1, &from1, s->uniform1);
-    fill_faces(s, &s->faces2, &from2, 0.0);
+    s->uniform1 = s->uniform1_full = uniform1.v;
+    s->uniform_belt = uniform1.belt;
+    fill_faces(s, &s->faces1, &from1, &uniform1);
+    fill_faces(s, &s->faces2, &from2, &uniform2);
     return BF_OK;
+}
+
+static void update_row(const macro_solver *s, const macro_faces *faces, ptrdiff_t row)
+{
+    const double *v_full = macro__row(s, faces->v_full, row);
+    const uint16_t *belt = macro__belts(s, faces, row);
+    double *v = macro__row(s, faces->v, row);
+
+    for (ptrdiff_t i = -1; i < s->n1; i++)
+        v[i] = v_full[i] * s->factors[belt[i]];
+}
+
+static void update_rows(void *context, size_t item)
+{
+    const macro_solver *s = context;
+    const ptrdiff_t first = (ptrdiff_t)item * ROWS_AT_ONCE;
+
+    for (ptrdiff_t row = first; row < first + ROWS_AT_ONCE && row <= s->n2; row++) {
+        if (row < s->n2)
+            update_row(s, &s->faces1, row);
+        update_row(s, &s->faces2, row);
+    }
+}
+
+void macro__faces_update(macro_solver *s)
+{
+    const size_t n_bytes = (s->speeds.n_belts + 1) * sizeof *s->factors;
+
+    if (s->speeds.are_constant)
+        return;
+    belt_speeds_in_step(&s->speeds, s->steps, s->def.dt, s->factors_next);
+    if (memcmp(s->factors, s->factors_next, n_bytes) == 0)
+        return;
+    memcpy(s->factors, s->factors_next, n_bytes);
+    s->uniform1 = s->uniform1_full * s->factors[s->uniform_belt];
+    team_for(s->n_bands, (size_t)s->n2 / ROWS_AT_ONCE + 1, update_rows, s);
 }
 
 static void free_faces(macro_faces *faces)
@@ -110,6 +200,8 @@ static void free_faces(macro_faces *faces)
     memory_free(faces->closable);
     memory_free(faces->closed_blocks);
     memory_free(faces->closed);
+    memory_free(faces->v_full);
+    memory_free(faces->belt);
     *faces = (macro_faces){ 0 };
 }
 

@@ -41,12 +41,33 @@ macro_def macro_def_default(void)
     };
 }
 
-static double largest_speed(const double *v, size_t n)
+// The largest factors of the belts at any time, and that off every belt, which is 1.
+typedef struct largest_factors {
+    double of[SCENE_BELTS_MAX + 1];
+    double of_all;
+} largest_factors;
+
+static largest_factors find_largest_factors(const macro_def *def)
+{
+    largest_factors f = { .of = { 0 }, .of_all = 1.0 };
+
+    for (size_t k = 0; k < def->n_belts; k++) {
+        f.of[k] = belt_speeds_largest(&def->belts[k]);
+        f.of_all = fmax(f.of_all, f.of[k]);
+    }
+    f.of[def->n_belts] = 1.0;
+    return f;
+}
+
+static double largest_speed(const double *v, const uint16_t *belt, const largest_factors *f,
+                            size_t n)
 {
     double largest = 0.0;
 
-    for (size_t k = 0; v != NULL && k < n; k++)
-        largest = fabs(v[k]) > largest ? fabs(v[k]) : largest;
+    for (size_t k = 0; v != NULL && k < n; k++) {
+        double speed = fabs(v[k]) * (belt != NULL ? f->of[belt[k]] : 1.0);
+        largest = speed > largest ? speed : largest;
+    }
     return largest;
 }
 
@@ -84,11 +105,38 @@ static bf_status check_members(const macro_def *def, bf_error *err)
     return BF_OK;
 }
 
+static bool are_belts(const uint16_t *belt, size_t n, size_t n_belts)
+{
+    bool are_good = belt != NULL;
+
+    for (size_t k = 0; are_good && k < n; k++)
+        are_good = belt[k] <= n_belts;
+    return are_good;
+}
+
+static bf_status check_belts(const macro_def *def, bf_error *err)
+{
+    const bf_grid *g = &def->grid;
+
+    if (def->n_belts > SCENE_BELTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "/belts", "%zu belts, the limit is %d", def->n_belts,
+                       SCENE_BELTS_MAX);
+    if (def->n_belts == 0 || (are_belts(def->belt1, (g->n1 + 1) * g->n2, def->n_belts) &&
+                              are_belts(def->belt2, g->n1 * (g->n2 + 1), def->n_belts)))
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "/belts", "there is a face without a belt's index");
+}
+
 static bf_status check_stability(const macro_def *def, bf_error *err)
 {
     const bf_grid *g = &def->grid;
-    double speed1 = largest_speed(def->v1, (g->n1 + 1) * g->n2) + def->dispersion;
-    double speed2 = largest_speed(def->v2, g->n1 * (g->n2 + 1)) + def->dispersion;
+    const bool changes = def->n_belts > 0;
+    const largest_factors f = find_largest_factors(def);
+    const double dispersion = def->dispersion * f.of_all;
+    double speed1 =
+        dispersion + largest_speed(def->v1, changes ? def->belt1 : NULL, &f, (g->n1 + 1) * g->n2);
+    double speed2 =
+        dispersion + largest_speed(def->v2, changes ? def->belt2 : NULL, &f, g->n1 * (g->n2 + 1));
 
     if (def->dt * speed1 <= g->d1 * (1.0 + cfl_slack) &&
         def->dt * speed2 <= g->d2 * (1.0 + cfl_slack))
@@ -109,6 +157,8 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->definition = macro__digest_definition(def);
     s->def.v1 = s->def.v2 = NULL;
     s->def.closed1 = s->def.closed2 = NULL;
+    s->def.belts = NULL;
+    s->def.belt1 = s->def.belt2 = NULL;
     mollifier_init(&s->along, def->mollifier, def->grid.d1);
     mollifier_init(&s->across, def->mollifier, def->grid.d2);
     s->lambda1 = def->dt / def->grid.d1;
@@ -242,6 +292,17 @@ static bf_status init_state(const macro_solver *s, macro_state *state)
                : BF_ENOMEM;
 }
 
+static bf_status init_speeds(macro_solver *s, const macro_def *def)
+{
+    s->factors = memory_alloc(def->n_belts + 1, sizeof *s->factors);
+    s->factors_next = memory_alloc(def->n_belts + 1, sizeof *s->factors_next);
+    if (s->factors == NULL || s->factors_next == NULL)
+        return BF_ENOMEM;
+    for (size_t k = 0; k <= def->n_belts; k++)
+        s->factors[k] = 1.0;
+    return belt_speeds_init(&s->speeds, def->n_belts, def->belts, NULL);
+}
+
 static bf_status init_arrays(macro_solver *s, const macro_def *def)
 {
     s->zero_row = memory_alloc((size_t)s->stride, sizeof *s->zero_row);
@@ -249,7 +310,7 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
     s->bands = memory_alloc((size_t)s->n_bands, sizeof *s->bands);
     if (s->zero_row == NULL || s->cost == NULL || s->bands == NULL ||
         init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
-        macro__faces_init(s, def) != BF_OK)
+        init_speeds(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
     for (int k = 0; k < s->n_bands; k++)
         if (band_init(s, &s->bands[k]) != BF_OK)
@@ -263,7 +324,7 @@ bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error
 
     if (def->cookie != COOKIE)
         return bf_fail(err, BF_EINPUT, "", "the definition is not from macro_def_default()");
-    if ((status = check_members(def, err)) != BF_OK ||
+    if ((status = check_members(def, err)) != BF_OK || (status = check_belts(def, err)) != BF_OK ||
         (status = check_stability(def, err)) != BF_OK)
         return status;
     macro_solver *s = memory_alloc(1, sizeof *s);
@@ -297,6 +358,9 @@ macro_solver *macro_destroy(macro_solver *s)
     macro__faces_fini(s);
     fini_state(&s->now);
     fini_state(&s->next);
+    belt_speeds_fini(&s->speeds);
+    memory_free(s->factors);
+    memory_free(s->factors_next);
     memory_free(s->cost);
     memory_free(s->zero_row);
     memory_free(s);
@@ -331,6 +395,7 @@ static void sweep_band(void *context, size_t k)
 
 void macro_step(macro_solver *s)
 {
+    macro__faces_update(s);
     partition_rows(s);
     team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
     macro_state swap = s->now;

@@ -5,6 +5,9 @@
 ///     I = -eps grad(eta * rho) / sqrt(1 + |grad(eta * rho)|^2)
 ///     eta(x) = sigma/(2 pi) exp(-sigma |x|^2 / 2)
 ///
+/// Where the speeds of belts change, v and I are multiplied by the factor of the belt under the face in the step
+/// (core/scene/belt_speeds.h): a belt that stands neither carries nor disperses.
+///
 /// First order, static and dynamic flux upwinded separately (Roe), an x1 sweep and then an x2 sweep
 /// with one field I per step. The convolution is summed with the exact cell integrals of the
 /// Gaussian, which separate into one factor along x1 and one along x2 (mollifier.h).
@@ -41,6 +44,10 @@ typedef struct macro_def {
     const double *v2;          ///< same on the x2-faces (default NULL: zero)
     const uint8_t *closed1;    ///< nonzero: nothing crosses this x1-face (default NULL: none)
     const uint8_t *closed2;    ///< same for the x2-faces (default NULL: none)
+    size_t n_belts;            ///< (default 0: v1, v2 and I are constant in time)
+    const scene_belt *belts;   ///< with checked speed schedules, which scale v1, v2 and I
+    const uint16_t *belt1;     ///< with belts: index of that under each x1-face, n_belts: none
+    const uint16_t *belt2;     ///< same for the x2-faces
     bool mirror[4];  ///< west, east, south, north: the convolution sees the density mirrored at
                      ///< this edge instead of zero outside (default false)
     int n_threads;   ///< threads to use, >= 1 (default 1)

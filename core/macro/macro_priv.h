@@ -20,6 +20,7 @@
 #include "core/macro/active_blocks.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
+#include "core/scene/belt_speeds.h"
 
 /// Faces of one direction, in rows. Face i of a row is (i + 1/2, row) for x1, -1 <= i < n1; for x2 row
 /// r holds the faces (i, r - 1/2), 0 <= r <= n2.
@@ -29,6 +30,8 @@ typedef struct macro_faces {
     uint64_t *closable;      ///< per row the blocks with at least one closed face
     uint64_t *closed_blocks; ///< per row the blocks with only closed faces
     uint8_t *closed;         ///< per row and block: bit k is set if face 8 b + k is closed
+    double *v_full;          ///< like v, at the factor 1 of every belt; NULL if no speed changes
+    uint16_t *belt;          ///< like v: index of the belt under the face; NULL if no speed changes
 } macro_faces;
 
 /// The density at one time.
@@ -116,6 +119,11 @@ struct macro_solver {
     double lambda1;        ///< dt/dx1
     double lambda2;        ///< dt/dx2
     double uniform1;       ///< velocity of most x1-faces, >= 0; that of most x2-faces is 0
+    double uniform1_full;  ///< same at the factor 1
+    uint16_t uniform_belt; ///< belt under these x1-faces, if a speed changes
+    belt_speeds speeds;    ///< of the definition's belts
+    double *factors;       ///< of each belt, and off every belt, as they are in v and uniform1
+    double *factors_next;  ///< scratch of macro__faces_update()
     ptrdiff_t n1;          ///< cells of a row
     ptrdiff_t n2;          ///< rows
     ptrdiff_t n_blocks;    ///< blocks of a row
@@ -154,9 +162,18 @@ static inline const uint8_t *macro__closed(const macro_solver *s, const macro_fa
     return faces->closed + j * (s->n_blocks + 1) + 1;
 }
 
+/// Belts under the faces of row j; face i is element i. Only where a speed changes.
+static inline uint16_t *macro__belts(const macro_solver *s, const macro_faces *faces, ptrdiff_t j)
+{
+    return faces->belt + j * s->stride + s->margin;
+}
+
 /// Allocate both sets of faces and fill them from the definition's arrays. BF_ENOMEM.
 BF_MUST_CHECK bf_status macro__faces_init(macro_solver *s, const macro_def *def);
 void macro__faces_fini(macro_solver *s);
+
+/// Bring the velocities of all faces to the step that begins now; nothing to do if no speed changes.
+void macro__faces_update(macro_solver *s);
 
 /// Fill the cells of a row outside the grid: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);

@@ -3,6 +3,7 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/macro/macro_priv.h"
+#include "core/scene/definition.h"
 
 #include <math.h>
 #include <string.h>
@@ -207,7 +208,12 @@ uint64_t macro__digest_definition(const macro_def *def)
     digest = digest_add(digest, def->v1, def->v1 == NULL ? 0 : n_faces1 * sizeof *def->v1);
     digest = digest_add(digest, def->v2, def->v2 == NULL ? 0 : n_faces2 * sizeof *def->v2);
     digest = digest_add(digest, def->closed1, def->closed1 == NULL ? 0 : n_faces1);
-    return digest_add(digest, def->closed2, def->closed2 == NULL ? 0 : n_faces2);
+    digest = digest_add(digest, def->closed2, def->closed2 == NULL ? 0 : n_faces2);
+    if (def->n_belts == 0)
+        return digest;
+    digest = definition_add_belts(digest, def->n_belts, def->belts);
+    digest = digest_add(digest, def->belt1, n_faces1 * sizeof *def->belt1);
+    return digest_add(digest, def->belt2, n_faces2 * sizeof *def->belt2);
 }
 
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)

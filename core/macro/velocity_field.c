@@ -14,6 +14,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -43,9 +44,10 @@ typedef enum region {
 
 /// v_stat at a point for the obstacles considered so far.
 typedef struct evaluation {
-    region region; ///< of these obstacles
-    vec2 belt;     ///< v_T under the point, m/s
-    vec2 velocity; ///< v_stat, m/s
+    region region;     ///< of these obstacles
+    size_t belt_index; ///< of the belt under the point, n_belts off every belt
+    vec2 belt;         ///< v_T under the point, m/s
+    vec2 velocity;     ///< v_stat, m/s
 } evaluation;
 
 /// A closed line as links between cell centres are tested against it.
@@ -87,7 +89,8 @@ static evaluation begin(const surroundings *around, vec2 at)
 {
     evaluation e = { .region = REGION_FREE };
 
-    (void)surroundings_belt_at(around, at, 0.0, &e.belt);
+    e.belt_index = surroundings_belt_at(around, at);
+    e.belt = surroundings_velocity_of(around, e.belt_index);
     e.velocity = e.belt;
     return e;
 }
@@ -376,30 +379,34 @@ static void mark_row(sampler *k, const lattice *l, double y)
     }
 }
 
-static vec2 evaluate(const sampler *k, vec2 at)
+static evaluation evaluate(const sampler *k, vec2 at)
 {
     evaluation e = begin(&k->around, at);
 
     for (size_t m = 0; m < k->n_near; m++)
         consider(&e, k->near[m], at);
-    return e.velocity;
+    return e;
 }
 
-/// Fill a component of the velocity on all faces of a lattice.
-static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v)
+/// Fill a component of the velocity on all faces of a lattice and, unless ret_belt is NULL, the belts.
+static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v,
+                       uint16_t *ret_belt)
 {
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
-        double y = face_y(l, j), *row = ret_v + j * l->n_columns;
+        const size_t base = j * l->n_columns;
+        double y = face_y(l, j);
         choose_near(k, y);
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
-            vec2 v = evaluate(k, (vec2){ face_x(l, i), y });
+            evaluation e = evaluate(k, (vec2){ face_x(l, i), y });
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
+            for (size_t m = i; ret_belt != NULL && m < end; m++)
+                ret_belt[base + m] = (uint16_t)e.belt_index;
             for (; i < end; i++)
-                row[i] = component == 0 ? v.x : v.y;
+                ret_v[base + i] = component == 0 ? e.velocity.x : e.velocity.y;
         }
     }
 }
@@ -478,7 +485,13 @@ static velocity_field *field_alloc(const scene *s)
     f->v2 = memory_alloc(n_faces2, sizeof *f->v2);
     f->closed1 = memory_alloc(n_faces1, sizeof *f->closed1);
     f->closed2 = memory_alloc(n_faces2, sizeof *f->closed2);
-    return f->v1 && f->v2 && f->closed1 && f->closed2 ? f : velocity_field_destroy(f);
+    bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2;
+    if (is_whole && !belt_speeds_are_constant(s->n_belts, s->belts)) {
+        f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
+        f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
+        is_whole = f->belt1 && f->belt2;
+    }
+    return is_whole ? f : velocity_field_destroy(f);
 }
 
 bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_error *err)
@@ -493,8 +506,8 @@ bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_e
     }
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     sampler_prepare(&k);
-    fill_faces(&k, &(lattice){ &f->grid, n1 + 1, n2, 0.0, 0.5 }, 0, f->v1);
-    fill_faces(&k, &(lattice){ &f->grid, n1, n2 + 1, 0.5, 0.0 }, 1, f->v2);
+    fill_faces(&k, &(lattice){ &f->grid, n1 + 1, n2, 0.0, 0.5 }, 0, f->v1, f->belt1);
+    fill_faces(&k, &(lattice){ &f->grid, n1, n2 + 1, 0.5, 0.0 }, 1, f->v2, f->belt2);
     (void)visit_lines(s, close_line, f);
     close_edges(s, f);
     stop_at_closed(f->v1, f->closed1, (n1 + 1) * n2);
@@ -512,6 +525,8 @@ velocity_field *velocity_field_destroy(velocity_field *f)
     memory_free(f->v2);
     memory_free(f->closed1);
     memory_free(f->closed2);
+    memory_free(f->belt1);
+    memory_free(f->belt2);
     memory_free(f);
     return NULL;
 }

@@ -11,7 +11,9 @@
 ///     A       everywhere else: v_T of the belt under x, zero off every belt
 ///
 /// v_T and the segments are those of surroundings.h. Borders are taken with SCENE_TOLERANCE in favour of
-/// the band, and of C on the line itself. Velocities are evaluated at face centres.
+/// the band, and of C on the line itself. Velocities are evaluated at face centres. All of them are linear in
+/// v_T, so that a belt whose speed changes (core/scene/belt_speeds.h) scales them by its factor: where there is
+/// such a belt, the field says which belt is under each face.
 
 #pragma once
 
@@ -25,9 +27,13 @@ typedef struct velocity_field {
     double *v2;       ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
     uint8_t *closed1; ///< nonzero: nothing crosses this x1-face
     uint8_t *closed2; ///< same for the x2-faces
+    uint16_t
+        *belt1; ///< index of the belt under this x1-face, n_belts of the scene off every belt; NULL
+                ///< if the speeds of all belts are constant
+    uint16_t *belt2; ///< same for the x2-faces
 } velocity_field;
 
-/// Build the field of a checked scenario on its grid, by the belts at t = 0. The caller owns *ret_field:
+/// Build the field of a checked scenario on its grid, for belts that move at v_T. The caller owns *ret_field:
 /// velocity_field_destroy(). BF_ENOMEM.
 BF_MUST_CHECK bf_status velocity_field_create(const scene *s, velocity_field **ret_field,
                                               bf_error *err);
@@ -35,7 +41,7 @@ BF_MUST_CHECK bf_status velocity_field_create(const scene *s, velocity_field **r
 /// Free a field; NULL is fine. Always returns NULL.
 velocity_field *velocity_field_destroy(velocity_field *f);
 
-/// v_stat at one point by the rules above, for the whole scene; m/s.
+/// v_stat at one point by the rules above, for the whole scene at v_T; m/s.
 vec2 velocity_field_at(const scene *s, vec2 at);
 
 /// True if the link between two neighbouring cell centres crosses a closed line (`wall`, `sealed`).

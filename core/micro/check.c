@@ -1,6 +1,7 @@
 // Rejects invalid definitions.
 
 #include "core/micro/micro_priv.h"
+#include "core/scene/belt_speeds.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -117,10 +118,19 @@ static bf_status check_domain(const micro_def *def, bf_error *err)
     return BF_OK;
 }
 
+static bool is_speed_good(const scene_belt *belt)
+{
+    bf_faults faults = { .n = 0 };
+
+    if (belt->speed_schedule.n_times > 0)
+        belt_speeds_check(belt, "", &faults);
+    return faults.n == 0;
+}
+
 static bool is_belt(const scene_belt *belt)
 {
     bool is_good = isfinite(belt->velocity.x) && isfinite(belt->velocity.y) &&
-                   (belt->n_points == 0 || belt->n_points >= 3);
+                   (belt->n_points == 0 || belt->n_points >= 3) && is_speed_good(belt);
 
     for (size_t k = 0; k < belt->n_points && is_good; k++)
         is_good = is_point(belt->polygon[k]);
@@ -142,6 +152,9 @@ static bf_status check_scene(const micro_def *def, bf_error *err)
 {
     char pointer[BF_POINTER_SIZE];
 
+    if (def->n_belts > SCENE_BELTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "/belts", "%zu belts, the limit is %d", def->n_belts,
+                       SCENE_BELTS_MAX);
     for (size_t k = 0; k < def->n_belts; k++) {
         if (is_belt(&def->belts[k]))
             continue;

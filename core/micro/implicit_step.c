@@ -2,6 +2,7 @@
 
 #include "core/base/vec2.h"
 #include "core/micro/contact_law.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -71,7 +72,8 @@ static extremes extremes_of(const micro_def *def)
             fmax(e.stiffness, stiffness_of(def, SCENE_HANDLING_CARGO, own, &def->handling));
     }
     for (size_t k = 0; k < def->n_belts; k++)
-        e.speed = fmax(e.speed, hypot(def->belts[k].velocity.x, def->belts[k].velocity.y));
+        e.speed = fmax(e.speed, hypot(def->belts[k].velocity.x, def->belts[k].velocity.y) *
+                                    belt_speeds_largest(&def->belts[k]));
     return e;
 }
 

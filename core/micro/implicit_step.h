@@ -23,7 +23,7 @@
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt accelerates parts over many steps
 ///     where iterations(h) = 16: stiffer contacts take shorter steps instead of more iterations
 ///
-/// with v the speed of the fastest belt or of the parts at the start, and r the radius of a cylinder or
+/// with v the largest speed of a belt at any time or of the parts at the start, and r the radius of a cylinder or
 /// half the least width of another footprint.
 
 #pragma once

@@ -60,6 +60,12 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     def.v2 = f->v2;
     def.closed1 = f->closed1;
     def.closed2 = f->closed2;
+    if (f->belt1 != NULL) {
+        def.n_belts = s->n_belts;
+        def.belts = s->belts;
+        def.belt1 = f->belt1;
+        def.belt2 = f->belt2;
+    }
     def.n_threads = n_threads;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;

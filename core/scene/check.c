@@ -4,6 +4,7 @@
 #include "core/scene/scene.h"
 
 #include "core/base/polygon.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
 #include "core/scene/ranges.h"
 #include "core/scene/shape.h"
@@ -237,6 +238,8 @@ static void check_belts(const scene *s, bf_faults *faults)
         snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
         if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
             faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
+        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
+        belt_speeds_check(belt, pointer, faults);
         snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
         if (belt->n_points != 0)
             check_polygon(belt, pointer, faults);

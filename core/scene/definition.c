@@ -18,10 +18,23 @@ uint64_t definition_add_rect(uint64_t digest, const scene_rect *rect)
     return digest_add(digest, rect, sizeof *rect);
 }
 
+// Nothing for a belt of constant speed.
+static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+
+    if (s->n_times == 0)
+        return digest;
+    digest = ADD_NUMBERS(digest, (double)s->n_times, belt->acceleration, belt->deceleration);
+    digest = digest_add(digest, s->times, s->n_times * sizeof *s->times);
+    return digest_add(digest, s->factors, s->n_times * sizeof *s->factors);
+}
+
 uint64_t definition_add_belts(uint64_t digest, size_t n, const scene_belt *belts)
 {
     for (size_t k = 0; k < n; k++) {
         digest = ADD_NUMBERS(digest, belts[k].velocity.x, belts[k].velocity.y);
+        digest = add_speed(digest, &belts[k]);
         digest = digest_add(digest, belts[k].polygon, belts[k].n_points * sizeof(vec2));
     }
     return digest;

@@ -9,7 +9,7 @@
 /// A rectangle.
 uint64_t definition_add_rect(uint64_t digest, const scene_rect *rect);
 
-/// n belts: velocities and polygons.
+/// n belts: velocities, speed schedules and polygons.
 uint64_t definition_add_belts(uint64_t digest, size_t n, const scene_belt *belts);
 
 /// n obstacles with all their members.

@@ -6,6 +6,7 @@ enum {
     SCENE_NAME_SIZE = 201,          ///< bytes of a scenario's name with its terminator
     SCENE_ID_SIZE = 65,             ///< bytes of an id with its terminator
     SCENE_BELTS_MAX = 256,          ///< belts in a scenario
+    SCENE_SPEEDS_MAX = 10000,       ///< times of a belt's speed schedule
     SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
     SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
     SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape

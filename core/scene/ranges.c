@@ -5,10 +5,13 @@
 #include <math.h>
 
 const bf_range scene_range_time = { 0.0, INFINITY, true, false, 1e9 };
+const bf_range scene_range_instant = { 0.0, INFINITY, false, false, 1e9 };
 const bf_range scene_range_length = { 0.0, INFINITY, true, false, SCENE_LENGTH_MAX };
 const bf_range scene_range_lever = { 0.0, INFINITY, false, false, SCENE_LENGTH_MAX };
 const bf_range scene_range_mass = { 0.0, INFINITY, true, false, 1e9 };
 const bf_range scene_range_share = { 0.0, INFINITY, true, false, 1e9 };
+const bf_range scene_range_acceleration = { 0.0, INFINITY, true, false, 1e9 };
+const bf_range scene_range_speed_factor = { 0.0, INFINITY, false, false, 1e9 };
 const bf_range scene_range_count = { 1.0, INFINITY, false, false, 0.0 };
 const bf_range scene_range_seed = { 0.0, 9007199254740991.0, false, false, 0.0 };
 const bf_range scene_range_per_area = { 0.0, INFINITY, true, false, 1e18 };

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
 #include "core/scene/shape.h"
 
@@ -82,7 +83,9 @@ void scene_cargo_init(scene_cargo *k)
 
 void scene_belt_init(scene_belt *b)
 {
-    *b = (scene_belt){ .velocity = { paper_speed, 0.0 } };
+    *b = (scene_belt){ .velocity = { paper_speed, 0.0 },
+                       .acceleration = INFINITY,
+                       .deceleration = INFINITY };
 }
 
 void scene_obstacle_init(scene_obstacle *o)
@@ -238,8 +241,11 @@ void scene_fini(scene *s)
 {
     if (s == NULL)
         return;
-    for (size_t k = 0; k < s->n_belts; k++)
+    for (size_t k = 0; k < s->n_belts; k++) {
+        memory_free(s->belts[k].speed_schedule.times);
+        memory_free(s->belts[k].speed_schedule.factors);
         memory_free(s->belts[k].polygon);
+    }
     for (size_t k = 0; k < s->n_obstacles; k++)
         memory_free(s->obstacles[k].path);
     memory_free(s->belts);
@@ -303,10 +309,18 @@ double scene_macro_step(const scene *s)
     return s->macro.step > 0.0 ? s->macro.step : scene_fit_step(s, scene_step_positive(s), true);
 }
 
-// No component of v_stat exceeds the speed of the fastest belt in any region.
+// No component of v_stat exceeds the speed of the fastest belt in any region. The dispersion speed has the
+// factor of the belt under it, and 1 off every belt.
 double scene_step_stable(const scene *s)
 {
-    return s->macro.cell / (scene_belt_speed(s) + s->macro.dispersion);
+    double speed = 0.0, factor = 1.0;
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        const double largest = belt_speeds_largest(&s->belts[k]);
+        speed = fmax(speed, vec2_length(s->belts[k].velocity) * largest);
+        factor = fmax(factor, largest);
+    }
+    return s->macro.cell / (speed + s->macro.dispersion * factor);
 }
 
 double scene_step_positive(const scene *s)

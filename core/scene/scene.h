@@ -61,7 +61,7 @@ bf_grid scene_grid(const scene *s);
 /// calculates with 2004 parts/m2 for the 2004.69 of its cylinders, and its results depend on it.
 double scene_packing_density(const scene *s);
 
-/// Speed |v_T| of the fastest belt, m/s.
+/// Largest |v_T| of all belts, m/s: the speed of the fastest belt at the factor 1.
 double scene_belt_speed(const scene *s);
 
 /// True if text may be the id of a belt, an obstacle or a counter: 1 to SCENE_ID_SIZE - 1 letters,
@@ -85,6 +85,7 @@ double scene_fit_step(const scene *s, double most, bool is_below);
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt (max|v_stat| + eps) <= dx, and the largest below which
-/// rho stays >= 0, dt < dx / (2 (max|v_stat| + eps)); s.
+/// rho stays >= 0, dt < dx / (2 (max|v_stat| + eps)); s. With the largest factors that the speed schedules
+/// of the belts allow.
 double scene_step_stable(const scene *s);
 double scene_step_positive(const scene *s);

@@ -28,6 +28,7 @@ bf_status surroundings_copy(const surroundings *from, surroundings *ret_copy, bf
     for (size_t k = 0; belts != NULL && k < from->n_belts; k++) {
         const size_t n_points = from->belts[k].n_points;
         belts[k] = from->belts[k];
+        belts[k].speed_schedule = (scene_speed_schedule){ .n_times = 0 };
         belts[k].polygon = memory_alloc(n_points, sizeof *belts[k].polygon);
         if (belts[k].polygon == NULL)
             break;
@@ -49,19 +50,15 @@ void surroundings_fini(surroundings *copy)
     *copy = (surroundings){ .n_belts = 0 };
 }
 
-bool surroundings_belt_at(const surroundings *around, vec2 at, double t, vec2 *ret_velocity)
+size_t surroundings_belt_at(const surroundings *around, vec2 at)
 {
-    (void)t;
     for (size_t k = around->n_belts; k-- > 0;) {
         const scene_belt *belt = &around->belts[k];
-        if (belt->n_points != 0 &&
-            !polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
-            continue;
-        *ret_velocity = belt->velocity;
-        return true;
+        if (belt->n_points == 0 ||
+            polygon_holds(belt->polygon, belt->n_points, at, SCENE_TOLERANCE))
+            return k;
     }
-    *ret_velocity = (vec2){ 0.0, 0.0 };
-    return false;
+    return around->n_belts;
 }
 
 double surroundings_border_distance(const surroundings *around, vec2 at)
@@ -89,14 +86,13 @@ vec2 surroundings_upstream(vec2 along, vec2 belt)
 surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
                                          size_t k)
 {
-    vec2 start = obstacle->path[k], end = obstacle->path[k + 1], to = vec2_sub(end, start), belt;
+    vec2 start = obstacle->path[k], end = obstacle->path[k + 1], to = vec2_sub(end, start);
     double length = vec2_length(to);
     vec2 along = vec2_scale(to, 1.0 / length);
 
-    (void)surroundings_belt_at(around, vec2_add(start, vec2_scale(to, 0.5)), 0.0, &belt);
-    return (surroundings_piece){ start,  end,
-                                 along,  surroundings_upstream(along, belt),
-                                 length, obstacle->thickness };
+    size_t belt = surroundings_belt_at(around, vec2_add(start, vec2_scale(to, 0.5)));
+    vec2 upstream = surroundings_upstream(along, surroundings_velocity_of(around, belt));
+    return (surroundings_piece){ start, end, along, upstream, length, obstacle->thickness };
 }
 
 surroundings_line surroundings_side(const surroundings *around, scene_side side)

@@ -2,7 +2,7 @@
 ///
 /// The only implementation, for both models, the placement of parts and the checks, of
 ///
-///     which belt carries a point at a time, and how fast;
+///     which belt carries a point (how fast it moves at a time: belt_speeds.h);
 ///     what a straight piece of a plate is: tangent, length, thickness and upstream side;
 ///     what a side of the domain is, and whether a point is outside.
 ///
@@ -48,16 +48,22 @@ typedef struct surroundings_line {
 /// The surroundings of a scene, which must outlive them.
 surroundings surroundings_of(const scene *s);
 
-/// A copy of *from with belts of its own: surroundings_fini(). BF_ENOMEM; *ret_copy is then empty.
+/// A copy of *from with belts of its own, without their speed schedules: surroundings_fini(). BF_ENOMEM;
+/// *ret_copy is then empty.
 BF_MUST_CHECK bf_status surroundings_copy(const surroundings *from, surroundings *ret_copy,
                                           bf_error *err);
 
 /// Free what a copy owns and zero it.
 void surroundings_fini(surroundings *copy);
 
-/// True if a belt carries the point at time t, s; *ret_velocity is its velocity, m/s, and zero off every
-/// belt. Belts are constant: nothing depends on t yet.
-bool surroundings_belt_at(const surroundings *around, vec2 at, double t, vec2 *ret_velocity);
+/// Index of the belt that carries a point; n_belts off every belt.
+size_t surroundings_belt_at(const surroundings *around, vec2 at);
+
+/// v_T of a belt, m/s, at which it moves when its factor (belt_speeds.h) is 1; zero for n_belts, off every belt.
+static inline vec2 surroundings_velocity_of(const surroundings *around, size_t belt)
+{
+    return belt < around->n_belts ? around->belts[belt].velocity : (vec2){ 0.0, 0.0 };
+}
 
 /// Distance from a point to the nearest border of a belt, m; DBL_MAX if no belt has one.
 double surroundings_border_distance(const surroundings *around, vec2 at);
@@ -65,7 +71,8 @@ double surroundings_border_distance(const surroundings *around, vec2 at);
 /// The upstream normal of a piece with unit tangent `along` on a belt.
 vec2 surroundings_upstream(vec2 along, vec2 belt);
 
-/// Piece k, 0 <= k < n_points - 1, of an obstacle's plate, by the belts at t = 0.
+/// Piece k, 0 <= k < n_points - 1, of an obstacle's plate. Its upstream side is that of v_T, whatever the
+/// belt's speed at a time.
 surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
                                          size_t k);
 

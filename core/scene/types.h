@@ -37,12 +37,24 @@ typedef enum scene_edge {
     SCENE_EDGE_COUNT
 } scene_edge;
 
+/// How the speed of a belt changes in time: it moves at factor times its velocity. The factor is 1 before the
+/// first time; see belt_speeds.h.
+typedef struct scene_speed_schedule {
+    size_t n_times;   ///< 0: the factor is 1 at all times (default)
+    double *times;    ///< from which on a target applies, s, >= 0, rising
+    size_t n_factors; ///< as many as there are times
+    double *factors;  ///< the targets, >= 0
+} scene_speed_schedule;
+
 /// A conveyor: a polygon that carries what lies on it. Where belts overlap the later one applies.
 typedef struct scene_belt {
     char id[SCENE_ID_SIZE]; ///< unique among belts (default "main", then "belt-<n>", n from 2)
     vec2 velocity;          ///< v_T, m/s (default 0.395, 0)
-    size_t n_points;        ///< 0: the belt covers the domain
-    vec2 *polygon;          ///< simple polygon, n_points >= 3 corners, m
+    double acceleration;    ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
+    double deceleration;    ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
+    scene_speed_schedule speed_schedule; ///< see there
+    size_t n_points;                     ///< 0: the belt covers the domain
+    vec2 *polygon;                       ///< simple polygon, n_points >= 3 corners, m
 } scene_belt;
 
 /// How the macroscopic model holds cargo back at an obstacle.

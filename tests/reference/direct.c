@@ -1,5 +1,7 @@
 #include "tests/reference/direct.h"
 
+#include "tests/reference/schedule.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,8 @@ struct direct {
     double *i1, *i2;     // I at (i + 1/2, j) and (i, j + 1/2), i, j >= -1
     double *v1, *v2;     // copies of the definition's arrays
     uint8_t *closed1, *closed2;
+    uint16_t *belt1, *belt2;
+    unsigned long steps;
 };
 
 static double normal_density(double sigma, double x)
@@ -76,8 +80,11 @@ direct *direct_create(const macro_def *def)
     d->v2 = copy_of(def->v2, faces2, sizeof(double));
     d->closed1 = copy_of(def->closed1, faces1, 1);
     d->closed2 = copy_of(def->closed2, faces2, 1);
+    d->belt1 = copy_of(def->belt1, faces1, sizeof(uint16_t));
+    d->belt2 = copy_of(def->belt2, faces2, sizeof(uint16_t));
     if (d->rho == NULL || d->swept == NULL || d->c1 == NULL || d->c2 == NULL || d->i1 == NULL ||
-        d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL || d->closed2 == NULL)
+        d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL ||
+        d->closed2 == NULL || d->belt1 == NULL || d->belt2 == NULL)
         return direct_destroy(d);
     fill_integrals(d);
     return d;
@@ -97,6 +104,8 @@ direct *direct_destroy(direct *d)
     free(d->v2);
     free(d->closed1);
     free(d->closed2);
+    free(d->belt1);
+    free(d->belt2);
     free(d);
     return NULL;
 }
@@ -161,6 +170,12 @@ static double h_rho(const direct *d, double rho)
     }
 }
 
+// The factor of the speed of the belt under a face.
+static double factor(const direct *d, uint16_t belt)
+{
+    return belt < d->def.n_belts ? schedule_mean(&d->def.belts[belt], d->steps, d->def.dt) : 1.0;
+}
+
 static double flux(const direct *d, double near, double far, double v, double dispersion,
                    bool closed)
 {
@@ -175,8 +190,9 @@ static double flux1(const direct *d, int i, int j)
     int face = j * (d->n1 + 1) + i + 1;
     double near = i >= 0 ? d->rho[j * d->n1 + i] : 0.0;
     double far = i + 1 < d->n1 ? d->rho[j * d->n1 + i + 1] : 0.0;
+    double f = factor(d, d->belt1[face]);
 
-    return flux(d, near, far, d->v1[face], d->i1[(j + 1) * (d->n1 + 1) + i + 1],
+    return flux(d, near, far, f * d->v1[face], f * d->i1[(j + 1) * (d->n1 + 1) + i + 1],
                 d->closed1[face] != 0);
 }
 
@@ -185,8 +201,9 @@ static double flux2(const direct *d, int i, int j)
     int face = (j + 1) * d->n1 + i;
     double near = j >= 0 ? d->swept[j * d->n1 + i] : 0.0;
     double far = j + 1 < d->n2 ? d->swept[(j + 1) * d->n1 + i] : 0.0;
+    double f = factor(d, d->belt2[face]);
 
-    return flux(d, near, far, d->v2[face], d->i2[(j + 1) * (d->n1 + 1) + i + 1],
+    return flux(d, near, far, f * d->v2[face], f * d->i2[(j + 1) * (d->n1 + 1) + i + 1],
                 d->closed2[face] != 0);
 }
 
@@ -203,6 +220,7 @@ void direct_step(direct *d)
         for (int i = 0; i < d->n1; i++)
             d->rho[j * d->n1 + i] =
                 d->swept[j * d->n1 + i] - lambda2 * (flux2(d, i, j) - flux2(d, i, j - 1));
+    d->steps++;
 }
 
 const double *direct_density(const direct *d)

@@ -8,7 +8,7 @@
 /// A density and its field. Zero-initialised by direct_create().
 typedef struct direct direct;
 
-/// A reference solver of the same definition, with rho = 0; NULL: no memory.
+/// A reference solver of the same definition, with rho = 0; its belts must stay. NULL: no memory.
 direct *direct_create(const macro_def *def);
 
 /// Free it. Always returns NULL.

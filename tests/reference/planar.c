@@ -1,5 +1,7 @@
 #include "tests/reference/planar.h"
 
+#include "tests/reference/schedule.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -67,6 +69,10 @@ planar *disk_create(const micro_def *def)
         const scene_pose *pose = &def->poses[k];
         const scene_belt *belt = belt_under(p, pose->x, pose->y);
         vec2 v = belt != NULL ? belt->velocity : def->start_velocity;
+        // The factor at the start is the first one if that applies from there on.
+        if (belt != NULL && belt->speed_schedule.n_times > 0 &&
+            belt->speed_schedule.times[0] == 0.0)
+            v = vec2_scale(v, belt->speed_schedule.factors[0]);
         p->parts[k] = (disk_part){ pose->x, pose->y, pose->heading, v.x, v.y, 0.0, false };
     }
     return p;
@@ -221,8 +227,9 @@ static void move_part(planar *p, size_t k)
     const scene_belt *belt = belt_under(p, a->x, a->y);
 
     if (p->steps > 0) {
-        double sx = belt != NULL ? a->vx - belt->velocity.x : 0.0;
-        double sy = belt != NULL ? a->vy - belt->velocity.y : 0.0;
+        double factor = belt != NULL ? schedule_mean(belt, p->steps, dt) : 0.0;
+        double sx = belt != NULL ? a->vx - factor * belt->velocity.x : 0.0;
+        double sy = belt != NULL ? a->vy - factor * belt->velocity.y : 0.0;
         double drag = law->friction * def->gravity * tanh_over(law->tanh_linear, hypot(sx, sy));
         a->vx = (1.0 - def->damping * dt) * a->vx + dt * (p->fx[k] / kind->mass - drag * sx);
         a->vy = (1.0 - def->damping * dt) * a->vy + dt * (p->fy[k] / kind->mass - drag * sy);

@@ -21,30 +21,47 @@ typedef struct belt_pressure {
     double gyration; // of |force| about the middle, m
 } belt_pressure;
 
+static vec3 in_space(vec2 velocity, double factor)
+{
+    return (vec3){ velocity.x * factor, velocity.y * factor, 0.0 };
+}
+
 bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
 {
     s->belt_cache = memory_alloc(def->n_parts, sizeof *s->belt_cache);
-    if (s->belt_cache == NULL)
+    s->belt_velocities = memory_alloc(def->n_belts + 1, sizeof *s->belt_velocities);
+    if (s->belt_cache == NULL || s->belt_velocities == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_parts; k++)
         s->belt_cache[k].clearance = -1.0;
-    return micro__copy_surroundings(def, &s->around, err);
+    for (size_t k = 0; k < def->n_belts; k++)
+        s->belt_velocities[k] = in_space(def->belts[k].velocity, 1.0);
+    bf_status status = micro__copy_surroundings(def, &s->around, err);
+    return status == BF_OK ? belt_speeds_init(&s->speeds, def->n_belts, def->belts, err) : status;
 }
 
 void body__belt_fini(body_state *s)
 {
     surroundings_fini(&s->around);
+    belt_speeds_fini(&s->speeds);
     memory_free(s->belt_cache);
+    memory_free(s->belt_velocities);
 }
 
-bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity)
+void body__update_belts(body_state *s, uint64_t n_before)
 {
-    vec2 velocity;
-    bool is_on_belt =
-        surroundings_belt_at(&s->around, (vec2){ x, y }, (double)s->steps * s->def.dt, &velocity);
+    double factors[SCENE_BELTS_MAX + 1];
 
-    *ret_velocity = (vec3){ velocity.x, velocity.y, 0.0 };
-    return is_on_belt;
+    if (s->speeds.are_constant)
+        return;
+    belt_speeds_in_step(&s->speeds, n_before, s->def.dt, factors);
+    for (size_t k = 0; k < s->speeds.n_belts; k++)
+        s->belt_velocities[k] = in_space(s->around.belts[k].velocity, factors[k]);
+}
+
+vec3 body__belt_at(const body_state *s, double x, double y)
+{
+    return s->belt_velocities[surroundings_belt_at(&s->around, (vec2){ x, y })];
 }
 
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
@@ -56,9 +73,9 @@ bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
         cache->at = at;
         cache->clearance =
             surroundings_border_distance(&s->around, at) - s->bounding_radius[k] - SCENE_TOLERANCE;
-        (void)body__belt_at(s, at.x, at.y, &cache->velocity);
+        cache->belt = surroundings_belt_at(&s->around, at);
     }
-    *ret_velocity = cache->velocity;
+    *ret_velocity = s->belt_velocities[cache->belt];
     return cache->clearance > 0.0;
 }
 
@@ -167,7 +184,7 @@ static void add_sliding(const body_state *s, const body_body *body, const belt_p
                         const vec3 *belt, body_load *load)
 {
     const micro_law *law = &s->kinds[body->kind].belt_law;
-    vec3 velocity = body__velocity(body, p->middle), under;
+    vec3 velocity = body__velocity(body, p->middle);
 
     velocity.z = 0.0;
     if (belt != NULL) {
@@ -176,7 +193,7 @@ static void add_sliding(const body_state *s, const body_body *body, const belt_p
         return;
     }
     for (size_t m = 0; m < p->n; m++) {
-        (void)body__belt_at(s, p->at[m].x, p->at[m].y, &under);
+        vec3 under = body__belt_at(s, p->at[m].x, p->at[m].y);
         body__add_force(load, body, p->at[m],
                         body__friction_force(law, p->force[m], vec3_sub(velocity, under)));
     }

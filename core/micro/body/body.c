@@ -58,8 +58,11 @@ static void place_part(body_state *s, const micro_def *def, size_t k)
     body->q = quat_unit(quat_multiply(heading, kind->turn));
     body->r = mat3_of_quat(body->q);
     body->x = vec3_add(origin, mat3_apply(&r, kind->centre));
-    if (!body__belt_at(s, body->x.x, body->x.y, &body->v))
-        body->v = (vec3){ def->start_velocity.x, def->start_velocity.y, 0.0 };
+    size_t belt = surroundings_belt_at(&s->around, (vec2){ body->x.x, body->x.y });
+    vec2 v = def->start_velocity;
+    if (belt < s->speeds.n_belts)
+        v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
+    body->v = (vec3){ v.x, v.y, 0.0 };
     s->bounding_radius[k] = kind->shape.radius;
 }
 

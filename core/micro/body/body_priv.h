@@ -31,6 +31,7 @@
 #include "core/micro/driver.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
 enum {
@@ -88,7 +89,7 @@ typedef struct body_map {
 typedef struct body_belt_cache {
     vec2 at;          ///< centre of the part when this was computed, m
     double clearance; ///< distance from there within which it holds, m; < 0: not computed
-    vec3 velocity;    ///< of that belt, m/s
+    size_t belt;      ///< index of that belt
 } body_belt_cache;
 
 /// The solver.
@@ -123,6 +124,8 @@ struct body_state {
     body_map map;               ///< of plates
     double map_range;           ///< from a part's centre to plates that the map must contain, m
     surroundings around;        ///< a copy: belts and edges
+    belt_speeds speeds;         ///< of the belts
+    vec3 *belt_velocities;      ///< of each belt, and off every belt, in this step, m/s
     size_t n_blocks;            ///< of parts
     body_report *reports;       ///< one a block
     uint64_t steps;             ///< since t = 0
@@ -178,10 +181,13 @@ BF_MUST_CHECK bf_status body__belt_init(body_state *s, const micro_def *def, bf_
 void body__plates_fini(body_state *s);
 void body__belt_fini(body_state *s);
 
-/// Velocity of the belt under a point; 0 off every belt. True if there is one.
-bool body__belt_at(const body_state *s, double x, double y, vec3 *ret_velocity);
+/// Set the velocities of the belts for a step, before which n_before were made; by one thread.
+void body__update_belts(body_state *s, uint64_t n_before);
 
-/// True if one belt is under all of part k, and its velocity.
+/// Velocity of the belt under a point in this step; 0 off every belt.
+vec3 body__belt_at(const body_state *s, double x, double y);
+
+/// True if one belt is under all of part k, and its velocity in this step.
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity);
 
 /// Build the list of neighbours and the pairs; pairs that remain keep their memory and warm start.
@@ -224,9 +230,7 @@ void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_pro
 
 /// Allocate what only MICRO_IMPLICIT needs. BF_ENOMEM.
 BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
-
-/// Free it.
-void body__implicit_fini(body_state *s);
+void body__implicit_fini(body_state *s); ///< Free it.
 
 /// MICRO_IMPLICIT for the driver.
 extern const driver_solver body__implicit;

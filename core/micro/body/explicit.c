@@ -193,8 +193,11 @@ int body__begin(const void *state, driver_progress *ret_progress)
 
 static driver_outcome step(driver_member *m)
 {
-    const body_state *s = m->state;
+    body_state *s = m->state;
 
+    // Forces of belts are made after the barrier.
+    if (m->index == 0)
+        body__update_belts(s, s->steps + m->n_made);
     driver_split(m, 0, s->n_blocks, find_block_forces);
     driver_wait(m);
     driver_split(m, 0, s->n_blocks, move_block);

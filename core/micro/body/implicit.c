@@ -283,6 +283,9 @@ static driver_outcome step(driver_member *m)
     body_state *s = m->state;
     double margin; // m, gaps that may close in this step
 
+    // Contacts with belts are made after the barrier.
+    if (m->index == 0)
+        body__update_belts(s, s->steps + m->n_made);
     split_blocks(m, predict_block);
     if (!find_margin(s, &margin))
         return DRIVER_NOT_MADE;

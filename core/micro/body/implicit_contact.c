@@ -377,7 +377,7 @@ static void find_belt_velocities(body_state *s, size_t k, body_constraint *const
     for (uint32_t m = 0; m < constraint->n; m++) {
         body_constraint_point *point = &constraint->point[m];
         if (!is_one)
-            (void)body__belt_at(s, middle.x + point->x, middle.y + point->y, &belt);
+            belt = body__belt_at(s, middle.x + point->x, middle.y + point->y);
         point->belt_velocity[0] = belt.x;
         point->belt_velocity[1] = belt.y;
     }

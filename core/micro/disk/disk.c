@@ -20,6 +20,7 @@ static void destroy(void *state)
     disk__boundary_fini(s);
     disk__tiling_fini(s);
     surroundings_fini(&s->around);
+    belt_speeds_fini(&s->speeds);
     memory_free(s->now);
     memory_free(s->next);
     memory_free(s->heading);
@@ -68,8 +69,7 @@ static void set_constants(disk_state *s, const micro_def *def)
                             &def->conveyor, def->modulus_reduction, def->kinds[0].shape.radius);
     s->spin_damping = pow(fmax(1.0 - def->damping, 0.0), def->dt);
     s->is_uniform = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
-    if (top != NULL && top->n_points == 0)
-        s->uniform_belt = (disk_belt){ top->velocity.x, top->velocity.y, 1.0 };
+    s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
     s->n = def->n_parts;
     s->void_slot = (uint32_t)((s->n / DISK_GROUP + 2) * DISK_GROUP);
     s->n_partitions = 1;
@@ -157,17 +157,44 @@ void disk__fill_slots(disk_state *s)
     }
 }
 
+static bf_status init_belts(disk_state *s, const micro_def *def, bf_error *err)
+{
+    bf_status status = micro__copy_surroundings(def, &s->around, err);
+
+    if (status == BF_OK)
+        status = belt_speeds_init(&s->speeds, def->n_belts, def->belts, err);
+    for (size_t k = 0; status == BF_OK && k < def->n_belts; k++)
+        s->belts.of[k] = (disk_belt){ def->belts[k].velocity.x, def->belts[k].velocity.y, 1.0 };
+    return status;
+}
+
+const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, disk_belts *room)
+{
+    double factors[SCENE_BELTS_MAX + 1];
+
+    if (s->speeds.are_constant)
+        return s->belts.of;
+    belt_speeds_in_step(&s->speeds, n_before, s->def.dt, factors);
+    for (size_t k = 0; k <= s->speeds.n_belts; k++) {
+        const disk_belt *belt = &s->belts.of[k];
+        room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k], belt->on_belt };
+    }
+    return room->of;
+}
+
 static void start_parts(disk_state *s, const micro_def *def)
 {
     disk__fill_slots(s);
     for (size_t k = 0; k < s->n; k++) {
         const scene_pose *pose = &def->poses[k];
-        disk_belt belt = disk__belt_at(s, pose->x, pose->y);
-        bool is_on_belt = belt.on_belt > 0.0;
+        const size_t belt = disk__belt_at(s, pose->x, pose->y);
+        vec2 v = def->start_velocity;
+        if (belt < s->speeds.n_belts)
+            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
-        s->now[k].vx = is_on_belt ? belt.vx : def->start_velocity.x;
-        s->now[k].vy = is_on_belt ? belt.vy : def->start_velocity.y;
+        s->now[k].vx = v.x;
+        s->now[k].vy = v.y;
         s->heading[k] = pose->heading;
     }
 }
@@ -183,7 +210,7 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
     if (copy_kinds(s, def) != BF_OK || make_arrays(s) != BF_OK ||
         (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
-    bf_status status = micro__copy_surroundings(def, &s->around, err);
+    bf_status status = init_belts(s, def, err);
     if (status == BF_OK)
         status = disk__boundary_init(s, def, err);
     if (status != BF_OK)

@@ -31,6 +31,7 @@
 #include "core/micro/disk/kernels.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
 enum { DISK_PARTITIONS_MAX = 64 }; ///< threads that advance the parts together
@@ -42,13 +43,6 @@ typedef struct disk_law {
     double friction;    ///< mu
     double tanh_linear; ///< lambda_lin, s/m
 } disk_law;
-
-/// Belt under a part.
-typedef struct disk_belt {
-    double vx;      ///< m/s
-    double vy;      ///< m/s
-    double on_belt; ///< 1 on a belt, 0 off every belt
-} disk_belt;
 
 /// Parameters of a kind of part.
 typedef struct disk_kind {
@@ -91,6 +85,7 @@ typedef struct disk_partition {
 /// What several steps in one pass need, see explicit.c.
 typedef struct disk_tiling {
     struct disk_backup *backup; ///< by slot; NULL: steps are made one by one
+    disk_belts *belts;          ///< room for those of each step of a tile
     struct disk_block *blocks;  ///< n_blocks of the present list, and one more
     size_t n_blocks;            ///< see there
     size_t lead;                ///< how far a step may be ahead of the next one, blocks
@@ -119,7 +114,7 @@ struct disk_state {
     micro_law belt;                 ///< cargo on belts; its stiffness is not used
     double spin_damping;            ///< (1 - D)^dt
     bool is_uniform;                ///< one kind, one belt or none all over, no tension
-    disk_belt uniform_belt;         ///< if is_uniform
+    uint16_t uniform_belt;          ///< index of the belt under all parts if is_uniform
     double uniform_deceleration;    ///< A if is_uniform, rad/s2
     size_t n;                       ///< parts, gone ones included
     size_t n_live;                  ///< live ones when the list was made: the slots below
@@ -129,7 +124,7 @@ struct disk_state {
     disk *next;                     ///< where a step writes (disk__swap() afterwards)
     double *heading;                ///< rad, by slot
     double *spin_deceleration;      ///< A of (8), rad/s2, by slot; NULL if is_uniform
-    disk_belt *belt_under;          ///< by slot; NULL if is_uniform
+    uint16_t *belt_under;           ///< index of a belt, by slot; NULL if is_uniform
     double *scratch;                ///< by slot: of a rebuild, or headings before a tile
     uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
     uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
@@ -155,6 +150,8 @@ struct disk_state {
     size_t border_parts_capacity;   ///< room
     disk_border_part *border_parts; ///< see there
     surroundings around;            ///< a copy: belts and edges
+    belt_speeds speeds;             ///< of the belts
+    disk_belts belts;               ///< at v_T
     neighbours_cells cells;         ///< storage of the grid
     int n_partitions;               ///< threads that take part
     disk_partition partitions[DISK_PARTITIONS_MAX]; ///< one each
@@ -179,8 +176,11 @@ BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 void disk__update_border_parts(disk_state *s, disk *parts, size_t first, size_t last,
                                disk_presence left);
 
-/// Belt under a point.
-disk_belt disk__belt_at(const disk_state *s, double x, double y);
+/// Index of the belt under a point.
+uint16_t disk__belt_at(const disk_state *s, double x, double y);
+
+/// The belts in a step, before which n_before were made: s->belts or, where speeds change, in *room.
+const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, disk_belts *room);
 
 /// A part far away and at rest, at a different place for each slot, without contacts.
 disk disk__pad(const disk_state *s, size_t slot);

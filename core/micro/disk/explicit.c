@@ -48,12 +48,13 @@ const explicit_kernels *disk__explicit_kernels(cpu_level level)
     return builds[level];
 }
 
-static explicit_step make_step(const disk_state *s, uint64_t n_before)
+static explicit_step make_step(const disk_state *s, uint64_t n_before, const disk_belt *belts)
 {
     const bool is_first = n_before == 0;
     const double dt = s->def.dt;
 
     return (explicit_step){ .state = s,
+                            .belts = belts,
                             .heading = s->heading,
                             .dt = dt,
                             .dt_force = is_first ? 0.0 : dt,
@@ -111,7 +112,9 @@ static driver_outcome step(driver_member *m)
 {
     disk_state *s = m->state;
     const size_t turn = m->n_made % TURNS;
-    single_step single = { make_step(s, s->steps + m->n_made),
+    const uint64_t n_before = s->steps + m->n_made;
+    disk_belts room;
+    single_step single = { make_step(s, n_before, disk__belts_in_step(s, n_before, &room)),
                            &s->extremes[turn * DISK_PARTITIONS_MAX] };
     driver_extremes of_step = { 0 };
 
@@ -161,7 +164,8 @@ typedef struct level {
 
 typedef struct tile {
     disk_state *s;
-    explicit_step step; // without its parts
+    explicit_step step; // without its parts and its belts
+    const disk_belt *belts[TILE_STEPS];
     int n_levels;
     level levels[TILE_STEPS];
 } tile;
@@ -173,7 +177,8 @@ bf_status disk__tiling_init(disk_state *s)
     disk__tiling_fini(s);
     s->tiling.backup = memory_alloc(s->void_slot, sizeof *s->tiling.backup);
     s->tiling.blocks = memory_alloc(n_blocks + 1, sizeof *s->tiling.blocks);
-    if (s->tiling.backup != NULL && s->tiling.blocks != NULL)
+    s->tiling.belts = memory_alloc(TILE_STEPS, sizeof *s->tiling.belts);
+    if (s->tiling.backup != NULL && s->tiling.blocks != NULL && s->tiling.belts != NULL)
         return BF_OK;
     disk__tiling_fini(s);
     return BF_ENOMEM;
@@ -183,6 +188,7 @@ void disk__tiling_fini(disk_state *s)
 {
     memory_free(s->tiling.backup);
     memory_free(s->tiling.blocks);
+    memory_free(s->tiling.belts);
     s->tiling = (disk_tiling){ 0 };
 }
 
@@ -253,6 +259,7 @@ static void advance_block(tile *w, int of_step, size_t of_block)
     driver_extremes *extremes = &w->levels[of_step].extremes;
     explicit_step step = w->step;
 
+    step.belts = w->belts[of_step];
     step.now = of_step % 2 == 0 ? s->now : s->next;
     step.next = of_step % 2 == 0 ? s->next : s->now;
     if (of_step == 0)
@@ -387,7 +394,9 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
     if (s->tiling.backup == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
         !neighbours_holds(s->skin, s->displacement_bound + 2.0 * s->last_bound * (int)n_steps))
         return 0;
-    tile w = { .s = s, .step = make_step(s, s->steps), .n_levels = (int)n_steps };
+    tile w = { .s = s, .step = make_step(s, s->steps, NULL), .n_levels = (int)n_steps };
+    for (uint64_t k = 0; k < n_steps; k++)
+        w.belts[k] = disk__belts_in_step(s, s->steps + k, &s->tiling.belts[k]);
     team_run(s->n_partitions, make_levels, &w);
     driver_outcome outcome = outcome_of(&w, &progress, &holds);
     if (!holds) {

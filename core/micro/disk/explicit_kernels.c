@@ -151,23 +151,23 @@ INLINED motion make_motion(const explicit_step *step)
 {
     const disk_state *s = step->state;
     const disk *kind = &s->kinds[0].part;
-    const micro_law *belt = &s->belt;
+    const micro_law *law = &s->belt;
+    const disk_belt *belt = &step->belts[s->uniform_belt];
 
     return (motion){
         .dt = simd_all(step->dt),
         .dt_force = simd_all(step->dt_force),
         .damping_factor = simd_all(step->damping_factor),
         .spin_damping_factor = simd_all(step->spin_damping_factor),
-        .belt_rate2 = simd_all(belt->tanh_linear * belt->tanh_linear / 64.0),
-        .spin_rate2 = simd_all(belt->tanh_spin * belt->tanh_spin / 64.0),
-        .belt_secant =
-            simd_all(step->dt_force * belt->friction * s->def.gravity * belt->tanh_linear),
+        .belt_rate2 = simd_all(law->tanh_linear * law->tanh_linear / 64.0),
+        .spin_rate2 = simd_all(law->tanh_spin * law->tanh_spin / 64.0),
+        .belt_secant = simd_all(step->dt_force * law->friction * s->def.gravity * law->tanh_linear),
         .inv_mass = simd_all(kind->inv_mass),
         .inv_inertia = simd_all(2.0 * kind->inv_mass / (kind->radius * kind->radius)),
-        .belt_x = simd_all(s->uniform_belt.vx),
-        .belt_y = simd_all(s->uniform_belt.vy),
-        .on_belt = simd_all(s->uniform_belt.on_belt),
-        .spin_secant = simd_all(step->dt_force * belt->tanh_spin * s->uniform_deceleration),
+        .belt_x = simd_all(belt->vx),
+        .belt_y = simd_all(belt->vy),
+        .on_belt = simd_all(belt->on_belt),
+        .spin_secant = simd_all(step->dt_force * law->tanh_spin * s->uniform_deceleration),
     };
 }
 
@@ -176,16 +176,21 @@ INLINED motion make_own_motion(const motion *common, const explicit_step *step, 
                                const parts *own)
 {
     const disk_state *s = step->state;
+    double belt_x[SIMD_LANES], belt_y[SIMD_LANES], on_belt[SIMD_LANES];
     motion m = *common;
 
     m.inv_mass = own->inv_mass;
     m.inv_inertia = 2.0 * own->inv_mass / (own->radius * own->radius);
     m.spin_secant = step->dt_force * s->belt.tanh_spin * simd_load(s->spin_deceleration + slot);
     for (int k = 0; k < SIMD_LANES; k++) {
-        m.belt_x[k] = s->belt_under[slot + (size_t)k].vx;
-        m.belt_y[k] = s->belt_under[slot + (size_t)k].vy;
-        m.on_belt[k] = s->belt_under[slot + (size_t)k].on_belt;
+        const disk_belt *belt = &step->belts[s->belt_under[slot + (size_t)k]];
+        belt_x[k] = belt->vx;
+        belt_y[k] = belt->vy;
+        on_belt[k] = belt->on_belt;
     }
+    m.belt_x = simd_load_any(belt_x);
+    m.belt_y = simd_load_any(belt_y);
+    m.on_belt = simd_load_any(on_belt);
     return m;
 }
 

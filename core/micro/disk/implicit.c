@@ -197,21 +197,29 @@ static driver_extremes join_chunks(const disk_state *s)
     return all;
 }
 
+// The numbers of a step, which every member of a team makes for itself.
+typedef struct step_numbers {
+    implicit_step step;
+    double margin; // gaps that may close, m
+} step_numbers;
+
 static void predict_chunk(const driver_member *m, size_t chunk)
 {
     const disk_state *s = m->state;
+    const step_numbers *numbers = m->step;
     implicit_state *z = s->implicit;
 
-    z->extremes[chunk] =
-        z->kernels->predict(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+    z->extremes[chunk] = z->kernels->predict(s, &numbers->step, z->bodies, chunk * IMPLICIT_CHUNK,
+                                             end_of_chunk(s, chunk));
 }
 
 static void apply_belt_friction_of_chunk(const driver_member *m, size_t chunk)
 {
     const disk_state *s = m->state;
+    const step_numbers *numbers = m->step;
     implicit_state *z = s->implicit;
 
-    z->kernels->apply_belt_friction(s, &z->step, z->bodies, chunk * IMPLICIT_CHUNK,
+    z->kernels->apply_belt_friction(s, &numbers->step, z->bodies, chunk * IMPLICIT_CHUNK,
                                     end_of_chunk(s, chunk));
 }
 
@@ -226,9 +234,9 @@ static void move_chunk(const driver_member *m, size_t chunk)
 
 static void find_contacts_of_piece(const driver_member *m, size_t piece)
 {
-    const double *margin = m->step;
+    const step_numbers *numbers = m->step;
 
-    disk_implicit__find_contacts(m->state, state_of(m), piece, *margin);
+    disk_implicit__find_contacts(m->state, state_of(m), piece, numbers->margin);
 }
 
 static void solve_piece(const driver_member *m, size_t piece)
@@ -258,11 +266,14 @@ static void make_phases(driver_member *m)
     const disk_state *s = m->state;
     const implicit_state *z = s->implicit;
     const size_t n_chunks = count_chunks(s);
+    step_numbers numbers = { .step = z->step };
+    disk_belts room;
 
+    numbers.step.belts = disk__belts_in_step(s, s->steps + m->n_made, &room);
+    m->step = &numbers;
     driver_split(m, 0, n_chunks, predict_chunk);
     driver_wait(m);
-    const double margin = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2); // gaps that may close
-    m->step = &margin;
+    numbers.margin = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2);
     split_groups(m, find_contacts_of_piece);
     for (int iteration = 0; iteration < z->iterations; iteration++) {
         if (iteration > 0) {

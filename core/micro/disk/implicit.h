@@ -51,7 +51,7 @@ typedef struct implicit_state {
     double displacement_bound;               ///< m, no part has moved farther since they were
     double last_bound;                       ///< m, nor in the last step
     const implicit_kernels *kernels;         ///< those of this processor
-    implicit_step step;                      ///< the same in every step
+    implicit_step step;                      ///< without its belts: the same in every step
     int iterations;                          ///< in a step
     size_t n_pairs;                          ///< in order of groups
     implicit_pair *pairs;                    ///< see there

@@ -118,15 +118,16 @@ typedef struct belt_lanes {
     simd vx, vy, on_belt;
 } belt_lanes;
 
-static inline belt_lanes load_belts(const disk_state *s, size_t slot)
+static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts, size_t slot)
 {
-    disk_belt belt = s->uniform_belt;
-    belt_lanes g = { simd_all(belt.vx), simd_all(belt.vy), simd_all(belt.on_belt) };
+    const disk_belt uniform = belts[s->uniform_belt];
+    belt_lanes g = { simd_all(uniform.vx), simd_all(uniform.vy), simd_all(uniform.on_belt) };
 
     for (size_t k = 0; !s->is_uniform && k < SIMD_LANES; k++) {
-        g.vx[k] = s->belt_under[slot + k].vx;
-        g.vy[k] = s->belt_under[slot + k].vy;
-        g.on_belt[k] = s->belt_under[slot + k].on_belt;
+        const disk_belt *belt = &belts[s->belt_under[slot + k]];
+        g.vx[k] = belt->vx;
+        g.vy[k] = belt->vy;
+        g.on_belt[k] = belt->on_belt;
     }
     return g;
 }
@@ -160,7 +161,7 @@ static void apply_belt_friction(const disk_state *s, const implicit_step *step, 
     uint32_t at[SIMD_LANES];
 
     for (size_t slot = first; slot < last; slot += SIMD_LANES) {
-        belt_lanes g = load_belts(s, slot);
+        belt_lanes g = load_belts(s, step->belts, slot);
         index_rows(slot, at);
         simd_quad low = simd_quad_load(&bodies->vx, at);
         simd_quad high = simd_quad_load(&bodies->inv_inertia, at);
@@ -208,7 +209,7 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step, s
     uint32_t at[SIMD_LANES];
 
     for (size_t slot = first; slot < last; slot += SIMD_LANES) {
-        belt_lanes g = load_belts(s, slot);
+        belt_lanes g = load_belts(s, step->belts, slot);
         index_rows(slot, at);
         simd_quad row = simd_quad_load(&s->now->x, at), more = simd_quad_load(&s->now->spin, at);
         simd *x = row.column, spin = more.column[0], r = more.column[1], inv_mass = more.column[3];

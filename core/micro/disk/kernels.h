@@ -8,6 +8,7 @@
 
 #include "core/base/cpu.h"
 #include "core/micro/driver.h"
+#include "core/scene/limits.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -63,9 +64,22 @@ typedef struct disk_arc {
     double friction; ///< mu
 } disk_arc;
 
+/// The belt under a part, at a time.
+typedef struct disk_belt {
+    double vx;      ///< m/s
+    double vy;      ///< same
+    double on_belt; ///< 1 on a belt, 0 off every belt
+} disk_belt;
+
+/// All belts at a time, by index; the one after the last stands for places off every belt.
+typedef struct disk_belts {
+    disk_belt of[SCENE_BELTS_MAX + 1]; ///< see there
+} disk_belts;
+
 /// The numbers of an explicit step.
 typedef struct explicit_step {
     const disk_state *state; ///< laws and lists; its now and next do not count here
+    const disk_belt *belts;  ///< in this step, by index; see disk__belts_in_step()
     const disk *now;         ///< parts before the step
     disk *next;              ///< after it; before, in groups near the boundary, the forces of that
     double *heading;         ///< by slot, updated
@@ -135,8 +149,9 @@ typedef struct solver_body {
 
 /// The numbers of an implicit step.
 typedef struct implicit_step {
-    double damping_factor; ///< factor by which the damping D reduces a velocity
-    double belt_secant;    ///< h mu g lambda of the belts
+    const disk_belt *belts; ///< in this step, by index; see disk__belts_in_step()
+    double damping_factor;  ///< factor by which the damping D reduces a velocity
+    double belt_secant;     ///< h mu g lambda of the belts
 } implicit_step;
 
 /// Implicit steps for one instruction set.

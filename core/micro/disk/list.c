@@ -261,13 +261,9 @@ disk disk__pad(const disk_state *s, size_t slot)
     return part;
 }
 
-disk_belt disk__belt_at(const disk_state *s, double x, double y)
+uint16_t disk__belt_at(const disk_state *s, double x, double y)
 {
-    vec2 velocity;
-    bool is_on_belt =
-        surroundings_belt_at(&s->around, (vec2){ x, y }, (double)s->steps * s->def.dt, &velocity);
-
-    return (disk_belt){ velocity.x, velocity.y, is_on_belt ? 1.0 : 0.0 };
+    return (uint16_t)surroundings_belt_at(&s->around, (vec2){ x, y });
 }
 
 // A box that contains all relevant centres; sides may be infinite.

@@ -107,6 +107,7 @@ typedef struct outer {
     double unknown;
     inner within;
     size_t n_points;
+    double limit;
 } outer;
 
 static bool has_more(const void *item)
@@ -128,13 +129,18 @@ static const member outer_members[] = {
     MEMBER("within", object, offsetof(outer, within), "the same below", .table = &inner_table),
     MEMBER("points", points, 0, "none", .flags = MEMBER_OMIT_EMPTY,
            .offset_n = offsetof(outer, n_points)),
+    MEMBER("place", object, offsetof(outer, within), "as empty as points", .table = &inner_table,
+           .flags = MEMBER_OMIT_EMPTY, .offset_n = offsetof(outer, n_points)),
+    MEMBER("limit", number, offsetof(outer, limit), "if any", .flags = MEMBER_OMIT_EMPTY),
     MEMBER("streamed", described, 0, "written by another", .type = "[number]"),
 };
 static const member_table outer_table = { MEMBER_TABLE("Outer", outer_members) };
 
 static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
 {
-    outer item = { .id = "7", .n = 3, .unknown = (double)NAN, .within = { 0.5 } };
+    outer item = {
+        .id = "7", .n = 3, .unknown = (double)NAN, .within = { 0.5 }, .limit = (double)INFINITY
+    };
     bf_buffer out = { 0 };
     json_out w = json_out_to(&out);
 
@@ -142,12 +148,13 @@ static void an_answer_has_the_members_of_its_table_in_their_order(void **unused)
     json_out_array(&w);
     members_write(&w, &outer_table, &item);
     item.has_more = true;
+    item.limit = 2.0;
     members_write(&w, &outer_table, &item);
     json_out_array_end(&w);
     assert_string_equal(out.bytes, "[{\"self\":\"/a/7/b/3\",\"unknown\":null,\"x_m\":0.5,"
                                    "\"within\":{\"x_m\":0.5}},"
                                    "{\"self\":\"/a/7/b/3\",\"more\":3,\"unknown\":null,"
-                                   "\"x_m\":0.5,\"within\":{\"x_m\":0.5}}]");
+                                   "\"x_m\":0.5,\"within\":{\"x_m\":0.5},\"limit\":2}]");
     buffer_fini(&out);
 }
 
@@ -207,7 +214,8 @@ static void defaults_are_those_of_core(void **unused)
         { "contacts/cargo_cargo/length_m", "0.008" }, // of each pair
         { "contacts/cargo_cargo/friction", "0.15, 1, 0.19" },
         { "obstacles/band_m", "8/sqrt(sigma)" }, // derived
-        { "duration_s", "" },                    // must be given
+        { "belts/acceleration_m_s2", "at once" },
+        { "duration_s", "" }, // must be given
     };
     char text[MEMBER_TEXT_SIZE];
     const member_table *table;

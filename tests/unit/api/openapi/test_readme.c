@@ -24,7 +24,7 @@ static void describe_kind(const member *m, char *text, size_t size)
 
     if (m->kind == &member_text)
         snprintf(text, size, "string, at most %zu bytes", m->limit - 1);
-    else if (m->offset_n != 0)
+    else if (m->limit > 0)
         snprintf(text, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
     else if (m->kind != &member_enum)
         snprintf(text, size, "%s", m->kind->text);

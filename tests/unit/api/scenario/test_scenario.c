@@ -94,6 +94,13 @@ static void every_member_finds_its_place(void **unused)
     assert_int_equal(s.edges[SCENE_EAST], SCENE_EDGE_INFLOW);
     assert_int_equal(s.edges[SCENE_SOUTH], SCENE_EDGE_OUTFLOW);
     assert_int_equal(s.belts[0].n_points, 0);
+    assert_true(s.belts[0].acceleration == 0.5 && s.belts[0].deceleration == 0.25);
+    assert_int_equal(s.belts[0].speed_schedule.n_times, 3);
+    assert_int_equal(s.belts[0].speed_schedule.n_factors, 3);
+    assert_true(s.belts[0].speed_schedule.times[2] == 2.25);
+    assert_true(s.belts[0].speed_schedule.factors[2] == 1.25);
+    assert_int_equal(s.belts[1].speed_schedule.n_times, 0);
+    assert_true(s.belts[1].acceleration == INFINITY && s.belts[1].deceleration == INFINITY);
     assert_true(s.belts[1].velocity.y == 0.2 && s.belts[1].polygon[2].y == 0.8);
     assert_int_equal(s.obstacles[0].n_points, 3);
     assert_true(s.obstacles[0].path[2].x == 0.9 && s.obstacles[0].slide_width == 0.025);
@@ -168,6 +175,22 @@ static void the_default_step_follows_the_integrator(void **unused)
     scene_fini(&verlet);
     scene_fini(&implicit);
     scene_fini(&automatic);
+}
+
+// So the document of a belt without them is the one that it always was.
+static void how_a_speed_changes_is_written_only_where_it_was_given(void **unused)
+{
+    bf_buffer without = document_quote("{" DOCUMENT_NEEDED "}");
+    bf_buffer with = document_quote(DOCUMENT_WITH("'belts': [{'deceleration_m_s2': 2}]"));
+    bf_buffer of_none = resolve(&without), of_one = resolve(&with);
+
+    (void)unused;
+    assert_non_null(strstr(of_none.bytes, "[{\"id\":\"main\",\"velocity_m_s\":[0.395,0]}]"));
+    assert_non_null(strstr(of_one.bytes, "[0.395,0],\"deceleration_m_s2\":2}]"));
+    buffer_fini(&without);
+    buffer_fini(&with);
+    buffer_fini(&of_none);
+    buffer_fini(&of_one);
 }
 
 // Value by value, as a JSON library sees both; numbers may be written differently.
@@ -369,6 +392,7 @@ int main(void)
         cmocka_unit_test(cargo_may_be_a_list_of_kinds),
         cmocka_unit_test(one_kind_is_written_as_one_object),
         cmocka_unit_test(the_default_step_follows_the_integrator),
+        cmocka_unit_test(how_a_speed_changes_is_written_only_where_it_was_given),
         cmocka_unit_test(a_complete_document_is_written_as_it_was_read),
         cmocka_unit_test(what_was_written_reads_back_to_the_same_bytes),
         cmocka_unit_test(numbers_keep_their_bits),

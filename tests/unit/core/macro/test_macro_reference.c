@@ -26,6 +26,8 @@ typedef struct fixture {
     macro_def def;
     double v1[FACES_MAX], v2[FACES_MAX], rho[FACES_MAX];
     uint8_t closed1[FACES_MAX], closed2[FACES_MAX];
+    scene_belt belts[2];
+    uint16_t belt1[FACES_MAX], belt2[FACES_MAX];
 } fixture;
 
 static double uniform(double low, double high)
@@ -95,9 +97,33 @@ static fixture *random_fixture(unsigned seed, scene_heaviside heaviside, row_len
     return s;
 }
 
-static void compare_with_direct_sum(unsigned seed, scene_heaviside heaviside, row_length length)
+// Belt 0 under the plain velocity, elsewhere any belt or none. They stop, stand and start within 25 ms.
+static void let_belts_change(fixture *s)
 {
-    fixture *s = random_fixture(seed, heaviside, length);
+    static double times[2][3] = { { 3e-3, 10e-3, 16e-3 }, { 0.0, 5.5e-3, 20e-3 } };
+    static double factors[2][3] = { { 0.0, 0.0, 1.3 }, { 0.5, 1.5, 0.2 } };
+    const size_t n1 = s->def.grid.n1, n2 = s->def.grid.n2;
+
+    s->belts[0] = (scene_belt){ .velocity = { 0.4, 0.0 },
+                                .acceleration = 60.0,
+                                .deceleration = 100.0,
+                                .speed_schedule = { 3, times[0], 3, factors[0] } };
+    s->belts[1] = (scene_belt){ .velocity = { 0.0, 0.4 },
+                                .acceleration = 50.0,
+                                .deceleration = INFINITY,
+                                .speed_schedule = { 3, times[1], 3, factors[1] } };
+    for (size_t k = 0; k < (n1 + 1) * n2; k++)
+        s->belt1[k] = (uint16_t)(k % (n1 + 1) < n1 / 2 ? 0 : rand() % 3);
+    for (size_t k = 0; k < n1 * (n2 + 1); k++)
+        s->belt2[k] = (uint16_t)(k % n1 < n1 / 2 ? 0 : rand() % 3);
+    s->def.n_belts = 2;
+    s->def.belts = s->belts;
+    s->def.belt1 = s->belt1;
+    s->def.belt2 = s->belt2;
+}
+
+static void compare_with_direct_sum(fixture *s)
+{
     const size_t n = grid_cells(&s->def.grid);
     double *rho = calloc(n, sizeof *rho);
     macro_solver *fast = NULL;
@@ -124,17 +150,28 @@ static void random_densities_and_fields_agree_with_the_direct_sum(void **state)
 {
     (void)state;
     for (unsigned seed = 1; seed <= 12; seed++)
-        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);
+        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SHARP, SHORT_ROWS));
     for (unsigned seed = 13; seed <= 16; seed++)
-        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SHARP, LONG_ROWS);
+        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SHARP, LONG_ROWS));
 }
 
 static void the_other_forms_of_h_agree_with_the_direct_sum(void **state)
 {
     (void)state;
     for (unsigned seed = 21; seed <= 24; seed++) {
-        compare_with_direct_sum(seed, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS);
-        compare_with_direct_sum(seed, SCENE_HEAVISIDE_NONE, SHORT_ROWS);
+        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS));
+        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_NONE, SHORT_ROWS));
+    }
+}
+
+static void belts_whose_speed_changes_agree_with_the_direct_sum(void **state)
+{
+    (void)state;
+    for (unsigned seed = 51; seed <= 60; seed++) {
+        fixture *s = random_fixture(seed, (scene_heaviside)(seed % SCENE_HEAVISIDE_COUNT),
+                                    seed % 5 == 0 ? LONG_ROWS : SHORT_ROWS);
+        let_belts_change(s);
+        compare_with_direct_sum(s);
     }
 }
 
@@ -159,6 +196,8 @@ static void every_instruction_set_gives_the_same_bits(void **state)
         const bool is_narrow = seed % 2 != 0;
         fixture *s =
             random_fixture(seed, SCENE_HEAVISIDE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
+        if (seed > 32)
+            let_belts_change(s);
         uint64_t digest = digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, CPU_BASE, is_narrow));
         for (cpu_level level = CPU_BASE; level <= cpu_best(); level++)
             assert_true(digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, level, is_narrow)) ==
@@ -182,6 +221,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_densities_and_fields_agree_with_the_direct_sum),
         cmocka_unit_test(the_other_forms_of_h_agree_with_the_direct_sum),
+        cmocka_unit_test(belts_whose_speed_changes_agree_with_the_direct_sum),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(both_builds_give_the_same_bits),
     };

@@ -81,11 +81,36 @@ static void a_jam_of_two_kinds_on_two_belts_moves_as_without_any_list(void **sta
     free(w);
 }
 
+// The belts stop, stand and start within the 5 ms of the runs.
+static void belts_whose_speed_changes_move_parts_as_without_any_list(void **state)
+{
+    double times[2][3] = { { 1e-3, 2e-3, 3e-3 }, { 0.0, 1.5e-3, 2.5e-3 } };
+    double factors[2][3] = { { 0.0, 0.0, 1.5 }, { 0.25, 0.0, 2.0 } };
+    helper_disk_state *w = helper_disk_state_make(0.395, 4.0);
+
+    (void)state;
+    helper_disk_state_crowd(w, true);
+    w->def.n_parts = 44 * 5;
+    for (int k = 0; k < 2; k++) {
+        w->belts[k].acceleration = 1e3;
+        w->belts[k].deceleration = k == 0 ? 600.0 : INFINITY;
+        w->belts[k].speed_schedule = (scene_speed_schedule){ 3, times[k], 3, factors[k] };
+    }
+    check_against_all_pairs(&w->def);
+    // One kind on one belt all over.
+    w->belts[0].n_points = 0;
+    w->def.n_belts = w->def.n_kinds = 1;
+    w->def.part_kinds = NULL;
+    check_against_all_pairs(&w->def);
+    free(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_jam_moves_as_without_any_list),
         cmocka_unit_test(a_jam_of_two_kinds_on_two_belts_moves_as_without_any_list),
+        cmocka_unit_test(belts_whose_speed_changes_move_parts_as_without_any_list),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -64,6 +64,7 @@ static void step_with(const explicit_kernels *kernels, disk_state *s, disk *rows
                       driver_extremes *extremes)
 {
     const explicit_step step = { .state = s,
+                                 .belts = s->belts.of,
                                  .now = s->now,
                                  .next = rows,
                                  .heading = heading,

@@ -14,12 +14,26 @@
 
 #include <cmocka.h>
 
+// The west belt stops and starts by ramps, the east belt in jumps, within 40 ms.
+static void let_belts_change(helper_disk_state *w)
+{
+    static double times[2][3] = { { 2e-3, 12e-3, 22e-3 }, { 3e-3, 5e-3, 30e-3 } };
+    static double factors[2][3] = { { 0.0, 1.0, 0.5 }, { 0.0, 1.25, 1.0 } };
+
+    for (int k = 0; k < 2; k++) {
+        w->belts[k].acceleration = w->belts[k].deceleration = k == 0 ? 100.0 : INFINITY;
+        w->belts[k].speed_schedule = (scene_speed_schedule){ 3, times[k], 3, factors[k] };
+    }
+}
+
 // Parts that touch each other and a plate, change belts and leave.
-static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
+static disk_state *start_crowd_on(bool changes, bool is_mixed, bool is_tiled, int n_threads)
 {
     helper_disk_state *w = helper_disk_state_make(0.5, 0.9);
 
     helper_disk_state_crowd(w, is_mixed);
+    if (changes)
+        let_belts_change(w);
     w->def.n_threads = n_threads;
     disk_state *s = helper_disk_state_start(&w->def);
     free(w);
@@ -28,6 +42,11 @@ static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
         assert_int_equal(disk__rebuild(s, NULL), BF_OK);
     }
     return s;
+}
+
+static disk_state *start_crowd(bool is_mixed, bool is_tiled, int n_threads)
+{
+    return start_crowd_on(false, is_mixed, is_tiled, n_threads);
 }
 
 static uint64_t digest_of(const disk_state *s)
@@ -52,15 +71,14 @@ static size_t count_gone(const disk_state *s)
     return n;
 }
 
-static void tiles_give_the_bits_of_single_steps(void **state)
+static void compare_tiles_with_single_steps(bool changes)
 {
-    (void)state;
     for (int is_mixed = 0; is_mixed < 2; is_mixed++) {
-        disk_state *single = start_crowd(is_mixed, false, 1);
+        disk_state *single = start_crowd_on(changes, is_mixed, false, 1);
         helper_disk_state_advance(single, 803);
         assert_true(count_gone(single) > 0);
         for (int n_threads = 1; n_threads <= 2; n_threads++) {
-            disk_state *tiled = start_crowd(is_mixed, true, n_threads);
+            disk_state *tiled = start_crowd_on(changes, is_mixed, true, n_threads);
             helper_disk_state_advance(tiled, 803);
             assert_int_equal(tiled->steps, 803);
             assert_true(tiled->tiling.n_made > 20);
@@ -71,6 +89,18 @@ static void tiles_give_the_bits_of_single_steps(void **state)
         }
         helper_disk_state_end(single);
     }
+}
+
+static void tiles_give_the_bits_of_single_steps(void **state)
+{
+    (void)state;
+    compare_tiles_with_single_steps(false);
+}
+
+static void tiles_give_the_bits_of_single_steps_on_belts_whose_speed_changes(void **state)
+{
+    (void)state;
+    compare_tiles_with_single_steps(true);
 }
 
 // The foremost part that has not left and has no plate before it.
@@ -144,7 +174,7 @@ static void no_memory_for_tiles_leaves_single_steps(void **state)
     (void)state;
     disk_state *s = start_crowd(false, false, 1);
 
-    for (size_t n = 1; n <= 2; n++) {
+    for (size_t n = 1; n <= 3; n++) {
         memory_plan_fault(n, 0);
         assert_int_equal(disk__tiling_init(s), BF_ENOMEM);
         memory_plan_fault(0, 0);
@@ -158,6 +188,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tiles_give_the_bits_of_single_steps),
+        cmocka_unit_test(tiles_give_the_bits_of_single_steps_on_belts_whose_speed_changes),
         cmocka_unit_test(a_tile_that_outlives_its_list_is_put_back),
         cmocka_unit_test(a_failure_in_a_tile_is_reported_as_by_single_steps),
         cmocka_unit_test(no_memory_for_tiles_leaves_single_steps),

@@ -24,11 +24,11 @@ static void make_two_belts(scene *s)
     helper_scene_resolve(s);
 }
 
-static void assert_belt(const surroundings *around, double x, double y, bool is_belt, vec2 v)
+static void assert_belt(const surroundings *around, double x, double y, size_t belt, vec2 v)
 {
-    vec2 velocity = { NAN, NAN };
+    const vec2 velocity = surroundings_velocity_of(around, belt);
 
-    assert_int_equal(surroundings_belt_at(around, (vec2){ x, y }, 0.0, &velocity), is_belt);
+    assert_int_equal(surroundings_belt_at(around, (vec2){ x, y }), belt);
     assert_true(velocity.x == v.x && velocity.y == v.y);
 }
 
@@ -39,10 +39,10 @@ static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
     (void)state;
     make_two_belts(&s);
     const surroundings around = surroundings_of(&s);
-    assert_belt(&around, 0.2, 0.2, true, (vec2){ 0.1, 0.0 });
-    assert_belt(&around, 0.5, 0.2, true, (vec2){ 0.0, 0.2 });
-    assert_belt(&around, 0.4, 0.2, true, (vec2){ 0.0, 0.2 }); // borders belong to the belt
-    assert_belt(&around, 0.5, 0.4 + 2e-9, false, (vec2){ 0.0, 0.0 });
+    assert_belt(&around, 0.2, 0.2, 0, (vec2){ 0.1, 0.0 });
+    assert_belt(&around, 0.5, 0.2, 1, (vec2){ 0.0, 0.2 });
+    assert_belt(&around, 0.4, 0.2, 1, (vec2){ 0.0, 0.2 }); // borders belong to the belt
+    assert_belt(&around, 0.5, 0.4 + 2e-9, 2, (vec2){ 0.0, 0.0 });
     scene_fini(&s);
 }
 
@@ -75,7 +75,7 @@ static void a_copy_outlives_the_scene_and_is_whole_or_not_there(void **state)
         scene_fini(&s);
         if (n_faults == 0) {
             assert_int_equal(status, BF_OK);
-            assert_belt(&copy, 0.5, 0.2, true, (vec2){ 0.0, 0.2 });
+            assert_belt(&copy, 0.5, 0.2, 1, (vec2){ 0.0, 0.2 });
             surroundings_fini(&copy);
             break;
         }

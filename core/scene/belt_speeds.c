@@ -1,0 +1,211 @@
+#include "core/scene/belt_speeds.h"
+
+#include "core/base/memory.h"
+#include "core/scene/ranges.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static void add_knot(belt_speeds_curve *c, double t, double factor)
+{
+    const belt_speeds_knot *last = c->n > 0 ? &c->knots[c->n - 1] : NULL;
+
+    if (last == NULL || last->t != t || last->factor != factor)
+        c->knots[c->n++] = (belt_speeds_knot){ t, factor };
+}
+
+// The ramp to a target from t on, which ends at `until` at the latest.
+static void add_ramp(const scene_belt *belt, double t, double target, double until,
+                     belt_speeds_curve *c)
+{
+    const double speed = vec2_length(belt->velocity), from = c->knots[c->n - 1].factor;
+    const double rate = target > from ? belt->acceleration : belt->deceleration;
+    const double end = t + fabs(target - from) * speed / rate;
+
+    add_knot(c, t, from);
+    if (!(end > t))
+        add_knot(c, t, target);
+    else if (end <= until)
+        add_knot(c, end, target);
+    else
+        add_knot(c, until, from + (target - from) * ((until - t) / (end - t)));
+}
+
+static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    const bool begins = s->n_times > 0 && s->times[0] == 0.0;
+
+    // A knot at the start, and of each ramp its beginning and its end.
+    c->knots = memory_alloc(1 + 2 * s->n_times, sizeof *c->knots);
+    if (c->knots == NULL)
+        return BF_ENOMEM;
+    add_knot(c, 0.0, begins ? s->factors[0] : 1.0);
+    for (size_t k = begins ? 1 : 0; k < s->n_times; k++)
+        add_ramp(belt, s->times[k], s->factors[k], k + 1 < s->n_times ? s->times[k + 1] : INFINITY,
+                 c);
+    return BF_OK;
+}
+
+bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
+{
+    bool are_constant = true;
+
+    for (size_t k = 0; k < n_belts; k++)
+        are_constant = are_constant && belts[k].speed_schedule.n_times == 0;
+    return are_constant;
+}
+
+bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts, const scene_belt *belts,
+                           bf_error *err)
+{
+    belt_speeds speeds = { .curves = memory_alloc(n_belts, sizeof *speeds.curves),
+                           .are_constant = belt_speeds_are_constant(n_belts, belts) };
+    bf_status status = speeds.curves != NULL ? BF_OK : BF_ENOMEM;
+
+    for (size_t k = 0; k < n_belts && status == BF_OK; k++) {
+        status = make_curve(&belts[k], &speeds.curves[k]);
+        speeds.n_belts++;
+    }
+    if (status != BF_OK) {
+        belt_speeds_fini(&speeds);
+        (void)bf_fail(err, status, "/belts", "no memory for the speeds of the belts");
+    }
+    *ret_speeds = speeds;
+    return status;
+}
+
+void belt_speeds_fini(belt_speeds *speeds)
+{
+    for (size_t k = 0; k < speeds->n_belts; k++)
+        memory_free(speeds->curves[k].knots);
+    memory_free(speeds->curves);
+    *speeds = (belt_speeds){ .n_belts = 0 };
+}
+
+// The last knot at or before t, or the first.
+static size_t find_knot(const belt_speeds_curve *c, double t)
+{
+    size_t low = 0, high = c->n;
+
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (c->knots[middle].t <= t)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+// f at t, which lies between knot k and the next one.
+static double value_after(const belt_speeds_curve *c, size_t k, double t)
+{
+    const belt_speeds_knot *a = &c->knots[k], *b = &c->knots[k + 1];
+
+    return k + 1 == c->n ? a->factor
+                         : a->factor + (b->factor - a->factor) * ((t - a->t) / (b->t - a->t));
+}
+
+double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t)
+{
+    const belt_speeds_curve *c = &speeds->curves[belt];
+
+    return value_after(c, find_knot(c, t), t);
+}
+
+double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to)
+{
+    const belt_speeds_curve *c = &speeds->curves[belt];
+    size_t k = find_knot(c, from);
+    double t = from, factor = value_after(c, k, from), sum = 0.0;
+
+    if (k + 1 == c->n || c->knots[k + 1].t >= to)
+        return 0.5 * (factor + value_after(c, k, to));
+    for (; k + 1 < c->n && c->knots[k + 1].t < to; k++) {
+        const belt_speeds_knot *next = &c->knots[k + 1];
+        sum += 0.5 * (factor + next->factor) * (next->t - t);
+        t = next->t;
+        factor = next->factor;
+    }
+    return (sum + 0.5 * (factor + value_after(c, k, to)) * (to - t)) / (to - from);
+}
+
+void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, double *ret_factors)
+{
+    const double from = (double)step * dt, to = (double)(step + 1) * dt;
+
+    for (size_t k = 0; k < speeds->n_belts; k++)
+        ret_factors[k] = belt_speeds_mean(speeds, k, from, to);
+    ret_factors[speeds->n_belts] = 1.0;
+}
+
+double belt_speeds_largest(const scene_belt *belt)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    double largest = s->n_times > 0 && s->times[0] == 0.0 ? 0.0 : 1.0;
+
+    for (size_t k = 0; k < s->n_factors; k++)
+        largest = fmax(largest, s->factors[k]);
+    return largest;
+}
+
+static void check_acceleration(double acceleration, const char *belt, const char *member,
+                               bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    snprintf(pointer, sizeof pointer, "%s/%s", belt, member);
+    if (acceleration != INFINITY)
+        range_check(&scene_range_acceleration, acceleration, pointer, faults);
+}
+
+static void check_times(const scene_speed_schedule *s, const char *belt, bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_times && faults->n == n_before; k++) {
+        snprintf(pointer, sizeof pointer, "%s/speed_schedule/t_s/%zu", belt, k);
+        range_check(&scene_range_instant, s->times[k], pointer, faults);
+        if (faults->n == n_before && k > 0 && !(s->times[k] > s->times[k - 1]))
+            faults_add(faults, pointer, "%.15g s do not come after the %.15g s before them",
+                       s->times[k], s->times[k - 1]);
+    }
+}
+
+static void check_factors(const scene_belt *belt, const char *at, bf_faults *faults)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    const double speed = vec2_length(belt->velocity);
+    const size_t n_before = faults->n;
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_factors && faults->n == n_before; k++) {
+        snprintf(pointer, sizeof pointer, "%s/speed_schedule/factor/%zu", at, k);
+        range_check(&scene_range_speed_factor, s->factors[k], pointer, faults);
+        // A speed that is too large by itself is reported there.
+        if (faults->n == n_before && speed <= SCENE_SPEED_MAX &&
+            speed * s->factors[k] > SCENE_SPEED_MAX)
+            faults_add(faults, pointer, "makes the belt move at %g m/s, the limit is %g",
+                       speed * s->factors[k], SCENE_SPEED_MAX);
+    }
+}
+
+void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults)
+{
+    const scene_speed_schedule *s = &belt->speed_schedule;
+    char at[BF_POINTER_SIZE];
+
+    check_acceleration(belt->acceleration, pointer, "acceleration_m_s2", faults);
+    check_acceleration(belt->deceleration, pointer, "deceleration_m_s2", faults);
+    snprintf(at, sizeof at, "%s/speed_schedule", pointer);
+    if (s->n_times > SCENE_SPEEDS_MAX) {
+        faults_add_limit(faults, at, "%zu times, the limit is %d", s->n_times, SCENE_SPEEDS_MAX);
+        return;
+    }
+    if (s->n_factors != s->n_times)
+        faults_add(faults, at, "has %zu factors for %zu times", s->n_factors, s->n_times);
+    check_times(s, pointer, faults);
+    check_factors(belt, pointer, faults);
+}

@@ -1,0 +1,68 @@
+/// How fast belts move at a time: the factor on a belt's velocity v_T, by its speed schedule.
+///
+///     velocity(t) = v_T f(t),   f(t) = 1 before the first time of the schedule, f(0) its first factor if that
+///     time is 0. From times[k] on |velocity| goes to |v_T| factors[k], at the rate `acceleration` if it rises
+///     and `deceleration` if it falls, and stays there; a ramp that has not ended at times[k + 1] ends there,
+///     and the next one begins with the speed reached. A belt with v_T = 0 stands.
+///
+/// f is piecewise linear, continuous but for jumps where a rate is infinite, and evaluated from its
+/// corners ("knots"), which are made once. In a step of a solver a belt moves at its mean speed over the step: so
+/// its displacement is exact whatever the step, and depends on the number of the step alone.
+///
+/// Units    SI.
+/// Errors   belt_speeds_init() expects schedules that belt_speeds_check() finds no fault in.
+
+#pragma once
+
+#include "core/base/faults.h"
+#include "core/base/status.h"
+#include "core/scene/types.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// A corner of f; two at one time are a jump.
+typedef struct belt_speeds_knot {
+    double t;      ///< s
+    double factor; ///< f from there on, towards the next knot
+} belt_speeds_knot;
+
+/// f of a belt.
+typedef struct belt_speeds_curve {
+    size_t n;                ///< >= 1
+    belt_speeds_knot *knots; ///< the first at t = 0, times not falling; constant after the last
+} belt_speeds_curve;
+
+/// The speeds of a number of belts.
+typedef struct belt_speeds {
+    size_t n_belts;            ///< see there
+    belt_speeds_curve *curves; ///< of each belt
+    bool are_constant;         ///< belt_speeds_are_constant()
+} belt_speeds;
+
+/// Make the speeds of belts. The caller owns them: belt_speeds_fini(). BF_ENOMEM: *ret_speeds is empty.
+BF_MUST_CHECK bf_status belt_speeds_init(belt_speeds *ret_speeds, size_t n_belts,
+                                         const scene_belt *belts, bf_error *err);
+
+/// Free what *speeds owns and zero it.
+void belt_speeds_fini(belt_speeds *speeds);
+
+/// f of a belt at a time t >= 0, s.
+double belt_speeds_at(const belt_speeds *speeds, size_t belt, double t);
+
+/// The mean of f of a belt over [from, to], s, 0 <= from < to; the same bits as f where that is constant.
+double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, double to);
+
+/// The factors of all belts in a step: their means over [step dt, (step + 1) dt]. ret_factors has room for
+/// n_belts + 1; the last one, for places off every belt, is 1.
+void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, double *ret_factors);
+
+/// True if no belt has a speed schedule: every f is 1 at all times.
+bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
+
+/// The largest f of a belt that its schedule allows at any time.
+double belt_speeds_largest(const scene_belt *belt);
+
+/// Note faults of a belt's accelerations and schedule; pointer is that of the belt.
+void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *faults);

@@ -1,0 +1,312 @@
+// Unit tests of belts whose speed changes: ramps, jumps, means over steps, and schedules at fault.
+
+#include "core/scene/belt_speeds.h"
+
+#include "core/base/memory.h"
+#include "core/base/random.h"
+#include "tests/reference/schedule.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// 0.3 m/s to the east and 0.4 m/s to the north: 0.5 m/s.
+static scene_belt belt_with(double acceleration, double deceleration, size_t n, double *times,
+                            double *factors)
+{
+    return (scene_belt){ .velocity = { 0.3, 0.4 },
+                         .acceleration = acceleration,
+                         .deceleration = deceleration,
+                         .speed_schedule = { n, times, n, factors } };
+}
+
+static belt_speeds speeds_of(const scene_belt *belt)
+{
+    belt_speeds speeds;
+
+    assert_int_equal(belt_speeds_init(&speeds, 1, belt, NULL), BF_OK);
+    return speeds;
+}
+
+static void assert_factors(const belt_speeds *speeds, size_t n, const double (*expected)[2])
+{
+    for (size_t k = 0; k < n; k++)
+        assert_near(belt_speeds_at(speeds, 0, expected[k][0]), expected[k][1], 1e-15);
+}
+
+#define ASSERT_FACTORS(speeds, ...)                                                                \
+    assert_factors(speeds, sizeof((const double[][2]){ __VA_ARGS__ }) / sizeof(double[2]),         \
+                   (const double[][2]){ __VA_ARGS__ })
+
+static void without_a_schedule_the_factor_is_1(void **state)
+{
+    const scene_belt belt = belt_with(INFINITY, INFINITY, 0, NULL, NULL);
+    belt_speeds speeds = speeds_of(&belt);
+    double factors[2];
+
+    (void)state;
+    assert_true(speeds.are_constant);
+    assert_true(belt_speeds_largest(&belt) == 1.0);
+    ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1e9, 1.0 });
+    belt_speeds_in_step(&speeds, 77, 0.1, factors);
+    assert_true(factors[0] == 1.0 && factors[1] == 1.0);
+    belt_speeds_fini(&speeds);
+}
+
+// 0.5 m/s: at 1 m/s2 the factor rises by 2 a second, at 2 m/s2 it falls by 4.
+static void a_target_is_reached_by_a_ramp(void **state)
+{
+    double times[] = { 1.0, 2.0, 4.0 }, targets[] = { 0.5, 1.5, 0.0 };
+    const scene_belt belt = belt_with(1.0, 2.0, 3, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    ASSERT_FACTORS(&speeds, { 0.0, 1.0 }, { 1.0, 1.0 }, { 1.0625, 0.75 }, { 1.125, 0.5 },
+                   { 1.9, 0.5 }, { 2.0, 0.5 }, { 2.25, 1.0 }, { 2.5, 1.5 }, { 4.0, 1.5 },
+                   { 4.125, 1.0 }, { 4.375, 0.0 }, { 100.0, 0.0 });
+    assert_true(belt_speeds_largest(&belt) == 1.5);
+    belt_speeds_fini(&speeds);
+}
+
+static void without_accelerations_the_speed_jumps(void **state)
+{
+    double times[] = { 1.0, 2.0 }, targets[] = { 0.0, 2.0 };
+    const scene_belt belt = belt_with(INFINITY, INFINITY, 2, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    assert_true(belt_speeds_at(&speeds, 0, nextafter(1.0, 0.0)) == 1.0);
+    assert_true(belt_speeds_at(&speeds, 0, 1.0) == 0.0);
+    assert_true(belt_speeds_at(&speeds, 0, nextafter(2.0, 0.0)) == 0.0);
+    assert_true(belt_speeds_at(&speeds, 0, 2.0) == 2.0);
+    belt_speeds_fini(&speeds);
+}
+
+static void a_belt_without_velocity_needs_no_ramp(void **state)
+{
+    double times[] = { 1.0 }, targets[] = { 0.25 };
+    scene_belt belt = belt_with(1.0, 1.0, 1, times, targets);
+
+    (void)state;
+    belt.velocity = (vec2){ 0.0, 0.0 };
+    belt_speeds speeds = speeds_of(&belt);
+    ASSERT_FACTORS(&speeds, { 0.5, 1.0 }, { 1.0, 0.25 });
+    belt_speeds_fini(&speeds);
+}
+
+// A belt that is scheduled from the start begins at the first factor, without a ramp from 1.
+static void a_factor_at_0_holds_from_the_start(void **state)
+{
+    double times[] = { 0.0, 1.0 }, targets[] = { 0.0, 0.5 };
+    const scene_belt belt = belt_with(1.0, 1.0, 2, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    ASSERT_FACTORS(&speeds, { 0.0, 0.0 }, { 1.0, 0.0 }, { 1.125, 0.25 }, { 1.25, 0.5 });
+    assert_true(belt_speeds_largest(&belt) == 0.5);
+    belt_speeds_fini(&speeds);
+}
+
+// At 0.5 m/s2 a stop takes 1 s. It is called off after half of it, at the factor 0.5.
+static void a_ramp_that_is_interrupted_goes_on_from_the_speed_it_has(void **state)
+{
+    double times[] = { 1.0, 1.5 }, targets[] = { 0.0, 1.0 };
+    const scene_belt belt = belt_with(0.25, 0.5, 2, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    ASSERT_FACTORS(&speeds, { 1.25, 0.75 }, { 1.5, 0.5 }, { 2.0, 0.75 }, { 2.5, 1.0 },
+                   { 3.0, 1.0 });
+    belt_speeds_fini(&speeds);
+}
+
+// From 1 at 1 s to 0 at 1.25 s.
+static void the_mean_over_a_step_is_the_displacement_in_it(void **state)
+{
+    double times[] = { 1.0, 3.0 }, targets[] = { 0.0, 2.0 };
+    const scene_belt belt = belt_with(INFINITY, 2.0, 2, times, targets);
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    assert_near(belt_speeds_mean(&speeds, 0, 0.0, 2.0), 0.5 * (1.0 + 0.125), 1e-15);
+    assert_near(belt_speeds_mean(&speeds, 0, 1.0, 1.25), 0.5, 1e-15);
+    assert_near(belt_speeds_mean(&speeds, 0, 1.125, 1.25), 0.25, 1e-15);
+    assert_near(belt_speeds_mean(&speeds, 0, 2.5, 3.5), 1.0, 1e-15);
+    // The same bits as the factor itself where that is constant.
+    assert_true(belt_speeds_mean(&speeds, 0, 0.1, 0.7) == 1.0);
+    assert_true(belt_speeds_mean(&speeds, 0, 0.3, 1.0) == 1.0);
+    assert_true(belt_speeds_mean(&speeds, 0, 1.25, 3.0) == 0.0);
+    assert_true(belt_speeds_mean(&speeds, 0, 3.0, 3.001) == 2.0);
+    belt_speeds_fini(&speeds);
+}
+
+// Schedules of 40 times with ramps of which about half are interrupted, and steps of any length.
+static void random_schedules_agree_with_the_recursion_over_them(void **state)
+{
+    enum { TIMES = 40 };
+    double times[TIMES], targets[TIMES];
+    bf_random r;
+
+    (void)state;
+    random_init(&r, 5);
+    for (int round = 0; round < 50; round++) {
+        double t = round % 2 == 0 ? 0.0 : random_unit(&r);
+        for (int k = 0; k < TIMES; k++) {
+            times[k] = t;
+            targets[k] = k % 5 == 0 ? 0.0 : 2.0 * random_unit(&r);
+            t += 0.05 + random_unit(&r);
+        }
+        const scene_belt belt =
+            belt_with(0.1 + random_unit(&r), 0.1 + random_unit(&r), TIMES, times, targets);
+        belt_speeds speeds = speeds_of(&belt);
+        const double dt = 0.01 + random_unit(&r);
+        for (unsigned long n = 0; (double)n * dt < t; n++) {
+            double factors[2];
+            belt_speeds_in_step(&speeds, n, dt, factors);
+            assert_near(factors[0], schedule_mean(&belt, n, dt), 1e-11);
+            assert_true(factors[0] >= 0.0 && factors[0] <= belt_speeds_largest(&belt) + 1e-15);
+        }
+        belt_speeds_fini(&speeds);
+    }
+}
+
+static void off_every_belt_the_factor_is_1(void **state)
+{
+    double times[] = { 0.0 }, targets[] = { 0.5 };
+    const scene_belt belts[] = { belt_with(1.0, 1.0, 1, times, targets),
+                                 belt_with(1.0, 1.0, 0, NULL, NULL) };
+    belt_speeds speeds;
+    double factors[3];
+
+    (void)state;
+    assert_int_equal(belt_speeds_init(&speeds, 2, belts, NULL), BF_OK);
+    assert_false(speeds.are_constant);
+    belt_speeds_in_step(&speeds, 0, 1.0, factors);
+    assert_true(factors[0] == 0.5 && factors[1] == 1.0 && factors[2] == 1.0);
+    belt_speeds_fini(&speeds);
+}
+
+static void without_memory_there_are_no_speeds(void **state)
+{
+    double times[] = { 1.0 }, targets[] = { 0.5 };
+    const scene_belt belts[] = { belt_with(1.0, 1.0, 1, times, targets),
+                                 belt_with(1.0, 1.0, 1, times, targets) };
+
+    (void)state;
+    for (size_t n = 1; n <= 3; n++) {
+        belt_speeds speeds;
+        memory_plan_fault(n, 0);
+        assert_int_equal(belt_speeds_init(&speeds, 2, belts, NULL), BF_ENOMEM);
+        memory_plan_fault(0, 0);
+        assert_int_equal(speeds.n_belts, 0);
+        assert_null(speeds.curves);
+    }
+}
+
+static const bf_faults *faults_of(const scene_belt *belt)
+{
+    static bf_faults faults;
+
+    faults = (bf_faults){ .n = 0 };
+    belt_speeds_check(belt, "/b", &faults);
+    return &faults;
+}
+
+static void assert_fault(const scene_belt *belt, bf_status code, const char *pointer)
+{
+    const bf_faults *faults = faults_of(belt);
+
+    assert_int_equal(faults->n, 1);
+    assert_int_equal(faults->items[0].code, code);
+    assert_string_equal(faults->items[0].pointer, pointer);
+}
+
+static void accelerations_are_positive(void **state)
+{
+    const double bad[] = { 0.0, -1.0, NAN, -INFINITY, 1e300 };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        scene_belt belt = belt_with(bad[k], INFINITY, 0, NULL, NULL);
+        assert_fault(&belt, BF_EINPUT, "/b/acceleration_m_s2");
+        belt = belt_with(INFINITY, bad[k], 0, NULL, NULL);
+        assert_fault(&belt, BF_EINPUT, "/b/deceleration_m_s2");
+    }
+}
+
+static void times_rise_and_factors_are_not_negative(void **state)
+{
+    static const struct {
+        double times[3], factors[3];
+        const char *pointer; // NULL: no fault
+    } schedules[] = {
+        { { 0.0, 1.0, 2.0 }, { 0.0, 1.0, 2.0 }, NULL },
+        { { -1.0, 1.0, 2.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/0" },
+        { { 0.0, 2.0, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
+        { { 0.0, 1.0, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
+        { { 0.0, NAN, 1.0 }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/1" },
+        { { 0.0, 1.0, INFINITY }, { 1.0, 1.0, 1.0 }, "/b/speed_schedule/t_s/2" },
+        { { 0.0, 1.0, 2.0 }, { 1.0, -0.1, 1.0 }, "/b/speed_schedule/factor/1" },
+        { { 0.0, 1.0, 2.0 }, { 1.0, NAN, 1.0 }, "/b/speed_schedule/factor/1" },
+        { { 0.0, 1.0, 2.0 }, { 1.0, 1.0, INFINITY }, "/b/speed_schedule/factor/2" },
+        // 0.5 m/s times 2001 are more than 1000 m/s.
+        { { 0.0, 1.0, 2.0 }, { 2001.0, 1.0, 1.0 }, "/b/speed_schedule/factor/0" },
+        { { 0.0, 1.0, 2.0 }, { 2000.0, 1.0, 1.0 }, NULL },
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof schedules / sizeof *schedules; k++) {
+        double times[3], factors[3];
+        memcpy(times, schedules[k].times, sizeof times);
+        memcpy(factors, schedules[k].factors, sizeof factors);
+        const scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
+        if (schedules[k].pointer != NULL)
+            assert_fault(&belt, BF_EINPUT, schedules[k].pointer);
+        else
+            assert_int_equal(faults_of(&belt)->n, 0);
+    }
+}
+
+static void there_is_a_factor_for_each_time_and_not_too_many(void **state)
+{
+    static double times[SCENE_SPEEDS_MAX + 1], factors[SCENE_SPEEDS_MAX + 1];
+    scene_belt belt = belt_with(1.0, 1.0, 3, times, factors);
+
+    (void)state;
+    for (int k = 0; k <= SCENE_SPEEDS_MAX; k++)
+        times[k] = k;
+    belt.speed_schedule.n_factors = 2;
+    assert_fault(&belt, BF_EINPUT, "/b/speed_schedule");
+    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX, times, factors);
+    assert_int_equal(faults_of(&belt)->n, 0);
+    belt = belt_with(1.0, 1.0, SCENE_SPEEDS_MAX + 1, times, factors);
+    assert_fault(&belt, BF_ELIMIT, "/b/speed_schedule");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_a_schedule_the_factor_is_1),
+        cmocka_unit_test(a_target_is_reached_by_a_ramp),
+        cmocka_unit_test(without_accelerations_the_speed_jumps),
+        cmocka_unit_test(a_belt_without_velocity_needs_no_ramp),
+        cmocka_unit_test(a_factor_at_0_holds_from_the_start),
+        cmocka_unit_test(a_ramp_that_is_interrupted_goes_on_from_the_speed_it_has),
+        cmocka_unit_test(the_mean_over_a_step_is_the_displacement_in_it),
+        cmocka_unit_test(random_schedules_agree_with_the_recursion_over_them),
+        cmocka_unit_test(off_every_belt_the_factor_is_1),
+        cmocka_unit_test(without_memory_there_are_no_speeds),
+        cmocka_unit_test(accelerations_are_positive),
+        cmocka_unit_test(times_rise_and_factors_are_not_negative),
+        cmocka_unit_test(there_is_a_factor_for_each_time_and_not_too_many),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
