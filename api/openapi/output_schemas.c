@@ -12,6 +12,7 @@
 #include "api/results/run_json.h"
 #include "api/results/service_json.h"
 #include "api/scenario/examples.h"
+#include "api/scenario/review_members.h"
 #include "api/scenario/submission.h"
 
 #define OBJECT(table_, help_)                                                                      \
@@ -112,6 +113,10 @@ static const openapi_schema table[] = {
     OBJECT(run_json_links, "The resources of a run"),
     OBJECT(run_json_list, "A page of the list of runs"),
     OBJECT(submission_validation_members, "A submission that is valid"),
+    OBJECT(review_validity_members,
+           "Whether the macroscopic model was compared with moving parts for scenarios like this "
+           "one"),
+    OBJECT(review_outside_members, "A figure of a scenario that is out of its range"),
     { .help = "Outflow curve: one list for each counter, under its id, all of the same length",
       .table = &results_curve_members,
       .others = "[number]" },

@@ -2,37 +2,14 @@
 
 #include "api/json/json_out.h"
 #include "api/json/members.h"
-#include "api/scenario/scenario_members.h"
+#include "api/scenario/review_members.h"
+#include "api/scenario/scenario.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-
-// The document was checked when it was accepted, so it is only read here.
-static bf_status read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
-{
-    bf_faults faults = { 0 };
-    json_in in = json_in_to(&faults);
-    struct json_t *root = json_in_parse(&in, json, n);
-    scene s;
-
-    scene_init(&s);
-    if (root != NULL)
-        members_read(&in, root, &scenario_members, &s);
-    json_in_free(root);
-    bf_status status = json_in_status(&in, err);
-    if (status == BF_OK)
-        status = scene_resolve(&s, err);
-    if (status != BF_OK) {
-        scene_fini(&s);
-        return status == BF_ENOMEM ? status
-                                   : bf_fail(err, BF_ECORRUPT, "", "the scenario is damaged");
-    }
-    *ret_scene = s;
-    return BF_OK;
-}
 
 static void warn(json_out *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -59,7 +36,7 @@ typedef struct summary_view {
     double n_left;
     double work_per_s; // cell or particle steps
     double packing_density;
-    const scene *scene;
+    run_review review;
     const char *scenario;
     size_t n_scenario;
 } summary_view;
@@ -68,7 +45,7 @@ static void write_warnings(json_out *w, const member *m, const void *item)
 {
     const summary_view *of = item;
     const frame_end *end = &of->end;
-    const unsigned doubts = run_doubts(of->scene, &of->begin, end);
+    const unsigned doubts = run_doubts(of->model, end);
 
     (void)m;
     json_out_array(w);
@@ -77,9 +54,7 @@ static void write_warnings(json_out *w, const member *m, const void *item)
     if ((doubts & RUN_DOUBT_DENSITY) != 0)
         warn(w, "the largest density, %.4g, is above %.4g of close packing", end->peak,
              run_density_trusted);
-    if ((doubts & RUN_DOUBT_STEP) != 0)
-        warn(w, "the step, %.6g s, is not below %.6g s: densities may become negative",
-             of->begin.dt, scene_step_positive(of->scene));
+    review_write_warnings(w, &of->review);
     if ((doubts & RUN_DOUBT_OVERLAP) != 0)
         warn(w,
              "parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
@@ -148,6 +123,10 @@ static const member summary_members[] = {
     MEMBER("packing_density_per_m2", number, AT(packing_density), "Parts in close packing",
            .unit = "1/m2"),
     MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
+    MEMBER("validity", object, AT(review.validity),
+           "Whether the model was compared with moving parts for scenarios like this one; missing "
+           "in summaries of versions that did not say so",
+           .table = &review_validity_members, .tags = MACRO, .flags = MEMBER_OPTIONAL),
     MEMBER("cached", described, 0, "The results were known from an earlier run", .type = "boolean",
            .flags = MEMBER_OPTIONAL),
     MEMBER("scenario", raw, AT(scenario), "What was solved, with every default filled in",
@@ -166,24 +145,26 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     json_out w = json_out_to(out);
     scene s;
 
-    bf_status status = read_resolved(scenario, n_scenario, &s, err);
+    bf_status status = scenario_read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
-    const summary_view of = { .model = model,
-                              .solver_version = BELTFLOW_VERSION,
-                              .begin = *begin,
-                              .end = *end,
-                              .timing = *timing,
-                              .n_threads = timing->n_threads,
-                              .is_stopped = end->stopped != 0,
-                              .n_left = end->parts_start - end->parts_end,
-                              .work_per_s = n_items * (double)end->n_steps / timing->wall_s,
-                              .packing_density = scene_packing_density(&s),
-                              .scene = &s,
-                              .scenario = scenario,
-                              .n_scenario = n_scenario };
-    members_write(&w, &results_summary_members, &of);
+    summary_view of = { .model = model,
+                        .solver_version = BELTFLOW_VERSION,
+                        .begin = *begin,
+                        .end = *end,
+                        .timing = *timing,
+                        .n_threads = timing->n_threads,
+                        .is_stopped = end->stopped != 0,
+                        .n_left = end->parts_start - end->parts_end,
+                        .work_per_s = n_items * (double)end->n_steps / timing->wall_s,
+                        .packing_density = scene_packing_density(&s),
+                        .scenario = scenario,
+                        .n_scenario = n_scenario };
+    status = run_review_of(&s, model, &of.review, err);
     scene_fini(&s);
+    if (status != BF_OK)
+        return status;
+    members_write(&w, &results_summary_members, &of);
     status = json_out_status(&w, err);
     if (status != BF_OK)
         buffer_truncate(out, n_before);
@@ -193,8 +174,8 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
 bf_status results_summary_cached(const char *summary, size_t n_summary, const char *scenario,
                                  size_t n_scenario, bf_buffer *out, bf_error *err)
 {
-    // The last two members. Inside a string the quotes would be escaped, and no other member has
-    // members.
+    // The last two members. Inside a string the quotes would be escaped, and no member of another
+    // member has this name.
     static const char mark[] = ",\"cached\":true", last[] = ",\"scenario\":";
     const char *end = memmem(summary, n_summary, last, sizeof last - 1);
     size_t n_before = out->n;

@@ -68,6 +68,29 @@ bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults 
     return status;
 }
 
+bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
+{
+    bf_faults faults = { 0 };
+    json_in in = json_in_to(&faults);
+    struct json_t *root = json_in_parse(&in, json, n);
+    scene s;
+
+    scene_init(&s);
+    if (root != NULL)
+        members_read(&in, root, &scenario_members, &s);
+    json_in_free(root);
+    bf_status status = json_in_status(&in, err);
+    if (status == BF_OK)
+        status = scene_resolve(&s, err);
+    if (status != BF_OK) {
+        scene_fini(&s);
+        return status == BF_ENOMEM ? status
+                                   : bf_fail(err, BF_ECORRUPT, "", "the scenario is damaged");
+    }
+    *ret_scene = s;
+    return BF_OK;
+}
+
 bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err)
 {
     size_t n = out->n;

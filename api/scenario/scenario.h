@@ -23,6 +23,12 @@ enum {
 BF_MUST_CHECK bf_status scenario_read(const char *json, size_t n, scene *ret_scene,
                                       bf_faults *faults, bf_error *err);
 
+/// Read a resolved document that was checked before it was stored: types and units alone are looked at.
+/// BF_OK: *ret_scene is resolved and the caller's, scene_fini(). BF_ECORRUPT: the document is damaged;
+/// BF_ENOMEM.
+BF_MUST_CHECK bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene,
+                                               bf_error *err);
+
 /// Append the resolved document, every default filled in, one line, members in a fixed order.
 /// Reading it gives the same scene again, bit by bit.
 BF_MUST_CHECK bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err);

@@ -1,6 +1,7 @@
 #include "api/scenario/submission.h"
 
 #include "api/json/members.h"
+#include "api/scenario/review_members.h"
 #include "api/scenario/scenario.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
@@ -122,13 +123,45 @@ static void write_true(json_out *w, const member *m, const void *item)
 
 static const member_kind member_true = { .type = "boolean", .write = write_true };
 
-#define AT(place) offsetof(api_submission, place)
+// What a validation is written from.
+typedef struct validation {
+    const char *document; // the resolved one
+    size_t n_document;
+    run_review review;
+} validation;
+
+static void write_warnings(json_out *w, const member *m, const void *item)
+{
+    const validation *of = item;
+
+    (void)m;
+    json_out_array(w);
+    review_write_warnings(w, &of->review);
+    json_out_array_end(w);
+}
+
+static bool has_validity(const void *item)
+{
+    const validation *of = item;
+
+    return of->review.model == RUN_MACRO;
+}
+
+static const member_kind member_warnings = { .type = "[string]", .write = write_warnings };
+
+#define AT(place) offsetof(validation, place)
 static const member validation_members[] = {
     MEMBER("valid", true, 0, "Always true: what is not valid is answered with a problem"),
-    MEMBER("model", enum, AT(model), "The model that it was checked for", .words = run_model_words,
-           .type = "#Model"),
-    MEMBER("resolved", raw, AT(scenario.bytes), "The scenario with every default filled in",
-           .offset_n = AT(scenario.n), .type = "#ResolvedScenario"),
+    MEMBER("model", enum, AT(review.model), "The model that it was checked for",
+           .words = run_model_words, .type = "#Model"),
+    MEMBER("warnings", warnings, 0,
+           "Reasons to doubt the results; the summary will have them, too"),
+    MEMBER("validity", object, AT(review.validity),
+           "Of the macroscopic model: whether it was compared with moving parts for scenarios like "
+           "this one",
+           .table = &review_validity_members, .applies = has_validity),
+    MEMBER("resolved", raw, AT(document), "The scenario with every default filled in",
+           .offset_n = AT(n_document), .type = "#ResolvedScenario"),
 };
 const member_table submission_validation_members = { MEMBER_TABLE("Validation",
                                                                   validation_members) };
@@ -136,9 +169,20 @@ const member_table submission_validation_members = { MEMBER_TABLE("Validation",
 
 bf_status submission_validation(const api_submission *submission, bf_buffer *out, bf_error *err)
 {
+    validation of = { .document = submission->scenario.bytes,
+                      .n_document = submission->scenario.n };
     json_out w = json_out_to(out);
+    scene s;
 
-    members_write(&w, &submission_validation_members, submission);
+    bf_status status =
+        scenario_read_resolved(submission->scenario.bytes, submission->scenario.n, &s, err);
+    if (status != BF_OK)
+        return status;
+    status = run_review_of(&s, submission->model, &of.review, err);
+    scene_fini(&s);
+    if (status != BF_OK)
+        return status;
+    members_write(&w, &submission_validation_members, &of);
     return json_out_status(&w, err);
 }
 

@@ -24,10 +24,11 @@ extern const member_table submission_members;
 BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
                                         bf_faults *faults, bf_error *err);
 
-/// What POST /v1/validate answers to a submission that is valid; the struct is api_submission.
+/// What POST /v1/validate answers to a submission that is valid; the struct is the writer's own.
 extern const member_table submission_validation_members;
 
-/// Append it: {"valid", "model", "resolved"}.
+/// Append it: {"valid", "model", "warnings", "validity", "resolved"}, with `validity` where the model is
+/// the macroscopic one. BF_ENOMEM.
 BF_MUST_CHECK bf_status submission_validation(const api_submission *submission, bf_buffer *out,
                                               bf_error *err);
 

@@ -3,15 +3,56 @@
 #include <math.h>
 #include <stdlib.h>
 
+/// The place of the point of a segment that is nearest to start + to: 0 at start, 1 at start + along.
+static double nearest_fraction(vec2 to, vec2 along)
+{
+    double square = vec2_dot(along, along);
+    double fraction = square > 0.0 ? vec2_dot(to, along) / square : 0.0;
+
+    return fmin(fmax(fraction, 0.0), 1.0);
+}
+
 double polygon_segment_distance(vec2 at, vec2 start, vec2 end)
 {
     vec2 along = vec2_sub(end, start);
     vec2 to = vec2_sub(at, start);
-    double square = vec2_dot(along, along);
-    double fraction = square > 0.0 ? vec2_dot(to, along) / square : 0.0;
 
-    fraction = fmin(fmax(fraction, 0.0), 1.0);
-    return vec2_length(vec2_sub(to, vec2_scale(along, fraction)));
+    return vec2_length(vec2_sub(to, vec2_scale(along, nearest_fraction(to, along))));
+}
+
+vec2 polygon_segment_nearest(vec2 at, vec2 start, vec2 end)
+{
+    vec2 along = vec2_sub(end, start);
+
+    return vec2_add(start, vec2_scale(along, nearest_fraction(vec2_sub(at, start), along)));
+}
+
+// Cuts the fractions [*from, *to] of a segment where start + fraction * step lies in [lower, upper].
+static bool clip_axis(double start, double step, double lower, double upper, double *from,
+                      double *to)
+{
+    if (step == 0.0)
+        return start >= lower && start <= upper;
+    double first = (lower - start) / step, last = (upper - start) / step;
+    *from = fmax(*from, fmin(first, last));
+    *to = fmin(*to, fmax(first, last));
+    return *from <= *to;
+}
+
+// Liang and Barsky.
+bool polygon_clip_segment(vec2 *start, vec2 *end, vec2 lower, vec2 upper)
+{
+    const vec2 along = vec2_sub(*end, *start);
+    double from = 0.0, to = 1.0;
+
+    if (!clip_axis(start->x, along.x, lower.x, upper.x, &from, &to) ||
+        !clip_axis(start->y, along.y, lower.y, upper.y, &from, &to))
+        return false;
+    if (to < 1.0)
+        *end = vec2_add(*start, vec2_scale(along, to));
+    if (from > 0.0)
+        *start = vec2_add(*start, vec2_scale(along, from));
+    return true;
 }
 
 /// Distance of a point to the line through start and end, positive on the left.
@@ -164,6 +205,35 @@ bool polygon_overlaps(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, doub
 {
     return !has_separating_side(a, n_a, b, n_b, tolerance) &&
            !has_separating_side(b, n_b, a, n_a, tolerance);
+}
+
+/// The nearest corner of a to b, as far as it is nearer than *distance.
+static void find_nearest_corner(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b,
+                                double *distance, vec2 *ret_on_a, vec2 *ret_on_b)
+{
+    for (size_t k = 0; k < n_a; k++) {
+        for (size_t m = 0, last = n_b - 1; m < n_b; last = m++) {
+            vec2 nearest = polygon_segment_nearest(a[k], b[last], b[m]);
+            double length = vec2_length(vec2_sub(nearest, a[k]));
+            if (length >= *distance)
+                continue;
+            *distance = length;
+            *ret_on_a = a[k];
+            *ret_on_b = nearest;
+        }
+    }
+}
+
+double polygon_distance(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, vec2 *ret_on_a,
+                        vec2 *ret_on_b)
+{
+    double distance = INFINITY;
+
+    if (polygon_overlaps(a, n_a, b, n_b, 0.0))
+        return 0.0;
+    find_nearest_corner(a, n_a, b, n_b, &distance, ret_on_a, ret_on_b);
+    find_nearest_corner(b, n_b, a, n_a, &distance, ret_on_b, ret_on_a);
+    return distance;
 }
 
 bool polygon_overlaps_disk(vec2 centre, double radius, const vec2 *polygon, size_t n,

@@ -12,6 +12,13 @@
 /// Distance from a point to the segment from start to end.
 double polygon_segment_distance(vec2 at, vec2 start, vec2 end);
 
+/// The point of the segment from start to end that is nearest to a point.
+vec2 polygon_segment_nearest(vec2 at, vec2 start, vec2 end);
+
+/// Cut the segment from *start to *end at a rectangle, which keeps its border. False: nothing of it lies
+/// inside, and both are as before.
+bool polygon_clip_segment(vec2 *start, vec2 *end, vec2 lower, vec2 upper);
+
 /// True if the segments a and b cross or come as near as tolerance. Conservative: cases
 /// that rounding leaves undecided count as touching.
 bool polygon_segments_touch(vec2 a_start, vec2 a_end, vec2 b_start, vec2 b_end, double tolerance);
@@ -41,3 +48,8 @@ bool polygon_overlaps_disk(vec2 centre, double radius, const vec2 *polygon, size
 /// True if two convex counter-clockwise polygons overlap by more than tolerance: no side of either
 /// separates them (separating axis theorem).
 bool polygon_overlaps(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, double tolerance);
+
+/// Distance of two convex counter-clockwise polygons, and the nearest points of each; 0 if they overlap
+/// (the points are then not set). Two that touch may be apart by the rounding of their coordinates.
+double polygon_distance(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b, vec2 *ret_on_a,
+                        vec2 *ret_on_b);

@@ -13,6 +13,7 @@
 #include "core/base/faults.h"
 #include "core/base/status.h"
 #include "core/run/frame.h"
+#include "core/run/validity.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -61,6 +62,18 @@ bool run_model_is_available(run_model model);
 /// many, parts inside obstacles, results too large. No memory is noted like a fault, with BF_ENOMEM.
 void run_check(const scene *s, run_model model, bf_faults *faults);
 
+/// What is to be said about the results of a scenario before it is solved.
+typedef struct run_review {
+    run_model model;    ///< with which it would be solved
+    validity validity;  ///< of RUN_MACRO; of other models there is none
+    bf_faults warnings; ///< reasons to doubt the results; none of them is a fault
+} run_review;
+
+/// Review a resolved and checked scenario for a model: a step at which densities may become negative, see
+/// scene_step_positive(), and what lies outside its validity. BF_ENOMEM.
+BF_MUST_CHECK bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
+                                      bf_error *err);
+
 /// Prepare a run of a resolved and checked scenario, which must outlive it.
 /// BF_EINPUT, BF_ELIMIT: the scenario is at fault, see run_check(); BF_ENOMEM.
 BF_MUST_CHECK bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run,
@@ -82,15 +95,14 @@ extern const double run_density_trusted;
 /// Above this overlap, relative to the radius, parts are too soft: the outflow depends on their stiffness.
 extern const double run_overlap_trusted;
 
-/// Warnings about the results of a run; flags.
+/// Warnings about the results of a run beyond those of run_review_of(); flags.
 typedef enum run_doubt {
     RUN_DOUBT_DENSITY = 1, ///< the density rose above run_density_trusted
-    RUN_DOUBT_STEP = 2,    ///< densities may become negative, see scene_step_positive()
-    RUN_DOUBT_OVERLAP = 4, ///< overlaps rose above run_overlap_trusted
+    RUN_DOUBT_OVERLAP = 2, ///< overlaps rose above run_overlap_trusted
 } run_doubt;
 
-/// The warnings about a run of a resolved scenario, as run_doubt flags.
-unsigned run_doubts(const scene *s, const frame_begin *begin, const frame_end *end);
+/// The warnings about a run with a model, as run_doubt flags.
+unsigned run_doubts(run_model model, const frame_end *end);
 
 /// Free a run. NULL is fine. Always returns NULL.
 run *run_destroy(run *r);

@@ -1,10 +1,24 @@
 #include "server/cli/cmd.h"
 
 #include <argp.h>
+#include <stdio.h>
 
 static error_t take_option(int key, char *argument, struct argp_state *state)
 {
     return cmd_take_subject(key, argument, state, state->input);
+}
+
+static cmd_exit print_warnings(const char *command, const scene *s, run_model model)
+{
+    run_review review;
+    bf_error err = { 0 };
+
+    if (run_review_of(s, model, &review, &err) != BF_OK)
+        return cmd_fail(command, &err);
+    for (size_t k = 0; k < faults_kept(&review.warnings); k++)
+        fprintf(stderr, "warning: %s: %s\n", review.warnings.items[k].pointer,
+                review.warnings.items[k].text);
+    return CMD_DONE;
 }
 
 int cmd_check(int argc, char **argv)
@@ -19,15 +33,18 @@ int cmd_check(int argc, char **argv)
         .args_doc = "SCENARIO.json",
         .doc =
             "Check a scenario ('-' reads standard input) without solving it.\v"
-            "Prints nothing and exits with 0 if it can be solved; else prints one line per fault "
-            "on stderr, 'JSON-pointer: what is wrong', and exits with 2.",
+            "Exits with 0 if it can be solved; else prints one line per fault on stderr, "
+            "'JSON-pointer: what is wrong', and exits with 2. What would make the results doubtful "
+            "is printed on stderr, too, 'warning: JSON-pointer: why', and is no fault.",
     };
     cmd_subject subject = { .model = RUN_MACRO };
     scene s;
 
     argp_parse(&parser, argc, argv, 0, NULL, &subject);
     cmd_exit code = cmd_read_scenario(argv[0], &subject, &s);
-    if (code == CMD_DONE)
-        scene_fini(&s);
+    if (code != CMD_DONE)
+        return code;
+    code = print_warnings(argv[0], &s, subject.model);
+    scene_fini(&s);
     return code;
 }

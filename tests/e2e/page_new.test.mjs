@@ -38,6 +38,20 @@ test("a number out of its limits is refused at its field, and the daemon's judge
   assert.equal(await page.getByRole("textbox", { name: "Time step" }).getAttribute("aria-invalid"), "false");
 });
 
+test("what the results would be doubted for stands above the button, and the run can be started", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  const warnings = page.getByRole("list", { name: "Warnings" });
+  assert.equal(await warnings.count(), 0);
+  await page.getByLabel("Obstacle angle").fill("20");
+  await warnings.getByText("A plate stands at 20 degrees to the belt").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Start the run" }).isEnabled());
+  await page.getByText("Microscopic", { exact: true }).click();
+  await warnings.waitFor({ state: "hidden" });
+});
+
 test("what the form changes is what is submitted: angle, speed, duration, cell and model", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

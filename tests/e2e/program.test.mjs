@@ -10,7 +10,7 @@ import test from "node:test";
 import { daemon } from "./daemon.mjs";
 import { beltflow, runProgram } from "./processes.mjs";
 import { solve } from "./results.mjs";
-import { endless, tiny } from "./scenarios.mjs";
+import { endless, jam, tiny } from "./scenarios.mjs";
 import { binaries, temporaryFolder, within } from "./setup.mjs";
 
 test("both programs tell their version and how to use them", async () => {
@@ -110,6 +110,15 @@ test("check says yes, or names the places and leaves with 2", async () => {
   assert.match(bad.stderr, /^\/a: .+$/m);
   const text = await beltflow(["check", "-"], { input: "{" });
   assert.equal(text.status, 2);
+});
+
+test("check warns of results that are to be doubted, and says yes", async () => {
+  const input = JSON.stringify(jam(1, {}));
+  const macro = await beltflow(["check", "-"], { input });
+  assert.equal(macro.status, 0);
+  assert.match(macro.stderr, /^warning: \/obstacles\/0: The narrowest opening is 0 part diameters wide; .+$/m);
+  const micro = await beltflow(["check", "-", "--model", "micro"], { input });
+  assert.deepEqual([micro.status, micro.stderr], [0, ""]);
 });
 
 test("solve writes every result, the list of them, and a summary", async (t) => {

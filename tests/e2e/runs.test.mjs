@@ -107,6 +107,29 @@ test("validating says yes to what is good, and stores nothing", async (t) => {
   assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
 });
 
+test("validating says before a run what its summary will say", async (t) => {
+  const d = await daemon(t);
+  const scenario = jam(0.1, { curve_every_s: 0.05, snapshot_every_s: 0.1 });
+  const before = (await d.post("/v1/validate", { scenario })).json;
+  assert.equal(before.validity.compared, false);
+  assert.deepEqual(before.validity.outside.map(({ detail }) => detail), before.warnings);
+  const opening = before.validity.outside.find(({ what }) => what === "opening");
+  assert.deepEqual([opening.value, opening.pointer], [0, "/obstacles/0"]);
+  const run = await d.submit(scenario);
+  await d.reached(run.id, "succeeded");
+  const { validity, warnings } = (await d.get(`/v1/runs/${run.id}/summary`)).json;
+  assert.deepEqual(validity, before.validity);
+  for (const text of before.warnings) assert.ok(warnings.includes(text), text);
+});
+
+test("the paper's Examples lie where the models were compared", async (t) => {
+  const d = await daemon(t);
+  for (const { name, scenario } of await readyExamples(d)) {
+    const { validity } = (await d.post("/v1/validate", { scenario })).json;
+    assert.equal(validity.compared, name !== "mixed-cargo", name);
+  }
+});
+
 test("a run compared with itself is apart by nothing", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

@@ -1,5 +1,5 @@
 // A new run: an example or a past run to begin with, the numbers that matter in a form, or the JSON itself.
-// The daemon validates it while it is edited; faults are shown at their fields and lines.
+// The daemon validates it while it is edited; faults are shown at their fields and lines, warnings above the button.
 
 import { getJson, listRuns, paths, post, Problem } from "./api.js";
 import { fields, faultOf, limitsOf } from "./fields.js";
@@ -40,6 +40,7 @@ export class NewView {
     this.editor = new JsonEditor(() => this.takeText());
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.others = h("ul", { class: "faults", "aria-label": "Other faults" });
+    this.warnings = h("ul", { class: "warnings", "aria-label": "Warnings", hidden: true });
     this.submitButton = h("button", { type: "submit", class: "primary" }, "Start the run");
     this.formPart = this.form();
     this.jsonPart = h("div", { class: "tab" }, this.editor.element);
@@ -53,7 +54,7 @@ export class NewView {
       h("div", { class: "card-head" }, h("h2", { id: "what-title" }, "Scenario"),
         segments("Edit", [["form", "Numbers"], ["json", "JSON"]], this.tab, (tab) => this.showTab(tab)).element),
       this.formPart, this.jsonPart),
-    h("div", { class: "submit-row" }, this.submitButton, this.verdict));
+    this.warnings, h("div", { class: "submit-row" }, this.submitButton, this.verdict));
     this.showTab(this.tab);
     return [h("div", { class: "view-head" }, h("h1", {}, "New run")), form];
   }
@@ -222,8 +223,9 @@ export class NewView {
     const abort = new AbortController();
     this.abort = abort;
     try {
-      const { resolved } = await post("v1/validate", this.body(), { signal: abort.signal });
+      const { resolved, warnings } = await post("v1/validate", this.body(), { signal: abort.signal });
       this.showFaults([]);
+      this.showWarnings(warnings);
       if (this.firstBad()) this.sayFaults("");
       else this.say(sizeText(resolved, this.model), "good");
     } catch (error) {
@@ -235,7 +237,14 @@ export class NewView {
     if (!(error instanceof Problem)) throw error;
     const errors = error.errors.map(({ pointer, detail }) => ({ pointer: pointer.replace(/^\/scenario/, ""), detail: shift(detail) }));
     this.showFaults(errors);
+    this.showWarnings([]);
     this.sayFaults(error.message);
+  }
+
+  // Why the results would be doubtful; the run can be started all the same.
+  showWarnings(texts) {
+    this.warnings.replaceChildren(...texts.map((text) => h("li", {}, text)));
+    this.warnings.hidden = texts.length === 0;
   }
 
   // Each fault at the field that it is about, the rest below the form; all of them at their lines.

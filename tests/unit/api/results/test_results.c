@@ -352,9 +352,9 @@ static const frame_end end = { .n_steps = 800,
                                .digest = 0xabc };
 static const results_timing timing = { .wall_s = 0.5, .n_threads = 2 };
 
-static json_t *summarise(const frame_begin *b, const frame_end *e)
+static json_t *summarise_scenario(const char *text, const frame_begin *b, const frame_end *e)
 {
-    bf_buffer scenario = resolved_document("{" DOCUMENT_NEEDED "}");
+    bf_buffer scenario = resolved_document(text);
     bf_buffer out = { 0 };
 
     assert_int_equal(
@@ -367,6 +367,11 @@ static json_t *summarise(const frame_begin *b, const frame_end *e)
     buffer_fini(&out);
     buffer_fini(&scenario);
     return root;
+}
+
+static json_t *summarise(const frame_begin *b, const frame_end *e)
+{
+    return summarise_scenario("{" DOCUMENT_NEEDED "}", b, e);
 }
 
 static void a_summary_has_the_figures_of_the_run(void **unused)
@@ -397,20 +402,46 @@ static void a_summary_has_the_figures_of_the_run(void **unused)
 // dx/(2 (eps + |v|)) = 0.005/(2 (0.79 + 0.395)) = 2.11 ms bounds the positive step.
 static void a_summary_warns(void **unused)
 {
-    frame_begin long_steps = begin;
     frame_end dense = end;
 
     (void)unused;
-    long_steps.dt = 0.00212;
     dense.peak = 1.41;
     dense.stopped = 1;
-    json_t *root = summarise(&long_steps, &dense);
+    json_t *root =
+        summarise_scenario(DOCUMENT_WITH("'macro': {'step_s': 0.00212}"), &begin, &dense);
     const json_t *warnings = json_object_get(root, "warnings");
     assert_int_equal(json_array_size(warnings), 3);
     assert_true(json_is_true(json_object_get(root, "stopped")));
     assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "stopped on request"));
     assert_non_null(strstr(json_string_value(json_array_get(warnings, 1)), "1.41"));
     assert_non_null(strstr(json_string_value(json_array_get(warnings, 2)), "0.00212"));
+    json_decref(root);
+}
+
+// One part before a deflector: what holds of heaps does not hold of it. The warning is the item's own text.
+static void a_summary_says_whether_the_model_was_compared_for_such_a_scenario(void **unused)
+{
+    static const char deflected[] =
+        DOCUMENT_WITH("'obstacles': [{'from_m': [0.461325, 0], 'to_m': [0.75, 0.5]}]");
+    json_t *root = summarise(&begin, &end);
+    const json_t *compared = json_object_get(root, "validity");
+
+    (void)unused;
+    assert_true(json_is_true(json_object_get(compared, "compared")));
+    assert_int_equal(json_array_size(json_object_get(compared, "outside")), 0);
+    json_decref(root);
+    root = summarise_scenario(deflected, &begin, &end);
+    compared = json_object_get(root, "validity");
+    assert_true(json_is_false(json_object_get(compared, "compared")));
+    assert_int_equal(json_array_size(json_object_get(compared, "outside")), 1);
+    const json_t *item = json_array_get(json_object_get(compared, "outside"), 0);
+    assert_string_equal(json_string_value(json_object_get(item, "what")), "parts");
+    assert_true(number_at(item, "value") == 1.0);
+    assert_true(number_at(item, "min") > 1.0);
+    assert_string_equal(json_string_value(json_object_get(item, "pointer")), "/initial");
+    const json_t *warnings = json_object_get(root, "warnings");
+    assert_int_equal(json_array_size(warnings), 1);
+    assert_true(json_equal(json_array_get(warnings, 0), json_object_get(item, "detail")));
     json_decref(root);
 }
 
@@ -444,6 +475,7 @@ static void a_microscopic_summary_counts_parts(void **unused)
     assert_true(number_at(root, "largest_overlap_share") == 0.0625);
     assert_true(number_at(root, "contacts") == 17);
     assert_true(number_at(root, "kinetic_energy_j") == 0.25);
+    assert_null(json_object_get(root, "validity"));
     json_decref(root);
 }
 
@@ -611,6 +643,7 @@ int main(void)
         cmocka_unit_test(a_microscopic_summary_warns_of_soft_parts_only),
         cmocka_unit_test(a_summary_has_the_figures_of_the_run),
         cmocka_unit_test(a_summary_warns),
+        cmocka_unit_test(a_summary_says_whether_the_model_was_compared_for_such_a_scenario),
         cmocka_unit_test(a_damaged_scenario_gives_no_summary),
         cmocka_unit_test(a_cached_summary_differs_in_its_scenario_alone),
         cmocka_unit_test(what_is_no_summary_is_not_made_a_cached_one),

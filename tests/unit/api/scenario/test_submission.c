@@ -231,6 +231,72 @@ static void a_model_that_is_not_built_in_is_refused(void **unused)
     }
 }
 
+// What POST /v1/validate answers.
+static void validate(const char *text, bf_buffer *out)
+{
+    api_submission submission;
+
+    assert_int_equal(read_text(text, &submission, NULL), BF_OK);
+    assert_int_equal(submission_validation(&submission, out, NULL), BF_OK);
+    submission_fini(&submission);
+}
+
+static void assert_begins(const bf_buffer *text, const char *expected)
+{
+    if (strncmp(text->bytes, expected, strlen(expected)) != 0)
+        fail_msg("%.600s", text->bytes);
+}
+
+// A box of 20 x 20 mm is 28.3 mm across; the opening of 0.1 m is 3.54 of that.
+#define DEFLECTED                                                                                  \
+    "'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, "                   \
+    "'obstacles': [{'from_m': [0.461325, 0], 'to_m': [0.75, 0.5]}], "                              \
+    "'cargo': {'shape': {'type': 'box', 'length_m': 0.02, 'width_m': 0.02}}, 'initial': "          \
+    "{'hexagonal': {'rows': 5, 'columns': 5, 'first_m': [0.1, 0.1], 'spacing_m': 0.05}}}"
+
+static void a_validation_says_what_the_results_would_be_doubted_for(void **unused)
+{
+    bf_buffer free_belt = { 0 }, macro = { 0 }, micro = { 0 };
+
+    (void)unused;
+    validate("{" SCENARIO "}", &free_belt);
+    assert_begins(&free_belt, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"validity\":{"
+                              "\"compared\":true,\"outside\":[]},\"resolved\":{\"name\":\"N\",");
+    validate("{" DEFLECTED "}", &macro);
+#define TEXT                                                                                       \
+    "\"The share of parts that are no cylinders is 100 %; the model was compared with moving "     \
+    "parts for cylinders alone.\""
+    assert_begins(&macro, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[" TEXT
+                          "],\"validity\":{\"compared\":false,\"outside\":[{\"what\":\"shape\","
+                          "\"value\":100,\"unit\":\"%\",\"min\":null,\"max\":0,"
+                          "\"pointer\":\"/cargo/shape\",\"detail\":" TEXT "}]},\"resolved\":{");
+    validate("{" DEFLECTED ", 'model': 'micro'}", &micro);
+    assert_begins(&micro, "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"resolved\":{");
+    buffer_fini(&free_belt);
+    buffer_fini(&macro);
+    buffer_fini(&micro);
+}
+
+static void a_validation_without_memory_is_reported(void **unused)
+{
+    bf_status status = BF_ENOMEM;
+    api_submission submission;
+
+    (void)unused;
+    assert_int_equal(read_text("{" DEFLECTED "}", &submission, NULL), BF_OK);
+    for (size_t n = 1; status != BF_OK; n++) {
+        bf_buffer out = { 0 };
+        memory_plan_fault(n, 0);
+        status = submission_validation(&submission, &out, NULL);
+        memory_plan_fault(0, 0);
+        if (status != BF_OK)
+            assert_int_equal(status, BF_ENOMEM);
+        assert_true(n < 2000);
+        buffer_fini(&out);
+    }
+    submission_fini(&submission);
+}
+
 static void no_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
@@ -264,6 +330,8 @@ int main(void)
         cmocka_unit_test(another_model_does_not_mind),
         cmocka_unit_test(a_long_label_is_refused),
         cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
+        cmocka_unit_test(a_validation_says_what_the_results_would_be_doubted_for),
+        cmocka_unit_test(a_validation_without_memory_is_reported),
         cmocka_unit_test(no_memory_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

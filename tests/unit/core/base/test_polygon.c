@@ -144,6 +144,54 @@ static void a_disk_overlaps_a_polygon_that_it_enters(void **state)
     assert_true(polygon_overlaps_disk((vec2){ 0.1, 0.2 }, 0.01, square, 4, tolerance));
 }
 
+static void assert_clipped(vec2 start, vec2 end, bool is_left, vec2 from, vec2 to)
+{
+    assert_int_equal(polygon_clip_segment(&start, &end, (vec2){ 0.0, 0.0 }, (vec2){ 4.0, 2.0 }),
+                     is_left);
+    assert_true(vec2_length(vec2_sub(start, from)) <= 1e-15);
+    assert_true(vec2_length(vec2_sub(end, to)) <= 1e-15);
+}
+
+// The rectangle from (0, 0) to (4, 2).
+static void a_segment_is_cut_at_a_rectangle(void **state)
+{
+    (void)state;
+    assert_clipped((vec2){ 1, 1 }, (vec2){ 2, 2 }, true, (vec2){ 1, 1 }, (vec2){ 2, 2 });
+    assert_clipped((vec2){ -1, -1 }, (vec2){ 3, 3 }, true, (vec2){ 0, 0 }, (vec2){ 2, 2 });
+    assert_clipped((vec2){ 5, 1 }, (vec2){ 3, 1 }, true, (vec2){ 4, 1 }, (vec2){ 3, 1 });
+    assert_clipped((vec2){ 1, 3 }, (vec2){ 1, -3 }, true, (vec2){ 1, 2 }, (vec2){ 1, 0 });
+    assert_clipped((vec2){ -1, 2 }, (vec2){ 9, 2 }, true, (vec2){ 0, 2 }, (vec2){ 4, 2 });
+    assert_clipped((vec2){ 3, 4 }, (vec2){ 6, 1 }, false, (vec2){ 3, 4 }, (vec2){ 6, 1 });
+    assert_clipped((vec2){ 1, 3 }, (vec2){ 2, 3 }, false, (vec2){ 1, 3 }, (vec2){ 2, 3 });
+}
+
+static void assert_apart(const vec2 *a, const vec2 *b, double distance, vec2 on_a, vec2 on_b)
+{
+    vec2 places[2] = { { NAN, NAN }, { NAN, NAN } };
+
+    assert_true(fabs(polygon_distance(a, 4, b, 4, &places[0], &places[1]) - distance) <= 1e-15);
+    assert_true(vec2_length(vec2_sub(places[0], on_a)) <= 1e-15);
+    assert_true(vec2_length(vec2_sub(places[1], on_b)) <= 1e-15);
+}
+
+// A unit square, one that stands on its corner (3, 0.5), and others that touch or overlap it.
+static void polygons_are_as_far_apart_as_their_nearest_points(void **state)
+{
+    (void)state;
+    static const vec2 square[] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    static const vec2 diamond[] = { { 3, 0.5 }, { 4, -0.5 }, { 5, 0.5 }, { 4, 1.5 } };
+    static const vec2 diagonal[] = { { 4, 5 }, { 5, 5 }, { 5, 6 }, { 4, 6 } };
+    static const vec2 touching[] = { { 1, 0.25 }, { 2, 0.25 }, { 2, 0.75 }, { 1, 0.75 } };
+    static const vec2 inside[] = { { 0.4, 0.4 }, { 0.6, 0.4 }, { 0.6, 0.6 }, { 0.4, 0.6 } };
+    vec2 on_a, on_b;
+    assert_apart(square, diamond, 2.0, (vec2){ 1, 0.5 }, (vec2){ 3, 0.5 });
+    assert_apart(diamond, square, 2.0, (vec2){ 3, 0.5 }, (vec2){ 1, 0.5 });
+    assert_apart(square, diagonal, 5.0, (vec2){ 1, 1 }, (vec2){ 4, 5 });
+    assert_true(polygon_distance(square, 4, touching, 4, &on_a, &on_b) == 0.0);
+    assert_true(polygon_distance(square, 4, inside, 4, &on_a, &on_b) == 0.0);
+    assert_true(polygon_distance(inside, 4, square, 4, &on_a, &on_b) == 0.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +202,8 @@ int main(void)
         cmocka_unit_test(a_convex_hull_is_convex_and_has_all_points),
         cmocka_unit_test(points_on_a_line_have_a_hull_of_two_ends_and_equal_ones_of_one),
         cmocka_unit_test(a_disk_overlaps_a_polygon_that_it_enters),
+        cmocka_unit_test(a_segment_is_cut_at_a_rectangle),
+        cmocka_unit_test(polygons_are_as_far_apart_as_their_nearest_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

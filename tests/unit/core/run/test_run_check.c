@@ -95,20 +95,64 @@ static void a_mollifier_that_covers_too_many_cells_is_refused(void **state)
 
 static void results_beyond_what_can_be_trusted_are_doubted(void **state)
 {
-    scene s;
-    frame_begin begin = { .model = RUN_MACRO };
     frame_end end = { .peak = 1.4, .overlap_share = 0.05 };
 
     (void)state;
-    helper_scene_example(&s, 60.0, SCENE_SEALED);
-    begin.dt = 0.99 * scene_step_positive(&s);
-    assert_int_equal(run_doubts(&s, &begin, &end), 0);
-    begin.dt = scene_step_positive(&s);
+    assert_int_equal(run_doubts(RUN_MACRO, &end), 0);
     end.peak = 1.41;
-    assert_int_equal(run_doubts(&s, &begin, &end), RUN_DOUBT_DENSITY | RUN_DOUBT_STEP);
-    begin.model = RUN_MICRO; // whose density (18) and step have no such bounds
-    end.overlap_share = 0.051;
-    assert_int_equal(run_doubts(&s, &begin, &end), RUN_DOUBT_OVERLAP);
+    assert_int_equal(run_doubts(RUN_MACRO, &end), RUN_DOUBT_DENSITY);
+    end.overlap_share = 0.051; // and the density (18) of parts has no such bound
+    assert_int_equal(run_doubts(RUN_MICRO, &end), RUN_DOUBT_OVERLAP);
+}
+
+static void assert_warned_of_step(double step, size_t n)
+{
+    run_review review;
+    scene s;
+
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.macro.step = step;
+    assert_int_equal(run_review_of(&s, RUN_MACRO, &review, NULL), BF_OK);
+    assert_int_equal(review.warnings.n, n);
+    if (n > 0) {
+        assert_string_equal(review.warnings.items[0].pointer, "/macro/step_s");
+        assert_non_null(strstr(review.warnings.items[0].text, "0.0021097"));
+    }
+    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
+    assert_int_equal(review.warnings.n, 0);
+    scene_fini(&s);
+}
+
+// 0.005 m / (2 (0.395 m/s + 0.79 m/s)) = 2.1097 ms.
+static void a_macroscopic_step_that_may_make_densities_negative_is_warned_of(void **state)
+{
+    (void)state;
+    assert_warned_of_step(0.0021, 0);
+    assert_warned_of_step(0.00211, 1);
+}
+
+// A funnel is one thing that the review says beside the step, and it says it in the words of the validity.
+static void a_review_warns_of_all_that_lies_outside_the_validity(void **state)
+{
+    static const vec2 second[] = { { 0.7, 0.6 }, { 0.75, 0.58 } };
+    run_review review;
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_add_obstacle(&s, second, 2, SCENE_SEALED);
+    s.macro.step = 0.00211;
+    helper_scene_resolve(&s);
+    assert_int_equal(run_review_of(&s, RUN_MACRO, &review, NULL), BF_OK);
+    assert_false(review.validity.is_compared);
+    assert_true(review.validity.n >= 2);
+    assert_int_equal(review.warnings.n, 1 + review.validity.n);
+    for (size_t k = 0; k < review.validity.n; k++) {
+        assert_string_equal(review.warnings.items[k + 1].text, review.validity.items[k].detail);
+        assert_string_equal(review.warnings.items[k + 1].pointer, review.validity.items[k].pointer);
+    }
+    assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
+    assert_int_equal(review.warnings.n, 0);
     scene_fini(&s);
 }
 
@@ -121,6 +165,8 @@ int main(void)
         cmocka_unit_test(too_many_macroscopic_steps_are_refused_with_figure_and_limit),
         cmocka_unit_test(a_mollifier_that_covers_too_many_cells_is_refused),
         cmocka_unit_test(results_beyond_what_can_be_trusted_are_doubted),
+        cmocka_unit_test(a_macroscopic_step_that_may_make_densities_negative_is_warned_of),
+        cmocka_unit_test(a_review_warns_of_all_that_lies_outside_the_validity),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,31 @@
+#include "api/scenario/review_members.h"
+
+#define AT(place) offsetof(validity_item, place)
+static const member outside_members[] = {
+    MEMBER("what", enum, AT(figure), "Figure of the scenario", .words = validity_words),
+    MEMBER("value", number, AT(value), "Its value, the one that is farthest out"),
+    MEMBER("unit", string, AT(unit), "Unit of the value and of the range", .null = "none"),
+    MEMBER("min", number, AT(minimum), "Smallest value of the comparison", .null = "no limit"),
+    MEMBER("max", number, AT(maximum), "Largest value of the comparison", .null = "no limit"),
+    MEMBER("pointer", text, AT(pointer), "What has that value, in the document of the scenario",
+           .type = "#JsonPointer"),
+    MEMBER("detail", text, AT(detail), "Value, range and what to expect, for people"),
+};
+const member_table review_outside_members = { MEMBER_TABLE("OutsideValidity", outside_members),
+                                              .size = sizeof(validity_item) };
+#undef AT
+
+#define AT(place) offsetof(validity, place)
+static const member validity_members[] = {
+    MEMBER("compared", bool, AT(is_compared), "Every figure of the scenario is within its range"),
+    MEMBER("outside", array, AT(items), "Figures that are out of their range",
+           .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_ITEMS_MAX),
+};
+const member_table review_validity_members = { MEMBER_TABLE("Validity", validity_members) };
+#undef AT
+
+void review_write_warnings(json_out *w, const run_review *review)
+{
+    for (size_t k = 0; k < faults_kept(&review->warnings); k++)
+        json_out_string(w, review->warnings.items[k].text);
+}

@@ -1,0 +1,14 @@
+/// What is said about the results of a scenario before it is solved (core/run/run.h, run_review), as JSON:
+/// in the answer of POST /v1/validate and, the same once more, in the summary of a run.
+
+#pragma once
+
+#include "api/json/members.h"
+#include "core/run/run.h"
+
+/// The validity of the macroscopic model, and an item of it; the structs are validity and validity_item.
+extern const member_table review_validity_members;
+extern const member_table review_outside_members;
+
+/// Write the texts of all warnings into an array that is open.
+void review_write_warnings(json_out *w, const run_review *review);

@@ -1,0 +1,344 @@
+#include "core/run/validity.h"
+
+#include "core/base/vec2.h"
+#include "core/scene/layout.h"
+#include "core/scene/mix.h"
+#include "core/scene/shape.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/// Values are told with four digits. What is outside by less than they show, relative to the bound, is inside.
+#define SLACK 2e-4
+
+/// Where the models were compared and differed by at most 5 % of the parts, and what happens outside.
+typedef struct range_row {
+    double minimum;    ///< see validity_item
+    double maximum;    ///< see validity_item
+    const char *below; ///< what to expect of smaller values; NULL: nothing in particular
+    const char *above; ///< what to expect of larger values; NULL: nothing in particular
+} range_row;
+
+#define NOTHING -INFINITY
+
+static const range_row ranges[VALIDITY_FIGURE_COUNT] = {
+    [VALIDITY_ANGLE] = { 30.0, 90.0, "It lets cargo slide too slowly along shallow plates.",
+                         "Cargo collects in the corner that the plate closes, and stays there." },
+    [VALIDITY_OPENING] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
+                           NULL },
+    [VALIDITY_HEAP] = { NOTHING, 62.0, NULL,
+                        "Such a heap saturates the opening, and the model lets it pass too fast." },
+    [VALIDITY_PARTS] = { 24.0, 640.0, "A density says little about a few parts.", NULL },
+    [VALIDITY_SPEED] = { 0.2, 0.8, "The model lets cargo pass too slowly there.", NULL },
+    [VALIDITY_BELTS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PLATES] = { NOTHING, 1.0, NULL, "It holds cargo back between two plates." },
+    [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PIECES] = { NOTHING, LAYOUT_PIECES_MAX, NULL,
+                          "Angles and openings of so many were not measured." },
+    [VALIDITY_WALL] = { NOTHING, 0.0, NULL, "Cargo collects at such a wall." },
+    [VALIDITY_DIAMETER] = { 0.022, 0.036,
+                            "The widths of its bands and of its smoothing do not fit small parts.",
+                            "The widths of its bands and of its smoothing do not fit large "
+                            "parts." },
+    [VALIDITY_SHAPE] = { NOTHING, 0.0, NULL, NULL },
+    [VALIDITY_KINDS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PLATE_FRICTION] = { 0.1, 0.5, NULL, NULL },
+    [VALIDITY_PART_FRICTION] = { 0.05, 0.5, NULL, NULL },
+    [VALIDITY_BELT_FRICTION] = { 0.3, 1.0, NULL, NULL },
+    [VALIDITY_TREATMENT] = { NOTHING, 0.0, NULL,
+                             "Cargo leaks through field, and piles up in the corners of wall." },
+    [VALIDITY_CELL] = { 0.1, 0.25, NULL, "The model lets cargo pass too slowly on a coarse grid." },
+};
+
+const char *const validity_words[] = {
+    [VALIDITY_ANGLE] = "angle",
+    [VALIDITY_OPENING] = "opening",
+    [VALIDITY_HEAP] = "heap",
+    [VALIDITY_PARTS] = "parts",
+    [VALIDITY_SPEED] = "speed",
+    [VALIDITY_BELTS] = "belts",
+    [VALIDITY_PLATES] = "plates",
+    [VALIDITY_BENDS] = "bends",
+    [VALIDITY_PIECES] = "pieces",
+    [VALIDITY_WALL] = "wall",
+    [VALIDITY_DIAMETER] = "diameter",
+    [VALIDITY_SHAPE] = "shape",
+    [VALIDITY_KINDS] = "kinds",
+    [VALIDITY_PLATE_FRICTION] = "plate_friction",
+    [VALIDITY_PART_FRICTION] = "part_friction",
+    [VALIDITY_BELT_FRICTION] = "belt_friction",
+    [VALIDITY_TREATMENT] = "treatment",
+    [VALIDITY_CELL] = "cell",
+    [VALIDITY_FIGURE_COUNT] = NULL,
+};
+
+/// The text about a figure: "<before> <value><after>; the model was compared with moving parts for <range>".
+typedef struct figure_text {
+    const char *unit;   ///< in documents; NULL: none
+    const char *before; ///< words before the value
+    const char *after;  ///< words after the value
+    const char *of;     ///< words after the numbers of the range
+    const char *only;   ///< instead of these numbers; NULL: the numbers
+} figure_text;
+
+static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
+    [VALIDITY_ANGLE] = { "deg", "A plate stands at", " degrees to the belt", " degrees", NULL },
+    [VALIDITY_OPENING] = { "diameters", "The narrowest opening is", " part diameters wide",
+                           " diameters", NULL },
+    [VALIDITY_HEAP] = { "parts/diameter", "The heap has",
+                        " parts for each part diameter of the narrowest opening", "", NULL },
+    [VALIDITY_PARTS] = { "parts", "The number of parts is", "", "", NULL },
+    [VALIDITY_SPEED] = { "m/s", "A belt runs at", " m/s", " m/s", NULL },
+    [VALIDITY_BELTS] = { NULL, "The number of different belt velocities is", "", "", "one alone" },
+    [VALIDITY_PLATES] = { NULL, "The number of plates is", "", "", "one alone" },
+    [VALIDITY_BENDS] = { NULL, "The number of bends of a plate is", "", "", NULL },
+    [VALIDITY_PIECES] = { NULL, "The number of straight pieces of the plates is", "", "", "a few" },
+    [VALIDITY_WALL] = { "deg", "A belt runs against a wall at", " degrees", "",
+                        "walls along the belt" },
+    [VALIDITY_DIAMETER] = { "m", "A part is", " m across", " m", NULL },
+    [VALIDITY_SHAPE] = { "%", "The share of parts that are no cylinders is", " %", "",
+                         "cylinders alone" },
+    [VALIDITY_KINDS] = { NULL, "The number of kinds of cargo is", "", "", "one alone" },
+    [VALIDITY_PLATE_FRICTION] = { NULL, "The friction of parts on plates is", "", "", NULL },
+    [VALIDITY_PART_FRICTION] = { NULL, "The friction of parts on parts is", "", "", NULL },
+    [VALIDITY_BELT_FRICTION] = { NULL, "The friction of parts on belts is", "", "", NULL },
+    [VALIDITY_TREATMENT] = { NULL, "The number of obstacles that are not sealed is", "", "",
+                             "sealed ones alone" },
+    [VALIDITY_CELL] = { "diameters", "The edge of a cell is", " part diameters", " diameters",
+                        NULL },
+};
+
+enum { TOO_SMALL, TOO_LARGE, WAY_COUNT };
+
+/// What was found so far.
+typedef struct findings {
+    const scene *s;
+    double diameter; ///< of the largest part, m
+    validity_item items[VALIDITY_FIGURE_COUNT][WAY_COUNT];
+    bool has[VALIDITY_FIGURE_COUNT][WAY_COUNT]; ///< the item is filled in
+} findings;
+
+static void note(findings *f, validity_figure figure, double value, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/// Compare a value with its range; the text is the pointer of what has it.
+static void note(findings *f, validity_figure figure, double value, const char *format, ...)
+{
+    const range_row *range = &ranges[figure];
+    int way = WAY_COUNT;
+    va_list args;
+
+    if (value < range->minimum * (1.0 - SLACK))
+        way = TOO_SMALL;
+    else if (value > range->maximum * (1.0 + SLACK))
+        way = TOO_LARGE;
+    if (way == WAY_COUNT)
+        return;
+    validity_item *item = &f->items[figure][way];
+    if (f->has[figure][way] && (way == TOO_SMALL ? value >= item->value : value <= item->value))
+        return;
+    f->has[figure][way] = true;
+    item->figure = figure;
+    item->value = value;
+    va_start(args, format);
+    vsnprintf(item->pointer, sizeof item->pointer, format, args);
+    va_end(args);
+}
+
+// ---- the figures
+
+static void note_angles(findings *f, const layout *of)
+{
+    note(f, VALIDITY_ANGLE, of->least.value, "/obstacles/%zu", of->least.index);
+    note(f, VALIDITY_ANGLE, of->greatest.value, "/obstacles/%zu", of->greatest.index);
+    note(f, VALIDITY_PLATES, (double)of->n_plates, "/obstacles");
+    note(f, VALIDITY_BENDS, of->bends.value, "/obstacles/%zu", of->bends.index);
+}
+
+static void note_heap(findings *f, const layout *of)
+{
+    const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
+
+    note(f, VALIDITY_PARTS, n_parts, "/initial");
+    if (!isfinite(width))
+        return;
+    note(f, VALIDITY_OPENING, width, "/obstacles/%zu", of->opening.index);
+    if (width > 0.0)
+        note(f, VALIDITY_HEAP, n_parts / width, "/initial");
+}
+
+static void note_walls(findings *f, const layout *of)
+{
+    static const char *const sides[SCENE_SIDE_COUNT] = { [SCENE_WEST] = "west",
+                                                         [SCENE_EAST] = "east",
+                                                         [SCENE_SOUTH] = "south",
+                                                         [SCENE_NORTH] = "north" };
+
+    note(f, VALIDITY_WALL, of->wall_angle.value, "/edges/%s", sides[of->wall_angle.index]);
+}
+
+static size_t count_velocities(const scene *s)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < s->n_belts; k++) {
+        bool is_new = true;
+        for (size_t i = 0; i < k && is_new; i++)
+            is_new = vec2_length(vec2_sub(s->belts[k].velocity, s->belts[i].velocity)) > 0.0;
+        n += is_new;
+    }
+    return n;
+}
+
+static void note_speeds(findings *f)
+{
+    for (size_t k = 0; k < f->s->n_belts; k++)
+        note(f, VALIDITY_SPEED, vec2_length(f->s->belts[k].velocity), "/belts/%zu/velocity_m_s", k);
+}
+
+static void note_cargo(findings *f)
+{
+    const scene *s = f->s;
+    const size_t n_parts = scene_parts(s);
+    size_t counts[SCENE_KINDS_MAX], n_others = 0, other = 0;
+
+    mix_count(s, n_parts, counts);
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const scene_cargo *kind = &s->cargo[k];
+        const double diameter = 2.0 * shape_footprint_of(&kind->shape).bounding_radius;
+        const bool is_other = kind->shape.type != SCENE_CYLINDER;
+        if (s->is_mix)
+            note(f, VALIDITY_DIAMETER, diameter, "/cargo/%zu/shape", k);
+        else
+            note(f, VALIDITY_DIAMETER, diameter, "/cargo/shape");
+        n_others += is_other ? counts[k] : 0;
+        other = is_other ? k : other;
+    }
+    const double percent = 100.0 * (double)n_others / (double)n_parts;
+    if (s->is_mix)
+        note(f, VALIDITY_SHAPE, percent, "/cargo/%zu/shape", other);
+    else
+        note(f, VALIDITY_SHAPE, percent, "/cargo/shape");
+    note(f, VALIDITY_KINDS, (double)s->n_cargo, "/cargo");
+}
+
+static void note_parameters(findings *f)
+{
+    const scene_contact *contact = f->s->micro.contact;
+    double n_others = 0.0;
+    size_t other = 0;
+
+    note(f, VALIDITY_PLATE_FRICTION, contact[SCENE_HANDLING_CARGO].friction,
+         "/contacts/handling_cargo/friction");
+    note(f, VALIDITY_PART_FRICTION, contact[SCENE_CARGO_CARGO].friction,
+         "/contacts/cargo_cargo/friction");
+    note(f, VALIDITY_BELT_FRICTION, contact[SCENE_CONVEYOR_CARGO].friction,
+         "/contacts/conveyor_cargo/friction");
+    for (size_t k = 0; k < f->s->n_obstacles; k++) {
+        if (f->s->obstacles[k].treatment != SCENE_SEALED) {
+            n_others += 1.0;
+            other = k;
+        }
+    }
+    note(f, VALIDITY_TREATMENT, n_others, "/obstacles/%zu/treatment", other);
+    note(f, VALIDITY_CELL, f->s->macro.cell / f->diameter, "/macro/cell_m");
+}
+
+static double diameter_of(const scene *s)
+{
+    double radius = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        radius = fmax(radius, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
+    return 2.0 * radius;
+}
+
+static void note_figures(findings *f, const layout *of)
+{
+    const size_t n_velocities = count_velocities(f->s);
+    const bool is_free =
+        of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 && n_velocities == 1;
+
+    if (is_free)
+        return;
+    note(f, VALIDITY_PIECES, (double)of->n_pieces, "/obstacles");
+    note(f, VALIDITY_BELTS, (double)n_velocities, "/belts");
+    note_walls(f, of);
+    if (of->is_measured && of->n_plates > 0)
+        note_angles(f, of);
+    note_heap(f, of);
+    note_speeds(f);
+    note_cargo(f);
+    note_parameters(f);
+}
+
+// ---- the texts
+
+/// A number with four digits, or all of its whole part.
+static void print_value(double value, char *ret_text, size_t size)
+{
+    snprintf(ret_text, size, fabs(value) < 10000.0 ? "%.4g" : "%.0f", value);
+}
+
+static void print_range(const validity_item *item, char *ret_text, size_t size)
+{
+    const figure_text *text = &texts[item->figure];
+    char minimum[32], maximum[32];
+
+    print_value(item->minimum, minimum, sizeof minimum);
+    print_value(item->maximum, maximum, sizeof maximum);
+    if (text->only != NULL)
+        snprintf(ret_text, size, "%s", text->only);
+    else if (!isfinite(item->minimum))
+        snprintf(ret_text, size, "up to %s%s", maximum, text->of);
+    else if (!isfinite(item->maximum))
+        snprintf(ret_text, size, "%s%s and more", minimum, text->of);
+    else
+        snprintf(ret_text, size, "%s to %s%s", minimum, maximum, text->of);
+}
+
+/// Fill in what follows from figure and value.
+static void complete_item(validity_item *item, int way)
+{
+    const range_row *range = &ranges[item->figure];
+    const figure_text *text = &texts[item->figure];
+    const char *then = way == TOO_SMALL ? range->below : range->above;
+    const bool is_closed = item->figure == VALIDITY_OPENING && item->value == 0.0;
+    char value[32], between[96];
+
+    if (is_closed)
+        then = "The plates close the belt: cargo collects at them, and stays there.";
+    item->unit = text->unit;
+    item->minimum = range->minimum;
+    item->maximum = range->maximum;
+    print_value(item->value, value, sizeof value);
+    print_range(item, between, sizeof between);
+    snprintf(item->detail, sizeof item->detail,
+             "%s %s%s; the model was compared with moving parts for %s.%s%s", text->before, value,
+             text->after, between, then == NULL ? "" : " ", then == NULL ? "" : then);
+}
+
+bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)
+{
+    findings f = { .s = s, .diameter = diameter_of(s) };
+    layout of;
+
+    bf_status status = layout_measure(s, &of, err);
+    if (status != BF_OK)
+        return status;
+    note_figures(&f, &of);
+    ret_validity->n = 0;
+    for (int figure = 0; figure < VALIDITY_FIGURE_COUNT; figure++) {
+        for (int way = 0; way < WAY_COUNT; way++) {
+            if (!f.has[figure][way])
+                continue;
+            validity_item *item = &ret_validity->items[ret_validity->n++];
+            *item = f.items[figure][way];
+            complete_item(item, way);
+        }
+    }
+    ret_validity->is_compared = ret_validity->n == 0;
+    return BF_OK;
+}

@@ -1,0 +1,50 @@
+/// The layout: how plates and walls stand to the belts, and how much room they leave for cargo.
+///
+///     angle    between a straight piece of a plate and the velocity of the belt in its middle, 0 to 90
+///              degrees; 180 degrees less it, where the piece leads cargo into a corner from which it
+///              cannot slide on: a plate that leans against the belt, or a wall or another piece at its
+///              downstream end that lies on the cargo's side and leads back upstream
+///     opening  plates and walls that touch are one body; the narrowest opening is the smallest distance
+///              of two bodies, one of them with a plate, across a moving belt. It is 0 where plates join two
+///              opposite walls
+///
+/// Plates are solid with their thickness, and are looked at as far as they lie in the domain, or beyond a
+/// side where cargo flows in. Pieces along their belt are guides: they bound openings and deflect nothing. A gap at a wall of at most half a
+/// cell is none, as the macroscopic grid closes it.
+///
+/// Units    SI, angles in degrees.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    LAYOUT_PIECES_MAX = 1024 ///< straight pieces of all plates up to which a layout is measured
+};
+
+/// A number and what it belongs to.
+typedef struct layout_figure {
+    double value; ///< see where it is used
+    size_t index; ///< of the obstacle or the side that it belongs to
+} layout_figure;
+
+/// Figures of a layout. Those of plates are only valid if n_plates > 0.
+typedef struct layout {
+    size_t n_pieces;        ///< straight pieces of all plates
+    bool is_measured;       ///< n_pieces is within LAYOUT_PIECES_MAX; else nothing below is known
+    size_t n_plates;        ///< obstacles with a piece that deflects cargo
+    layout_figure least;    ///< smallest angle of such a piece; index of the obstacle
+    layout_figure greatest; ///< largest angle of such a piece; index of the obstacle
+    layout_figure bends;    ///< most bends of a plate; index of the obstacle
+    layout_figure
+        opening; ///< the narrowest, m, INFINITY: there is none; index of an obstacle at it
+    layout_figure wall_angle; ///< largest angle at which a belt runs against a wall, 0: none does;
+                              ///< index of the side
+} layout;
+
+/// Measure a resolved scene whose numbers and geometry were checked. BF_ENOMEM.
+BF_MUST_CHECK bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err);

@@ -1,0 +1,398 @@
+// What lies outside the comparison of the models, figure by figure, with the values computed by hand.
+
+#include "core/run/validity.h"
+
+#include "core/base/memory.h"
+#include "core/scene/layout.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static validity validity_now(const scene *s)
+{
+    validity of;
+
+    assert_int_equal(validity_of(s, &of, NULL), BF_OK);
+    assert_int_equal(of.is_compared, of.n == 0);
+    return of;
+}
+
+// The only item of a scene, which is freed.
+static validity_item find_only(scene *s)
+{
+    const validity of = validity_now(s);
+
+    for (size_t k = 1; k < of.n; k++)
+        print_error("%s\n", of.items[k].detail);
+    assert_int_equal(of.n, 1);
+    scene_fini(s);
+    return of.items[0];
+}
+
+static void assert_only(scene *s, validity_figure figure, double value, const char *pointer)
+{
+    const validity_item item = find_only(s);
+
+    assert_string_equal(validity_words[item.figure], validity_words[figure]);
+    assert_near(item.value, value, 1e-9 * fabs(value));
+    assert_true(item.value < item.minimum || item.value > item.maximum);
+    assert_string_equal(item.pointer, pointer);
+}
+
+// Example 1 with a tip at another place above (0.75, 0), at an angle.
+static void make_plate(scene *s, double degrees, double tip)
+{
+    helper_scene_example(s, degrees, SCENE_SEALED);
+    s->obstacles[0].path[0].x = 0.75 - tip / tan(degrees * M_PI / 180.0);
+    s->obstacles[0].path[0].y = 0.0;
+    s->obstacles[0].path[1].y = tip;
+}
+
+// The paper's three: 30 to 90 degrees, 0.1 m are 4.17 diameters of 24 mm, 192 parts are 46 for each.
+static void the_papers_examples_were_compared(void **state)
+{
+    static const double degrees[] = { 30.0, 45.0, 60.0, 75.0, 90.0 };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof degrees / sizeof *degrees; k++) {
+        scene s;
+        helper_scene_example(&s, degrees[k], SCENE_SEALED);
+        assert_true(validity_now(&s).is_compared);
+        scene_fini(&s);
+    }
+}
+
+static void shallow_and_leaning_plates_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_plate(&s, 20.0, 0.5);
+    assert_only(&s, VALIDITY_ANGLE, 20.0, "/obstacles/0");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.obstacles[0].path[0] = (vec2){ 0.95, 0.0 }; // 0.2 m behind its tip: atan(0.5/0.2)
+    s.obstacles[0].path[1] = (vec2){ 0.75, 0.45 };
+    assert_only(&s, VALIDITY_ANGLE, 180.0 - atan(0.45 / 0.2) * 180.0 / M_PI, "/obstacles/0");
+}
+
+// 54 mm are 2.25 diameters, and 90 parts 40 for each of them.
+static void narrow_openings_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_plate(&s, 60.0, 0.546);
+    s.initial.n_rows = 9;
+    s.initial.n_columns = 10;
+    const validity_item item = find_only(&s);
+    assert_int_equal(item.figure, VALIDITY_OPENING);
+    assert_near(item.value, 2.25, 1e-9);
+    assert_string_equal(item.unit, "diameters");
+    assert_string_equal(item.pointer, "/obstacles/0");
+    assert_string_equal(item.detail,
+                        "The narrowest opening is 2.25 part diameters wide; the model was compared "
+                        "with moving parts for 2.9 to 12.5 diameters. Parts may bridge the "
+                        "opening, which a density cannot show.");
+}
+
+static void a_closed_belt_is_told_as_such(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_plate(&s, 60.0, 0.6);
+    const validity_item item = find_only(&s);
+    assert_int_equal(item.figure, VALIDITY_OPENING);
+    assert_true(item.value == 0.0);
+    assert_non_null(strstr(item.detail, "The plates close the belt"));
+}
+
+// 16 rows of 40 parts at 0.1 m: 640 parts, 153.6 for each diameter of the opening.
+static void a_heap_that_saturates_the_opening_was_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.initial.n_columns = 40;
+    assert_only(&s, VALIDITY_HEAP, 153.6, "/initial");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.initial.n_columns = 16; // 61.4
+    assert_true(validity_now(&s).is_compared);
+    s.initial.n_columns = 17; // 65.3
+    assert_only(&s, VALIDITY_HEAP, 65.28, "/initial");
+}
+
+static void few_parts_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.initial.n_rows = s.initial.n_columns = 4;
+    assert_only(&s, VALIDITY_PARTS, 16.0, "/initial");
+}
+
+// Below and above the range: two items, the slow one first.
+static void slow_and_fast_belts_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.belts[0].velocity.x = 0.1;
+    assert_only(&s, VALIDITY_SPEED, 0.1, "/belts/0/velocity_m_s");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.belts[0].velocity = (vec2){ 0.9, 0.0 };
+    assert_only(&s, VALIDITY_SPEED, 0.9, "/belts/0/velocity_m_s");
+}
+
+static void belts_of_several_velocities_were_not_compared(void **state)
+{
+    static const vec2 half[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.6 }, { 0.0, 0.6 } };
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_add_belt(&s, (vec2){ 0.5, 0.0 }, half, 4);
+    assert_only(&s, VALIDITY_BELTS, 2.0, "/belts");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_add_belt(&s, s.belts[0].velocity, half, 4);
+    assert_true(validity_now(&s).is_compared);
+    scene_fini(&s);
+}
+
+// 30 degrees upwards; the plate stands at 75 degrees to the x axis and 45 degrees to the belt.
+static void a_belt_against_a_wall_was_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_plate(&s, 75.0, 0.5);
+    s.belts[0].velocity = (vec2){ 0.4 * cos(M_PI / 6.0), 0.4 * sin(M_PI / 6.0) };
+    assert_only(&s, VALIDITY_WALL, 30.0, "/edges/north");
+}
+
+// Two plates of 45 degrees, 0.2 m apart, 23 parts for each diameter.
+static void a_funnel_was_not_compared(void **state)
+{
+    static const vec2 upper[] = { { 0.55, 0.6 }, { 0.75, 0.4 } };
+    scene s;
+
+    (void)state;
+    make_plate(&s, 45.0, 0.2);
+    helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    assert_only(&s, VALIDITY_PLATES, 2.0, "/obstacles");
+}
+
+static void a_plate_that_is_bent_twice_was_not_compared(void **state)
+{
+    static const vec2 path[] = { { 0.45, 0.0 }, { 0.6, 0.2 }, { 0.65, 0.35 }, { 0.75, 0.5 } };
+    static const vec2 off[] = { { 0.45, -0.2 }, { 0.5, -0.1 } };
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_add_obstacle(&s, path, 4, SCENE_SEALED);
+    memory_free(s.obstacles[0].path);
+    s.obstacles[0] = s.obstacles[1];
+    s.n_obstacles = 1;
+    assert_only(&s, VALIDITY_BENDS, 2.0, "/obstacles/0");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_add_obstacle(&s, off, 2, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    assert_true(validity_now(&s).is_compared);
+    scene_fini(&s);
+}
+
+// Disks of 20 mm, ten rows of ten: 100 mm are 5 of their diameters, and the cell 0.25 of one.
+static void parts_of_another_size_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.cargo[0].shape.radius = 0.010;
+    s.initial.n_rows = s.initial.n_columns = 10;
+    const validity_item item = find_only(&s);
+    assert_int_equal(item.figure, VALIDITY_DIAMETER);
+    assert_near(item.value, 0.020, 1e-12);
+    assert_string_equal(item.unit, "m");
+    assert_string_equal(item.pointer, "/cargo/shape");
+}
+
+// A box of 21 x 14 mm: its circle has a diameter of 25.2 mm, sqrt(21^2 + 14^2).
+static void other_shapes_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.cargo[0].shape = (scene_shape){ SCENE_BOX, .height = 0.01, .length = 0.021, .width = 0.014 };
+    const validity_item item = find_only(&s);
+    assert_int_equal(item.figure, VALIDITY_SHAPE);
+    assert_near(item.value, 100.0, 1e-12);
+    assert_true(isinf(item.minimum) && item.maximum == 0.0);
+    assert_string_equal(item.pointer, "/cargo/shape");
+    assert_string_equal(item.detail, "The share of parts that are no cylinders is 100 %; the model "
+                                     "was compared with moving parts for cylinders alone.");
+}
+
+// Of 192 parts 144 are boxes, whose kind is the second.
+static void mixes_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.cargo[1] = s.cargo[0];
+    s.cargo[1].shape = (scene_shape){ SCENE_BOX, .height = 0.01, .length = 0.021, .width = 0.014 };
+    s.cargo[1].share = 3.0;
+    s.n_cargo = 2;
+    helper_scene_resolve(&s);
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n, 2);
+    assert_int_equal(of.items[0].figure, VALIDITY_SHAPE);
+    assert_near(of.items[0].value, 75.0, 1e-12);
+    assert_string_equal(of.items[0].pointer, "/cargo/1/shape");
+    assert_int_equal(of.items[1].figure, VALIDITY_KINDS);
+    assert_true(of.items[1].value == 2.0);
+    assert_null(of.items[1].unit);
+    assert_string_equal(of.items[1].pointer, "/cargo");
+    scene_fini(&s);
+}
+
+static void other_frictions_were_not_compared(void **state)
+{
+    static const struct {
+        scene_pair pair;
+        double friction;
+        validity_figure figure;
+        const char *pointer;
+    } rows[] = {
+        { SCENE_HANDLING_CARGO, 0.6, VALIDITY_PLATE_FRICTION, "/contacts/handling_cargo/friction" },
+        { SCENE_HANDLING_CARGO, 0.05, VALIDITY_PLATE_FRICTION,
+          "/contacts/handling_cargo/friction" },
+        { SCENE_CARGO_CARGO, 0.01, VALIDITY_PART_FRICTION, "/contacts/cargo_cargo/friction" },
+        { SCENE_CONVEYOR_CARGO, 0.2, VALIDITY_BELT_FRICTION, "/contacts/conveyor_cargo/friction" },
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        scene s;
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        s.micro.contact[rows[k].pair].friction = rows[k].friction;
+        assert_only(&s, rows[k].figure, rows[k].friction, rows[k].pointer);
+    }
+}
+
+static void only_sealed_plates_agree_with_moving_parts(void **state)
+{
+    static const scene_treatment others[] = { SCENE_FIELD, SCENE_WALL };
+
+    (void)state;
+    for (size_t k = 0; k < 2; k++) {
+        scene s;
+        helper_scene_example(&s, 60.0, others[k]);
+        assert_only(&s, VALIDITY_TREATMENT, 1.0, "/obstacles/0/treatment");
+    }
+}
+
+// 10 mm are 0.4167 diameters.
+static void coarse_grids_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.macro.cell = 0.01;
+    assert_only(&s, VALIDITY_CELL, 0.01 / 0.024, "/macro/cell_m");
+}
+
+static void plates_of_too_many_pieces_are_not_measured(void **state)
+{
+    static vec2 path[LAYOUT_PIECES_MAX + 2];
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    for (size_t k = 0; k < LAYOUT_PIECES_MAX + 2; k++)
+        path[k] = (vec2){ 0.6, 0.0001 * (double)k };
+    helper_scene_add_obstacle(&s, path, LAYOUT_PIECES_MAX + 1, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    assert_only(&s, VALIDITY_PIECES, LAYOUT_PIECES_MAX + 1.0, "/obstacles");
+}
+
+// Whatever the cargo, its number and its speed: nothing is in its way.
+static void cargo_that_nothing_deflects_rides_on_its_belt(void **state)
+{
+    static const scene_pose place = { 0.5, 0.3, 0.0 };
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.6, 0.01, &place, 1);
+    helper_scene_add_belt(&s, (vec2){ 2.0, 0.0 }, NULL, 0);
+    helper_scene_resolve(&s);
+    s.cargo[0].shape = (scene_shape){ SCENE_BOX, .height = 0.01, .length = 0.1, .width = 0.1 };
+    assert_true(validity_now(&s).is_compared);
+    scene_fini(&s);
+}
+
+static void every_figure_has_a_word_of_its_own(void **state)
+{
+    (void)state;
+    for (int k = 0; k < VALIDITY_FIGURE_COUNT; k++) {
+        assert_non_null(validity_words[k]);
+        for (int i = 0; i < k; i++)
+            assert_string_not_equal(validity_words[k], validity_words[i]);
+    }
+    assert_null(validity_words[VALIDITY_FIGURE_COUNT]);
+}
+
+static void no_memory_is_reported(void **state)
+{
+    validity of = { .n = 7 };
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    memory_plan_fault(1, 0);
+    assert_int_equal(validity_of(&s, &of, NULL), BF_ENOMEM);
+    memory_plan_fault(0, 0);
+    assert_int_equal(of.n, 7);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_papers_examples_were_compared),
+        cmocka_unit_test(shallow_and_leaning_plates_were_not_compared),
+        cmocka_unit_test(narrow_openings_were_not_compared),
+        cmocka_unit_test(a_closed_belt_is_told_as_such),
+        cmocka_unit_test(a_heap_that_saturates_the_opening_was_not_compared),
+        cmocka_unit_test(few_parts_were_not_compared),
+        cmocka_unit_test(slow_and_fast_belts_were_not_compared),
+        cmocka_unit_test(belts_of_several_velocities_were_not_compared),
+        cmocka_unit_test(a_belt_against_a_wall_was_not_compared),
+        cmocka_unit_test(a_funnel_was_not_compared),
+        cmocka_unit_test(a_plate_that_is_bent_twice_was_not_compared),
+        cmocka_unit_test(parts_of_another_size_were_not_compared),
+        cmocka_unit_test(other_shapes_were_not_compared),
+        cmocka_unit_test(mixes_were_not_compared),
+        cmocka_unit_test(other_frictions_were_not_compared),
+        cmocka_unit_test(only_sealed_plates_agree_with_moving_parts),
+        cmocka_unit_test(coarse_grids_were_not_compared),
+        cmocka_unit_test(plates_of_too_many_pieces_are_not_measured),
+        cmocka_unit_test(cargo_that_nothing_deflects_rides_on_its_belt),
+        cmocka_unit_test(every_figure_has_a_word_of_its_own),
+        cmocka_unit_test(no_memory_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
