@@ -32,6 +32,7 @@ static const range_row ranges[VALIDITY_FIGURE_COUNT] = {
                         "Such a heap saturates the opening, and the model lets it pass too fast." },
     [VALIDITY_PARTS] = { 24.0, 640.0, "A density says little about a few parts.", NULL },
     [VALIDITY_SPEED] = { 0.2, 0.8, "The model lets cargo pass too slowly there.", NULL },
+    [VALIDITY_SCHEDULES] = { NOTHING, 0.0, NULL, NULL },
     [VALIDITY_BELTS] = { NOTHING, 1.0, NULL, NULL },
     [VALIDITY_PLATES] = { NOTHING, 1.0, NULL, "It holds cargo back between two plates." },
     [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
@@ -58,6 +59,7 @@ const char *const validity_words[] = {
     [VALIDITY_HEAP] = "heap",
     [VALIDITY_PARTS] = "parts",
     [VALIDITY_SPEED] = "speed",
+    [VALIDITY_SCHEDULES] = "schedules",
     [VALIDITY_BELTS] = "belts",
     [VALIDITY_PLATES] = "plates",
     [VALIDITY_BENDS] = "bends",
@@ -91,6 +93,8 @@ static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
                         " parts for each part diameter of the narrowest opening", "", NULL },
     [VALIDITY_PARTS] = { "parts", "The number of parts is", "", "", NULL },
     [VALIDITY_SPEED] = { "m/s", "A belt runs at", " m/s", " m/s", NULL },
+    [VALIDITY_SCHEDULES] = { NULL, "The number of belts whose speed changes is", "", "",
+                             "constant speeds alone" },
     [VALIDITY_BELTS] = { NULL, "The number of different belt velocities is", "", "", "one alone" },
     [VALIDITY_PLATES] = { NULL, "The number of plates is", "", "", "one alone" },
     [VALIDITY_BENDS] = { NULL, "The number of bends of a plate is", "", "", NULL },
@@ -194,8 +198,20 @@ static size_t count_velocities(const scene *s)
 
 static void note_speeds(findings *f)
 {
-    for (size_t k = 0; k < f->s->n_belts; k++)
-        note(f, VALIDITY_SPEED, vec2_length(f->s->belts[k].velocity), "/belts/%zu/velocity_m_s", k);
+    double n_schedules = 0.0;
+
+    for (size_t k = 0; k < f->s->n_belts; k++) {
+        const scene_belt *belt = &f->s->belts[k];
+        const scene_speed_schedule *schedule = &belt->speed_schedule;
+        const double speed = vec2_length(belt->velocity);
+        if (schedule->n_times == 0 || schedule->times[0] > 0.0)
+            note(f, VALIDITY_SPEED, speed, "/belts/%zu/velocity_m_s", k);
+        for (size_t i = 0; i < schedule->n_times; i++)
+            note(f, VALIDITY_SPEED, speed * schedule->factors[i],
+                 "/belts/%zu/speed_schedule/factor/%zu", k, i);
+        n_schedules += schedule->n_times > 0;
+    }
+    note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
 }
 
 static void note_cargo(findings *f)

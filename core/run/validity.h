@@ -25,6 +25,7 @@ typedef enum validity_figure {
     VALIDITY_HEAP,           ///< parts for each diameter of the narrowest opening
     VALIDITY_PARTS,          ///< parts at the start
     VALIDITY_SPEED,          ///< of a belt, m/s
+    VALIDITY_SCHEDULES,      ///< belts whose speed changes in time
     VALIDITY_BELTS,          ///< belts that differ in their velocity
     VALIDITY_PLATES,         ///< plates that deflect cargo
     VALIDITY_BENDS,          ///< of one plate

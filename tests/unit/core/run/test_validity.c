@@ -152,6 +152,30 @@ static void slow_and_fast_belts_were_not_compared(void **state)
     assert_only(&s, VALIDITY_SPEED, 0.9, "/belts/0/velocity_m_s");
 }
 
+// The paper's 0.395 m/s, half of it, which is 0.1975 m/s, from 2 s on, and 0.79 m/s from 3 s on.
+static void belts_whose_speed_changes_were_not_compared(void **state)
+{
+    static const double times[] = { 2.0, 3.0 }, factors[] = { 0.5, 2.0 };
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    scene_speed_schedule *schedule = &s.belts[0].speed_schedule;
+    schedule->times = memory_alloc(2, sizeof *times);
+    schedule->factors = memory_alloc(2, sizeof *factors);
+    assert_true(schedule->times != NULL && schedule->factors != NULL);
+    memcpy(schedule->times, times, sizeof times);
+    memcpy(schedule->factors, factors, sizeof factors);
+    schedule->n_times = schedule->n_factors = 2;
+    const validity of = validity_now(&s);
+    assert_int_equal(of.n, 2);
+    assert_int_equal(of.items[0].figure, VALIDITY_SPEED);
+    assert_near(of.items[0].value, 0.1975, 1e-12);
+    assert_string_equal(of.items[0].pointer, "/belts/0/speed_schedule/factor/0");
+    assert_int_equal(of.items[1].figure, VALIDITY_SCHEDULES);
+    scene_fini(&s);
+}
+
 static void belts_of_several_velocities_were_not_compared(void **state)
 {
     static const vec2 half[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.6 }, { 0.0, 0.6 } };
@@ -379,6 +403,7 @@ int main(void)
         cmocka_unit_test(a_heap_that_saturates_the_opening_was_not_compared),
         cmocka_unit_test(few_parts_were_not_compared),
         cmocka_unit_test(slow_and_fast_belts_were_not_compared),
+        cmocka_unit_test(belts_whose_speed_changes_were_not_compared),
         cmocka_unit_test(belts_of_several_velocities_were_not_compared),
         cmocka_unit_test(a_belt_against_a_wall_was_not_compared),
         cmocka_unit_test(a_funnel_was_not_compared),
