@@ -388,6 +388,30 @@ static evaluation evaluate(const sampler *k, vec2 at)
     return e;
 }
 
+static double component_of(const evaluation *e, int component)
+{
+    return component == 0 ? e->velocity.x : e->velocity.y;
+}
+
+/// v_stat at a face across a component. A belt that moves along its own border lets pass what another belt
+/// brings over that border: on such a face the other one counts.
+static evaluation evaluate_face(const sampler *k, vec2 at, int component)
+{
+    const double step = MARGIN;
+    const vec2 across = component == 0 ? (vec2){ step, 0.0 } : (vec2){ 0.0, step };
+    evaluation e = evaluate(k, at);
+
+    if (e.region != REGION_FREE || component_of(&e, component) != 0.0)
+        return e;
+    evaluation before = evaluate(k, vec2_sub(at, across)),
+               after = evaluate(k, vec2_add(at, across));
+    bool is_border = before.region == REGION_FREE && after.region == REGION_FREE &&
+                     before.belt_index != after.belt_index;
+    bool comes = is_border && component_of(&before, component) > 0.0;
+    bool returns = is_border && component_of(&after, component) < 0.0;
+    return comes == returns ? e : comes ? before : after;
+}
+
 /// Fill a component of the velocity on all faces of a lattice and, unless ret_belt is NULL, the belts.
 static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v,
                        uint16_t *ret_belt)
@@ -399,14 +423,14 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
         choose_near(k, y);
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
-            evaluation e = evaluate(k, (vec2){ face_x(l, i), y });
+            evaluation e = evaluate_face(k, (vec2){ face_x(l, i), y }, component);
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
             for (size_t m = i; ret_belt != NULL && m < end; m++)
                 ret_belt[base + m] = (uint16_t)e.belt_index;
             for (; i < end; i++)
-                ret_v[base + i] = component == 0 ? e.velocity.x : e.velocity.y;
+                ret_v[base + i] = component_of(&e, component);
         }
     }
 }

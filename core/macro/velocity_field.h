@@ -11,9 +11,12 @@
 ///     A       everywhere else: v_T of the belt under x, zero off every belt
 ///
 /// v_T and the segments are those of surroundings.h. Borders are taken with SCENE_TOLERANCE in favour of
-/// the band, and of C on the line itself. Velocities are evaluated at face centres. All of them are linear in
-/// v_T, so that a belt whose speed changes (core/scene/belt_speeds.h) scales them by its factor: where there is
-/// such a belt, the field says which belt is under each face.
+/// the band, and of C on the line itself. Velocities are evaluated at face centres. On a border of two belts
+/// the later one counts, as everywhere; but a face along which that one moves has the velocity of the other one if
+/// this comes towards the face: what is brought to the border crosses it.
+///
+/// All velocities are linear in v_T, so that a belt whose speed changes (core/scene/belt_speeds.h) scales them by
+/// its factor: where there is such a belt, the field says which belt each face has its velocity from.
 
 #pragma once
 
@@ -27,10 +30,9 @@ typedef struct velocity_field {
     double *v2;       ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
     uint8_t *closed1; ///< nonzero: nothing crosses this x1-face
     uint8_t *closed2; ///< same for the x2-faces
-    uint16_t
-        *belt1; ///< index of the belt under this x1-face, n_belts of the scene off every belt; NULL
-                ///< if the speeds of all belts are constant
-    uint16_t *belt2; ///< same for the x2-faces
+    uint16_t *belt1;  ///< index of the belt of this x1-face, n_belts of the scene off every belt;
+                      ///< NULL if the speeds of all belts are constant
+    uint16_t *belt2;  ///< same for the x2-faces
 } velocity_field;
 
 /// Build the field of a checked scenario on its grid, for belts that move at v_T. The caller owns *ret_field:

@@ -70,6 +70,14 @@ scene_belt *helper_scene_add_belt(scene *s, vec2 velocity, const vec2 *polygon, 
     return b;
 }
 
+void helper_scene_schedule(scene_belt *belt, size_t n, const double *times, const double *factors)
+{
+    belt->speed_schedule = (scene_speed_schedule){ .n_times = n,
+                                                   .times = copy(times, n, sizeof *times),
+                                                   .n_factors = n,
+                                                   .factors = copy(factors, n, sizeof *factors) };
+}
+
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
 {
     double angle = angle_deg * M_PI / 180.0, length = 0.5 / sin(angle);

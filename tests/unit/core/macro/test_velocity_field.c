@@ -226,6 +226,67 @@ static void the_later_belt_wins_and_nothing_moves_off_the_belts(void **state)
     scene_fini(&s);
 }
 
+// At x = 0.5 m, where faces are, a belt to the east and then one to the west meets a belt to the north, which is
+// listed later.
+static void cargo_crosses_the_border_to_a_belt_that_runs_along_it(void **state)
+{
+    static const vec2 west[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 0.5 }, { 0.0, 0.5 } };
+    static const vec2 east[] = { { 0.5, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.5 }, { 0.5, 0.5 } };
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double v = k == 0 ? 0.3 : -0.3;
+        scene s;
+        helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
+        helper_scene_add_belt(&s, (vec2){ v, 0.0 }, k == 0 ? west : east, 4);
+        helper_scene_add_belt(&s, (vec2){ 0.0, 0.3 }, k == 0 ? east : west, 4);
+        helper_scene_schedule(&s.belts[0], 1, (double[]){ 1.0 }, (double[]){ 0.5 });
+        helper_scene_resolve(&s);
+        velocity_field *f = create(&s);
+        for (size_t j = 0; j < f->grid.n2; j++) {
+            const size_t border = j * (f->grid.n1 + 1) + 10;
+            const size_t before = k == 0 ? border - 1 : border + 1;
+            const size_t after = k == 0 ? border + 1 : border - 1;
+            assert_true(f->v1[before] == v && f->belt1[before] == 0);
+            assert_true(f->v1[border] == v && f->belt1[border] == 0);
+            assert_true(f->v1[after] == 0.0 && f->belt1[after] == 1);
+        }
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
+// The belts' indices are those of the point rule, 2 off both belts; there are none without a schedule.
+static void faces_know_their_belt_where_a_speed_changes(void **state)
+{
+    static const vec2 west[] = { { 0.0, 0.0 }, { 0.6, 0.0 }, { 0.6, 0.4 }, { 0.0, 0.4 } };
+    static const vec2 east[] = { { 0.42, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.4 }, { 0.42, 0.4 } };
+
+    (void)state;
+    for (int changes = 0; changes < 2; changes++) {
+        scene s;
+        helper_scene_belt(&s, 1.0, 0.5, 0.05, &somewhere, 1);
+        helper_scene_add_belt(&s, (vec2){ 0.1, 0.1 }, west, 4);
+        helper_scene_add_belt(&s, (vec2){ 0.2, 0.2 }, east, 4);
+        if (changes)
+            helper_scene_schedule(&s.belts[1], 1, (double[]){ 1.0 }, (double[]){ 0.5 });
+        helper_scene_resolve(&s);
+        velocity_field *f = create(&s);
+        const size_t n1 = f->grid.n1, n2 = f->grid.n2;
+        assert_int_equal(f->belt1 != NULL && f->belt2 != NULL, changes);
+        for (size_t k = 0; changes && k < (n1 + 1) * n2; k++) {
+            const bool is_on_belt = k / (n1 + 1)<8, is_east = k % (n1 + 1)> 8;
+            assert_int_equal(f->belt1[k], !is_on_belt ? 2 : is_east ? 1 : 0);
+        }
+        for (size_t k = 0; changes && k < n1 * (n2 + 1); k++) {
+            const bool is_on_belt = k / n1 <= 8, is_east = k % n1 >= 8;
+            assert_int_equal(f->belt2[k], !is_on_belt ? 2 : is_east ? 1 : 0);
+        }
+        velocity_field_destroy(f);
+        scene_fini(&s);
+    }
+}
+
 /// A number from low to high; now and then one of the grid's own places, which are the hard cases.
 static double draw(bf_random *random, double low, double high, double cell)
 {
@@ -585,6 +646,8 @@ int main(void)
         cmocka_unit_test(
             the_outward_band_wins_over_slide_zones_and_the_first_obstacle_over_later_ones),
         cmocka_unit_test(the_later_belt_wins_and_nothing_moves_off_the_belts),
+        cmocka_unit_test(cargo_crosses_the_border_to_a_belt_that_runs_along_it),
+        cmocka_unit_test(faces_know_their_belt_where_a_speed_changes),
         cmocka_unit_test(the_field_on_a_grid_is_the_plain_rule_at_every_face),
         cmocka_unit_test(nothing_is_linked_across_a_closed_line),
         cmocka_unit_test(no_way_leads_behind_a_line_from_wall_to_wall),
