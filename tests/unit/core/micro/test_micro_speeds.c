@@ -1,0 +1,324 @@
+// The four microscopic solvers on belts whose speed changes. Expected values are derived.
+
+#include "core/base/memory.h"
+#include "core/micro/micro.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// cmocka's own comparison of numbers is one of floats.
+#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+enum { SOLVERS = 4 };
+
+static const struct {
+    micro_path path;
+    micro_integrator integrator;
+    double dt;
+} solvers[SOLVERS] = {
+    { MICRO_PATH_PLANAR, MICRO_VERLET, 2e-5 },
+    { MICRO_PATH_PLANAR, MICRO_IMPLICIT, 1e-3 },
+    { MICRO_PATH_SPATIAL, MICRO_VERLET, 1e-5 },
+    { MICRO_PATH_SPATIAL, MICRO_IMPLICIT, 5e-4 },
+};
+
+// An upright cylinder of 12 mm on two belts, without damping. Do not move it once it was made.
+typedef struct world {
+    micro_def def;
+    scene_belt belts[2];
+    vec2 corners[2][4];
+    double times[2][4], factors[2][4];
+    micro_kind kind;
+    scene_pose pose;
+} world;
+
+// The first belt moves to the east and covers the domain; the second one is not in the definition yet.
+static void make_world(world *w, int solver)
+{
+    *w = (world){ .def = micro_def_default(),
+                  .kind = { .shape = { .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008 },
+                            .material = { 210e9, 0.28 },
+                            .mass = 0.0284,
+                            .spin_radius = 0.008 },
+                  .pose = { 0.5, 1.0, 0.0 } };
+    w->def.domain = (scene_rect){ 0.0, 3.0, 0.0, 3.0 };
+    w->def.path = solvers[solver].path;
+    w->def.integrator = solvers[solver].integrator;
+    w->def.dt = solvers[solver].dt;
+    w->def.damping = 0.0;
+    w->def.modulus_reduction = 1e4;
+    w->def.n_belts = w->def.n_kinds = w->def.n_parts = 1;
+    w->def.belts = w->belts;
+    w->def.kinds = &w->kind;
+    w->def.poses = &w->pose;
+    for (int k = 0; k < 2; k++)
+        w->belts[k] = (scene_belt){ .velocity = { k == 0 ? 0.4 : 0.0, k == 0 ? 0.0 : 0.3 },
+                                    .acceleration = INFINITY,
+                                    .deceleration = INFINITY };
+}
+
+static void set_schedule(world *w, int belt, size_t n, const double *times, const double *factors)
+{
+    memcpy(w->times[belt], times, n * sizeof *times);
+    memcpy(w->factors[belt], factors, n * sizeof *factors);
+    w->belts[belt].speed_schedule =
+        (scene_speed_schedule){ n, w->times[belt], n, w->factors[belt] };
+}
+
+static micro_solver *start(const world *w)
+{
+    micro_solver *s = NULL;
+    bf_error err = { 0 };
+
+    if (micro_create(&w->def, &s, &err) != BF_OK)
+        fail_msg("%s: %s", err.pointer, err.text);
+    return s;
+}
+
+// Goes on to time t, in calls of one step and of many.
+static void advance_to(micro_solver *s, double t)
+{
+    const uint64_t end = (uint64_t)lround(t / micro_dt(s));
+
+    assert_int_equal(micro_advance(s, 1, NULL), BF_OK);
+    assert_int_equal(micro_advance(s, end - micro_steps(s), NULL), BF_OK);
+}
+
+static void a_part_starts_with_the_speed_that_its_belt_has_then(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        world w;
+        make_world(&w, k);
+        set_schedule(&w, 0, 2, (double[]){ 0.0, 1.0 }, (double[]){ 0.25, 1.0 });
+        micro_solver *s = start(&w);
+        assert_true(micro_part_of(s, 0).v[0] == 0.1 && micro_part_of(s, 0).v[1] == 0.0);
+        advance_to(s, 0.9);
+        assert_near(micro_part_of(s, 0).x[0], 0.5 + 0.1 * 0.9, 1e-9);
+        micro_destroy(s);
+    }
+}
+
+static void on_a_belt_that_stands_a_part_does_not_move(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        world w;
+        make_world(&w, k);
+        set_schedule(&w, 0, 1, (double[]){ 0.0 }, (double[]){ 0.0 });
+        micro_solver *s = start(&w);
+        advance_to(s, 0.5);
+        const micro_part part = micro_part_of(s, 0);
+        assert_near(hypot(part.x[0] - 0.5, part.x[1] - 1.0), 0.0, 1e-15);
+        assert_near(hypot(part.v[0], part.v[1]), 0.0, 1e-15);
+        micro_destroy(s);
+    }
+}
+
+// On a belt of acceleration a the friction mu m g tanh(lambda s) is m a; here a = 1 m/s2 from 0.2 m/s on. In a step the
+// belt has its mean speed, that of the middle. A part after n steps has the velocity at which friction was taken: in the
+// next step by Verlet, in the last one by implicit steps, whose secants are within 2e-4 in the plane (friction.h).
+static void in_a_ramp_a_part_trails_by_the_slip_of_its_friction(void **state)
+{
+    const double slip = atanh(1.0 / 9.81) / 10.0;
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const double half = solvers[k].integrator == MICRO_IMPLICIT ? -0.5 : 0.5;
+        world w;
+        make_world(&w, k);
+        w.belts[0].acceleration = 1.0;
+        set_schedule(&w, 0, 2, (double[]){ 0.0, solvers[k].dt }, (double[]){ 0.5, 4.0 });
+        micro_solver *s = start(&w);
+        advance_to(s, 0.5);
+        const double belt = 0.2 + 0.5 + (half - 1.0) * solvers[k].dt;
+        assert_near(belt - micro_part_of(s, 0).v[0], slip, k == 1 ? 2e-4 * slip : 1e-12);
+        micro_destroy(s);
+    }
+}
+
+// Friction is an odd function of the slip, so what a part gains on the belt in the ramp down it loses in the same
+// ramp up. In between it leads: for slips at which tanh is linear, by 0.4 m/s / (mu g lambda), since the sum of all
+// friction is the change of its momentum. tanh z = z (1 - z^2/3 + ...) with z = a / (mu g) < 0.011. Verlet takes the
+// friction of a step before the part moves in it, so that a step of 0.4 m/s is missing.
+static void after_a_stop_and_go_a_part_is_where_the_belt_has_carried_it(void **state)
+{
+    const double lead = 0.4 / (9.81 * 10.0);
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const double missing = solvers[k].integrator == MICRO_VERLET ? 0.4 * solvers[k].dt : 0.0;
+        world w;
+        make_world(&w, k);
+        w.belts[0].acceleration = w.belts[0].deceleration = 0.1;
+        // Ramps of 4 s each; the belt moves by 0.2 m, 0.8 m, nothing, 0.8 m and 0.2 m.
+        set_schedule(&w, 0, 2, (double[]){ 0.5, 5.0 }, (double[]){ 0.0, 1.0 });
+        micro_solver *s = start(&w);
+        advance_to(s, 5.0);
+        assert_near(micro_part_of(s, 0).v[0], 0.0, 1e-12);
+        assert_near(micro_part_of(s, 0).x[0], 0.5 + 0.2 + 0.8 + lead - missing, 1e-4 * lead);
+        advance_to(s, 9.5);
+        assert_near(micro_part_of(s, 0).v[0], 0.4, 1e-9);
+        assert_near(micro_part_of(s, 0).x[0], 0.5 + 0.2 + 0.8 + 0.8 + 0.2, 1e-9);
+        micro_destroy(s);
+    }
+}
+
+// The two belts meet at x = 1 m.
+static void set_transfer(world *w, vec2 velocity)
+{
+    static const double edges[3] = { 0.0, 1.0, 3.0 };
+
+    for (int k = 0; k < 2; k++) {
+        w->corners[k][0] = (vec2){ edges[k], 0.0 };
+        w->corners[k][1] = (vec2){ edges[k + 1], 0.0 };
+        w->corners[k][2] = (vec2){ edges[k + 1], 3.0 };
+        w->corners[k][3] = (vec2){ edges[k], 3.0 };
+        w->belts[k].n_points = 4;
+        w->belts[k].polygon = w->corners[k];
+    }
+    w->belts[1].velocity = velocity;
+    w->def.n_belts = 2;
+}
+
+// A part 0.5 m before the border reaches it after 1.25 s at 0.4 m/s and a pause of 0.5 s. Friction follows a jump
+// within some 10 ms; the speeds of the second belt are 0, a half and all of its velocity.
+static void check_transfer(int solver, const scene_shape *shape, vec2 velocity)
+{
+    static const double halves[] = { 0.5, 1.0 };
+    world w;
+
+    make_world(&w, solver);
+    w.kind.shape = *shape;
+    set_transfer(&w, velocity);
+    set_schedule(&w, 0, 2, (double[]){ 0.3, 0.8 }, (double[]){ 0.0, 1.0 });
+    set_schedule(&w, 1, 3, (double[]){ 0.0, 2.0, 2.5 }, (double[]){ 0.0, 0.5, 1.0 });
+    micro_solver *s = start(&w);
+    advance_to(s, 0.75);
+    assert_near(micro_part_of(s, 0).v[0], 0.0, 1e-9);
+    advance_to(s, 1.5);
+    assert_near(micro_part_of(s, 0).v[0], 0.4, 1e-9);
+    for (int k = 0; k < 2; k++) {
+        advance_to(s, 2.4 + 0.5 * k);
+        assert_near(micro_part_of(s, 0).v[0], halves[k] * velocity.x, 1e-6);
+        assert_near(micro_part_of(s, 0).v[1], halves[k] * velocity.y, 1e-6);
+    }
+    micro_destroy(s);
+}
+
+static void a_part_takes_the_speeds_of_the_belt_that_it_comes_to(void **state)
+{
+    const scene_shape cylinder = { .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008 };
+    const scene_shape box = { .type = SCENE_BOX, .length = 0.03, .width = 0.02, .height = 0.01 };
+    const vec2 ahead = { 0.3, 0.0 }, aside = { 0.0, 0.3 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        check_transfer(k, &cylinder, ahead); // a drop in speed
+        check_transfer(k, &cylinder, aside); // a right-angle transfer
+        if (solvers[k].path == MICRO_PATH_PLANAR)
+            continue;
+        check_transfer(k, &box, ahead);
+        check_transfer(k, &box, aside);
+    }
+}
+
+// A quarter of a radius in a step, at 0.4 m/s times the largest factor.
+static void the_largest_speed_bounds_implicit_steps(void **state)
+{
+    world w;
+
+    (void)state;
+    make_world(&w, 1);
+    assert_near(micro_dt_stable(&w.def), 0.25 * 0.012 / 0.4, 1e-12);
+    set_schedule(&w, 0, 2, (double[]){ 1e3, 2e3 }, (double[]){ 2.5, 0.5 });
+    assert_near(micro_dt_stable(&w.def), 0.25 * 0.012 / (0.4 * 2.5), 1e-12);
+}
+
+static void a_schedule_at_fault_is_refused_at_its_belt(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        static scene_belt many[SCENE_BELTS_MAX + 1];
+        world w;
+        micro_solver *s = NULL;
+        bf_error err = { 0 };
+        make_world(&w, k);
+        set_schedule(&w, 0, 2, (double[]){ 1.0, 1.0 }, (double[]){ 0.0, 1.0 });
+        assert_int_equal(micro_create(&w.def, &s, &err), BF_EINPUT);
+        assert_string_equal(err.pointer, "/belts/0");
+        w.def.belts = many;
+        w.def.n_belts = SCENE_BELTS_MAX + 1;
+        assert_int_equal(micro_create(&w.def, &s, &err), BF_ELIMIT);
+        assert_string_equal(err.pointer, "/belts");
+        assert_null(s);
+    }
+}
+
+static void a_state_of_another_schedule_is_refused(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        bf_buffer saved = { 0 };
+        world w;
+        make_world(&w, k);
+        w.belts[0].acceleration = w.belts[0].deceleration = 1.0;
+        set_schedule(&w, 0, 2, (double[]){ 0.5, 1.0 }, (double[]){ 0.0, 1.0 });
+        micro_solver *s = start(&w);
+        assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
+        micro_destroy(s);
+        double *const numbers[] = { &w.belts[0].acceleration, &w.belts[0].deceleration,
+                                    &w.times[0][1], &w.factors[0][1] };
+        for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+            const double before = *numbers[n];
+            *numbers[n] *= 1.0 + 0x1p-40;
+            s = start(&w);
+            assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+            micro_destroy(s);
+            *numbers[n] = before;
+        }
+        buffer_fini(&saved);
+    }
+}
+
+static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        bf_status status = BF_ENOMEM;
+        world w;
+        make_world(&w, k);
+        set_schedule(&w, 0, 2, (double[]){ 0.5, 1.0 }, (double[]){ 0.0, 1.0 });
+        for (size_t n = 1; status != BF_OK; n++) {
+            micro_solver *s = NULL;
+            memory_plan_fault(n, 0);
+            status = micro_create(&w.def, &s, NULL);
+            memory_plan_fault(0, 0);
+            assert_true(status == BF_OK ? s != NULL : status == BF_ENOMEM && s == NULL);
+            micro_destroy(s);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_part_starts_with_the_speed_that_its_belt_has_then),
+        cmocka_unit_test(on_a_belt_that_stands_a_part_does_not_move),
+        cmocka_unit_test(in_a_ramp_a_part_trails_by_the_slip_of_its_friction),
+        cmocka_unit_test(after_a_stop_and_go_a_part_is_where_the_belt_has_carried_it),
+        cmocka_unit_test(a_part_takes_the_speeds_of_the_belt_that_it_comes_to),
+        cmocka_unit_test(the_largest_speed_bounds_implicit_steps),
+        cmocka_unit_test(a_schedule_at_fault_is_refused_at_its_belt),
+        cmocka_unit_test(a_state_of_another_schedule_is_refused),
+        cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
