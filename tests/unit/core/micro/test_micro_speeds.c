@@ -229,6 +229,85 @@ static void a_part_takes_the_speeds_of_the_belt_that_it_comes_to(void **state)
     }
 }
 
+enum { COLUMNS = 30, CROWD = 40 * COLUMNS, CROWD_IN_SPACE = 2 * COLUMNS, PARTS_MAX = CROWD };
+
+// Parts that touch each other, on both sides of the border of two belts whose speeds change all the time; so many
+// that two threads have work. Do not move it once it was made.
+typedef struct crowd {
+    world w;
+    int n_steps; // of a run
+    scene_pose poses[PARTS_MAX];
+} crowd;
+
+static void make_crowd(crowd *c, int solver)
+{
+    static const int steps[SOLVERS] = { 600, 60, 300, 60 };
+    const double t = steps[solver] * solvers[solver].dt; // s, of the run
+
+    make_world(&c->w, solver);
+    set_transfer(&c->w, (vec2){ 0.1, 0.3 });
+    for (int k = 0; k < PARTS_MAX; k++)
+        c->poses[k] =
+            (scene_pose){ 0.66 + 0.0239 * (k % COLUMNS), 1.0 + 0.0239 * (k / COLUMNS), 0.0 };
+    c->n_steps = steps[solver];
+    c->w.def.poses = c->poses;
+    c->w.def.n_parts = solvers[solver].path == MICRO_PATH_PLANAR ? CROWD : CROWD_IN_SPACE;
+    // Ramps of 0.4 m/s take a fifth of the run.
+    c->w.belts[0].acceleration = c->w.belts[0].deceleration = 0.4 / (0.2 * t);
+    set_schedule(&c->w, 0, 3, (double[]){ 0.1 * t, 0.4 * t, 0.7 * t }, (double[]){ 0.0, 1.5, 0.5 });
+    set_schedule(&c->w, 1, 2, (double[]){ 0.0, 0.5 * t }, (double[]){ 1.0, 0.0 });
+}
+
+// The digest after a run on n_threads threads that is saved after n steps and goes on in another solver.
+static uint64_t digest_of_run(crowd *c, int n_threads, uint64_t n)
+{
+    bf_buffer saved = { 0 };
+
+    c->w.def.n_threads = n_threads;
+    micro_solver *s = start(&c->w);
+    assert_int_equal(micro_advance(s, n, NULL), BF_OK);
+    assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
+    micro_destroy(s);
+    s = start(&c->w);
+    assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_OK);
+    assert_int_equal(micro_advance(s, (uint64_t)c->n_steps - n, NULL), BF_OK);
+    assert_true(micro_measure(s).n_contacts > 5);
+    const uint64_t digest = micro_digest(s);
+    micro_destroy(s);
+    buffer_fini(&saved);
+    return digest;
+}
+
+// Saved before the first time, in each of three ramps, while a belt stands, and at the end.
+static void threads_and_resumes_in_ramps_change_no_bit(void **state)
+{
+    static crowd c;
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        make_crowd(&c, k);
+        const uint64_t n = (uint64_t)c.n_steps, digest = digest_of_run(&c, 1, 0);
+        const uint64_t stops[] = { n / 20, n / 5, n / 3, n / 2, 3 * n / 4, n };
+        for (size_t m = 0; m < sizeof stops / sizeof *stops; m++)
+            assert_true(digest_of_run(&c, 1 + (int)m % 3, stops[m]) == digest);
+    }
+}
+
+static void steps_one_by_one_give_the_bits_of_steps_in_a_row(void **state)
+{
+    static crowd c;
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        make_crowd(&c, k);
+        micro_solver *s = start(&c.w);
+        for (int n = 0; n < c.n_steps; n++)
+            assert_int_equal(micro_advance(s, 1, NULL), BF_OK);
+        assert_true(micro_digest(s) == digest_of_run(&c, 1, 0));
+        micro_destroy(s);
+    }
+}
+
 // A quarter of a radius in a step, at 0.4 m/s times the largest factor.
 static void the_largest_speed_bounds_implicit_steps(void **state)
 {
@@ -314,6 +393,8 @@ int main(void)
         cmocka_unit_test(in_a_ramp_a_part_trails_by_the_slip_of_its_friction),
         cmocka_unit_test(after_a_stop_and_go_a_part_is_where_the_belt_has_carried_it),
         cmocka_unit_test(a_part_takes_the_speeds_of_the_belt_that_it_comes_to),
+        cmocka_unit_test(threads_and_resumes_in_ramps_change_no_bit),
+        cmocka_unit_test(steps_one_by_one_give_the_bits_of_steps_in_a_row),
         cmocka_unit_test(the_largest_speed_bounds_implicit_steps),
         cmocka_unit_test(a_schedule_at_fault_is_refused_at_its_belt),
         cmocka_unit_test(a_state_of_another_schedule_is_refused),

@@ -264,6 +264,31 @@ static void counters_do_not_take_the_names_of_other_columns(void **state)
     }
 }
 
+static void speed_schedules_are_checked_belt_by_belt(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        scene_belt *belt = helper_scene_add_belt(&s, (vec2){ 0.2, 0.0 }, NULL, 0);
+        snprintf(belt->id, sizeof belt->id, "second");
+        helper_scene_schedule(belt, 2, (double[]){ 1.0, k == 0 ? 0.5 : 2.0 },
+                              (double[]){ 0.0, 1.0 });
+        belt->deceleration = k == 0 ? INFINITY : -1.0;
+        assert_true(is_only_fault(
+            &s, BF_EINPUT, k == 0 ? "/belts/1/speed_schedule/t_s/1" : "/belts/1/deceleration_m_s2",
+            k == 0 ? "0.5 s do not come after the 1 s" : "must be above 0"));
+    }
+    // The second belt is the faster one from 2 s on: 0.5 m/s; its factor of 2.5 is the largest, too.
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    helper_scene_schedule(helper_scene_add_belt(&s, (vec2){ 0.2, 0.0 }, NULL, 0), 1,
+                          (double[]){ 2.0 }, (double[]){ 2.5 });
+    assert_near(scene_belt_speed(&s), speed, 0.0);
+    assert_near(scene_step_stable(&s), 0.005 / (0.5 + 2.5 * 2.0 * speed), 1e-15);
+    scene_fini(&s);
+}
+
 static void polygons_of_belts_are_simple(void **state)
 {
     static const struct {
@@ -538,6 +563,7 @@ int main(void)
         cmocka_unit_test(a_wrong_member_is_reported_once_and_not_again_for_derived_members),
         cmocka_unit_test(ids_are_words_and_unique),
         cmocka_unit_test(counters_do_not_take_the_names_of_other_columns),
+        cmocka_unit_test(speed_schedules_are_checked_belt_by_belt),
         cmocka_unit_test(polygons_of_belts_are_simple),
         cmocka_unit_test(paths_of_obstacles_have_length),
         cmocka_unit_test(shapes_are_convex_and_solid),

@@ -1,0 +1,149 @@
+// Runs of both models on belts whose speed changes: what they report, and that a stop in a ramp changes nothing.
+
+#include "core/run/run.h"
+#include "tests/unit/core/helper_run.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SOLVERS = 5 };
+
+static const struct {
+    run_model model;
+    scene_path path;
+    scene_integrator integrator;
+    double step; // of the microscopic model, s
+} solvers[SOLVERS] = {
+    { RUN_MACRO, SCENE_PATH_AUTO, SCENE_VERLET, 1e-5 },
+    { RUN_MICRO, SCENE_PATH_PLANAR, SCENE_VERLET, 2e-5 },
+    { RUN_MICRO, SCENE_PATH_PLANAR, SCENE_IMPLICIT, 1e-3 },
+    { RUN_MICRO, SCENE_PATH_SPATIAL, SCENE_VERLET, 2e-5 },
+    { RUN_MICRO, SCENE_PATH_SPATIAL, SCENE_IMPLICIT, 5e-4 },
+};
+
+// Example 1's obstacle, and 20 parts that reach it soon; the belt is hardly ever at a constant speed.
+static void make_jam(scene *s, int solver)
+{
+    helper_scene_example(s, 60.0, SCENE_SEALED);
+    s->initial.n_rows = 4;
+    s->initial.n_columns = 5;
+    s->initial.first = (vec2){ 0.40, 0.15 };
+    s->duration = 0.3;
+    s->macro.cell = 0.01;
+    s->macro.step = 0.0025;
+    s->micro.path = solvers[solver].path;
+    s->micro.integrator = solvers[solver].integrator;
+    s->micro.step = solvers[solver].step;
+    s->belts[0].acceleration = 6.0;
+    s->belts[0].deceleration = 5.0;
+    helper_scene_schedule(&s->belts[0], 4, (double[]){ 0.02, 0.11, 0.17, 0.26 },
+                          (double[]){ 0.1, 1.6, 0.0, 1.0 });
+}
+
+static helper_run_log *new_log(int solver)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+
+    assert_non_null(log);
+    log->model = solvers[solver].model;
+    return log;
+}
+
+static void free_log(helper_run_log *log)
+{
+    buffer_fini(&log->checkpoint);
+    free(log->parts);
+    free(log);
+}
+
+static void assert_same_results(const helper_run_log *a, const helper_run_log *b)
+{
+    assert_int_equal(a->n_samples, b->n_samples);
+    assert_memory_equal(a->values, b->values, a->n_samples * sizeof *a->values);
+    assert_true(a->snapshot_digest == b->snapshot_digest);
+    assert_true(a->parts_digest == b->parts_digest);
+    assert_true(a->end.digest == b->end.digest);
+}
+
+static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        helper_run_log *whole = new_log(k);
+        scene s;
+        make_jam(&s, k);
+        assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
+        for (uint64_t stop = 1; stop < 5; stop++) {
+            helper_run_log *log = new_log(k);
+            log->stop_at = 1 + stop * whole->n_askings / 5;
+            assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+            assert_int_equal(log->end.stopped, 1);
+            assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
+            assert_same_results(log, whole);
+            free_log(log);
+        }
+        scene_fini(&s);
+        free_log(whole);
+    }
+}
+
+static void a_checkpoint_fits_no_other_schedule(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        helper_run_log *log = new_log(k);
+        scene s;
+        make_jam(&s, k);
+        log->stop_at = 1;
+        assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+        s.belts[0].speed_schedule.factors[3] = 1.0 + 0x1p-40;
+        assert_int_equal(helper_run(&s, 1, 1, log), BF_ECORRUPT);
+        scene_fini(&s);
+        free_log(log);
+    }
+}
+
+// The belt stands from 0.3 s on, 0.3 m before the plate, after it has moved by 0.395 m/s (0.2 s + 0.1 s / 2).
+static void while_a_belt_stands_the_curve_does_not_move(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        helper_run_log *log = new_log(k);
+        scene s;
+        make_jam(&s, k);
+        s.duration = 0.5;
+        s.initial.first = (vec2){ 0.2, 0.15 };
+        s.counters[0].rect.x_max = 0.2 + 0.395 * 0.25 + 0.02;
+        s.belts[0].deceleration = 0.395 / 0.1;
+        s.belts[0].speed_schedule.n_times = s.belts[0].speed_schedule.n_factors = 1;
+        s.belts[0].speed_schedule.times[0] = 0.2;
+        s.belts[0].speed_schedule.factors[0] = 0.0;
+        assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
+        const double *start = helper_run_at(log, 0.0);
+        const double *then = helper_run_at(log, 0.4), *end = helper_run_at(log, 0.5);
+        assert_true(then[0] < start[0] && then[0] > 0.0);
+        // Parts come to rest by friction within some 10 ms, and the counter ends between their columns.
+        assert_true(then[0] == end[0]);
+        scene_fini(&s);
+        free_log(log);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_run_stopped_in_a_ramp_resumes_to_the_same_results),
+        cmocka_unit_test(a_checkpoint_fits_no_other_schedule),
+        cmocka_unit_test(while_a_belt_stands_the_curve_does_not_move),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
