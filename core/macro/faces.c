@@ -157,14 +157,43 @@ bf_status macro__faces_init(macro_solver *s, const macro_def *def)
     return BF_OK;
 }
 
-static void update_row(const macro_solver *s, const macro_faces *faces, ptrdiff_t row)
+// The first face of a block, within a row.
+static ptrdiff_t clamp_face(const macro_solver *s, ptrdiff_t b)
+{
+    const ptrdiff_t face = b * BLOCK_CELLS;
+
+    return face < -1 ? -1 : face > s->n1 ? s->n1 : face;
+}
+
+static void update_faces(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
+                         ptrdiff_t first, ptrdiff_t last)
 {
     const double *v_full = macro__row(s, faces->v_full, row);
     const uint16_t *belt = macro__belts(s, faces, row);
     double *v = macro__row(s, faces->v, row);
 
-    for (ptrdiff_t i = -1; i < s->n1; i++)
+    for (ptrdiff_t i = first; i < last; i++)
         v[i] = v_full[i] * s->factors[belt[i]];
+}
+
+// uniform is the present velocity of the blocks that are not mixed; NULL: it is always 0.
+static void update_row(const macro_solver *s, const macro_faces *faces, ptrdiff_t row,
+                       const double *uniform)
+{
+    const uint64_t *mixed = macro__set(s, faces->mixed, row);
+    double *v = macro__row(s, faces->v, row);
+    ptrdiff_t b = -1, done = -1;
+    block_span run;
+
+    while (done < s->n1) {
+        if (!block_set_next_run(mixed, s->n_words, &b, &run))
+            run = (block_span){ s->n_blocks, s->n_blocks };
+        const ptrdiff_t first = clamp_face(s, run.first), last = clamp_face(s, run.last);
+        for (ptrdiff_t i = done; uniform != NULL && i < first; i++)
+            v[i] = *uniform;
+        update_faces(s, faces, row, first, last);
+        done = last;
+    }
 }
 
 static void update_rows(void *context, size_t item)
@@ -174,8 +203,8 @@ static void update_rows(void *context, size_t item)
 
     for (ptrdiff_t row = first; row < first + ROWS_AT_ONCE && row <= s->n2; row++) {
         if (row < s->n2)
-            update_row(s, &s->faces1, row);
-        update_row(s, &s->faces2, row);
+            update_row(s, &s->faces1, row, s->uniform1_full != 0.0 ? &s->uniform1 : NULL);
+        update_row(s, &s->faces2, row, NULL);
     }
 }
 
