@@ -11,7 +11,7 @@ enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
 
 static const double cfl_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
-#define X(suffix) macro_sweep_fn macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix;
+#define X(suffix) macro_sweep_fn macro__sweep_roe_wide_##suffix, macro__sweep_roe_narrow_##suffix;
 CPU_EACH_BUILD(X)
 #undef X
 
@@ -19,7 +19,7 @@ macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_na
 {
     // One row a scheme: its sweep for every level, for wide and for narrow grids.
     static macro_sweep_fn *const builds[SCENE_SCHEME_COUNT][CPU_AVX512 + 1][2] = {
-#define X(suffix) { macro__sweep_band_wide_##suffix, macro__sweep_band_narrow_##suffix },
+#define X(suffix) { macro__sweep_roe_wide_##suffix, macro__sweep_roe_narrow_##suffix },
         [SCENE_SCHEME_ROE] = { CPU_EACH_BUILD(X) },
 #undef X
     };
@@ -221,14 +221,13 @@ static void partition_pairs(macro_band *band, partition *c)
         band->dispersion[k].done = partition_set(c);
         band->outside_active[k] = partition_set(c);
         band->outside_first[k] = partition_set(c);
-        band->after_x1_h_rho[k] = partition_row(c);
         band->outside[k] = partition_row(c);
         band->flux2[k] = partition_row(c);
         band->flux2_set[k] = partition_set(c);
     }
 }
 
-enum { ROWS_IN_PAIRS = 5, SETS_IN_PAIRS = 4, SINGLE_ROWS = 2, SINGLE_SETS = 7 };
+enum { ROWS_IN_PAIRS = 4, SETS_IN_PAIRS = 4, SINGLE_ROWS = 1, SINGLE_SETS = 7 };
 
 static bf_status band_init(const macro_solver *s, macro_band *band)
 {
@@ -254,7 +253,6 @@ static bf_status band_init(const macro_solver *s, macro_band *band)
     partition c = { s, band->rows, band->sets };
     partition_ring(band, &c);
     partition_pairs(band, &c);
-    band->h_rho = partition_row(&c);
     band->flux1 = partition_row(&c);
     band->active_faces = partition_set(&c);
     band->wanted = partition_set(&c);

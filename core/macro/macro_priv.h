@@ -45,7 +45,6 @@ typedef struct macro_state {
 /// A row after its x1 sweep.
 typedef struct macro_row_after_x1 {
     const double *rho;      ///< cell 0
-    const double *h_rho;    ///< H(rho - 1) rho, or rho itself, see sweep.c
     uint64_t *active;       ///< blocks in which H may not be zero
     uint64_t *active_first; ///< those of them in whose first cell it may not be
     block_span span;        ///< what is not zero lies within
@@ -85,11 +84,9 @@ typedef struct macro_band {
     const double **integral_rows; ///< same
     macro_dispersion_row dispersion[2]; ///< I of the current row and of the one before
     macro_row_after_x1 after_x1[2];     ///< the current row and the one before after their x1 sweep
-    double *after_x1_h_rho[2];          ///< storage for macro_row_after_x1.h_rho
     double *outside[2];                 ///< x1 sweeps of the rows before and after the band
     uint64_t *outside_active[2];        ///< their sets
     uint64_t *outside_first[2];         ///< same
-    double *h_rho;                      ///< H(rho - 1) rho of a row of `now`
     double *flux1;                      ///< x1 fluxes of the current row
     double *flux2[2];       ///< x2 fluxes into and out of the row before; 0 outside flux2_set
     uint64_t *flux2_set[2]; ///< blocks with such a flux
@@ -190,11 +187,11 @@ uint64_t macro__digest_definition(const macro_def *def);
 #if MACRO_IS_NARROW
 #define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_narrow)
 #define macro__dispersion_make  CPU_NAME(macro__dispersion_make_narrow)
-#define macro__sweep_band       CPU_NAME(macro__sweep_band_narrow)
+#define macro__sweep_roe        CPU_NAME(macro__sweep_roe_narrow)
 #else
 #define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_wide)
 #define macro__dispersion_make  CPU_NAME(macro__dispersion_make_wide)
-#define macro__sweep_band       CPU_NAME(macro__sweep_band_wide)
+#define macro__sweep_roe        CPU_NAME(macro__sweep_roe_wide)
 #endif
 
 /// Words of a set of blocks, known to the compiler where it is one.
@@ -210,5 +207,5 @@ void macro__dispersion_begin(macro_band *band);
 void macro__dispersion_make(macro_band *band, ptrdiff_t r);
 
 /// Advance the band's rows by one step.
-void macro__sweep_band(macro_band *band);
+void macro__sweep_roe(macro_band *band);
 #endif

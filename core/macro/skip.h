@@ -1,7 +1,7 @@
 /// What a step skips: which blocks of a row need which part of the work.
 ///
-/// The scheme (sweep.c) is correct without any of it. These functions find where its terms are exactly zero, or
-/// the same for whole blocks:
+/// The sweep (sweep_roe.c) is correct without any of it. These functions find where its terms
+/// are exactly zero, or the same for whole blocks:
 ///
 ///     rho = 0                    no flux: a row is swept from its first to its last block with mass
 ///     H = 0 on both sides        no dynamic flux: I is not needed there
@@ -9,7 +9,7 @@
 ///     v = 0 and I = 0            no x2 flux
 ///
 /// A set may contain more blocks than necessary, never fewer: a flux made without need is exactly zero. For
-/// sweep.c, which is compiled once per instruction set.
+/// the files that are compiled once per instruction set.
 
 #pragma once
 
@@ -68,8 +68,24 @@ static inline void skip_find_special(macro_band *band, ptrdiff_t r, block_span s
     }
 }
 
+/// Set band->flux2_set of the faces between rows r - 1 and r, and clear the flux in blocks that leave the set.
+static inline void skip_put_flux_x2(macro_band *band, ptrdiff_t r, const uint64_t *blocks)
+{
+    uint64_t *set = band->flux2_set[r & 1], *left = band->unexpected;
+    ptrdiff_t b = -1;
+    block_span run;
+
+    for (size_t w = 0; w < macro__words(band->solver); w++) {
+        left[w] = set[w] & ~blocks[w];
+        set[w] = blocks[w];
+    }
+    while (block_set_next_run(left, macro__words(band->solver), &b, &run))
+        memset(band->flux2[r & 1] + run.first * BLOCK_CELLS, 0,
+               (size_t)(run.last - run.first) * BLOCK_CELLS * sizeof(double));
+}
+
 /// Set the blocks of the x2 flux between rows r - 1 and r that are not exactly zero: band->flux2_set; of
-/// them band->wanted needs I. The flux array is cleared elsewhere.
+/// them band->wanted needs I.
 static inline void skip_find_flux_x2(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
@@ -77,18 +93,11 @@ static inline void skip_find_flux_x2(macro_band *band, ptrdiff_t r)
     const uint64_t *mixed = macro__set(s, s->faces2.mixed, r);
     const uint64_t *closed_blocks = macro__set(s, s->faces2.closed_blocks, r);
     const block_span span = block_span_hull(south->span, north->span);
-    uint64_t *set = band->flux2_set[r & 1];
-    ptrdiff_t b = -1;
-    block_span run;
 
     for (size_t w = 0; w < macro__words(s); w++) {
         band->wanted[w] = (south->active[w] | north->active[w]) & ~closed_blocks[w];
         uint64_t carried = mixed[w] & ~closed_blocks[w] & block_set_span_word(span, w);
-        band->todo[w] = set[w];
-        set[w] = band->wanted[w] | carried;
-        band->todo[w] &= ~set[w];
+        band->todo[w] = band->wanted[w] | carried;
     }
-    while (block_set_next_run(band->todo, macro__words(s), &b, &run))
-        memset(band->flux2[r & 1] + run.first * BLOCK_CELLS, 0,
-               (size_t)(run.last - run.first) * BLOCK_CELLS * sizeof(double));
+    skip_put_flux_x2(band, r, band->todo);
 }

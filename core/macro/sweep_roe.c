@@ -1,4 +1,4 @@
-// One step of a band of rows by the scheme of section 4.2,
+// One step of a band of rows by the scheme of section 4.2 (SCENE_SCHEME_ROE),
 //
 //     rho <- rho - lambda (F+ - F-)        along x1, then along x2 with the same velocities,
 //
@@ -6,14 +6,10 @@
 // sweep of row r, the flux between rows r - 1 and r, then the x2 sweep of row r - 1. skip.h finds the terms
 // that are exactly zero and skipped.
 
-#include "core/macro/flux.h"
-#include "core/macro/macro_priv.h"
 #include "core/macro/skip.h"
+#include "core/macro/sweep.h"
 
-#include <math.h>
 #include <string.h>
-
-static const double cost_of_dispersion = 8.0; // I of a block, in blocks that are swept
 
 // out = rho - lambda (after - before): fluxes through the faces after and before each cell; out may be
 // rho. Marks the blocks of the range in two sets (active_blocks.h): those with a new density >= 1, and
@@ -40,23 +36,6 @@ static void update(const double *rho, double lambda, const double *after, const 
     }
 }
 
-// Marks the blocks of a range from their densities.
-static void mark_range(const double *rho, ptrdiff_t b_min, ptrdiff_t b_max, uint64_t *saturated,
-                       uint64_t *saturated_first)
-{
-    for (ptrdiff_t low = b_min, high; low < b_max; low = high) {
-        block_marks m = block_marks_from(low);
-        high = block_set_end_of_word(low, b_max);
-        for (ptrdiff_t b = low; b < high; b++) {
-            unsigned saturated_cells = 0;
-            for (int k = 0; k < BLOCK_CELLS; k += SIMD_LANES)
-                saturated_cells |= simd_bits_from_1(simd_load(rho + b * BLOCK_CELLS + k)) << k;
-            m = block_marks_add(m, saturated_cells);
-        }
-        block_marks_put(m, low, high, saturated, saturated_first);
-    }
-}
-
 // update() along x1 with the fluxes v rho of one velocity v >= 0, in one pass. The sets must not hold
 // blocks of the range before.
 static void update_uniform(const double *rho, double lambda, double v, ptrdiff_t b_min,
@@ -73,45 +52,7 @@ static void update_uniform(const double *rho, double lambda, double v, ptrdiff_t
     }
     // Transported cargo seldom becomes saturated, so cells are tested one by one only in blocks where one did.
     if (simd_bits_from_1(largest) != 0)
-        mark_range(out, b_min, b_max, saturated, saturated_first);
-}
-
-// H(rho - 1) rho: in storage for the smooth form. Where H is 1 it is rho itself, and the sharp form is
-// applied by the flux.
-static const double *apply_heaviside(const macro_solver *s, const double *rho, block_span span,
-                                     double *storage)
-{
-    if (s->def.heaviside != SCENE_HEAVISIDE_SMOOTH)
-        return rho;
-    // A block on each side is read as the neighbour of the first and last cell.
-    memset(storage - BLOCK_CELLS, 0, (size_t)(s->n_blocks + 2) * BLOCK_CELLS * sizeof *storage);
-    for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS; i++)
-        storage[i] = rho[i] * (0.5 + atan((rho[i] - 1.0) / s->def.heaviside_width) / M_PI);
-    return storage;
-}
-
-// The flux through the faces of the blocks of range between near and far, the cells before and after each
-// face: the static one everywhere, the dynamic one in the blocks of active.
-static void make_flux(const macro_solver *s, const double *v, const double *dispersion,
-                      const macro_row_after_x1 *near, const macro_row_after_x1 *far,
-                      block_span range, const uint64_t *active, double *flux)
-{
-    ptrdiff_t b = range.first, done = range.first;
-    block_span run;
-
-    while (done < range.last) {
-        if (!block_set_next_run(active, macro__words(s), &b, &run) || run.first > range.last)
-            run = (block_span){ range.last, range.last };
-        run.last = run.last < range.last ? run.last : range.last;
-        flux_upwind(v, near->rho, far->rho, done, run.first, flux);
-        if (s->def.heaviside == SCENE_HEAVISIDE_SHARP) {
-            flux_upwind_sharp(v, dispersion, near->rho, far->rho, run.first, run.last, flux);
-        } else {
-            flux_upwind(v, near->rho, far->rho, run.first, run.last, flux);
-            flux_upwind_add(dispersion, near->h_rho, far->h_rho, run.first, run.last, flux);
-        }
-        done = run.last;
-    }
+        sweep_mark(out, b_min, b_max, saturated, saturated_first);
 }
 
 // The x1 sweep of row r of `now`, over the span of after_x1.
@@ -119,9 +60,6 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_row_after_x1 *afte
 {
     const macro_solver *s = band->solver;
     const double *rho = macro__row(s, s->now.rho, r);
-    const double *h_rho = apply_heaviside(s, rho, s->now.span[r], band->h_rho);
-    const macro_row_after_x1 near = { .rho = rho, .h_rho = h_rho };
-    const macro_row_after_x1 far = { .rho = rho + 1, .h_rho = h_rho + 1 };
     ptrdiff_t b = -1, done = after_x1->span.first;
     block_span run;
 
@@ -133,8 +71,8 @@ static void sweep_row_x1(macro_band *band, ptrdiff_t r, macro_row_after_x1 *afte
             update_uniform(rho, s->lambda1, s->uniform1, done, run.first, out, after_x1->active,
                            after_x1->active_first);
         if (run.first < run.last) {
-            make_flux(s, macro__row(s, s->faces1.v, r), band->dispersion[r & 1].i1, &near, &far,
-                      (block_span){ run.first - 1, run.last }, band->active_faces, band->flux1);
+            sweep_flux(s, macro__row(s, s->faces1.v, r), band->dispersion[r & 1].i1, rho, rho + 1,
+                       (block_span){ run.first - 1, run.last }, band->active_faces, band->flux1);
             update(rho, s->lambda1, band->flux1, band->flux1 - 1, run.first, run.last, out,
                    after_x1->active, after_x1->active_first);
         }
@@ -148,17 +86,11 @@ static void prepare_dispersion(macro_band *band, ptrdiff_t r)
 {
     const macro_solver *s = band->solver;
     const uint64_t *expected = macro__set(s, band->expected, r);
-    uint64_t any = 0;
 
     skip_find_active_faces(band, r);
-    for (size_t w = 0; w < macro__words(s); w++)
-        any |= band->wanted[w] = expected[w];
-    if (any != 0)
-        macro__dispersion_make(band, r);
+    sweep_make_dispersion(band, r, expected);
     if (r >= band->first && r < band->last)
-        s->cost[r] =
-            1.0 + (double)s->n_blocks +
-            (any == 0 ? 0.0 : cost_of_dispersion * block_set_count(expected, macro__words(s)));
+        s->cost[r] = sweep_row_cost(s, expected);
 }
 
 // The output of the x1 sweep of row r: `next` inside the band, separate storage for the rows next to it.
@@ -190,8 +122,7 @@ static void sweep_x1(macro_band *band, ptrdiff_t r)
 
     if (r < 0 || r >= s->n2) {
         const double *nothing = s->zero_row + s->margin;
-        *after_x1 = (macro_row_after_x1){ nothing, nothing, band->empty, band->empty,
-                                          (block_span){ 0, 0 } };
+        *after_x1 = (macro_row_after_x1){ nothing, band->empty, band->empty, { 0, 0 } };
         return;
     }
     double *out = begin_after_x1(band, r, after_x1);
@@ -199,7 +130,6 @@ static void sweep_x1(macro_band *band, ptrdiff_t r)
     after_x1->span = skip_grow_span(s, s->now.span[r], macro__row(s, s->now.rho, r));
     prepare_dispersion(band, r);
     sweep_row_x1(band, r, after_x1, out);
-    after_x1->h_rho = apply_heaviside(s, out, after_x1->span, band->after_x1_h_rho[r & 1]);
 }
 
 // The flux through the faces between rows r - 1 and r after their x1 sweeps.
@@ -210,12 +140,11 @@ static void flux_x2(macro_band *band, ptrdiff_t r)
     block_span run;
 
     skip_find_flux_x2(band, r);
-    if (!block_set_is_empty(band->wanted, macro__words(s)))
-        macro__dispersion_make(band, r - 1);
+    sweep_make_dispersion(band, r - 1, band->wanted);
     while (block_set_next_run(band->flux2_set[r & 1], macro__words(s), &b, &run))
-        make_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2,
-                  &band->after_x1[(r - 1) & 1], &band->after_x1[r & 1], run, band->wanted,
-                  band->flux2[r & 1]);
+        sweep_flux(s, macro__row(s, s->faces2.v, r), band->dispersion[(r - 1) & 1].i2,
+                   band->after_x1[(r - 1) & 1].rho, band->after_x1[r & 1].rho, run, band->wanted,
+                   band->flux2[r & 1]);
 }
 
 // The x2 sweep of row r, in place, with the fluxes on both its sides.
@@ -240,7 +169,7 @@ static void finish_row(macro_band *band, ptrdiff_t r)
     s->next.span[r] = span;
 }
 
-void macro__sweep_band(macro_band *band)
+void macro__sweep_roe(macro_band *band)
 {
     macro__dispersion_begin(band);
     sweep_x1(band, band->first - 1);
