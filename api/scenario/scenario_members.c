@@ -13,7 +13,7 @@
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
 static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
 static const char *const shape_words[] = { "cylinder", "box", "prism", "hull", NULL };
-static const char *const scheme_words[] = { "roe", NULL };
+static const char *const scheme_words[] = { "roe", "muscl", NULL };
 static const char *const heaviside_words[] = { "sharp", "smooth", "none", NULL };
 static const char *const integrator_words[] = { "verlet", "implicit", NULL };
 static const char *const path_words[] = { "auto", "planar", "spatial", NULL };

@@ -129,6 +129,24 @@ static uniform_faces guess_uniform(const face_source *from)
     return best;
 }
 
+// Rows of cells: 0 where one of the two faces of a cell is closed, else 1. Face k of a row of faces is the one before
+// cell k; a row of faces follows `across` rows of cells later.
+static double *make_open(const macro_solver *s, const uint8_t *closed, ptrdiff_t n_faces,
+                         ptrdiff_t to_next)
+{
+    double *open = memory_alloc((size_t)(s->n2 * s->stride), sizeof *open);
+
+    if (open == NULL)
+        return NULL;
+    for (ptrdiff_t j = 0; j < s->n2; j++)
+        for (ptrdiff_t i = 0; i < s->n1; i++) {
+            const uint8_t *face = closed == NULL ? NULL : closed + j * n_faces + i;
+            macro__row(s, open, j)[i] =
+                face == NULL || (face[0] == 0 && face[to_next] == 0) ? 1.0 : 0.0;
+        }
+    return open;
+}
+
 bf_status macro__faces_init(macro_solver *s, const macro_def *def)
 {
     const bool changes = !s->speeds.are_constant;
@@ -150,6 +168,12 @@ bf_status macro__faces_init(macro_solver *s, const macro_def *def)
     if (alloc_faces(s, &s->faces1, s->n2) != BF_OK ||
         alloc_faces(s, &s->faces2, s->n2 + 1) != BF_OK)
         return BF_ENOMEM;
+    if (def->scheme == SCENE_SCHEME_MUSCL) {
+        s->open1 = make_open(s, def->closed1, s->n1 + 1, 1);
+        s->open2 = make_open(s, def->closed2, s->n1, s->n1);
+        if (s->open1 == NULL || s->open2 == NULL)
+            return BF_ENOMEM;
+    }
     s->uniform1 = s->uniform1_full = uniform1.v;
     s->uniform_belt = uniform1.belt;
     fill_faces(s, &s->faces1, &from1, &uniform1);
@@ -238,4 +262,6 @@ void macro__faces_fini(macro_solver *s)
 {
     free_faces(&s->faces1);
     free_faces(&s->faces2);
+    memory_free(s->open1);
+    memory_free(s->open2);
 }

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/team.h"
 #include "core/macro/macro_priv.h"
+#include "core/macro/muscl.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,7 +12,9 @@ enum { COOKIE = 0x62656c74, MOST_CELLS_A_SIDE = 1 << 24, MOST_THREADS = 1024 };
 
 static const double cfl_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
-#define X(suffix) macro_sweep_fn macro__sweep_roe_wide_##suffix, macro__sweep_roe_narrow_##suffix;
+#define X(suffix)                                                                                  \
+    macro_sweep_fn macro__sweep_roe_wide_##suffix, macro__sweep_roe_narrow_##suffix,               \
+        macro__sweep_muscl_wide_##suffix, macro__sweep_muscl_narrow_##suffix;
 CPU_EACH_BUILD(X)
 #undef X
 
@@ -21,6 +24,9 @@ macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_na
     static macro_sweep_fn *const builds[SCENE_SCHEME_COUNT][CPU_AVX512 + 1][2] = {
 #define X(suffix) { macro__sweep_roe_wide_##suffix, macro__sweep_roe_narrow_##suffix },
         [SCENE_SCHEME_ROE] = { CPU_EACH_BUILD(X) },
+#undef X
+#define X(suffix) { macro__sweep_muscl_wide_##suffix, macro__sweep_muscl_narrow_##suffix },
+        [SCENE_SCHEME_MUSCL] = { CPU_EACH_BUILD(X) },
 #undef X
     };
 
@@ -127,7 +133,8 @@ static bf_status check_belts(const macro_def *def, bf_error *err)
     return bf_fail(err, BF_EINPUT, "/belts", "there is a face without a belt's index");
 }
 
-static bf_status check_stability(const macro_def *def, bf_error *err)
+// See macro.h. In sweeps along one axis after the other a cell loses to one axis at a time, else to both at once.
+static double stable_step(const macro_def *def)
 {
     const bf_grid *g = &def->grid;
     const bool changes = def->n_belts > 0;
@@ -137,13 +144,20 @@ static bf_status check_stability(const macro_def *def, bf_error *err)
         dispersion + largest_speed(def->v1, changes ? def->belt1 : NULL, &f, (g->n1 + 1) * g->n2);
     double speed2 =
         dispersion + largest_speed(def->v2, changes ? def->belt2 : NULL, &f, g->n1 * (g->n2 + 1));
+    double rate1 = speed1 / g->d1, rate2 = speed2 / g->d2;
 
-    if (def->dt * speed1 <= g->d1 * (1.0 + cfl_slack) &&
-        def->dt * speed2 <= g->d2 * (1.0 + cfl_slack))
+    return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate1 + rate2 : fmax(rate1, rate2));
+}
+
+static bf_status check_stability(const macro_def *def, bf_error *err)
+{
+    const double stable = stable_step(def);
+
+    if (def->dt <= stable * (1.0 + cfl_slack))
         return BF_OK;
     return bf_fail(err, BF_EINPUT, "/macro/step_s",
                    "a step of %.9g s is unstable; the largest stable one (CFL) is %.9g s", def->dt,
-                   fmin(g->d1 / speed1, g->d2 / speed2));
+                   stable);
 }
 
 static ptrdiff_t round_up(ptrdiff_t n)
@@ -168,6 +182,7 @@ static void lay_out(macro_solver *s, const macro_def *def)
     s->n_blocks = round_up(s->n1) / BLOCK_CELLS;
     s->n_words = block_set_words(s->n_blocks);
     s->sweep = macro__sweep_of(def->scheme, cpu_best(), s->n_words == 1);
+    s->n_stages = def->scheme == SCENE_SCHEME_MUSCL ? MUSCL_STAGES : 1;
     // Block -1 is convolved too, and so is the whole last block.
     s->margin = BLOCK_CELLS + round_up(s->along.reach);
     s->stride = s->margin + s->n_blocks * BLOCK_CELLS + round_up(s->along.reach + 1);
@@ -221,13 +236,15 @@ static void partition_pairs(macro_band *band, partition *c)
         band->dispersion[k].done = partition_set(c);
         band->outside_active[k] = partition_set(c);
         band->outside_first[k] = partition_set(c);
+        band->states2[k].near = partition_row(c);
+        band->states2[k].far = partition_row(c);
         band->outside[k] = partition_row(c);
         band->flux2[k] = partition_row(c);
         band->flux2_set[k] = partition_set(c);
     }
 }
 
-enum { ROWS_IN_PAIRS = 4, SETS_IN_PAIRS = 4, SINGLE_ROWS = 1, SINGLE_SETS = 7 };
+enum { ROWS_IN_PAIRS = 6, SETS_IN_PAIRS = 4, SINGLE_ROWS = 3, SINGLE_SETS = 8 };
 
 static bf_status band_init(const macro_solver *s, macro_band *band)
 {
@@ -253,7 +270,10 @@ static bf_status band_init(const macro_solver *s, macro_band *band)
     partition c = { s, band->rows, band->sets };
     partition_ring(band, &c);
     partition_pairs(band, &c);
+    band->states1.near = partition_row(&c);
+    band->states1.far = partition_row(&c);
     band->flux1 = partition_row(&c);
+    band->ahead = partition_set(&c);
     band->active_faces = partition_set(&c);
     band->wanted = partition_set(&c);
     band->missing = partition_set(&c);
@@ -394,10 +414,12 @@ static void sweep_band(void *context, size_t k)
 void macro_step(macro_solver *s)
 {
     macro__faces_update(s);
-    partition_rows(s);
-    team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
-    macro_state swap = s->now;
-    s->now = s->next;
-    s->next = swap;
+    for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
+        partition_rows(s);
+        team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
+        macro_state swap = s->now;
+        s->now = s->next;
+        s->next = swap;
+    }
     s->steps++;
 }

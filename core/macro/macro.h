@@ -8,10 +8,13 @@
 /// Where the speeds of belts change, v and I are multiplied by the factor of the belt under the face in the step
 /// (core/scene/belt_speeds.h): a belt that stands neither carries nor disperses.
 ///
-/// First order, static and dynamic flux upwinded separately (Roe), an x1 sweep and then an x2 sweep
-/// with one field I per step. The convolution is summed with the exact cell integrals of the
-/// Gaussian, which separate into one factor along x1 and one along x2 (mollifier.h).
+/// Static and dynamic flux are upwinded separately (Roe). SCENE_SCHEME_ROE: first order, an x1 sweep and then an
+/// x2 sweep with one field I per step. SCENE_SCHEME_MUSCL: second order, both axes at once from limited slopes, two
+/// stages with a field I each (core/README.md). The convolution is summed with the exact cell integrals of the Gaussian,
+/// which separate into one factor along x1 and one along x2 (mollifier.h).
 ///
+/// Steps    with A_d = (max |v_d| + eps)/d_d the largest stable dt is 1/max(A_1, A_2) (roe) or
+///          1/(A_1 + A_2) (muscl). Below half of it rho stays >= 0.
 /// Units    SI. rho is normalised: 1 is close packing. Velocities m/s, sigma 1/m2.
 /// Layout   as in core/base/grid.h.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the
@@ -34,7 +37,7 @@
 /// only and stay the caller's.
 typedef struct macro_def {
     bf_grid grid;              ///< cells (default 200 x 120 of 5 mm, lower corner 0, 0)
-    double dt;                 ///< step, s, > 0, within CFL (default 1.25e-3)
+    double dt;                 ///< step, s, > 0, stable (default 1.25e-3)
     double dispersion;         ///< eps, largest dispersion speed, m/s, >= 0 (default 0.79)
     scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
     double mollifier;          ///< sigma, 1/m2, > 0 (default 10000)
@@ -67,7 +70,7 @@ typedef struct macro_totals {
 macro_def macro_def_default(void);
 
 /// Build a solver with rho = 0. The caller owns *ret_solver: macro_destroy().
-/// BF_EINPUT: def not from macro_def_default(), or a member out of range or beyond CFL; BF_ENOMEM.
+/// BF_EINPUT: def not from macro_def_default(), or a member out of range, or dt unstable; BF_ENOMEM.
 BF_MUST_CHECK bf_status macro_create(const macro_def *def, macro_solver **ret_solver,
                                      bf_error *err);
 

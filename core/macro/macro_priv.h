@@ -1,6 +1,7 @@
 /// Inside of the macroscopic solver.
 ///
-/// A step reads the density `now` and writes `next`, in one pass over the rows in rising order:
+/// A step has one stage or more. A stage reads the density `now` and writes `next`, in one pass over the rows in rising
+/// order; then the two change places. By the scheme roe, whose step is one stage (muscl: sweep_muscl.c):
 ///
 ///     row r:  I at row r where H may not be zero (the x1 part of the convolution of rows r-S .. r+S waits
 ///             in a ring, so each is made once);
@@ -58,6 +59,12 @@ typedef struct macro_dispersion_row {
     uint64_t *done; ///< blocks that were made in this step
 } macro_dispersion_row;
 
+/// States at the faces of a row of cells (muscl.h): along x1 element i belongs to face i + 1/2, along x2 to cell i.
+typedef struct macro_face_states {
+    double *near; ///< of the cell before the face; at the cell's northern face
+    double *far;  ///< of the cell behind the face; at the cell's southern face
+} macro_face_states;
+
 /// A place of the ring: the x1 part of the convolution of a row.
 typedef struct macro_ring_row {
     double *gradient1; ///< sums with gradient weights
@@ -87,19 +94,22 @@ typedef struct macro_band {
     double *outside[2];                 ///< x1 sweeps of the rows before and after the band
     uint64_t *outside_active[2];        ///< their sets
     uint64_t *outside_first[2];         ///< same
-    double *flux1;                      ///< x1 fluxes of the current row
-    double *flux2[2];       ///< x2 fluxes into and out of the row before; 0 outside flux2_set
-    uint64_t *flux2_set[2]; ///< blocks with such a flux
-    uint64_t *active_faces; ///< x1-faces of the current row with H not zero on a side
-    uint64_t *wanted;       ///< blocks whose I is requested
-    uint64_t *missing;      ///< of them, those that macro__dispersion_make() has to make
-    uint64_t *unexpected;   ///< of them, those that band->expected lacks
-    uint64_t *todo;         ///< scratch
-    uint64_t *special;      ///< blocks of cells whose x1 fluxes are made one by one
-    uint64_t *empty;        ///< an empty set
+    macro_face_states states1;          ///< along x1 of the current row (MUSCL)
+    macro_face_states states2[2]; ///< along x2 of the current row and of the one before (MUSCL)
+    double *flux1;                ///< x1 fluxes of the current row
+    double *flux2[2];             ///< x2 fluxes into and out of the row before; 0 outside flux2_set
+    uint64_t *flux2_set[2];       ///< blocks with such a flux
+    uint64_t *ahead;              ///< blocks with a flux into the row ahead (MUSCL)
+    uint64_t *active_faces;       ///< x1-faces of the current row with H not zero on a side
+    uint64_t *wanted;             ///< blocks whose I is requested
+    uint64_t *missing;            ///< of them, those that macro__dispersion_make() has to make
+    uint64_t *unexpected;         ///< of them, those that band->expected lacks
+    uint64_t *todo;               ///< scratch
+    uint64_t *special;            ///< blocks of cells whose x1 fluxes are made one by one
+    uint64_t *empty;              ///< an empty set
 } macro_band;
 
-/// Advance the band's rows by one step.
+/// Make a stage of a step for the band's rows.
 typedef void macro_sweep_fn(macro_band *band);
 
 /// The sweep of a scheme as built for an instruction set, and for grids whose sets of blocks are a single
@@ -111,6 +121,8 @@ macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_na
 struct macro_solver {
     macro_def def;         ///< without its arrays
     macro_sweep_fn *sweep; ///< macro__sweep_of()
+    int n_stages;          ///< of a step
+    int stage;             ///< the present one, from 0
     mollifier along;       ///< weights along x1
     mollifier across;      ///< weights along x2
     double lambda1;        ///< dt/dx1
@@ -130,14 +142,16 @@ struct macro_solver {
     ptrdiff_t n_ring;      ///< places of a ring
     macro_faces faces1;    ///< n2 rows
     macro_faces faces2;    ///< n2 + 1 rows
-    macro_state now;       ///< at the present time
-    macro_state next;      ///< what a step writes
-    double *zero_row;      ///< a row of zeros
-    double *cost;          ///< per row: estimated work in the step before
-    int n_bands;           ///< bands, one per thread
-    macro_band *bands;     ///< n_bands of them
-    uint64_t steps;        ///< made since t = 0
-    uint64_t definition;   ///< macro__digest_definition()
+    double *open1;       ///< n2 rows of cells: 0 beside a closed x1-face, else 1 (MUSCL; else NULL)
+    double *open2;       ///< same for the x2-faces
+    macro_state now;     ///< at the present time
+    macro_state next;    ///< what a step writes
+    double *zero_row;    ///< a row of zeros
+    double *cost;        ///< per row: estimated work in the step before
+    int n_bands;         ///< bands, one per thread
+    macro_band *bands;   ///< n_bands of them
+    uint64_t steps;      ///< made since t = 0
+    uint64_t definition; ///< macro__digest_definition()
 };
 
 /// Cell 0 of row j of rows.
@@ -188,10 +202,12 @@ uint64_t macro__digest_definition(const macro_def *def);
 #define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_narrow)
 #define macro__dispersion_make  CPU_NAME(macro__dispersion_make_narrow)
 #define macro__sweep_roe        CPU_NAME(macro__sweep_roe_narrow)
+#define macro__sweep_muscl      CPU_NAME(macro__sweep_muscl_narrow)
 #else
 #define macro__dispersion_begin CPU_NAME(macro__dispersion_begin_wide)
 #define macro__dispersion_make  CPU_NAME(macro__dispersion_make_wide)
 #define macro__sweep_roe        CPU_NAME(macro__sweep_roe_wide)
+#define macro__sweep_muscl      CPU_NAME(macro__sweep_muscl_wide)
 #endif
 
 /// Words of a set of blocks, known to the compiler where it is one.
@@ -206,6 +222,7 @@ void macro__dispersion_begin(macro_band *band);
 /// Make I of row r for the blocks in band->wanted that were not made yet; -1 <= r < n2.
 void macro__dispersion_make(macro_band *band, ptrdiff_t r);
 
-/// Advance the band's rows by one step.
+/// A stage of a step for the band's rows, by scheme.
 void macro__sweep_roe(macro_band *band);
+void macro__sweep_muscl(macro_band *band);
 #endif

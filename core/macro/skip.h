@@ -1,6 +1,6 @@
 /// What a step skips: which blocks of a row need which part of the work.
 ///
-/// The sweep (sweep_roe.c) is correct without any of it. These functions find where its terms
+/// The sweeps (sweep_roe.c, sweep_muscl.c) are correct without any of it. These functions find where their terms
 /// are exactly zero, or the same for whole blocks:
 ///
 ///     rho = 0                    no flux: a row is swept from its first to its last block with mass

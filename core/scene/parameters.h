@@ -39,7 +39,8 @@ typedef enum scene_heaviside {
 
 /// Numerical schemes of the macroscopic model.
 typedef enum scene_scheme {
-    SCENE_SCHEME_ROE, ///< section 4.2
+    SCENE_SCHEME_ROE,   ///< section 4.2, first order: an x1 sweep, then an x2 sweep
+    SCENE_SCHEME_MUSCL, ///< second order: limited slopes, Heun's method
     SCENE_SCHEME_COUNT
 } scene_scheme;
 

@@ -313,6 +313,7 @@ double scene_macro_step(const scene *s)
 // factor of the belt under it, and 1 off every belt.
 double scene_step_stable(const scene *s)
 {
+    const double n_axes = s->macro.scheme == SCENE_SCHEME_MUSCL ? 2.0 : 1.0;
     double speed = 0.0, factor = 1.0;
 
     for (size_t k = 0; k < s->n_belts; k++) {
@@ -320,7 +321,7 @@ double scene_step_stable(const scene *s)
         speed = fmax(speed, vec2_length(s->belts[k].velocity) * largest);
         factor = fmax(factor, largest);
     }
-    return s->macro.cell / (speed + s->macro.dispersion * factor);
+    return s->macro.cell / (n_axes * (speed + s->macro.dispersion * factor));
 }
 
 double scene_step_positive(const scene *s)

@@ -84,8 +84,8 @@ double scene_fit_step(const scene *s, double most, bool is_below);
 /// positive by scene_fit_step().
 double scene_macro_step(const scene *s);
 
-/// Largest dt that satisfies CFL, dt (max|v_stat| + eps) <= dx, and the largest below which
-/// rho stays >= 0, dt < dx / (2 (max|v_stat| + eps)); s. With the largest factors that the speed schedules
-/// of the belts allow.
+/// Largest dt that satisfies CFL, dt n (max|v_stat| + eps) <= dx, and the largest below which rho stays >= 0, half of
+/// it; s. n is the number of axes whose fluxes act at the same time: 1 for roe, 2 for muscl (core/README.md). With the
+/// largest factors that the speed schedules of the belts allow.
 double scene_step_stable(const scene *s);
 double scene_step_positive(const scene *s);

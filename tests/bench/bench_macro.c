@@ -4,7 +4,7 @@
 //     bench_macro [THREADS]
 //
 // Each figure is the best of several repetitions. Before a figure is printed, its work is checked: both
-// solvers must give the same density, and Example 1 the reference answers.
+// solvers must give the same density, and Example 1 by the scheme roe the reference answers.
 
 #include "core/base/cpu.h"
 #include "core/base/memory.h"
@@ -103,7 +103,7 @@ static double time_steps(macro_solver *s, int n)
     return seconds() - begin;
 }
 
-// Wall time of Example 1, whose outcome must be the reference answer.
+// Wall time of Example 1, whose outcome by the scheme roe must be the reference answer.
 static double time_example(const work *w)
 {
     double best = INFINITY;
@@ -113,7 +113,7 @@ static double time_example(const work *w)
         best = fmin(best, time_steps(s, EXAMPLE_STEPS));
         double upstream =
             scene_packing_density(&w->scene) * macro_mass_in(s, 0, 150, 0, w->def.grid.n2);
-        if (fabs(upstream - reference_upstream) > 192e-6)
+        if (w->def.scheme == SCENE_SCHEME_ROE && fabs(upstream - reference_upstream) > 192e-6)
             fail("Example 1 does not give the reference answer");
         macro_destroy(s);
     }
@@ -180,6 +180,19 @@ static double rate_when_refined(int refinement, int n_threads, int n_steps, uint
     return rate;
 }
 
+// Example 1 by the scheme muscl, in the same steps.
+static void time_muscl(double wall_roe)
+{
+    work w = make_work(1, 1);
+
+    w.def.scheme = SCENE_SCHEME_MUSCL;
+    rate_of_direct_sum(&w);
+    double wall = time_example(&w);
+    printf("Example 1 by muscl, 1 thread    %.4f s, %.2f times that of roe\n", wall,
+           wall / wall_roe);
+    free_work(&w);
+}
+
 int main(int argc, char **argv)
 {
     const int n_threads = argc > 1 ? atoi(argv[1]) : 2;
@@ -195,6 +208,7 @@ int main(int argc, char **argv)
     printf("ratio to the direct sum         %.0f\n", rate / direct_rate);
     printf("rho > 1 everywhere, 1 thread    %.0f M cell-steps/s\n", rate_when_dense(&w) / 1e6);
     free_work(&w);
+    time_muscl(wall);
     double one = rate_when_refined(5, 1, 200, &digest_one);
     double many = rate_when_refined(5, n_threads, 200, &digest_many);
     if (digest_one != digest_many)

@@ -9,7 +9,8 @@
 struct direct {
     macro_def def;
     int n1, n2, reach1, reach2;
-    double *rho, *swept; // n1 * n2
+    double *rho, *other; // n1 * n2
+    double *begin;       // n1 * n2
     double *c1, *c2;     // (2 S1 + 1) (2 S2 + 1) cell integrals of the mollifier's gradient
     double *i1, *i2;     // I at (i + 1/2, j) and (i, j + 1/2), i, j >= -1
     double *v1, *v2;     // copies of the definition's arrays
@@ -71,7 +72,8 @@ direct *direct_create(const macro_def *def)
     size_t taps = (size_t)(2 * d->reach1 + 1) * (size_t)(2 * d->reach2 + 1);
     size_t corners = (size_t)(d->n1 + 1) * (size_t)(d->n2 + 1);
     d->rho = calloc(cells, sizeof(double));
-    d->swept = calloc(cells, sizeof(double));
+    d->other = calloc(cells, sizeof(double));
+    d->begin = calloc(cells, sizeof(double));
     d->c1 = calloc(taps, sizeof(double));
     d->c2 = calloc(taps, sizeof(double));
     d->i1 = calloc(corners, sizeof(double));
@@ -82,8 +84,8 @@ direct *direct_create(const macro_def *def)
     d->closed2 = copy_of(def->closed2, faces2, 1);
     d->belt1 = copy_of(def->belt1, faces1, sizeof(uint16_t));
     d->belt2 = copy_of(def->belt2, faces2, sizeof(uint16_t));
-    if (d->rho == NULL || d->swept == NULL || d->c1 == NULL || d->c2 == NULL || d->i1 == NULL ||
-        d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL ||
+    if (d->rho == NULL || d->other == NULL || d->begin == NULL || d->c1 == NULL || d->c2 == NULL ||
+        d->i1 == NULL || d->i2 == NULL || d->v1 == NULL || d->v2 == NULL || d->closed1 == NULL ||
         d->closed2 == NULL || d->belt1 == NULL || d->belt2 == NULL)
         return direct_destroy(d);
     fill_integrals(d);
@@ -95,7 +97,8 @@ direct *direct_destroy(direct *d)
     if (d == NULL)
         return NULL;
     free(d->rho);
-    free(d->swept);
+    free(d->other);
+    free(d->begin);
     free(d->c1);
     free(d->c2);
     free(d->i1);
@@ -185,41 +188,134 @@ static double flux(const direct *d, double near, double far, double v, double di
            (dispersion >= 0.0 ? h_rho(d, near) : h_rho(d, far)) * dispersion;
 }
 
-static double flux1(const direct *d, int i, int j)
+// The density of a cell; outside the grid there is nothing.
+static double at(const direct *d, const double *rho, int i, int j)
+{
+    return i < 0 || i >= d->n1 || j < 0 || j >= d->n2 ? 0.0 : rho[j * d->n1 + i];
+}
+
+// The flux through the face east or north of cell (i, j), of the densities before and after it.
+static double flux1(const direct *d, double near, double far, int i, int j)
 {
     int face = j * (d->n1 + 1) + i + 1;
-    double near = i >= 0 ? d->rho[j * d->n1 + i] : 0.0;
-    double far = i + 1 < d->n1 ? d->rho[j * d->n1 + i + 1] : 0.0;
     double f = factor(d, d->belt1[face]);
 
     return flux(d, near, far, f * d->v1[face], f * d->i1[(j + 1) * (d->n1 + 1) + i + 1],
                 d->closed1[face] != 0);
 }
 
-static double flux2(const direct *d, int i, int j)
+static double flux2(const direct *d, double near, double far, int i, int j)
 {
     int face = (j + 1) * d->n1 + i;
-    double near = j >= 0 ? d->swept[j * d->n1 + i] : 0.0;
-    double far = j + 1 < d->n2 ? d->swept[(j + 1) * d->n1 + i] : 0.0;
     double f = factor(d, d->belt2[face]);
 
     return flux(d, near, far, f * d->v2[face], f * d->i2[(j + 1) * (d->n1 + 1) + i + 1],
                 d->closed2[face] != 0);
 }
 
-void direct_step(direct *d)
+// The scheme as printed: first order, swept along x1 into `other` and from there along x2.
+static double roe_flux1(const direct *d, int i, int j)
+{
+    return flux1(d, at(d, d->rho, i, j), at(d, d->rho, i + 1, j), i, j);
+}
+
+static double roe_flux2(const direct *d, int i, int j)
+{
+    return flux2(d, at(d, d->other, i, j), at(d, d->other, i, j + 1), i, j);
+}
+
+static void roe_step(direct *d)
 {
     const double lambda1 = d->def.dt / d->def.grid.d1, lambda2 = d->def.dt / d->def.grid.d2;
 
     fill_push(d);
     for (int j = 0; j < d->n2; j++)
         for (int i = 0; i < d->n1; i++)
-            d->swept[j * d->n1 + i] =
-                d->rho[j * d->n1 + i] - lambda1 * (flux1(d, i, j) - flux1(d, i - 1, j));
+            d->other[j * d->n1 + i] =
+                d->rho[j * d->n1 + i] - lambda1 * (roe_flux1(d, i, j) - roe_flux1(d, i - 1, j));
     for (int j = 0; j < d->n2; j++)
         for (int i = 0; i < d->n1; i++)
             d->rho[j * d->n1 + i] =
-                d->swept[j * d->n1 + i] - lambda2 * (flux2(d, i, j) - flux2(d, i, j - 1));
+                d->other[j * d->n1 + i] - lambda2 * (roe_flux2(d, i, j) - roe_flux2(d, i, j - 1));
+}
+
+// The argument of smallest size if all have one sign, else 0.
+static double minmod(double a, double b, double c)
+{
+    if (a > 0.0 && b > 0.0 && c > 0.0)
+        return fmin(a, fmin(b, c));
+    return a < 0.0 && b < 0.0 && c < 0.0 ? fmax(a, fmax(b, c)) : 0.0;
+}
+
+static double limited(double before, double here, double after)
+{
+    return minmod(1.5 * (here - before), 0.5 * (after - before), 1.5 * (after - here));
+}
+
+// The slope of cell (i, j) along an axis; 0 where one of its two faces is closed.
+static double slope1(const direct *d, int i, int j)
+{
+    if (i < 0 || i >= d->n1)
+        return 0.0;
+    const uint8_t *faces = &d->closed1[j * (d->n1 + 1) + i];
+    return faces[0] != 0 || faces[1] != 0
+               ? 0.0
+               : limited(at(d, d->rho, i - 1, j), at(d, d->rho, i, j), at(d, d->rho, i + 1, j));
+}
+
+static double slope2(const direct *d, int i, int j)
+{
+    if (j < 0 || j >= d->n2)
+        return 0.0;
+    return d->closed2[j * d->n1 + i] != 0 || d->closed2[(j + 1) * d->n1 + i] != 0
+               ? 0.0
+               : limited(at(d, d->rho, i, j - 1), at(d, d->rho, i, j), at(d, d->rho, i, j + 1));
+}
+
+static double muscl_flux1(const direct *d, int i, int j)
+{
+    return flux1(d, at(d, d->rho, i, j) + 0.5 * slope1(d, i, j),
+                 at(d, d->rho, i + 1, j) - 0.5 * slope1(d, i + 1, j), i, j);
+}
+
+static double muscl_flux2(const direct *d, int i, int j)
+{
+    return flux2(d, at(d, d->rho, i, j) + 0.5 * slope2(d, i, j),
+                 at(d, d->rho, i, j + 1) - 0.5 * slope2(d, i, j + 1), i, j);
+}
+
+// other = rho + dt L(rho), both axes at once.
+static void euler(direct *d)
+{
+    const double lambda1 = d->def.dt / d->def.grid.d1, lambda2 = d->def.dt / d->def.grid.d2;
+
+    fill_push(d);
+    for (int j = 0; j < d->n2; j++)
+        for (int i = 0; i < d->n1; i++)
+            d->other[j * d->n1 + i] = d->rho[j * d->n1 + i] -
+                                      lambda1 * (muscl_flux1(d, i, j) - muscl_flux1(d, i - 1, j)) -
+                                      lambda2 * (muscl_flux2(d, i, j) - muscl_flux2(d, i, j - 1));
+}
+
+// Heun's method: the mean of the density and of what two forward steps make of it.
+static void muscl_step(direct *d)
+{
+    const size_t n = (size_t)d->n1 * (size_t)d->n2;
+
+    memcpy(d->begin, d->rho, n * sizeof *d->begin);
+    euler(d);
+    memcpy(d->rho, d->other, n * sizeof *d->rho);
+    euler(d);
+    for (size_t k = 0; k < n; k++)
+        d->rho[k] = 0.5 * d->begin[k] + 0.5 * d->other[k];
+}
+
+void direct_step(direct *d)
+{
+    if (d->def.scheme == SCENE_SCHEME_MUSCL)
+        muscl_step(d);
+    else
+        roe_step(d);
     d->steps++;
 }
 

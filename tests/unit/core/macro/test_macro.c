@@ -44,6 +44,14 @@ static world *make_world(void)
     return w;
 }
 
+static world *make_world_of(scene_scheme scheme)
+{
+    world *w = make_world();
+
+    w->def.scheme = scheme;
+    return w;
+}
+
 // Fills the block i_min <= i < i_max, j_min <= j < j_max with density rho.
 static void fill(world *w, int i_min, int i_max, int j_min, int j_max, double rho)
 {
@@ -125,10 +133,11 @@ static void close_column(world *w, int column, int j_max)
         w->closed1[j * (N1 + 1) + column] = 1;
 }
 
-static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
+static void check_wall(scene_scheme scheme)
 {
-    (void)state;
-    world *w = make_world();
+    world *w = make_world_of(scheme);
+    // Below the bound of positivity of every scheme.
+    w->def.dt = 1e-3;
     close_column(w, 30, N2);
     fill(w, 6, 26, 2, 22, 1.2);
     macro_solver *s = start(w);
@@ -143,6 +152,13 @@ static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
     assert_true(macro_mass_in(s, 30, N1, 0, N2) == 0.0);
     macro_destroy(s);
     free(w);
+}
+
+static void a_wall_holds_saturated_cargo_and_nothing_leaks(void **state)
+{
+    (void)state;
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_wall((scene_scheme)scheme);
 }
 
 // Below dt = dx / (2 (eps + |v|)) no cell can lose more than it has in either sweep.
@@ -166,11 +182,10 @@ static void density_stays_positive_below_the_bound(void **state)
     free(w);
 }
 
-static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
+static void check_mass(scene_scheme scheme)
 {
-    (void)state;
     for (int heaviside = 0; heaviside < SCENE_HEAVISIDE_COUNT; heaviside++) {
-        world *w = make_world();
+        world *w = make_world_of(scheme);
         close_column(w, 0, N2);
         close_column(w, N1, N2);
         w->def.heaviside = (scene_heaviside)heaviside;
@@ -186,13 +201,19 @@ static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
     }
 }
 
+static void mass_is_conserved_in_a_closed_box_for_every_heaviside(void **state)
+{
+    (void)state;
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_mass((scene_scheme)scheme);
+}
+
 // The scene is symmetric about the middle row, and so must the density be, to the bit: the mollifier's
 // integral weights are symmetric, but gradient weights extend one cell further on one side, so only the
 // static part is exactly symmetric.
-static void transported_density_stays_symmetric(void **state)
+static void check_symmetry(scene_scheme scheme)
 {
-    (void)state;
-    world *w = make_world();
+    world *w = make_world_of(scheme);
     for (int j = 0; j < N2; j++)
         for (int i = 0; i < 20; i++)
             w->rho[j * N1 + i] =
@@ -203,6 +224,13 @@ static void transported_density_stays_symmetric(void **state)
         assert_memory_equal(macro_row(s, j), macro_row(s, N2 - 1 - j), N1 * sizeof(double));
     macro_destroy(s);
     free(w);
+}
+
+static void transported_density_stays_symmetric(void **state)
+{
+    (void)state;
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_symmetry((scene_scheme)scheme);
 }
 
 // L1 error of a smooth profile after a fixed time on a belt of n cells; the exact answer is the
@@ -256,11 +284,10 @@ static uint64_t digest_after(world *w, int n_steps)
     return digest;
 }
 
-static void any_number_of_threads_gives_the_same_bits(void **state)
+static void check_threads(scene_scheme scheme)
 {
-    (void)state;
     for (int heaviside = 0; heaviside < SCENE_HEAVISIDE_COUNT; heaviside++) {
-        world *w = make_world();
+        world *w = make_world_of(scheme);
         w->def.heaviside = (scene_heaviside)heaviside;
         close_column(w, 40, 16);
         fill(w, 5, 38, 1, 23, 1.3);
@@ -273,10 +300,16 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
     }
 }
 
-static void a_saved_solver_goes_on_with_the_same_bits(void **state)
+static void any_number_of_threads_gives_the_same_bits(void **state)
 {
     (void)state;
-    world *w = make_world();
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_threads((scene_scheme)scheme);
+}
+
+static void check_resuming(scene_scheme scheme)
+{
+    world *w = make_world_of(scheme);
     close_column(w, 40, 16);
     fill(w, 5, 38, 1, 23, 1.3);
     macro_solver *undisturbed = start(w), *resumed = NULL;
@@ -293,6 +326,13 @@ static void a_saved_solver_goes_on_with_the_same_bits(void **state)
     macro_destroy(resumed);
     buffer_fini(&saved);
     free(w);
+}
+
+static void a_saved_solver_goes_on_with_the_same_bits(void **state)
+{
+    (void)state;
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_resuming((scene_scheme)scheme);
 }
 
 static void a_damaged_state_is_refused_and_changes_nothing(void **state)
@@ -352,6 +392,9 @@ static void a_state_of_a_definition_that_differs_in_one_number_is_refused(void *
     w->def.heaviside = SCENE_HEAVISIDE_NONE;
     assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
     w->def.heaviside = SCENE_HEAVISIDE_SHARP;
+    w->def.scheme = SCENE_SCHEME_MUSCL;
+    assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
+    w->def.scheme = SCENE_SCHEME_ROE;
     w->closed1[0] = !w->closed1[0];
     assert_int_equal(load_into(w, &saved), BF_ECORRUPT);
     buffer_fini(&saved);
@@ -376,10 +419,10 @@ static void saturated_cargo_spreads_on_a_standing_belt(void **state)
     free(w);
 }
 
-static void cargo_below_close_packing_does_not_disperse(void **state)
+// Face states lie between those of cells, so that none of them is saturated either.
+static void check_loose_cargo(scene_scheme scheme)
 {
-    (void)state;
-    world *w = make_world();
+    world *w = make_world_of(scheme);
     memset(w->v1, 0, sizeof w->v1);
     fill(w, 28, 32, 8, 16, nextafter(1.0, 0.0));
     macro_solver *s = start(w);
@@ -388,6 +431,13 @@ static void cargo_below_close_packing_does_not_disperse(void **state)
         assert_memory_equal(macro_row(s, j), w->rho + j * N1, N1 * sizeof(double));
     macro_destroy(s);
     free(w);
+}
+
+static void cargo_below_close_packing_does_not_disperse(void **state)
+{
+    (void)state;
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        check_loose_cargo((scene_scheme)scheme);
 }
 
 typedef struct bad_def {
@@ -430,6 +480,11 @@ static void far_mollifier(macro_def *def)
     def->mollifier = 100.0; // reaches 4 * 0.1 m = 80 cells
 }
 
+static void unknown_scheme(macro_def *def)
+{
+    def->scheme = SCENE_SCHEME_COUNT;
+}
+
 static void unknown_heaviside(macro_def *def)
 {
     def->heaviside = SCENE_HEAVISIDE_COUNT;
@@ -457,6 +512,7 @@ static void a_bad_def_is_refused_at_its_member(void **state)
         { unstable_step, "/macro/step_s" },
         { negative_dispersion, "/macro/dispersion_m_s" },
         { far_mollifier, "/macro/mollifier_per_m2" },
+        { unknown_scheme, "/macro/scheme" },
         { unknown_heaviside, "/macro/heaviside" },
         { no_heaviside_width, "/macro/heaviside_width" },
         { no_threads, "" },
@@ -505,6 +561,7 @@ static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
     bf_status status = BF_ENOMEM;
     size_t n = 0;
     w->def.n_threads = 2;
+    w->def.scheme = SCENE_SCHEME_MUSCL; // needs all that the other one does, and more
     while (status != BF_OK) {
         memory_plan_fault(++n, 0);
         status = macro_create(&w->def, &s, NULL);

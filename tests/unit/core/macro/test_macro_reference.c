@@ -1,5 +1,5 @@
 // The macroscopic solver against the direct sum as printed in the paper (tests/reference), on small
-// random scenes with everything in them: saturated cargo, closed faces, velocities in both directions,
+// random scenes, for each scheme, with everything in them: saturated cargo, closed faces, velocities in both directions,
 // open and mirrored edges, cells that are not square, grids that fill no whole block.
 
 #include "core/macro/macro.h"
@@ -68,7 +68,8 @@ static void close_mirroring_edges(fixture *s)
 // Rows of more than 63 blocks need more than one word for a set of blocks.
 typedef enum row_length { SHORT_ROWS, LONG_ROWS } row_length;
 
-static fixture *random_fixture(unsigned seed, scene_heaviside heaviside, row_length length)
+static fixture *random_fixture(unsigned seed, scene_scheme scheme, scene_heaviside heaviside,
+                               row_length length)
 {
     fixture *s = calloc(1, sizeof *s);
 
@@ -79,6 +80,7 @@ static fixture *random_fixture(unsigned seed, scene_heaviside heaviside, row_len
                              .n2 = 20 + (size_t)rand() % (length == LONG_ROWS ? 10 : 60),
                              .d1 = 5e-3,
                              .d2 = uniform(4e-3, 7e-3) };
+    s->def.scheme = scheme;
     s->def.heaviside = heaviside;
     s->def.dt = 1e-3;
     s->def.v1 = s->v1;
@@ -149,29 +151,40 @@ static void compare_with_direct_sum(fixture *s)
 static void random_densities_and_fields_agree_with_the_direct_sum(void **state)
 {
     (void)state;
-    for (unsigned seed = 1; seed <= 12; seed++)
-        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SHARP, SHORT_ROWS));
-    for (unsigned seed = 13; seed <= 16; seed++)
-        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SHARP, LONG_ROWS));
+    for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
+        const scene_scheme scheme = (scene_scheme)k;
+        for (unsigned seed = 1; seed <= 12; seed++)
+            compare_with_direct_sum(
+                random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, SHORT_ROWS));
+        for (unsigned seed = 13; seed <= 16; seed++)
+            compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, LONG_ROWS));
+    }
 }
 
 static void the_other_forms_of_h_agree_with_the_direct_sum(void **state)
 {
     (void)state;
-    for (unsigned seed = 21; seed <= 24; seed++) {
-        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS));
-        compare_with_direct_sum(random_fixture(seed, SCENE_HEAVISIDE_NONE, SHORT_ROWS));
+    for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
+        const scene_scheme scheme = (scene_scheme)k;
+        for (unsigned seed = 21; seed <= 24; seed++) {
+            compare_with_direct_sum(
+                random_fixture(seed, scheme, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS));
+            compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_NONE, SHORT_ROWS));
+        }
     }
 }
 
 static void belts_whose_speed_changes_agree_with_the_direct_sum(void **state)
 {
     (void)state;
-    for (unsigned seed = 51; seed <= 60; seed++) {
-        fixture *s = random_fixture(seed, (scene_heaviside)(seed % SCENE_HEAVISIDE_COUNT),
-                                    seed % 5 == 0 ? LONG_ROWS : SHORT_ROWS);
-        let_belts_change(s);
-        compare_with_direct_sum(s);
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++) {
+        for (unsigned seed = 51; seed <= 60; seed++) {
+            fixture *s = random_fixture(seed, (scene_scheme)scheme,
+                                        (scene_heaviside)(seed % SCENE_HEAVISIDE_COUNT),
+                                        seed % 5 == 0 ? LONG_ROWS : SHORT_ROWS);
+            let_belts_change(s);
+            compare_with_direct_sum(s);
+        }
     }
 }
 
@@ -189,31 +202,37 @@ static uint64_t digest_with(const fixture *s, macro_sweep_fn *sweep)
     return digest;
 }
 
+static void compare_instruction_sets(unsigned seed, scene_scheme scheme, bool is_narrow)
+{
+    fixture *s =
+        random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
+    if (seed > 32)
+        let_belts_change(s);
+    const uint64_t digest = digest_with(s, macro__sweep_of(scheme, CPU_BASE, is_narrow));
+    for (cpu_level level = CPU_BASE; level <= cpu_best(); level++)
+        assert_true(digest_with(s, macro__sweep_of(scheme, level, is_narrow)) == digest);
+    free(s);
+}
+
 static void every_instruction_set_gives_the_same_bits(void **state)
 {
     (void)state;
-    for (unsigned seed = 31; seed <= 34; seed++) {
-        const bool is_narrow = seed % 2 != 0;
-        fixture *s =
-            random_fixture(seed, SCENE_HEAVISIDE_SHARP, is_narrow ? SHORT_ROWS : LONG_ROWS);
-        if (seed > 32)
-            let_belts_change(s);
-        uint64_t digest = digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, CPU_BASE, is_narrow));
-        for (cpu_level level = CPU_BASE; level <= cpu_best(); level++)
-            assert_true(digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, level, is_narrow)) ==
-                        digest);
-        free(s);
-    }
+    for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++)
+        for (unsigned seed = 31; seed <= 34; seed++)
+            compare_instruction_sets(seed, (scene_scheme)scheme, seed % 2 != 0);
 }
 
 // The build for narrow grids against the one for any width.
 static void both_builds_give_the_same_bits(void **state)
 {
     (void)state;
-    fixture *s = random_fixture(41, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);
-    assert_true(digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, cpu_best(), false)) ==
-                digest_with(s, macro__sweep_of(SCENE_SCHEME_ROE, cpu_best(), true)));
-    free(s);
+    for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
+        const scene_scheme scheme = (scene_scheme)k;
+        fixture *s = random_fixture(41, scheme, SCENE_HEAVISIDE_SHARP, SHORT_ROWS);
+        assert_true(digest_with(s, macro__sweep_of(scheme, cpu_best(), false)) ==
+                    digest_with(s, macro__sweep_of(scheme, cpu_best(), true)));
+        free(s);
+    }
 }
 
 int main(void)

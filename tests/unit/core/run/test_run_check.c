@@ -47,6 +47,11 @@ static void macroscopic_steps_beyond_cfl_are_refused_with_the_largest_stable_one
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = 0.005;
     assert_macro_refuses(&s, BF_EINPUT, "/macro/step_s", "0.0042194");
+    // Both axes at once: half of that.
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.macro.step = 0.0022;
+    s.macro.scheme = SCENE_SCHEME_MUSCL;
+    assert_macro_refuses(&s, BF_EINPUT, "/macro/step_s", "0.0021097");
     // Stable but perhaps not positive is the user's choice.
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.step = scene_step_stable(&s);

@@ -174,6 +174,13 @@ static void steps_are_bounded_by_stability_and_positivity(void **state)
     assert_near(scene_step_stable(&s), 0.005 / 1.185, 1e-15);
     assert_near(scene_step_positive(&s), 0.0025 / 1.185, 1e-15);
     assert_true(scene_macro_step(&s) == 0.00125);
+    // Both axes at once: half of it.
+    s.macro.scheme = SCENE_SCHEME_MUSCL;
+    assert_near(scene_step_stable(&s), 0.0025 / 1.185, 1e-15);
+    assert_near(scene_step_positive(&s), 0.00125 / 1.185, 1e-15);
+    s.macro.step = 0.0;
+    // The bound is 0.0010549 s: 0.01 s in 10 steps, not in 9.
+    assert_near(scene_macro_step(&s), 0.001, 1e-18);
     scene_fini(&s);
 }
 
