@@ -1,5 +1,7 @@
 #include "api/scenario/review_members.h"
 
+#include "api/scenario/scenario_members.h"
+
 #define AT(place) offsetof(validity_item, place)
 static const member outside_members[] = {
     MEMBER("what", enum, AT(figure), "Figure of the scenario", .words = validity_words),
@@ -17,6 +19,8 @@ const member_table review_outside_members = { MEMBER_TABLE("OutsideValidity", ou
 
 #define AT(place) offsetof(validity, place)
 static const member validity_members[] = {
+    MEMBER("closure", enum, AT(closure), "Closure of the macroscopic model",
+           .words = scenario_closure_words),
     MEMBER("compared", bool, AT(is_compared), "Every figure of the scenario is within its range"),
     MEMBER("outside", array, AT(items), "Figures that are out of their range",
            .table = &review_outside_members, .offset_n = AT(n), .limit = VALIDITY_ITEMS_MAX),

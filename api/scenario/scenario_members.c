@@ -13,6 +13,7 @@
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
 static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
 static const char *const shape_words[] = { "cylinder", "box", "prism", "hull", NULL };
+const char *const scenario_closure_words[] = { "dispersive", "congested", NULL };
 static const char *const scheme_words[] = { "roe", "muscl", NULL };
 static const char *const heaviside_words[] = { "sharp", "smooth", "none", NULL };
 static const char *const integrator_words[] = { "verlet", "implicit", NULL };
@@ -24,6 +25,7 @@ HAS_WORDS(edge_words, SCENE_EDGE_COUNT);
 HAS_WORDS(treatment_words, SCENE_TREATMENT_COUNT);
 HAS_WORDS(shape_words, SCENE_SHAPE_COUNT);
 HAS_WORDS(scheme_words, SCENE_SCHEME_COUNT);
+HAS_WORDS(scenario_closure_words, SCENE_CLOSURE_COUNT);
 HAS_WORDS(heaviside_words, SCENE_HEAVISIDE_COUNT);
 HAS_WORDS(integrator_words, SCENE_INTEGRATOR_COUNT);
 HAS_WORDS(path_words, SCENE_PATH_COUNT);
@@ -301,7 +303,12 @@ static const member macro_members[] = {
     MEMBER("cell_m", number, AT(cell), "edge of a cell", .unit = "m", .range = &scene_range_length,
            .flags = MEMBER_INIT),
     MEMBER("step_s", step, AT(step), "time step; auto: the largest stable and positive one",
-           .unit = "s", .range = &scene_range_time, .flags = MEMBER_INIT),
+           .unit = "s", .range = &scene_range_time,
+           .default_text = TEXT_OF(SCENE_MACRO_STEP) "; auto if congested"),
+    MEMBER("closure", enum, AT(closure), "how packed cargo moves", .words = scenario_closure_words,
+           .flags = MEMBER_INIT),
+    MEMBER("jam_density", number, AT(jam_density), "rho_j of congested",
+           .range = &scene_range_jam_density, .flags = MEMBER_INIT),
     MEMBER("scheme", enum, AT(scheme), "numerical scheme", .words = scheme_words,
            .flags = MEMBER_INIT),
     MEMBER("heaviside", enum, AT(heaviside), "what lets the dispersion act",

@@ -4,6 +4,9 @@
 
 #include "api/json/members.h"
 
+/// The words of the closures of the macroscopic model; NULL-terminated.
+extern const char *const scenario_closure_words[];
+
 /// The whole document; its struct is scene.
 extern const member_table scenario_members;
 

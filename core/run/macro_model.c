@@ -37,10 +37,13 @@ static void check_step(const scene *s, bf_faults *faults)
 
 static void check_scenario(const scene *s, bf_faults *faults)
 {
+    const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
     const int reach = mollifier_reach(s->macro.mollifier, s->macro.cell);
 
+    if (!is_dispersive)
+        faults_add(faults, "/macro/closure", "this build has no solver for that closure");
     check_step(s, faults);
-    if (reach > MOLLIFIER_REACH_MAX)
+    if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
                          "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
 }

@@ -23,11 +23,13 @@ typedef struct range_row {
 
 #define NOTHING -INFINITY
 
-static const range_row ranges[VALIDITY_FIGURE_COUNT] = {
+static const range_row dispersive_ranges[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_ANGLE] = { 30.0, 90.0, "It lets cargo slide too slowly along shallow plates.",
                          "Cargo collects in the corner that the plate closes, and stays there." },
     [VALIDITY_OPENING] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
                            NULL },
+    [VALIDITY_FUNNEL] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
+                          NULL },
     [VALIDITY_HEAP] = { NOTHING, 62.0, NULL,
                         "Such a heap saturates the opening, and the model lets it pass too fast." },
     [VALIDITY_PARTS] = { 24.0, 640.0, "A density says little about a few parts.", NULL },
@@ -53,9 +55,42 @@ static const range_row ranges[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_CELL] = { 0.1, 0.25, NULL, "The model lets cargo pass too slowly on a coarse grid." },
 };
 
+static const range_row congested_ranges[VALIDITY_FIGURE_COUNT] = {
+    [VALIDITY_ANGLE] = { 10.0, 90.0, NULL,
+                         "Cargo collects in the corner that the plate closes, and stays there." },
+    [VALIDITY_OPENING] = { 3.0, 17.0, "Parts may bridge the opening, which a density cannot show.",
+                           NULL },
+    [VALIDITY_FUNNEL] = { 3.0, 10.0, "Parts may bridge the opening, which a density cannot show.",
+                          NULL },
+    [VALIDITY_HEAP] = { NOTHING, INFINITY, NULL, NULL },
+    [VALIDITY_PARTS] = { 24.0, 900.0, "A density says little about a few parts.", NULL },
+    [VALIDITY_SPEED] = { 0.1, 0.6, NULL, NULL },
+    [VALIDITY_SCHEDULES] = { NOTHING, 0.0, NULL, NULL },
+    [VALIDITY_BELTS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PLATES] = { NOTHING, 2.0, NULL, NULL },
+    [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PIECES] = { NOTHING, LAYOUT_PIECES_MAX, NULL,
+                          "Angles and openings of so many were not measured." },
+    [VALIDITY_WALL] = { NOTHING, 0.0, NULL, "Cargo collects at such a wall." },
+    [VALIDITY_DIAMETER] = { 0.024, 0.024, NULL, NULL },
+    [VALIDITY_SHAPE] = { NOTHING, 0.0, NULL, NULL },
+    [VALIDITY_KINDS] = { NOTHING, 1.0, NULL, NULL },
+    [VALIDITY_PLATE_FRICTION] = { 0.19, 0.19, NULL, NULL },
+    [VALIDITY_PART_FRICTION] = { 0.15, 0.15, NULL, NULL },
+    [VALIDITY_BELT_FRICTION] = { 1.0, 1.0, NULL, NULL },
+    [VALIDITY_TREATMENT] = { NOTHING, INFINITY, NULL, NULL },
+    [VALIDITY_CELL] = { 0.2, 0.42, NULL, NULL },
+};
+
+static const range_row *const ranges[SCENE_CLOSURE_COUNT] = {
+    [SCENE_DISPERSIVE] = dispersive_ranges,
+    [SCENE_CONGESTED] = congested_ranges,
+};
+
 const char *const validity_words[] = {
     [VALIDITY_ANGLE] = "angle",
     [VALIDITY_OPENING] = "opening",
+    [VALIDITY_FUNNEL] = "funnel",
     [VALIDITY_HEAP] = "heap",
     [VALIDITY_PARTS] = "parts",
     [VALIDITY_SPEED] = "speed",
@@ -89,6 +124,8 @@ static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_ANGLE] = { "deg", "A plate stands at", " degrees to the belt", " degrees", NULL },
     [VALIDITY_OPENING] = { "diameters", "The narrowest opening is", " part diameters wide",
                            " diameters", NULL },
+    [VALIDITY_FUNNEL] = { "diameters", "The narrowest opening of several plates is",
+                          " part diameters wide", " diameters", NULL },
     [VALIDITY_HEAP] = { "parts/diameter", "The heap has",
                         " parts for each part diameter of the narrowest opening", "", NULL },
     [VALIDITY_PARTS] = { "parts", "The number of parts is", "", "", NULL },
@@ -96,7 +133,7 @@ static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_SCHEDULES] = { NULL, "The number of belts whose speed changes is", "", "",
                              "constant speeds alone" },
     [VALIDITY_BELTS] = { NULL, "The number of different belt velocities is", "", "", "one alone" },
-    [VALIDITY_PLATES] = { NULL, "The number of plates is", "", "", "one alone" },
+    [VALIDITY_PLATES] = { NULL, "The number of plates is", "", "", NULL },
     [VALIDITY_BENDS] = { NULL, "The number of bends of a plate is", "", "", NULL },
     [VALIDITY_PIECES] = { NULL, "The number of straight pieces of the plates is", "", "", "a few" },
     [VALIDITY_WALL] = { "deg", "A belt runs against a wall at", " degrees", "",
@@ -119,7 +156,8 @@ enum { TOO_SMALL, TOO_LARGE, WAY_COUNT };
 /// What was found so far.
 typedef struct findings {
     const scene *s;
-    double diameter; ///< of the largest part, m
+    const range_row *ranges; ///< of its closure
+    double diameter;         ///< of the largest part, m
     validity_item items[VALIDITY_FIGURE_COUNT][WAY_COUNT];
     bool has[VALIDITY_FIGURE_COUNT][WAY_COUNT]; ///< the item is filled in
 } findings;
@@ -130,7 +168,7 @@ static void note(findings *f, validity_figure figure, double value, const char *
 /// Compare a value with its range; the text is the pointer of what has it.
 static void note(findings *f, validity_figure figure, double value, const char *format, ...)
 {
-    const range_row *range = &ranges[figure];
+    const range_row *range = &f->ranges[figure];
     int way = WAY_COUNT;
     va_list args;
 
@@ -168,7 +206,8 @@ static void note_heap(findings *f, const layout *of)
     note(f, VALIDITY_PARTS, n_parts, "/initial");
     if (!isfinite(width))
         return;
-    note(f, VALIDITY_OPENING, width, "/obstacles/%zu", of->opening.index);
+    note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
+         of->opening.index);
     if (width > 0.0)
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
 }
@@ -309,6 +348,8 @@ static void print_range(const validity_item *item, char *ret_text, size_t size)
         snprintf(ret_text, size, "%s", text->only);
     else if (!isfinite(item->minimum))
         snprintf(ret_text, size, "up to %s%s", maximum, text->of);
+    else if (item->minimum == item->maximum)
+        snprintf(ret_text, size, "%s%s", minimum, text->of);
     else if (!isfinite(item->maximum))
         snprintf(ret_text, size, "%s%s and more", minimum, text->of);
     else
@@ -316,12 +357,12 @@ static void print_range(const validity_item *item, char *ret_text, size_t size)
 }
 
 /// Fill in what follows from figure and value.
-static void complete_item(validity_item *item, int way)
+static void complete_item(validity_item *item, const range_row *range, int way)
 {
-    const range_row *range = &ranges[item->figure];
     const figure_text *text = &texts[item->figure];
     const char *then = way == TOO_SMALL ? range->below : range->above;
-    const bool is_closed = item->figure == VALIDITY_OPENING && item->value == 0.0;
+    const bool is_closed =
+        item->value == 0.0 && (item->figure == VALIDITY_OPENING || item->figure == VALIDITY_FUNNEL);
     char value[32], between[96];
 
     if (is_closed)
@@ -338,7 +379,7 @@ static void complete_item(validity_item *item, int way)
 
 bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)
 {
-    findings f = { .s = s, .diameter = diameter_of(s) };
+    findings f = { .s = s, .ranges = ranges[s->macro.closure], .diameter = diameter_of(s) };
     layout of;
 
     bf_status status = layout_measure(s, &of, err);
@@ -352,9 +393,10 @@ bf_status validity_of(const scene *s, validity *ret_validity, bf_error *err)
                 continue;
             validity_item *item = &ret_validity->items[ret_validity->n++];
             *item = f.items[figure][way];
-            complete_item(item, way);
+            complete_item(item, &f.ranges[figure], way);
         }
     }
+    ret_validity->closure = s->macro.closure;
     ret_validity->is_compared = ret_validity->n == 0;
     return BF_OK;
 }

@@ -3,7 +3,7 @@
 /// A density cannot show everything that parts do: they bridge narrow openings, and single ones matter
 /// where there are few. So the model is trusted where both models were solved for the same scenarios and
 /// agreed (core/README.md has the comparison). Figures of a scenario (angles, openings, the heap, ...) are
-/// compared with the ranges of that comparison, which are one table in validity.c. What lies outside is no
+/// compared with the ranges of that comparison, which are one table in validity.c, a column for each closure. What lies outside is no
 /// fault: the scenario can be solved, and its results are to be doubted.
 ///
 /// Where nothing deflects the cargo it rides on its belt in both models, and only the walls and belts
@@ -21,7 +21,8 @@
 /// The figures, each with its unit. Diameters of parts are those of the circle about the largest one.
 typedef enum validity_figure {
     VALIDITY_ANGLE,          ///< of a plate to the belt, degrees (core/scene/layout.h)
-    VALIDITY_OPENING,        ///< the narrowest, diameters
+    VALIDITY_OPENING,        ///< the narrowest of a single plate, diameters
+    VALIDITY_FUNNEL,         ///< the narrowest of several plates, diameters
     VALIDITY_HEAP,           ///< parts for each diameter of the narrowest opening
     VALIDITY_PARTS,          ///< parts at the start
     VALIDITY_SPEED,          ///< of a belt, m/s
@@ -59,6 +60,7 @@ typedef struct validity_item {
 
 /// What is to be said about a scenario.
 typedef struct validity {
+    scene_closure closure;                   ///< of the model that would solve it
     bool is_compared;                        ///< every figure is within its range
     size_t n;                                ///< items
     validity_item items[VALIDITY_ITEMS_MAX]; ///< by rising figure, too small before too large

@@ -59,6 +59,7 @@ static const number_rule number_rules[] = {
     RULE("/output/snapshot_every_s", scene, output.snapshot_every, scene_range_time),
     RULE("/macro/cell_m", scene, macro.cell, scene_range_length),
     RULE("/macro/step_s", scene, macro.step, macro_step),
+    RULE("/macro/jam_density", scene, macro.jam_density, scene_range_jam_density),
     RULE("/macro/heaviside_width", scene, macro.heaviside_width, scene_range_heaviside_width),
     RULE("/macro/dispersion_m_s", scene, macro.dispersion, scene_range_dispersion),
     RULE("/macro/mollifier_per_m2", scene, macro.mollifier, scene_range_per_area),
@@ -97,6 +98,8 @@ static void check_numbers(const void *item, const char *pointer, const number_ru
 
 static void check_words(const scene *s, bf_faults *faults)
 {
+    if ((unsigned)s->macro.closure >= SCENE_CLOSURE_COUNT)
+        faults_add(faults, "/macro/closure", "is not a closure");
     if ((unsigned)s->macro.scheme >= SCENE_SCHEME_COUNT)
         faults_add(faults, "/macro/scheme", "is not a scheme");
     if ((unsigned)s->macro.heaviside >= SCENE_HEAVISIDE_COUNT)

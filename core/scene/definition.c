@@ -96,6 +96,14 @@ static uint64_t add_cargo(uint64_t digest, const scene *s)
     return digest;
 }
 
+// Nothing for the dispersive closure.
+static uint64_t add_closure(uint64_t digest, const scene_macro *macro)
+{
+    if (macro->closure == SCENE_DISPERSIVE)
+        return digest;
+    return ADD_NUMBERS(digest, macro->closure, macro->jam_density);
+}
+
 uint64_t definition_digest(const scene *s)
 {
     const scene_macro *macro = &s->macro;
@@ -113,6 +121,7 @@ uint64_t definition_digest(const scene *s)
     digest = ADD_NUMBERS(digest, macro->cell, macro->step, macro->scheme, macro->heaviside,
                          macro->heaviside_width, macro->dispersion, macro->mollifier,
                          macro->initial_mollifier, macro->packing);
+    digest = add_closure(digest, macro);
     digest =
         ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step, micro->modulus_reduction,
                     micro->tension, micro->damping, micro->gravity, micro->spin_friction_radius);

@@ -45,9 +45,10 @@ enum {
 
 /// Numbers of the defaults that follow from other members (scene_resolve); documents name them. Density of
 /// steel, kg/m3; widths of the outward field and of the slide zone times sqrt(sigma); width of the slide
-/// zone of obstacles that are not sealed, m; step of the paper's integration, s.
+/// zone of obstacles that are not sealed, m; steps of the paper's two models, s.
 #define SCENE_STEEL_DENSITY 7850
 #define SCENE_BAND_FACTOR   8
 #define SCENE_SLIDE_FACTOR  3
 #define SCENE_SLIDE_WIDTH   0.02
+#define SCENE_MACRO_STEP    0.00125
 #define SCENE_MICRO_STEP    1e-5

@@ -29,6 +29,13 @@ typedef struct scene_contact {
     double tanh_spin;   ///< lambda_ang, s, > 0 (default 1)
 } scene_contact;
 
+/// How the macroscopic model moves cargo that is packed.
+typedef enum scene_closure {
+    SCENE_DISPERSIVE, ///< the paper's (10)-(11): it disperses down the gradient of the smoothed density
+    SCENE_CONGESTED, ///< a pressure holds the density at that of a jam, with friction on the belt
+    SCENE_CLOSURE_COUNT
+} scene_closure;
+
 /// The function H by which the dispersion acts at density rho.
 typedef enum scene_heaviside {
     SCENE_HEAVISIDE_SHARP,  ///< 1 where rho >= 1, else 0
@@ -44,10 +51,13 @@ typedef enum scene_scheme {
     SCENE_SCHEME_COUNT
 } scene_scheme;
 
-/// Parameters of the macroscopic model (10)-(18).
+/// Parameters of the macroscopic model (10)-(18). Those of the other closure have no effect: with
+/// SCENE_CONGESTED heaviside to mollifier, and treatment, band and slide_width of obstacles.
 typedef struct scene_macro {
     double cell;               ///< cell edge, m, > 0 (default 0.005)
-    double step;               ///< dt, s, > 0; 0 means "auto" (default 0.00125)
+    double step;               ///< dt, s, > 0; 0 means "auto" (default 0.00125; 0 if congested)
+    scene_closure closure;     ///< (default SCENE_DISPERSIVE)
+    double jam_density;        ///< rho_j of SCENE_CONGESTED, in (0, 1] (default 0.9)
     scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
     scene_heaviside heaviside; ///< (default SCENE_HEAVISIDE_SHARP)
     double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)

@@ -19,6 +19,7 @@ extern const bf_range
 extern const bf_range scene_range_per_area;          ///< mollifiers and packing density, 1/m2
 extern const bf_range scene_range_heaviside_width;   ///< xi
 extern const bf_range scene_range_dispersion;        ///< epsilon, m/s
+extern const bf_range scene_range_jam_density;       ///< rho_j
 extern const bf_range scene_range_modulus_reduction; ///< divisor of the moduli
 extern const bf_range scene_range_damping_rate;      ///< D, 1/s
 extern const bf_range scene_range_gravity;           ///< m/s2

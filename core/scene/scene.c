@@ -25,7 +25,9 @@ static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
 static scene_macro default_macro(void)
 {
     return (scene_macro){ .cell = 0.005,
-                          .step = 0.00125,
+                          .step = NAN,
+                          .closure = SCENE_DISPERSIVE,
+                          .jam_density = 0.9,
                           .scheme = SCENE_SCHEME_ROE,
                           .heaviside = SCENE_HEAVISIDE_SHARP,
                           .heaviside_width = 0.05,
@@ -197,6 +199,7 @@ static void resolve_derived(scene *s)
 
     resolve_cargo(s);
     fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
+    fill_in(&s->macro.step, s->macro.closure == SCENE_CONGESTED ? 0.0 : SCENE_MACRO_STEP);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
@@ -304,16 +307,10 @@ double scene_fit_step(const scene *s, double most, bool is_below)
     return fmin(step, s->duration);
 }
 
-double scene_macro_step(const scene *s)
-{
-    return s->macro.step > 0.0 ? s->macro.step : scene_fit_step(s, scene_step_positive(s), true);
-}
-
 // No component of v_stat exceeds the speed of the fastest belt in any region. The dispersion speed has the
 // factor of the belt under it, and 1 off every belt.
-double scene_step_stable(const scene *s)
+static void find_speeds(const scene *s, double *ret_speed, double *ret_dispersion)
 {
-    const double n_axes = s->macro.scheme == SCENE_SCHEME_MUSCL ? 2.0 : 1.0;
     double speed = 0.0, factor = 1.0;
 
     for (size_t k = 0; k < s->n_belts; k++) {
@@ -321,10 +318,30 @@ double scene_step_stable(const scene *s)
         speed = fmax(speed, vec2_length(s->belts[k].velocity) * largest);
         factor = fmax(factor, largest);
     }
-    return s->macro.cell / (n_axes * (speed + s->macro.dispersion * factor));
+    *ret_speed = speed;
+    *ret_dispersion = s->macro.dispersion * factor;
+}
+
+double scene_step_stable(const scene *s)
+{
+    const bool is_muscl = s->macro.scheme == SCENE_SCHEME_MUSCL;
+    double speed, dispersion;
+
+    find_speeds(s, &speed, &dispersion);
+    if (s->macro.closure == SCENE_CONGESTED)
+        return s->macro.cell / ((is_muscl ? 4.0 : 2.0) * speed);
+    return s->macro.cell / ((is_muscl ? 2.0 : 1.0) * (speed + dispersion));
 }
 
 double scene_step_positive(const scene *s)
 {
-    return 0.5 * scene_step_stable(s);
+    return s->macro.closure == SCENE_CONGESTED ? scene_step_stable(s) : 0.5 * scene_step_stable(s);
+}
+
+double scene_macro_step(const scene *s)
+{
+    const bool is_below = s->macro.closure == SCENE_DISPERSIVE;
+
+    return s->macro.step > 0.0 ? s->macro.step
+                               : scene_fit_step(s, scene_step_positive(s), is_below);
 }

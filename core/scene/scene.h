@@ -80,12 +80,13 @@ bool scene_mirrors_walls(const scene *s);
 /// times into it; s.
 double scene_fit_step(const scene *s, double most, bool is_below);
 
-/// Time step of the macroscopic model, s: macro.step, or for "auto" the largest that is stable and
-/// positive by scene_fit_step().
+/// Time step of the macroscopic model, s: macro.step, or for "auto", by scene_fit_step(), the largest that is
+/// stable and positive, with the congested closure that of SCENE_CONGESTED_AUTO.
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt n (max|v_stat| + eps) <= dx, and the largest below which rho stays >= 0, half of
 /// it; s. n is the number of axes whose fluxes act at the same time: 1 for roe, 2 for muscl (core/README.md). With the
-/// largest factors that the speed schedules of the belts allow.
+/// largest factors that the speed schedules of the belts allow. With the congested closure
+/// both are 2 n dt max|v_stat| <= dx.
 double scene_step_stable(const scene *s);
 double scene_step_positive(const scene *s);

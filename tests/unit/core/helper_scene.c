@@ -30,6 +30,7 @@ void helper_scene_belt(scene *s, double length, double width, double cell, const
     s->domain = (scene_rect){ 0.0, length, 0.0, width };
     s->macro.cell = cell;
     s->macro.step = 0.0;
+    s->macro.closure = SCENE_DISPERSIVE;
     s->initial.type = SCENE_INITIAL_POSITIONS;
     s->initial.n_poses = n;
     s->initial.poses = copy(poses, n, sizeof *poses);
@@ -87,6 +88,7 @@ void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
     scene_init(s);
     s->duration = 6.0;
     s->domain = (scene_rect){ 0.0, 1.0, 0.0, 0.6 };
+    s->macro.closure = SCENE_DISPERSIVE;
     s->initial.type = SCENE_INITIAL_HEXAGONAL;
     s->initial.n_rows = 16;
     s->initial.n_columns = 12;

@@ -111,6 +111,8 @@ static void every_member_finds_its_place(void **unused)
     assert_true(s.counters[0].rect.y_min == 0.2 && s.counters[1].rect.x_min == -0.5);
     assert_true(s.output.snapshot_every == 0.25);
     assert_true(s.macro.step == 0.0 && s.macro.initial_mollifier == 3000);
+    assert_int_equal(s.macro.closure, SCENE_CONGESTED);
+    assert_true(s.macro.jam_density == 0.85);
     assert_int_equal(s.macro.heaviside, SCENE_HEAVISIDE_SMOOTH);
     assert_true(s.micro.tension && s.micro.spin_friction_radius == 0.01);
     assert_int_equal(s.micro.integrator, SCENE_IMPLICIT);

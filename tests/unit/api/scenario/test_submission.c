@@ -261,13 +261,15 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
     (void)unused;
     validate("{" SCENARIO "}", &free_belt);
     assert_begins(&free_belt, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"validity\":{"
-                              "\"compared\":true,\"outside\":[]},\"resolved\":{\"name\":\"N\",");
+                              "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
+                              "\"resolved\":{\"name\":\"N\",");
     validate("{" DEFLECTED "}", &macro);
 #define TEXT                                                                                       \
     "\"The share of parts that are no cylinders is 100 %; the model was compared with moving "     \
     "parts for cylinders alone.\""
     assert_begins(&macro, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[" TEXT
-                          "],\"validity\":{\"compared\":false,\"outside\":[{\"what\":\"shape\","
+                          "],\"validity\":{\"closure\":\"dispersive\",\"compared\":false,"
+                          "\"outside\":[{\"what\":\"shape\","
                           "\"value\":100,\"unit\":\"%\",\"min\":null,\"max\":0,"
                           "\"pointer\":\"/cargo/shape\",\"detail\":" TEXT "}]},\"resolved\":{");
     validate("{" DEFLECTED ", 'model': 'micro'}", &micro);

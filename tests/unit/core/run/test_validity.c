@@ -339,6 +339,44 @@ static void coarse_grids_were_not_compared(void **state)
     assert_only(&s, VALIDITY_CELL, 0.01 / 0.024, "/macro/cell_m");
 }
 
+// 16 rows of 40 parts at 0.1 m, and a plate of 15 degrees: for the one closure both were compared.
+static void each_closure_has_ranges_of_its_own(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_plate(&s, 15.0, 0.5);
+    s.initial.n_columns = 40;
+    assert_int_equal(validity_now(&s).closure, SCENE_DISPERSIVE);
+    assert_int_equal(validity_now(&s).n, 2);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_int_equal(validity_now(&s).closure, SCENE_CONGESTED);
+    assert_true(validity_now(&s).is_compared);
+    s.micro.contact[SCENE_HANDLING_CARGO].friction = 0.3;
+    const validity_item item = find_only(&s);
+    assert_int_equal(item.figure, VALIDITY_PLATE_FRICTION);
+    assert_string_equal(item.detail, "The friction of parts on plates is 0.3; the model was "
+                                     "compared with moving parts for 0.19.");
+}
+
+// Tips of 45 degrees 0.3 m apart are 12.5 diameters, a plate of that opening is one.
+static void openings_of_funnels_have_a_range_of_their_own(void **state)
+{
+    static const vec2 upper[] = { { 0.6, 0.6 }, { 0.75, 0.45 } };
+    scene s;
+
+    (void)state;
+    make_plate(&s, 45.0, 0.15);
+    helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
+    helper_scene_resolve(&s);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_only(&s, VALIDITY_FUNNEL, 12.5, "/obstacles/1");
+    make_plate(&s, 45.0, 0.3);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_true(validity_now(&s).is_compared);
+    scene_fini(&s);
+}
+
 static void plates_of_too_many_pieces_are_not_measured(void **state)
 {
     static vec2 path[LAYOUT_PIECES_MAX + 2];
@@ -414,6 +452,8 @@ int main(void)
         cmocka_unit_test(other_frictions_were_not_compared),
         cmocka_unit_test(only_sealed_plates_agree_with_moving_parts),
         cmocka_unit_test(coarse_grids_were_not_compared),
+        cmocka_unit_test(each_closure_has_ranges_of_its_own),
+        cmocka_unit_test(openings_of_funnels_have_a_range_of_their_own),
         cmocka_unit_test(plates_of_too_many_pieces_are_not_measured),
         cmocka_unit_test(cargo_that_nothing_deflects_rides_on_its_belt),
         cmocka_unit_test(every_figure_has_a_word_of_its_own),

@@ -222,6 +222,46 @@ static void an_auto_step_is_no_longer_than_the_run(void **state)
     scene_fini(&s);
 }
 
+// Half of 0.005 m / 0.395 m/s = 6.33 ms, and of the 0.01 s between two samples.
+static void the_congested_closure_has_steps_of_its_own(void **state)
+{
+    scene s;
+
+    (void)state;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.macro.closure = SCENE_CONGESTED;
+    assert_true(scene_macro_step(&s) == 0.00125);
+    s.macro.step = 0.0;
+    assert_near(scene_macro_step(&s), 0.005, 1e-17);
+    s.output.curve_every = 1.0; // 158 steps of 6.33 ms
+    assert_near(scene_macro_step(&s), 1.0 / 158.0, 1e-17);
+    s.output.curve_every = 0.001;
+    assert_near(scene_macro_step(&s), 0.5 * 0.005 / 0.395, 1e-17);
+    assert_near(scene_step_stable(&s), 0.005 / 0.395, 1e-17);
+    assert_true(isinf(scene_step_positive(&s)));
+    s.macro.dispersion = 100.0; // has no effect
+    assert_near(scene_step_stable(&s), 0.005 / 0.395, 1e-17);
+    scene_fini(&s);
+}
+
+static void the_step_is_auto_by_default_if_congested(void **state)
+{
+    scene s;
+
+    (void)state;
+    scene_init(&s);
+    s.macro.closure = SCENE_CONGESTED;
+    helper_scene_resolve(&s);
+    assert_true(s.macro.step == 0.0);
+    assert_true(s.macro.jam_density == 0.9);
+    scene_fini(&s);
+    scene_init(&s);
+    s.macro.closure = SCENE_DISPERSIVE;
+    helper_scene_resolve(&s);
+    assert_true(s.macro.step == 0.00125);
+    scene_fini(&s);
+}
+
 static double mass_of(scene *s)
 {
     s->cargo[0].mass = NAN;
@@ -295,6 +335,8 @@ int main(void)
         cmocka_unit_test(steps_are_bounded_by_stability_and_positivity),
         cmocka_unit_test(an_auto_step_fits_into_the_period_of_the_curve),
         cmocka_unit_test(an_auto_step_is_no_longer_than_the_run),
+        cmocka_unit_test(the_congested_closure_has_steps_of_its_own),
+        cmocka_unit_test(the_step_is_auto_by_default_if_congested),
         cmocka_unit_test(the_mass_of_a_solid_is_steel_times_its_volume),
         cmocka_unit_test(the_hull_of_a_fine_cylinder_has_nearly_its_volume),
     };

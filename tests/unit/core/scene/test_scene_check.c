@@ -105,6 +105,8 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
         { offsetof(scene, initial.spacing), "/initial/hexagonal/spacing_m", 0.0 },
         { offsetof(scene, macro.cell), "/macro/cell_m", 0.0 },
         { offsetof(scene, macro.step), "/macro/step_s", -1.0 },
+        { offsetof(scene, macro.jam_density), "/macro/jam_density", 0.0 },
+        { offsetof(scene, macro.jam_density), "/macro/jam_density", 1.001 },
         { offsetof(scene, macro.heaviside_width), "/macro/heaviside_width", 0.0 },
         { offsetof(scene, macro.dispersion), "/macro/dispersion_m_s", -0.1 },
         { offsetof(scene, macro.mollifier), "/macro/mollifier_per_m2", 0.0 },
@@ -185,6 +187,7 @@ static void words_out_of_range_are_refused(void **state)
     s.obstacles[0].treatment = SCENE_TREATMENT_COUNT;
     s.cargo[0].shape.type = SCENE_SHAPE_COUNT;
     s.initial.type = SCENE_INITIAL_COUNT;
+    s.macro.closure = SCENE_CLOSURE_COUNT;
     s.macro.scheme = SCENE_SCHEME_COUNT;
     s.macro.heaviside = SCENE_HEAVISIDE_COUNT;
     const bf_faults *faults = faults_of(&s);
@@ -192,9 +195,10 @@ static void words_out_of_range_are_refused(void **state)
     assert_true(has_fault(faults, BF_EINPUT, "/obstacles/0/treatment", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/cargo/shape/type", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/initial", ""));
+    assert_true(has_fault(faults, BF_EINPUT, "/macro/closure", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/macro/scheme", ""));
     assert_true(has_fault(faults, BF_EINPUT, "/macro/heaviside", ""));
-    assert_int_equal(faults->n, 6);
+    assert_int_equal(faults->n, 7);
 }
 
 static void a_fresh_scene_lacks_all_that_has_no_default(void **state)
