@@ -232,18 +232,19 @@ static void update_rows(void *context, size_t item)
     }
 }
 
-void macro__faces_update(macro_solver *s)
+bool macro__faces_update(macro_solver *s)
 {
     const size_t n_bytes = (s->speeds.n_belts + 1) * sizeof *s->factors;
 
     if (s->speeds.are_constant)
-        return;
+        return false;
     belt_speeds_in_step(&s->speeds, s->steps, s->def.dt, s->factors_next);
     if (memcmp(s->factors, s->factors_next, n_bytes) == 0)
-        return;
+        return false;
     memcpy(s->factors, s->factors_next, n_bytes);
     s->uniform1 = s->uniform1_full * s->factors[s->uniform_belt];
     team_for(s->n_bands, (size_t)s->n2 / ROWS_AT_ONCE + 1, update_rows, s);
+    return true;
 }
 
 static void free_faces(macro_faces *faces)

@@ -2,6 +2,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/team.h"
+#include "core/macro/congested.h"
 #include "core/macro/macro_priv.h"
 #include "core/macro/muscl.h"
 
@@ -38,6 +39,9 @@ macro_def macro_def_default(void)
     return (macro_def){
         .grid = { .n1 = 200, .n2 = 120, .d1 = 5e-3, .d2 = 5e-3 },
         .dt = 1.25e-3,
+        .closure = SCENE_DISPERSIVE,
+        .jam_density = 0.93,
+        .slip_rate = 10.0,
         .dispersion = 0.79,
         .mollifier = 10000.0,
         .heaviside = SCENE_HEAVISIDE_SHARP,
@@ -146,6 +150,8 @@ static double stable_step(const macro_def *def)
         dispersion + largest_speed(def->v2, changes ? def->belt2 : NULL, &f, g->n1 * (g->n2 + 1));
     double rate1 = speed1 / g->d1, rate2 = speed2 / g->d2;
 
+    if (def->closure == SCENE_CONGESTED)
+        return 1.0 / ((def->scheme == SCENE_SCHEME_MUSCL ? 2.0 : 1.0) * (rate1 + rate2));
     return 1.0 / (def->scheme == SCENE_SCHEME_MUSCL ? rate1 + rate2 : fmax(rate1, rate2));
 }
 
@@ -330,6 +336,8 @@ static bf_status init_arrays(macro_solver *s, const macro_def *def)
         init_state(s, &s->now) != BF_OK || init_state(s, &s->next) != BF_OK ||
         init_speeds(s, def) != BF_OK || macro__faces_init(s, def) != BF_OK)
         return BF_ENOMEM;
+    if (def->closure == SCENE_CONGESTED)
+        return congested_create(s, def, &s->congested);
     for (int k = 0; k < s->n_bands; k++)
         if (band_init(s, &s->bands[k]) != BF_OK)
             return BF_ENOMEM;
@@ -373,6 +381,7 @@ macro_solver *macro_destroy(macro_solver *s)
     for (int k = 0; s->bands != NULL && k < s->n_bands; k++)
         band_fini(&s->bands[k]);
     memory_free(s->bands);
+    congested_destroy(s->congested);
     macro__faces_fini(s);
     fini_state(&s->now);
     fini_state(&s->next);
@@ -411,15 +420,29 @@ static void sweep_band(void *context, size_t k)
     s->sweep(&s->bands[k]);
 }
 
+static void swap_states(macro_solver *s)
+{
+    const macro_state before = s->now;
+
+    s->now = s->next;
+    s->next = before;
+}
+
 void macro_step(macro_solver *s)
 {
-    macro__faces_update(s);
-    for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
-        partition_rows(s);
-        team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
-        macro_state swap = s->now;
-        s->now = s->next;
-        s->next = swap;
+    const bool has_changed = macro__faces_update(s);
+
+    if (s->congested != NULL) {
+        if (has_changed)
+            congested_update(s);
+        congested_step(s);
+        swap_states(s);
+    } else {
+        for (s->stage = 0; s->stage < s->n_stages; s->stage++) {
+            partition_rows(s);
+            team_for(s->n_bands, (size_t)s->n_bands, sweep_band, s);
+            swap_states(s);
+        }
     }
     s->steps++;
 }

@@ -119,29 +119,30 @@ macro_sweep_fn *macro__sweep_of(scene_scheme scheme, cpu_level level, bool is_na
 
 /// The solver.
 struct macro_solver {
-    macro_def def;         ///< without its arrays
-    macro_sweep_fn *sweep; ///< macro__sweep_of()
-    int n_stages;          ///< of a step
-    int stage;             ///< the present one, from 0
-    mollifier along;       ///< weights along x1
-    mollifier across;      ///< weights along x2
-    double lambda1;        ///< dt/dx1
-    double lambda2;        ///< dt/dx2
-    double uniform1;       ///< velocity of most x1-faces, >= 0; that of most x2-faces is 0
-    double uniform1_full;  ///< same at the factor 1
-    uint16_t uniform_belt; ///< belt under these x1-faces, if a speed changes
-    belt_speeds speeds;    ///< of the definition's belts
-    double *factors;       ///< of each belt, and off every belt, as they are in v and uniform1
-    double *factors_next;  ///< scratch of macro__faces_update()
-    ptrdiff_t n1;          ///< cells of a row
-    ptrdiff_t n2;          ///< rows
-    ptrdiff_t n_blocks;    ///< blocks of a row
-    size_t n_words;        ///< words of a set of blocks
-    ptrdiff_t margin;      ///< doubles before cell 0, a multiple of BLOCK_CELLS
-    ptrdiff_t stride;      ///< doubles from row to row, a multiple of BLOCK_CELLS
-    ptrdiff_t n_ring;      ///< places of a ring
-    macro_faces faces1;    ///< n2 rows
-    macro_faces faces2;    ///< n2 + 1 rows
+    macro_def def;               ///< without its arrays
+    struct congested *congested; ///< of SCENE_CONGESTED; else NULL
+    macro_sweep_fn *sweep;       ///< macro__sweep_of()
+    int n_stages;                ///< of a step
+    int stage;                   ///< the present one, from 0
+    mollifier along;             ///< weights along x1
+    mollifier across;            ///< weights along x2
+    double lambda1;              ///< dt/dx1
+    double lambda2;              ///< dt/dx2
+    double uniform1;             ///< velocity of most x1-faces, >= 0; that of most x2-faces is 0
+    double uniform1_full;        ///< same at the factor 1
+    uint16_t uniform_belt;       ///< belt under these x1-faces, if a speed changes
+    belt_speeds speeds;          ///< of the definition's belts
+    double *factors;      ///< of each belt, and off every belt, as they are in v and uniform1
+    double *factors_next; ///< scratch of macro__faces_update()
+    ptrdiff_t n1;         ///< cells of a row
+    ptrdiff_t n2;         ///< rows
+    ptrdiff_t n_blocks;   ///< blocks of a row
+    size_t n_words;       ///< words of a set of blocks
+    ptrdiff_t margin;     ///< doubles before cell 0, a multiple of BLOCK_CELLS
+    ptrdiff_t stride;     ///< doubles from row to row, a multiple of BLOCK_CELLS
+    ptrdiff_t n_ring;     ///< places of a ring
+    macro_faces faces1;   ///< n2 rows
+    macro_faces faces2;   ///< n2 + 1 rows
     double *open1;       ///< n2 rows of cells: 0 beside a closed x1-face, else 1 (MUSCL; else NULL)
     double *open2;       ///< same for the x2-faces
     macro_state now;     ///< at the present time
@@ -183,8 +184,8 @@ static inline uint16_t *macro__belts(const macro_solver *s, const macro_faces *f
 BF_MUST_CHECK bf_status macro__faces_init(macro_solver *s, const macro_def *def);
 void macro__faces_fini(macro_solver *s);
 
-/// Bring the velocities of all faces to the step that begins now; nothing to do if no speed changes.
-void macro__faces_update(macro_solver *s);
+/// Bring the velocities of all faces to the step that begins now. True if they have changed.
+bool macro__faces_update(macro_solver *s);
 
 /// Fill the cells of a row outside the grid: zeros or the mirrored density.
 void macro__fill_margins(const macro_solver *s, double *row);
@@ -195,7 +196,7 @@ void macro__measure_row(macro_solver *s, ptrdiff_t j);
 /// Digest of all of a definition but the number of threads: of what a checkpoint belongs to.
 uint64_t macro__digest_definition(const macro_def *def);
 
-#ifdef CPU_BUILD
+#if defined(CPU_BUILD) && defined(MACRO_IS_NARROW)
 /// For the files that are compiled once per instruction set, and for narrow and wide grids: each build's
 /// functions have names of their own.
 #if MACRO_IS_NARROW

@@ -2,6 +2,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
+#include "core/macro/congested.h"
 #include "core/macro/macro_priv.h"
 #include "core/scene/definition.h"
 
@@ -71,6 +72,8 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
             return bf_fail(err, BF_EINPUT, "", "density %g of cell %zu is not possible", rho[k], k);
     take_density(s, (const char *)rho);
     s->steps = 0;
+    if (s->congested != NULL)
+        congested_reset(s);
     return BF_OK;
 }
 
@@ -154,7 +157,7 @@ bf_status macro_check(const macro_solver *s, bf_error *err)
 
     // A value that is not finite makes the sum so.
     if (isfinite(macro_mass_in(s, 0, g->n1, 0, g->n2)))
-        return BF_OK;
+        return s->congested != NULL ? congested_check(s, err) : BF_OK;
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++)
             if (!isfinite(macro_row(s, j)[i]))
@@ -213,7 +216,16 @@ uint64_t macro__digest_definition(const macro_def *def)
         return digest;
     digest = definition_add_belts(digest, def->n_belts, def->belts);
     digest = digest_add(digest, def->belt1, n_faces1 * sizeof *def->belt1);
-    return digest_add(digest, def->belt2, n_faces2 * sizeof *def->belt2);
+    digest = digest_add(digest, def->belt2, n_faces2 * sizeof *def->belt2);
+    if (def->closure == SCENE_DISPERSIVE)
+        return digest;
+    const double closure[] = { (double)def->closure, def->jam_density, def->slip_rate };
+    digest = digest_add(digest, closure, sizeof closure);
+    digest = digest_add(digest, def->one_way, sizeof def->one_way);
+    digest = digest_add(digest, def->aperture1, n_faces1 * sizeof *def->aperture1);
+    digest = digest_add(digest, def->aperture2, n_faces2 * sizeof *def->aperture2);
+    digest = digest_add(digest, def->transverse1, n_faces1 * sizeof *def->transverse1);
+    return digest_add(digest, def->transverse2, n_faces2 * sizeof *def->transverse2);
 }
 
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
@@ -224,6 +236,8 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_write(&w, &s->steps, sizeof s->steps);
     for (size_t j = 0; j < s->def.grid.n2; j++)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
+    if (s->congested != NULL)
+        congested_save(s, &w);
     return checkpoint_end(&w, err);
 }
 
@@ -235,10 +249,12 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_MACRO, s->definition, err);
     if (status != BF_OK)
         return status;
-    if (!checkpoint_read(&r, &steps, sizeof steps) ||
-        r.n_left != grid_cells(&s->def.grid) * sizeof(double))
+    const size_t n_bytes = grid_cells(&s->def.grid) * sizeof(double);
+    const bool has_density = checkpoint_read(&r, &steps, sizeof steps) && r.n_left >= n_bytes;
+    const char *rho = has_density ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
+    if (rho == NULL || (s->congested != NULL ? !congested_load(s, &r) : r.n_left != 0))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    take_density(s, r.at);
+    take_density(s, rho);
     s->steps = steps;
     return BF_OK;
 }

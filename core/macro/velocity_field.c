@@ -14,6 +14,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
+#include "core/macro/aperture.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/surroundings.h"
 
@@ -29,10 +30,14 @@
 
 enum { BORDERS_PER_SEGMENT = 8 };
 
+/// Width of the slide zone of the congested closure in radii of parts; fitted to the microscopic model.
+static const double congested_slide = 5.55;
+
 /// A straight piece of an obstacle.
 typedef struct segment {
-    const scene_obstacle *obstacle; ///< borrowed
-    surroundings_piece piece;       ///< see there
+    surroundings_piece piece; ///< see there
+    double level[3]; ///< borders of the regions by their distance d upstream of the line: B from
+                     ///< level[0] to [1], C from there to [2], m
 } segment;
 
 /// The regions of section 3.1; the larger value takes precedence.
@@ -56,33 +61,37 @@ typedef struct line {
     vec2 end;   ///< m
 } line;
 
-static segment segment_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
+static bool is_congested(const scene *s)
 {
-    return (segment){ obstacle, surroundings_piece_of(around, obstacle, k) };
+    return s->macro.closure == SCENE_CONGESTED;
 }
 
-/// Borders of the regions by their distance d upstream of the line: B from ret_levels[0] to [1], C
-/// from there to [2], m.
-static void levels(const scene_obstacle *obstacle, double ret_levels[3])
+static segment segment_of(const scene *s, const surroundings *around,
+                          const scene_obstacle *obstacle, size_t k)
 {
-    bool is_sealed = obstacle->treatment == SCENE_SEALED;
+    segment g = { .piece = surroundings_piece_of(around, obstacle, k) };
+    const bool is_sealed = obstacle->treatment == SCENE_SEALED;
 
-    ret_levels[0] = obstacle->treatment == SCENE_FIELD ? -obstacle->thickness : 0.0;
-    ret_levels[1] = is_sealed ? obstacle->band : 0.0;
-    ret_levels[2] = ret_levels[1] + obstacle->slide_width;
+    if (is_congested(s)) {
+        g.level[2] = congested_slide * aperture_radius(s);
+        return g;
+    }
+    g.level[0] = obstacle->treatment == SCENE_FIELD ? -obstacle->thickness : 0.0;
+    g.level[1] = is_sealed ? obstacle->band : 0.0;
+    g.level[2] = g.level[1] + obstacle->slide_width;
+    return g;
 }
 
 static region find_region(const segment *g, vec2 upstream, vec2 at)
 {
     vec2 to = vec2_sub(at, g->piece.start);
-    double a = vec2_dot(to, g->piece.along), d = vec2_dot(to, upstream), level[3];
+    double a = vec2_dot(to, g->piece.along), d = vec2_dot(to, upstream);
 
     if (a < -SCENE_TOLERANCE || a > g->piece.length + SCENE_TOLERANCE)
         return REGION_FREE;
-    levels(g->obstacle, level);
-    if (d < level[0] - SCENE_TOLERANCE || d > level[2] + SCENE_TOLERANCE)
+    if (d < g->level[0] - SCENE_TOLERANCE || d > g->level[2] + SCENE_TOLERANCE)
         return REGION_FREE;
-    return d < level[1] - SCENE_TOLERANCE ? REGION_OUTWARD : REGION_SLIDE;
+    return d < g->level[1] - SCENE_TOLERANCE ? REGION_OUTWARD : REGION_SLIDE;
 }
 
 static evaluation begin(const surroundings *around, vec2 at)
@@ -116,16 +125,16 @@ vec2 velocity_field_at(const scene *s, vec2 at)
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            segment g = segment_of(&around, &s->obstacles[k], m);
+            segment g = segment_of(s, &around, &s->obstacles[k], m);
             consider(&e, &g, at);
         }
     }
     return e.velocity;
 }
 
-static bool is_closing(const scene_obstacle *obstacle)
+static bool is_closing(const scene *s, const scene_obstacle *obstacle)
 {
-    return obstacle->treatment != SCENE_FIELD;
+    return is_congested(s) || obstacle->treatment != SCENE_FIELD;
 }
 
 /// How far the line is moved for the links.
@@ -171,7 +180,7 @@ static bool visit_lines(const scene *s, line_fn *visit, void *context)
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         const scene_obstacle *obstacle = &s->obstacles[k];
-        if (!is_closing(obstacle))
+        if (!is_closing(s, obstacle))
             continue;
         vec2 shift = shift_of(&around, obstacle);
         for (size_t m = 0; m + 1 < obstacle->n_points; m++) {
@@ -275,10 +284,9 @@ static void add_band_borders(sampler *k, const segment *g)
     const surroundings_piece *piece = &g->piece;
     vec2 left = vec2_turn_left(piece->along), start = piece->start;
     vec2 end = vec2_add(start, vec2_scale(piece->along, piece->length)), corner[2][2];
-    double level[3];
-
-    levels(g->obstacle, level);
+    const double *level = g->level;
     double extent = fmax(fabs(level[0]), level[2]);
+
     for (int side = 0; side < 2; side++) {
         double sign = side == 0 ? 1.0 : -1.0;
         for (int m = 0; m < 3; m++) {
@@ -335,7 +343,7 @@ static void sampler_prepare(sampler *k)
     }
     for (size_t o = 0; o < k->s->n_obstacles; o++) {
         for (size_t m = 0; m + 1 < k->s->obstacles[o].n_points; m++) {
-            k->segments[k->n_segments] = segment_of(&k->around, &k->s->obstacles[o], m);
+            k->segments[k->n_segments] = segment_of(k->s, &k->around, &k->s->obstacles[o], m);
             add_band_borders(k, &k->segments[k->n_segments++]);
         }
     }
@@ -349,9 +357,8 @@ static void choose_near(sampler *k, double y)
     for (size_t m = 0; m < k->n_segments; m++) {
         const segment *g = &k->segments[m];
         const surroundings_piece *piece = &g->piece;
-        double level[3], end = piece->start.y + piece->length * piece->along.y;
-        levels(g->obstacle, level);
-        double extent = fmax(fabs(level[0]), level[2]) + MARGIN;
+        double end = piece->start.y + piece->length * piece->along.y;
+        double extent = fmax(fabs(g->level[0]), g->level[2]) + MARGIN;
         if (fmin(piece->start.y, end) - extent <= y && y <= fmax(piece->start.y, end) + extent)
             k->near[k->n_near++] = g;
     }
@@ -412,9 +419,9 @@ static evaluation evaluate_face(const sampler *k, vec2 at, int component)
     return comes == returns ? e : comes ? before : after;
 }
 
-/// Fill a component of the velocity on all faces of a lattice and, unless ret_belt is NULL, the belts.
+/// Fill a component of the velocity on all faces of a lattice and, unless NULL, the belts and the other component.
 static void fill_faces(sampler *k, const lattice *l, int component, double *ret_v,
-                       uint16_t *ret_belt)
+                       uint16_t *ret_belt, double *ret_transverse)
 {
     k->n_begun = k->n_active = 0;
     for (size_t j = 0; j < l->n_rows; j++) {
@@ -429,6 +436,8 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
             for (size_t m = i; ret_belt != NULL && m < end; m++)
                 ret_belt[base + m] = (uint16_t)e.belt_index;
+            for (size_t m = i; ret_transverse != NULL && m < end; m++)
+                ret_transverse[base + m] = component == 0 ? e.velocity.y : e.velocity.x;
             for (; i < end; i++)
                 ret_v[base + i] = component_of(&e, component);
         }
@@ -496,6 +505,15 @@ static void stop_at_closed(double *v, const uint8_t *closed, size_t n)
         v[k] = closed[k] ? 0.0 : v[k];
 }
 
+static double *ones(size_t n)
+{
+    double *x = memory_alloc(n, sizeof *x);
+
+    for (size_t k = 0; x != NULL && k < n; k++)
+        x[k] = 1.0;
+    return x;
+}
+
 /// A field of the scene's grid, all zero. NULL: no memory.
 static velocity_field *field_alloc(const scene *s)
 {
@@ -510,10 +528,17 @@ static velocity_field *field_alloc(const scene *s)
     f->closed1 = memory_alloc(n_faces1, sizeof *f->closed1);
     f->closed2 = memory_alloc(n_faces2, sizeof *f->closed2);
     bool is_whole = f->v1 && f->v2 && f->closed1 && f->closed2;
-    if (is_whole && !belt_speeds_are_constant(s->n_belts, s->belts)) {
+    if (is_whole && (is_congested(s) || !belt_speeds_are_constant(s->n_belts, s->belts))) {
         f->belt1 = memory_alloc(n_faces1, sizeof *f->belt1);
         f->belt2 = memory_alloc(n_faces2, sizeof *f->belt2);
         is_whole = f->belt1 && f->belt2;
+    }
+    if (is_whole && is_congested(s)) {
+        f->aperture1 = ones(n_faces1);
+        f->aperture2 = ones(n_faces2);
+        f->transverse1 = memory_alloc(n_faces1, sizeof *f->transverse1);
+        f->transverse2 = memory_alloc(n_faces2, sizeof *f->transverse2);
+        is_whole = f->aperture1 && f->aperture2 && f->transverse1 && f->transverse2;
     }
     return is_whole ? f : velocity_field_destroy(f);
 }
@@ -530,10 +555,14 @@ bf_status velocity_field_create(const scene *s, velocity_field **ret_field, bf_e
     }
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
     sampler_prepare(&k);
-    fill_faces(&k, &(lattice){ &f->grid, n1 + 1, n2, 0.0, 0.5 }, 0, f->v1, f->belt1);
-    fill_faces(&k, &(lattice){ &f->grid, n1, n2 + 1, 0.5, 0.0 }, 1, f->v2, f->belt2);
+    fill_faces(&k, &(lattice){ &f->grid, n1 + 1, n2, 0.0, 0.5 }, 0, f->v1, f->belt1,
+               f->transverse1);
+    fill_faces(&k, &(lattice){ &f->grid, n1, n2 + 1, 0.5, 0.0 }, 1, f->v2, f->belt2,
+               f->transverse2);
     (void)visit_lines(s, close_line, f);
     close_edges(s, f);
+    if (is_congested(s))
+        aperture_apply(s, f);
     stop_at_closed(f->v1, f->closed1, (n1 + 1) * n2);
     stop_at_closed(f->v2, f->closed2, n1 * (n2 + 1));
     sampler_fini(&k);
@@ -551,6 +580,10 @@ velocity_field *velocity_field_destroy(velocity_field *f)
     memory_free(f->closed2);
     memory_free(f->belt1);
     memory_free(f->belt2);
+    memory_free(f->aperture1);
+    memory_free(f->aperture2);
+    memory_free(f->transverse1);
+    memory_free(f->transverse2);
     memory_free(f);
     return NULL;
 }

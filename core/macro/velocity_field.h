@@ -10,6 +10,9 @@
 ///     sealed  line closed as above; B: 0 <= d < band; C: band <= d <= band + slide_width
 ///     A       everywhere else: v_T of the belt under x, zero off every belt
 ///
+/// For the congested closure, whatever the treatment, as `wall` with a slide zone of its own width, slide r with
+/// r = aperture_radius(); what partly closes faces beside the ends of plates is in aperture.h.
+///
 /// v_T and the segments are those of surroundings.h. Borders are taken with SCENE_TOLERANCE in favour of
 /// the band, and of C on the line itself. Velocities are evaluated at face centres. On a border of two belts
 /// the later one counts, as everywhere; but a face along which that one moves has the velocity of the other one if
@@ -33,6 +36,11 @@ typedef struct velocity_field {
     uint16_t *belt1;  ///< index of the belt of this x1-face, n_belts of the scene off every belt;
                       ///< NULL if the speeds of all belts are constant
     uint16_t *belt2;  ///< same for the x2-faces
+    double *
+        aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the congested closure
+    double *aperture2;   ///< same for the x2-faces
+    double *transverse1; ///< the x2 velocity on the x1-faces, m/s
+    double *transverse2; ///< the x1 velocity on the x2-faces, m/s
 } velocity_field;
 
 /// Build the field of a checked scenario on its grid, for belts that move at v_T. The caller owns *ret_field:

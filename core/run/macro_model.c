@@ -40,12 +40,24 @@ static void check_scenario(const scene *s, bf_faults *faults)
     const bool is_dispersive = s->macro.closure == SCENE_DISPERSIVE;
     const int reach = mollifier_reach(s->macro.mollifier, s->macro.cell);
 
-    if (!is_dispersive)
-        faults_add(faults, "/macro/closure", "this build has no solver for that closure");
     check_step(s, faults);
     if (is_dispersive && reach > MOLLIFIER_REACH_MAX)
         faults_add_limit(faults, "/macro/mollifier_per_m2",
                          "%d cells to reach over, the limit is %d", reach, MOLLIFIER_REACH_MAX);
+}
+
+// What the congested closure needs beyond.
+static void complete_congested(const scene *s, const velocity_field *f, macro_def *def)
+{
+    def->dispersion = 0.0;
+    def->jam_density = s->macro.jam_density;
+    def->slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
+    def->aperture1 = f->aperture1;
+    def->aperture2 = f->aperture2;
+    def->transverse1 = f->transverse1;
+    def->transverse2 = f->transverse2;
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        def->one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;
 }
 
 static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
@@ -54,9 +66,8 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
 
     def.grid = f->grid;
     def.dt = scene_macro_step(s);
-    def.dispersion = s->macro.dispersion;
-    def.mollifier = s->macro.mollifier;
     def.scheme = s->macro.scheme;
+    def.closure = s->macro.closure;
     def.heaviside = s->macro.heaviside;
     def.heaviside_width = s->macro.heaviside_width;
     def.v1 = f->v1;
@@ -70,6 +81,12 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
         def.belt2 = f->belt2;
     }
     def.n_threads = n_threads;
+    if (s->macro.closure == SCENE_CONGESTED) {
+        complete_congested(s, f, &def);
+        return def;
+    }
+    def.dispersion = s->macro.dispersion;
+    def.mollifier = s->macro.mollifier;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
     return def;

@@ -57,7 +57,7 @@ typedef struct scene_macro {
     double cell;               ///< cell edge, m, > 0 (default 0.005)
     double step;               ///< dt, s, > 0; 0 means "auto" (default 0.00125; 0 if congested)
     scene_closure closure;     ///< (default SCENE_DISPERSIVE)
-    double jam_density;        ///< rho_j of SCENE_CONGESTED, in (0, 1] (default 0.9)
+    double jam_density;        ///< rho_j of SCENE_CONGESTED, in (0, 1] (default 0.93)
     scene_scheme scheme;       ///< (default SCENE_SCHEME_ROE)
     scene_heaviside heaviside; ///< (default SCENE_HEAVISIDE_SHARP)
     double heaviside_width;    ///< xi of SCENE_HEAVISIDE_SMOOTH, > 0 (default 0.05)

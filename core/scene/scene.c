@@ -27,7 +27,7 @@ static scene_macro default_macro(void)
     return (scene_macro){ .cell = 0.005,
                           .step = NAN,
                           .closure = SCENE_DISPERSIVE,
-                          .jam_density = 0.9,
+                          .jam_density = 0.93,
                           .scheme = SCENE_SCHEME_ROE,
                           .heaviside = SCENE_HEAVISIDE_SHARP,
                           .heaviside_width = 0.05,

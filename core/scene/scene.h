@@ -81,7 +81,7 @@ bool scene_mirrors_walls(const scene *s);
 double scene_fit_step(const scene *s, double most, bool is_below);
 
 /// Time step of the macroscopic model, s: macro.step, or for "auto", by scene_fit_step(), the largest that is
-/// stable and positive, with the congested closure that of SCENE_CONGESTED_AUTO.
+/// stable and positive.
 double scene_macro_step(const scene *s);
 
 /// Largest dt that satisfies CFL, dt n (max|v_stat| + eps) <= dx, and the largest below which rho stays >= 0, half of

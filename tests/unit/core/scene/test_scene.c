@@ -237,10 +237,12 @@ static void the_congested_closure_has_steps_of_its_own(void **state)
     assert_near(scene_macro_step(&s), 1.0 / 158.0, 1e-17);
     s.output.curve_every = 0.001;
     assert_near(scene_macro_step(&s), 0.5 * 0.005 / 0.395, 1e-17);
-    assert_near(scene_step_stable(&s), 0.005 / 0.395, 1e-17);
-    assert_true(isinf(scene_step_positive(&s)));
+    assert_near(scene_step_stable(&s), 0.5 * 0.005 / 0.395, 1e-17);
+    assert_near(scene_step_positive(&s), 0.5 * 0.005 / 0.395, 1e-17);
     s.macro.dispersion = 100.0; // has no effect
-    assert_near(scene_step_stable(&s), 0.005 / 0.395, 1e-17);
+    assert_near(scene_step_stable(&s), 0.5 * 0.005 / 0.395, 1e-17);
+    s.macro.scheme = SCENE_SCHEME_MUSCL;
+    assert_near(scene_step_stable(&s), 0.25 * 0.005 / 0.395, 1e-17);
     scene_fini(&s);
 }
 
@@ -253,7 +255,7 @@ static void the_step_is_auto_by_default_if_congested(void **state)
     s.macro.closure = SCENE_CONGESTED;
     helper_scene_resolve(&s);
     assert_true(s.macro.step == 0.0);
-    assert_true(s.macro.jam_density == 0.9);
+    assert_true(s.macro.jam_density == 0.93);
     scene_fini(&s);
     scene_init(&s);
     s.macro.closure = SCENE_DISPERSIVE;

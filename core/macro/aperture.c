@@ -1,0 +1,195 @@
+#include "core/macro/aperture.h"
+
+#include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
+
+#include <float.h>
+#include <math.h>
+
+// Fitted to the microscopic model.
+static const double tip_factor = 2.15;
+
+// The end of a plate and how it goes on.
+typedef struct plate_end {
+    vec2 tip;       // m
+    vec2 outward;   // unit tangent of the plate's last piece, away from the plate
+    vec2 extension; // to where it goes on from the tip, m
+} plate_end;
+
+double aperture_radius(const scene *s)
+{
+    double radius = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        radius = fmax(radius, sqrt(shape_footprint_of(&s->cargo[k].shape).area / M_PI));
+    return radius;
+}
+
+static double segment_distance(vec2 at, vec2 a, vec2 b)
+{
+    const vec2 along = vec2_sub(b, a);
+    const double part = vec2_dot(vec2_sub(at, a), along) / vec2_dot(along, along);
+
+    return vec2_length(vec2_sub(at, vec2_add(a, vec2_scale(along, fmin(fmax(part, 0.0), 1.0)))));
+}
+
+// True if nothing closes the space beside a plate's end: no wall and no other plate is nearer than a part's radius.
+static bool is_free(const scene *s, const surroundings *around, size_t obstacle, vec2 tip)
+{
+    const double near = aperture_radius(s);
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        if (s->edges[side] == SCENE_EDGE_WALL &&
+            fabs(surroundings_excess(around, (scene_side)side, tip)) < near)
+            return false;
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        for (size_t m = 0; k != obstacle && m + 1 < s->obstacles[k].n_points; m++)
+            if (segment_distance(tip, s->obstacles[k].path[m], s->obstacles[k].path[m + 1]) < near)
+                return false;
+    return true;
+}
+
+// How a plate goes on beyond its end.
+static vec2 extension_of(const scene *s, vec2 outward, vec2 belt)
+{
+    const double speed = vec2_length(belt);
+
+    if (speed == 0.0)
+        return (vec2){ 0.0, 0.0 };
+    const vec2 across = vec2_scale(vec2_turn_left(belt), 1.0 / speed);
+    const double sine = vec2_dot(outward, across);
+    const double length = tip_factor * aperture_radius(s) * sine * sine;
+
+    return vec2_scale(across, sine < 0.0 ? -length : length);
+}
+
+// One axis of the grid: its faces, cells along their normal (m, faces 0 .. n_normal) and beside each other.
+typedef struct face_axis {
+    velocity_field *field;
+    int axis; // of the normal
+    double edge;
+    double lower_normal;
+    double lower_beside;
+    ptrdiff_t n_normal;
+    ptrdiff_t n_beside;
+} face_axis;
+
+static size_t index_of(const face_axis *x, ptrdiff_t normal, ptrdiff_t beside)
+{
+    const ptrdiff_t n1 = (ptrdiff_t)x->field->grid.n1;
+
+    return (size_t)(x->axis == 0 ? beside * (n1 + 1) + normal : normal * n1 + beside);
+}
+
+static double normal_of(const face_axis *x, vec2 v)
+{
+    return x->axis == 0 ? v.x : v.y;
+}
+
+static double beside_of(const face_axis *x, vec2 v)
+{
+    return x->axis == 0 ? v.y : v.x;
+}
+
+// The face of a strip of cells that the plate closes next to its end; the nearest one to the end if there is none.
+static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t strip)
+{
+    const uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
+    const double steep = fmax(fabs(beside_of(x, e->outward)), 1e-3);
+    const ptrdiff_t most = 1 + (ptrdiff_t)ceil(fabs(normal_of(x, e->outward)) / steep);
+    const ptrdiff_t nearest =
+        (ptrdiff_t)llround((normal_of(x, e->tip) - x->lower_normal) / x->edge);
+    const ptrdiff_t back = normal_of(x, e->outward) > 0.0 ? -1 : 1;
+
+    for (ptrdiff_t k = -1; k <= most; k++) {
+        const ptrdiff_t face = nearest + back * k;
+        if (face >= 0 && face <= x->n_normal && closed[index_of(x, face, strip)] != 0)
+            return face;
+    }
+    return nearest < 0 ? 0 : nearest > x->n_normal ? x->n_normal : nearest;
+}
+
+static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, double covered,
+                       bool is_end)
+{
+    const size_t at = index_of(x, face, strip);
+    double *aperture = x->axis == 0 ? x->field->aperture1 : x->field->aperture2;
+    uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
+    const double open = 1.0 - fmin(fmax(covered, 0.0), 1.0);
+
+    if (!is_end && closed[at] != 0)
+        return;
+    aperture[at] = fmin(aperture[at], open);
+    closed[at] = aperture[at] == 0.0;
+}
+
+// The strips of cells that the end of a plate and its extension lie in.
+static void cover_strips(const face_axis *x, const plate_end *e)
+{
+    const double tip = (beside_of(x, e->tip) - x->lower_beside) / x->edge;
+    const double length = beside_of(x, e->extension) / x->edge;
+    const double low = fmin(tip, tip + length), high = fmax(tip, tip + length);
+    const double tip_strip = floor(tip - (length < 0.0 ? 1e-9 : -1e-9));
+
+    if (fabs(length) < 1e-9)
+        return;
+    for (double strip = fmin(floor(low), tip_strip); strip <= fmax(floor(high), tip_strip);
+         strip++) {
+        const bool is_end = strip == tip_strip;
+        const ptrdiff_t m = (ptrdiff_t)strip;
+        double covered = fmin(strip + 1.0, high) - fmax(strip, low);
+        if (m < 0 || m >= x->n_beside || (!is_end && covered <= 1e-9))
+            continue;
+        // What the plate itself covers of the strip with its end, which it reaches from the other side.
+        if (is_end && beside_of(x, e->outward) * length > 0.0)
+            covered = fmax(covered, 0.0) + (length > 0.0 ? tip - strip : strip + 1.0 - tip);
+        else if (is_end)
+            covered = 1.0;
+        const double middle = 0.5 * (fmin(strip + 1.0, high) + fmax(strip, low));
+        const double part = is_end ? 0.0 : (middle - tip) / length;
+        const double normal =
+            normal_of(x, e->tip) + part * normal_of(x, e->extension) - x->lower_normal;
+        ptrdiff_t face = (ptrdiff_t)llround(normal / x->edge);
+        face = is_end               ? closed_face(x, e, m)
+               : face < 0           ? 0
+               : face > x->n_normal ? x->n_normal
+                                    : face;
+        cover_face(x, face, m, covered, is_end);
+    }
+}
+
+static void apply_end(const scene *s, velocity_field *f, const surroundings *around,
+                      const scene_obstacle *obstacle, size_t last, size_t before)
+{
+    const bf_grid *g = &f->grid;
+    plate_end e = { .tip = obstacle->path[last] };
+    const vec2 along = vec2_sub(e.tip, obstacle->path[before]);
+    const vec2 belt = surroundings_velocity_of(around, surroundings_belt_at(around, e.tip));
+    const face_axis axes[2] = {
+        { f, 0, g->d1, g->lower1, g->lower2, (ptrdiff_t)g->n1, (ptrdiff_t)g->n2 },
+        { f, 1, g->d2, g->lower2, g->lower1, (ptrdiff_t)g->n2, (ptrdiff_t)g->n1 },
+    };
+
+    if (!is_free(s, around, (size_t)(obstacle - s->obstacles), e.tip))
+        return;
+    e.outward = vec2_scale(along, 1.0 / vec2_length(along));
+    e.extension = extension_of(s, e.outward, belt);
+    for (int axis = 0; axis < 2; axis++)
+        cover_strips(&axes[axis], &e);
+}
+
+void aperture_apply(const scene *s, velocity_field *f)
+{
+    const surroundings around = surroundings_of(s);
+    const size_t n1 = f->grid.n1, n2 = f->grid.n2;
+
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *obstacle = &s->obstacles[k];
+        apply_end(s, f, &around, obstacle, 0, 1);
+        apply_end(s, f, &around, obstacle, obstacle->n_points - 1, obstacle->n_points - 2);
+    }
+    for (size_t k = 0; k < (n1 + 1) * n2; k++)
+        f->aperture1[k] = f->closed1[k] ? 0.0 : f->aperture1[k];
+    for (size_t k = 0; k < n1 * (n2 + 1); k++)
+        f->aperture2[k] = f->closed2[k] ? 0.0 : f->aperture2[k];
+}

@@ -1,0 +1,64 @@
+/// The congested closure of the macroscopic model: packing as a constraint.
+///
+///     d(rho)/dt + div(rho v_stat + G) = 0,   rho <= rho_j
+///     p >= 0,   p (rho_j - rho) = 0,   G = F(-grad p)
+///
+/// G, the correction, is what cargo moves relative to v_stat because it has no room. It is driven by a pressure that
+/// acts only where cargo is packed. This is the crowd model of Maury, Roudneff-Chupin and Santambrogio (2010), in
+/// which F is the identity, with a law F of parts on a belt. With b the direction of the belt, q its left normal, v_T
+/// its speed, g = -grad p:
+///
+///     along   G.b = g.b                                       while cargo is slower than its belt,
+///                   G0 + min(k (g.b - G0), B)                 beyond,  G0 = rho_j (v_T - v_stat.b)
+///                   at least -L - rho_j v_stat.b
+///     across  G.q = soft(g.q, tan(phi) s)  within  -L - rho_j v_stat.q .. L - rho_j v_stat.q and 0
+///
+///     k = slope/(lambda v_T) at most 1    the belt's friction mu tanh(lambda |slip|) brakes what is faster than it
+///     B = beyond rho_j v_T                most of that
+///     L = lateral rho_j v_T               most speed across the belt
+///     tan(phi) = friction tanh(lambda v_T/2), s = slip of cargo against its belt, 0 .. rho_j v_T:
+///                                         internal friction of cargo that is held back
+///     soft(x, a) = sgn(x) max(|x| - a, 0)
+///
+/// The constants are fitted to the microscopic model; core/macro/congested/README.md has their table.
+///
+/// Step     rho* = rho - dt div(rho v_stat), upwind, unsplit; then p by red-black relaxation from the last p until no
+///          density is more than 3e-3 above max(rho_j, rho) or below it under a pressure (at most 100 sweeps); then
+///          rho = rho* - dt div G with the fluxes of that p. So mass is exact whatever is left of the iteration, and
+///          what leaves a cell is limited to what it has: rho >= 0.
+/// Source   B. Maury, A. Roudneff-Chupin, F. Santambrogio: A macroscopic crowd motion model of gradient flow type,
+///          Math. Models Methods Appl. Sci. 20 (2010).
+/// Units    SI; rho normalised, p in m2/s.
+
+#pragma once
+
+#include "core/base/buffer.h"
+#include "core/base/checkpoint.h"
+#include "core/macro/macro.h"
+
+/// The closure's part of a solver.
+typedef struct congested congested;
+
+/// Build it for a solver whose density and faces are there. The caller owns *ret_congested:
+/// congested_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status congested_create(macro_solver *s, const macro_def *def,
+                                         congested **ret_congested);
+
+/// Free it and what it owns. NULL is fine. Always returns NULL.
+congested *congested_destroy(congested *c);
+
+/// One step, from `now` to `next` of the solver.
+void congested_step(macro_solver *s);
+
+/// The density was set anew at t = 0: no pressure, no slip.
+void congested_reset(macro_solver *s);
+
+/// BF_ENUMERIC if cargo is packed to more than twice what it can be: it has no way out.
+BF_MUST_CHECK bf_status congested_check(const macro_solver *s, bf_error *err);
+
+/// The belts' speeds have changed: bring the laws of all faces to them.
+void congested_update(macro_solver *s);
+
+/// Append the state beside the density to a checkpoint, and take it from one. False: too short.
+void congested_save(const macro_solver *s, checkpoint_writer *w);
+BF_MUST_CHECK bool congested_load(macro_solver *s, checkpoint_reader *r);

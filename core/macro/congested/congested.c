@@ -1,0 +1,256 @@
+// The congested closure's memory and state; step.c makes the steps.
+
+#include "core/base/memory.h"
+#include "core/macro/congested/congested_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double relaxation_factor = 1.8; // omega of the over-relaxation
+static const double too_dense = 2.0;         // times the largest density that there can be
+
+#define X(suffix) extern const congested_kernels congested__kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+static congested_kernels kernels_of(cpu_level level)
+{
+    static const congested_kernels *const builds[CPU_AVX512 + 1] = {
+#define X(suffix) &congested__kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    return *builds[level];
+}
+
+static bool are_forward(size_t n_belts, const scene_belt *belts)
+{
+    bool are = true;
+
+    for (size_t k = 0; k < n_belts; k++)
+        are = are && belts[k].velocity.y == 0.0 && belts[k].velocity.x >= 0.0;
+    return are;
+}
+
+// A copy of n items; NULL: no memory.
+static void *copy_of(const void *from, size_t n, size_t size)
+{
+    void *copy = memory_alloc(n, size);
+
+    if (copy != NULL)
+        memcpy(copy, from, n * size);
+    return copy;
+}
+
+static bool copy_definition(congested *c, const macro_def *def)
+{
+    const bf_grid *g = &def->grid;
+    const size_t n[2] = { (g->n1 + 1) * g->n2, g->n1 * (g->n2 + 1) };
+    const double *aperture[2] = { def->aperture1, def->aperture2 };
+    const double *transverse[2] = { def->transverse1, def->transverse2 };
+    const uint16_t *belt[2] = { def->belt1, def->belt2 };
+
+    for (int axis = 0; axis < 2; axis++) {
+        c->aperture[axis] = copy_of(aperture[axis], n[axis], sizeof *c->aperture[axis]);
+        c->transverse[axis] = copy_of(transverse[axis], n[axis], sizeof *c->transverse[axis]);
+        c->belt[axis] = copy_of(belt[axis], n[axis], sizeof *c->belt[axis]);
+        if (c->aperture[axis] == NULL || c->transverse[axis] == NULL || c->belt[axis] == NULL)
+            return false;
+    }
+    c->belts = memory_alloc(def->n_belts + 1, sizeof *c->belts);
+    for (size_t k = 0; c->belts != NULL && k < def->n_belts; k++)
+        c->belts[k] = def->belts[k].velocity;
+    memcpy(c->closed_edge, def->one_way, sizeof c->closed_edge);
+    return c->belts != NULL;
+}
+
+// Members of a law that every solver has, and those that only solvers have that are not forward.
+enum { LAW_ARRAYS = 11, LAW_COUPLED_ARRAYS = 3 };
+
+static void lay_out_law(congested_law *l, float **at, size_t n, bool is_forward)
+{
+    float **const members[LAW_ARRAYS + LAW_COUPLED_ARRAYS] = {
+        &l->free,      &l->slope, &l->beyond,  &l->least, &l->threshold, &l->lower,  &l->upper,
+        &l->full_slip, &l->gain,  &l->at_rest, &l->flux,  &l->along,     &l->across, &l->crosswise
+    };
+
+    for (int k = 0; k < LAW_ARRAYS + (is_forward ? 0 : LAW_COUPLED_ARRAYS); k++) {
+        *members[k] = *at;
+        *at += n;
+    }
+}
+
+static bool lay_out(macro_solver *s, congested *c)
+{
+    const ptrdiff_t unit = CONGESTED_UNIT;
+    const size_t arrays = LAW_ARRAYS + (c->is_forward ? 0 : LAW_COUPLED_ARRAYS);
+
+    c->n_half = (s->n1 / 2 + unit) / unit * unit;
+    c->half_stride = c->n_half + 2 * unit;
+    const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
+    c->storage = memory_alloc((4 + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
+    c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
+    c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
+    c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);
+    if (c->storage == NULL || c->range == NULL || c->found == NULL || c->slots == NULL)
+        return false;
+    float *at = c->storage;
+    for (int colour = 0; colour < 2; colour++) {
+        c->pressure[colour] = at;
+        c->excess[colour] = at + n;
+        at += 2 * n;
+    }
+    for (int side = 0; side < CONGESTED_SIDES; side++)
+        lay_out_law(&c->law[side], &at, n, c->is_forward);
+    return true;
+}
+
+// The solver's velocities become those of the flux: a face that is partly closed lets less through.
+static void apply_apertures(const macro_solver *s, const congested *c)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        const macro_faces *faces = axis == 0 ? &s->faces1 : &s->faces2;
+        const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
+        for (ptrdiff_t j = 0; j < n_rows; j++) {
+            for (ptrdiff_t i = 0; i < n_columns; i++) {
+                const double aperture = c->aperture[axis][j * n_columns + i];
+                macro__row(s, faces->v, j)[i - (axis == 0)] *= aperture;
+                if (faces->v_full != NULL)
+                    macro__row(s, faces->v_full, j)[i - (axis == 0)] *= aperture;
+            }
+        }
+    }
+}
+
+bf_status congested_create(macro_solver *s, const macro_def *def, congested **ret_congested)
+{
+    congested *c = memory_alloc(1, sizeof *c);
+
+    if (c == NULL)
+        return BF_ENOMEM;
+    c->kernels = kernels_of(cpu_best());
+    c->is_forward = are_forward(def->n_belts, def->belts);
+    c->jam_density = def->jam_density;
+    c->slip_rate = def->slip_rate;
+    c->n_belts = def->n_belts;
+    c->relaxation = (float)(relaxation_factor * def->grid.d1 * def->grid.d1 / (4.0 * def->dt));
+    c->inverse_dx = (float)(1.0 / def->grid.d1);
+    c->lambda = (float)(def->dt / def->grid.d1);
+    if (!copy_definition(c, def) || !lay_out(s, c)) {
+        congested_destroy(c);
+        return BF_ENOMEM;
+    }
+    apply_apertures(s, c);
+    *ret_congested = s->congested = c;
+    congested__set_laws(s);
+    congested_reset(s);
+    return BF_OK;
+}
+
+congested *congested_destroy(congested *c)
+{
+    if (c == NULL)
+        return NULL;
+    for (int axis = 0; axis < 2; axis++) {
+        memory_free(c->aperture[axis]);
+        memory_free(c->transverse[axis]);
+        memory_free(c->belt[axis]);
+    }
+    memory_free(c->belts);
+    memory_free(c->storage);
+    memory_free(c->range);
+    memory_free(c->found);
+    memory_free(c->slots);
+    memory_free(c);
+    return NULL;
+}
+
+void congested_update(macro_solver *s)
+{
+    congested__set_laws(s);
+}
+
+// The arrays that a step reads of the step before.
+enum { STATE_ARRAYS = 2 + 2 * CONGESTED_SIDES };
+
+static int state_of(const congested *c, float *ret_arrays[STATE_ARRAYS])
+{
+    int n = 0;
+
+    ret_arrays[n++] = c->pressure[0];
+    ret_arrays[n++] = c->pressure[1];
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        ret_arrays[n++] = c->law[side].threshold;
+        if (!c->is_forward)
+            ret_arrays[n++] = c->law[side].crosswise;
+    }
+    return n;
+}
+
+static size_t array_bytes(const macro_solver *s, const congested *c)
+{
+    return (size_t)((s->n2 + 2) * c->half_stride) * sizeof(float);
+}
+
+void congested_reset(macro_solver *s)
+{
+    congested *c = s->congested;
+    float *arrays[STATE_ARRAYS];
+    const int n = state_of(c, arrays);
+
+    for (int k = 0; k < n; k++)
+        memset(arrays[k], 0, array_bytes(s, c));
+    for (int side = 0; side < CONGESTED_SIDES; side++)
+        memset(c->law[side].flux, 0, array_bytes(s, c));
+    memset(c->range, 0, (size_t)s->n2 * sizeof *c->range);
+    c->density_limit = too_dense * fmax(1.0, macro_measure(s).peak);
+}
+
+bf_status congested_check(const macro_solver *s, bf_error *err)
+{
+    const bf_grid *g = &s->def.grid;
+
+    if (macro_measure(s).peak <= s->congested->density_limit)
+        return BF_OK;
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            if (macro_row(s, j)[i] > s->congested->density_limit)
+                return bf_fail(
+                    err, BF_ENUMERIC, "",
+                    "cargo is packed to density %.3g at x = %.6g m, y = %.6g m after step "
+                    "%llu (t = %.6g s): it has no way out, or the pressure does not converge",
+                    macro_row(s, j)[i], grid_x1(g, i), grid_x2(g, j),
+                    (unsigned long long)macro_steps(s), macro_time(s));
+    return BF_OK;
+}
+
+void congested_save(const macro_solver *s, checkpoint_writer *w)
+{
+    const congested *c = s->congested;
+    float *arrays[STATE_ARRAYS];
+    const int n = state_of(c, arrays);
+
+    checkpoint_write(w, &c->density_limit, sizeof c->density_limit);
+    checkpoint_write(w, c->range, (size_t)s->n2 * sizeof *c->range);
+    for (int k = 0; k < n; k++)
+        checkpoint_write(w, arrays[k], array_bytes(s, c));
+}
+
+bool congested_load(macro_solver *s, checkpoint_reader *r)
+{
+    congested *c = s->congested;
+    float *arrays[STATE_ARRAYS];
+    const int n = state_of(c, arrays);
+    const size_t n_bytes =
+        sizeof c->density_limit + (size_t)s->n2 * sizeof *c->range + (size_t)n * array_bytes(s, c);
+
+    if (r->n_left != n_bytes)
+        return false;
+    congested_reset(s);
+    bool is_read = checkpoint_read(r, &c->density_limit, sizeof c->density_limit) &&
+                   checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
+    for (int k = 0; k < n; k++)
+        is_read = is_read && checkpoint_read(r, arrays[k], array_bytes(s, c));
+    return is_read;
+}

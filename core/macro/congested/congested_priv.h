@@ -1,0 +1,155 @@
+/// Inside of the congested closure (core/macro/congested.h).
+///
+/// Cells are coloured like a chessboard, red where i + j is even, so that all cells of a colour can be
+/// relaxed at once. Each colour has rows of its own, "half rows": cell k of row j is cell i = 2 k + (j & 1) of the
+/// red ones, i = 2 k + 1 - (j & 1) of the black ones. Half rows -1 and n2 and margins on both sides hold
+/// zeros. Each face has exactly one red cell, so what belongs to faces stands in half rows of red cells too: one
+/// array for their west faces, one each for east, south and north.
+///
+/// Every step is made by a team of threads that meet at barriers. What a thread writes depends on nothing that
+/// another one writes between the same barriers, so the bits are the same for any number of threads.
+
+#pragma once
+
+#include "core/base/team.h"
+#include "core/macro/congested.h"
+#include "core/macro/macro_priv.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    CONGESTED_UNIT = 16, ///< half cells that are relaxed or skipped together: a register of floats
+    CONGESTED_SWEEPS = 100 ///< most sweeps of a step
+};
+
+/// The faces of a red cell.
+typedef enum congested_side {
+    CONGESTED_WEST,
+    CONGESTED_EAST,
+    CONGESTED_SOUTH,
+    CONGESTED_NORTH,
+    CONGESTED_SIDES
+} congested_side;
+
+/// The law of the correction (see congested.h) at the faces on one side of the red cells, in half rows. With e the
+/// face's normal, towards rising x, b the belt's direction and q its left normal.
+typedef struct congested_law {
+    float *free;   ///< G.b up to which the pressure moves cargo freely: rho_j (v_T - v_stat.b) or 0
+    float *slope;  ///< of G.b beyond
+    float *beyond; ///< most of G.b beyond
+    float *least;  ///< least G.b: 0 where the face is closed, else no bound
+    float *threshold; ///< of G.q, by internal friction; changes with every step
+    float *lower;     ///< least G.q
+    float *upper;     ///< most G.q
+    float *along;     ///< e.b; NULL in a forward solver, and so are the next two
+    float *across;    ///< e.q
+    float *crosswise; ///< the pressure gradient along the face, g.(left of e), of the step before
+    float *full_slip; ///< rho_j v_T of the belt under the face
+    float *gain;      ///< threshold per slip: a quarter of tan phi of the belt's speed
+    float *at_rest;   ///< full_slip where the face is closed, else 0
+    float *flux;      ///< G.e after the iteration
+} congested_law;
+
+/// Cells first <= k < last of both half rows of a row, in whole units.
+typedef struct congested_range {
+    ptrdiff_t first; ///< a multiple of CONGESTED_UNIT
+    ptrdiff_t last;  ///< first where the row has no active cell
+} congested_range;
+
+/// A thread's result of a phase, each on a cache line of its own.
+typedef struct congested_slot {
+    float residual;   ///< largest in the sweep
+    bool is_limited;  ///< a cell would lose more than it has
+    char padding[56]; ///< to the size of a cache line
+} congested_slot;
+
+/// One build of the loops for an instruction set.
+typedef struct congested_kernels {
+    /// Relax the cells of a colour, 0 red, in a row; returns the largest change of a pressure.
+    float (*relax)(const congested *c, ptrdiff_t row, int colour);
+    /// Fill the fluxes of the faces of a row's red cells.
+    void (*make_flux)(const congested *c, ptrdiff_t row);
+    /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat).
+    void (*transport)(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min, ptrdiff_t i_max,
+                      double *ret_rho);
+    /// rho = rho* - dt div G of the cells of a colour, in place in `next`.
+    void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
+                    congested_range cells);
+    /// True if G takes more out of one of these cells than it holds in `next`, but for rounding.
+    bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
+                         congested_range cells);
+    /// Bring the thresholds of a row's red cells to the slip of this step; forward solvers only.
+    void (*make_thresholds)(const congested *c, ptrdiff_t row);
+} congested_kernels;
+
+/// The closure's state and what it precomputes.
+struct congested {
+    congested_kernels kernels; ///< of this processor
+    bool is_forward;        ///< every belt runs along +x1: the laws of both directions are separate
+    double jam_density;     ///< rho_j
+    double slip_rate;       ///< lambda, s/m
+    double *aperture[2];    ///< open fraction of the x1- and x2-faces, layout of grid.h
+    double *transverse[2];  ///< v_stat along these faces: its other component, m/s
+    uint16_t *belt[2];      ///< belt under these faces
+    size_t n_belts;         ///< belts
+    vec2 *belts;            ///< v_T of each, and zero off every belt, m/s
+    uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
+    ptrdiff_t n_half;       ///< cells of a half row, in whole units
+    ptrdiff_t half_stride;  ///< floats from half row to half row
+    float *storage;         ///< of all half rows
+    float *pressure
+        [2]; ///< p of the red and of the black cells, m2/s: G = -grad p where nothing bounds it
+    float *excess[2];                   ///< rho* - C of them
+    congested_law law[CONGESTED_SIDES]; ///< of the faces
+    congested_range *range;             ///< per row: the active cells of this step
+    congested_range *found;             ///< per row: those that the row itself asks for
+    ptrdiff_t first_row;                ///< first row with active cells
+    ptrdiff_t last_row;                 ///< row after the last
+    double density_limit;               ///< density at which the run fails
+    float relaxation;                   ///< omega dx2 / (4 dt)
+    float inverse_dx;                   ///< 1/dx
+    float lambda;                       ///< dt/dx
+    congested_slot *slots;              ///< two of each thread, used in turn
+};
+
+/// Row j of half rows; cell k is element k.
+static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j)
+{
+    return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
+}
+
+/// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of
+/// row j is the east face of the red cell k - 1 + shift, the one east of it the west face of k + shift.
+static inline ptrdiff_t congested__shift(ptrdiff_t row)
+{
+    return (row & 1) == 0 ? 1 : 0;
+}
+
+/// The value at an x1-face i, 0 <= i <= n1, west of cell i of row j: of law[] member `of`.
+#define CONGESTED_FACE1(c, of, i, j)                                                               \
+    ((((i) + (j)) & 1) == 0 ? congested__row(c, (c)->law[CONGESTED_WEST].of, j) + ((i) >> 1)       \
+                            : congested__row(c, (c)->law[CONGESTED_EAST].of, j) + (((i)-1) >> 1))
+
+/// Same at an x2-face r, 0 <= r <= n2, south of cell i of row r.
+#define CONGESTED_FACE2(c, of, i, r)                                                               \
+    ((((i) + (r)) & 1) == 0 ? congested__row(c, (c)->law[CONGESTED_SOUTH].of, r) + ((i) >> 1)      \
+                            : congested__row(c, (c)->law[CONGESTED_NORTH].of, (r)-1) + ((i) >> 1))
+
+/// The pressure of cell (i, j); 0 outside the grid.
+static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdiff_t j)
+{
+    return congested__row(c, c->pressure[(i + j) & 1], j) + (i >> 1);
+}
+
+/// Compute the laws of all faces for the belts' present factors.
+void congested__set_laws(macro_solver *s);
+
+/// Bring thresholds and crosswise gradients of all active faces to this step; for solvers that are not forward.
+void congested__set_coupling(macro_solver *s);
+
+#ifdef CPU_BUILD
+/// Each build's table has a name of its own.
+#define congested__kernels CPU_NAME(congested__kernels)
+extern const congested_kernels congested__kernels;
+#endif

@@ -1,0 +1,175 @@
+// The laws of the faces (core/macro/congested.h) for the belts' present speeds, and what couples both directions.
+
+#include "core/macro/congested/congested_priv.h"
+
+#include <math.h>
+
+// Fitted to the microscopic model; README.md.
+static const double forward_slope = 0.085;
+static const double forward_most = 0.3;
+static const double lateral_most = 0.555;
+static const double friction = 0.47;
+
+// The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
+typedef struct face_state {
+    double aperture; // 0 closed .. 1 open
+    double belt_e;   // v_T
+    double belt_t;
+    double stat_e; // v_stat
+    double stat_t;
+} face_state;
+
+// Elements of the half rows that belong to a face.
+typedef struct face_slot {
+    const congested_law *law;
+    ptrdiff_t at; // index in its arrays
+} face_slot;
+
+static face_slot slot_of(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
+{
+    const bool is_own = ((i + j) & 1) == 0; // the cell east or north of the face is red
+    const congested_side side = axis == 0 ? (is_own ? CONGESTED_WEST : CONGESTED_EAST)
+                                          : (is_own ? CONGESTED_SOUTH : CONGESTED_NORTH);
+    const ptrdiff_t row = axis == 1 && !is_own ? j - 1 : j;
+    const ptrdiff_t k = axis == 0 && !is_own ? (i - 1) >> 1 : i >> 1;
+
+    return (face_slot){ &c->law[side], (row + 1) * c->half_stride + CONGESTED_UNIT + k };
+}
+
+static void set_across(const congested *c, const face_slot *f, const face_state *x, double speed,
+                       double lateral)
+{
+    const double most = lateral_most * c->jam_density * speed;
+
+    f->law->lower[f->at] = (float)(x->aperture * fmin(0.0, -most - c->jam_density * lateral));
+    f->law->upper[f->at] = (float)(x->aperture * fmax(0.0, most - c->jam_density * lateral));
+    f->law->full_slip[f->at] = (float)(c->jam_density * speed);
+    f->law->gain[f->at] = (float)(0.25 * friction * tanh(0.5 * c->slip_rate * speed));
+}
+
+static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
+                      double forward)
+{
+    f->law->free[f->at] = (float)(x->aperture * fmax(0.0, c->jam_density * (speed - forward)));
+    f->law->slope[f->at] = (float)fmin(1.0, forward_slope / (c->slip_rate * speed));
+    f->law->beyond[f->at] = (float)(x->aperture * forward_most * c->jam_density * speed);
+    f->law->least[f->at] = (float)(-c->jam_density * (forward + lateral_most * speed));
+    f->law->at_rest[f->at] = 0.0F;
+}
+
+// Nothing is corrected across a closed face, nor where no belt moves.
+static void close_face(const congested *c, const face_slot *f, double speed)
+{
+    f->law->free[f->at] = f->law->slope[f->at] = f->law->beyond[f->at] = 0.0F;
+    f->law->least[f->at] = f->law->lower[f->at] = f->law->upper[f->at] = 0.0F;
+    f->law->full_slip[f->at] = f->law->at_rest[f->at] = (float)(c->jam_density * speed);
+    f->law->gain[f->at] = 0.0F;
+    if (!c->is_forward)
+        f->law->along[f->at] = f->law->across[f->at] = 0.0F;
+}
+
+static void set_face(const congested *c, const face_slot *f, const face_state *x)
+{
+    const double speed = hypot(x->belt_e, x->belt_t);
+
+    if (x->aperture == 0.0 || speed == 0.0) {
+        close_face(c, f, speed);
+        return;
+    }
+    // In the frame of e and t the belt's direction is b = (cosine, sine), its left normal q = (-sine, cosine).
+    const double cosine = x->belt_e / speed, sine = x->belt_t / speed;
+    set_along(c, f, x, speed, x->stat_e * cosine + x->stat_t * sine);
+    set_across(c, f, x, speed, x->stat_t * cosine - x->stat_e * sine);
+    if (!c->is_forward) {
+        f->law->along[f->at] = (float)cosine;
+        f->law->across[f->at] = (float)-sine;
+    }
+}
+
+static bool is_edge_closed(const macro_solver *s, const congested *c, int axis, ptrdiff_t i,
+                           ptrdiff_t j)
+{
+    if (axis == 0)
+        return (i == 0 && c->closed_edge[0]) || (i == s->n1 && c->closed_edge[1]);
+    return (j == 0 && c->closed_edge[2]) || (j == s->n2 && c->closed_edge[3]);
+}
+
+static void set_axis(const macro_solver *s, const congested *c, int axis)
+{
+    const macro_faces *faces = axis == 0 ? &s->faces1 : &s->faces2;
+    const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
+
+    for (ptrdiff_t j = 0; j < n_rows; j++) {
+        const double *v = macro__row(s, faces->v, j) - (axis == 0);
+        for (ptrdiff_t i = 0; i < n_columns; i++) {
+            const size_t at = (size_t)(j * n_columns + i);
+            const size_t belt = c->belt[axis][at];
+            const double factor = s->factors[belt], aperture = c->aperture[axis][at];
+            const vec2 v_t = vec2_scale(c->belts[belt], factor);
+            const face_slot f = slot_of(c, axis, i, j);
+            face_state x = {
+                .aperture = is_edge_closed(s, c, axis, i, j) ? 0.0 : aperture,
+                .belt_e = axis == 0 ? v_t.x : v_t.y,
+                .belt_t = axis == 0 ? v_t.y : -v_t.x,
+                // The solver's velocity is that of the flux, which has the aperture in it.
+                .stat_e = aperture > 0.0 ? v[i] / aperture : 0.0,
+                .stat_t = (axis == 0 ? 1.0 : -1.0) * factor * c->transverse[axis][at]
+            };
+            set_face(c, &f, &x);
+        }
+    }
+}
+
+void congested__set_laws(macro_solver *s)
+{
+    set_axis(s, s->congested, 0);
+    set_axis(s, s->congested, 1);
+}
+
+// The gradient along a face and the slip at it, from the four faces of the other axis around it.
+static void couple_face(const macro_solver *s, const congested *c, int axis, ptrdiff_t i,
+                        ptrdiff_t j)
+{
+    const face_slot own = slot_of(c, axis, i, j);
+    const double along = (double)own.law->along[own.at], across = (double)own.law->across[own.at];
+    const float full = own.law->full_slip[own.at];
+    const double sign = axis == 0 ? 1.0 : -1.0; // of t on the other axis
+    double gradient = 0.0, slip = 0.0;
+
+    for (int k = 0; k < 4; k++) {
+        const ptrdiff_t oi = axis == 0 ? i - 1 + (k & 1) : i + (k & 1);
+        const ptrdiff_t oj = axis == 0 ? j + (k >> 1) : j - 1 + (k >> 1);
+        const face_slot other = slot_of(c, 1 - axis, oi, oj);
+        const bool is_closed = other.law->least[other.at] == 0.0F;
+        const float before =
+            axis == 0 ? *congested__pressure(c, oi, oj - 1) : *congested__pressure(c, oi - 1, oj);
+        const double drop = (double)(before - *congested__pressure(c, oi, oj));
+        const double parallel = along * (double)own.law->flux[own.at] -
+                                across * sign * (double)other.law->flux[other.at];
+        if (is_closed && fabs(along) < 0.5) {
+            slip += (double)full;
+        } else {
+            slip += fmin(fmax(-parallel, 0.0), (double)full);
+        }
+        gradient += is_closed ? 0.0 : sign * drop * (double)c->inverse_dx;
+    }
+    own.law->crosswise[own.at] = (float)(0.25 * gradient);
+    own.law->threshold[own.at] = (float)(0.5 * (double)own.law->threshold[own.at] +
+                                         0.5 * (double)own.law->gain[own.at] * slip);
+    (void)s;
+}
+
+void congested__set_coupling(macro_solver *s)
+{
+    congested *c = s->congested;
+
+    for (ptrdiff_t j = c->first_row; j < c->last_row; j++) {
+        const congested_range cells = c->range[j];
+        for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++) {
+            if (i > 0)
+                couple_face(s, c, 0, i, j);
+            if (j > 0)
+                couple_face(s, c, 1, i, j);
+        }
+    }
+}

@@ -1,0 +1,361 @@
+// One step of the congested closure: transport, pressure, correction.
+
+#include "core/macro/congested/congested_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+// A cell less full than this part of rho_j is not active unless it has a pressure.
+static const double active_from = 0.25;
+
+static const double relaxing_rate = 10.0; // 1/s, at which a density above rho_j relaxes to it
+static const float tolerance = 3e-3F; // of the density that the iteration leaves above or below C
+
+// What the members of a team share in a step.
+typedef struct step_context {
+    macro_solver *s;
+    congested *c;
+} step_context;
+
+enum { MARGIN_CELLS = 4 }; // beside found cells that are active too, because cargo may enter them
+
+static const double most_lost = 1.0 - 1e-9; // part of its cargo that a cell may lose in a step
+
+// Rows first <= row < last of a member.
+typedef struct row_span {
+    ptrdiff_t first;
+    ptrdiff_t last;
+} row_span;
+
+static row_span even_rows(const macro_solver *s, int member, int n_members)
+{
+    return (row_span){ s->n2 * member / n_members, s->n2 * (member + 1) / n_members };
+}
+
+static congested_range hull(congested_range a, congested_range b)
+{
+    if (a.first >= a.last)
+        return b;
+    if (b.first >= b.last)
+        return a;
+    return (congested_range){ a.first < b.first ? a.first : b.first,
+                              a.last > b.last ? a.last : b.last };
+}
+
+// The range of whole units with cells i_min <= i <= i_max, as far as they are in the grid.
+static congested_range range_of_cells(const macro_solver *s, ptrdiff_t i_min, ptrdiff_t i_max)
+{
+    const ptrdiff_t low = i_min > 0 ? i_min : 0, high = i_max < s->n1 ? i_max : s->n1 - 1;
+
+    return (congested_range){ low / 2 / CONGESTED_UNIT * CONGESTED_UNIT,
+                              (high / 2 / CONGESTED_UNIT + 1) * CONGESTED_UNIT };
+}
+
+static bool is_empty(const double *block)
+{
+    bool is_empty = true;
+
+    for (int k = 0; k < BLOCK_CELLS; k++)
+        is_empty = is_empty && block[k] == 0.0;
+    return is_empty;
+}
+
+// The rows of a member such that all have about the same number of active cells.
+static row_span active_rows(const congested *c, int member, int n_members)
+{
+    ptrdiff_t total = 0, reached = 0, row = c->first_row;
+    row_span rows = { c->last_row, c->last_row };
+
+    for (ptrdiff_t j = c->first_row; j < c->last_row; j++)
+        total += c->range[j].last - c->range[j].first;
+    for (; row < c->last_row && reached < total * member / n_members; row++)
+        reached += c->range[row].last - c->range[row].first;
+    rows.first = row;
+    for (; row < c->last_row && (reached < total * (member + 1) / n_members); row++)
+        reached += c->range[row].last - c->range[row].first;
+    rows.last = member == n_members - 1 ? c->last_row : row;
+    return rows;
+}
+
+// Target density of a cell: rho_j, or what it has above it, which relaxes while there is a pressure.
+static double target(const congested *c, double rho, double pressure, double kept)
+{
+    const double above = pressure > 0.0 ? rho * kept : rho;
+
+    return above > c->jam_density ? above : c->jam_density;
+}
+
+// Finds the cells of a row that may need a pressure, by `next`, which holds rho*.
+static void find_cells(const macro_solver *s, congested *c, ptrdiff_t row)
+{
+    const double *star = macro__row(s, s->next.rho, row);
+    const double least = active_from * c->jam_density;
+    const block_span span = s->next.span[row];
+    const congested_range before = c->range[row];
+    ptrdiff_t first = s->n1, last = -1;
+
+    for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS && i < s->n1; i++) {
+        if (star[i] < least)
+            continue;
+        first = i < first ? i : first;
+        last = i;
+    }
+    for (ptrdiff_t i = 2 * before.first; i < 2 * before.last && i < s->n1; i++) {
+        if (*congested__pressure(c, i, row) == 0.0F)
+            continue;
+        first = i < first ? i : first;
+        last = i > last ? i : last;
+    }
+    c->found[row] = (congested_range){ 0, 0 };
+    if (last >= 0)
+        c->found[row] = range_of_cells(s, first - MARGIN_CELLS, last + MARGIN_CELLS);
+}
+
+// rho* of a row, in `next`.
+static void transport_row(macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const double *rho = macro__row(s, s->now.rho, row);
+    double *star = macro__row(s, s->next.rho, row);
+    block_span span = s->now.span[row];
+
+    if (span.first < span.last && span.first > 0 && rho[span.first * BLOCK_CELLS] != 0.0)
+        span.first--;
+    if (span.first < span.last && span.last < s->n_blocks &&
+        rho[span.last * BLOCK_CELLS - 1] != 0.0)
+        span.last++;
+    if (row > 0)
+        span = block_span_hull(span, s->now.span[row - 1]);
+    if (row + 1 < s->n2)
+        span = block_span_hull(span, s->now.span[row + 1]);
+    memset(star - s->margin, 0, (size_t)s->stride * sizeof *star);
+    if (span.first < span.last)
+        c->kernels.transport(s, row, span.first * BLOCK_CELLS, span.last * BLOCK_CELLS, star);
+    // Beyond the grid there is no cargo, whatever the width of a register.
+    memset(star + s->n1, 0, (size_t)(s->n_blocks * BLOCK_CELLS - s->n1) * sizeof *star);
+    s->next.span[row] = span;
+}
+
+// The active cells of a row: those found in it and in the rows next to it.
+static congested_range dilated(const macro_solver *s, const congested_range *found, ptrdiff_t row)
+{
+    congested_range all = found[row];
+
+    if (row > 0)
+        all = hull(all, found[row - 1]);
+    if (row + 1 < s->n2)
+        all = hull(all, found[row + 1]);
+    return all;
+}
+
+// Clears the pressures, thresholds and fluxes of half cells first <= k < last.
+static void clear_cells(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t last)
+{
+    if (first >= last)
+        return;
+    const size_t n_bytes = (size_t)(last - first) * sizeof(float);
+    for (int colour = 0; colour < 2; colour++)
+        memset(congested__row(c, c->pressure[colour], row) + first, 0, n_bytes);
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        const congested_law *l = &c->law[side];
+        memset(congested__row(c, l->flux, row) + first, 0, n_bytes);
+        memset(congested__row(c, l->threshold, row) + first, 0, n_bytes);
+        if (!c->is_forward)
+            memset(congested__row(c, l->crosswise, row) + first, 0, n_bytes);
+    }
+}
+
+// Makes a row's active cells those of this step. Cells that are not active any more have no pressure.
+static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
+{
+    const congested_range before = c->range[row], now = dilated(s, c->found, row);
+    const double *rho = macro__row(s, s->now.rho, row), *star = macro__row(s, s->next.rho, row);
+    const double kept = 1.0 - relaxing_rate * s->def.dt;
+
+    if (now.first >= now.last) {
+        clear_cells(c, row, before.first, before.last);
+    } else {
+        clear_cells(c, row, before.first, before.last < now.first ? before.last : now.first);
+        clear_cells(c, row, before.first > now.last ? before.first : now.last, before.last);
+    }
+    c->range[row] = now;
+    for (int colour = 0; colour < 2; colour++) {
+        const ptrdiff_t odd = (row + colour) & 1;
+        const float *p = congested__row(c, c->pressure[colour], row);
+        float *excess = congested__row(c, c->excess[colour], row);
+        for (ptrdiff_t k = now.first; k < now.last; k++) {
+            const ptrdiff_t i = 2 * k + odd;
+            excess[k] =
+                i < s->n1 ? (float)(star[i] - target(c, rho[i], (double)p[k], kept)) : -1.0F;
+        }
+    }
+}
+
+static void find_rows(const macro_solver *s, congested *c)
+{
+    c->first_row = 0;
+    c->last_row = s->n2;
+    while (c->first_row < c->last_row &&
+           c->range[c->first_row].first >= c->range[c->first_row].last)
+        c->first_row++;
+    while (c->last_row > c->first_row &&
+           c->range[c->last_row - 1].first >= c->range[c->last_row - 1].last)
+        c->last_row--;
+}
+
+// Relaxes red and black cells in turn until the largest residual of a sweep is below the tolerance.
+static void relax(congested *c, row_span rows, int member, int n_members, team_barrier *barrier)
+{
+    const float enough = tolerance * c->relaxation;
+
+    for (int sweep = 0; sweep < CONGESTED_SWEEPS; sweep++) {
+        congested_slot *slots = c->slots + (sweep & 1) * n_members;
+        float largest = 0.0F;
+        for (int colour = 0; colour < 2; colour++) {
+            for (ptrdiff_t row = rows.first; row < rows.last; row++)
+                largest = fmaxf(largest, c->kernels.relax(c, row, colour));
+            slots[member].residual = largest;
+            team_barrier_wait(barrier);
+        }
+        for (int k = 0; k < n_members; k++)
+            largest = fmaxf(largest, slots[k].residual);
+        if (largest < enough)
+            return;
+    }
+}
+
+// The fluxes around a cell, towards rising x.
+typedef struct cell_faces {
+    float *side[CONGESTED_SIDES];
+} cell_faces;
+
+static cell_faces faces_of(const congested *c, ptrdiff_t i, ptrdiff_t row)
+{
+    return (cell_faces){ { CONGESTED_FACE1(c, flux, i, row), CONGESTED_FACE1(c, flux, i + 1, row),
+                           CONGESTED_FACE2(c, flux, i, row),
+                           CONGESTED_FACE2(c, flux, i, row + 1) } };
+}
+
+// Cells of a row whose density the correction may change: active ones and their neighbours.
+static congested_range changed_cells(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    congested_range all = dilated(s, c->range, row);
+
+    if (all.first >= all.last)
+        return all;
+    return range_of_cells(s, 2 * all.first - 1, 2 * all.last);
+}
+
+// Scales what leaves a cell that would lose more than it has. Each flux has one cell that it leaves.
+static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, ptrdiff_t row,
+                       double rho)
+{
+    const cell_faces faces = faces_of(c, i, row);
+    double leaving = 0.0;
+
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        const double out = (side & 1) != 0 ? (double)*faces.side[side] : -(double)*faces.side[side];
+        leaving += fmax(out, 0.0);
+    }
+    if (s->lambda1 * leaving <= rho * most_lost)
+        return;
+    const float part = (float)(rho * most_lost / (s->lambda1 * leaving) * (1.0 - 1e-6));
+    for (int side = 0; side < CONGESTED_SIDES; side++)
+        if ((side & 1) != 0 ? *faces.side[side] > 0.0F : *faces.side[side] < 0.0F)
+            *faces.side[side] *= part;
+}
+
+static void limit_row(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const double *rho = macro__row(s, s->next.rho, row);
+    const congested_range cells = changed_cells(s, c, row);
+
+    for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++)
+        limit_cell(s, c, i, row, rho[i]);
+}
+
+// rho = rho* - dt div G in a row, and where its cargo is then.
+static void correct_row(macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const congested_range cells = changed_cells(s, c, row);
+    double *rho = macro__row(s, s->next.rho, row);
+    block_span span = s->next.span[row];
+
+    if (cells.first < cells.last) {
+        for (int colour = 0; colour < 2; colour++)
+            c->kernels.correct(s, c, row, colour, cells);
+        memset(rho + s->n1, 0, (size_t)(s->n_blocks * BLOCK_CELLS - s->n1) * sizeof *rho);
+        span = block_span_hull(
+            span, (block_span){ 2 * cells.first / BLOCK_CELLS, 2 * cells.last / BLOCK_CELLS });
+        span.last = span.last < s->n_blocks ? span.last : s->n_blocks;
+    }
+    while (span.first < span.last && is_empty(rho + span.first * BLOCK_CELLS))
+        span.first++;
+    while (span.first < span.last && is_empty(rho + (span.last - 1) * BLOCK_CELLS))
+        span.last--;
+    s->next.span[row] = span;
+}
+
+// A member's part of the limiter: what leaves a cell is at most what it has.
+static void limit(const step_context *x, row_span rows, int member, int n_members,
+                  team_barrier *barrier)
+{
+    const macro_solver *s = x->s;
+    congested *c = x->c;
+    bool is_limited = false;
+
+    c->slots[member].is_limited = false;
+    for (ptrdiff_t row = rows.first; row < rows.last; row++)
+        for (int colour = 0; colour < 2; colour++)
+            if (c->kernels.is_overdrawn(s, c, row, colour, changed_cells(s, c, row)))
+                c->slots[member].is_limited = true;
+    team_barrier_wait(barrier);
+    for (int k = 0; k < n_members; k++)
+        is_limited = is_limited || c->slots[k].is_limited;
+    if (!is_limited)
+        return;
+    for (ptrdiff_t row = rows.first; row < rows.last; row++)
+        limit_row(s, c, row);
+    team_barrier_wait(barrier);
+}
+
+// A member's part of a step.
+static void step_member(void *context, int member, int n_members, team_barrier *barrier)
+{
+    const step_context *x = context;
+    macro_solver *s = x->s;
+    congested *c = x->c;
+    const row_span all = even_rows(s, member, n_members);
+
+    for (ptrdiff_t row = all.first; row < all.last; row++) {
+        transport_row(s, c, row);
+        find_cells(s, c, row);
+    }
+    team_barrier_wait(barrier);
+    for (ptrdiff_t row = all.first; row < all.last; row++)
+        set_active(s, c, row);
+    team_barrier_wait(barrier);
+    if (member == 0)
+        find_rows(s, c);
+    team_barrier_wait(barrier);
+    const row_span active = active_rows(c, member, n_members);
+    relax(c, active, member, n_members, barrier);
+    for (ptrdiff_t row = active.first; row < active.last; row++)
+        c->kernels.make_flux(c, row);
+    team_barrier_wait(barrier);
+    limit(x, all, member, n_members, barrier);
+    for (ptrdiff_t row = all.first; row < all.last; row++)
+        correct_row(s, c, row);
+    if (!c->is_forward)
+        return;
+    for (ptrdiff_t row = active.first; row < active.last; row++)
+        c->kernels.make_thresholds(c, row);
+}
+
+void congested_step(macro_solver *s)
+{
+    step_context x = { s, s->congested };
+
+    team_run(s->def.n_threads, step_member, &x);
+    if (!s->congested->is_forward)
+        congested__set_coupling(s);
+}
