@@ -359,19 +359,19 @@ static void each_closure_has_ranges_of_its_own(void **state)
                                      "compared with moving parts for 0.19.");
 }
 
-// Tips of 45 degrees 0.3 m apart are 12.5 diameters, a plate of that opening is one.
+// Tips of 45 degrees 0.132 m apart are 5.5 diameters, a single plate has that opening, too.
 static void openings_of_funnels_have_a_range_of_their_own(void **state)
 {
-    static const vec2 upper[] = { { 0.6, 0.6 }, { 0.75, 0.45 } };
+    static const vec2 upper[] = { { 0.516, 0.6 }, { 0.75, 0.366 } };
     scene s;
 
     (void)state;
-    make_plate(&s, 45.0, 0.15);
+    make_plate(&s, 45.0, 0.234);
     helper_scene_add_obstacle(&s, upper, 2, SCENE_SEALED);
     helper_scene_resolve(&s);
     s.macro.closure = SCENE_CONGESTED;
-    assert_only(&s, VALIDITY_FUNNEL, 12.5, "/obstacles/1");
-    make_plate(&s, 45.0, 0.3);
+    assert_only(&s, VALIDITY_FUNNEL, 5.5, "/obstacles/1");
+    make_plate(&s, 45.0, 0.468);
     s.macro.closure = SCENE_CONGESTED;
     assert_true(validity_now(&s).is_compared);
     scene_fini(&s);
