@@ -22,10 +22,14 @@
 ///
 /// The constants are fitted to the microscopic model; core/macro/congested/README.md has their table.
 ///
-/// Step     rho* = rho - dt div(rho v_stat), upwind, unsplit; then p by red-black relaxation from the last p until no
+/// Step     rho* = rho - dt div(rho v_stat), unsplit, by the scheme; then p by red-black relaxation from the last p until no
 ///          density is more than 3e-3 above max(rho_j, rho) or below it under a pressure (at most 100 sweeps); then
 ///          rho = rho* - dt div G with the fluxes of that p. So mass is exact whatever is left of the iteration, and
 ///          what leaves a cell is limited to what it has: rho >= 0.
+/// Schemes  roe: upwind, first order. muscl: the states of muscl.h and Heun's method; where no cargo is packed the
+///          density has the bits of the dispersive closure's with eps = 0.
+/// Bound    dt (max|v_1| + max|v_2|)/dx is at most 1 (roe) or 1/2 (muscl); a longer step is refused. So rho* >= 0, by
+///          muscl in any field, by roe where cargo leaves a cell through one face of each axis.
 /// Source   B. Maury, A. Roudneff-Chupin, F. Santambrogio: A macroscopic crowd motion model of gradient flow type,
 ///          Math. Models Methods Appl. Sci. 20 (2010).
 /// Units    SI; rho normalised, p in m2/s.

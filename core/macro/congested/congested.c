@@ -123,6 +123,32 @@ static void apply_apertures(const macro_solver *s, const congested *c)
     }
 }
 
+// The density between the stages of the scheme muscl, and the rows that the threads need for them.
+static bool lay_out_stage(const macro_solver *s, congested *c)
+{
+    enum { ROWS = 9 }; // of a thread
+    const size_t n_members = (size_t)s->def.n_threads;
+
+    c->stage.rho = memory_alloc((size_t)(s->n2 * s->stride), sizeof *c->stage.rho);
+    c->stage.span = memory_alloc((size_t)s->n2, sizeof *c->stage.span);
+    c->rows = memory_alloc(n_members, sizeof *c->rows);
+    c->stage_storage = memory_alloc(n_members * ROWS * (size_t)s->stride, sizeof *c->stage_storage);
+    if (c->stage.rho == NULL || c->stage.span == NULL || c->rows == NULL ||
+        c->stage_storage == NULL)
+        return false;
+    double *at = c->stage_storage + s->margin;
+    for (congested_rows *r = c->rows; r < c->rows + n_members; r++) {
+        double **const members[ROWS] = { &r->states1.near,    &r->states1.far,
+                                         &r->states2[0].near, &r->states2[0].far,
+                                         &r->states2[1].near, &r->states2[1].far,
+                                         &r->flux1,           &r->flux2[0],
+                                         &r->flux2[1] };
+        for (int k = 0; k < ROWS; k++, at += s->stride)
+            *members[k] = at;
+    }
+    return true;
+}
+
 bf_status congested_create(macro_solver *s, const macro_def *def, congested **ret_congested)
 {
     congested *c = memory_alloc(1, sizeof *c);
@@ -137,7 +163,8 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->relaxation = (float)(relaxation_factor * def->grid.d1 * def->grid.d1 / (4.0 * def->dt));
     c->inverse_dx = (float)(1.0 / def->grid.d1);
     c->lambda = (float)(def->dt / def->grid.d1);
-    if (!copy_definition(c, def) || !lay_out(s, c)) {
+    if (!copy_definition(c, def) || !lay_out(s, c) ||
+        (def->scheme == SCENE_SCHEME_MUSCL && !lay_out_stage(s, c))) {
         congested_destroy(c);
         return BF_ENOMEM;
     }
@@ -162,6 +189,10 @@ congested *congested_destroy(congested *c)
     memory_free(c->range);
     memory_free(c->found);
     memory_free(c->slots);
+    memory_free(c->stage.rho);
+    memory_free(c->stage.span);
+    memory_free(c->stage_storage);
+    memory_free(c->rows);
     memory_free(c);
     return NULL;
 }

@@ -64,15 +64,41 @@ typedef struct congested_slot {
     char padding[56]; ///< to the size of a cache line
 } congested_slot;
 
+/// A thread's rows of the scheme muscl. Arrays with two places are used in turn, row & 1.
+typedef struct congested_rows {
+    macro_face_states states1;    ///< along x1 of the present row
+    macro_face_states states2[2]; ///< along x2 of the present row and of the one before
+    double *flux1;                ///< x1 fluxes of the present row
+    double *flux2[2];             ///< x2 fluxes into and out of the row before
+} congested_rows;
+
+/// A stage of the transport by the scheme muscl, as one thread makes it.
+typedef struct congested_stage {
+    const macro_state *from; ///< density that it reads
+    macro_state *to;         ///< density that it writes
+    const macro_state
+        *begin; ///< that at the beginning of the step: the mean with it is taken; NULL: none
+    congested_rows *rows; ///< the thread's
+} congested_stage;
+
 /// One build of the loops for an instruction set.
 typedef struct congested_kernels {
     /// Relax the cells of a colour, 0 red, in a row; returns the largest change of a pressure.
     float (*relax)(const congested *c, ptrdiff_t row, int colour);
     /// Fill the fluxes of the faces of a row's red cells.
     void (*make_flux)(const congested *c, ptrdiff_t row);
-    /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat).
+    /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat), upwind.
     void (*transport)(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min, ptrdiff_t i_max,
                       double *ret_rho);
+    /// The same by the scheme muscl. The states of row r at its x2-faces, in states2; without effect outside the grid.
+    void (*muscl_states_x2)(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
+                            block_span span);
+    /// The flux through the x2-faces south of row r, 0 <= r <= n2, in flux2, by the states of the rows beside them.
+    void (*muscl_flux_x2)(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
+                          block_span span);
+    /// The stage of a row by flux2 and the fluxes along x1, which it makes.
+    void (*muscl_update)(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
+                         block_span span);
     /// rho = rho* - dt div G of the cells of a colour, in place in `next`.
     void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
                     congested_range cells);
@@ -111,6 +137,9 @@ struct congested {
     float inverse_dx;                   ///< 1/dx
     float lambda;                       ///< dt/dx
     congested_slot *slots;              ///< two of each thread, used in turn
+    macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)
+    double *stage_storage; ///< of all rows below (muscl; else NULL)
+    congested_rows *rows;  ///< of each thread (muscl; else NULL)
 };
 
 /// Row j of half rows; cell k is element k.
@@ -142,6 +171,10 @@ static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdif
     return congested__row(c, c->pressure[(i + j) & 1], j) + (i >> 1);
 }
 
+/// Fill rows first <= row < last of `next` with rho*, with its spans; all members of the team call it.
+void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_t last,
+                          team_barrier *barrier);
+
 /// Compute the laws of all faces for the belts' present factors.
 void congested__set_laws(macro_solver *s);
 
@@ -152,4 +185,18 @@ void congested__set_coupling(macro_solver *s);
 /// Each build's table has a name of its own.
 #define congested__kernels CPU_NAME(congested__kernels)
 extern const congested_kernels congested__kernels;
+
+/// transport_kernels.c's part of it.
+#define congested__transport_upwind CPU_NAME(congested__transport_upwind)
+#define congested__muscl_states_x2  CPU_NAME(congested__muscl_states_x2)
+#define congested__muscl_flux_x2    CPU_NAME(congested__muscl_flux_x2)
+#define congested__muscl_update     CPU_NAME(congested__muscl_update)
+void congested__transport_upwind(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min,
+                                 ptrdiff_t i_max, double *ret_rho);
+void congested__muscl_states_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
+                                block_span span);
+void congested__muscl_flux_x2(const macro_solver *s, const congested_stage *stage, ptrdiff_t r,
+                              block_span span);
+void congested__muscl_update(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
+                             block_span span);
 #endif

@@ -2,7 +2,6 @@
 
 #include "core/base/simd_float.h"
 #include "core/macro/congested/congested_priv.h"
-#include "core/macro/flux.h"
 
 // The law along the belt: slope 1 up to `free`, then `slope` up to `beyond` more.
 static inline simd_float law_along(const congested_law *l, ptrdiff_t k, simd_float g)
@@ -257,30 +256,12 @@ static bool is_overdrawn(const macro_solver *s, const congested *c, ptrdiff_t ro
     return is_over;
 }
 
-static void transport(const macro_solver *s, ptrdiff_t row, ptrdiff_t i_min, ptrdiff_t i_max,
-                      double *ret_rho)
-{
-    const double *rho = macro__row(s, s->now.rho, row);
-    const double *south = row > 0 ? macro__row(s, s->now.rho, row - 1) : s->zero_row + s->margin;
-    const double *north =
-        row + 1 < s->n2 ? macro__row(s, s->now.rho, row + 1) : s->zero_row + s->margin;
-    const double *v1 = macro__row(s, s->faces1.v, row), *v2 = macro__row(s, s->faces2.v, row);
-    const double *v2_north = macro__row(s, s->faces2.v, row + 1);
-
-    for (ptrdiff_t i = i_min; i < i_max; i += SIMD_LANES) {
-        const simd here = simd_load(rho + i);
-        const simd east = flux_upwind_one(simd_load(v1 + i), here, simd_load_any(rho + i + 1));
-        const simd west =
-            flux_upwind_one(simd_load_any(v1 + i - 1), simd_load_any(rho + i - 1), here);
-        const simd up = flux_upwind_one(simd_load(v2_north + i), here, simd_load(north + i));
-        const simd down = flux_upwind_one(simd_load(v2 + i), simd_load(south + i), here);
-        simd_store(ret_rho + i, here - s->lambda1 * (east - west) - s->lambda2 * (up - down));
-    }
-}
-
 const congested_kernels congested__kernels = { .relax = relax,
                                                .make_flux = make_flux,
-                                               .transport = transport,
+                                               .transport = congested__transport_upwind,
+                                               .muscl_states_x2 = congested__muscl_states_x2,
+                                               .muscl_flux_x2 = congested__muscl_flux_x2,
+                                               .muscl_update = congested__muscl_update,
                                                .correct = correct,
                                                .is_overdrawn = is_overdrawn,
                                                .make_thresholds = make_thresholds };

@@ -111,30 +111,6 @@ static void find_cells(const macro_solver *s, congested *c, ptrdiff_t row)
         c->found[row] = range_of_cells(s, first - MARGIN_CELLS, last + MARGIN_CELLS);
 }
 
-// rho* of a row, in `next`.
-static void transport_row(macro_solver *s, const congested *c, ptrdiff_t row)
-{
-    const double *rho = macro__row(s, s->now.rho, row);
-    double *star = macro__row(s, s->next.rho, row);
-    block_span span = s->now.span[row];
-
-    if (span.first < span.last && span.first > 0 && rho[span.first * BLOCK_CELLS] != 0.0)
-        span.first--;
-    if (span.first < span.last && span.last < s->n_blocks &&
-        rho[span.last * BLOCK_CELLS - 1] != 0.0)
-        span.last++;
-    if (row > 0)
-        span = block_span_hull(span, s->now.span[row - 1]);
-    if (row + 1 < s->n2)
-        span = block_span_hull(span, s->now.span[row + 1]);
-    memset(star - s->margin, 0, (size_t)s->stride * sizeof *star);
-    if (span.first < span.last)
-        c->kernels.transport(s, row, span.first * BLOCK_CELLS, span.last * BLOCK_CELLS, star);
-    // Beyond the grid there is no cargo, whatever the width of a register.
-    memset(star + s->n1, 0, (size_t)(s->n_blocks * BLOCK_CELLS - s->n1) * sizeof *star);
-    s->next.span[row] = span;
-}
-
 // The active cells of a row: those found in it and in the rows next to it.
 static congested_range dilated(const macro_solver *s, const congested_range *found, ptrdiff_t row)
 {
@@ -326,10 +302,9 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     congested *c = x->c;
     const row_span all = even_rows(s, member, n_members);
 
-    for (ptrdiff_t row = all.first; row < all.last; row++) {
-        transport_row(s, c, row);
+    congested__transport(s, member, all.first, all.last, barrier);
+    for (ptrdiff_t row = all.first; row < all.last; row++)
         find_cells(s, c, row);
-    }
     team_barrier_wait(barrier);
     for (ptrdiff_t row = all.first; row < all.last; row++)
         set_active(s, c, row);

@@ -1,0 +1,98 @@
+// rho* = rho - dt div(rho v_stat) of a member's rows: by the scheme roe one step with upwind fluxes, both axes at
+// once; by muscl Heun's method with the states of muscl.h,
+//
+//     rho' = rho + dt L(rho)                       stage 0, into congested.stage
+//     rho* = rho/2 + (rho' + dt L(rho'))/2         stage 1, into `next`
+//
+// where no stage has a bound on the density: the correction that follows is of rho* alone.
+
+#include "core/macro/congested/congested_priv.h"
+
+#include <string.h>
+
+// Blocks of a row in which a stage may leave cargo: cargo moves by a cell at most.
+static block_span reached(const macro_solver *s, const macro_state *from, ptrdiff_t row)
+{
+    if (row < 0 || row >= s->n2)
+        return (block_span){ 0, 0 };
+    const double *rho = macro__row(s, from->rho, row);
+    block_span span = from->span[row];
+
+    if (span.first < span.last && span.first > 0 && rho[span.first * BLOCK_CELLS] != 0.0)
+        span.first--;
+    if (span.first < span.last && span.last < s->n_blocks &&
+        rho[span.last * BLOCK_CELLS - 1] != 0.0)
+        span.last++;
+    if (row > 0)
+        span = block_span_hull(span, from->span[row - 1]);
+    if (row + 1 < s->n2)
+        span = block_span_hull(span, from->span[row + 1]);
+    return span;
+}
+
+// Beyond the grid there is no cargo, whatever the width of a register.
+static void clear_behind(const macro_solver *s, double *rho)
+{
+    memset(rho + s->n1, 0, (size_t)(s->n_blocks * BLOCK_CELLS - s->n1) * sizeof *rho);
+}
+
+static void transport_upwind(macro_solver *s, const congested *c, ptrdiff_t first, ptrdiff_t last)
+{
+    for (ptrdiff_t row = first; row < last; row++) {
+        const block_span span = reached(s, &s->now, row);
+        double *star = macro__row(s, s->next.rho, row);
+        memset(star - s->margin, 0, (size_t)s->stride * sizeof *star);
+        if (span.first < span.last)
+            c->kernels.transport(s, row, span.first * BLOCK_CELLS, span.last * BLOCK_CELLS, star);
+        clear_behind(s, star);
+        s->next.span[row] = span;
+    }
+}
+
+// The states of row r at its x2-faces, then the flux through those south of it, which needs the states of row r - 1.
+static void make_flux_x2(const macro_solver *s, const congested *c, const congested_stage *stage,
+                         ptrdiff_t r)
+{
+    const block_span flux =
+        block_span_hull(reached(s, stage->from, r - 1), reached(s, stage->from, r));
+
+    c->kernels.muscl_states_x2(s, stage, r, block_span_hull(flux, reached(s, stage->from, r + 1)));
+    c->kernels.muscl_flux_x2(s, stage, r, flux);
+}
+
+static void transport_stage(const macro_solver *s, const congested *c, const congested_stage *stage,
+                            ptrdiff_t first, ptrdiff_t last)
+{
+    if (first >= last)
+        return;
+    c->kernels.muscl_states_x2(
+        s, stage, first - 1,
+        block_span_hull(reached(s, stage->from, first - 1), reached(s, stage->from, first)));
+    make_flux_x2(s, c, stage, first);
+    for (ptrdiff_t row = first; row < last; row++) {
+        const block_span span = reached(s, stage->from, row);
+        double *rho = macro__row(s, stage->to->rho, row);
+        make_flux_x2(s, c, stage, row + 1);
+        memset(rho - s->margin, 0, (size_t)s->stride * sizeof *rho);
+        if (span.first < span.last)
+            c->kernels.muscl_update(s, stage, row, span);
+        clear_behind(s, rho);
+        stage->to->span[row] = span;
+    }
+}
+
+void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_t last,
+                          team_barrier *barrier)
+{
+    congested *c = s->congested;
+
+    if (s->def.scheme == SCENE_SCHEME_ROE) {
+        transport_upwind(s, c, first, last);
+        return;
+    }
+    congested_rows *rows = &c->rows[member];
+    transport_stage(s, c, &(congested_stage){ &s->now, &c->stage, NULL, rows }, first, last);
+    // The second stage reads two rows of the members beside this one.
+    team_barrier_wait(barrier);
+    transport_stage(s, c, &(congested_stage){ &c->stage, &s->next, &s->now, rows }, first, last);
+}
