@@ -50,6 +50,8 @@ static void check_scenario(const scene *s, bf_faults *faults)
 static void complete_congested(const scene *s, const velocity_field *f, macro_def *def)
 {
     def->dispersion = 0.0;
+    def->mollifier =
+        16.0 / (s->macro.cell * s->macro.cell); // reaches over one cell: nothing is smoothed
     def->jam_density = s->macro.jam_density;
     def->slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
     def->aperture1 = f->aperture1;

@@ -335,13 +335,13 @@ double scene_step_stable(const scene *s)
 
 double scene_step_positive(const scene *s)
 {
-    return s->macro.closure == SCENE_CONGESTED ? scene_step_stable(s) : 0.5 * scene_step_stable(s);
+    return s->macro.closure == SCENE_CONGESTED ? INFINITY : 0.5 * scene_step_stable(s);
 }
 
 double scene_macro_step(const scene *s)
 {
-    const bool is_below = s->macro.closure == SCENE_DISPERSIVE;
-
-    return s->macro.step > 0.0 ? s->macro.step
-                               : scene_fit_step(s, scene_step_positive(s), is_below);
+    if (s->macro.step > 0.0)
+        return s->macro.step;
+    return s->macro.closure == SCENE_CONGESTED ? scene_fit_step(s, scene_step_stable(s), false)
+                                               : scene_fit_step(s, scene_step_positive(s), true);
 }

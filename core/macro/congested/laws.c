@@ -2,6 +2,7 @@
 
 #include "core/macro/congested/congested_priv.h"
 
+#include <float.h>
 #include <math.h>
 
 // Fitted to the microscopic model; README.md.
@@ -53,7 +54,9 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
     f->law->free[f->at] = (float)(x->aperture * fmax(0.0, c->jam_density * (speed - forward)));
     f->law->slope[f->at] = (float)fmin(1.0, forward_slope / (c->slip_rate * speed));
     f->law->beyond[f->at] = (float)(x->aperture * forward_most * c->jam_density * speed);
-    f->law->least[f->at] = (float)(-c->jam_density * (forward + lateral_most * speed));
+    // Where v_stat runs against the belt, cargo is not moved forward without a pressure.
+    const double least = -c->jam_density * (forward + lateral_most * speed);
+    f->law->least[f->at] = least < 0.0 ? (float)least : -FLT_MIN;
     f->law->at_rest[f->at] = 0.0F;
 }
 
