@@ -15,6 +15,7 @@ enum { ROWS_AT_ONCE = 16 }; // that a thread updates
 // Where a direction's faces stand in the definition's arrays.
 typedef struct face_source {
     const double *v;
+    const double *aperture; // NULL: all open
     const uint8_t *closed;
     const uint16_t *belt; // NULL: no speed changes
     size_t row_stride;    // elements from row to row
@@ -48,10 +49,18 @@ typedef struct uniform_faces {
     uint16_t belt; // 0 where no speed changes
 } uniform_faces;
 
+// Velocity of the flux through a face, by its index in the definition's arrays.
+static double velocity_of(const face_source *from, size_t at)
+{
+    const double v = from->v != NULL ? from->v[at] : 0.0;
+
+    return from->aperture != NULL ? v * from->aperture[at] : v;
+}
+
 // True if a face, by its index in the definition's arrays, has the uniform velocity at all times.
 static bool is_uniform(const face_source *from, size_t at, const uniform_faces *uniform)
 {
-    const double v = from->v != NULL ? from->v[at] : 0.0;
+    const double v = velocity_of(from, at);
 
     return v == uniform->v && (v == 0.0 || from->belt == NULL || from->belt[at] == uniform->belt);
 }
@@ -61,7 +70,7 @@ static bool fill_face(macro_solver *s, macro_faces *faces, const face_source *fr
                       ptrdiff_t face, size_t at)
 {
     bool is_closed = from->closed != NULL && from->closed[at] != 0;
-    double v = is_closed || from->v == NULL ? 0.0 : from->v[at];
+    double v = is_closed ? 0.0 : velocity_of(from, at);
 
     macro__row(s, faces->v, row)[face] = v;
     if (faces->belt != NULL) {
@@ -116,7 +125,8 @@ static uniform_faces guess_uniform(const face_source *from)
         const size_t base = (size_t)row * from->row_stride;
         for (ptrdiff_t face = 0; face < from->n_faces; face += face_step) {
             const size_t at = base + (size_t)face;
-            const uniform_faces guess = { from->v[at], from->belt != NULL ? from->belt[at] : 0 };
+            const uniform_faces guess = { velocity_of(from, at),
+                                          from->belt != NULL ? from->belt[at] : 0 };
             size_t count = 0;
             for (ptrdiff_t k = 0; k < from->n_faces; k++)
                 count += is_uniform(from, base + (size_t)k, &guess);
@@ -150,7 +160,9 @@ static double *make_open(const macro_solver *s, const uint8_t *closed, ptrdiff_t
 bf_status macro__faces_init(macro_solver *s, const macro_def *def)
 {
     const bool changes = !s->speeds.are_constant;
+    const bool is_congested = def->closure == SCENE_CONGESTED;
     const face_source from1 = { .v = def->v1,
+                                .aperture = is_congested ? def->aperture1 : NULL,
                                 .closed = def->closed1,
                                 .belt = changes ? def->belt1 : NULL,
                                 .row_stride = def->grid.n1 + 1,
@@ -158,6 +170,7 @@ bf_status macro__faces_init(macro_solver *s, const macro_def *def)
                                 .n_faces = s->n1 + 1,
                                 .n_rows = s->n2 };
     const face_source from2 = { .v = def->v2,
+                                .aperture = is_congested ? def->aperture2 : NULL,
                                 .closed = def->closed2,
                                 .belt = changes ? def->belt2 : NULL,
                                 .row_stride = def->grid.n1,

@@ -106,23 +106,6 @@ static bool lay_out(macro_solver *s, congested *c)
     return true;
 }
 
-// The solver's velocities become those of the flux: a face that is partly closed lets less through.
-static void apply_apertures(const macro_solver *s, const congested *c)
-{
-    for (int axis = 0; axis < 2; axis++) {
-        const macro_faces *faces = axis == 0 ? &s->faces1 : &s->faces2;
-        const ptrdiff_t n_columns = s->n1 + (axis == 0), n_rows = s->n2 + axis;
-        for (ptrdiff_t j = 0; j < n_rows; j++) {
-            for (ptrdiff_t i = 0; i < n_columns; i++) {
-                const double aperture = c->aperture[axis][j * n_columns + i];
-                macro__row(s, faces->v, j)[i - (axis == 0)] *= aperture;
-                if (faces->v_full != NULL)
-                    macro__row(s, faces->v_full, j)[i - (axis == 0)] *= aperture;
-            }
-        }
-    }
-}
-
 // The density between the stages of the scheme muscl, and the rows that the threads need for them.
 static bool lay_out_stage(const macro_solver *s, congested *c)
 {
@@ -168,7 +151,6 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
         congested_destroy(c);
         return BF_ENOMEM;
     }
-    apply_apertures(s, c);
     *ret_congested = s->congested = c;
     congested__set_laws(s);
     congested_reset(s);
