@@ -185,6 +185,8 @@ static inline simd_float slip(const congested_law *l, ptrdiff_t k, simd_float fu
     return simd_float_max(slip, simd_float_load(l->at_rest + k));
 }
 
+static const float huge_factor = 1e30F; // times the slowest belt's speed is more than any threshold
+
 static void make_thresholds(const congested *c, ptrdiff_t row)
 {
     const ptrdiff_t shift = 1 - congested__shift(row);
@@ -200,8 +202,10 @@ static void make_thresholds(const congested *c, ptrdiff_t row)
             const simd_float full = simd_float_load(own.full_slip + k);
             const simd_float sum = slip(&west, k, full) + slip(&east, k, full) +
                                    slip(&other_west, k, full) + slip(&other_east, k, full);
-            simd_float_store(own.threshold + k, 0.5F * simd_float_load(own.threshold + k) +
-                                                    0.5F * simd_float_load(own.gain + k) * sum);
+            const simd_float before = simd_float_load(own.threshold + k);
+            const simd_float after = 0.5F * before + 0.5F * simd_float_load(own.gain + k) * sum;
+            // The second is negative unless full is 0: where the belt stands a threshold stays.
+            simd_float_store(own.threshold + k, simd_float_max(after, before - huge_factor * full));
         }
     }
 }

@@ -2,7 +2,6 @@
 
 #include "core/macro/congested/congested_priv.h"
 
-#include <float.h>
 #include <math.h>
 
 // Fitted to the microscopic model; README.md.
@@ -54,9 +53,7 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
     f->law->free[f->at] = (float)(x->aperture * fmax(0.0, c->jam_density * (speed - forward)));
     f->law->slope[f->at] = (float)fmin(1.0, forward_slope / (c->slip_rate * speed));
     f->law->beyond[f->at] = (float)(x->aperture * forward_most * c->jam_density * speed);
-    // Where v_stat runs against the belt, cargo is not moved forward without a pressure.
-    const double least = -c->jam_density * (forward + lateral_most * speed);
-    f->law->least[f->at] = least < 0.0 ? (float)least : -FLT_MIN;
+    f->law->least[f->at] = (float)(-c->jam_density * (forward + lateral_most * speed));
     f->law->at_rest[f->at] = 0.0F;
 }
 
@@ -125,8 +122,13 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
 
 void congested__set_laws(macro_solver *s)
 {
-    set_axis(s, s->congested, 0);
-    set_axis(s, s->congested, 1);
+    congested *c = s->congested;
+
+    c->has_standing = false;
+    for (size_t k = 0; k < c->n_belts; k++)
+        c->has_standing |= s->factors[k] * vec2_length(c->belts[k]) == 0.0;
+    set_axis(s, c, 0);
+    set_axis(s, c, 1);
 }
 
 // The gradient along a face and the slip at it, from the four faces of the other axis around it.
@@ -139,6 +141,9 @@ static void couple_face(const macro_solver *s, const congested *c, int axis, ptr
     const double sign = axis == 0 ? 1.0 : -1.0; // of t on the other axis
     double gradient = 0.0, slip = 0.0;
 
+    // Where the belt stands both stay, like pressures.
+    if (full == 0.0F)
+        return;
     for (int k = 0; k < 4; k++) {
         const ptrdiff_t oi = axis == 0 ? i - 1 + (k & 1) : i + (k & 1);
         const ptrdiff_t oj = axis == 0 ? j + (k >> 1) : j - 1 + (k >> 1);

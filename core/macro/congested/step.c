@@ -2,6 +2,7 @@
 
 #include "core/macro/congested/congested_priv.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -166,6 +167,20 @@ static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
     }
 }
 
+// Where the belt stands nothing moves that could bring a pressure to its density: cells without an open face keep
+// their pressures, with which they go on as soon as it moves.
+static void hold_pressures(const macro_solver *s, congested *c, ptrdiff_t row)
+{
+    const congested_range cells = c->range[row];
+
+    for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++)
+        if (*CONGESTED_FACE1(c, least, i, row) == 0.0F &&
+            *CONGESTED_FACE1(c, least, i + 1, row) == 0.0F &&
+            *CONGESTED_FACE2(c, least, i, row) == 0.0F &&
+            *CONGESTED_FACE2(c, least, i, row + 1) == 0.0F)
+            congested__row(c, c->excess[(i + row) & 1], row)[i >> 1] = 0.0F;
+}
+
 static void find_rows(const macro_solver *s, congested *c)
 {
     c->first_row = 0;
@@ -221,6 +236,12 @@ static congested_range changed_cells(const macro_solver *s, const congested *c, 
     return range_of_cells(s, 2 * all.first - 1, 2 * all.last);
 }
 
+// A flux times a part of 1, and 0 where a float would not be exact enough.
+static float scaled(float flux, float part)
+{
+    return fabsf(flux * part) >= FLT_MIN ? flux * part : 0.0F;
+}
+
 // Scales what leaves a cell that would lose more than it has. Each flux has one cell that it leaves.
 static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, ptrdiff_t row,
                        double rho)
@@ -237,7 +258,7 @@ static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, p
     const float part = (float)(rho * most_lost / (s->lambda1 * leaving) * (1.0 - 1e-6));
     for (int side = 0; side < CONGESTED_SIDES; side++)
         if ((side & 1) != 0 ? *faces.side[side] > 0.0F : *faces.side[side] < 0.0F)
-            *faces.side[side] *= part;
+            *faces.side[side] = scaled(*faces.side[side], part);
 }
 
 static void limit_row(const macro_solver *s, const congested *c, ptrdiff_t row)
@@ -306,8 +327,11 @@ static void step_member(void *context, int member, int n_members, team_barrier *
     for (ptrdiff_t row = all.first; row < all.last; row++)
         find_cells(s, c, row);
     team_barrier_wait(barrier);
-    for (ptrdiff_t row = all.first; row < all.last; row++)
+    for (ptrdiff_t row = all.first; row < all.last; row++) {
         set_active(s, c, row);
+        if (c->has_standing)
+            hold_pressures(s, c, row);
+    }
     team_barrier_wait(barrier);
     if (member == 0)
         find_rows(s, c);
