@@ -137,6 +137,27 @@ static bf_status check_belts(const macro_def *def, bf_error *err)
     return bf_fail(err, BF_EINPUT, "/belts", "there is a face without a belt's index");
 }
 
+// What the congested closure needs.
+static bf_status check_closure(const macro_def *def, bf_error *err)
+{
+    if (def->closure >= SCENE_CLOSURE_COUNT)
+        return bf_fail(err, BF_EINPUT, "/macro/closure", "unknown closure");
+    if (def->closure != SCENE_CONGESTED)
+        return BF_OK;
+    if (!(def->jam_density > 0.0 && def->jam_density <= 1.0))
+        return bf_fail(err, BF_EINPUT, "/macro/jam_density", "must be more than 0 and at most 1");
+    if (!is_positive(def->slip_rate))
+        return bf_fail(err, BF_EINPUT, "", "the rate of the belt's friction must be positive");
+    if (def->grid.d1 != def->grid.d2)
+        return bf_fail(err, BF_EINPUT, "/macro/cell_m", "cells must be square");
+    if (def->n_belts == 0)
+        return bf_fail(err, BF_EINPUT, "/belts", "there is no belt");
+    if (def->aperture1 == NULL || def->aperture2 == NULL || def->transverse1 == NULL ||
+        def->transverse2 == NULL)
+        return bf_fail(err, BF_EINPUT, "", "apertures or transverse velocities are missing");
+    return BF_OK;
+}
+
 // See macro.h. In sweeps along one axis after the other a cell loses to one axis at a time, else to both at once.
 static double stable_step(const macro_def *def)
 {
@@ -351,6 +372,7 @@ bf_status macro_create(const macro_def *def, macro_solver **ret_solver, bf_error
     if (def->cookie != COOKIE)
         return bf_fail(err, BF_EINPUT, "", "the definition is not from macro_def_default()");
     if ((status = check_members(def, err)) != BF_OK || (status = check_belts(def, err)) != BF_OK ||
+        (status = check_closure(def, err)) != BF_OK ||
         (status = check_stability(def, err)) != BF_OK)
         return status;
     macro_solver *s = memory_alloc(1, sizeof *s);
