@@ -1,0 +1,253 @@
+// Apertures of the faces around the ends of plates. The extension of a right-angled plate is measured; everything else
+// follows from it by delta = tip r sin^2(theta).
+
+#include "core/macro/aperture.h"
+
+#include "core/macro/velocity_field.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
+static const double speed = 0.4;   // m/s
+static const double exact = 1e-12; // m
+static const double degree = M_PI / 180.0;
+
+// A belt of 2 m x 1 m in cells, the short edges along it open.
+static void make_belt(scene *s, double cell, vec2 velocity)
+{
+    helper_scene_belt(s, 2.0, 1.0, cell, &somewhere, 1);
+    s->macro.closure = SCENE_CONGESTED;
+    helper_scene_add_belt(s, velocity, NULL, 0);
+    s->edges[SCENE_SOUTH] = s->edges[SCENE_NORTH] = SCENE_EDGE_WALL;
+    s->edges[SCENE_WEST] = s->edges[SCENE_EAST] = SCENE_EDGE_OUTFLOW;
+}
+
+static void add_plate(scene *s, vec2 from, vec2 to)
+{
+    const vec2 path[] = { from, to };
+
+    helper_scene_add_obstacle(s, path, 2, SCENE_WALL);
+}
+
+static vec2 beyond(vec2 from, double length, double angle)
+{
+    return (vec2){ from.x + length * cos(angle), from.y + length * sin(angle) };
+}
+
+// What of the width across x1 (axis 0) or x2 (axis 1) plates take away, m: the sum of what is closed of inner faces.
+static double width_lost(scene *s, int axis)
+{
+    velocity_field *f = NULL;
+    double lost = 0.0;
+
+    helper_scene_resolve(s);
+    assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
+    const bf_grid *g = &f->grid;
+    const double *aperture = axis == 0 ? f->aperture1 : f->aperture2;
+    const size_t n_columns = g->n1 + (axis == 0);
+    for (size_t j = (size_t)axis; j < g->n2; j++)
+        for (size_t i = 1 - (size_t)axis; i < g->n1; i++) {
+            const double a = aperture[j * n_columns + i];
+            assert_true(a >= 0.0 && a <= 1.0);
+            lost += (1.0 - a) * g->d1;
+        }
+    velocity_field_destroy(f);
+    scene_fini(s);
+    return lost;
+}
+
+// The extension of a plate that stands at a right angle to a belt.
+static double right_angled(double belt)
+{
+    scene s;
+
+    make_belt(&s, 0.01, (vec2){ belt, 0.0 });
+    add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.4 });
+    return width_lost(&s, 0) - 0.4;
+}
+
+static void a_right_angled_plate_goes_on_by_about_a_part(void **state)
+{
+    scene s;
+
+    (void)state;
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    helper_scene_resolve(&s);
+    const double radius = aperture_radius(&s);
+    scene_fini(&s);
+    assert_near(radius, 0.012, exact);
+    assert_true(right_angled(speed) > radius && right_angled(speed) < 3.0 * radius);
+}
+
+static const double angles[] = { 45.0, 60.0, 75.0, 90.0, 105.0, 120.0, 135.0 };
+static const double tips[] = { 0.4, 0.4001, 0.4033, 0.405, 0.4062, 0.4099, 0.5 };
+
+// The plate takes its height, whatever share of its last cell that is, and goes on by delta.
+static void a_plate_takes_its_height_and_its_extension(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed);
+    for (size_t a = 0; a < sizeof angles / sizeof *angles; a++)
+        for (size_t k = 0; k < sizeof tips / sizeof *tips; k++)
+            for (int north = 0; north < 2; north++) {
+                const double angle = angles[a] * degree;
+                const vec2 foot = { 1.0, north ? 1.0 : 0.0 };
+                scene s;
+                make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+                add_plate(&s, foot, beyond(foot, tips[k] / sin(angle), north ? -angle : angle));
+                assert_near(width_lost(&s, 0), tips[k] + most * sin(angle) * sin(angle), exact);
+            }
+}
+
+static void a_finer_grid_gives_the_same_width(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed);
+    static const double cells[] = { 0.02, 0.01, 0.005, 0.0025 };
+    for (size_t k = 0; k < sizeof cells / sizeof *cells; k++) {
+        scene s;
+        make_belt(&s, cells[k], (vec2){ speed, 0.0 });
+        add_plate(&s, (vec2){ 0.8, 0.0 }, beyond((vec2){ 0.8, 0.0 }, 0.5, 70.0 * degree));
+        const double sine = sin(70.0 * degree);
+        assert_near(width_lost(&s, 0), 0.5 * sine + most * sine * sine, exact);
+    }
+}
+
+static void a_belt_that_moves_back_or_across_has_the_same_extensions(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed), sine = sin(60.0 * degree);
+    scene s;
+    make_belt(&s, 0.01, (vec2){ -speed, 0.0 });
+    add_plate(&s, (vec2){ 1.2, 0.0 }, beyond((vec2){ 1.2, 0.0 }, 0.5037, 120.0 * degree));
+    assert_near(width_lost(&s, 0), 0.5037 * sine + most * sine * sine, exact);
+    for (int back = 0; back < 2; back++) {
+        const double tilt = (back ? -30.0 : 30.0) * degree;
+        make_belt(&s, 0.01, (vec2){ 0.0, back ? -speed : speed });
+        s.edges[SCENE_WEST] = s.edges[SCENE_EAST] = SCENE_EDGE_WALL;
+        s.edges[SCENE_SOUTH] = s.edges[SCENE_NORTH] = SCENE_EDGE_OUTFLOW;
+        add_plate(&s, (vec2){ 0.0, 0.5 }, beyond((vec2){ 0.0, 0.5 }, 0.5037, tilt));
+        assert_near(width_lost(&s, 1), 0.5037 * sine + most * sine * sine, exact);
+    }
+}
+
+static void a_funnel_loses_an_extension_on_each_side(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed);
+    for (size_t k = 0; k < 4; k++) {
+        const double angle = angles[k] * degree, sine = sin(angle);
+        scene s;
+        make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+        add_plate(&s, (vec2){ 1.0, 0.0 }, beyond((vec2){ 1.0, 0.0 }, 0.3733 / sine, angle));
+        add_plate(&s, (vec2){ 1.0, 1.0 }, beyond((vec2){ 1.0, 1.0 }, 0.4127 / sine, -angle));
+        assert_near(width_lost(&s, 0), 0.3733 + 0.4127 + 2.0 * most * sine * sine, exact);
+    }
+}
+
+static void a_free_plate_goes_on_at_both_ends(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed);
+    for (size_t k = 0; k < sizeof angles / sizeof *angles; k++) {
+        const double angle = angles[k] * degree, sine = sin(angle);
+        scene s;
+        make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+        add_plate(&s, (vec2){ 1.0, 0.3037 }, beyond((vec2){ 1.0, 0.3037 }, 0.3518 / sine, angle));
+        assert_near(width_lost(&s, 0), 0.3518 + 2.0 * most * sine * sine, exact);
+    }
+}
+
+static void only_the_last_piece_of_a_bent_plate_counts(void **state)
+{
+    (void)state;
+    const double most = right_angled(speed), sine = sin(50.0 * degree);
+    const vec2 bend = { 1.0, 0.3 }, tip = beyond(bend, 0.2, 50.0 * degree);
+    const vec2 path[] = { { 1.0, 0.0 }, bend, tip };
+    scene s;
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    helper_scene_add_obstacle(&s, path, 3, SCENE_WALL);
+    assert_near(width_lost(&s, 0), tip.y + most * sine * sine, exact);
+}
+
+// From wall to wall, and two plates that meet in the middle.
+static void an_end_at_a_wall_or_at_another_plate_has_no_extension(void **state)
+{
+    (void)state;
+    scene s;
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    add_plate(&s, (vec2){ 0.8, 0.0 }, (vec2){ 1.3, 1.0 });
+    assert_near(width_lost(&s, 0), 1.0, exact);
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    add_plate(&s, (vec2){ 0.8, 0.0 }, (vec2){ 1.2, 0.5 });
+    add_plate(&s, (vec2){ 0.8, 1.0 }, (vec2){ 1.2, 0.5 });
+    assert_near(width_lost(&s, 0), 1.0, exact);
+}
+
+static void extensions_are_the_same_at_every_speed(void **state)
+{
+    (void)state;
+    assert_near(right_angled(0.05), right_angled(0.4), exact);
+    assert_near(right_angled(2.0), right_angled(0.4), exact);
+}
+
+static void beside_a_belt_that_does_not_move_plates_do_not_go_on(void **state)
+{
+    (void)state;
+    static const vec2 elsewhere[] = { { 0.0, 0.0 }, { 0.5, 0.0 }, { 0.5, 1.0 }, { 0.0, 1.0 } };
+    scene s;
+    helper_scene_belt(&s, 2.0, 1.0, 0.01, &somewhere, 1);
+    s.macro.closure = SCENE_CONGESTED;
+    helper_scene_add_belt(&s, (vec2){ speed, 0.0 }, elsewhere, 4);
+    add_plate(&s, (vec2){ 1.0, 0.0 }, (vec2){ 1.0, 0.4 });
+    assert_near(width_lost(&s, 0), 0.4, exact);
+}
+
+// Where nothing is partly closed, faces are open or closed as in the other closure; velocities are those of open faces.
+static void a_face_is_closed_where_its_aperture_is_zero(void **state)
+{
+    (void)state;
+    scene s;
+    velocity_field *f = NULL;
+    size_t n_partly = 0;
+    make_belt(&s, 0.01, (vec2){ speed, 0.0 });
+    add_plate(&s, (vec2){ 1.0, 0.0 }, beyond((vec2){ 1.0, 0.0 }, 0.5, 60.0 * degree));
+    helper_scene_resolve(&s);
+    assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
+    for (size_t k = 0; k < (f->grid.n1 + 1) * f->grid.n2; k++) {
+        assert_int_equal(f->closed1[k] != 0, f->aperture1[k] == 0.0);
+        n_partly += f->aperture1[k] > 0.0 && f->aperture1[k] < 1.0;
+    }
+    for (size_t k = 0; k < f->grid.n1 * (f->grid.n2 + 1); k++)
+        assert_true(f->aperture2[k] == (f->closed2[k] ? 0.0 : 1.0));
+    // The face that the extension ends in.
+    assert_int_equal(n_partly, 1);
+    velocity_field_destroy(f);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_right_angled_plate_goes_on_by_about_a_part),
+        cmocka_unit_test(a_plate_takes_its_height_and_its_extension),
+        cmocka_unit_test(a_finer_grid_gives_the_same_width),
+        cmocka_unit_test(a_belt_that_moves_back_or_across_has_the_same_extensions),
+        cmocka_unit_test(a_funnel_loses_an_extension_on_each_side),
+        cmocka_unit_test(a_free_plate_goes_on_at_both_ends),
+        cmocka_unit_test(only_the_last_piece_of_a_bent_plate_counts),
+        cmocka_unit_test(an_end_at_a_wall_or_at_another_plate_has_no_extension),
+        cmocka_unit_test(extensions_are_the_same_at_every_speed),
+        cmocka_unit_test(beside_a_belt_that_does_not_move_plates_do_not_go_on),
+        cmocka_unit_test(a_face_is_closed_where_its_aperture_is_zero),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,500 @@
+// The congested closure: free cargo, compaction, mass, symmetry, bad input. Expected values are derived. What threads,
+// instruction sets and checkpoints must not change is in test_congested_state.c.
+
+#include "core/base/memory.h"
+#include "core/macro/congested/congested_priv.h"
+#include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
+#include "tests/unit/core/helper_congested.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const scene_pose somewhere = { 0.1, 0.1, 0.0 };
+static const scene_rect everywhere = { -10.0, 10.0, -10.0, 10.0 };
+
+static void close_edges(scene *s)
+{
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        s->edges[side] = SCENE_EDGE_WALL;
+}
+
+static void assert_nowhere_negative(const macro_solver *s)
+{
+    const bf_grid *g = &s->def.grid;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            assert_true(macro_row(s, j)[i] >= 0.0);
+}
+
+// Upwind transport of cell (i, j) by a velocity >= 0, in Courant numbers.
+static double carried(const bf_grid *g, const double *rho, size_t i, size_t j, vec2 courant)
+{
+    const double here = rho[j * g->n1 + i];
+    const double west = i > 0 ? rho[j * g->n1 + i - 1] : 0.0;
+    const double south = j > 0 ? rho[(j - 1) * g->n1 + i] : 0.0;
+
+    return here - courant.x * (here - west) - courant.y * (here - south);
+}
+
+static void carry(const bf_grid *g, double *rho, double *next, vec2 courant)
+{
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++)
+            next[j * g->n1 + i] = carried(g, rho, i, j, courant);
+    memcpy(rho, next, grid_cells(g) * sizeof *rho);
+}
+
+// Transport by one velocity takes means of neighbours, so no cell ever reaches rho_j.
+static void check_free_cargo(vec2 velocity)
+{
+    scene s;
+
+    helper_scene_belt(&s, 0.8, 0.43, 0.01, &somewhere, 1);
+    s.macro.closure = SCENE_CONGESTED;
+    helper_scene_add_belt(&s, velocity, NULL, 0);
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        s.edges[side] = SCENE_EDGE_OUTFLOW;
+    helper_scene_resolve(&s);
+    const bf_grid g = scene_grid(&s);
+    double *rho = memory_alloc(grid_cells(&g), sizeof *rho);
+    double *next = memory_alloc(grid_cells(&g), sizeof *next);
+    macro_solver *solver = helper_congested_create(&s, 1);
+    const vec2 courant = vec2_scale(velocity, scene_macro_step(&s) / 0.01);
+    srand(3);
+    for (size_t k = 0; k < grid_cells(&g); k++)
+        rho[k] = rand() % 3 == 0 ? 0.0 : 0.899 * rand() / RAND_MAX;
+    assert_int_equal(macro_set_density(solver, rho, grid_cells(&g), NULL), BF_OK);
+    for (int step = 0; step < 60; step++) {
+        macro_step(solver);
+        carry(&g, rho, next, courant);
+        for (size_t j = 0; j < g.n2; j++)
+            for (size_t i = 0; i < g.n1; i++)
+                assert_near(macro_row(solver, j)[i], rho[j * g.n1 + i], 1e-14);
+    }
+    macro_destroy(solver);
+    memory_free(rho);
+    memory_free(next);
+    scene_fini(&s);
+}
+
+static void free_cargo_is_carried_and_nothing_else(void **state)
+{
+    (void)state;
+    check_free_cargo((vec2){ 0.4, 0.0 });
+    check_free_cargo((vec2){ 0.3, 0.2 });
+    check_free_cargo((vec2){ 0.0, 0.4 });
+}
+
+// A belt of 1.2 m x 8 cm that runs along its long axis into a wall.
+static void make_column(scene *s, double jam_density)
+{
+    helper_scene_belt(s, 1.2, 0.08, 0.01, &somewhere, 1);
+    s->macro.closure = SCENE_CONGESTED;
+    s->macro.jam_density = jam_density;
+    s->edges[SCENE_EAST] = SCENE_EDGE_WALL;
+    helper_scene_resolve(s);
+}
+
+// Where the density of a row rises from one level to another, m: the mass behind a sharp front.
+static double front_of(const macro_solver *s, size_t row, double before, double behind)
+{
+    const bf_grid *g = &s->def.grid;
+    double excess = 0.0;
+
+    for (size_t i = g->n1 / 2; i < g->n1; i++)
+        excess += (macro_row(s, row)[i] - before) * g->d1;
+    return g->lower1 + (double)g->n1 * g->d1 - excess / (behind - before);
+}
+
+// Steps until the jam's front or the empty end of the column has come 0.3 m, so that they stay apart.
+static void grow(macro_solver *s, double speed, double belt)
+{
+    while (fmax(speed, belt) * macro_time(s) < 0.3)
+        macro_step(s);
+}
+
+// What arrives, rho_0 v, and what the front passes, rho_0 w, becomes rho_j w: w = rho_0 v/(rho_j - rho_0).
+static void check_compaction(double density, double jam_density)
+{
+    const double belt = 0.395, speed = density * belt / (jam_density - density);
+    scene s;
+
+    make_column(&s, jam_density);
+    macro_solver *solver = helper_congested_create(&s, 1);
+    helper_congested_fill(&s, everywhere, density, solver);
+    grow(solver, speed, belt);
+    const double front = 1.2 - speed * macro_time(solver);
+    for (size_t row = 0; row < 8; row++) {
+        assert_near(front_of(solver, row, density, jam_density), front, 0.01);
+        for (size_t i = 60; i < 120; i++) {
+            const double x = ((double)i + 0.5) * 0.01, rho = macro_row(solver, row)[i];
+            // The front is in one cell.
+            if (x > front + 0.01)
+                assert_near(rho, jam_density, 0.01 * jam_density);
+            if (x < front - 0.01)
+                assert_near(rho, density, 1e-6);
+        }
+    }
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+static void a_jam_at_a_wall_grows_by_what_arrives(void **state)
+{
+    (void)state;
+    check_compaction(0.2, 0.9);
+    check_compaction(0.45, 0.9);
+    check_compaction(0.35, 0.7);
+}
+
+// Densities stay below this, whatever the pressure leaves.
+static const double most_density = 1.1;
+
+static void mass_is_conserved_in_a_closed_box(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 2; axis++) {
+        scene s;
+        helper_congested_saturated(&s, 60.0);
+        close_edges(&s);
+        s.belts[0].velocity = axis == 0 ? (vec2){ 0.395, 0.0 } : (vec2){ 0.28, -0.28 };
+        macro_solver *solver = helper_congested_start(&s, 1);
+        const double mass = macro_measure(solver).mass;
+        for (int step = 0; step < 600; step++) {
+            macro_step(solver);
+            assert_nowhere_negative(solver);
+            assert_true(macro_measure(solver).peak <= most_density);
+        }
+        assert_near(macro_measure(solver).mass, mass, 1e-12 * mass);
+        assert_int_equal(macro_check(solver, NULL), BF_OK);
+        macro_destroy(solver);
+        scene_fini(&s);
+    }
+}
+
+// What a step took over the west and east edges, m2: carried by the belt from the densities before it, and corrected.
+static double carried_out(const macro_solver *s)
+{
+    const bf_grid *g = &s->def.grid;
+    double rate = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        rate += macro__row(s, s->faces1.v, (ptrdiff_t)j)[g->n1 - 1] * macro_row(s, j)[g->n1 - 1];
+    return rate * s->def.dt * g->d2;
+}
+
+static double corrected_out(const macro_solver *s)
+{
+    const bf_grid *g = &s->def.grid;
+    const congested *c = s->congested;
+    double rate = 0.0;
+
+    for (ptrdiff_t j = 0; j < (ptrdiff_t)g->n2; j++)
+        rate += (double)*CONGESTED_FACE1(c, flux, (ptrdiff_t)g->n1, j) -
+                (double)*CONGESTED_FACE1(c, flux, 0, j);
+    return rate * s->def.dt * g->d2;
+}
+
+static void check_outlet(void (*make)(scene *s, double angle_deg), double angle_deg)
+{
+    scene s;
+
+    make(&s, angle_deg);
+    macro_solver *solver = helper_congested_start(&s, 1);
+    const double mass = macro_measure(solver).mass;
+    double left = 0.0;
+    for (int step = 0; step < 600; step++) {
+        left += carried_out(solver);
+        macro_step(solver);
+        left += corrected_out(solver);
+        assert_nowhere_negative(solver);
+        assert_true(macro_measure(solver).peak <= most_density);
+        assert_near(macro_measure(solver).mass + left, mass, 1e-12 * mass);
+    }
+    assert_true(left > 0.3 * mass);
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+static void what_is_not_on_the_belt_has_left_over_its_end(void **state)
+{
+    (void)state;
+    check_outlet(helper_congested_example, 60.0);
+    check_outlet(helper_congested_example, 90.0);
+    check_outlet(helper_congested_saturated, 60.0);
+    check_outlet(helper_congested_saturated, 90.0);
+}
+
+// Plates from wall to wall; the belt moves straight or obliquely.
+static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
+{
+    (void)state;
+    static const double angles[] = { 35.0, 60.0, 90.0, 120.0 };
+    for (size_t k = 0; k < 2 * sizeof angles / sizeof *angles; k++) {
+        const double angle = angles[k / 2] * M_PI / 180.0;
+        const vec2 path[] = { { 0.9 - 0.3 / tan(angle), 0.0 }, { 0.9 + 0.3 / tan(angle), 0.6 } };
+        const vec2 along = vec2_sub(path[1], path[0]);
+        scene s;
+        helper_scene_belt(&s, 1.8, 0.6, 0.01, &somewhere, 1);
+        s.macro.closure = SCENE_CONGESTED;
+        helper_scene_add_obstacle(&s, path, 2, SCENE_WALL);
+        helper_scene_add_belt(&s, k % 2 == 0 ? (vec2){ 0.4, 0.0 } : (vec2){ 0.35, 0.15 }, NULL, 0);
+        helper_scene_resolve(&s);
+        macro_solver *solver = helper_congested_create(&s, 1);
+        helper_congested_fill(&s, (scene_rect){ 0.05, 0.4, 0.05, 0.55 }, 0.8, solver);
+        helper_congested_advance(solver, 400);
+        const bf_grid g = scene_grid(&s);
+        size_t n_behind = 0;
+        for (size_t j = 0; j < g.n2; j++)
+            for (size_t i = 0; i < g.n1; i++) {
+                const vec2 to = vec2_sub((vec2){ grid_x1(&g, i), grid_x2(&g, j) }, path[0]);
+                if (vec2_cross(along, to) > -1e-9)
+                    continue;
+                n_behind++;
+                assert_true(macro_row(solver, j)[i] == 0.0);
+            }
+        assert_true(n_behind > 1000);
+        assert_true(macro_measure(solver).peak <= most_density);
+        macro_destroy(solver);
+        scene_fini(&s);
+    }
+}
+
+// Largest difference of two densities: cell (i, j) of one is (i, n2 - 1 - j) or, if transposed, (j, i) of the other.
+static double largest_difference(const macro_solver *a, const macro_solver *b, bool is_transposed)
+{
+    const bf_grid *g = &a->def.grid;
+    double largest = 0.0;
+
+    for (size_t j = 0; j < g->n2; j++)
+        for (size_t i = 0; i < g->n1; i++) {
+            const double other =
+                is_transposed ? macro_row(b, i)[j] : macro_row(b, g->n2 - 1 - j)[i];
+            largest = fmax(largest, fabs(macro_row(a, j)[i] - other));
+        }
+    return largest;
+}
+
+// An oblique plate before which a heap jams, in a box with an open end at x1 = 1 m, and its image. Mirrored: in the
+// middle line; transposed: in the diagonal, so that the belt runs along +x2.
+static void make_image(scene *s, double width, bool is_image, bool is_transposed)
+{
+    vec2 path[] = { { 0.5, 0.0 }, { 0.7, 0.4 } };
+    const bool is_turned = is_image && is_transposed;
+
+    for (int k = 0; is_image && k < 2; k++)
+        path[k] =
+            is_transposed ? (vec2){ path[k].y, path[k].x } : (vec2){ path[k].x, width - path[k].y };
+    helper_scene_belt(s, is_turned ? width : 1.0, is_turned ? 1.0 : width, 0.01, &somewhere, 1);
+    s->macro.closure = SCENE_CONGESTED;
+    close_edges(s);
+    s->edges[is_turned ? SCENE_NORTH : SCENE_EAST] = SCENE_EDGE_OUTFLOW;
+    helper_scene_add_belt(s, is_turned ? (vec2){ 0.0, 0.4 } : (vec2){ 0.4, 0.0 }, NULL, 0);
+    helper_scene_add_obstacle(s, path, 2, SCENE_WALL);
+    helper_scene_resolve(s);
+}
+
+// Both runs side by side; the largest difference of their densities, and of the mass that has left, a part of all.
+static void check_image(double width, bool is_transposed, double most_difference)
+{
+    const scene_rect heap = { 0.0, 0.45, 0.0, width }, turned = { 0.0, width, 0.0, 0.45 };
+    scene s, image;
+
+    make_image(&s, width, false, is_transposed);
+    make_image(&image, width, true, is_transposed);
+    macro_solver *solver = helper_congested_create(&s, 1);
+    macro_solver *other = helper_congested_create(&image, 1);
+    helper_congested_fill(&s, heap, 0.8, solver);
+    helper_congested_fill(&image, is_transposed ? turned : heap, 0.8, other);
+    const double mass = macro_measure(solver).mass;
+    for (int k = 0; k < 40; k++) {
+        helper_congested_advance(solver, 5);
+        helper_congested_advance(other, 5);
+        assert_true(largest_difference(solver, other, is_transposed) <= most_difference);
+        assert_near(macro_measure(solver).mass, macro_measure(other).mass, 1e-5 * mass);
+    }
+    assert_true(macro_measure(solver).mass < 0.9 * mass);
+    macro_destroy(solver);
+    macro_destroy(other);
+    scene_fini(&s);
+    scene_fini(&image);
+}
+
+// What the iteration may leave of a density. Where red cells become red ones the order of its sums alone differs.
+static const double left_of_density = 3e-3;
+
+// With an even number of rows red cells become black ones, which are relaxed later: cells at the rim of the jam may differ.
+static void a_mirrored_scene_gives_the_mirrored_density(void **state)
+{
+    (void)state;
+    check_image(0.51, false, left_of_density);
+    check_image(0.5, false, 0.1);
+}
+
+// The belt along +x2 is computed by the laws for any direction, which are coupled.
+static void a_belt_along_the_other_axis_gives_the_transposed_density(void **state)
+{
+    (void)state;
+    check_image(0.51, true, left_of_density);
+    check_image(0.5, true, left_of_density);
+}
+
+// Against a wall comes rho v, and rho_j (1 + lateral) v is the most that a jam sends back: from two thirds more than
+// rho_j on it grows without bound.
+static void cargo_without_a_way_out_fails_with_place_and_time(void **state)
+{
+    (void)state;
+    scene s;
+    bf_error err = { 0 };
+    make_column(&s, 0.9);
+    macro_solver *solver = helper_congested_create(&s, 1);
+    helper_congested_fill(&s, everywhere, 2.0, solver);
+    const double mass = macro_measure(solver).mass;
+    assert_int_equal(macro_check(solver, NULL), BF_OK);
+    while (macro_measure(solver).peak <= 2.0 * 2.0)
+        macro_step(solver);
+    assert_int_equal(macro_check(solver, &err), BF_ENUMERIC);
+    char time[40];
+    (void)snprintf(time, sizeof time, "(t = %.6g s)", macro_time(solver));
+    assert_non_null(strstr(err.text, "at x = 1.195 m, y = "));
+    assert_non_null(strstr(err.text, time));
+    assert_near(macro_measure(solver).mass, mass, 1e-12 * mass);
+    assert_nowhere_negative(solver);
+    macro_destroy(solver);
+    scene_fini(&s);
+}
+
+typedef struct bad_def {
+    void (*spoil)(macro_def *def);
+    const char *pointer;
+} bad_def;
+
+static void no_jam(macro_def *def)
+{
+    def->jam_density = 0.0;
+}
+
+static void overfull_jam(macro_def *def)
+{
+    def->jam_density = nextafter(1.0, 2.0);
+}
+
+static void undefined_jam(macro_def *def)
+{
+    def->jam_density = NAN;
+}
+
+// The belt moves at 0.395 m/s along x1; along x2 a slope of 45 degrees gives cargo half of that at most.
+static void unstable_step(macro_def *def)
+{
+    def->dt = 1.001 * 0.01 / ((1.0 + 0.5) * 0.395);
+}
+
+static void flat_cells(macro_def *def)
+{
+    def->grid.d2 *= 1.5;
+}
+
+static void no_apertures(macro_def *def)
+{
+    def->aperture2 = NULL;
+}
+
+static void no_belts(macro_def *def)
+{
+    def->n_belts = 0;
+}
+
+static void unknown_closure(macro_def *def)
+{
+    def->closure = SCENE_CLOSURE_COUNT;
+}
+
+static void no_friction(macro_def *def)
+{
+    def->slip_rate = 0.0;
+}
+
+static void a_bad_def_is_refused_at_its_member(void **state)
+{
+    (void)state;
+    static const bad_def bad[] = {
+        { no_jam, "/macro/jam_density" },
+        { overfull_jam, "/macro/jam_density" },
+        { undefined_jam, "/macro/jam_density" },
+        { unstable_step, "/macro/step_s" },
+        { flat_cells, "/macro/cell_m" },
+        { no_apertures, "" },
+        { no_belts, "/belts" },
+        { unknown_closure, "/macro/closure" },
+        { no_friction, "" },
+    };
+    scene s;
+    velocity_field *f = NULL;
+    helper_congested_example(&s, 45.0);
+    assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        macro_def def = helper_congested_def(&s, f);
+        macro_solver *solver = NULL;
+        bf_error err = { 0 };
+        bad[k].spoil(&def);
+        assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
+        assert_string_equal(err.pointer, bad[k].pointer);
+        assert_null(solver);
+    }
+    velocity_field_destroy(f);
+    scene_fini(&s);
+}
+
+static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
+{
+    scene s;
+    bf_status status = BF_ENOMEM;
+
+    (void)state;
+    helper_congested_example(&s, 60.0);
+    for (size_t n = 1; status != BF_OK; n++) {
+        velocity_field *f = NULL;
+        macro_solver *solver = NULL;
+        memory_plan_fault(n, 0);
+        status = velocity_field_create(&s, &f, NULL);
+        if (status == BF_OK) {
+            const macro_def def = helper_congested_def(&s, f);
+            status = macro_create(&def, &solver, NULL);
+        }
+        memory_plan_fault(0, 0);
+        assert_true(status == BF_OK ? solver != NULL : status == BF_ENOMEM && solver == NULL);
+        macro_destroy(solver);
+        velocity_field_destroy(f);
+    }
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(free_cargo_is_carried_and_nothing_else),
+        cmocka_unit_test(a_jam_at_a_wall_grows_by_what_arrives),
+        cmocka_unit_test(mass_is_conserved_in_a_closed_box),
+        cmocka_unit_test(what_is_not_on_the_belt_has_left_over_its_end),
+        cmocka_unit_test(nothing_leaks_through_a_plate_that_closes_the_belt),
+        cmocka_unit_test(a_mirrored_scene_gives_the_mirrored_density),
+        cmocka_unit_test(a_belt_along_the_other_axis_gives_the_transposed_density),
+        cmocka_unit_test(cargo_without_a_way_out_fails_with_place_and_time),
+        cmocka_unit_test(a_bad_def_is_refused_at_its_member),
+        cmocka_unit_test(out_of_memory_anywhere_is_an_error_and_nothing_leaks),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,290 @@
+// What must not change a bit of the congested closure: threads, instruction sets, a checkpoint, a pause of the belt.
+
+#include "core/base/memory.h"
+#include "core/macro/congested/congested_priv.h"
+#include "core/macro/macro.h"
+#include "tests/unit/core/helper_congested.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define X(suffix) extern const congested_kernels congested__kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
+enum { STEPS = 200, SCENES = 4 };
+
+// A saturated outlet, in steps of 2^-7 s; the same on a belt that runs obliquely, so that the laws of both directions are
+// coupled; a belt that stops and goes by ramps, from 0.5 s on; and one that crosses another one, which stands at times.
+static void make_scene(scene *s, int kind)
+{
+    static const vec2 west[] = { { -0.7, 0.0 }, { 0.2, 0.0 }, { 0.2, 0.6 }, { -0.7, 0.6 } };
+    static const vec2 east[] = { { 0.2, 0.0 }, { 1.0, 0.0 }, { 1.0, 0.6 }, { 0.2, 0.6 } };
+
+    helper_congested_saturated(s, kind == 0 ? 90.0 : 60.0);
+    s->macro.step = 0x1p-7;
+    if (kind == 1)
+        s->belts[0].velocity = (vec2){ 0.35, 0.15 };
+    if (kind == 2) {
+        helper_scene_schedule(&s->belts[0], 2, (double[]){ 0.5, 1.2 }, (double[]){ 0.0, 1.0 });
+        s->belts[0].acceleration = s->belts[0].deceleration = 1.0;
+    }
+    if (kind == 3) {
+        helper_scene_add_belt(s, (vec2){ 0.3, 0.1 }, west, 4);
+        helper_scene_add_belt(s, (vec2){ 0.395, 0.0 }, east, 4);
+        helper_scene_schedule(&s->belts[2], 2, (double[]){ 0.6, 1.1 }, (double[]){ 0.0, 1.0 });
+    }
+    helper_scene_resolve(s);
+}
+
+static uint64_t digest_after(macro_solver *solver, int n_steps)
+{
+    helper_congested_advance(solver, n_steps);
+    assert_int_equal(macro_check(solver, NULL), BF_OK);
+    return macro_digest(solver);
+}
+
+static uint64_t digest_of(const scene *s)
+{
+    macro_solver *solver = helper_congested_start(s, 1);
+    const uint64_t digest = digest_after(solver, STEPS);
+
+    macro_destroy(solver);
+    return digest;
+}
+
+// From a jam on, as more threads than processors wait long for each other.
+static void any_number_of_threads_gives_the_same_bits(void **state)
+{
+    static const int numbers[] = { 2, 3, 7 };
+
+    (void)state;
+    for (int kind = 0; kind < SCENES; kind++) {
+        scene s;
+        bf_buffer saved = { 0 };
+        make_scene(&s, kind);
+        macro_solver *one = helper_congested_start(&s, 1);
+        helper_congested_advance(one, 60);
+        assert_int_equal(macro_save(one, &saved, NULL), BF_OK);
+        const uint64_t digest = digest_after(one, 10);
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+            macro_solver *many = helper_congested_create(&s, numbers[k]);
+            assert_int_equal(macro_load(many, saved.bytes, saved.n, NULL), BF_OK);
+            assert_true(digest_after(many, 10) == digest);
+            macro_destroy(many);
+        }
+        macro_destroy(one);
+        buffer_fini(&saved);
+        scene_fini(&s);
+    }
+}
+
+static void every_instruction_set_gives_the_same_bits(void **state)
+{
+    static const congested_kernels *const builds[] = {
+#define X(suffix) &congested__kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    (void)state;
+    for (int kind = 0; kind < SCENES; kind++) {
+        scene s;
+        make_scene(&s, kind);
+        const uint64_t digest = digest_of(&s);
+        for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
+            macro_solver *solver = helper_congested_start(&s, 1);
+            solver->congested->kernels = *builds[level];
+            assert_true(digest_after(solver, STEPS) == digest);
+            macro_destroy(solver);
+        }
+        scene_fini(&s);
+    }
+}
+
+// In the jam: before a belt changes its speed, in a ramp, while a belt stands, and after.
+static void a_run_resumed_in_a_jam_goes_on_with_the_same_bits(void **state)
+{
+    static const int stops[] = { 1, 60, 75, 120, 160 };
+
+    (void)state;
+    for (int kind = 0; kind < SCENES; kind++) {
+        scene s;
+        make_scene(&s, kind);
+        const uint64_t digest = digest_of(&s);
+        macro_solver *first = helper_congested_start(&s, 1);
+        for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) {
+            macro_solver *then = helper_congested_start(&s, 1);
+            bf_buffer saved = { 0 };
+            helper_congested_advance(first, stops[k] - (int)macro_steps(first));
+            assert_int_equal(macro_save(first, &saved, NULL), BF_OK);
+            // Into a solver that has been somewhere else.
+            helper_congested_advance(then, 20);
+            assert_int_equal(macro_load(then, saved.bytes, saved.n, NULL), BF_OK);
+            assert_true(macro_steps(then) == (uint64_t)stops[k]);
+            assert_true(digest_after(then, STEPS - stops[k]) == digest);
+            buffer_fini(&saved);
+            macro_destroy(then);
+        }
+        macro_destroy(first);
+        scene_fini(&s);
+    }
+}
+
+static void a_damaged_state_is_refused_and_changes_nothing(void **state)
+{
+    scene s;
+    bf_buffer saved = { 0 };
+
+    (void)state;
+    make_scene(&s, 1);
+    macro_solver *solver = helper_congested_start(&s, 1), *same = helper_congested_start(&s, 1);
+    helper_congested_advance(solver, 50);
+    helper_congested_advance(same, 50);
+    assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
+    for (size_t k = 0; k < saved.n; k += k < 48 ? 1 : 9973) {
+        saved.bytes[k] ^= 0x10;
+        assert_int_equal(macro_load(solver, saved.bytes, saved.n, NULL), BF_ECORRUPT);
+        saved.bytes[k] ^= 0x10;
+    }
+    for (size_t n = 0; n < saved.n; n += n < 64 ? 1 : 9973)
+        assert_int_equal(macro_load(solver, saved.bytes, n, NULL), BF_ECORRUPT);
+    assert_int_equal(macro_load(solver, saved.bytes, saved.n - 4, NULL), BF_ECORRUPT);
+    assert_true(digest_after(solver, 50) == digest_after(same, 50));
+    macro_destroy(solver);
+    macro_destroy(same);
+    buffer_fini(&saved);
+    scene_fini(&s);
+}
+
+static bf_status load_into(const scene *s, const bf_buffer *saved)
+{
+    macro_solver *solver = helper_congested_create(s, 1);
+    const bf_status status = macro_load(solver, saved->bytes, saved->n, NULL);
+
+    macro_destroy(solver);
+    return status;
+}
+
+static void a_state_of_another_definition_is_refused(void **state)
+{
+    scene s;
+    bf_buffer saved = { 0 };
+
+    (void)state;
+    make_scene(&s, 0);
+    macro_solver *solver = helper_congested_start(&s, 1);
+    helper_congested_advance(solver, 50);
+    assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
+    macro_destroy(solver);
+    double *const numbers[] = { &s.macro.jam_density, &s.macro.step, &s.belts[0].velocity.x,
+                                &s.micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear,
+                                &s.obstacles[0].path[1].y };
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        const double number = *numbers[k];
+        *numbers[k] = number * (1.0 - 0x1p-30);
+        assert_int_equal(load_into(&s, &saved), BF_ECORRUPT);
+        *numbers[k] = number;
+    }
+    s.edges[SCENE_WEST] = SCENE_EDGE_OUTFLOW;
+    assert_int_equal(load_into(&s, &saved), BF_ECORRUPT);
+    s.edges[SCENE_WEST] = SCENE_EDGE_INFLOW;
+    assert_int_equal(load_into(&s, &saved), BF_OK);
+    buffer_fini(&saved);
+    scene_fini(&s);
+}
+
+static double *densities_of(const macro_solver *solver)
+{
+    double *rho = memory_alloc(grid_cells(&solver->def.grid), sizeof *rho);
+
+    assert_non_null(rho);
+    macro_copy_density(solver, rho);
+    return rho;
+}
+
+// A pause of 1 s, 128 steps, in the jam: cargo stands, and the run is the same later.
+static void check_pause(vec2 velocity)
+{
+    scene with, without;
+
+    make_scene(&with, 0);
+    make_scene(&without, 0);
+    with.belts[0].velocity = without.belts[0].velocity = velocity;
+    helper_scene_schedule(&with.belts[0], 2, (double[]){ 1.5, 2.5 }, (double[]){ 0.0, 1.0 });
+    macro_solver *late = helper_congested_start(&with, 1);
+    macro_solver *early = helper_congested_start(&without, 1);
+    const size_t n_bytes = grid_cells(&late->def.grid) * sizeof(double);
+    helper_congested_advance(late, 192);
+    helper_congested_advance(early, 192);
+    double *of_early = densities_of(early);
+    for (int k = 0; k < 6; k++) {
+        double *of_late = densities_of(late);
+        assert_memory_equal(of_late, of_early, n_bytes);
+        memory_free(of_late);
+        helper_congested_advance(late, k < 5 ? 25 : 3);
+    }
+    memory_free(of_early);
+    for (int k = 0; k < 5; k++) {
+        double *of_late = densities_of(late);
+        of_early = densities_of(early);
+        assert_memory_equal(of_late, of_early, n_bytes);
+        memory_free(of_late);
+        memory_free(of_early);
+        helper_congested_advance(late, 40);
+        helper_congested_advance(early, 40);
+    }
+    macro_destroy(late);
+    macro_destroy(early);
+    scene_fini(&with);
+    scene_fini(&without);
+}
+
+static void a_stop_and_go_is_the_same_run_later(void **state)
+{
+    (void)state;
+    check_pause((vec2){ 0.395, 0.0 });
+    check_pause((vec2){ 0.35, 0.15 });
+}
+
+static void nothing_is_lost_in_a_closed_box_whatever_the_belts_do(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < SCENES; kind++) {
+        scene s;
+        make_scene(&s, kind);
+        for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+            s.edges[side] = SCENE_EDGE_WALL;
+        macro_solver *solver = helper_congested_start(&s, 1);
+        const double mass = macro_measure(solver).mass;
+        for (int step = 0; step < STEPS; step++) {
+            macro_step(solver);
+            assert_true(macro_measure(solver).peak <= 1.1);
+            assert_near(macro_measure(solver).mass, mass, 1e-12 * mass);
+        }
+        macro_destroy(solver);
+        scene_fini(&s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
+        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
+        cmocka_unit_test(a_run_resumed_in_a_jam_goes_on_with_the_same_bits),
+        cmocka_unit_test(a_damaged_state_is_refused_and_changes_nothing),
+        cmocka_unit_test(a_state_of_another_definition_is_refused),
+        cmocka_unit_test(a_stop_and_go_is_the_same_run_later),
+        cmocka_unit_test(nothing_is_lost_in_a_closed_box_whatever_the_belts_do),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
