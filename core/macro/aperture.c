@@ -7,7 +7,7 @@
 #include <math.h>
 
 // Fitted to the microscopic model.
-static const double tip_factor = 2.15;
+static const double tip_factor = 2.1;
 
 // The end of a plate and how it goes on.
 typedef struct plate_end {

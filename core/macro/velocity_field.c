@@ -31,7 +31,7 @@
 enum { BORDERS_PER_SEGMENT = 8 };
 
 /// Width of the slide zone of the congested closure in radii of parts; fitted to the microscopic model.
-static const double congested_slide = 5.55;
+static const double congested_slide = 6.0;
 
 /// A straight piece of an obstacle.
 typedef struct segment {

@@ -5,10 +5,10 @@
 #include <math.h>
 
 // Fitted to the microscopic model; README.md.
-static const double forward_slope = 0.085;
+static const double forward_slope = 0.07;
 static const double forward_most = 0.3;
 static const double lateral_most = 0.555;
-static const double friction = 0.47;
+static const double friction = 0.46;
 
 // The belt's speed and v_stat at a face in the directions of the face: e its normal, t the left of e.
 typedef struct face_state {
