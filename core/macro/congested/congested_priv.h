@@ -23,6 +23,12 @@ enum {
     CONGESTED_SWEEPS = 100 ///< most sweeps of a step
 };
 
+/// Part of its cargo that a cell may lose in a step.
+#define CONGESTED_MOST_LOST (1.0 - 1e-9)
+
+/// Rate at which a density above rho_j relaxes to it, 1/s.
+#define CONGESTED_RELAXING_RATE 10.0
+
 /// The faces of a red cell.
 typedef enum congested_side {
     CONGESTED_WEST,
@@ -99,11 +105,13 @@ typedef struct congested_kernels {
     /// The stage of a row by flux2 and the fluxes along x1, which it makes.
     void (*muscl_update)(const macro_solver *s, const congested_stage *stage, ptrdiff_t row,
                          block_span span);
-    /// rho = rho* - dt div G of the cells of a colour, in place in `next`.
-    void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
+    /// The excess of a row's active cells, both colours; of those outside the grid it is negative.
+    void (*set_excess)(const macro_solver *s, const congested *c, ptrdiff_t row);
+    /// rho = rho* - dt div G of these cells of a row, both colours, in place in `next`.
+    void (*correct)(const macro_solver *s, const congested *c, ptrdiff_t row,
                     congested_range cells);
-    /// True if G takes more out of one of these cells than it holds in `next`, but for rounding.
-    bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
+    /// True if G takes more out of one of these cells than the part CONGESTED_MOST_LOST of what it holds in `next`.
+    bool (*is_overdrawn)(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells);
     /// Bring the thresholds of a row's red cells to the slip of this step; forward solvers only.
     void (*make_thresholds)(const congested *c, ptrdiff_t row);

@@ -1,6 +1,7 @@
 // The loops over cells of the congested closure, compiled once per instruction set.
 
 #include "core/base/simd_float.h"
+#include "core/base/simd_pairs.h"
 #include "core/macro/congested/congested_priv.h"
 
 // The law along the belt: slope 1 up to `free`, then `slope` up to `beyond` more.
@@ -225,38 +226,111 @@ static inline row_fluxes fluxes_of(const congested *c, ptrdiff_t row, int colour
     return fluxes;
 }
 
-static void correct(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
-                    congested_range cells)
+// The half cells k < end of these cells whose places 2 k and 2 k + 1 a row of the density has.
+static inline ptrdiff_t last_in_row(const macro_solver *s, congested_range cells)
 {
-    const row_fluxes f = fluxes_of(c, row, colour);
-    const ptrdiff_t odd = (row + colour) & 1;
-    double *rho = macro__row(s, s->next.rho, row);
+    const ptrdiff_t n = (s->n1 + 2 * BLOCK_CELLS - 1) / (2 * BLOCK_CELLS) * BLOCK_CELLS;
 
-    for (ptrdiff_t k = cells.first; k < cells.last && 2 * k + odd < s->n1; k++) {
-        const double along = (double)f.side[CONGESTED_EAST][k] - (double)f.side[CONGESTED_WEST][k];
-        const double across =
-            (double)f.side[CONGESTED_NORTH][k] - (double)f.side[CONGESTED_SOUTH][k];
-        rho[2 * k + odd] -= s->lambda1 * along + s->lambda2 * across;
+    return cells.last < n ? cells.last : n;
+}
+
+// The target density of cells (congested.h): rho_j, or what they have above it, which relaxes under a pressure.
+static inline simd target_of(const congested *c, simd rho, simd pressure, double kept)
+{
+    typedef __typeof__(pressure > pressure) lanes;
+    const lanes is_pressed = pressure > simd_all(0.0);
+    const simd part =
+        (simd)((is_pressed & (lanes)simd_all(kept)) | (~is_pressed & (lanes)simd_all(1.0)));
+
+    return simd_max(rho * part, simd_all(c->jam_density));
+}
+
+static void set_excess(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const double kept = 1.0 - CONGESTED_RELAXING_RATE * s->def.dt;
+    const congested_range cells = c->range[row];
+    const ptrdiff_t end = last_in_row(s, cells);
+    const double *rho = macro__row(s, s->now.rho, row), *star = macro__row(s, s->next.rho, row);
+    const int even = (int)(row & 1), odd = 1 - even; // colours of cells 2 k and 2 k + 1
+    const float *p_even = congested__row(c, c->pressure[even], row);
+    const float *p_odd = congested__row(c, c->pressure[odd], row);
+    float *excess_even = congested__row(c, c->excess[even], row);
+    float *excess_odd = congested__row(c, c->excess[odd], row);
+
+    for (ptrdiff_t k = cells.first; k < end; k += SIMD_LANES) {
+        const simd low = simd_load(star + 2 * k), high = simd_load(star + 2 * k + SIMD_LANES);
+        const simd low_rho = simd_load(rho + 2 * k), high_rho = simd_load(rho + 2 * k + SIMD_LANES);
+        const simd even_target =
+            target_of(c, simd_even(low_rho, high_rho), simd_load_floats(p_even + k), kept);
+        const simd odd_target =
+            target_of(c, simd_odd(low_rho, high_rho), simd_load_floats(p_odd + k), kept);
+        simd_store_floats(excess_even + k, simd_even(low, high) - even_target);
+        simd_store_floats(excess_odd + k, simd_odd(low, high) - odd_target);
+    }
+    for (ptrdiff_t k = s->n1 / 2; k < cells.last; k++) {
+        if (2 * k >= s->n1)
+            excess_even[k] = -1.0F;
+        excess_odd[k] = 2 * k + 1 >= s->n1 ? -1.0F : excess_odd[k];
     }
 }
 
-static bool is_overdrawn(const macro_solver *s, const congested *c, ptrdiff_t row, int colour,
+// dt div G of cells k to k + SIMD_LANES - 1 of a half row.
+static inline simd loss(const macro_solver *s, const row_fluxes *f, ptrdiff_t k)
+{
+    const simd along = simd_load_floats(f->side[CONGESTED_EAST] + k) -
+                       simd_load_floats(f->side[CONGESTED_WEST] + k);
+    const simd across = simd_load_floats(f->side[CONGESTED_NORTH] + k) -
+                        simd_load_floats(f->side[CONGESTED_SOUTH] + k);
+
+    return s->lambda1 * along + s->lambda2 * across;
+}
+
+static void correct(const macro_solver *s, const congested *c, ptrdiff_t row, congested_range cells)
+{
+    const row_fluxes even = fluxes_of(c, row, (int)(row & 1));
+    const row_fluxes odd = fluxes_of(c, row, 1 - (int)(row & 1));
+    const ptrdiff_t end = last_in_row(s, cells);
+    double *rho = macro__row(s, s->next.rho, row);
+
+    for (ptrdiff_t k = cells.first; k < end; k += SIMD_LANES) {
+        const simd of_even = loss(s, &even, k), of_odd = loss(s, &odd, k);
+        double *low = rho + 2 * k, *high = low + SIMD_LANES;
+        simd_store(low, simd_load(low) - simd_pairs_low(of_even, of_odd));
+        simd_store(high, simd_load(high) - simd_pairs_high(of_even, of_odd));
+    }
+    // Beyond the grid there is no cargo.
+    for (ptrdiff_t i = s->n1; i < 2 * end; i++)
+        rho[i] = 0.0;
+}
+
+// By how much more cells k to k + SIMD_LANES - 1 of a half row lose through all their faces than they may.
+static inline simd overdraft(const macro_solver *s, const row_fluxes *f, ptrdiff_t k, simd rho)
+{
+    const simd leaving = simd_positive(-simd_load_floats(f->side[CONGESTED_WEST] + k)) +
+                         simd_positive(simd_load_floats(f->side[CONGESTED_EAST] + k)) +
+                         simd_positive(-simd_load_floats(f->side[CONGESTED_SOUTH] + k)) +
+                         simd_positive(simd_load_floats(f->side[CONGESTED_NORTH] + k));
+
+    return s->lambda1 * leaving - rho * CONGESTED_MOST_LOST;
+}
+
+static bool is_overdrawn(const macro_solver *s, const congested *c, ptrdiff_t row,
                          congested_range cells)
 {
-    const row_fluxes f = fluxes_of(c, row, colour);
-    const ptrdiff_t odd = (row + colour) & 1;
+    const row_fluxes even = fluxes_of(c, row, (int)(row & 1));
+    const row_fluxes odd = fluxes_of(c, row, 1 - (int)(row & 1));
+    const ptrdiff_t end = last_in_row(s, cells);
     const double *rho = macro__row(s, s->next.rho, row);
+    simd largest = simd_all(0.0);
     bool is_over = false;
 
-    for (ptrdiff_t k = cells.first; k < cells.last && 2 * k + odd < s->n1; k++) {
-        const double west = (double)f.side[CONGESTED_WEST][k];
-        const double east = (double)f.side[CONGESTED_EAST][k];
-        const double south = (double)f.side[CONGESTED_SOUTH][k];
-        const double north = (double)f.side[CONGESTED_NORTH][k];
-        const double leaving = (west < 0.0 ? -west : 0.0) + (east > 0.0 ? east : 0.0) +
-                               (south < 0.0 ? -south : 0.0) + (north > 0.0 ? north : 0.0);
-        is_over |= s->lambda1 * leaving > rho[2 * k + odd] * (1.0 - 1e-9);
+    for (ptrdiff_t k = cells.first; k < end; k += SIMD_LANES) {
+        const simd low = simd_load(rho + 2 * k), high = simd_load(rho + 2 * k + SIMD_LANES);
+        largest = simd_max(largest, overdraft(s, &even, k, simd_even(low, high)));
+        largest = simd_max(largest, overdraft(s, &odd, k, simd_odd(low, high)));
     }
+    for (int lane = 0; lane < SIMD_LANES; lane++)
+        is_over = is_over || largest[lane] > 0.0;
     return is_over;
 }
 
@@ -266,6 +340,7 @@ const congested_kernels congested__kernels = { .relax = relax,
                                                .muscl_states_x2 = congested__muscl_states_x2,
                                                .muscl_flux_x2 = congested__muscl_flux_x2,
                                                .muscl_update = congested__muscl_update,
+                                               .set_excess = set_excess,
                                                .correct = correct,
                                                .is_overdrawn = is_overdrawn,
                                                .make_thresholds = make_thresholds };

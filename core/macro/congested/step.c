@@ -9,7 +9,6 @@
 // A cell less full than this part of rho_j is not active unless it has a pressure.
 static const double active_from = 0.25;
 
-static const double relaxing_rate = 10.0; // 1/s, at which a density above rho_j relaxes to it
 static const float tolerance = 3e-3F; // of the density that the iteration leaves above or below C
 
 // What the members of a team share in a step.
@@ -19,8 +18,6 @@ typedef struct step_context {
 } step_context;
 
 enum { MARGIN_CELLS = 4 }; // beside found cells that are active too, because cargo may enter them
-
-static const double most_lost = 1.0 - 1e-9; // part of its cargo that a cell may lose in a step
 
 // Rows first <= row < last of a member.
 typedef struct row_span {
@@ -78,38 +75,43 @@ static row_span active_rows(const congested *c, int member, int n_members)
     return rows;
 }
 
-// Target density of a cell: rho_j, or what it has above it, which relaxes while there is a pressure.
-static double target(const congested *c, double rho, double pressure, double kept)
+// The cells of a row from the first to the last that are at least this full, as whole units.
+static congested_range full_cells(const macro_solver *s, ptrdiff_t row, double least)
 {
-    const double above = pressure > 0.0 ? rho * kept : rho;
+    const double *star = macro__row(s, s->next.rho, row);
+    const block_span span = s->next.span[row];
+    ptrdiff_t first = span.first * BLOCK_CELLS, last = span.last * BLOCK_CELLS - 1;
 
-    return above > c->jam_density ? above : c->jam_density;
+    while (first <= last && star[first] < least)
+        first++;
+    while (last >= first && star[last] < least)
+        last--;
+    if (first > last)
+        return (congested_range){ 0, 0 };
+    return range_of_cells(s, first - MARGIN_CELLS, last + MARGIN_CELLS);
+}
+
+// Same from the first to the last that has a pressure.
+static congested_range pressed_cells(const macro_solver *s, const congested *c, ptrdiff_t row)
+{
+    const float *red = congested__row(c, c->pressure[0], row);
+    const float *black = congested__row(c, c->pressure[1], row);
+    ptrdiff_t first = c->range[row].first, last = c->range[row].last - 1;
+
+    while (first <= last && red[first] == 0.0F && black[first] == 0.0F)
+        first++;
+    while (last >= first && red[last] == 0.0F && black[last] == 0.0F)
+        last--;
+    if (first > last)
+        return (congested_range){ 0, 0 };
+    return range_of_cells(s, 2 * first - MARGIN_CELLS, 2 * last + 1 + MARGIN_CELLS);
 }
 
 // Finds the cells of a row that may need a pressure, by `next`, which holds rho*.
 static void find_cells(const macro_solver *s, congested *c, ptrdiff_t row)
 {
-    const double *star = macro__row(s, s->next.rho, row);
-    const double least = active_from * c->jam_density;
-    const block_span span = s->next.span[row];
-    const congested_range before = c->range[row];
-    ptrdiff_t first = s->n1, last = -1;
-
-    for (ptrdiff_t i = span.first * BLOCK_CELLS; i < span.last * BLOCK_CELLS && i < s->n1; i++) {
-        if (star[i] < least)
-            continue;
-        first = i < first ? i : first;
-        last = i;
-    }
-    for (ptrdiff_t i = 2 * before.first; i < 2 * before.last && i < s->n1; i++) {
-        if (*congested__pressure(c, i, row) == 0.0F)
-            continue;
-        first = i < first ? i : first;
-        last = i > last ? i : last;
-    }
-    c->found[row] = (congested_range){ 0, 0 };
-    if (last >= 0)
-        c->found[row] = range_of_cells(s, first - MARGIN_CELLS, last + MARGIN_CELLS);
+    c->found[row] =
+        hull(full_cells(s, row, active_from * c->jam_density), pressed_cells(s, c, row));
 }
 
 // The active cells of a row: those found in it and in the rows next to it.
@@ -145,8 +147,6 @@ static void clear_cells(congested *c, ptrdiff_t row, ptrdiff_t first, ptrdiff_t 
 static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
 {
     const congested_range before = c->range[row], now = dilated(s, c->found, row);
-    const double *rho = macro__row(s, s->now.rho, row), *star = macro__row(s, s->next.rho, row);
-    const double kept = 1.0 - relaxing_rate * s->def.dt;
 
     if (now.first >= now.last) {
         clear_cells(c, row, before.first, before.last);
@@ -155,16 +155,7 @@ static void set_active(const macro_solver *s, congested *c, ptrdiff_t row)
         clear_cells(c, row, before.first > now.last ? before.first : now.last, before.last);
     }
     c->range[row] = now;
-    for (int colour = 0; colour < 2; colour++) {
-        const ptrdiff_t odd = (row + colour) & 1;
-        const float *p = congested__row(c, c->pressure[colour], row);
-        float *excess = congested__row(c, c->excess[colour], row);
-        for (ptrdiff_t k = now.first; k < now.last; k++) {
-            const ptrdiff_t i = 2 * k + odd;
-            excess[k] =
-                i < s->n1 ? (float)(star[i] - target(c, rho[i], (double)p[k], kept)) : -1.0F;
-        }
-    }
+    c->kernels.set_excess(s, c, row);
 }
 
 // Where the belt stands nothing moves that could bring a pressure to its density: cells without an open face keep
@@ -193,22 +184,44 @@ static void find_rows(const macro_solver *s, congested *c)
         c->last_row--;
 }
 
+// Relaxes the cells of a colour in a row; returns the larger of their largest change and of `largest`.
+static float relax_row(const congested *c, ptrdiff_t row, int colour, float largest)
+{
+    const float change = c->kernels.relax(c, row, colour);
+
+    return change > largest ? change : largest;
+}
+
+// One sweep over a member's rows, red before black. A black row follows as soon as the red rows around it are
+// relaxed, while the laws of their faces are still in the cache; the first and the last need the neighbours' rows.
+static float sweep(const congested *c, row_span rows, team_barrier *barrier)
+{
+    float largest = 0.0F;
+
+    for (ptrdiff_t row = rows.first; row < rows.last; row++) {
+        largest = relax_row(c, row, 0, largest);
+        if (row - 1 > rows.first)
+            largest = relax_row(c, row - 1, 1, largest);
+    }
+    team_barrier_wait(barrier);
+    if (rows.first < rows.last)
+        largest = relax_row(c, rows.first, 1, largest);
+    if (rows.last - 1 > rows.first)
+        largest = relax_row(c, rows.last - 1, 1, largest);
+    return largest;
+}
+
 // Relaxes red and black cells in turn until the largest residual of a sweep is below the tolerance.
 static void relax(congested *c, row_span rows, int member, int n_members, team_barrier *barrier)
 {
     const float enough = tolerance * c->relaxation;
 
-    for (int sweep = 0; sweep < CONGESTED_SWEEPS; sweep++) {
-        congested_slot *slots = c->slots + (sweep & 1) * n_members;
-        float largest = 0.0F;
-        for (int colour = 0; colour < 2; colour++) {
-            for (ptrdiff_t row = rows.first; row < rows.last; row++)
-                largest = fmaxf(largest, c->kernels.relax(c, row, colour));
-            slots[member].residual = largest;
-            team_barrier_wait(barrier);
-        }
-        for (int k = 0; k < n_members; k++)
-            largest = fmaxf(largest, slots[k].residual);
+    for (int k = 0; k < CONGESTED_SWEEPS; k++) {
+        congested_slot *slots = c->slots + (k & 1) * n_members;
+        float largest = slots[member].residual = sweep(c, rows, barrier);
+        team_barrier_wait(barrier);
+        for (int other = 0; other < n_members; other++)
+            largest = slots[other].residual > largest ? slots[other].residual : largest;
         if (largest < enough)
             return;
     }
@@ -253,9 +266,9 @@ static void limit_cell(const macro_solver *s, const congested *c, ptrdiff_t i, p
         const double out = (side & 1) != 0 ? (double)*faces.side[side] : -(double)*faces.side[side];
         leaving += fmax(out, 0.0);
     }
-    if (s->lambda1 * leaving <= rho * most_lost)
+    if (s->lambda1 * leaving <= rho * CONGESTED_MOST_LOST)
         return;
-    const float part = (float)(rho * most_lost / (s->lambda1 * leaving) * (1.0 - 1e-6));
+    const float part = (float)(rho * CONGESTED_MOST_LOST / (s->lambda1 * leaving) * (1.0 - 1e-6));
     for (int side = 0; side < CONGESTED_SIDES; side++)
         if ((side & 1) != 0 ? *faces.side[side] > 0.0F : *faces.side[side] < 0.0F)
             *faces.side[side] = scaled(*faces.side[side], part);
@@ -278,9 +291,7 @@ static void correct_row(macro_solver *s, const congested *c, ptrdiff_t row)
     block_span span = s->next.span[row];
 
     if (cells.first < cells.last) {
-        for (int colour = 0; colour < 2; colour++)
-            c->kernels.correct(s, c, row, colour, cells);
-        memset(rho + s->n1, 0, (size_t)(s->n_blocks * BLOCK_CELLS - s->n1) * sizeof *rho);
+        c->kernels.correct(s, c, row, cells);
         span = block_span_hull(
             span, (block_span){ 2 * cells.first / BLOCK_CELLS, 2 * cells.last / BLOCK_CELLS });
         span.last = span.last < s->n_blocks ? span.last : s->n_blocks;
@@ -302,9 +313,8 @@ static void limit(const step_context *x, row_span rows, int member, int n_member
 
     c->slots[member].is_limited = false;
     for (ptrdiff_t row = rows.first; row < rows.last; row++)
-        for (int colour = 0; colour < 2; colour++)
-            if (c->kernels.is_overdrawn(s, c, row, colour, changed_cells(s, c, row)))
-                c->slots[member].is_limited = true;
+        if (c->kernels.is_overdrawn(s, c, row, changed_cells(s, c, row)))
+            c->slots[member].is_limited = true;
     team_barrier_wait(barrier);
     for (int k = 0; k < n_members; k++)
         is_limited = is_limited || c->slots[k].is_limited;
