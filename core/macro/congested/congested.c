@@ -71,8 +71,8 @@ enum { LAW_ARRAYS = 11, LAW_COUPLED_ARRAYS = 3 };
 static void lay_out_law(congested_law *l, float **at, size_t n, bool is_forward)
 {
     float **const members[LAW_ARRAYS + LAW_COUPLED_ARRAYS] = {
-        &l->free,      &l->slope, &l->beyond,  &l->least, &l->threshold, &l->lower,  &l->upper,
-        &l->full_slip, &l->gain,  &l->at_rest, &l->flux,  &l->along,     &l->across, &l->crosswise
+        &l->slope,     &l->offset, &l->most,    &l->least, &l->threshold, &l->lower,  &l->upper,
+        &l->full_slip, &l->gain,   &l->at_rest, &l->flux,  &l->along,     &l->across, &l->crosswise
     };
 
     for (int k = 0; k < LAW_ARRAYS + (is_forward ? 0 : LAW_COUPLED_ARRAYS); k++) {
@@ -143,8 +143,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->jam_density = def->jam_density;
     c->slip_rate = def->slip_rate;
     c->n_belts = def->n_belts;
-    c->relaxation = (float)(relaxation_factor * def->grid.d1 * def->grid.d1 / (4.0 * def->dt));
-    c->inverse_dx = (float)(1.0 / def->grid.d1);
+    c->relaxation = (float)(relaxation_factor * def->grid.d1 / (4.0 * def->dt));
     c->lambda = (float)(def->dt / def->grid.d1);
     if (!copy_definition(c, def) || !lay_out(s, c) ||
         (def->scheme == SCENE_SCHEME_MUSCL && !lay_out_stage(s, c))) {

@@ -41,10 +41,10 @@ typedef enum congested_side {
 /// The law of the correction (see congested.h) at the faces on one side of the red cells, in half rows. With e the
 /// face's normal, towards rising x, b the belt's direction and q its left normal.
 typedef struct congested_law {
-    float *free;   ///< G.b up to which the pressure moves cargo freely: rho_j (v_T - v_stat.b) or 0
-    float *slope;  ///< of G.b beyond
-    float *beyond; ///< most of G.b beyond
-    float *least;  ///< least G.b: 0 where the face is closed, else no bound
+    float *slope;     ///< k, of G.b beyond G0 = max(0, rho_j (v_T - v_stat.b))
+    float *offset;    ///< (1 - k) G0: beyond G0, G.b = k g.b + (1 - k) G0
+    float *most;      ///< most G.b: G0 + B
+    float *least;     ///< least G.b: 0 where the face is closed, else no bound
     float *threshold; ///< of G.q, by internal friction; changes with every step
     float *lower;     ///< least G.q
     float *upper;     ///< most G.q
@@ -133,17 +133,16 @@ struct congested {
     ptrdiff_t n_half;       ///< cells of a half row, in whole units
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
-    float *pressure
-        [2]; ///< p of the red and of the black cells, m2/s: G = -grad p where nothing bounds it
-    float *excess[2];                   ///< rho* - C of them
+    float
+        *pressure[2]; ///< p/dx of the red and of the black cells, m/s: a difference is the gradient
+    float *excess[2]; ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_range *range;             ///< per row: the active cells of this step
     congested_range *found;             ///< per row: those that the row itself asks for
     ptrdiff_t first_row;                ///< first row with active cells
     ptrdiff_t last_row;                 ///< row after the last
     double density_limit;               ///< density at which the run fails
-    float relaxation;                   ///< omega dx2 / (4 dt)
-    float inverse_dx;                   ///< 1/dx
+    float relaxation;                   ///< omega dx / (4 dt)
     float lambda;                       ///< dt/dx
     congested_slot *slots;              ///< two of each thread, used in turn
     macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)

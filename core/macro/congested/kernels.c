@@ -4,14 +4,11 @@
 #include "core/base/simd_pairs.h"
 #include "core/macro/congested/congested_priv.h"
 
-// The law along the belt: slope 1 up to `free`, then `slope` up to `beyond` more.
+// The law along the belt: slope 1, then `slope`, then none. It is concave, so the least of its pieces.
 static inline simd_float law_along(const congested_law *l, ptrdiff_t k, simd_float g)
 {
-    const simd_float free = simd_float_load(l->free + k);
-    const simd_float outer =
-        simd_float_max(g - free, simd_float_all(0.0F)) * simd_float_load(l->slope + k);
-    const simd_float all =
-        simd_float_min(g, free) + simd_float_min(outer, simd_float_load(l->beyond + k));
+    const simd_float outer = g * simd_float_load(l->slope + k) + simd_float_load(l->offset + k);
+    const simd_float all = simd_float_min(simd_float_min(g, outer), simd_float_load(l->most + k));
 
     return simd_float_max(all, simd_float_load(l->least + k));
 }
@@ -50,9 +47,9 @@ static inline congested_law shifted(const congested *c, congested_side side, ptr
     const ptrdiff_t at = (row + 1) * c->half_stride + CONGESTED_UNIT + shift;
     congested_law l = c->law[side];
 
-    l.free += at;
     l.slope += at;
-    l.beyond += at;
+    l.offset += at;
+    l.most += at;
     l.least += at;
     l.threshold += at;
     l.lower += at;
@@ -108,8 +105,8 @@ static inline row_pressures pressures_of(const congested *c, ptrdiff_t row, int 
 }
 
 // The excess of a register of cells with the correction of the present pressures.
-static inline simd_float residual_of(const congested *c, const row_laws *laws,
-                                     const row_pressures *p, const float *excess, ptrdiff_t k,
+static inline simd_float residual_of(const row_laws *laws, const row_pressures *p,
+                                     const float *excess, ptrdiff_t k, float lambda,
                                      bool is_forward)
 {
     const simd_float here = simd_float_load(p->own + k);
@@ -117,13 +114,12 @@ static inline simd_float residual_of(const congested *c, const row_laws *laws,
     const simd_float east = here - simd_float_load(p->east + k);
     const simd_float south = simd_float_load(p->south + k) - here;
     const simd_float north = here - simd_float_load(p->north + k);
-    const simd_float in =
-        law(&laws->side[CONGESTED_WEST], k, west * c->inverse_dx, is_forward, true) -
-        law(&laws->side[CONGESTED_EAST], k, east * c->inverse_dx, is_forward, true) +
-        law(&laws->side[CONGESTED_SOUTH], k, south * c->inverse_dx, is_forward, false) -
-        law(&laws->side[CONGESTED_NORTH], k, north * c->inverse_dx, is_forward, false);
+    const simd_float in = law(&laws->side[CONGESTED_WEST], k, west, is_forward, true) -
+                          law(&laws->side[CONGESTED_EAST], k, east, is_forward, true) +
+                          law(&laws->side[CONGESTED_SOUTH], k, south, is_forward, false) -
+                          law(&laws->side[CONGESTED_NORTH], k, north, is_forward, false);
 
-    return simd_float_load(excess + k) + c->lambda * in;
+    return simd_float_load(excess + k) + lambda * in;
 }
 
 static inline float relax_row(const congested *c, ptrdiff_t row, int colour, bool is_forward)
@@ -132,12 +128,14 @@ static inline float relax_row(const congested *c, ptrdiff_t row, int colour, boo
     const row_pressures p = pressures_of(c, row, colour);
     const float *excess = congested__row(c, c->excess[colour], row);
     const simd_float none = simd_float_all(0.0F);
+    const float relaxation = c->relaxation, lambda = c->lambda;
+    const congested_range cells = c->range[row];
     simd_float largest = none;
 
-    for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
+    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES) {
         const simd_float here = simd_float_load(p.own + k);
-        const simd_float residual = residual_of(c, &laws, &p, excess, k, is_forward);
-        const simd_float relaxed = simd_float_max(here + c->relaxation * residual, none);
+        const simd_float residual = residual_of(&laws, &p, excess, k, lambda, is_forward);
+        const simd_float relaxed = simd_float_max(here + relaxation * residual, none);
         const simd_float change = relaxed - here;
         largest = simd_float_max(largest, simd_float_max(change, -change));
         simd_float_store(p.own + k, relaxed);
@@ -163,8 +161,7 @@ static inline void make_flux_row(const congested *c, ptrdiff_t row, bool is_forw
         const bool is_x1 = side == CONGESTED_WEST || side == CONGESTED_EAST;
         for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
             const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
-            simd_float_store(l->flux + k,
-                             law(l, k, sign * drop * c->inverse_dx, is_forward, is_x1));
+            simd_float_store(l->flux + k, law(l, k, sign * drop, is_forward, is_x1));
         }
     }
 }

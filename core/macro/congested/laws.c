@@ -50,9 +50,12 @@ static void set_across(const congested *c, const face_slot *f, const face_state 
 static void set_along(const congested *c, const face_slot *f, const face_state *x, double speed,
                       double forward)
 {
-    f->law->free[f->at] = (float)(x->aperture * fmax(0.0, c->jam_density * (speed - forward)));
-    f->law->slope[f->at] = (float)fmin(1.0, forward_slope / (c->slip_rate * speed));
-    f->law->beyond[f->at] = (float)(x->aperture * forward_most * c->jam_density * speed);
+    const double free = x->aperture * fmax(0.0, c->jam_density * (speed - forward));
+    const double slope = fmin(1.0, forward_slope / (c->slip_rate * speed));
+
+    f->law->slope[f->at] = (float)slope;
+    f->law->offset[f->at] = (float)((1.0 - slope) * free);
+    f->law->most[f->at] = (float)(free + x->aperture * forward_most * c->jam_density * speed);
     f->law->least[f->at] = (float)(-c->jam_density * (forward + lateral_most * speed));
     f->law->at_rest[f->at] = 0.0F;
 }
@@ -60,7 +63,7 @@ static void set_along(const congested *c, const face_slot *f, const face_state *
 // Nothing is corrected across a closed face, nor where no belt moves.
 static void close_face(const congested *c, const face_slot *f, double speed)
 {
-    f->law->free[f->at] = f->law->slope[f->at] = f->law->beyond[f->at] = 0.0F;
+    f->law->slope[f->at] = f->law->offset[f->at] = f->law->most[f->at] = 0.0F;
     f->law->least[f->at] = f->law->lower[f->at] = f->law->upper[f->at] = 0.0F;
     f->law->full_slip[f->at] = f->law->at_rest[f->at] = (float)(c->jam_density * speed);
     f->law->gain[f->at] = 0.0F;
@@ -159,7 +162,7 @@ static void couple_face(const macro_solver *s, const congested *c, int axis, ptr
         } else {
             slip += fmin(fmax(-parallel, 0.0), (double)full);
         }
-        gradient += is_closed ? 0.0 : sign * drop * (double)c->inverse_dx;
+        gradient += is_closed ? 0.0 : sign * drop;
     }
     own.law->crosswise[own.at] = (float)(0.25 * gradient);
     own.law->threshold[own.at] = (float)(0.5 * (double)own.law->threshold[own.at] +
