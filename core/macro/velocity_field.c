@@ -430,7 +430,8 @@ static void fill_faces(sampler *k, const lattice *l, int component, double *ret_
         choose_near(k, y);
         mark_row(k, l, y);
         for (size_t i = 0; i < l->n_columns;) {
-            evaluation e = evaluate_face(k, (vec2){ face_x(l, i), y }, component);
+            const vec2 at = { face_x(l, i), y };
+            evaluation e = ret_belt != NULL ? evaluate_face(k, at, component) : evaluate(k, at);
             const uint8_t *next =
                 k->marks[i] ? k->marks + i + 1 : memchr(k->marks + i, 1, l->n_columns - i);
             size_t end = next != NULL ? (size_t)(next - k->marks) : l->n_columns;
