@@ -23,7 +23,7 @@
 /// The constants are fitted to the microscopic model; core/macro/congested/README.md has their table.
 ///
 /// Step     rho* = rho - dt div(rho v_stat), unsplit, by the scheme; then p by red-black relaxation from the last p until, as
-///          each cell had its turn, none was more than 3e-3 above max(rho_j, rho), or below it under a pressure (at most 100
+///          each cell had its turn, none was more than 6e-3 above max(rho_j, rho), or below it under a pressure (at most 100
 ///          sweeps: in transients more may be left, and the density then exceeds rho_j by it); then
 ///          rho = rho* - dt div G with the fluxes of that p. So mass is exact whatever is left of the iteration, and
 ///          what leaves a cell is limited to what it has: rho >= 0.

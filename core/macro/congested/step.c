@@ -9,7 +9,7 @@
 // A cell less full than this part of rho_j is not active unless it has a pressure.
 static const double active_from = 0.25;
 
-static const float tolerance = 3e-3F; // of the density that the iteration leaves above or below C
+static const float tolerance = 6e-3F; // of the density that the iteration leaves above or below C
 
 // What the members of a team share in a step.
 typedef struct step_context {
