@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const double relaxation_factor = 1.75; // omega of the over-relaxation
-static const double too_dense = 2.0;         // times the largest density that there can be
+static const double too_dense = 2.0;          // times the largest density that there can be
 
 #define X(suffix) extern const congested_kernels congested__kernels_##suffix;
 CPU_EACH_BUILD(X)
