@@ -135,8 +135,7 @@ void congested__set_laws(macro_solver *s)
 }
 
 // The gradient along a face and the slip at it, from the four faces of the other axis around it.
-static void couple_face(const macro_solver *s, const congested *c, int axis, ptrdiff_t i,
-                        ptrdiff_t j)
+static void couple_face(const congested *c, int axis, ptrdiff_t i, ptrdiff_t j)
 {
     const face_slot own = slot_of(c, axis, i, j);
     const double along = (double)own.law->along[own.at], across = (double)own.law->across[own.at];
@@ -157,17 +156,14 @@ static void couple_face(const macro_solver *s, const congested *c, int axis, ptr
         const double drop = (double)(before - *congested__pressure(c, oi, oj));
         const double parallel = along * (double)own.law->flux[own.at] -
                                 across * sign * (double)other.law->flux[other.at];
-        if (is_closed && fabs(along) < 0.5) {
-            slip += (double)full;
-        } else {
-            slip += fmin(fmax(-parallel, 0.0), (double)full);
-        }
+        // A closed face beside one that mostly lies along the belt holds its cargo back.
+        const bool is_held = is_closed && fabs(along) < 0.5;
+        slip += is_held ? (double)full : fmin(fmax(-parallel, 0.0), (double)full);
         gradient += is_closed ? 0.0 : sign * drop;
     }
     own.law->crosswise[own.at] = (float)(0.25 * gradient);
     own.law->threshold[own.at] = (float)(0.5 * (double)own.law->threshold[own.at] +
                                          0.5 * (double)own.law->gain[own.at] * slip);
-    (void)s;
 }
 
 void congested__set_coupling(macro_solver *s)
@@ -178,9 +174,9 @@ void congested__set_coupling(macro_solver *s)
         const congested_range cells = c->range[j];
         for (ptrdiff_t i = 2 * cells.first; i < 2 * cells.last && i < s->n1; i++) {
             if (i > 0)
-                couple_face(s, c, 0, i, j);
+                couple_face(c, 0, i, j);
             if (j > 0)
-                couple_face(s, c, 1, i, j);
+                couple_face(c, 1, i, j);
         }
     }
 }
