@@ -1,9 +1,9 @@
 #include "core/macro/aperture.h"
 
+#include "core/base/polygon.h"
 #include "core/scene/shape.h"
 #include "core/scene/surroundings.h"
 
-#include <float.h>
 #include <math.h>
 
 // Fitted to the microscopic model.
@@ -25,14 +25,6 @@ double aperture_radius(const scene *s)
     return radius;
 }
 
-static double segment_distance(vec2 at, vec2 a, vec2 b)
-{
-    const vec2 along = vec2_sub(b, a);
-    const double part = vec2_dot(vec2_sub(at, a), along) / vec2_dot(along, along);
-
-    return vec2_length(vec2_sub(at, vec2_add(a, vec2_scale(along, fmin(fmax(part, 0.0), 1.0)))));
-}
-
 // True if nothing closes the space beside a plate's end: no wall and no other plate is nearer than a part's radius.
 static bool is_free(const scene *s, const surroundings *around, size_t obstacle, vec2 tip)
 {
@@ -44,7 +36,8 @@ static bool is_free(const scene *s, const surroundings *around, size_t obstacle,
             return false;
     for (size_t k = 0; k < s->n_obstacles; k++)
         for (size_t m = 0; k != obstacle && m + 1 < s->obstacles[k].n_points; m++)
-            if (segment_distance(tip, s->obstacles[k].path[m], s->obstacles[k].path[m + 1]) < near)
+            if (polygon_segment_distance(tip, s->obstacles[k].path[m],
+                                         s->obstacles[k].path[m + 1]) < near)
                 return false;
     return true;
 }
@@ -91,14 +84,21 @@ static double beside_of(const face_axis *x, vec2 v)
     return x->axis == 0 ? v.y : v.x;
 }
 
+// The face nearest to a place on the normal's axis, m, as far as there is one.
+static ptrdiff_t nearest_face(const face_axis *x, double normal)
+{
+    const double face = round((normal - x->lower_normal) / x->edge);
+
+    return (ptrdiff_t)fmin(fmax(face, 0.0), (double)x->n_normal);
+}
+
 // The face of a strip of cells that the plate closes next to its end; the nearest one to the end if there is none.
 static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t strip)
 {
     const uint8_t *closed = x->axis == 0 ? x->field->closed1 : x->field->closed2;
     const double steep = fmax(fabs(beside_of(x, e->outward)), 1e-3);
     const ptrdiff_t most = 1 + (ptrdiff_t)ceil(fabs(normal_of(x, e->outward)) / steep);
-    const ptrdiff_t nearest =
-        (ptrdiff_t)llround((normal_of(x, e->tip) - x->lower_normal) / x->edge);
+    const ptrdiff_t nearest = nearest_face(x, normal_of(x, e->tip));
     const ptrdiff_t back = normal_of(x, e->outward) > 0.0 ? -1 : 1;
 
     for (ptrdiff_t k = -1; k <= most; k++) {
@@ -106,7 +106,7 @@ static ptrdiff_t closed_face(const face_axis *x, const plate_end *e, ptrdiff_t s
         if (face >= 0 && face <= x->n_normal && closed[index_of(x, face, strip)] != 0)
             return face;
     }
-    return nearest < 0 ? 0 : nearest > x->n_normal ? x->n_normal : nearest;
+    return nearest;
 }
 
 static void cover_face(const face_axis *x, ptrdiff_t face, ptrdiff_t strip, double covered,
@@ -146,14 +146,9 @@ static void cover_strips(const face_axis *x, const plate_end *e)
         else if (is_end)
             covered = 1.0;
         const double middle = 0.5 * (fmin(strip + 1.0, high) + fmax(strip, low));
-        const double part = is_end ? 0.0 : (middle - tip) / length;
         const double normal =
-            normal_of(x, e->tip) + part * normal_of(x, e->extension) - x->lower_normal;
-        ptrdiff_t face = (ptrdiff_t)llround(normal / x->edge);
-        face = is_end               ? closed_face(x, e, m)
-               : face < 0           ? 0
-               : face > x->n_normal ? x->n_normal
-                                    : face;
+            normal_of(x, e->tip) + (middle - tip) / length * normal_of(x, e->extension);
+        const ptrdiff_t face = is_end ? closed_face(x, e, m) : nearest_face(x, normal);
         cover_face(x, face, m, covered, is_end);
     }
 }

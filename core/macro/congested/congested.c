@@ -86,8 +86,7 @@ static bool lay_out(macro_solver *s, congested *c)
     const ptrdiff_t unit = CONGESTED_UNIT;
     const size_t arrays = LAW_ARRAYS + (c->is_forward ? 0 : LAW_COUPLED_ARRAYS);
 
-    c->n_half = (s->n1 / 2 + unit) / unit * unit;
-    c->half_stride = c->n_half + 2 * unit;
+    c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
     const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
     c->storage = memory_alloc((4 + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
@@ -151,7 +150,7 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
         return BF_ENOMEM;
     }
     *ret_congested = s->congested = c;
-    congested__set_laws(s);
+    congested_update(s);
     congested_reset(s);
     return BF_OK;
 }
@@ -176,11 +175,6 @@ congested *congested_destroy(congested *c)
     memory_free(c->rows);
     memory_free(c);
     return NULL;
-}
-
-void congested_update(macro_solver *s)
-{
-    congested__set_laws(s);
 }
 
 // The arrays that a step reads of the step before.

@@ -44,7 +44,7 @@ typedef struct congested_law {
     float *slope;     ///< k, of G.b beyond G0 = max(0, rho_j (v_T - v_stat.b))
     float *offset;    ///< (1 - k) G0: beyond G0, G.b = k g.b + (1 - k) G0
     float *most;      ///< most G.b: G0 + B
-    float *least;     ///< least G.b: 0 where the face is closed, else no bound
+    float *least;     ///< least G.b, below 0; 0 where the face is closed, and only there
     float *threshold; ///< of G.q, by internal friction; changes with every step
     float *lower;     ///< least G.q
     float *upper;     ///< most G.q
@@ -130,7 +130,6 @@ struct congested {
     size_t n_belts;         ///< belts
     vec2 *belts;            ///< v_T of each, and zero off every belt, m/s
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
-    ptrdiff_t n_half;       ///< cells of a half row, in whole units
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
     float
@@ -182,9 +181,6 @@ static inline float *congested__pressure(const congested *c, ptrdiff_t i, ptrdif
 /// Fill rows first <= row < last of `next` with rho*, with its spans; all members of the team call it.
 void congested__transport(macro_solver *s, int member, ptrdiff_t first, ptrdiff_t last,
                           team_barrier *barrier);
-
-/// Compute the laws of all faces for the belts' present factors.
-void congested__set_laws(macro_solver *s);
 
 /// Bring thresholds and crosswise gradients of all active faces to this step; for solvers that are not forward.
 void congested__set_coupling(macro_solver *s);

@@ -123,7 +123,7 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
     }
 }
 
-void congested__set_laws(macro_solver *s)
+void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
 
