@@ -100,3 +100,18 @@ const double *helper_run_at(const helper_run_log *log, double t)
     BF_CHECK(!"a sample at that time");
     return NULL;
 }
+
+bool helper_run_is_same(const helper_run_log *a, const helper_run_log *b)
+{
+    return a->n_samples == b->n_samples && memcmp(a->t, b->t, a->n_samples * sizeof *a->t) == 0 &&
+           memcmp(a->values, b->values, a->n_samples * sizeof *a->values) == 0 &&
+           a->n_snapshots == b->n_snapshots && a->snapshot_digest == b->snapshot_digest &&
+           a->parts_digest == b->parts_digest && memcmp(&a->end, &b->end, sizeof a->end) == 0;
+}
+
+void helper_run_free(helper_run_log *log)
+{
+    buffer_fini(&log->checkpoint);
+    free(log->parts);
+    free(log);
+}

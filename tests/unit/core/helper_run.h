@@ -4,11 +4,12 @@
 
 #include "core/run/run.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 4 };
 
-/// Everything that a run emitted, and the requests to it. Zero-initialise.
+/// Everything that a run emitted, and the requests to it. Zero-initialise; helper_run_free() if it is on the heap.
 typedef struct helper_run_log {
     size_t n_frames[FRAME_TYPE_COUNT];                     ///< frames of each type
     size_t n_samples;                                      ///< samples, in order and without gap
@@ -35,3 +36,9 @@ bf_status helper_run(const scene *s, int n_threads, int resume, helper_run_log *
 
 /// The sample at time t, which must be there.
 const double *helper_run_at(const helper_run_log *log, double t);
+
+/// True if two runs emitted the same bits, checkpoints and askings aside.
+bool helper_run_is_same(const helper_run_log *a, const helper_run_log *b);
+
+/// Free a log that is on the heap, and what it owns.
+void helper_run_free(helper_run_log *log);

@@ -35,24 +35,6 @@ static helper_run_log *run_jam(int n_threads)
     return log;
 }
 
-static void free_log(helper_run_log *log)
-{
-    buffer_fini(&log->checkpoint);
-    free(log->parts);
-    free(log);
-}
-
-static void assert_same_results(const helper_run_log *a, const helper_run_log *b)
-{
-    assert_int_equal(a->n_samples, b->n_samples);
-    assert_memory_equal(a->t, b->t, a->n_samples * sizeof *a->t);
-    assert_memory_equal(a->values, b->values, a->n_samples * sizeof *a->values);
-    assert_int_equal(a->n_snapshots, b->n_snapshots);
-    assert_true(a->snapshot_digest == b->snapshot_digest);
-    assert_true(a->end.digest == b->end.digest);
-    assert_true(a->end.peak == b->end.peak);
-}
-
 // 1.2 s in samples of 0.01 s and snapshots of 0.1 s, both ends included.
 static void a_run_samples_both_ends_and_every_period_between(void **state)
 {
@@ -68,7 +50,7 @@ static void a_run_samples_both_ends_and_every_period_between(void **state)
     assert_int_equal(log->end.n_steps, 480);
     assert_int_equal(log->end.n_samples, 121);
     assert_int_equal(log->end.stopped, 0);
-    free_log(log);
+    helper_run_free(log);
 }
 
 // Steps of 0.7 ms do not fit into 10 ms: the sample is the first at or past each multiple.
@@ -85,7 +67,7 @@ static void samples_follow_their_period_when_steps_do_not_fit(void **state)
     for (size_t k = 0; k + 1 < log->n_samples; k++)
         assert_near(log->t[k], ceil(0.01 * (double)k / 7e-4 - 1e-9) * 7e-4, 1e-12);
     scene_fini(&s);
-    free_log(log);
+    helper_run_free(log);
 }
 
 static void parts_are_either_in_the_domain_or_have_left_it(void **state)
@@ -98,7 +80,7 @@ static void parts_are_either_in_the_domain_or_have_left_it(void **state)
     assert_near(log->end.parts_start - log->end.parts_end, left, 0.0);
     // The tails of the outermost parts extend over the western edge: fewer than 192 by 2e-6.
     assert_near(log->end.parts_start, 192.0, 1e-5);
-    free_log(log);
+    helper_run_free(log);
 }
 
 static void threads_and_reports_change_no_result(void **state)
@@ -109,13 +91,13 @@ static void threads_and_reports_change_no_result(void **state)
     make_jam(&s);
     reporting->report_every = 3;
     assert_int_equal(helper_run(&s, 1, 0, reporting), BF_OK);
-    assert_same_results(one, two);
-    assert_same_results(one, reporting);
+    assert_true(helper_run_is_same(one, two));
+    assert_true(helper_run_is_same(one, reporting));
     assert_true(reporting->n_frames[FRAME_PROGRESS] > 100);
     scene_fini(&s);
-    free_log(one);
-    free_log(two);
-    free_log(reporting);
+    helper_run_free(one);
+    helper_run_free(two);
+    helper_run_free(reporting);
 }
 
 static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
@@ -134,11 +116,11 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
         assert_int_equal(log->n_frames[FRAME_CHECKPOINT], 1);
         assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
         assert_int_equal(log->begin.first_step, stops[k] - 1);
-        assert_same_results(whole, log);
-        free_log(log);
+        assert_true(helper_run_is_same(whole, log));
+        helper_run_free(log);
     }
     scene_fini(&s);
-    free_log(whole);
+    helper_run_free(whole);
 }
 
 static void a_damaged_or_foreign_checkpoint_is_refused(void **state)
@@ -157,7 +139,7 @@ static void a_damaged_or_foreign_checkpoint_is_refused(void **state)
     s.macro.cell = 0.02;
     assert_int_equal(helper_run(&s, 1, 1, log), BF_ECORRUPT);
     scene_fini(&s);
-    free_log(log);
+    helper_run_free(log);
 }
 
 // Changes one number of a scenario, of whose cargo there is one kind and which has one belt and one plate.
@@ -207,7 +189,7 @@ static void check_foreign(run_model model, scene_path path, scene_integrator int
         run_destroy(r);
         scene_fini(&s);
     }
-    free_log(log);
+    helper_run_free(log);
 }
 
 static void a_checkpoint_fits_no_scenario_that_differs_in_one_number(void **state)

@@ -38,30 +38,12 @@ static helper_run_log *new_log(void)
     return log;
 }
 
-static void free_log(helper_run_log *log)
-{
-    buffer_fini(&log->checkpoint);
-    free(log->parts);
-    free(log);
-}
-
 static helper_run_log *run_scene(const scene *s, int n_threads)
 {
     helper_run_log *log = new_log();
 
     assert_int_equal(helper_run(s, n_threads, 0, log), BF_OK);
     return log;
-}
-
-static void assert_same_results(const helper_run_log *a, const helper_run_log *b)
-{
-    assert_int_equal(a->n_samples, b->n_samples);
-    assert_memory_equal(a->t, b->t, a->n_samples * sizeof *a->t);
-    assert_memory_equal(a->values, b->values, a->n_samples * sizeof *a->values);
-    assert_int_equal(a->n_snapshots, b->n_snapshots);
-    assert_true(a->snapshot_digest == b->snapshot_digest);
-    assert_true(a->parts_digest == b->parts_digest);
-    assert_memory_equal(&a->end, &b->end, sizeof a->end);
 }
 
 // Three parts on a free belt of 0.395 m/s, 1 m long: at t = 1 s the one that began at 0.7 m has left
@@ -96,7 +78,7 @@ static void parts_ride_the_free_belt_and_leave_it(void **state)
     assert_true(helper_run_at(log, 0.0)[0] == 2.0 && helper_run_at(log, 0.0)[1] == 0.0);
     assert_true(helper_run_at(log, 0.75)[0] == 2.0 && helper_run_at(log, 0.75)[1] == 0.0);
     assert_true(helper_run_at(log, 0.77)[0] == 1.0 && helper_run_at(log, 0.77)[1] == 1.0);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 
@@ -118,7 +100,7 @@ static void the_density_is_that_of_the_parts(void **state)
     assert_true(log->end.peak > 0.9 * peak);
     assert_near(log->end.parts_end, 2.0, 0.0);
     assert_int_equal(log->end.n_cells, 6000);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 
@@ -135,7 +117,7 @@ static void a_jam_reports_its_overlaps_contacts_and_energy(void **state)
     assert_true(log->end.kinetic_energy > 0.0);
     assert_true(log->end.kinetic_energy < 1.5 * 20.0 * 0.5 * 0.02841 * 0.395 * 0.395);
     assert_true(log->values[log->n_samples - 1][0] == 20.0);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 
@@ -147,11 +129,11 @@ static void threads_and_reports_change_no_result(void **state)
     helper_run_log *one = run_scene(&s, 1), *two = run_scene(&s, 2), *reporting = new_log();
     reporting->report_every = 3;
     assert_int_equal(helper_run(&s, 1, 0, reporting), BF_OK);
-    assert_same_results(one, two);
-    assert_same_results(one, reporting);
-    free_log(one);
-    free_log(two);
-    free_log(reporting);
+    assert_true(helper_run_is_same(one, two));
+    assert_true(helper_run_is_same(one, reporting));
+    helper_run_free(one);
+    helper_run_free(two);
+    helper_run_free(reporting);
     scene_fini(&s);
 }
 
@@ -169,10 +151,10 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
         assert_int_equal(log->end.stopped, 1);
         log->stop_at = 0;
         assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
-        assert_same_results(whole, log);
-        free_log(log);
+        assert_true(helper_run_is_same(whole, log));
+        helper_run_free(log);
     }
-    free_log(whole);
+    helper_run_free(whole);
     scene_fini(&s);
 }
 
@@ -186,7 +168,7 @@ static void a_checkpoint_of_the_other_model_is_refused(void **state)
     assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
     log->model = RUN_MACRO;
     assert_int_equal(helper_run(&s, 1, 1, log), BF_ECORRUPT);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 
@@ -200,7 +182,7 @@ static void requests_are_asked_for_between_samples(void **state)
     helper_run_log *log = run_scene(&s, 1);
     // 10,000 steps of 192 parts, at most 200,000/193 + 1 at once.
     assert_true(log->n_askings >= 10000 / 1037);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 
@@ -221,7 +203,7 @@ static void an_automatic_step_fits_the_samples(void **state)
         for (int k = 0; k <= 5; k++)
             assert_near(log->t[k], 0.01 * k, 1e-12);
         assert_true(integrator == SCENE_IMPLICIT || log->begin.dt <= 1e-5);
-        free_log(log);
+        helper_run_free(log);
         scene_fini(&s);
     }
 }
@@ -252,7 +234,7 @@ static void check_mix(scene_integrator integrator)
         assert_near(row[7], 0.395, 1e-2);
     }
     assert_true(integrator == SCENE_VERLET || log->begin.dt >= 2e-4);
-    free_log(log);
+    helper_run_free(log);
     scene_fini(&s);
 }
 

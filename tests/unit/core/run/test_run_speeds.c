@@ -57,22 +57,6 @@ static helper_run_log *new_log(int solver)
     return log;
 }
 
-static void free_log(helper_run_log *log)
-{
-    buffer_fini(&log->checkpoint);
-    free(log->parts);
-    free(log);
-}
-
-static void assert_same_results(const helper_run_log *a, const helper_run_log *b)
-{
-    assert_int_equal(a->n_samples, b->n_samples);
-    assert_memory_equal(a->values, b->values, a->n_samples * sizeof *a->values);
-    assert_true(a->snapshot_digest == b->snapshot_digest);
-    assert_true(a->parts_digest == b->parts_digest);
-    assert_true(a->end.digest == b->end.digest);
-}
-
 static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
 {
     (void)state;
@@ -87,11 +71,11 @@ static void a_run_stopped_in_a_ramp_resumes_to_the_same_results(void **state)
             assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);
             assert_int_equal(log->end.stopped, 1);
             assert_int_equal(helper_run(&s, 2, 1, log), BF_OK);
-            assert_same_results(log, whole);
-            free_log(log);
+            assert_true(helper_run_is_same(log, whole));
+            helper_run_free(log);
         }
         scene_fini(&s);
-        free_log(whole);
+        helper_run_free(whole);
     }
 }
 
@@ -107,7 +91,7 @@ static void a_checkpoint_fits_no_other_schedule(void **state)
         s.belts[0].speed_schedule.factors[3] = 1.0 + 0x1p-40;
         assert_int_equal(helper_run(&s, 1, 1, log), BF_ECORRUPT);
         scene_fini(&s);
-        free_log(log);
+        helper_run_free(log);
     }
 }
 
@@ -133,7 +117,7 @@ static void while_a_belt_stands_the_curve_does_not_move(void **state)
         // Parts come to rest by friction within some 10 ms, and the counter ends between their columns.
         assert_true(then[0] == end[0]);
         scene_fini(&s);
-        free_log(log);
+        helper_run_free(log);
     }
 }
 
