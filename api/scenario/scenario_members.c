@@ -244,7 +244,7 @@ static const member random_members[] = {
 static const member_table random_table = { MEMBER_TABLE("random", random_members),
                                            .size = sizeof(scene_initial), .init = init_initial };
 
-static const member initial_members[SCENE_INITIAL_COUNT] = {
+static const member initial_members[SCENE_INITIAL_EMPTY] = {
     [SCENE_INITIAL_POSITIONS] =
         MEMBER("positions_m", poses, AT(poses), "[x, y] or [x, y, heading] of every part",
                .unit = "m, m, deg", .offset_n = AT(n_poses), .least = 1, .limit = SCENE_PARTS_MAX,

@@ -540,6 +540,10 @@ static void check_initial(const scene *s, bf_faults *faults)
     case SCENE_INITIAL_RANDOM:
         check_random(s, faults);
         break;
+    case SCENE_INITIAL_EMPTY:
+        if (s->n_feeds == 0)
+            faults_add(faults, "/initial", "must say where the cargo is at the start");
+        break;
     default:
         faults_add(faults, "/initial", "must say where the cargo is at the start");
     }

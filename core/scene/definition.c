@@ -1,6 +1,9 @@
 #include "core/scene/definition.h"
 
 #include "core/base/digest.h"
+#include "core/scene/scene.h"
+
+#include <string.h>
 
 // Structs are added member by member where they have padding or pointers, else as bytes.
 _Static_assert(sizeof(scene_rect) == 4 * sizeof(double), "no padding");
@@ -90,8 +93,93 @@ static uint64_t add_cargo(uint64_t digest, const scene *s)
         return ADD_NUMBERS(digest, i->n_rows, i->n_columns, i->first.x, i->first.y, i->spacing);
     case SCENE_INITIAL_RANDOM:
         return definition_add_rect(ADD_NUMBERS(digest, i->n_random, (double)i->seed), &i->region);
+    case SCENE_INITIAL_EMPTY:
     case SCENE_INITIAL_COUNT:
         break;
+    }
+    return digest;
+}
+
+static uint64_t add_series(uint64_t digest, const scene_series *s)
+{
+    digest = ADD_NUMBERS(digest, (double)s->n_times, s->repeat);
+    digest = digest_add(digest, s->times, s->n_times * sizeof *s->times);
+    return digest_add(digest, s->values, s->n_values * sizeof *s->values);
+}
+
+// An array of a list of arrivals that may be missing.
+static uint64_t add_array(uint64_t digest, const void *array, size_t n, size_t size)
+{
+    digest = ADD_NUMBERS(digest, array != NULL);
+    return array != NULL ? digest_add(digest, array, n * size) : digest;
+}
+
+static uint64_t add_feed(uint64_t digest, const scene_feed *f)
+{
+    const scene_arrival_list *l = &f->schedule;
+
+    digest = digest_add(digest, f->id, strlen(f->id)); // of which the draws depend
+    digest = ADD_NUMBERS(digest, f->is_edge, f->line[0].x, f->line[0].y, f->line[1].x, f->line[1].y,
+                         f->start, f->end, f->count, f->arrivals, f->shape, f->batch_size,
+                         f->demand, f->rate, f->has_random_heading, f->heading, f->when_blocked,
+                         f->max_wait, (double)f->seed, (double)f->n_cargo);
+    for (size_t k = 0; k < f->n_cargo; k++)
+        digest = ADD_NUMBERS(digest, f->cargo[k].kind, f->cargo[k].share);
+    digest = add_series(digest, &f->profile);
+    digest = ADD_NUMBERS(digest, (double)l->n);
+    digest = add_array(digest, l->times, l->n, sizeof *l->times);
+    digest = add_array(digest, l->counts, l->n, sizeof *l->counts);
+    digest = add_array(digest, l->kinds, l->n, sizeof *l->kinds);
+    digest = add_array(digest, l->places, l->n, sizeof *l->places);
+    return add_array(digest, l->headings, l->n, sizeof *l->headings);
+}
+
+// Nothing where there are no feeds.
+static uint64_t add_feeds(uint64_t digest, const scene *s)
+{
+    if (s->n_feeds == 0)
+        return digest;
+    digest = ADD_NUMBERS(digest, (double)s->n_feeds, (double)s->substream);
+    for (size_t k = 0; k < s->n_feeds; k++)
+        digest = add_feed(digest, &s->feeds[k]);
+    return digest;
+}
+
+// Nothing where nothing moves and there are no photo eyes.
+static uint64_t add_equipment(uint64_t digest, const scene *s)
+{
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *o = &s->obstacles[k];
+        if (!scene_obstacle_moves(o))
+            continue;
+        digest = ADD_NUMBERS(digest, (double)k, o->pivot.x, o->pivot.y);
+        digest = add_series(add_series(digest, &o->turn), &o->presence);
+    }
+    for (size_t k = 0; k < s->n_eyes; k++) {
+        const scene_photo_eye *e = &s->eyes[k];
+        digest = ADD_NUMBERS(digest, e->line[0].x, e->line[0].y, e->line[1].x, e->line[1].y,
+                             e->block_time, e->clear_time, e->density_ratio);
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        digest = ADD_NUMBERS(digest, (double)a->eye, a->when_blocked, a->delay, a->type,
+                             (double)a->target, a->value, a->over);
+    }
+    return digest;
+}
+
+// Nothing where a run gives results at one pace from its start to its duration.
+static uint64_t add_schedule(uint64_t digest, const scene *s)
+{
+    if (s->warmup > 0.0)
+        digest = ADD_NUMBERS(digest, s->warmup);
+    if (s->jam_time != SCENE_JAM_TIME)
+        digest = ADD_NUMBERS(digest, s->jam_time);
+    if (s->until != SCENE_UNTIL_DURATION)
+        digest = ADD_NUMBERS(digest, s->until, s->steady_precision);
+    for (size_t k = 0; k < s->output.n_windows; k++) {
+        const scene_output_window *w = &s->output.windows[k];
+        digest = ADD_NUMBERS(digest, w->from, w->to, w->curve_every, w->snapshot_every);
     }
     return digest;
 }
@@ -122,6 +210,7 @@ uint64_t definition_digest(const scene *s)
                          macro->heaviside_width, macro->dispersion, macro->mollifier,
                          macro->initial_mollifier, macro->packing);
     digest = add_closure(digest, macro);
+    digest = add_schedule(add_equipment(add_feeds(digest, s), s), s);
     digest =
         ADD_NUMBERS(digest, micro->integrator, micro->path, micro->step, micro->modulus_reduction,
                     micro->tension, micro->damping, micro->gravity, micro->spin_friction_radius);

@@ -7,6 +7,11 @@ enum {
     SCENE_ID_SIZE = 65,             ///< bytes of an id with its terminator
     SCENE_BELTS_MAX = 256,          ///< belts in a scenario
     SCENE_SPEEDS_MAX = 10000,       ///< times of a belt's speed schedule
+    SCENE_SERIES_MAX = 100000,      ///< times of a profile, a list of arrivals, a motion
+    SCENE_FEEDS_MAX = 64,           ///< feeds in a scenario
+    SCENE_EYES_MAX = 64,            ///< photo eyes in a scenario
+    SCENE_ACTIONS_MAX = 256,        ///< actions in a scenario
+    SCENE_WINDOWS_MAX = 256,        ///< output windows in a scenario
     SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
     SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
     SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape
@@ -52,3 +57,6 @@ enum {
 #define SCENE_SLIDE_WIDTH   0.02
 #define SCENE_MACRO_STEP    0.00125
 #define SCENE_MICRO_STEP    1e-5
+
+/// Default time without an exit that counts as a jam, s.
+#define SCENE_JAM_TIME 5.0

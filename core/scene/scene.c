@@ -66,6 +66,8 @@ void scene_init(scene *s)
                                   .region = unknown_rect,
                                   .seed = 1 };
     s->output = (scene_output){ .curve_every = 0.01, .snapshot_every = 0.1 };
+    s->jam_time = SCENE_JAM_TIME;
+    s->steady_precision = 0.05;
     s->macro = default_macro();
     s->micro = default_micro();
 }
@@ -92,9 +94,44 @@ void scene_belt_init(scene_belt *b)
 
 void scene_obstacle_init(scene_obstacle *o)
 {
-    *o = (scene_obstacle){
-        .thickness = 0.005, .treatment = SCENE_SEALED, .band = NAN, .slide_width = NAN
+    *o = (scene_obstacle){ .thickness = 0.005,
+                           .treatment = SCENE_SEALED,
+                           .band = NAN,
+                           .slide_width = NAN,
+                           .pivot = { NAN, NAN },
+                           .turn = { .repeat = INFINITY },
+                           .presence = { .repeat = INFINITY } };
+}
+
+void scene_feed_init(scene_feed *f)
+{
+    *f = (scene_feed){ .edge = SCENE_SIDE_COUNT,
+                       .line = { { NAN, NAN }, { NAN, NAN } },
+                       .end = INFINITY,
+                       .count = INFINITY,
+                       .shape = 2,
+                       .batch_size = 10,
+                       .demand = SCENE_DEMAND_COUNT,
+                       .rate = NAN,
+                       .profile = { .repeat = INFINITY },
+                       .seed = 1 };
+}
+
+void scene_photo_eye_init(scene_photo_eye *e)
+{
+    *e = (scene_photo_eye){ .line = { { NAN, NAN }, { NAN, NAN } }, .density_ratio = 0.8 };
+}
+
+void scene_action_init(scene_action *a)
+{
+    *a = (scene_action){
+        .eye = SIZE_MAX, .type = SCENE_ACTION_COUNT, .target = SIZE_MAX, .value = NAN, .over = 0.5
     };
+}
+
+void scene_output_window_init(scene_output_window *w)
+{
+    *w = (scene_output_window){ .from = NAN, .to = NAN, .curve_every = NAN, .snapshot_every = NAN };
 }
 
 void scene_counter_init(scene_counter *c)
@@ -122,6 +159,10 @@ static void resolve_obstacle(scene_obstacle *o, double mollifier)
 {
     bool is_sealed = o->treatment == SCENE_SEALED;
 
+    if (o->n_points > 0) {
+        fill_in(&o->pivot.x, o->path[0].x);
+        fill_in(&o->pivot.y, o->path[0].y);
+    }
     fill_in(&o->band, SCENE_BAND_FACTOR / sqrt(mollifier));
     fill_in(&o->slide_width, is_sealed ? SCENE_SLIDE_FACTOR / sqrt(mollifier) : SCENE_SLIDE_WIDTH);
 }
@@ -191,6 +232,63 @@ static void resolve_cargo(scene *s)
     fill_in(&s->macro.packing, are_sound ? cut_to_four_digits(mean_packing(s)) : 1.0);
 }
 
+// The line of a feed on a side: what is not given of its extent along the side is the whole side.
+static void resolve_feed_line(scene_feed *f, const scene_rect *domain)
+{
+    const bool is_along_y = f->edge == SCENE_WEST || f->edge == SCENE_EAST;
+
+    if (!f->is_edge)
+        return;
+    for (int end = 0; end < 2; end++) {
+        fill_in(&f->line[end].x, end == 0 ? domain->x_min : domain->x_max);
+        fill_in(&f->line[end].y, end == 0 ? domain->y_min : domain->y_max);
+        if (is_along_y)
+            f->line[end].x = f->edge == SCENE_WEST ? domain->x_min : domain->x_max;
+        else
+            f->line[end].y = f->edge == SCENE_SOUTH ? domain->y_min : domain->y_max;
+    }
+}
+
+static void resolve_feed(scene *s, scene_feed *f)
+{
+    resolve_feed_line(f, &s->domain);
+    if (f->n_cargo > 0)
+        return;
+    f->n_cargo = s->n_cargo;
+    for (size_t k = 0; k < s->n_cargo; k++)
+        f->cargo[k] = (scene_feed_kind){ (uint32_t)k, s->cargo[k].share };
+}
+
+static void fill_in_numbered(char *id, const char *word, size_t n)
+{
+    if (id[0] == '\0')
+        snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
+}
+
+static void resolve_feeds_and_eyes(scene *s)
+{
+    if (s->initial.type == SCENE_INITIAL_COUNT && s->n_feeds > 0)
+        s->initial.type = SCENE_INITIAL_EMPTY;
+    for (size_t k = 0; k < s->n_cargo; k++)
+        fill_in_id(s->cargo[k].id, "cargo", k);
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        fill_in_numbered(s->feeds[k].id, "feed", k);
+        resolve_feed(s, &s->feeds[k]);
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        if ((a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_PRESENCE) &&
+            a->target < s->n_obstacles)
+            s->obstacles[a->target].is_commanded = true;
+    }
+    for (size_t k = 0; k < s->n_eyes; k++)
+        fill_in_numbered(s->eyes[k].id, "eye", k);
+    for (size_t k = 0; k < s->output.n_windows; k++) {
+        fill_in(&s->output.windows[k].curve_every, s->output.curve_every);
+        fill_in(&s->output.windows[k].snapshot_every, s->output.snapshot_every);
+    }
+}
+
 // A member at fault is reported once, at its own place: derived values must then be valid.
 static void resolve_derived(scene *s)
 {
@@ -204,14 +302,14 @@ static void resolve_derived(scene *s)
     for (size_t k = 0; k < s->n_belts; k++)
         fill_in_id(s->belts[k].id, k == 0 ? "main" : "belt", k);
     for (size_t k = 0; k < s->n_obstacles; k++) {
-        if (s->obstacles[k].id[0] == '\0')
-            snprintf(s->obstacles[k].id, SCENE_ID_SIZE, "obstacle-%zu", k + 1);
+        fill_in_numbered(s->obstacles[k].id, "obstacle", k);
         resolve_obstacle(&s->obstacles[k], mollifier);
     }
     for (size_t k = 0; k < s->n_counters; k++) {
         fill_in_id(s->counters[k].id, "upstream", k);
         resolve_counter(&s->counters[k], &s->domain);
     }
+    resolve_feeds_and_eyes(s);
 }
 
 bf_status scene_resolve(scene *s, bf_error *err)
@@ -240,6 +338,27 @@ bf_status scene_resolve(scene *s, bf_error *err)
     return BF_OK;
 }
 
+static void free_series(scene_series *series)
+{
+    memory_free(series->times);
+    memory_free(series->values);
+}
+
+static void free_feed(scene_feed *feed)
+{
+    free_series(&feed->profile);
+    memory_free(feed->schedule.times);
+    memory_free(feed->schedule.counts);
+    memory_free(feed->schedule.kinds);
+    memory_free(feed->schedule.places);
+    memory_free(feed->schedule.headings);
+}
+
+bool scene_obstacle_moves(const scene_obstacle *o)
+{
+    return o->turn.n_times > 0 || o->presence.n_times > 0 || o->is_commanded;
+}
+
 void scene_fini(scene *s)
 {
     if (s == NULL)
@@ -249,8 +368,17 @@ void scene_fini(scene *s)
         memory_free(s->belts[k].speed_schedule.factors);
         memory_free(s->belts[k].polygon);
     }
-    for (size_t k = 0; k < s->n_obstacles; k++)
+    for (size_t k = 0; k < s->n_obstacles; k++) {
         memory_free(s->obstacles[k].path);
+        free_series(&s->obstacles[k].turn);
+        free_series(&s->obstacles[k].presence);
+    }
+    for (size_t k = 0; k < s->n_feeds; k++)
+        free_feed(&s->feeds[k]);
+    memory_free(s->feeds);
+    memory_free(s->eyes);
+    memory_free(s->actions);
+    memory_free(s->output.windows);
     memory_free(s->belts);
     memory_free(s->obstacles);
     memory_free(s->counters);

@@ -32,15 +32,22 @@
 /// memory.h.
 void scene_init(scene *s);
 
-/// Fill *k, *b, *o or *c with its defaults; derived ones are NAN, and ids "", until scene_resolve().
+/// Fill the struct with its defaults; derived ones are NAN, and ids "", until scene_resolve().
 void scene_cargo_init(scene_cargo *k);
 void scene_belt_init(scene_belt *b);
 void scene_obstacle_init(scene_obstacle *o);
 void scene_counter_init(scene_counter *c);
+void scene_feed_init(scene_feed *f);
+void scene_photo_eye_init(scene_photo_eye *e);
+void scene_action_init(scene_action *a);
+void scene_output_window_init(scene_output_window *w);
 
 /// Fill in the derived values: every NAN that has a default in terms of other members,
 /// empty ids, the belt and the counter if there are none. BF_ENOMEM: *s is as before.
 BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
+
+/// True if an obstacle turns, comes or goes at any time, by itself or because an action may command it.
+bool scene_obstacle_moves(const scene_obstacle *o);
 
 /// Check a resolved scenario, whatever the model: ranges, ids, geometry, sizes, cargo outside or
 /// overlapping. The limits of one model are checked by run_check() (core/run/run.h). Adds every fault it can

@@ -5,6 +5,8 @@
 #pragma once
 
 #include "core/base/vec2.h"
+#include "core/scene/equipment_types.h"
+#include "core/scene/feed_types.h"
 #include "core/scene/limits.h"
 #include "core/scene/parameters.h"
 
@@ -19,15 +21,6 @@ typedef struct scene_rect {
     double y_min; ///< m
     double y_max; ///< m, > y_min
 } scene_rect;
-
-/// The sides of the domain.
-typedef enum scene_side {
-    SCENE_WEST,  ///< x = x_min
-    SCENE_EAST,  ///< x = x_max
-    SCENE_SOUTH, ///< y = y_min
-    SCENE_NORTH, ///< y = y_max
-    SCENE_SIDE_COUNT
-} scene_side;
 
 /// What a side of the domain is.
 typedef enum scene_edge {
@@ -75,6 +68,14 @@ typedef struct scene_obstacle {
     double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
     double slide_width; ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
                         ///< SCENE_FIELD and SCENE_WALL)
+    vec2 pivot;         ///< about which it turns, m (default the start of its path)
+    scene_series
+        turn; ///< by which angle its path is turned, counter-clockwise, rad: linear between the times,
+              ///< constant outside
+    scene_series
+        presence; ///< 1: it stands there, 0: it does not; from each time to the next, 1 before the first
+    bool
+        is_commanded; ///< there is an action that turns it or lets it come and go; set by scene_resolve()
 } scene_obstacle;
 
 /// Shapes of cargo.
@@ -99,19 +100,29 @@ typedef struct scene_shape {
 
 /// A kind of parts that are transported.
 typedef struct scene_cargo {
-    double share;                ///< parts of it in proportion to all shares, > 0 (default 1)
-    scene_shape shape;           ///< see there
-    double mass;                 ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
-    scene_material material;     ///< (default 210e9 Pa, 0.28)
+    char id[SCENE_ID_SIZE];  ///< unique among kinds (default "cargo", then "cargo-<n>", n from 2)
+    double share;            ///< parts of it in proportion to all shares, > 0 (default 1)
+    scene_shape shape;       ///< see there
+    double mass;             ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    scene_material material; ///< (default 210e9 Pa, 0.28)
     double spin_friction_radius; ///< m, >= 0 (default that of micro if given, else 2/3 of the
                                  ///< footprint's radius)
 } scene_cargo;
+
+/// When a run ends before its duration.
+typedef enum scene_until {
+    SCENE_UNTIL_DURATION, ///< never
+    SCENE_UNTIL_DRAINED,  ///< when no feed will deliver any more part and the domain is empty
+    SCENE_UNTIL_STEADY,   ///< when the throughput is known well enough: core/figures/steady.h
+    SCENE_UNTIL_COUNT
+} scene_until;
 
 /// Where the parts are at the start.
 typedef enum scene_initial_type {
     SCENE_INITIAL_POSITIONS,
     SCENE_INITIAL_HEXAGONAL,
     SCENE_INITIAL_RANDOM,
+    SCENE_INITIAL_EMPTY, ///< no parts; only where there is a feed, and then the default
     SCENE_INITIAL_COUNT
 } scene_initial_type;
 
@@ -151,10 +162,20 @@ typedef struct scene_counter {
     scene_rect rect;        ///< x_min <= x < x_max, same in y (default the domain's)
 } scene_counter;
 
+/// A span of time in which results are taken at other periods.
+typedef struct scene_output_window {
+    double from;           ///< s, >= 0
+    double to;             ///< s, > from
+    double curve_every;    ///< s, > 0 (default that of the output)
+    double snapshot_every; ///< s, > 0 (default that of the output)
+} scene_output_window;
+
 /// When results are taken.
 typedef struct scene_output {
-    double curve_every;    ///< s, > 0 (default 0.01)
-    double snapshot_every; ///< s, > 0 (default 0.1)
+    double curve_every;           ///< s, > 0 (default 0.01)
+    double snapshot_every;        ///< s, > 0 (default 0.1)
+    size_t n_windows;             ///< (default none)
+    scene_output_window *windows; ///< from <= t < to; they rise and do not overlap
 } scene_output;
 
 /// The whole scenario. Begin with scene_init().
@@ -173,10 +194,24 @@ typedef struct scene {
     uint64_t cargo_seed;                ///< of the order in which parts get their kinds, < 2^53
                                         ///< (default 1)
     scene_initial initial;              ///< see there
-    scene_placement placement;          ///< of initial; filled in by scene_check()
-    size_t n_counters;                  ///< (default one)
-    scene_counter *counters;            ///< (default "upstream": the domain)
-    scene_output output;                ///< see there
-    scene_macro macro;                  ///< see there
-    scene_micro micro;                  ///< see there
+    size_t n_feeds;                     ///< (default none)
+    scene_feed *feeds;                  ///< see there
+    uint64_t
+        substream; ///< of the draws of all feeds, < 2^53 (default 0); replications differ in it
+    size_t n_eyes; ///< (default none)
+    scene_photo_eye *eyes; ///< see there
+    size_t n_actions;      ///< (default none)
+    scene_action *actions; ///< see there
+    double warmup;         ///< s that key figures leave out, >= 0 (default 0)
+    double jam_time;       ///< s without an exit that count as a jam, > 0 (default 5)
+    scene_until until;     ///< (default SCENE_UNTIL_DURATION)
+    double
+        steady_precision; ///< SCENE_UNTIL_STEADY: half width of the confidence interval of the throughput,
+                          ///< relative to it, > 0 (default 0.05)
+    scene_placement placement; ///< of initial; filled in by scene_check()
+    size_t n_counters;         ///< (default one)
+    scene_counter *counters;   ///< (default "upstream": the domain)
+    scene_output output;       ///< see there
+    scene_macro macro;         ///< see there
+    scene_micro micro;         ///< see there
 } scene;
