@@ -1,0 +1,248 @@
+#include "core/scene/plate_motion.h"
+
+#include "core/base/memory.h"
+#include "core/scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+static const plate_motion_command no_command = { .at = INFINITY, .presence = -1.0 };
+
+static bf_status copy_series(const scene_series *from, scene_series *ret_copy)
+{
+    const size_t n = from->n_times, size = n * sizeof(double);
+    scene_series copy = { n, memory_alloc(n, sizeof(double)), n, memory_alloc(n, sizeof(double)),
+                          from->repeat };
+
+    *ret_copy = copy;
+    if (copy.times == NULL || copy.values == NULL)
+        return BF_ENOMEM;
+    if (n > 0) {
+        memcpy(copy.times, from->times, size);
+        memcpy(copy.values, from->values, size);
+    }
+    return BF_OK;
+}
+
+static bf_status copy_plate(const scene_obstacle *from, plate_motion_plate *ret_plate)
+{
+    *ret_plate = (plate_motion_plate){ .moves = scene_obstacle_moves(from),
+                                       .pivot = from->pivot,
+                                       .command = no_command };
+    if (!ret_plate->moves)
+        return BF_OK;
+    bf_status status = copy_series(&from->turn, &ret_plate->turn);
+    return status == BF_OK ? copy_series(&from->presence, &ret_plate->presence) : status;
+}
+
+bf_status plate_motion_init(plate_motion *ret_motion, size_t n, const scene_obstacle *obstacles,
+                            bf_error *err)
+{
+    plate_motion motion = { .plates = memory_alloc(n, sizeof *motion.plates) };
+    bf_status status = motion.plates != NULL ? BF_OK : BF_ENOMEM;
+
+    for (size_t k = 0; k < n && status == BF_OK; k++) {
+        status = copy_plate(&obstacles[k], &motion.plates[k]);
+        motion.is_any = motion.is_any || motion.plates[k].moves;
+        motion.n++;
+    }
+    if (status != BF_OK) {
+        plate_motion_fini(&motion);
+        (void)bf_fail(err, status, "/obstacles", "no memory for the motion of obstacles");
+    }
+    *ret_motion = motion;
+    return status;
+}
+
+static void free_series(const scene_series *series)
+{
+    memory_free(series->times);
+    memory_free(series->values);
+}
+
+void plate_motion_fini(plate_motion *motion)
+{
+    for (size_t k = 0; k < motion->n; k++) {
+        free_series(&motion->plates[k].turn);
+        free_series(&motion->plates[k].presence);
+    }
+    memory_free(motion->plates);
+    *motion = (plate_motion){ .n = 0 };
+}
+
+// The time within a round.
+static double time_in_round(const scene_series *s, double t)
+{
+    return s->repeat < INFINITY ? fmod(t, s->repeat) : t;
+}
+
+// How many times of a series are at or before t.
+static size_t count_times(const scene_series *s, double t)
+{
+    size_t low = 0, high = s->n_times;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (s->times[middle] <= t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static double scheduled_angle(const scene_series *s, double t)
+{
+    const double in_round = time_in_round(s, t);
+    const size_t n = s->n_times, k = count_times(s, in_round);
+
+    if (n == 0)
+        return 0.0;
+    if (k == 0 && t < s->repeat)
+        return s->values[0];
+    if (k == n && s->repeat == INFINITY)
+        return s->values[n - 1];
+    const double from = k > 0 ? s->times[k - 1] : s->times[n - 1] - s->repeat;
+    const double to = k < n ? s->times[k] : s->times[0] + s->repeat;
+    const double before = s->values[k > 0 ? k - 1 : n - 1], after = s->values[k < n ? k : 0];
+    return before + (after - before) * ((in_round - from) / (to - from));
+}
+
+static double commanded_angle(const plate_motion_command *c, double t)
+{
+    return t < c->at + c->over ? c->from + (c->to - c->from) * ((t - c->at) / c->over) : c->to;
+}
+
+double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t)
+{
+    const plate_motion_plate *plate = &motion->plates[obstacle];
+
+    return plate->command.at < INFINITY ? commanded_angle(&plate->command, t)
+                                        : scheduled_angle(&plate->turn, t);
+}
+
+double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle, double from,
+                                     double to)
+{
+    return (plate_motion_angle(motion, obstacle, to) - plate_motion_angle(motion, obstacle, from)) /
+           (to - from);
+}
+
+bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double t)
+{
+    const plate_motion_plate *plate = &motion->plates[obstacle];
+    const scene_series *s = &plate->presence;
+
+    if (plate->command.presence >= 0.0)
+        return plate->command.presence > 0.0;
+    const size_t k = count_times(s, time_in_round(s, t));
+    if (s->n_times == 0 || (k == 0 && t < s->repeat))
+        return true;
+    return s->values[k > 0 ? k - 1 : s->n_times - 1] > 0.0;
+}
+
+plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle)
+{
+    return (plate_motion_pose){ motion->plates[obstacle].pivot, cos(angle), sin(angle) };
+}
+
+void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
+                               double over)
+{
+    plate_motion_command *c = &motion->plates[obstacle].command;
+
+    c->from = plate_motion_angle(motion, obstacle, t);
+    c->at = t;
+    c->to = angle;
+    c->over = over;
+}
+
+void plate_motion_command_presence(plate_motion *motion, size_t obstacle, bool is_present)
+{
+    motion->plates[obstacle].command.presence = is_present ? 1.0 : 0.0;
+}
+
+static double largest_scheduled(const scene_series *s)
+{
+    const size_t n = s->n_times;
+    double largest = 0.0;
+
+    for (size_t k = 1; k < n; k++)
+        largest =
+            fmax(largest, fabs(s->values[k] - s->values[k - 1]) / (s->times[k] - s->times[k - 1]));
+    if (n > 1 && s->repeat < INFINITY && s->values[0] != s->values[n - 1])
+        largest = fmax(largest, fabs(s->values[0] - s->values[n - 1]) /
+                                    (s->times[0] + s->repeat - s->times[n - 1]));
+    return largest;
+}
+
+static bool turns(const scene_action *a, size_t obstacle)
+{
+    return a->type == SCENE_ACTION_TURN && a->target == obstacle;
+}
+
+// Between angles that schedule and actions lead to, the plate may have any.
+static double largest_commanded(const scene_series *s, size_t k, size_t n_actions,
+                                const scene_action *actions)
+{
+    double low = s->n_times > 0 ? s->values[0] : 0.0, high = low, largest = 0.0;
+
+    for (size_t m = 0; m < s->n_times; m++) {
+        low = fmin(low, s->values[m]);
+        high = fmax(high, s->values[m]);
+    }
+    for (size_t m = 0; m < n_actions; m++) {
+        if (turns(&actions[m], k)) {
+            low = fmin(low, actions[m].value);
+            high = fmax(high, actions[m].value);
+        }
+    }
+    for (size_t m = 0; m < n_actions; m++)
+        if (turns(&actions[m], k))
+            largest = fmax(largest,
+                           fmax(high - actions[m].value, actions[m].value - low) / actions[m].over);
+    return largest;
+}
+
+double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
+                                  const scene_action *actions)
+{
+    const scene_obstacle *o = &obstacles[k];
+    const double rate =
+        fmax(largest_scheduled(&o->turn), largest_commanded(&o->turn, k, n_actions, actions));
+    double farthest = 0.0;
+
+    for (size_t m = 0; m < o->n_points; m++)
+        farthest = fmax(farthest, vec2_length(vec2_sub(o->path[m], o->pivot)));
+    return rate > 0.0 ? rate * (farthest + o->thickness) : 0.0;
+}
+
+void plate_motion_save(const plate_motion *motion, checkpoint_writer *w)
+{
+    for (size_t k = 0; k < motion->n; k++)
+        if (motion->plates[k].moves)
+            checkpoint_write(w, &motion->plates[k].command, sizeof motion->plates[k].command);
+}
+
+static bool is_sound(const plate_motion_command *c)
+{
+    return (c->at == INFINITY || (c->at >= 0.0 && isfinite(c->from) && isfinite(c->to) &&
+                                  c->over > 0.0 && isfinite(c->over))) &&
+           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0);
+}
+
+bool plate_motion_load(plate_motion *motion, checkpoint_reader *r)
+{
+    plate_motion_command command;
+    checkpoint_reader ahead = *r;
+    bool is_whole = true;
+
+    // All of it is read before any of it is taken.
+    for (size_t k = 0; k < motion->n && is_whole; k++)
+        is_whole = !motion->plates[k].moves ||
+                   (checkpoint_read(&ahead, &command, sizeof command) && is_sound(&command));
+    for (size_t k = 0; k < motion->n && is_whole; k++)
+        if (motion->plates[k].moves)
+            is_whole = checkpoint_read(r, &motion->plates[k].command, sizeof command);
+    return is_whole;
+}

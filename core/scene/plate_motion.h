@@ -1,0 +1,115 @@
+/// How obstacles move: the angle by which each is turned about its pivot at a time, and whether it is there.
+///
+///     angle(t)      linear between the times of scene_obstacle.turn, constant before the first and after the
+///                   last; counter-clockwise, rad; 0: the path as in the document, and without a turn at all times
+///     present(t)    that of scene_obstacle.presence from each time to the next, true before the first
+///     repeat        the round from 0 to scene_series.repeat is made again and again: t counts from its
+///                   beginning. From the last time of a round to the first one of the next the plate turns
+///                   steadily between their angles, and is present as at the last time
+///     commands      replace the schedule from then on: a turn goes from the present angle to another one at a
+///                   steady rate and ends there; presence changes at once
+///
+/// In a step of a solver, from t to t + dt, a plate turns at its mean angular velocity (angle(t + dt) -
+/// angle(t))/dt, so that it is displaced exactly whatever the step, and is there if it is at t.
+///
+/// Units    SI, angles in rad.
+/// Errors   series are expected to be sound: times that rise, as many values, repeat at least the last time.
+
+#pragma once
+
+#include "core/base/checkpoint.h"
+#include "core/base/status.h"
+#include "core/base/vec2.h"
+#include "core/scene/types.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// What was commanded of an obstacle.
+typedef struct plate_motion_command {
+    double at;       ///< when a turn was commanded, s; INFINITY: never
+    double from;     ///< angle at that time, rad
+    double to;       ///< angle at its end, rad
+    double over;     ///< its duration, s, > 0
+    double presence; ///< 1 or 0; -1: never commanded
+} plate_motion_command;
+
+/// The motion of one obstacle.
+typedef struct plate_motion_plate {
+    bool moves;                   ///< scene_obstacle_moves(); the rest is unused otherwise
+    vec2 pivot;                   ///< m
+    scene_series turn;            ///< a copy
+    scene_series presence;        ///< a copy
+    plate_motion_command command; ///< see there
+} plate_motion_plate;
+
+/// The motions of a number of obstacles.
+typedef struct plate_motion {
+    size_t n;                   ///< obstacles
+    plate_motion_plate *plates; ///< of each
+    bool is_any;                ///< some obstacle moves
+} plate_motion;
+
+/// A rotation about a point.
+typedef struct plate_motion_pose {
+    vec2 pivot; ///< m
+    double cos; ///< of the angle
+    double sin; ///< same
+} plate_motion_pose;
+
+/// Copy the motions of obstacles. The caller owns them: plate_motion_fini(). BF_ENOMEM: *ret_motion is empty.
+BF_MUST_CHECK bf_status plate_motion_init(plate_motion *ret_motion, size_t n,
+                                          const scene_obstacle *obstacles, bf_error *err);
+
+/// Free what *motion owns and zero it.
+void plate_motion_fini(plate_motion *motion);
+
+/// The angle of an obstacle at a time t >= 0, rad; 0 of one that does not move.
+double plate_motion_angle(const plate_motion *motion, size_t obstacle, double t);
+
+/// Its mean angular velocity over [from, to], s, 0 <= from < to; rad/s. Exactly 0 where it stands.
+double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle, double from,
+                                     double to);
+
+/// Whether it is there at a time t >= 0; true for one that does not move.
+bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double t);
+
+/// The rotation by an angle about the obstacle's pivot; by 0 it changes no bit.
+plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle);
+
+/// A vector turned by a pose.
+static inline vec2 plate_motion_turn(const plate_motion_pose *pose, vec2 a)
+{
+    return (vec2){ pose->cos * a.x - pose->sin * a.y, pose->sin * a.x + pose->cos * a.y };
+}
+
+/// Where a point of the obstacle is in a pose.
+static inline vec2 plate_motion_place(const plate_motion_pose *pose, vec2 at)
+{
+    return vec2_add(pose->pivot, plate_motion_turn(pose, vec2_sub(at, pose->pivot)));
+}
+
+/// Velocity, m/s, of the point `at` of a body that turns about `pivot` at angular velocity w, rad/s.
+static inline vec2 plate_motion_velocity(vec2 pivot, double w, vec2 at)
+{
+    return vec2_scale(vec2_turn_left(vec2_sub(at, pivot)), w);
+}
+
+/// Turn an obstacle that moves, from its angle at a time t, s, to another one within `over`, s, > 0.
+void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
+                               double over);
+
+/// Let an obstacle that moves come or go.
+void plate_motion_command_presence(plate_motion *motion, size_t obstacle, bool is_present);
+
+/// The fastest that a point of obstacle k ever moves, m/s: its angular velocity, by its schedule or by an action
+/// from any angle that it may have, times the largest distance of its path, thickness included, from the pivot.
+/// INFINITY: it jumps.
+double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
+                                  const scene_action *actions);
+
+/// Write what was commanded; nothing if no obstacle moves.
+void plate_motion_save(const plate_motion *motion, checkpoint_writer *w);
+
+/// Take what plate_motion_save() wrote for the same obstacles. False: it is damaged, and *motion as before.
+BF_MUST_CHECK bool plate_motion_load(plate_motion *motion, checkpoint_reader *r);

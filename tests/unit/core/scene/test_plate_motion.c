@@ -1,0 +1,283 @@
+// Unit tests of obstacles that turn, come and go: schedules, repeats, commands, their largest speed, and states.
+
+#include "core/scene/plate_motion.h"
+
+#include "core/base/memory.h"
+#include "core/scene/scene.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static vec2 path[] = { { 1.0, 2.0 }, { 4.0, 6.0 } };
+
+// 5 m long from its pivot, 0.5 m thick.
+static scene_obstacle gate(void)
+{
+    scene_obstacle o;
+
+    scene_obstacle_init(&o);
+    o.n_points = 2;
+    o.path = path;
+    o.thickness = 0.5;
+    o.pivot = path[0];
+    return o;
+}
+
+static scene_series series(size_t n, double *times, double *values, double repeat)
+{
+    return (scene_series){ n, times, n, values, repeat };
+}
+
+static plate_motion motion_of(const scene_obstacle *o)
+{
+    plate_motion motion;
+
+    assert_int_equal(plate_motion_init(&motion, 1, o, NULL), BF_OK);
+    return motion;
+}
+
+static void assert_angles(const plate_motion *motion, size_t n, const double (*expected)[2])
+{
+    for (size_t k = 0; k < n; k++)
+        assert_near(plate_motion_angle(motion, 0, expected[k][0]), expected[k][1], 1e-14);
+}
+
+#define ASSERT_ANGLES(motion, ...)                                                                 \
+    assert_angles(motion, sizeof((const double[][2]){ __VA_ARGS__ }) / sizeof(double[2]),          \
+                  (const double[][2]){ __VA_ARGS__ })
+
+static void an_obstacle_without_motion_stands_as_in_the_document(void **state)
+{
+    scene_obstacle o = gate();
+    plate_motion motion = motion_of(&o);
+    const plate_motion_pose pose = plate_motion_pose_at(&motion, 0, 0.0);
+
+    (void)state;
+    assert_false(motion.is_any);
+    ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 1e6, 0.0 });
+    assert_true(plate_motion_angular_velocity(&motion, 0, 3.0, 4.0) == 0.0);
+    assert_true(plate_motion_is_present(&motion, 0, 7.0));
+    assert_true(plate_motion_place(&pose, path[1]).x == 4.0);
+    assert_true(plate_motion_place(&pose, path[1]).y == 6.0);
+    assert_true(plate_motion_largest_speed(&o, 0, 0, NULL) == 0.0);
+    plate_motion_fini(&motion);
+}
+
+static void angles_are_linear_between_times_and_constant_outside(void **state)
+{
+    double times[] = { 1.0, 2.0, 4.0 }, angles[] = { 0.25, 0.5, -0.5 };
+    scene_obstacle o = gate();
+    o.turn = series(3, times, angles, INFINITY);
+    plate_motion motion = motion_of(&o);
+
+    (void)state;
+    assert_true(motion.is_any);
+    ASSERT_ANGLES(&motion, { 0.0, 0.25 }, { 1.0, 0.25 }, { 1.5, 0.375 }, { 2.0, 0.5 },
+                  { 2.5, 0.25 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 1e6, -0.5 });
+    // Over [1.5, 2.5] it turns by 1/8 and back by 2/8.
+    assert_near(plate_motion_angular_velocity(&motion, 0, 1.5, 2.5), -0.125, 1e-15);
+    assert_true(plate_motion_angular_velocity(&motion, 0, 5.0, 6.0) == 0.0);
+    // 0.5 rad/s at most, 5 m and its thickness from the pivot.
+    assert_near(plate_motion_largest_speed(&o, 0, 0, NULL), 0.5 * 5.5, 1e-14);
+    plate_motion_fini(&motion);
+}
+
+static void repeats_join_the_last_angle_to_the_first(void **state)
+{
+    double times[] = { 1.0, 2.0 }, angles[] = { 0.0, 0.5 };
+    scene_obstacle o = gate();
+    o.turn = series(2, times, angles, 2.5);
+    plate_motion motion = motion_of(&o);
+
+    (void)state;
+    // From 2 to 3.5 it returns; only before its very first time it waits.
+    ASSERT_ANGLES(&motion, { 0.0, 0.0 }, { 0.5, 0.0 }, { 1.5, 0.25 }, { 2.0, 0.5 }, { 2.75, 0.25 },
+                  { 3.5, 0.0 }, { 4.0, 0.25 }, { 4.5, 0.5 }, { 5.25, 0.25 }, { 6.0, 0.0 });
+    assert_near(plate_motion_largest_speed(&o, 0, 0, NULL), 0.5 * 5.5, 1e-14);
+    plate_motion_fini(&motion);
+}
+
+static void a_jump_from_round_to_round_has_no_bound(void **state)
+{
+    double times[] = { 0.0, 2.0 }, angles[] = { 0.0, 0.5 };
+    scene_obstacle o = gate();
+
+    (void)state;
+    o.turn = series(2, times, angles, 2.0);
+    assert_true(plate_motion_largest_speed(&o, 0, 0, NULL) == INFINITY);
+    angles[1] = 0.0;
+    assert_true(plate_motion_largest_speed(&o, 0, 0, NULL) == 0.0);
+}
+
+static void it_comes_and_goes_at_its_times(void **state)
+{
+    static const struct {
+        double t;
+        bool once, again;
+    } expected[] = { { 0.0, true, true },   { 0.9, true, true },  { 1.0, false, false },
+                     { 2.9, false, false }, { 3.0, true, true },  { 4.5, true, true },
+                     { 5.0, true, false },  { 6.9, true, false }, { 7.0, true, true },
+                     { 8.5, true, true },   { 9.0, true, false } };
+    double times[] = { 1.0, 3.0 }, values[] = { 0.0, 1.0 };
+    scene_obstacle o = gate();
+
+    (void)state;
+    for (int is_again = 0; is_again < 2; is_again++) {
+        o.presence = series(2, times, values, is_again ? 4.0 : INFINITY);
+        plate_motion motion = motion_of(&o);
+        for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+            assert_int_equal(plate_motion_is_present(&motion, 0, expected[k].t),
+                             is_again ? expected[k].again : expected[k].once);
+        plate_motion_fini(&motion);
+    }
+}
+
+static void it_turns_left_about_its_pivot(void **state)
+{
+    scene_obstacle o = gate();
+    plate_motion motion = motion_of(&o);
+    const plate_motion_pose pose = plate_motion_pose_at(&motion, 0, M_PI / 2.0);
+    const vec2 pivot = plate_motion_place(&pose, path[0]), end = plate_motion_place(&pose, path[1]);
+    const vec2 velocity = plate_motion_velocity(o.pivot, 2.0, path[1]);
+
+    (void)state;
+    assert_true(pivot.x == 1.0 && pivot.y == 2.0);
+    assert_near(end.x, 1.0 - 4.0, 1e-15);
+    assert_near(end.y, 2.0 + 3.0, 1e-15);
+    assert_true(velocity.x == -8.0 && velocity.y == 6.0);
+    plate_motion_fini(&motion);
+}
+
+static void commands_replace_the_schedule(void **state)
+{
+    double times[] = { 0.0, 4.0 }, angles[] = { 0.0, 1.0 }, values[] = { 1.0, 1.0 };
+    scene_obstacle o = gate();
+    o.turn = series(2, times, angles, INFINITY);
+    o.presence = series(2, times, values, INFINITY);
+    plate_motion motion = motion_of(&o);
+
+    (void)state;
+    plate_motion_command_turn(&motion, 0, 2.0, -0.5, 2.0);
+    ASSERT_ANGLES(&motion, { 2.0, 0.5 }, { 3.0, 0.0 }, { 4.0, -0.5 }, { 5.0, -0.5 });
+    // Once more before it has ended.
+    plate_motion_command_turn(&motion, 0, 3.0, 1.0, 0.5);
+    ASSERT_ANGLES(&motion, { 3.0, 0.0 }, { 3.25, 0.5 }, { 3.5, 1.0 }, { 9.0, 1.0 });
+    plate_motion_command_presence(&motion, 0, false);
+    assert_false(plate_motion_is_present(&motion, 0, 3.0));
+    plate_motion_command_presence(&motion, 0, true);
+    assert_true(plate_motion_is_present(&motion, 0, 3.0));
+    plate_motion_fini(&motion);
+}
+
+static void the_largest_speed_is_that_of_any_action_from_any_angle(void **state)
+{
+    double times[] = { 0.0, 4.0 }, angles[] = { 0.0, 1.0 };
+    const scene_action actions[] = {
+        { .type = SCENE_ACTION_TURN, .value = 0.5, .over = 0.5 },
+        { .type = SCENE_ACTION_TURN, .value = -0.5, .over = 1.0 },
+        { .type = SCENE_ACTION_TURN, .target = 1, .value = 9.0, .over = 1e-3 },
+        { .type = SCENE_ACTION_BELT, .value = 9.0, .over = 1e-3 }
+    };
+    scene_obstacle o[] = { gate(), gate() };
+
+    (void)state;
+    // Without a schedule the angles are 0, 0.5 and -0.5: by at most 1 in 0.5 s, or by 1 in 1 s.
+    assert_near(plate_motion_largest_speed(o, 0, 4, actions), 2.0 * 5.5, 1e-14);
+    // With it up to 1: by 1.5 in 1 s, by 1 in 0.5 s.
+    o[0].turn = series(2, times, angles, INFINITY);
+    assert_near(plate_motion_largest_speed(o, 0, 4, actions), 2.0 * 5.5, 1e-14);
+    assert_near(plate_motion_largest_speed(o, 0, 2, actions + 1), 1.5 * 5.5, 1e-14);
+    assert_near(plate_motion_largest_speed(o, 1, 4, actions), 9e3 * 5.5, 1e-9);
+}
+
+static void what_was_commanded_is_saved_and_loaded(void **state)
+{
+    scene_obstacle o[] = { gate(), gate() };
+    bf_buffer bytes = { 0 };
+    checkpoint_writer w;
+    checkpoint_reader r;
+    plate_motion from, to;
+
+    (void)state;
+    o[1].is_commanded = true;
+    assert_int_equal(plate_motion_init(&from, 2, o, NULL), BF_OK);
+    assert_int_equal(plate_motion_init(&to, 2, o, NULL), BF_OK);
+    plate_motion_command_turn(&from, 1, 2.0, 1.0, 2.0);
+    plate_motion_command_presence(&from, 1, false);
+    checkpoint_begin(&w, &bytes, CHECKPOINT_DISK, 1);
+    plate_motion_save(&from, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, bytes.bytes, bytes.n, CHECKPOINT_DISK, 1, NULL), BF_OK);
+    checkpoint_reader cut = r;
+    cut.n_left--;
+    assert_false(plate_motion_load(&to, &cut));
+    assert_true(plate_motion_is_present(&to, 1, 3.0));
+    assert_true(plate_motion_load(&to, &r));
+    assert_int_equal(r.n_left, 0);
+    assert_true(plate_motion_angle(&to, 1, 3.0) == 0.5);
+    assert_false(plate_motion_is_present(&to, 1, 3.0));
+    buffer_fini(&bytes);
+    plate_motion_fini(&from);
+    plate_motion_fini(&to);
+}
+
+static void a_state_that_is_not_one_is_refused(void **state)
+{
+    static const plate_motion_command bad[] = {
+        { 1.0, 0.0, 0.0, 0.0, -1.0 }, { -1.0, 0.0, 0.0, 1.0, -1.0 },
+        { 1.0, NAN, 0.0, 1.0, -1.0 }, { 1.0, 0.0, INFINITY, 1.0, -1.0 },
+        { NAN, 0.0, 0.0, 1.0, -1.0 }, { INFINITY, 0.0, 0.0, 1.0, 0.5 }
+    };
+    scene_obstacle o = gate();
+
+    (void)state;
+    o.is_commanded = true;
+    plate_motion motion = motion_of(&o);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        checkpoint_reader r = { (const char *)&bad[k], sizeof *bad };
+        assert_false(plate_motion_load(&motion, &r));
+    }
+    plate_motion_fini(&motion);
+}
+
+static void without_memory_there_is_no_motion(void **state)
+{
+    double times[] = { 1.0 }, values[] = { 1.0 };
+    scene_obstacle o = gate();
+
+    (void)state;
+    o.turn = o.presence = series(1, times, values, INFINITY);
+    for (size_t n = 1; n <= 5; n++) {
+        plate_motion motion;
+        memory_plan_fault(n, 0);
+        assert_int_equal(plate_motion_init(&motion, 1, &o, NULL), BF_ENOMEM);
+        memory_plan_fault(0, 0);
+        assert_int_equal(motion.n, 0);
+        assert_null(motion.plates);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_obstacle_without_motion_stands_as_in_the_document),
+        cmocka_unit_test(angles_are_linear_between_times_and_constant_outside),
+        cmocka_unit_test(repeats_join_the_last_angle_to_the_first),
+        cmocka_unit_test(a_jump_from_round_to_round_has_no_bound),
+        cmocka_unit_test(it_comes_and_goes_at_its_times),
+        cmocka_unit_test(it_turns_left_about_its_pivot),
+        cmocka_unit_test(commands_replace_the_schedule),
+        cmocka_unit_test(the_largest_speed_is_that_of_any_action_from_any_angle),
+        cmocka_unit_test(what_was_commanded_is_saved_and_loaded),
+        cmocka_unit_test(a_state_that_is_not_one_is_refused),
+        cmocka_unit_test(without_memory_there_is_no_motion),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
