@@ -1,5 +1,5 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- macro, micro
-<- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed, macro,
+micro <- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
 <- daemon, cli; and every outside header is included only where it belongs."""
 
 import re
@@ -14,11 +14,12 @@ ARROWS = {
     "core/base": {"core/base"},
     "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
+    "core/feed": {"core/base", "core/scene", "core/feed"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/micro/disk": {"core/base", "core/scene", "core/micro", "core/micro/disk"},
     "core/micro/body": {"core/base", "core/convex", "core/scene", "core/micro", "core/micro/body"},
-    "core/run": {"core/base", "core/scene", "core/macro", "core/micro", "core/run"},
+    "core/run": {"core/base", "core/scene", "core/feed", "core/macro", "core/micro", "core/run"},
     "core/compare": {"core/base", "core/compare"},
     "api": {"core/base", "core/scene", "core/run", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
