@@ -6,7 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-static const plate_motion_command no_command = { .at = INFINITY, .presence = -1.0 };
+static const plate_motion_command no_command = { .at = INFINITY,
+                                                 .presence = -1.0,
+                                                 .came = -INFINITY };
 
 static bf_status copy_series(const scene_series *from, scene_series *ret_copy)
 {
@@ -128,17 +130,57 @@ double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle
            (to - from);
 }
 
+// Whether it is there by the schedule. *ret_came: since when, or a time long before t; -INFINITY: always.
+static bool scheduled_presence(const scene_series *s, double t, double *ret_came)
+{
+    const double in_round = time_in_round(s, t);
+    double round = s->repeat < INFINITY ? rint((t - in_round) / s->repeat) : 0.0;
+    size_t k = count_times(s, in_round);
+
+    *ret_came = -INFINITY;
+    // Back in time to where it was not there.
+    for (size_t n_seen = 0; s->n_times > 0; k--, n_seen++) {
+        if (k == 0 && round <= 0.0) {
+            *ret_came = -INFINITY;
+            return true;
+        }
+        if (k == 0) {
+            k = s->n_times;
+            round -= 1.0;
+        }
+        if (s->values[k - 1] == 0.0)
+            return n_seen > 0;
+        *ret_came = (round > 0.0 ? round * s->repeat : 0.0) + s->times[k - 1];
+        if (n_seen > s->n_times || t - *ret_came > PLATE_MOTION_COMING)
+            return true;
+    }
+    return true;
+}
+
+static bool find_presence(const plate_motion_plate *plate, double t, double *ret_came)
+{
+    const plate_motion_command *c = &plate->command;
+
+    if (c->presence < 0.0)
+        return scheduled_presence(&plate->presence, t, ret_came);
+    *ret_came = c->came;
+    return c->presence > 0.0;
+}
+
 bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double t)
 {
-    const plate_motion_plate *plate = &motion->plates[obstacle];
-    const scene_series *s = &plate->presence;
+    double came;
 
-    if (plate->command.presence >= 0.0)
-        return plate->command.presence > 0.0;
-    const size_t k = count_times(s, time_in_round(s, t));
-    if (s->n_times == 0 || (k == 0 && t < s->repeat))
-        return true;
-    return s->values[k > 0 ? k - 1 : s->n_times - 1] > 0.0;
+    return find_presence(&motion->plates[obstacle], t, &came);
+}
+
+double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t)
+{
+    double came;
+
+    if (!find_presence(&motion->plates[obstacle], t, &came))
+        return 0.0;
+    return t - came < PLATE_MOTION_COMING ? (t - came) / PLATE_MOTION_COMING : 1.0;
 }
 
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle)
@@ -157,9 +199,13 @@ void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, 
     c->over = over;
 }
 
-void plate_motion_command_presence(plate_motion *motion, size_t obstacle, bool is_present)
+void plate_motion_command_presence(plate_motion *motion, size_t obstacle, double t, bool is_present)
 {
-    motion->plates[obstacle].command.presence = is_present ? 1.0 : 0.0;
+    plate_motion_plate *plate = &motion->plates[obstacle];
+    double came;
+
+    plate->command.came = find_presence(plate, t, &came) ? came : t;
+    plate->command.presence = is_present ? 1.0 : 0.0;
 }
 
 static double largest_scheduled(const scene_series *s)
@@ -204,17 +250,23 @@ static double largest_commanded(const scene_series *s, size_t k, size_t n_action
     return largest;
 }
 
+double plate_motion_radius(const scene_obstacle *obstacle)
+{
+    double radius = 0.0;
+
+    for (size_t k = 0; k < obstacle->n_points; k++)
+        radius = fmax(radius, vec2_length(vec2_sub(obstacle->path[k], obstacle->pivot)));
+    return radius + obstacle->thickness;
+}
+
 double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
                                   const scene_action *actions)
 {
-    const scene_obstacle *o = &obstacles[k];
+    const scene_series *turn = &obstacles[k].turn;
     const double rate =
-        fmax(largest_scheduled(&o->turn), largest_commanded(&o->turn, k, n_actions, actions));
-    double farthest = 0.0;
+        fmax(largest_scheduled(turn), largest_commanded(turn, k, n_actions, actions));
 
-    for (size_t m = 0; m < o->n_points; m++)
-        farthest = fmax(farthest, vec2_length(vec2_sub(o->path[m], o->pivot)));
-    return rate > 0.0 ? rate * (farthest + o->thickness) : 0.0;
+    return rate > 0.0 ? rate * plate_motion_radius(&obstacles[k]) : 0.0;
 }
 
 void plate_motion_save(const plate_motion *motion, checkpoint_writer *w)
@@ -228,21 +280,31 @@ static bool is_sound(const plate_motion_command *c)
 {
     return (c->at == INFINITY || (c->at >= 0.0 && isfinite(c->from) && isfinite(c->to) &&
                                   c->over > 0.0 && isfinite(c->over))) &&
-           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0);
+           (c->presence == -1.0 || c->presence == 0.0 || c->presence == 1.0) && c->came < INFINITY;
 }
 
-bool plate_motion_load(plate_motion *motion, checkpoint_reader *r)
+const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r)
 {
     plate_motion_command command;
-    checkpoint_reader ahead = *r;
-    bool is_whole = true;
+    size_t n = 0;
 
-    // All of it is read before any of it is taken.
-    for (size_t k = 0; k < motion->n && is_whole; k++)
-        is_whole = !motion->plates[k].moves ||
-                   (checkpoint_read(&ahead, &command, sizeof command) && is_sound(&command));
-    for (size_t k = 0; k < motion->n && is_whole; k++)
-        if (motion->plates[k].moves)
-            is_whole = checkpoint_read(r, &motion->plates[k].command, sizeof command);
-    return is_whole;
+    for (size_t k = 0; k < motion->n; k++)
+        n += motion->plates[k].moves ? 1 : 0;
+    const char *commands = checkpoint_read_items(r, n, sizeof command);
+    for (size_t k = 0; commands != NULL && k < n; k++) {
+        memcpy(&command, commands + k * sizeof command, sizeof command);
+        if (!is_sound(&command))
+            return NULL;
+    }
+    return commands;
+}
+
+void plate_motion_take(plate_motion *motion, const char *commands)
+{
+    for (size_t k = 0; k < motion->n; k++) {
+        if (!motion->plates[k].moves)
+            continue;
+        memcpy(&motion->plates[k].command, commands, sizeof motion->plates[k].command);
+        commands += sizeof motion->plates[k].command;
+    }
 }

@@ -3,11 +3,13 @@
 ///     angle(t)      linear between the times of scene_obstacle.turn, constant before the first and after the
 ///                   last; counter-clockwise, rad; 0: the path as in the document, and without a turn at all times
 ///     present(t)    that of scene_obstacle.presence from each time to the next, true before the first
+///     extent(t)     0: it is not there; 1: it is; a plate that comes grows steadily within
+///                   PLATE_MOTION_COMING, and goes at once
 ///     repeat        the round from 0 to scene_series.repeat is made again and again: t counts from its
 ///                   beginning. From the last time of a round to the first one of the next the plate turns
 ///                   steadily between their angles, and is present as at the last time
 ///     commands      replace the schedule from then on: a turn goes from the present angle to another one at a
-///                   steady rate and ends there; presence changes at once
+///                   steady rate and ends there
 ///
 /// In a step of a solver, from t to t + dt, a plate turns at its mean angular velocity (angle(t + dt) -
 /// angle(t))/dt, so that it is displaced exactly whatever the step, and is there if it is at t.
@@ -25,6 +27,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/// Within which a plate that comes is there in full, s. **Choice**: as long as a pneumatic stop takes. What it comes
+/// upon is pushed aside by that time, so that no contact begins with an overlap, whatever its stiffness.
+#define PLATE_MOTION_COMING 0.2
+
 /// What was commanded of an obstacle.
 typedef struct plate_motion_command {
     double at;       ///< when a turn was commanded, s; INFINITY: never
@@ -32,6 +38,7 @@ typedef struct plate_motion_command {
     double to;       ///< angle at its end, rad
     double over;     ///< its duration, s, > 0
     double presence; ///< 1 or 0; -1: never commanded
+    double came;     ///< when it came, if it is commanded to be there, s; -INFINITY: it always was
 } plate_motion_command;
 
 /// The motion of one obstacle.
@@ -74,6 +81,9 @@ double plate_motion_angular_velocity(const plate_motion *motion, size_t obstacle
 /// Whether it is there at a time t >= 0; true for one that does not move.
 bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double t);
 
+/// How much of it is there, 0 to 1; see above.
+double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t);
+
 /// The rotation by an angle about the obstacle's pivot; by 0 it changes no bit.
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle);
 
@@ -99,17 +109,23 @@ static inline vec2 plate_motion_velocity(vec2 pivot, double w, vec2 at)
 void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
                                double over);
 
-/// Let an obstacle that moves come or go.
-void plate_motion_command_presence(plate_motion *motion, size_t obstacle, bool is_present);
+/// Let an obstacle that moves come or go at a time t, s.
+void plate_motion_command_presence(plate_motion *motion, size_t obstacle, double t,
+                                   bool is_present);
+
+/// The largest distance of an obstacle's path, thickness included, from its pivot, m.
+double plate_motion_radius(const scene_obstacle *obstacle);
 
 /// The fastest that a point of obstacle k ever moves, m/s: its angular velocity, by its schedule or by an action
-/// from any angle that it may have, times the largest distance of its path, thickness included, from the pivot.
-/// INFINITY: it jumps.
+/// from any angle that it may have, times plate_motion_radius(). INFINITY: it jumps.
 double plate_motion_largest_speed(const scene_obstacle *obstacles, size_t k, size_t n_actions,
                                   const scene_action *actions);
 
 /// Write what was commanded; nothing if no obstacle moves.
 void plate_motion_save(const plate_motion *motion, checkpoint_writer *w);
 
-/// Take what plate_motion_save() wrote for the same obstacles. False: it is damaged, and *motion as before.
-BF_MUST_CHECK bool plate_motion_load(plate_motion *motion, checkpoint_reader *r);
+/// What plate_motion_save() wrote for the same obstacles, in place, for plate_motion_take(). NULL: it is damaged.
+const char *plate_motion_read(const plate_motion *motion, checkpoint_reader *r);
+
+/// Take the commands that plate_motion_read() found.
+void plate_motion_take(plate_motion *motion, const char *commands);

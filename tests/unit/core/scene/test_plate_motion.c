@@ -139,6 +139,46 @@ static void it_comes_and_goes_at_its_times(void **state)
     }
 }
 
+static double extent_of(double repeat, size_t n, double *times, double *values, double t)
+{
+    scene_obstacle o = gate();
+    o.presence = series(n, times, values, repeat);
+    plate_motion motion = motion_of(&o);
+    const double extent = plate_motion_extent(&motion, 0, t);
+
+    plate_motion_fini(&motion);
+    return extent;
+}
+
+static void a_plate_that_comes_grows_steadily(void **state)
+{
+    double times[] = { 0.0, 1.0, 1.1, 2.0 }, values[] = { 0.0, 1.0, 1.0, 0.0 };
+
+    (void)state;
+    assert_true(extent_of(INFINITY, 4, times, values, 0.5) == 0.0);
+    assert_true(extent_of(INFINITY, 4, times, values, 1.0) == 0.0);
+    // A time without a change does not begin it anew.
+    assert_near(extent_of(INFINITY, 4, times, values, 1.15), 0.75, 1e-14);
+    assert_true(extent_of(INFINITY, 4, times, values, 1.25) == 1.0);
+    assert_true(extent_of(INFINITY, 4, times, values, 2.0) == 0.0);
+    // Again in each round of 3 s.
+    assert_near(extent_of(3.0, 4, times, values, 4.05), 0.25, 1e-14);
+    assert_near(extent_of(3.0, 4, times, values, 31.15), 0.75, 1e-12);
+    // Present from the start: in full; and present at the end of a round and in the next one: still.
+    assert_true(extent_of(INFINITY, 2, times + 1, values + 1, 1.01) == 1.0);
+    assert_true(extent_of(INFINITY, 1, times, values + 1, 0.0) == 1.0);
+    assert_near(extent_of(1.2, 2, times, values, 1.15), 0.75, 1e-14);
+    values[0] = 1.0;
+    values[1] = 0.0;
+    times[1] = 0.05;
+    times[2] = 0.1;
+    // There from 0.1 of a round of 0.15 s to 0.05 of the next.
+    assert_true(extent_of(0.15, 3, times, values, 0.04) == 1.0);
+    assert_near(extent_of(0.15, 3, times, values, 0.14), 0.2, 1e-13);
+    assert_near(extent_of(0.15, 3, times, values, 0.18), 0.4, 1e-13);
+    assert_true(extent_of(0.15, 3, times, values, 0.22) == 0.0);
+}
+
 static void it_turns_left_about_its_pivot(void **state)
 {
     scene_obstacle o = gate();
@@ -169,10 +209,15 @@ static void commands_replace_the_schedule(void **state)
     // Once more before it has ended.
     plate_motion_command_turn(&motion, 0, 3.0, 1.0, 0.5);
     ASSERT_ANGLES(&motion, { 3.0, 0.0 }, { 3.25, 0.5 }, { 3.5, 1.0 }, { 9.0, 1.0 });
-    plate_motion_command_presence(&motion, 0, false);
+    plate_motion_command_presence(&motion, 0, 3.0, false);
     assert_false(plate_motion_is_present(&motion, 0, 3.0));
-    plate_motion_command_presence(&motion, 0, true);
-    assert_true(plate_motion_is_present(&motion, 0, 3.0));
+    plate_motion_command_presence(&motion, 0, 3.5, true);
+    assert_true(plate_motion_is_present(&motion, 0, 3.5));
+    assert_true(plate_motion_extent(&motion, 0, 3.5) == 0.0);
+    // Another command of the same does not begin it anew.
+    plate_motion_command_presence(&motion, 0, 3.6, true);
+    assert_near(plate_motion_extent(&motion, 0, 3.65), 0.75, 1e-14);
+    assert_true(plate_motion_extent(&motion, 0, 3.75) == 1.0);
     plate_motion_fini(&motion);
 }
 
@@ -210,16 +255,15 @@ static void what_was_commanded_is_saved_and_loaded(void **state)
     assert_int_equal(plate_motion_init(&from, 2, o, NULL), BF_OK);
     assert_int_equal(plate_motion_init(&to, 2, o, NULL), BF_OK);
     plate_motion_command_turn(&from, 1, 2.0, 1.0, 2.0);
-    plate_motion_command_presence(&from, 1, false);
+    plate_motion_command_presence(&from, 1, 2.0, false);
     checkpoint_begin(&w, &bytes, CHECKPOINT_DISK, 1);
     plate_motion_save(&from, &w);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
     assert_int_equal(checkpoint_open(&r, bytes.bytes, bytes.n, CHECKPOINT_DISK, 1, NULL), BF_OK);
     checkpoint_reader cut = r;
     cut.n_left--;
-    assert_false(plate_motion_load(&to, &cut));
-    assert_true(plate_motion_is_present(&to, 1, 3.0));
-    assert_true(plate_motion_load(&to, &r));
+    assert_null(plate_motion_read(&to, &cut));
+    plate_motion_take(&to, plate_motion_read(&to, &r));
     assert_int_equal(r.n_left, 0);
     assert_true(plate_motion_angle(&to, 1, 3.0) == 0.5);
     assert_false(plate_motion_is_present(&to, 1, 3.0));
@@ -231,9 +275,10 @@ static void what_was_commanded_is_saved_and_loaded(void **state)
 static void a_state_that_is_not_one_is_refused(void **state)
 {
     static const plate_motion_command bad[] = {
-        { 1.0, 0.0, 0.0, 0.0, -1.0 }, { -1.0, 0.0, 0.0, 1.0, -1.0 },
-        { 1.0, NAN, 0.0, 1.0, -1.0 }, { 1.0, 0.0, INFINITY, 1.0, -1.0 },
-        { NAN, 0.0, 0.0, 1.0, -1.0 }, { INFINITY, 0.0, 0.0, 1.0, 0.5 }
+        { 1.0, 0.0, 0.0, 0.0, -1.0, 0.0 },    { -1.0, 0.0, 0.0, 1.0, -1.0, 0.0 },
+        { 1.0, NAN, 0.0, 1.0, -1.0, 0.0 },    { 1.0, 0.0, INFINITY, 1.0, -1.0, 0.0 },
+        { NAN, 0.0, 0.0, 1.0, -1.0, 0.0 },    { INFINITY, 0.0, 0.0, 1.0, 0.5, 0.0 },
+        { INFINITY, 0.0, 0.0, 1.0, 1.0, NAN }
     };
     scene_obstacle o = gate();
 
@@ -242,7 +287,7 @@ static void a_state_that_is_not_one_is_refused(void **state)
     plate_motion motion = motion_of(&o);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         checkpoint_reader r = { (const char *)&bad[k], sizeof *bad };
-        assert_false(plate_motion_load(&motion, &r));
+        assert_null(plate_motion_read(&motion, &r));
     }
     plate_motion_fini(&motion);
 }
@@ -272,6 +317,7 @@ int main(void)
         cmocka_unit_test(repeats_join_the_last_angle_to_the_first),
         cmocka_unit_test(a_jump_from_round_to_round_has_no_bound),
         cmocka_unit_test(it_comes_and_goes_at_its_times),
+        cmocka_unit_test(a_plate_that_comes_grows_steadily),
         cmocka_unit_test(it_turns_left_about_its_pivot),
         cmocka_unit_test(commands_replace_the_schedule),
         cmocka_unit_test(the_largest_speed_is_that_of_any_action_from_any_angle),
