@@ -92,7 +92,7 @@ static const field progress_fields[] = {
     { COPY(progress.step) }, { COPY(progress.n_steps) }, { COPY(progress.t) }, { END }
 };
 static const field end_fields[] = { { COPY(end.stopped) },
-                                    { ZEROS(4) },
+                                    { COPY(end.reason) },
                                     { COPY(end.n_steps) },
                                     { COPY(end.t) },
                                     { COPY(end.n_cells) },
@@ -116,8 +116,14 @@ static const field parts_fields[] = { { COPY(parts.index) },
                                       { COPY(parts.n_parts) },
                                       { COPY(parts.n_values) },
                                       { ZEROS(4) },
+                                      { COPY(parts.n_ids) },
                                       { TABLE(parts.rows, parts.n_parts, parts.n_values) },
+                                      { ARRAY(parts.ids, parts.n_ids) },
+                                      { ARRAY(parts.kinds, parts.n_ids) },
                                       { END } };
+static const field change_fields[] = { { COPY(change.index) },      { COPY(change.t) },
+                                       { COPY(change.type) },       { COPY(change.item) },
+                                       { COPY(change.is_blocked) }, { END } };
 
 static const field *const fields_of[FRAME_TYPE_COUNT] = {
     [FRAME_JOB] = job_fields,           [FRAME_RESUME] = bytes_fields,
@@ -125,6 +131,7 @@ static const field *const fields_of[FRAME_TYPE_COUNT] = {
     [FRAME_SNAPSHOT] = snapshot_fields, [FRAME_PROGRESS] = progress_fields,
     [FRAME_CHECKPOINT] = bytes_fields,  [FRAME_END] = end_fields,
     [FRAME_ERROR] = error_fields,       [FRAME_PARTS] = parts_fields,
+    [FRAME_CHANGE] = change_fields,
 };
 
 static uint64_t count_of(const frame *f, const member *m)

@@ -22,7 +22,7 @@
 #include <stdint.h>
 
 /// Frames in the order in which a run emits them: job (to the run), begin, then any number of
-/// curve, snapshot, progress and checkpoint, then one end or error. Where begin announces rows of
+/// curve, snapshot, progress, change and checkpoint, then one end or error. Where begin announces rows of
 /// parts, a parts frame follows each snapshot at once. The values are stored in files: never renumber.
 typedef enum frame_type {
     FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
@@ -35,6 +35,7 @@ typedef enum frame_type {
     FRAME_END,        ///< the run is over: done, or stopped on request
     FRAME_ERROR,      ///< the run failed
     FRAME_PARTS,      ///< the parts at the time of the snapshot before it
+    FRAME_CHANGE,     ///< a photo eye changed its state, or an action was carried out
     FRAME_TYPE_COUNT
 } frame_type;
 
@@ -59,8 +60,8 @@ typedef struct frame_bytes {
 /// Sizes of the results.
 typedef struct frame_begin {
     uint32_t model;      ///< run_model
-    uint32_t n_columns;  ///< columns of the curve: the counters and left_domain
-    uint64_t n_steps;    ///< steps of the whole run
+    uint32_t n_columns;  ///< columns of the curve, see columns.h
+    uint64_t n_steps;    ///< most steps of the whole run; it may end before
     double dt;           ///< s
     double duration;     ///< n_steps * dt, s
     uint64_t n_parts;    ///< parts at the start; more may enter later
@@ -93,26 +94,54 @@ typedef struct frame_snapshot {
 /// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad.
 enum { FRAME_VALUES_PLANAR = 6, FRAME_VALUES_SPATIAL = 13 };
 
-/// The parts at one time, in the order in which they were placed or entered. A part that has left the
-/// domain still has a row, of NANs, so that row k is part k in every frame that has it.
+/// The parts at one time. Without feeds, n_ids = 0: row k is part k, in the order of placement, and a part that
+/// has left the domain still has a row, of NANs. With feeds: the parts in the domain, by rising ids.
 typedef struct frame_parts {
-    uint64_t index;     ///< of the snapshot
-    double t;           ///< s
-    uint64_t n_parts;   ///< rows
-    uint32_t n_values;  ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL
-    const double *rows; ///< n_parts rows of n_values
+    uint64_t index;        ///< of the snapshot
+    double t;              ///< s
+    uint64_t n_parts;      ///< rows
+    uint32_t n_values;     ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL
+    const double *rows;    ///< n_parts rows of n_values
+    uint64_t n_ids;        ///< n_parts with feeds, else 0
+    const uint64_t *ids;   ///< of the rows: unique, from 0, in the order of entering
+    const uint32_t *kinds; ///< of the rows: index into the kinds of cargo
 } frame_parts;
+
+/// What changed.
+typedef enum frame_change_type {
+    FRAME_CHANGE_EYE,    ///< the state of a photo eye
+    FRAME_CHANGE_ACTION, ///< the target of an action
+    FRAME_CHANGE_TYPE_COUNT
+} frame_change_type;
+
+/// A change of a photo eye's state, or an action that is carried out.
+typedef struct frame_change {
+    uint64_t index;      ///< 0 for the first of the run
+    double t;            ///< s
+    uint32_t type;       ///< frame_change_type
+    uint32_t item;       ///< index of the photo eye or action in the scenario
+    uint32_t is_blocked; ///< FRAME_CHANGE_EYE: its state from now on; else 0
+} frame_change;
+
+/// Why a run is over.
+typedef enum frame_end_reason {
+    FRAME_END_DURATION, ///< its duration has passed, or it was stopped
+    FRAME_END_DRAINED,  ///< SCENE_UNTIL_DRAINED
+    FRAME_END_STEADY,   ///< SCENE_UNTIL_STEADY
+    FRAME_END_REASON_COUNT
+} frame_end_reason;
 
 /// How far the run is.
 typedef struct frame_progress {
     uint64_t step;    ///< steps made
-    uint64_t n_steps; ///< of the whole run
+    uint64_t n_steps; ///< most of the whole run
     double t;         ///< simulated time, s
 } frame_progress;
 
 /// How a run ended, and its figures.
 typedef struct frame_end {
     uint32_t stopped;     ///< 0: done; 1: stopped on request, resumable if a checkpoint came last
+    uint32_t reason;      ///< frame_end_reason
     uint64_t n_steps;     ///< steps made since t = 0
     double t;             ///< simulated time, s
     uint64_t n_cells;     ///< cells of the grid
@@ -148,6 +177,7 @@ typedef struct frame {
         frame_end end;           ///< FRAME_END
         frame_error error;       ///< FRAME_ERROR
         frame_parts parts;       ///< FRAME_PARTS
+        frame_change change;     ///< FRAME_CHANGE
     };
 } frame;
 

@@ -162,7 +162,8 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
                             .n_steps = run__steps_until(s->duration, dt),
                             .grid = run->grid,
                             .n_parts = n_parts,
-                            .n_advance = 1 };
+                            .n_advance = 1,
+                            .n_tick = 1 };
     *ret_solver = run;
     return BF_OK;
 }

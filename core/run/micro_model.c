@@ -2,15 +2,20 @@
 
 #include "core/base/faults.h"
 #include "core/base/memory.h"
+#include "core/base/polygon.h"
 #include "core/run/counter.h"
 #include "core/run/run_priv.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/density.h"
+#include "core/scene/shape.h"
 
 #include <math.h>
 #include <string.h>
 
 // Steps of so many parts take some 10 ms on a slow processor, more where bodies move in space.
 enum { PARTS_ADVANCED_PLANAR = 200000, PARTS_ADVANCED_SPATIAL = 10000 };
+
+static const double longest_tick = 0.1; // s, where belts hardly move
 
 typedef struct micro_run {
     micro_solver *solver;
@@ -218,6 +223,35 @@ static bf_status fill_run(const scene *s, const micro_def *def, micro_run *run, 
     return micro_create(def, &run->solver, err);
 }
 
+// The smallest distance from the centre of a part of any kind to its border, seen from above.
+static double smallest_radius(const scene *s)
+{
+    double smallest = INFINITY;
+
+    for (size_t k = 0; k < s->n_cargo; k++) {
+        const shape_footprint f = shape_footprint_of(&s->cargo[k].shape);
+        const vec2 centre = { 0.0, 0.0 };
+        if (f.n_corners == 0)
+            smallest = fmin(smallest, f.bounding_radius);
+        for (size_t i = 0; i < f.n_corners; i++)
+            smallest = fmin(smallest, polygon_segment_distance(centre, f.corners[i],
+                                                               f.corners[(i + 1) % f.n_corners]));
+    }
+    return smallest;
+}
+
+// In a tick no belt moves by more than a quarter of a part's radius, so that few parts of a feed come late and
+// photo eyes see every part.
+static uint64_t choose_tick(const scene *s, double dt)
+{
+    double speed = 0.0;
+
+    for (size_t k = 0; k < s->n_belts; k++)
+        speed = fmax(speed, vec2_length(s->belts[k].velocity) * belt_speeds_largest(&s->belts[k]));
+    const double most = fmin(longest_tick, 0.25 * smallest_radius(s) / speed);
+    return (uint64_t)fmax(floor(most / dt), 1.0);
+}
+
 static run_plan plan_of(const micro_run *run)
 {
     const size_t n_parts = micro_parts(run->solver);
@@ -231,7 +265,8 @@ static run_plan plan_of(const micro_run *run)
                        .grid = run->grid,
                        .n_parts = n_parts,
                        .n_values = is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL,
-                       .n_advance = n_advance + 1 };
+                       .n_advance = n_advance + 1,
+                       .n_tick = choose_tick(run->scene, dt) };
 }
 
 static bf_status create_checked(const scene *s, const run__micro_setup *setup, micro_run **ret_run,
@@ -345,14 +380,14 @@ static void fill_row(const micro_part *part, bool is_planar, double *ret_row)
     memcpy(ret_row + 10, part->w, sizeof part->w);
 }
 
-static void copy_parts(const void *solver, double *ret_rows)
+static void copy_parts(const void *solver, const run_parts *ret_parts)
 {
     const micro_run *run = solver;
     const bool is_planar = micro_is_planar(run->solver);
     const size_t n_values = is_planar ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL;
 
     for (size_t k = 0; k < micro_parts(run->solver); k++) {
-        double *row = ret_rows + k * n_values;
+        double *row = ret_parts->rows + k * n_values;
         const micro_part part = micro_part_of(run->solver, k);
         if (!part.is_gone)
             fill_row(&part, is_planar, row);

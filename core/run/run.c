@@ -4,50 +4,51 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
+#include "core/run/columns.h"
+#include "core/run/control.h"
 #include "core/run/run_priv.h"
+#include "core/run/schedule.h"
 #include "core/scene/definition.h"
 
 #include <math.h>
 #include <string.h>
 
-enum {
-    BATCH = 256, // samples that wait for a frame
-    COLUMNS_MAX = SCENE_COUNTERS_MAX + 1,
-};
+enum { BATCH = 256 }; // samples that wait for a frame
 
-// When something is taken: at the first step at or past each multiple of a period.
-typedef struct schedule {
-    double every;   // s
-    uint64_t index; // of the next multiple
-    uint64_t step;  // at which it is due
+// Results of a kind.
+typedef struct series {
+    schedule_of of; // when they are taken
+    uint64_t step;  // at which the next one is due
     uint64_t n;     // how many were taken
-} schedule;
+} series;
 
 // The header of the solver's state in a checkpoint.
 typedef struct saved_header {
     uint64_t step;
-    uint64_t sample_index, n_samples;
-    uint64_t snapshot_index, n_snapshots;
+    uint64_t n_samples, n_snapshots;
     double parts_start;
     double peak;
 } saved_header;
 
 struct run {
+    const scene *scene;
     run_model model;
     uint64_t definition; // digest of scenario and model, to which checkpoints belong
     const run_backend *backend;
     void *solver;
     run_plan plan;
     uint64_t step, first_step;
-    schedule samples, snapshots;
+    series samples, snapshots;
+    control control;
+    frame_end_reason reason;
     double parts_start, peak;
     uint32_t n_columns;
     uint32_t n_waiting; // samples in the arrays below
     double t[BATCH];
-    double values[BATCH * COLUMNS_MAX];
+    double *values; // BATCH rows of n_columns
     float *rho;
-    double *parts;      // rows of FRAME_PARTS
-    size_t n_parts_max; // numbers that they have room for
+    run_parts parts;                           // of FRAME_PARTS
+    size_t n_rows_max, n_ids_max, n_kinds_max; // numbers that its arrays have room for
     bf_buffer checkpoint;
 };
 
@@ -105,18 +106,25 @@ uint64_t run__steps_until(double t, double dt)
 
 void run_check(const scene *s, run_model model, bf_faults *faults)
 {
+    columns_check(s, faults);
     backends[model]->check_scenario(s, faults);
 }
 
 static int reserve_parts(run *r, uint64_t n_rows)
 {
-    return memory_reserve(&r->parts, &r->n_parts_max, n_rows * r->plan.n_values, sizeof *r->parts);
+    run_parts *p = &r->parts;
+    const uint64_t n_ids = r->scene->n_feeds > 0 ? n_rows : 0;
+
+    return memory_reserve(&p->rows, &r->n_rows_max, n_rows * r->plan.n_values, sizeof *p->rows) |
+           memory_reserve(&p->ids, &r->n_ids_max, n_ids, sizeof *p->ids) |
+           memory_reserve(&p->kinds, &r->n_kinds_max, n_ids, sizeof *p->kinds);
 }
 
 static bf_status allocate_results(run *r, bf_error *err)
 {
     r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
-    if (r->rho == NULL || reserve_parts(r, r->plan.n_parts) != 0)
+    r->values = memory_alloc(BATCH * (size_t)r->n_columns, sizeof *r->values);
+    if (r->rho == NULL || r->values == NULL || reserve_parts(r, r->plan.n_parts) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
     return BF_OK;
 }
@@ -128,14 +136,16 @@ bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_r
     run *r = memory_alloc(1, sizeof *r);
     if (r == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
+    r->scene = s;
     r->model = model;
     r->definition = digest_add(definition_digest(s), &model, sizeof model);
     r->backend = backends[model];
-    r->n_columns = (uint32_t)s->n_counters + 1;
-    r->samples.every = s->output.curve_every;
-    r->snapshots.every = s->output.snapshot_every;
+    r->n_columns = (uint32_t)columns_count(s);
+    r->samples.of = SCHEDULE_CURVE;
+    r->snapshots.of = SCHEDULE_SNAPSHOT;
     bf_status status = r->backend->create(s, n_threads, &r->solver, &r->plan, err);
     if (status == BF_OK) {
+        r->control = control_of(s, r->backend, &r->plan);
         r->parts_start = r->backend->measure(r->solver).parts;
         status = allocate_results(r, err);
     }
@@ -153,25 +163,42 @@ run *run_destroy(run *r)
         return NULL;
     if (r->solver != NULL)
         r->backend->destroy(r->solver);
+    control_fini(&r->control);
     buffer_fini(&r->checkpoint);
+    memory_free(r->values);
     memory_free(r->rho);
-    memory_free(r->parts);
+    memory_free(r->parts.rows);
+    memory_free(r->parts.ids);
+    memory_free(r->parts.kinds);
     memory_free(r);
     return NULL;
 }
 
-// Moves a schedule on to its first multiple that lies after a step.
-static void move_past(schedule *s, uint64_t step, double dt)
+// Counts a result of the present step and moves on to the next one.
+static void move_on(run *r, series *s)
 {
-    while (s->step <= step)
-        s->step = run__steps_until((double)++s->index * s->every, dt);
+    s->n++;
+    s->step = schedule_next(&r->scene->output, s->of, r->step, r->plan.dt);
 }
 
-static void restore_schedule(schedule *s, uint64_t index, uint64_t n, double dt)
+static void restore_series(run *r, series *s, uint64_t n)
 {
-    s->index = index;
     s->n = n;
-    s->step = run__steps_until((double)index * s->every, dt);
+    s->step = schedule_next(&r->scene->output, s->of, r->step, r->plan.dt);
+}
+
+// Takes what follows the header; the run is as before if that fails.
+static bf_status load_state(run *r, checkpoint_reader *reader, bf_error *err)
+{
+    control loaded = control_of(r->scene, r->backend, &r->plan);
+    bf_status status = control_load(&loaded, reader, err);
+
+    if (status == BF_OK)
+        status = r->backend->load(r->solver, reader->at, reader->n_left, err);
+    control_fini(status == BF_OK ? &r->control : &loaded);
+    if (status == BF_OK)
+        r->control = loaded;
+    return status;
 }
 
 bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
@@ -184,14 +211,13 @@ bf_status run_resume(run *r, const void *bytes, size_t n, bf_error *err)
         return status;
     if (!checkpoint_read(&reader, &h, sizeof h) || h.step > r->plan.n_steps)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    status = r->backend->load(r->solver, reader.at, reader.n_left, err);
-    if (status != BF_OK)
+    if ((status = load_state(r, &reader, err)) != BF_OK)
         return status;
     r->step = r->first_step = h.step;
     r->parts_start = h.parts_start;
     r->peak = h.peak;
-    restore_schedule(&r->samples, h.sample_index, h.n_samples, r->plan.dt);
-    restore_schedule(&r->snapshots, h.snapshot_index, h.n_snapshots, r->plan.dt);
+    restore_series(r, &r->samples, h.n_samples);
+    restore_series(r, &r->snapshots, h.n_snapshots);
     return BF_OK;
 }
 
@@ -243,9 +269,7 @@ static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
 static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 {
     const saved_header h = { .step = r->step,
-                             .sample_index = r->samples.index,
                              .n_samples = r->samples.n,
-                             .snapshot_index = r->snapshots.index,
                              .n_snapshots = r->snapshots.n,
                              .parts_start = r->parts_start,
                              .peak = r->peak };
@@ -254,6 +278,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
     r->checkpoint.n = 0;
     checkpoint_begin(&w, &r->checkpoint, CHECKPOINT_RUN, r->definition);
     checkpoint_write(&w, &h, sizeof h);
+    control_save(&r->control, &w);
     bf_status status = r->backend->save(r->solver, &r->checkpoint, err);
     if (status == BF_OK)
         status = checkpoint_end(&w, err);
@@ -270,6 +295,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
     const run_load load = r->backend->measure(r->solver);
     frame f = { .type = FRAME_END,
                 .end = { .stopped = is_stopped,
+                         .reason = r->reason,
                          .n_steps = r->step,
                          .t = time_now(r),
                          .n_cells = grid_cells(&r->plan.grid),
@@ -285,6 +311,22 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
     return sink->take(sink->context, &f, err);
 }
 
+// In the order of columns.h.
+static void fill_columns(const run *r, const run_load *load, double *values)
+{
+    const scene *s = r->scene;
+
+    r->backend->count(r->solver, values);
+    values += s->n_counters;
+    *values++ = r->parts_start + load->entered - load->parts;
+    for (size_t k = 0; k < s->n_feeds; k++, values += COLUMNS_OF_FEED) {
+        const feed_balance balance = r->backend->balance(r->solver, k);
+        columns_put_feed(&balance, values);
+    }
+    for (size_t k = 0; k < s->n_eyes; k++)
+        *values++ = r->control.eyes.states[k].is_blocked;
+}
+
 // Takes a sample of the curve; a full batch is emitted.
 static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
 {
@@ -296,10 +338,8 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     const run_load load = r->backend->measure(r->solver);
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
-    r->backend->count(r->solver, values);
-    values[r->n_columns - 1] = r->parts_start + load.entered - load.parts;
-    r->samples.n++;
-    move_past(&r->samples, r->step, r->plan.dt);
+    fill_columns(r, &load, values);
+    move_on(r, &r->samples);
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }
 
@@ -309,13 +349,16 @@ static bf_status emit_parts(run *r, uint64_t n_rows, const run_sink *sink, bf_er
         return BF_OK;
     if (reserve_parts(r, n_rows) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the parts of a snapshot");
-    r->backend->parts(r->solver, r->parts);
+    r->backend->parts(r->solver, &r->parts);
     const frame f = { .type = FRAME_PARTS,
                       .parts = { .index = r->snapshots.n,
                                  .t = time_now(r),
                                  .n_parts = n_rows,
                                  .n_values = r->plan.n_values,
-                                 .rows = r->parts } };
+                                 .rows = r->parts.rows,
+                                 .n_ids = r->scene->n_feeds > 0 ? n_rows : 0,
+                                 .ids = r->parts.ids,
+                                 .kinds = r->parts.kinds } };
     return sink->take(sink->context, &f, err);
 }
 
@@ -340,20 +383,34 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
     status = sink->take(sink->context, &f, err);
     if (status == BF_OK)
         status = emit_parts(r, load.n_rows, sink, err);
-    r->snapshots.n++;
-    move_past(&r->snapshots, r->step, r->plan.dt);
+    move_on(r, &r->snapshots);
     return status;
+}
+
+// Makes the tick of the present step, where there is one.
+static bf_status make_tick(run *r, const run_sink *sink, bf_error *err)
+{
+    if (r->control.n_tick == 0 || (r->step % r->control.n_tick != 0 && r->step < r->plan.n_steps))
+        return BF_OK;
+    bf_status status = control_tick(&r->control, r->solver, r->step, sink, err);
+    if (status == BF_OK && control_is_drained(&r->control, r->solver))
+        r->reason = FRAME_END_DRAINED;
+    return status;
+}
+
+static bool is_over(const run *r)
+{
+    return r->step == r->plan.n_steps || r->reason != FRAME_END_DURATION;
 }
 
 // Takes what is due at the present step.
 static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
 {
-    const bool is_end = r->step == r->plan.n_steps;
-    bf_status status = BF_OK;
+    bf_status status = make_tick(r, sink, err);
 
-    if (r->step >= r->samples.step || is_end)
+    if (status == BF_OK && (r->step >= r->samples.step || is_over(r)))
         status = take_sample(r, sink, err);
-    if (status == BF_OK && (r->step >= r->snapshots.step || is_end))
+    if (status == BF_OK && (r->step >= r->snapshots.step || is_over(r)))
         status = take_snapshot(r, sink, err);
     return status;
 }
@@ -372,22 +429,25 @@ static bf_status serve_request(run *r, unsigned request, const run_sink *sink, b
     return status;
 }
 
-// Steps until the next result is due, but not so many that a request waits for long.
+// Steps until the next result or tick is due, but not so many that a request waits for long.
 static uint64_t count_steps(const run *r)
 {
-    uint64_t next = r->samples.step < r->snapshots.step ? r->samples.step : r->snapshots.step;
-    uint64_t n = (next < r->plan.n_steps ? next : r->plan.n_steps) - r->step;
+    const uint64_t dues[] = { r->snapshots.step, control_next(&r->control, r->step),
+                              r->plan.n_steps, r->step + r->plan.n_advance };
+    uint64_t next = r->samples.step;
 
-    return n < r->plan.n_advance ? n : r->plan.n_advance;
+    for (size_t k = 0; k < sizeof dues / sizeof *dues; k++)
+        next = dues[k] < next ? dues[k] : next;
+    return next - r->step;
 }
 
 bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
 {
     bf_status status = emit_begin(r, sink, err);
 
-    if (status == BF_OK && r->step == 0)
+    if (status == BF_OK && r->samples.n == 0)
         status = take_results(r, sink, err);
-    while (status == BF_OK && r->step < r->plan.n_steps) {
+    while (status == BF_OK && !is_over(r)) {
         const unsigned request =
             sink->requested == NULL ? RUN_GO_ON : sink->requested(sink->context);
         if (request != RUN_GO_ON) {

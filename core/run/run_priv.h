@@ -6,6 +6,7 @@
 #include "core/base/faults.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/feed/balance.h"
 #include "core/micro/micro.h"
 #include "core/run/frame.h"
 #include "core/scene/placement.h"
@@ -24,16 +25,40 @@ typedef struct run_plan {
     uint64_t n_parts;   ///< parts at the start; more may enter later
     uint32_t n_values;  ///< values of a part in FRAME_PARTS; 0: the model has no parts
     uint64_t n_advance; ///< most steps between two calls of run_sink.requested, >= 1
+    uint64_t n_tick;    ///< steps of a tick, >= 1; depends on the scenario alone
 } run_plan;
 
 /// What is in the domain at one time.
 typedef struct run_load {
-    double parts;   ///< parts in the domain
-    double entered; ///< parts that entered since t = 0
-    double peak;    ///< largest density; 0 where the model knows it at snapshots only
-    uint64_t
-        n_rows; ///< rows of FRAME_PARTS: parts at the start and entered, including those that left
+    double parts;    ///< parts in the domain
+    double entered;  ///< parts that entered since t = 0
+    double peak;     ///< largest density; 0 where the model knows it at snapshots only
+    uint64_t n_rows; ///< rows of FRAME_PARTS, see run_parts
 } run_load;
+
+/// The parts of FRAME_PARTS, in arrays with room for the rows of run_load.
+typedef struct run_parts {
+    double *rows; ///< n_values of each
+    uint64_t
+        *ids; ///< of scenarios with feeds, whose rows are the parts in the domain; else not filled
+    uint32_t *kinds; ///< same
+} run_parts;
+
+/// A part that left the domain.
+typedef struct run_departure {
+    uint64_t id;    ///< unique, rising in the order of entering
+    uint32_t kind;  ///< index into scene.cargo
+    uint32_t feed;  ///< index into scene.feeds; n_feeds: it was there at the start
+    double entered; ///< when it entered, s
+    double left;    ///< when it left, s
+    vec2 at;        ///< where, m
+} run_departure;
+
+/// Departures, borrowed from the model until the next tick.
+typedef struct run_departures {
+    size_t n;                   ///< how many
+    const run_departure *items; ///< in the order of their ids
+} run_departures;
 
 /// A model. solver is what create() made.
 typedef struct run_backend {
@@ -53,13 +78,28 @@ typedef struct run_backend {
     run_load (*measure)(const void *solver);
     /// Fill the density grid, n2 rows of n1, and measure it.
     bf_status (*snapshot)(void *solver, float *ret_rho, run_load *ret_load, bf_error *err);
-    /// Fill the rows of FRAME_PARTS, ret_load->n_rows of the snapshot. NULL: the model has no parts.
-    void (*parts)(const void *solver, double *ret_rows);
+    /// Fill the parts of FRAME_PARTS, ret_load->n_rows of the snapshot. NULL: the model has no parts.
+    void (*parts)(const void *solver, const run_parts *ret_parts);
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
     void (*fill_end)(const void *solver, frame_end *end);
     bf_status (*save)(const void *solver, bf_buffer *out, bf_error *err);
     bf_status (*load)(void *solver, const void *bytes, size_t n, bf_error *err);
     uint64_t (*digest)(const void *solver);
+
+    // At a tick, in this order (control.h). The time is that of the steps made.
+    /// Take the parts that left the domain since the last tick. NULL: the model has no parts. BF_ENOMEM.
+    bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
+    /// Fill one value per photo eye: is the beam broken?
+    void (*look)(const void *solver, bool *ret_broken);
+    /// Give the target of an action its value.
+    void (*command)(void *solver, const scene_action *action);
+    /// Let the parts of the feeds enter that are due and find a place. BF_ENOMEM.
+    bf_status (*admit)(void *solver, bf_error *err);
+
+    /// What became of the parts of a feed until the last tick.
+    feed_balance (*balance)(const void *solver, size_t feed);
+    /// True if no feed will deliver any more part, and none waits.
+    bool (*is_exhausted)(const void *solver);
 } run_backend;
 
 /// The macroscopic model.

@@ -1,10 +1,21 @@
 #include "core/scene/belt_speeds.h"
 
+#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/scene/ranges.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+
+// A knot at the start, and of each ramp its beginning and its end.
+enum { COMMAND_KNOTS = 3 };
+
+// A commandable curve in a checkpoint.
+typedef struct saved_curve {
+    uint64_t n; // 0: never commanded
+    belt_speeds_knot knots[COMMAND_KNOTS];
+} saved_curve;
 
 static void add_knot(belt_speeds_curve *c, double t, double factor)
 {
@@ -15,12 +26,11 @@ static void add_knot(belt_speeds_curve *c, double t, double factor)
 }
 
 // The ramp to a target from t on, which ends at `until` at the latest.
-static void add_ramp(const scene_belt *belt, double t, double target, double until,
-                     belt_speeds_curve *c)
+static void add_ramp(double t, double target, double until, belt_speeds_curve *c)
 {
-    const double speed = vec2_length(belt->velocity), from = c->knots[c->n - 1].factor;
-    const double rate = target > from ? belt->acceleration : belt->deceleration;
-    const double end = t + fabs(target - from) * speed / rate;
+    const double from = c->knots[c->n - 1].factor;
+    const double rate = target > from ? c->acceleration : c->deceleration;
+    const double end = t + fabs(target - from) * c->speed / rate;
 
     add_knot(c, t, from);
     if (!(end > t))
@@ -36,15 +46,77 @@ static bf_status make_curve(const scene_belt *belt, belt_speeds_curve *c)
     const scene_speed_schedule *s = &belt->speed_schedule;
     const bool begins = s->n_times > 0 && s->times[0] == 0.0;
 
-    // A knot at the start, and of each ramp its beginning and its end.
-    c->knots = memory_alloc(1 + 2 * s->n_times, sizeof *c->knots);
+    *c = (belt_speeds_curve){ .speed = vec2_length(belt->velocity),
+                              .acceleration = belt->acceleration,
+                              .deceleration = belt->deceleration,
+                              .is_commandable = belt->is_commanded,
+                              .knots =
+                                  memory_alloc(COMMAND_KNOTS + 2 * s->n_times, sizeof *c->knots) };
     if (c->knots == NULL)
         return BF_ENOMEM;
     add_knot(c, 0.0, begins ? s->factors[0] : 1.0);
     for (size_t k = begins ? 1 : 0; k < s->n_times; k++)
-        add_ramp(belt, s->times[k], s->factors[k], k + 1 < s->n_times ? s->times[k + 1] : INFINITY,
-                 c);
+        add_ramp(s->times[k], s->factors[k], k + 1 < s->n_times ? s->times[k + 1] : INFINITY, c);
     return BF_OK;
+}
+
+void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor)
+{
+    belt_speeds_curve *c = &speeds->curves[belt];
+    const double from = belt_speeds_at(speeds, belt, t);
+
+    BF_CHECK(c->is_commandable);
+    c->was_commanded = true;
+    c->n = 0;
+    add_knot(c, t, from);
+    add_ramp(t, factor, INFINITY, c);
+}
+
+void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w)
+{
+    for (size_t k = 0; k < speeds->n_belts; k++) {
+        const belt_speeds_curve *c = &speeds->curves[k];
+        saved_curve saved = { .n = c->was_commanded ? c->n : 0 };
+        if (!c->is_commandable)
+            continue;
+        for (size_t i = 0; i < saved.n; i++)
+            saved.knots[i] = c->knots[i];
+        checkpoint_write(w, &saved, sizeof saved);
+    }
+}
+
+static size_t count_commandable(const belt_speeds *speeds)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < speeds->n_belts; k++)
+        n += speeds->curves[k].is_commandable;
+    return n;
+}
+
+bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
+{
+    const size_t n = count_commandable(speeds);
+    const char *at = checkpoint_read_items(r, n, sizeof(saved_curve));
+    saved_curve saved;
+    bool is_sound = at != NULL;
+
+    for (size_t i = 0; i < n && is_sound; i++) {
+        memcpy(&saved, at + i * sizeof saved, sizeof saved);
+        is_sound = saved.n <= COMMAND_KNOTS;
+    }
+    for (size_t k = 0; k < speeds->n_belts && is_sound; k++) {
+        belt_speeds_curve *c = &speeds->curves[k];
+        if (!c->is_commandable)
+            continue;
+        memcpy(&saved, at, sizeof saved);
+        at += sizeof saved;
+        c->was_commanded = saved.n > 0;
+        if (c->was_commanded)
+            memcpy(c->knots, saved.knots, sizeof saved.knots);
+        c->n = c->was_commanded ? saved.n : c->n;
+    }
+    return is_sound;
 }
 
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
@@ -52,7 +124,8 @@ bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts)
     bool are_constant = true;
 
     for (size_t k = 0; k < n_belts; k++)
-        are_constant = are_constant && belts[k].speed_schedule.n_times == 0;
+        are_constant =
+            are_constant && belts[k].speed_schedule.n_times == 0 && !belts[k].is_commanded;
     return are_constant;
 }
 
@@ -147,7 +220,7 @@ double belt_speeds_largest(const scene_belt *belt)
 
     for (size_t k = 0; k < s->n_factors; k++)
         largest = fmax(largest, s->factors[k]);
-    return largest;
+    return belt->is_commanded ? fmax(largest, belt->command_factor) : largest;
 }
 
 static void check_acceleration(double acceleration, const char *belt, const char *member,

@@ -9,11 +9,14 @@
 /// corners ("knots"), which are made once. In a step of a solver a belt moves at its mean speed over the step: so
 /// its displacement is exact whatever the step, and depends on the number of the step alone.
 ///
+/// A command has the effect of a time of the schedule, and the schedule has none from then on.
+///
 /// Units    SI.
 /// Errors   belt_speeds_init() expects schedules that belt_speeds_check() finds no fault in.
 
 #pragma once
 
+#include "core/base/checkpoint.h"
 #include "core/base/faults.h"
 #include "core/base/status.h"
 #include "core/scene/types.h"
@@ -30,15 +33,22 @@ typedef struct belt_speeds_knot {
 
 /// f of a belt.
 typedef struct belt_speeds_curve {
-    size_t n;                ///< >= 1
-    belt_speeds_knot *knots; ///< the first at t = 0, times not falling; constant after the last
+    size_t n; ///< >= 1
+    belt_speeds_knot
+        *knots;   ///< the first at t = 0 or at the time of the last command, times not falling;
+                  ///< constant after the last
+    double speed; ///< |v_T|, m/s
+    double acceleration; ///< m/s2
+    double deceleration; ///< m/s2
+    bool is_commandable; ///< scene_belt.is_commanded
+    bool was_commanded;  ///< there was a command
 } belt_speeds_curve;
 
 /// The speeds of a number of belts.
 typedef struct belt_speeds {
     size_t n_belts;            ///< see there
     belt_speeds_curve *curves; ///< of each belt
-    bool are_constant;         ///< belt_speeds_are_constant()
+    bool are_constant;         ///< belt_speeds_are_constant(); then none is ever commanded
 } belt_speeds;
 
 /// Make the speeds of belts. The caller owns them: belt_speeds_fini(). BF_ENOMEM: *ret_speeds is empty.
@@ -58,10 +68,19 @@ double belt_speeds_mean(const belt_speeds *speeds, size_t belt, double from, dou
 /// n_belts + 1; the last one, for places off every belt, is 1.
 void belt_speeds_in_step(const belt_speeds *speeds, uint64_t step, double dt, double *ret_factors);
 
-/// True if no belt has a speed schedule: every f is 1 at all times.
+/// Let a commandable belt head for a factor from a time t on, s, >= that of the last command. Times before t must not
+/// be asked for any more.
+void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double factor);
+
+/// Write the commands to a checkpoint, nothing where no belt is commandable, and take them from one of the same
+/// belts into speeds without commands. False: it is damaged, and *speeds as before.
+void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
+BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
+
+/// True if no belt has a speed schedule or can be commanded: every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
 
-/// The largest f of a belt that its schedule allows at any time.
+/// The largest f of a belt that its schedule and actions allow at any time.
 double belt_speeds_largest(const scene_belt *belt);
 
 /// Note faults of a belt's accelerations and schedule; pointer is that of the belt.

@@ -26,7 +26,7 @@ static uint64_t add_speed(uint64_t digest, const scene_belt *belt)
 {
     const scene_speed_schedule *s = &belt->speed_schedule;
 
-    if (s->n_times == 0)
+    if (s->n_times == 0 && !belt->is_commanded)
         return digest;
     digest = ADD_NUMBERS(digest, (double)s->n_times, belt->acceleration, belt->deceleration);
     digest = digest_add(digest, s->times, s->n_times * sizeof *s->times);

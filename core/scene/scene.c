@@ -265,6 +265,22 @@ static void fill_in_numbered(char *id, const char *word, size_t n)
         snprintf(id, SCENE_ID_SIZE, "%s-%zu", word, n + 1);
 }
 
+// Targets know what actions may do to them.
+static void resolve_actions(scene *s)
+{
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        const bool is_plate = a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_PRESENCE;
+        if (is_plate && a->target < s->n_obstacles)
+            s->obstacles[a->target].is_commanded = true;
+        if (a->type == SCENE_ACTION_BELT && a->target < s->n_belts) {
+            scene_belt *belt = &s->belts[a->target];
+            belt->is_commanded = true;
+            belt->command_factor = fmax(belt->command_factor, a->value);
+        }
+    }
+}
+
 static void resolve_feeds_and_eyes(scene *s)
 {
     if (s->initial.type == SCENE_INITIAL_COUNT && s->n_feeds > 0)
@@ -275,12 +291,7 @@ static void resolve_feeds_and_eyes(scene *s)
         fill_in_numbered(s->feeds[k].id, "feed", k);
         resolve_feed(s, &s->feeds[k]);
     }
-    for (size_t k = 0; k < s->n_actions; k++) {
-        const scene_action *a = &s->actions[k];
-        if ((a->type == SCENE_ACTION_TURN || a->type == SCENE_ACTION_PRESENCE) &&
-            a->target < s->n_obstacles)
-            s->obstacles[a->target].is_commanded = true;
-    }
+    resolve_actions(s);
     for (size_t k = 0; k < s->n_eyes; k++)
         fill_in_numbered(s->eyes[k].id, "eye", k);
     for (size_t k = 0; k < s->output.n_windows; k++) {

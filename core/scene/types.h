@@ -46,8 +46,10 @@ typedef struct scene_belt {
     double acceleration;    ///< with which its speed rises, m/s2, > 0 (default INFINITY: at once)
     double deceleration;    ///< with which it falls, m/s2, > 0 (default INFINITY: at once)
     scene_speed_schedule speed_schedule; ///< see there
-    size_t n_points;                     ///< 0: the belt covers the domain
-    vec2 *polygon;                       ///< simple polygon, n_points >= 3 corners, m
+    bool is_commanded;     ///< there is an action that changes its speed; set by scene_resolve()
+    double command_factor; ///< the largest factor of these; set by scene_resolve()
+    size_t n_points;       ///< 0: the belt covers the domain
+    vec2 *polygon;         ///< simple polygon, n_points >= 3 corners, m
 } scene_belt;
 
 /// How the macroscopic model holds cargo back at an obstacle.

@@ -290,6 +290,65 @@ static void there_is_a_factor_for_each_time_and_not_too_many(void **state)
     assert_fault(&belt, BF_ELIMIT, "/b/speed_schedule");
 }
 
+// A belt at 0.5 m/s that actions may command, with a jump to 0 at 10 s by its own schedule.
+static scene_belt commanded_belt(void)
+{
+    static double times[] = { 10.0 }, factors[] = { 0.0 };
+    scene_belt belt = belt_with(0.25, 0.5, 1, times, factors);
+
+    belt.is_commanded = true;
+    belt.command_factor = 1.5;
+    return belt;
+}
+
+static void a_command_ramps_and_replaces_the_schedule(void **state)
+{
+    const scene_belt belt = commanded_belt();
+    belt_speeds speeds = speeds_of(&belt);
+
+    (void)state;
+    assert_false(speeds.are_constant);
+    assert_true(belt_speeds_largest(&belt) == 1.5);
+    // Down by 1/s to 0.5 at 2.5 s; the schedule would stop it at 10 s.
+    belt_speeds_command(&speeds, 0, 2.0, 0.5);
+    ASSERT_FACTORS(&speeds, { 2.0, 1.0 }, { 2.25, 0.75 }, { 2.5, 0.5 }, { 20.0, 0.5 });
+    assert_near(belt_speeds_mean(&speeds, 0, 2.0, 3.0), 0.5 * 0.75 + 0.5 * 0.5, 1e-15);
+    // Up by 0.5/s, from 0.5 at 30 s to 1.5 at 32 s; a command within that ramp begins at 1 at 31 s.
+    belt_speeds_command(&speeds, 0, 30.0, 1.5);
+    ASSERT_FACTORS(&speeds, { 30.0, 0.5 }, { 31.0, 1.0 }, { 32.0, 1.5 });
+    belt_speeds_command(&speeds, 0, 31.0, 0.0);
+    ASSERT_FACTORS(&speeds, { 31.0, 1.0 }, { 31.5, 0.5 }, { 32.0, 0.0 }, { 1e9, 0.0 });
+    belt_speeds_fini(&speeds);
+}
+
+static void saved_commands_come_back_with_the_same_bits(void **state)
+{
+    const scene_belt belts[] = { belt_with(INFINITY, INFINITY, 0, NULL, NULL), commanded_belt(),
+                                 commanded_belt() };
+    belt_speeds speeds, loaded;
+    checkpoint_writer w;
+    checkpoint_reader r;
+    bf_buffer out = { 0 };
+
+    (void)state;
+    assert_int_equal(belt_speeds_init(&speeds, 3, belts, NULL), BF_OK);
+    assert_int_equal(belt_speeds_init(&loaded, 3, belts, NULL), BF_OK);
+    belt_speeds_command(&speeds, 2, 0.1, 0.3);
+    checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+    belt_speeds_save(&speeds, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    assert_true(belt_speeds_load(&loaded, &r));
+    assert_false(belt_speeds_load(&loaded, &r)); // nothing is left
+    for (size_t belt = 0; belt < 3; belt++)
+        for (int k = 0; k < 20; k++)
+            assert_true(belt_speeds_at(&loaded, belt, 0.1 + 0.7 * k) ==
+                        belt_speeds_at(&speeds, belt, 0.1 + 0.7 * k));
+    belt_speeds_fini(&speeds);
+    belt_speeds_fini(&loaded);
+    buffer_fini(&out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -306,6 +365,8 @@ int main(void)
         cmocka_unit_test(accelerations_are_positive),
         cmocka_unit_test(times_rise_and_factors_are_not_negative),
         cmocka_unit_test(there_is_a_factor_for_each_time_and_not_too_many),
+        cmocka_unit_test(a_command_ramps_and_replaces_the_schedule),
+        cmocka_unit_test(saved_commands_come_back_with_the_same_bits),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,57 @@
+#include "core/run/columns.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *word;
+    size_t offset; // in feed_balance
+} of_feed[COLUMNS_OF_FEED] = {
+    { "offered", offsetof(feed_balance, offered) },
+    { "admitted", offsetof(feed_balance, admitted) },
+    { "waiting", offsetof(feed_balance, waiting) },
+    { "discarded", offsetof(feed_balance, discarded) },
+};
+
+size_t columns_count(const scene *s)
+{
+    return s->n_counters + 1 + COLUMNS_OF_FEED * s->n_feeds + s->n_eyes;
+}
+
+void columns_name(const scene *s, size_t k, char *ret_name)
+{
+    const size_t n_before_feeds = s->n_counters + 1;
+    const size_t n_before_eyes = n_before_feeds + COLUMNS_OF_FEED * s->n_feeds;
+
+    if (k < s->n_counters)
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s", s->counters[k].id);
+    else if (k < n_before_feeds)
+        snprintf(ret_name, COLUMN_NAME_SIZE, "left_domain");
+    else if (k < n_before_eyes)
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.%s",
+                 s->feeds[(k - n_before_feeds) / COLUMNS_OF_FEED].id,
+                 of_feed[(k - n_before_feeds) % COLUMNS_OF_FEED].word);
+    else
+        snprintf(ret_name, COLUMN_NAME_SIZE, "%s.blocked", s->eyes[k - n_before_eyes].id);
+}
+
+void columns_put_feed(const feed_balance *balance, double *ret_values)
+{
+    for (size_t k = 0; k < COLUMNS_OF_FEED; k++)
+        memcpy(&ret_values[k], (const char *)balance + of_feed[k].offset, sizeof *ret_values);
+}
+
+void columns_check(const scene *s, bf_faults *faults)
+{
+    char name[COLUMN_NAME_SIZE], pointer[BF_POINTER_SIZE];
+
+    for (size_t k = s->n_counters + 1; k < columns_count(s); k++) {
+        columns_name(s, k, name);
+        for (size_t c = 0; c < s->n_counters; c++) {
+            snprintf(pointer, sizeof pointer, "/counters/%zu/id", c);
+            if (strcmp(s->counters[c].id, name) == 0)
+                faults_add(faults, pointer, "\"%s\" is the name of another column of the curve",
+                           name);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+#include "core/run/control.h"
+
+// Less than this is no part any more where parts are divisible.
+static const double least_part = 0.5;
+
+control control_of(const scene *s, const run_backend *backend, const run_plan *plan)
+{
+    const bool needs_ticks = s->n_feeds > 0 || s->n_eyes > 0 || s->until != SCENE_UNTIL_DURATION;
+
+    return (control){ .scene = s,
+                      .backend = backend,
+                      .n_tick = needs_ticks ? plan->n_tick : 0,
+                      .dt = plan->dt,
+                      .eyes = photo_eyes_of(s, plan->dt),
+                      .commands = commands_of(s, plan->dt) };
+}
+
+void control_fini(control *c)
+{
+    commands_fini(&c->commands);
+}
+
+uint64_t control_next(const control *c, uint64_t step)
+{
+    return c->n_tick == 0 ? UINT64_MAX : (step / c->n_tick + 1) * c->n_tick;
+}
+
+static bf_status emit_change(control *c, uint64_t step, frame_change_type type, size_t item,
+                             bool is_blocked, const run_sink *sink, bf_error *err)
+{
+    const frame f = { .type = FRAME_CHANGE,
+                      .change = { .index = c->n_changes++,
+                                  .t = (double)step * c->dt,
+                                  .type = type,
+                                  .item = (uint32_t)item,
+                                  .is_blocked = is_blocked } };
+
+    return sink->take(sink->context, &f, err);
+}
+
+static bf_status watch(control *c, void *solver, uint64_t step, const run_sink *sink, bf_error *err)
+{
+    bool broken[SCENE_EYES_MAX] = { false };
+    bf_status status = BF_OK;
+
+    if (c->eyes.n == 0)
+        return BF_OK;
+    c->backend->look(solver, broken);
+    for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++) {
+        if (!photo_eyes_see(&c->eyes, k, step, broken[k]))
+            continue;
+        status = emit_change(c, step, FRAME_CHANGE_EYE, k, broken[k], sink, err);
+        if (status == BF_OK)
+            status = commands_note(&c->commands, k, broken[k], step, err);
+    }
+    return status;
+}
+
+static bf_status command_due(control *c, void *solver, uint64_t step, const run_sink *sink,
+                             bf_error *err)
+{
+    bf_status status = BF_OK;
+    size_t action;
+
+    while (status == BF_OK && commands_take(&c->commands, step, &action)) {
+        c->backend->command(solver, &c->scene->actions[action]);
+        status = emit_change(c, step, FRAME_CHANGE_ACTION, action, false, sink, err);
+    }
+    return status;
+}
+
+bf_status control_tick(control *c, void *solver, uint64_t step, const run_sink *sink, bf_error *err)
+{
+    run_departures departures = { .n = 0 };
+    bf_status status = BF_OK;
+
+    if (c->backend->depart != NULL)
+        status = c->backend->depart(solver, &departures, err);
+    if (status == BF_OK)
+        status = watch(c, solver, step, sink, err);
+    if (status == BF_OK)
+        status = command_due(c, solver, step, sink, err);
+    if (status == BF_OK && c->scene->n_feeds > 0)
+        status = c->backend->admit(solver, err);
+    return status;
+}
+
+bool control_is_drained(const control *c, const void *solver)
+{
+    return c->scene->until == SCENE_UNTIL_DRAINED &&
+           (c->scene->n_feeds == 0 || c->backend->is_exhausted(solver)) &&
+           c->backend->measure(solver).parts < least_part;
+}
+
+void control_save(const control *c, checkpoint_writer *w)
+{
+    if (c->n_tick == 0)
+        return;
+    checkpoint_write(w, &c->n_changes, sizeof c->n_changes);
+    photo_eyes_save(&c->eyes, w);
+    commands_save(&c->commands, w);
+}
+
+bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
+{
+    if (c->n_tick == 0)
+        return BF_OK;
+    if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) || !photo_eyes_load(&c->eyes, r))
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
+    return commands_load(&c->commands, r, err);
+}

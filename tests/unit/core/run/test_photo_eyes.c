@@ -1,0 +1,255 @@
+// Unit tests of photo eyes: states that last, beams that parts and cells meet, and commands with delays.
+
+#include "core/run/photo_eyes.h"
+
+#include "core/base/memory.h"
+#include "core/run/beam.h"
+#include "core/run/commands.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+// Steps of 0.1 s: blocked after 3 steps, clear after 2.
+static scene_photo_eye eye = { .block_time = 0.3, .clear_time = 0.2 };
+
+static scene scene_with_eye(void)
+{
+    return (scene){ .n_eyes = 1, .eyes = &eye };
+}
+
+static void a_state_changes_when_the_beam_has_been_so_for_its_time(void **state)
+{
+    const scene s = scene_with_eye();
+    photo_eyes eyes = photo_eyes_of(&s, 0.1);
+    static const struct {
+        bool is_broken, is_blocked, changes;
+    } expected[] = {
+        { true, false, false },  { true, false, false }, // broken for 1 step, 0.1 s
+        { false, false, false },                         // that was too short
+        { true, false, false },  { true, false, false }, { true, false, false },
+        { true, true, true }, // after 0.3 s
+        { true, true, false },   { false, true, false }, { true, true, false },
+        { false, true, false },  { false, true, false }, { false, false, true }, // after 0.2 s
+    };
+
+    (void)state;
+    for (uint64_t k = 0; k < sizeof expected / sizeof *expected; k++) {
+        assert_int_equal(photo_eyes_see(&eyes, 0, k, expected[k].is_broken), expected[k].changes);
+        assert_int_equal(eyes.states[0].is_blocked, expected[k].is_blocked);
+    }
+}
+
+static void times_that_rounding_touches_end_at_their_step(void **state)
+{
+    scene_photo_eye third = { .block_time = 0.3, .clear_time = 0.0 };
+    const scene s = { .n_eyes = 1, .eyes = &third };
+    photo_eyes eyes = photo_eyes_of(&s, 1e-3);
+
+    (void)state;
+    // 0.3 and 700 * 1e-3 - 400 * 1e-3 differ in their last bits.
+    assert_false(photo_eyes_see(&eyes, 0, 400, true));
+    assert_false(photo_eyes_see(&eyes, 0, 699, true));
+    assert_true(photo_eyes_see(&eyes, 0, 700, true));
+    assert_true(photo_eyes_see(&eyes, 0, 701, false));
+}
+
+static void a_saved_eye_goes_on_as_it_would_have(void **state)
+{
+    const scene s = scene_with_eye();
+    photo_eyes eyes = photo_eyes_of(&s, 0.1), loaded = photo_eyes_of(&s, 0.1);
+    checkpoint_writer w;
+    checkpoint_reader r;
+    bf_buffer out = { 0 };
+
+    (void)state;
+    assert_false(photo_eyes_see(&eyes, 0, 5, true));
+    checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+    photo_eyes_save(&eyes, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    assert_true(photo_eyes_load(&loaded, &r));
+    assert_false(photo_eyes_load(&loaded, &r)); // nothing is left
+    assert_false(photo_eyes_see(&loaded, 0, 7, true));
+    assert_true(photo_eyes_see(&loaded, 0, 8, true));
+    buffer_fini(&out);
+}
+
+static const vec2 beam[2] = { { 0.5, 0.1 }, { 0.5, 0.4 } };
+
+static void a_disk_breaks_the_beams_that_it_touches(void **state)
+{
+    const scene_shape disk = { .type = SCENE_CYLINDER, .radius = 0.0625, .height = 0.01 };
+    const shape_footprint f = shape_footprint_of(&disk);
+
+    (void)state;
+    assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.5625, 0.2, 0.0 }));
+    assert_false(beam_meets_part(beam, &f, (scene_pose){ 0.5626, 0.2, 0.0 }));
+    assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.5, 0.46, 0.0 }));
+    assert_false(
+        beam_meets_part(beam, &f, (scene_pose){ 0.55, 0.45, 0.0 })); // 0.0707 m from its end
+}
+
+static void a_box_breaks_the_beams_that_it_touches_as_it_is_turned(void **state)
+{
+    const scene_shape box = { .type = SCENE_BOX, .length = 0.2, .width = 0.02, .height = 0.01 };
+    const shape_footprint f = shape_footprint_of(&box);
+    const vec2 within[2] = { { 0.0, 0.0 }, { 0.001, 0.0 } };
+
+    (void)state;
+    assert_true(beam_meets_part(beam, &f, (scene_pose){ 0.41, 0.2, 0.0 }));
+    assert_false(beam_meets_part(beam, &f, (scene_pose){ 0.41, 0.2, 1.5707963267948966 }));
+    assert_true(beam_meets_part(within, &f, (scene_pose){ 0.0, 0.0, 0.3 })); // wholly inside
+}
+
+static void assert_cells(const vec2 line[2], size_t n, const size_t *expected)
+{
+    const bf_grid grid = { 4, 3, 0.0, 0.0, 0.1, 0.1 };
+    beam_cells cells;
+
+    assert_int_equal(beam_cells_of(line, &grid, &cells, NULL), BF_OK);
+    assert_int_equal(cells.n, n);
+    if (n > 0)
+        assert_memory_equal(cells.cells, expected, n * sizeof *expected);
+    beam_cells_fini(&cells);
+}
+
+static void a_beam_has_the_cells_that_it_crosses_or_touches(void **state)
+{
+    (void)state;
+    assert_cells((vec2[]){ { 0.05, 0.05 }, { 0.05, 0.25 } }, 3, (size_t[]){ 0, 4, 8 });
+    assert_cells((vec2[]){ { 0.1, 0.05 }, { 0.1, 0.15 } }, 4, (size_t[]){ 0, 1, 4, 5 });
+    assert_cells((vec2[]){ { 0.05, 0.02 }, { 0.15, 0.12 } }, 3, (size_t[]){ 0, 1, 5 });
+    assert_cells((vec2[]){ { -1.0, 0.25 }, { 9.0, 0.25 } }, 4, (size_t[]){ 8, 9, 10, 11 });
+    assert_cells((vec2[]){ { 0.5, 0.0 }, { 0.6, 0.3 } }, 0, NULL);
+}
+
+// Four actions of two eyes.
+static scene_action actions[] = {
+    { .eye = 0, .when_blocked = true, .delay = 0.2 },
+    { .eye = 1, .when_blocked = true, .delay = 0.1 },
+    { .eye = 0, .when_blocked = true, .delay = 0.0 },
+    { .eye = 0, .when_blocked = false, .delay = 0.1 },
+};
+static const scene commanded = { .n_actions = 4, .actions = actions };
+
+static void assert_taken(commands *c, uint64_t step, size_t expected)
+{
+    size_t action = SIZE_MAX;
+
+    assert_true(commands_take(c, step, &action));
+    assert_int_equal(action, expected);
+}
+
+static void commands_come_when_due_and_those_of_a_step_in_the_order_of_actions(void **state)
+{
+    commands c = commands_of(&commanded, 0.1);
+    size_t action;
+
+    (void)state;
+    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK); // 2 at step 10, 0 at step 12
+    assert_taken(&c, 10, 2);
+    assert_false(commands_take(&c, 11, &action));
+    assert_int_equal(commands_note(&c, 0, false, 11, NULL), BF_OK); // 3 at step 12
+    assert_int_equal(commands_note(&c, 1, true, 11, NULL), BF_OK);  // 1 at step 12
+    assert_taken(&c, 13, 0);
+    assert_taken(&c, 13, 1);
+    assert_taken(&c, 13, 3);
+    assert_false(commands_take(&c, 1000, &action));
+    commands_fini(&c);
+}
+
+static void saved_commands_come_as_they_would_have(void **state)
+{
+    commands c = commands_of(&commanded, 0.1), loaded = commands_of(&commanded, 0.1);
+    checkpoint_writer w;
+    checkpoint_reader r;
+    bf_buffer out = { 0 };
+    size_t action;
+
+    (void)state;
+    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK);
+    checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+    commands_save(&c, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    assert_int_equal(commands_load(&loaded, &r, NULL), BF_OK);
+    assert_int_equal(commands_load(&loaded, &r, NULL), BF_ECORRUPT); // nothing is left
+    assert_taken(&loaded, 10, 2);
+    assert_false(commands_take(&loaded, 11, &action));
+    assert_taken(&loaded, 12, 0);
+    commands_fini(&c);
+    commands_fini(&loaded);
+    buffer_fini(&out);
+}
+
+static void an_action_that_is_not_in_the_scene_is_damage(void **state)
+{
+    const scene fewer = { .n_actions = 2, .actions = actions };
+    commands c = commands_of(&commanded, 0.1), loaded = commands_of(&fewer, 0.1);
+    checkpoint_writer w;
+    checkpoint_reader r;
+    bf_buffer out = { 0 };
+
+    (void)state;
+    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_OK);
+    checkpoint_begin(&w, &out, CHECKPOINT_RUN, 1);
+    commands_save(&c, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, out.bytes, out.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    assert_int_equal(commands_load(&loaded, &r, NULL), BF_ECORRUPT);
+    assert_int_equal(loaded.n, 0);
+    commands_fini(&c);
+    commands_fini(&loaded);
+    buffer_fini(&out);
+}
+
+static void more_commands_than_may_wait_end_the_run(void **state)
+{
+    scene_action late = { .when_blocked = true, .delay = 1e9 };
+    const scene s = { .n_actions = 1, .actions = &late };
+    commands c = commands_of(&s, 0.1);
+    bf_error err;
+
+    (void)state;
+    for (uint64_t k = 0; k < COMMANDS_MAX; k++)
+        assert_int_equal(commands_note(&c, 0, true, k, NULL), BF_OK);
+    assert_int_equal(commands_note(&c, 0, true, COMMANDS_MAX, &err), BF_ELIMIT);
+    assert_string_equal(err.pointer, "/actions");
+    commands_fini(&c);
+}
+
+static void no_memory_is_reported(void **state)
+{
+    const bf_grid grid = { 4, 3, 0.0, 0.0, 0.1, 0.1 };
+    const vec2 line[2] = { { 0.05, 0.05 }, { 0.05, 0.25 } };
+    commands c = commands_of(&commanded, 0.1);
+    beam_cells cells = { .n = 99 };
+
+    (void)state;
+    memory_plan_fault(1, 1);
+    assert_int_equal(beam_cells_of(line, &grid, &cells, NULL), BF_ENOMEM);
+    assert_int_equal(commands_note(&c, 0, true, 10, NULL), BF_ENOMEM);
+    memory_plan_fault(0, 0);
+    assert_int_equal(cells.n, 99);
+    assert_int_equal(c.n, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_state_changes_when_the_beam_has_been_so_for_its_time),
+        cmocka_unit_test(times_that_rounding_touches_end_at_their_step),
+        cmocka_unit_test(a_saved_eye_goes_on_as_it_would_have),
+        cmocka_unit_test(a_disk_breaks_the_beams_that_it_touches),
+        cmocka_unit_test(a_box_breaks_the_beams_that_it_touches_as_it_is_turned),
+        cmocka_unit_test(a_beam_has_the_cells_that_it_crosses_or_touches),
+        cmocka_unit_test(commands_come_when_due_and_those_of_a_step_in_the_order_of_actions),
+        cmocka_unit_test(saved_commands_come_as_they_would_have),
+        cmocka_unit_test(an_action_that_is_not_in_the_scene_is_damage),
+        cmocka_unit_test(more_commands_than_may_wait_end_the_run),
+        cmocka_unit_test(no_memory_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
