@@ -27,6 +27,27 @@ static unsigned read_choice(const void *item, size_t offset)
     return choice;
 }
 
+static bool has_word(const char *const *words, const char *word)
+{
+    while (*words != NULL && strcmp(*words, word) != 0)
+        words++;
+    return *words != NULL;
+}
+
+// True if the member is of no form or of the one that the object has.
+static bool is_of_form(const member_table *table, const member *m, unsigned choice)
+{
+    bool is_of_any = false;
+
+    for (unsigned k = 0; table->forms[k] != NULL; k++) {
+        bool is_of_this = has_word(table->forms[k], m->name);
+        if (is_of_this && k == choice)
+            return true;
+        is_of_any = is_of_any || is_of_this;
+    }
+    return !is_of_any;
+}
+
 // True if the member can stand in the object that *item is (by its tag, its choice, its rule).
 static bool applies(const member_table *table, const member *m, const void *item)
 {
@@ -34,6 +55,8 @@ static bool applies(const member_table *table, const member *m, const void *item
         return m->applies(item);
     if (table->choice == MEMBER_ONE_OF)
         return (size_t)(m - table->members) == read_choice(item, table->offset_choice);
+    if (table->choice == MEMBER_ONE_FORM)
+        return is_of_form(table, m, read_choice(item, table->offset_choice));
     if (table->choice == MEMBER_TAGGED && m->tags != 0)
         return (m->tags >> read_choice(item, table->members[0].offset) & 1U) != 0;
     return true;
@@ -97,20 +120,43 @@ static void read_member(json_in *in, const json_t *object, const member_table *t
     json_pointer_leave(&in->pointer, mark);
 }
 
-// Sets the enum of a MEMBER_ONE_OF; false: there is not exactly one member.
-static bool choose_member(json_in *in, const json_t *object, const member_table *table, void *item)
+// The name that tells choice k of an object; NULL: there are no more choices.
+static const char *choice_name(const member_table *table, unsigned k)
+{
+    if (table->choice == MEMBER_ONE_FORM)
+        return table->forms[k] != NULL ? table->forms[k][0] : NULL;
+    return k < table->n ? table->members[k].name : NULL;
+}
+
+static void note_choices(json_in *in, const member_table *table, unsigned n_found)
+{
+    char names[MEMBER_TEXT_SIZE] = "";
+    size_t n = 0;
+
+    if (table->choice != MEMBER_ONE_FORM) {
+        json_in_fault(in, "must have exactly one of its members, not %u", n_found);
+        return;
+    }
+    for (unsigned k = 0; choice_name(table, k) != NULL && n < sizeof names; k++)
+        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", k == 0 ? "" : ", ",
+                              choice_name(table, k));
+    json_in_fault(in, "must have exactly one of: %s; not %u", names, n_found);
+}
+
+// Sets the enum of a MEMBER_ONE_OF or MEMBER_ONE_FORM; false: there is not exactly one choice.
+static bool choose(json_in *in, const json_t *object, const member_table *table, void *item)
 {
     unsigned n_found = 0;
     unsigned choice = 0;
 
-    for (unsigned k = 0; k < table->n; k++) {
-        if (json_object_get(object, table->members[k].name) != NULL) {
+    for (unsigned k = 0; choice_name(table, k) != NULL; k++) {
+        if (json_object_get(object, choice_name(table, k)) != NULL) {
             n_found++;
             choice = k;
         }
     }
     if (n_found != 1) {
-        json_in_fault(in, "must have exactly one of its members, not %u", n_found);
+        note_choices(in, table, n_found);
         return false;
     }
     memcpy(place_of(item, table->offset_choice), &choice, sizeof choice);
@@ -122,7 +168,8 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
     if (!json_in_is_object(in, value))
         return;
     note_unknown(in, value, table);
-    if (table->choice == MEMBER_ONE_OF && !choose_member(in, value, table, item))
+    if ((table->choice == MEMBER_ONE_OF || table->choice == MEMBER_ONE_FORM) &&
+        !choose(in, value, table, item))
         return;
     for (size_t k = 0; k < table->n; k++) {
         const member *m = &table->members[k];
@@ -135,51 +182,6 @@ void members_read(json_in *in, const struct json_t *value, const member_table *t
     }
     if (table->post_read != NULL)
         table->post_read(in, value, item);
-}
-
-// MEMBER_OMIT_EMPTY
-static bool is_empty(const member *m, const void *item)
-{
-    double number;
-    size_t n;
-
-    if (m->kind == &member_number) {
-        memcpy(&number, (const char *)item + m->offset, sizeof number);
-        return !isfinite(number);
-    }
-    memcpy(&n, (const char *)item + m->offset_n, sizeof n);
-    return n == 0;
-}
-
-static bool is_written(const member_table *table, const member *m, const void *item)
-{
-    if ((m->flags & MEMBER_FORM) != 0 || (m->name != NULL && m->kind->write == NULL))
-        return false;
-    if ((m->flags & MEMBER_OMIT_EMPTY) != 0 && is_empty(m, item))
-        return false;
-    return applies(table, m, item);
-}
-
-void members_write_into(json_out *w, const member_table *table, const void *item)
-{
-    for (size_t k = 0; k < table->n; k++) {
-        const member *m = &table->members[k];
-        if (!is_written(table, m, item))
-            continue;
-        if (m->name == NULL) {
-            members_write_into(w, m->table, (const char *)item + m->offset);
-            continue;
-        }
-        json_out_key(w, m->name);
-        m->kind->write(w, m, item);
-    }
-}
-
-void members_write(json_out *w, const member_table *table, const void *item)
-{
-    json_out_object(w);
-    members_write_into(w, table, item);
-    json_out_object_end(w);
 }
 
 void members_schema_name(const member_table *table, member_view view, char *ret_name)
@@ -320,4 +322,73 @@ bool members_write_default(json_out *w, const member_table *table, const member 
     json_out_key(w, "default");
     json_out_raw(w, text, strlen(text));
     return true;
+}
+
+// ---- writing
+
+// MEMBER_OMIT_EMPTY
+static bool is_empty(const member *m, const void *item)
+{
+    const void *place = (const char *)item + m->offset;
+    double number;
+    size_t n;
+
+    if (m->is_empty != NULL)
+        return m->is_empty(item);
+    if (m->kind == &member_number || m->kind == &member_whole) {
+        memcpy(&number, place, sizeof number);
+        return !isfinite(number);
+    }
+    if (m->kind == &member_text)
+        return *(const char *)place == '\0';
+    if (m->kind == &member_enum)
+        return m->words[read_choice(item, m->offset)] == NULL;
+    memcpy(&n, (const char *)item + m->offset_n, sizeof n);
+    return n == 0;
+}
+
+// MEMBER_OMIT_DEFAULT
+static bool is_default(json_out *w, const member_table *table, const member *m, const void *item)
+{
+    bf_buffer standard = { 0 }, value = { 0 };
+
+    append_init(table, m, &standard, &w->has_failed);
+    append_value(m, item, &value, &w->has_failed);
+    bool are_equal = !w->has_failed && strcmp(standard.bytes, value.bytes) == 0;
+    buffer_fini(&standard);
+    buffer_fini(&value);
+    return are_equal;
+}
+
+static bool is_written(json_out *w, const member_table *table, const member *m, const void *item)
+{
+    if ((m->flags & MEMBER_FORM) != 0 || (m->name != NULL && m->kind->write == NULL))
+        return false;
+    if ((m->flags & MEMBER_OMIT_EMPTY) != 0 && is_empty(m, item))
+        return false;
+    if ((m->flags & MEMBER_OMIT_DEFAULT) != 0 && is_default(w, table, m, item))
+        return false;
+    return applies(table, m, item);
+}
+
+void members_write_into(json_out *w, const member_table *table, const void *item)
+{
+    for (size_t k = 0; k < table->n; k++) {
+        const member *m = &table->members[k];
+        if (!is_written(w, table, m, item))
+            continue;
+        if (m->name == NULL) {
+            members_write_into(w, m->table, (const char *)item + m->offset);
+            continue;
+        }
+        json_out_key(w, m->name);
+        m->kind->write(w, m, item);
+    }
+}
+
+void members_write(json_out *w, const member_table *table, const void *item)
+{
+    json_out_object(w);
+    members_write_into(w, table, item);
+    json_out_object_end(w);
 }

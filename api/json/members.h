@@ -39,11 +39,13 @@ enum {
     MEMBER_FORM = 1,       ///< another way to say something: the table's post_read reads it, and it
                            ///< is never written
     MEMBER_OMIT_EMPTY = 2, ///< not written when empty: a list without items, an object whose count
-                           ///< is 0, a number that is not finite
+                           ///< is 0, a number that is not finite, a text of no bytes, an enum
+                           ///< beyond its words; or as is_empty says
     MEMBER_OPTIONAL = 4,   ///< answers: it may be missing
     MEMBER_FILE = 8,       ///< in files only: not in the document of the API
     MEMBER_SERVED = 16,    ///< its rule is false in files only: in answers it is always there
     MEMBER_INIT = 32,      ///< its default is what the table's init puts there
+    MEMBER_OMIT_DEFAULT = 64, ///< with MEMBER_INIT: not written where it has its default
 };
 
 enum { MEMBER_TEXT_SIZE = 160 }; ///< bytes of a text that is made of a member, with its terminator
@@ -75,13 +77,17 @@ struct member {
     /// Answers: true if the member stands in the object that *item is, which is optional then; NULL:
     /// always.
     bool (*applies)(const void *item);
+    bool (*is_empty)(
+        const void *item); ///< MEMBER_OMIT_EMPTY: says so of the object; NULL: see there
 };
 
 /// How the members of an object exclude each other.
 typedef enum member_choice {
-    MEMBER_ALL,    ///< they do not
-    MEMBER_TAGGED, ///< the first member is a word, the tag, that says which others there are
-    MEMBER_ONE_OF, ///< exactly one stands there; its index is an enum of the struct
+    MEMBER_ALL,      ///< they do not
+    MEMBER_TAGGED,   ///< the first member is a word, the tag, that says which others there are
+    MEMBER_ONE_OF,   ///< exactly one stands there; its index is an enum of the struct
+    MEMBER_ONE_FORM, ///< those of exactly one of the forms stand there, as the first one of each form
+                     ///< tells; the index of the form is an enum of the struct
 } member_choice;
 
 /// An object.
@@ -91,7 +97,7 @@ struct member_table {
     const member *members; ///< in the order in which they are written
     size_t size;           ///< of the struct, bytes; lists and defaults only
     member_choice choice;  ///< see there
-    size_t offset_choice;  ///< MEMBER_ONE_OF: of the enum
+    size_t offset_choice;  ///< MEMBER_ONE_OF, MEMBER_ONE_FORM: of the enum
     /// Where something can be given in several forms: the names of the members of each form, exactly
     /// one of which stands there; both lists end with NULL. NULL: there are no forms.
     const char *const *const *forms;
@@ -118,20 +124,30 @@ struct member_table {
     .title = (title_), .members = (array), .n = sizeof(array) / sizeof *(array)
 
 /// The kinds, with what lies at the member's offset.
-extern const member_kind member_number;      ///< number: double; not finite: null
-extern const member_kind member_step;        ///< number, not 0, or "auto": double, 0 for "auto"
-extern const member_kind member_count;       ///< whole number: uint32_t
-extern const member_kind member_seed;        ///< whole number below 2^53: uint64_t
-extern const member_kind member_int;         ///< whole number within the member's range: int
-extern const member_kind member_size;        ///< whole number: uint64_t; answers
-extern const member_kind member_bool;        ///< boolean: bool
-extern const member_kind member_text;        ///< string: char[limit]
-extern const member_kind member_string;      ///< string: const char *, NULL: null; answers
-extern const member_kind member_enum;        ///< one of words: an enum, its index
-extern const member_kind member_point;       ///< [x, y]: two doubles
-extern const member_kind member_interval;    ///< [from, to]: two doubles
-extern const member_kind member_numbers;     ///< list of numbers: pointer to doubles, and a count
-extern const member_kind member_points;      ///< list of [x, y]: pointer to vec2, and a count
+extern const member_kind member_number;   ///< number: double; not finite: null
+extern const member_kind member_degrees;  ///< number: double in radians
+extern const member_kind member_step;     ///< number, not 0, or "auto": double, 0 for "auto"
+extern const member_kind member_count;    ///< whole number: uint32_t
+extern const member_kind member_seed;     ///< whole number below 2^53: uint64_t
+extern const member_kind member_whole;    ///< whole number below 2^53: double
+extern const member_kind member_int;      ///< whole number within the member's range: int
+extern const member_kind member_size;     ///< whole number: uint64_t; answers
+extern const member_kind member_bool;     ///< boolean: bool
+extern const member_kind member_flag;     ///< boolean: double, 1 or 0
+extern const member_kind member_text;     ///< string: char[limit]
+extern const member_kind member_string;   ///< string: const char *, NULL: null; answers
+extern const member_kind member_enum;     ///< one of words: an enum, its index
+extern const member_kind member_either;   ///< one of two words: bool, true for the second
+extern const member_kind member_point;    ///< [x, y]: two doubles
+extern const member_kind member_interval; ///< [from, to]: two doubles
+extern const member_kind member_numbers;  ///< list of numbers: pointer to doubles, and a count
+extern const member_kind member_angles;   ///< the same: radians
+extern const member_kind member_numbers_or_null; ///< list of numbers or null: the same; NAN
+extern const member_kind member_angles_or_null;  ///< the same: radians; NAN
+extern const member_kind member_flags;           ///< list of booleans: pointer to doubles, 1 or 0
+extern const member_kind member_counts;          ///< list of whole numbers: pointer to uint32_t
+extern const member_kind member_line;            ///< [[x, y], [x, y]]: vec2[2]
+extern const member_kind member_points;          ///< list of [x, y]: pointer to vec2, and a count
 extern const member_kind member_outline;     ///< list of [x, y]: pointer to triples, and a count
 extern const member_kind member_vertices;    ///< list of [x, y, z]: pointer to triples, and a count
 extern const member_kind member_poses;       ///< list of [x, y] or [x, y, degrees]: pointer to
@@ -142,10 +158,10 @@ extern const member_kind member_list;        ///< list of objects: pointer to st
 extern const member_kind member_one_or_list; ///< object, or list of objects: structs in place,
                                              ///< described by table where there is one object and
                                              ///< by items where there is a list, and a count
-extern const member_kind member_array; ///< list of objects: structs in place, and a count; answers
-extern const member_kind member_time;  ///< string: int64_t, Unix time in ms, 0: null; answers
-extern const member_kind member_raw;   ///< JSON text: const char *, and its bytes; answers
-extern const member_kind member_shape; ///< [rows, columns]: of a bf_grid; answers
+extern const member_kind member_array;       ///< list of objects: structs in place, and a count
+extern const member_kind member_time;        ///< string: int64_t, Unix time in ms, 0: null; answers
+extern const member_kind member_raw;         ///< JSON text: const char *, and its bytes; answers
+extern const member_kind member_shape;       ///< [rows, columns]: of a bf_grid; answers
 extern const member_kind member_link; ///< path of a resource: its {id} is the char[] at offset, its
                                       ///< {n} the uint64_t at offset_n; answers
 extern const member_kind member_described; ///< anything that its object's writer writes; answers

@@ -100,6 +100,8 @@ static const openapi_schema table[] = {
          "Place in a document (RFC 6901); empty is the whole document"),
     TYPE("CounterId", "string", "\"minLength\":1,\"maxLength\":64",
          "Name of a counter, which is a column of the curve"),
+    TYPE("ScenarioId", "string", "\"minLength\":1,\"maxLength\":64",
+         "Id of another part of the scenario"),
     TYPE("Pair", "[number 2]", NULL, "Two numbers, of x and of y"),
     TYPE("Shape2", "[#Count 2]", NULL, "Rows and columns"),
     WRITTEN("RunStatus", openapi__write_states, "State of a run"),

@@ -24,7 +24,7 @@ typedef struct seen {
 // How a table is written: in which view, and which of its choices.
 typedef struct form {
     member_view view;
-    const char *const *names; // MEMBER_FORM: the members that are there; NULL: all
+    const char *const *names; // of forms: the members that are there; NULL: all
     size_t choice;            // MEMBER_ONE_OF, MEMBER_TAGGED: which
 } form;
 
@@ -73,12 +73,19 @@ static void write_type(json_out *w, const member *m, member_view view)
     schema_write_members(w, text);
 }
 
+// True if the member is there because of the form that its object has.
+static bool is_chosen_by(const member_table *table, const member *m, const form *f)
+{
+    bool has_default_there = table->choice == MEMBER_ONE_FORM && members_has_default(m);
+
+    return f->names != NULL && has_word(f->names, m->name) && !has_default_there;
+}
+
 static void write_member(json_out *w, const member_table *table, const member *m, const form *f)
 {
     bool is_tag = table->choice == MEMBER_TAGGED && m == table->members;
     // The member that selects one of several forms of an object has no default.
-    bool chooses = is_tag || table->choice == MEMBER_ONE_OF ||
-                   (f->names != NULL && has_word(f->names, m->name));
+    bool chooses = is_tag || table->choice == MEMBER_ONE_OF || is_chosen_by(table, m, f);
     bool has_default = f->view == MEMBER_GIVEN && members_has_default(m) && !chooses;
 
     json_out_key(w, m->name);
@@ -100,7 +107,7 @@ static bool belongs(const member_table *table, const member *m, const form *f)
 
     if (f->view != MEMBER_GIVEN && (m->flags & (MEMBER_FORM | MEMBER_FILE)) != 0)
         return false;
-    if (f->view == MEMBER_GIVEN && table->forms != NULL) {
+    if (f->names != NULL) {
         bool is_of_a_form = false;
         for (const char *const *const *names = table->forms; *names != NULL; names++)
             is_of_a_form = is_of_a_form || has_word(*names, m->name);
@@ -116,9 +123,9 @@ static bool is_required(const member_table *table, const member *m, const form *
     char standard[MEMBER_TEXT_SIZE];
 
     if (f->view != MEMBER_GIVEN)
-        return (m->flags & (MEMBER_OMIT_EMPTY | MEMBER_OPTIONAL)) == 0 &&
+        return (m->flags & (MEMBER_OMIT_EMPTY | MEMBER_OMIT_DEFAULT | MEMBER_OPTIONAL)) == 0 &&
                (m->applies == NULL || (m->flags & MEMBER_SERVED) != 0);
-    if (f->names != NULL && has_word(f->names, m->name))
+    if (is_chosen_by(table, m, f))
         return true;
     // Without its tag an object is of the kind that is the tag's default.
     if (table->choice == MEMBER_TAGGED && m == table->members) {

@@ -24,15 +24,24 @@ static void prefix_pointers(json_in *in, size_t n_kept)
         prefix_pointer(&in->faults->items[k], in->pointer.text);
 }
 
-bool scenario__complete(json_in *in, scene *s)
+// Ids must be there before they are looked up; other derived values follow from what they name.
+static bool resolve(json_in *in, const struct json_t *document, scene *s)
 {
-    size_t n_kept = faults_kept(in->faults);
     size_t n_faults = in->faults->n;
 
-    if (scene_resolve(s, NULL) != BF_OK) {
-        in->has_failed = true;
+    in->has_failed = in->has_failed || scene_resolve(s, NULL) != BF_OK;
+    if (!in->has_failed)
+        scenario__look_up(in, document, s);
+    in->has_failed = in->has_failed || scene_resolve(s, NULL) != BF_OK;
+    return !in->has_failed && in->faults->n == n_faults;
+}
+
+bool scenario__complete(json_in *in, const struct json_t *document, scene *s)
+{
+    if (!resolve(in, document, s))
         return false;
-    }
+    size_t n_kept = faults_kept(in->faults);
+    size_t n_faults = in->faults->n;
     scene_check(s, in->faults);
     prefix_pointers(in, n_kept);
     return in->faults->n == n_faults;
@@ -57,10 +66,10 @@ bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults 
         return json_in_status(&in, err);
     scene_init(&s);
     members_read(&in, root, &scenario_members, &s);
-    json_in_free(root);
     bf_status status = json_in_status(&in, err);
-    if (status == BF_OK && !scenario__complete(&in, &s))
+    if (status == BF_OK && !scenario__complete(&in, root, &s))
         status = json_in_status(&in, err);
+    json_in_free(root);
     if (status == BF_OK)
         *ret_scene = s;
     else
@@ -78,10 +87,10 @@ bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene, b
     scene_init(&s);
     if (root != NULL)
         members_read(&in, root, &scenario_members, &s);
-    json_in_free(root);
     bf_status status = json_in_status(&in, err);
-    if (status == BF_OK)
-        status = scene_resolve(&s, err);
+    if (status == BF_OK && !resolve(&in, root, &s))
+        status = json_in_status(&in, err);
+    json_in_free(root);
     if (status != BF_OK) {
         scene_fini(&s);
         return status == BF_ENOMEM ? status
@@ -96,6 +105,7 @@ bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err)
     size_t n = out->n;
     json_out w = json_out_to(out);
 
+    w.whole = s;
     members_write(&w, &scenario_members, s);
     bf_status status = json_out_status(&w, err);
     if (status != BF_OK)

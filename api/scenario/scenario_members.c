@@ -6,23 +6,17 @@
 
 #include <string.h>
 
-// A number of core's limits.h in a text.
-#define TEXT_OF(number)    TEXT_OF_IT(number)
-#define TEXT_OF_IT(number) #number
-
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
-static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
 static const char *const shape_words[] = { "cylinder", "box", "prism", "hull", NULL };
 const char *const scenario_closure_words[] = { "dispersive", "congested", NULL };
 static const char *const scheme_words[] = { "roe", "muscl", NULL };
+static const char *const until_words[] = { "duration", "drained", "steady", NULL };
 static const char *const heaviside_words[] = { "sharp", "smooth", "none", NULL };
 static const char *const integrator_words[] = { "verlet", "implicit", NULL };
 static const char *const path_words[] = { "auto", "planar", "spatial", NULL };
 
-#define HAS_WORDS(words, n)                                                                        \
-    _Static_assert(sizeof(words) / sizeof *(words) == (n) + 1, "a word each")
 HAS_WORDS(edge_words, SCENE_EDGE_COUNT);
-HAS_WORDS(treatment_words, SCENE_TREATMENT_COUNT);
+HAS_WORDS(until_words, SCENE_UNTIL_COUNT);
 HAS_WORDS(shape_words, SCENE_SHAPE_COUNT);
 HAS_WORDS(scheme_words, SCENE_SCHEME_COUNT);
 HAS_WORDS(scenario_closure_words, SCENE_CLOSURE_COUNT);
@@ -49,18 +43,6 @@ INIT_PART(output, s.output)
 INIT_PART(macro, s.macro)
 INIT_PART(micro, s.micro)
 INIT_PART(contact, s.micro.contact[place])
-
-static void init_belt(void *item, size_t place)
-{
-    (void)place;
-    scene_belt_init(item);
-}
-
-static void init_obstacle(void *item, size_t place)
-{
-    (void)place;
-    scene_obstacle_init(item);
-}
 
 static void init_counter(void *item, size_t place)
 {
@@ -90,78 +72,6 @@ static const member edge_members[] = {
 static const member_table edge_table = { MEMBER_TABLE("edges", edge_members),
                                          .size = sizeof(scene_edge[SCENE_SIDE_COUNT]),
                                          .init = init_edges };
-#undef AT
-
-#define AT(place) offsetof(scene_speed_schedule, place)
-static const member speed_schedule_members[] = {
-    MEMBER("t_s", numbers, AT(times), "from which on a factor is the target, rising", .unit = "s",
-           .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
-           .limit = SCENE_SPEEDS_MAX),
-    MEMBER("factor", numbers, AT(factors), "of velocity_m_s, one for each time; 0: it stands",
-           .offset_n = AT(n_factors), .range = &scene_range_speed_factor, .least = 1,
-           .limit = SCENE_SPEEDS_MAX),
-};
-static const member_table speed_schedule_table = {
-    MEMBER_TABLE("speedSchedule", speed_schedule_members), .size = sizeof(scene_speed_schedule)
-};
-#undef AT
-
-#define AT(place) offsetof(scene_belt, place)
-static const member belt_members[] = {
-    MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
-           .limit = SCENE_ID_SIZE),
-    MEMBER("velocity_m_s", point, AT(velocity), "of the surface", .unit = "m/s",
-           .flags = MEMBER_INIT),
-    MEMBER("acceleration_m_s2", number, AT(acceleration), "of ramps to a higher speed",
-           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
-           .default_text = "at once"),
-    MEMBER("deceleration_m_s2", number, AT(deceleration), "of ramps to a lower speed",
-           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
-           .default_text = "at once"),
-    MEMBER("speed_schedule", object, AT(speed_schedule), "how its speed changes in time",
-           .table = &speed_schedule_table, .offset_n = AT(speed_schedule.n_times),
-           .flags = MEMBER_OMIT_EMPTY, .default_text = "factor 1 at all times"),
-    MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
-           .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
-           .flags = MEMBER_OMIT_EMPTY, .default_text = "the domain"),
-};
-static const member_table belt_table = { MEMBER_TABLE("belt", belt_members),
-                                         .size = sizeof(scene_belt), .init = init_belt };
-#undef AT
-
-#define AT(place) offsetof(scene_obstacle, place)
-static const member obstacle_members[] = {
-    MEMBER("id", text, AT(id), "its name", .default_text = "obstacle-1, ...", .least = 1,
-           .limit = SCENE_ID_SIZE),
-    MEMBER("end_m", point, offsetof(obstacle_form, end), "first form: end of the upstream face",
-           .unit = "m", .flags = MEMBER_FORM),
-    MEMBER("angle_deg", number, offsetof(obstacle_form, angle),
-           "first form: direction from start to end, from the x axis", .unit = "deg",
-           .flags = MEMBER_FORM),
-    MEMBER("length_m", number, offsetof(obstacle_form, length),
-           "first form: of the upstream face, > 0", .unit = "m", .flags = MEMBER_FORM),
-    MEMBER("from_m", point, offsetof(obstacle_form, from),
-           "second form: start of the upstream face", .unit = "m", .flags = MEMBER_FORM),
-    MEMBER("to_m", point, offsetof(obstacle_form, to), "second form: end of the upstream face",
-           .unit = "m", .flags = MEMBER_FORM),
-    MEMBER("path_m", points, AT(path), "third form: corners of the upstream face", .unit = "m",
-           .offset_n = AT(n_points), .least = 2, .limit = SCENE_POINTS_MAX,
-           .default_text = "from another form"),
-    MEMBER("thickness_m", number, AT(thickness), "of the plate, downstream", .unit = "m",
-           .range = &scene_range_length, .flags = MEMBER_INIT),
-    MEMBER("treatment", enum, AT(treatment), "how the macroscopic model holds cargo",
-           .words = treatment_words, .flags = MEMBER_INIT),
-    MEMBER("band_m", number, AT(band), "width of the outward field (sealed)", .unit = "m",
-           .range = &scene_range_length, .default_text = TEXT_OF(SCENE_BAND_FACTOR) "/sqrt(sigma)"),
-    MEMBER("slide_width_m", number, AT(slide_width), "width of the slide zone", .unit = "m",
-           .range = &scene_range_length,
-           .default_text = TEXT_OF(SCENE_SLIDE_FACTOR) "/sqrt(sigma) if sealed, else " TEXT_OF(
-               SCENE_SLIDE_WIDTH)),
-};
-const member_table scenario_members_obstacle = {
-    MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
-    .init = init_obstacle, .forms = obstacle_form__members, .post_read = obstacle_form__read
-};
 #undef AT
 
 #define AT(place) offsetof(scene_shape, place)
@@ -201,6 +111,10 @@ static const member_table material_table = { MEMBER_TABLE("material", material_m
 #undef AT
 
 #define AT(place) offsetof(scene_cargo, place)
+#define CARGO_ID                                                                                   \
+    MEMBER("id", text, AT(id), "its name, by which feeds call it",                                 \
+           .default_text = "cargo, cargo-2, ... where there are feeds", .least = 1,                \
+           .limit = SCENE_ID_SIZE, .flags = MEMBER_OMIT_EMPTY)
 #define CARGO_MEMBERS                                                                              \
     MEMBER("shape", object, AT(shape), "of every part", .table = &shape_table,                     \
            .default_text = "{}"),                                                                  \
@@ -208,11 +122,12 @@ static const member_table material_table = { MEMBER_TABLE("material", material_m
                .default_text = TEXT_OF(SCENE_STEEL_DENSITY) " kg/m3 times the volume"),            \
         MEMBER("material", object, AT(material), "steel", .table = &material_table,                \
                .flags = MEMBER_INIT)
-static const member cargo_members[] = { CARGO_MEMBERS };
+static const member cargo_members[] = { CARGO_ID, CARGO_MEMBERS };
 static const member_table cargo_table = { MEMBER_TABLE("cargo", cargo_members),
                                           .size = sizeof(scene_cargo), .init = init_cargo };
 
 static const member kind_members[] = {
+    CARGO_ID,
     MEMBER("share", number, AT(share),
            "how many parts are of the kind, in proportion to all shares",
            .range = &scene_range_share, .flags = MEMBER_INIT),
@@ -287,12 +202,34 @@ static const member_table counter_table = { MEMBER_TABLE("counter", counter_memb
                                             .post_read = refuse_reserved_id };
 #undef AT
 
+static void init_window(void *item, size_t place)
+{
+    (void)place;
+    scene_output_window_init(item);
+}
+
+#define AT(place) offsetof(scene_output_window, place)
+static const member window_members[] = {
+    MEMBER("t_s", interval, AT(from), "from this time on, until before that one", .unit = "s"),
+    MEMBER("curve_every_s", number, AT(curve_every), "samples of the curve", .unit = "s",
+           .range = &scene_range_time, .default_text = "that of output"),
+    MEMBER("snapshot_every_s", number, AT(snapshot_every), "density snapshots", .unit = "s",
+           .range = &scene_range_time, .default_text = "that of output"),
+};
+static const member_table window_table = { MEMBER_TABLE("outputWindow", window_members),
+                                           .size = sizeof(scene_output_window),
+                                           .init = init_window };
+#undef AT
+
 #define AT(place) offsetof(scene_output, place)
 static const member output_members[] = {
     MEMBER("curve_every_s", number, AT(curve_every), "samples of the curve", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_INIT),
     MEMBER("snapshot_every_s", number, AT(snapshot_every), "density snapshots", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_INIT),
+    MEMBER("windows", list, AT(windows), "spans of time with other periods, rising",
+           .table = &window_table, .offset_n = AT(n_windows), .least = 0,
+           .limit = SCENE_WINDOWS_MAX, .flags = MEMBER_OMIT_EMPTY, .default_text = "[]"),
 };
 static const member_table output_table = { MEMBER_TABLE("output", output_members),
                                            .size = sizeof(scene_output), .init = init_output };
@@ -394,6 +331,13 @@ static const member contacts_members[] = {
 static const member_table contacts_table = { MEMBER_TABLE("contacts", contacts_members) };
 #undef AT
 
+static bool is_empty_at_start(const void *item)
+{
+    const scene *s = item;
+
+    return s->initial.type == SCENE_INITIAL_EMPTY;
+}
+
 #define AT(place) offsetof(scene, place)
 static const member top_members[] = {
     MEMBER("name", text, AT(name), "for people", .limit = SCENE_NAME_SIZE, .flags = MEMBER_INIT),
@@ -403,8 +347,8 @@ static const member top_members[] = {
     MEMBER("edges", object, AT(edges), "what the sides of the domain are", .table = &edge_table,
            .default_text = "{}"),
     MEMBER("belts", list, AT(belts), "conveyors; where they overlap the later one wins",
-           .table = &belt_table, .offset_n = AT(n_belts), .least = 1, .limit = SCENE_BELTS_MAX,
-           .default_text = "[{}]"),
+           .table = &scenario__belt_members, .offset_n = AT(n_belts), .least = 1,
+           .limit = SCENE_BELTS_MAX, .default_text = "[{}]"),
     MEMBER("obstacles", list, AT(obstacles), "deflectors standing on the belts",
            .table = &scenario_members_obstacle, .offset_n = AT(n_obstacles), .least = 0,
            .limit = SCENE_OBSTACLES_MAX, .default_text = "[]"),
@@ -415,7 +359,29 @@ static const member top_members[] = {
            "of the order in which parts of a mix get their kinds", .range = &scene_range_seed,
            .flags = MEMBER_INIT),
     MEMBER("initial", object, AT(initial), "where it is at the start; one member",
-           .table = &initial_table),
+           .table = &initial_table, .flags = MEMBER_OMIT_EMPTY, .is_empty = is_empty_at_start,
+           .default_text = "no parts, where there are feeds"),
+    MEMBER("feeds", list, AT(feeds), "sources of cargo while the run goes on",
+           .table = &scenario__feed_members, .offset_n = AT(n_feeds), .least = 0,
+           .limit = SCENE_FEEDS_MAX, .flags = MEMBER_OMIT_EMPTY, .default_text = "[]"),
+    MEMBER("substream", seed, AT(substream),
+           "of the draws of all feeds; replications differ in it alone", .range = &scene_range_seed,
+           .flags = MEMBER_INIT | MEMBER_OMIT_DEFAULT),
+    MEMBER("photo_eyes", list, AT(eyes), "light barriers", .table = &scenario__photo_eye_members,
+           .offset_n = AT(n_eyes), .least = 0, .limit = SCENE_EYES_MAX, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "[]"),
+    MEMBER("actions", list, AT(actions), "what photo eyes command",
+           .table = &scenario__action_members, .offset_n = AT(n_actions), .least = 0,
+           .limit = SCENE_ACTIONS_MAX, .flags = MEMBER_OMIT_EMPTY, .default_text = "[]"),
+    MEMBER("warmup_s", number, AT(warmup), "time that key figures leave out", .unit = "s",
+           .range = &scene_range_instant, .flags = MEMBER_INIT | MEMBER_OMIT_DEFAULT),
+    MEMBER("jam_time_s", number, AT(jam_time), "time without an exit that counts as a jam",
+           .unit = "s", .range = &scene_range_time, .flags = MEMBER_INIT | MEMBER_OMIT_DEFAULT),
+    MEMBER("until", enum, AT(until), "when the run ends before duration_s", .words = until_words,
+           .flags = MEMBER_INIT | MEMBER_OMIT_DEFAULT),
+    MEMBER("steady_precision", number, AT(steady_precision),
+           "until steady: half width of the confidence interval of the throughput, relative to it",
+           .range = &scene_range_ratio, .flags = MEMBER_INIT | MEMBER_OMIT_DEFAULT),
     MEMBER("counters", list, AT(counters), "parts in a rectangle over time",
            .table = &counter_table, .offset_n = AT(n_counters), .least = 1,
            .limit = SCENE_COUNTERS_MAX, .default_text = "[{}]"),

@@ -3,16 +3,47 @@
 #pragma once
 
 #include "api/json/json_in.h"
+#include "api/json/members.h"
 #include "api/scenario/examples.h"
 #include "core/run/run.h"
 #include "core/scene/scene.h"
 
-/// Resolve and check a scenario whose members were read. Faults are pointed at from the reading's
-/// present place. False: faults were noted, or there is no memory.
-bool scenario__complete(json_in *in, scene *s);
+/// Resolve and check a scenario whose members were read from the document. Faults are pointed at from the
+/// reading's present place. False: faults were noted, or there is no memory.
+bool scenario__complete(json_in *in, const struct json_t *document, scene *s);
 
 /// Check a complete scenario for a model; faults as above.
 void scenario__check_model(json_in *in, const scene *s, run_model model);
+
+/// A number of core's limits.h in a text.
+#define TEXT_OF(number)    TEXT_OF_IT(number)
+#define TEXT_OF_IT(number) #number
+
+/// The words of an enum of n values.
+#define HAS_WORDS(words, n)                                                                        \
+    _Static_assert(sizeof(words) / sizeof *(words) == (n) + 1, "a word each")
+
+/// Belts, feeds, photo eyes and actions; the structs are core's.
+extern const member_table scenario__belt_members;
+extern const member_table scenario__feed_members;
+extern const member_table scenario__photo_eye_members;
+extern const member_table scenario__action_members;
+
+/// Members that name a part of the document by its id; in the struct is its index: of a kind of cargo
+/// a uint32_t, or of kind_ids a list of them, of the others a size_t. They are read by scenario__look_up(), and
+/// written by a writer whose `whole` is the scene.
+extern const member_kind scenario__kind_id;
+extern const member_kind scenario__kind_ids;
+extern const member_kind scenario__belt_id;
+extern const member_kind scenario__obstacle_id;
+extern const member_kind scenario__feed_id;
+extern const member_kind scenario__photo_eye_id;
+
+/// Look up the ids that members of the document name, in a resolved scene; unknown ones are faults.
+void scenario__look_up(json_in *in, const struct json_t *document, scene *s);
+
+/// The kind of cargo of an id. False: there is none, and a fault was noted at the present place.
+bool scenario__find_kind(json_in *in, const scene *s, const char *id, uint32_t *ret_kind);
 
 /// The ways to say where an obstacle is: `path_m`, `from_m` with `to_m`, or `end_m` with `angle_deg` and
 /// `length_m`. All become the path of scene_obstacle.

@@ -6,6 +6,7 @@
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -63,7 +64,7 @@ static bf_status read_body(json_in *in, const struct json_t *root, body *b, bf_e
         return json_in_status(in, err);
     bool has_model = check_model(in, b->model);
     size_t mark = json_pointer_enter(&in->pointer, "scenario", strlen("scenario"));
-    if (scenario__complete(in, &b->scenario) && has_model)
+    if (scenario__complete(in, json_object_get(root, "scenario"), &b->scenario) && has_model)
         scenario__check_model(in, &b->scenario, b->model);
     json_pointer_leave(&in->pointer, mark);
     return json_in_status(in, err);

@@ -285,7 +285,7 @@ static void resolve_feeds_and_eyes(scene *s)
 {
     if (s->initial.type == SCENE_INITIAL_COUNT && s->n_feeds > 0)
         s->initial.type = SCENE_INITIAL_EMPTY;
-    for (size_t k = 0; k < s->n_cargo; k++)
+    for (size_t k = 0; k < s->n_cargo && s->n_feeds > 0; k++)
         fill_in_id(s->cargo[k].id, "cargo", k);
     for (size_t k = 0; k < s->n_feeds; k++) {
         fill_in_numbered(s->feeds[k].id, "feed", k);

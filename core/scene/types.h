@@ -102,7 +102,8 @@ typedef struct scene_shape {
 
 /// A kind of parts that are transported.
 typedef struct scene_cargo {
-    char id[SCENE_ID_SIZE];  ///< unique among kinds (default "cargo", then "cargo-<n>", n from 2)
+    char id[SCENE_ID_SIZE];  ///< unique among kinds (default where there are feeds "cargo", then
+                             ///< "cargo-<n>", n from 2; else none)
     double share;            ///< parts of it in proportion to all shares, > 0 (default 1)
     scene_shape shape;       ///< see there
     double mass;             ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)

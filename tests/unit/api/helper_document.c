@@ -57,6 +57,45 @@ bf_buffer document_complete(void)
         "                                'tanh_linear_s_m': 13, 'tanh_spin_s': 4}}}");
 }
 
+bf_buffer document_fed(void)
+{
+    return document_quote(
+        "{'name': 'All that feeds and moves', 'duration_s': 20,"
+        "'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]},"
+        "'belts': [{'id': 'infeed', 'velocity_m_s': [0.5, 0]}],"
+        "'obstacles': [{'id': 'swing', 'from_m': [0.5, 0.1], 'to_m': [0.6, 0.2],"
+        "    'motion': {'pivot_m': [0.55, 0.15], 't_s': [0, 2, 2.5], 'turn_deg': [0, 0, 35.3],"
+        "               'repeat_s': 10}},"
+        "   {'id': 'stop', 'path_m': [[0.8, 0], [0.8, 0.5]],"
+        "    'present': {'t_s': [0, 5.5], 'value': [true, false], 'repeat_s': 6}},"
+        "   {'id': 'arm', 'path_m': [[0.3, 0], [0.4, 0.1]], 'motion': {'pivot_m': [0.4, 0.1]}}],"
+        "'cargo': [{'id': 'box', 'share': 2}, {'shape': {'radius_m': 0.02}}],"
+        "'feeds': [{'id': 'mix', 'edge': 'west', 'y_m': [0.05, 0.3], 'start_s': 0.5, 'end_s': 10,"
+        "    'count': 100, 'arrivals': 'erlang', 'shape': 3, 'batch_size': 4, 'rate_per_s': 3.5,"
+        "    'heading_deg': 'random', 'cargo': [{'kind': 'cargo-2', 'share': 3}, {'kind': 'box'}],"
+        "    'when_blocked': 'discard', 'max_wait_s': 4, 'seed': 11},"
+        "   {'id': 'shift', 'line_m': [[0.1, 0.36], [0.12, 0.56]], 'heading_deg': 33.3,"
+        "    'profile': {'t_s': [0, 10], 'rate_per_s': [1, 2], 'repeat_s': 12}},"
+        "   {'edge': 'west', 'y_m': [0.4, 0.5], 'schedule': {'t_s': [0, 1, 1], 'count': [1, 2, 3],"
+        "    'kind': ['box', 'cargo-2', 'box'], 'place': [0, null, 1],"
+        "    'heading_deg': [10.1, null, 3]}}],"
+        "'substream': 7,"
+        "'photo_eyes': [{'id': 'pe', 'line_m': [[0.7, 0], [0.7, 0.6]], 'block_time_s': 1,"
+        "                'clear_time_s': 0.5, 'density_ratio': 0.7}],"
+        "'actions': [{'when': {'photo_eye': 'pe', 'state': 'blocked'},"
+        "             'do': {'belt': 'infeed', 'factor': 0.25}},"
+        "   {'when': {'photo_eye': 'pe', 'state': 'clear'}, 'delay_s': 1.5,"
+        "    'do': {'obstacle': 'arm', 'turn_deg': 35.3, 'over_s': 0.75}},"
+        "   {'when': {'photo_eye': 'pe', 'state': 'clear'},"
+        "    'do': {'obstacle': 'stop', 'present': false}},"
+        "   {'when': {'photo_eye': 'pe', 'state': 'blocked'},"
+        "    'do': {'feed': 'shift', 'hold': true}}],"
+        "'warmup_s': 3, 'jam_time_s': 6, 'until': 'steady', 'steady_precision': 0.02,"
+        "'output': {'curve_every_s': 0.02, 'snapshot_every_s': 0.25,"
+        "           'windows': [{'t_s': [1, 2], 'curve_every_s': 0.001},"
+        "                       {'t_s': [2, 3], 'snapshot_every_s': 0.1}]}}");
+}
+
 bf_status document_refuse(const char *json, size_t n, bf_faults *faults, bf_error *err)
 {
     scene s;

@@ -19,6 +19,9 @@ bf_buffer document_quote(const char *text);
 /// A scenario that has every member there is, of one kind or the other. The caller frees the buffer.
 bf_buffer document_complete(void);
 
+/// One that has every member of feeds, of what moves, of photo eyes and actions. The caller frees the buffer.
+bf_buffer document_fed(void);
+
 /// Read a scenario that must be refused, with the scene that was handed over untouched. Returns the
 /// status; *faults and *err are as scenario_read() leaves them.
 bf_status document_refuse(const char *json, size_t n, bf_faults *faults, bf_error *err);

@@ -26,10 +26,21 @@ static void describe_kind(const member *m, char *text, size_t size)
         snprintf(text, size, "string, at most %zu bytes", m->limit - 1);
     else if (m->limit > 0)
         snprintf(text, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
-    else if (m->kind != &member_enum)
+    else if (m->words == NULL)
         snprintf(text, size, "%s", m->kind->text);
-    for (size_t k = 0; m->kind == &member_enum && m->words[k] != NULL; k++)
+    for (size_t k = 0; m->words != NULL && m->words[k] != NULL; k++)
         n += (size_t)snprintf(text + n, size - n, "%s%s", k == 0 ? "" : ", ", m->words[k]);
+}
+
+static bool is_of_a_form(const member_table *table, const member *m)
+{
+    for (size_t k = 0; table->choice == MEMBER_ONE_FORM && table->forms[k] != NULL; k++) {
+        for (const char *const *name = table->forms[k]; *name != NULL; name++) {
+            if (strcmp(*name, m->name) == 0)
+                return true;
+        }
+    }
+    return false;
 }
 
 // The line of the README for a member.
@@ -42,9 +53,15 @@ static void describe(const member_table *table, const member *m, const char *poi
     members_range_text(m->range, range);
     members_default_text(table, m, standard);
     if (!members_has_default(m) && (m->flags & MEMBER_FORM) == 0)
-        snprintf(standard, sizeof standard, "must be given");
+        snprintf(standard, sizeof standard, "%s",
+                 is_of_a_form(table, m) ? "one of several" : "must be given");
     snprintf(text, size, "| `%s` | %s | %s | %s | %s | %s |\n", pointer, kind,
              m->unit == NULL ? "" : m->unit, range, standard, m->help);
+}
+
+static bool is_list(const member *m)
+{
+    return m->kind == &member_list || m->kind == &member_array;
 }
 
 static void check_lines(const member_table *table, const char *pointer)
@@ -57,7 +74,7 @@ static void check_lines(const member_table *table, const char *pointer)
         describe(table, m, at, line, sizeof line);
         if (strstr(readme, line) == NULL)
             fail_msg("api/README.md lacks the line\n%s", line);
-        snprintf(at, sizeof at, "%s/%s%s", pointer, m->name, m->kind == &member_list ? "/n" : "");
+        snprintf(at, sizeof at, "%s/%s%s", pointer, m->name, is_list(m) ? "/n" : "");
         if (m->table != NULL && m->table != &scenario_members)
             check_lines(m->table, at);
         snprintf(at, sizeof at, "%s/%s/n", pointer, m->name);

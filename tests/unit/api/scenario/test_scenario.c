@@ -5,6 +5,7 @@
 #include "api/scenario/scenario_members.h"
 #include "core/base/memory.h"
 #include "core/base/random.h"
+#include "core/scene/definition.h"
 #include "tests/unit/api/helper_document.h"
 
 #include <jansson.h>
@@ -215,6 +216,102 @@ static void a_complete_document_is_written_as_it_was_read(void **unused)
     buffer_fini(&written);
 }
 
+// Documents of what moves and feeds: the definition is the same, and what is written of it.
+static void a_fed_document_keeps_its_definition(void **unused)
+{
+    bf_buffer document = document_fed();
+    scene s, back;
+
+    (void)unused;
+    bf_status status = read_bytes(&document, &s, NULL);
+    if (status != BF_OK)
+        fail_msg("%s: %s", faults.items[0].pointer, faults.items[0].text);
+    bf_buffer once = write_scene(&s);
+    assert_int_equal(read_bytes(&once, &back, NULL), BF_OK);
+    bf_buffer twice = write_scene(&back);
+    assert_string_equal(once.bytes, twice.bytes);
+    assert_true(definition_digest(&s) == definition_digest(&back));
+    scene_fini(&s);
+    scene_fini(&back);
+    buffer_fini(&document);
+    buffer_fini(&once);
+    buffer_fini(&twice);
+}
+
+static void what_feeds_and_moves_finds_its_place(void **unused)
+{
+    bf_buffer document = document_fed();
+    scene s;
+
+    (void)unused;
+    assert_int_equal(read_bytes(&document, &s, NULL), BF_OK);
+    const scene_obstacle *swing = &s.obstacles[0], *stop = &s.obstacles[1], *arm = &s.obstacles[2];
+    assert_true(swing->pivot.x == 0.55 && swing->turn.n_times == 3 && swing->turn.repeat == 10);
+    assert_true(swing->turn.values[2] == 35.3 * M_PI / 180.0 && swing->presence.n_times == 0);
+    assert_true(stop->presence.values[0] == 1.0 && stop->presence.values[1] == 0.0);
+    assert_true(stop->presence.times[1] == 5.5 && stop->presence.repeat == 6);
+    assert_true(stop->pivot.x == 0.8 && stop->turn.n_times == 0 && stop->is_commanded);
+    assert_true(arm->pivot.x == 0.4 && arm->is_commanded && !swing->is_commanded);
+    assert_int_equal(s.initial.type, SCENE_INITIAL_EMPTY);
+    assert_int_equal(s.n_feeds, 3);
+    const scene_feed *mix = &s.feeds[0], *shift = &s.feeds[1], *list = &s.feeds[2];
+    assert_true(mix->is_edge && mix->edge == SCENE_WEST && mix->line[1].y == 0.3);
+    assert_true(mix->line[0].x == 0.0 && mix->line[1].x == 0.0 && mix->line[0].y == 0.05);
+    assert_true(mix->start == 0.5 && mix->end == 10 && mix->count == 100 && mix->rate == 3.5);
+    assert_true(mix->arrivals == SCENE_ARRIVALS_ERLANG && mix->shape == 3 && mix->batch_size == 4);
+    assert_true(mix->demand == SCENE_DEMAND_RATE && mix->has_random_heading && mix->seed == 11);
+    assert_true(mix->n_cargo == 2 && mix->cargo[0].kind == 1 && mix->cargo[0].share == 3);
+    assert_true(mix->cargo[1].kind == 0 && mix->cargo[1].share == 1);
+    assert_true(mix->when_blocked == SCENE_BLOCKED_DISCARD && mix->max_wait == 4);
+    assert_true(!shift->is_edge && shift->line[0].y == 0.36 && shift->line[1].x == 0.12);
+    assert_true(shift->demand == SCENE_DEMAND_PROFILE && shift->profile.values[1] == 2);
+    assert_true(shift->profile.repeat == 12 && shift->end == INFINITY && shift->count == INFINITY);
+    assert_true(shift->heading == 33.3 * M_PI / 180.0 && !shift->has_random_heading);
+    assert_true(shift->n_cargo == 2 && shift->cargo[0].share == 2);
+    assert_string_equal(list->id, "feed-3");
+    assert_true(list->demand == SCENE_DEMAND_SCHEDULE && list->schedule.n == 3);
+    assert_true(list->schedule.counts[2] == 3 && list->schedule.kinds[1] == 1);
+    assert_true(isnan(list->schedule.places[1]) && list->schedule.places[2] == 1.0);
+    assert_true(isnan(list->schedule.headings[1]));
+    assert_string_equal(s.cargo[1].id, "cargo-2");
+    assert_true(s.substream == 7 && s.warmup == 3 && s.jam_time == 6);
+    assert_true(s.until == SCENE_UNTIL_STEADY && s.steady_precision == 0.02);
+    assert_true(s.eyes[0].line[1].y == 0.6 && s.eyes[0].block_time == 1);
+    assert_true(s.eyes[0].clear_time == 0.5 && s.eyes[0].density_ratio == 0.7);
+    assert_true(s.actions[0].type == SCENE_ACTION_BELT && s.actions[0].target == 0);
+    assert_true(s.actions[0].when_blocked && s.actions[0].value == 0.25);
+    assert_true(s.actions[1].type == SCENE_ACTION_TURN && s.actions[1].target == 2);
+    assert_true(!s.actions[1].when_blocked && s.actions[1].delay == 1.5);
+    assert_true(s.actions[1].value == 35.3 * M_PI / 180.0 && s.actions[1].over == 0.75);
+    assert_true(s.actions[2].type == SCENE_ACTION_PRESENCE && s.actions[2].target == 1);
+    assert_true(s.actions[2].value == 0.0);
+    assert_true(s.actions[3].type == SCENE_ACTION_FEED && s.actions[3].target == 1);
+    assert_true(s.actions[3].value == 1.0);
+    assert_true(s.output.windows[0].curve_every == 0.001);
+    assert_true(s.output.windows[0].snapshot_every == 0.25 && s.output.windows[1].from == 2);
+    scene_fini(&s);
+    buffer_fini(&document);
+}
+
+// A document from before these members keeps its bytes.
+static void later_members_are_written_only_where_they_say_something(void **unused)
+{
+    static const char *const names[] = { "feeds",   "substream", "photo_eyes",
+                                         "actions", "warmup_s",  "jam_time_s",
+                                         "until",   "windows",   "steady_precision",
+                                         "motion",  "present",   "\"id\":\"cargo" };
+    bf_buffer document = document_quote(DOCUMENT_WITH(
+        "'obstacles': [{'from_m': [0.7, 0], 'to_m': [0.7, 0.2]}], 'warmup_s': 0, 'jam_time_s': 5,"
+        "'until': 'duration', 'substream': 0, 'feeds': [], 'actions': []"));
+    bf_buffer written = resolve(&document);
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        assert_null(strstr(written.bytes, names[k]));
+    buffer_fini(&document);
+    buffer_fini(&written);
+}
+
 static void what_was_written_reads_back_to_the_same_bytes(void **unused)
 {
     static const char *const documents[] = {
@@ -334,12 +431,10 @@ static void columns_are_the_counters_and_left_domain(void **unused)
 }
 
 // The n-th request of core's memory or jansson's fails, for every n until all is well.
-static void no_memory_is_reported_and_leaves_the_output(void **unused)
+static void check_reading_without_memory(bf_buffer document)
 {
-    bf_buffer document = document_complete();
     bf_status status = BF_ENOMEM;
 
-    (void)unused;
     for (size_t n = 1; status != BF_OK; n++) {
         scene s;
         scene before;
@@ -361,13 +456,18 @@ static void no_memory_is_reported_and_leaves_the_output(void **unused)
     buffer_fini(&document);
 }
 
-static void writing_without_memory_leaves_the_buffer(void **unused)
+static void no_memory_is_reported_and_leaves_the_output(void **unused)
 {
-    bf_buffer document = document_complete();
+    (void)unused;
+    check_reading_without_memory(document_complete());
+    check_reading_without_memory(document_fed());
+}
+
+static void check_writing_without_memory(bf_buffer document)
+{
     scene s;
     bf_status status = BF_ENOMEM;
 
-    (void)unused;
     assert_int_equal(read_bytes(&document, &s, NULL), BF_OK);
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer out = { 0 };
@@ -386,6 +486,13 @@ static void writing_without_memory_leaves_the_buffer(void **unused)
     buffer_fini(&document);
 }
 
+static void writing_without_memory_leaves_the_buffer(void **unused)
+{
+    (void)unused;
+    check_writing_without_memory(document_complete());
+    check_writing_without_memory(document_fed());
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -396,6 +503,9 @@ int main(void)
         cmocka_unit_test(the_default_step_follows_the_integrator),
         cmocka_unit_test(how_a_speed_changes_is_written_only_where_it_was_given),
         cmocka_unit_test(a_complete_document_is_written_as_it_was_read),
+        cmocka_unit_test(a_fed_document_keeps_its_definition),
+        cmocka_unit_test(what_feeds_and_moves_finds_its_place),
+        cmocka_unit_test(later_members_are_written_only_where_they_say_something),
         cmocka_unit_test(what_was_written_reads_back_to_the_same_bytes),
         cmocka_unit_test(numbers_keep_their_bits),
         cmocka_unit_test(the_three_forms_of_an_obstacle_agree),

@@ -1,0 +1,223 @@
+// Belts, obstacles, photo eyes and actions as tables.
+
+#include "api/scenario/scenario_members.h"
+#include "api/scenario/scenario_priv.h"
+#include "core/scene/ranges.h"
+#include "core/scene/scene.h"
+
+static const char *const treatment_words[] = { "sealed", "field", "wall", NULL };
+static const char *const state_words[] = { "clear", "blocked", NULL };
+HAS_WORDS(treatment_words, SCENE_TREATMENT_COUNT);
+
+static void init_belt(void *item, size_t place)
+{
+    (void)place;
+    scene_belt_init(item);
+}
+
+static void init_obstacle(void *item, size_t place)
+{
+    (void)place;
+    scene_obstacle_init(item);
+}
+
+static void init_photo_eye(void *item, size_t place)
+{
+    (void)place;
+    scene_photo_eye_init(item);
+}
+
+static void init_action(void *item, size_t place)
+{
+    (void)place;
+    scene_action_init(item);
+}
+
+#define AT(place) offsetof(scene_speed_schedule, place)
+static const member speed_schedule_members[] = {
+    MEMBER("t_s", numbers, AT(times), "from which on a factor is the target, rising", .unit = "s",
+           .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
+           .limit = SCENE_SPEEDS_MAX),
+    MEMBER("factor", numbers, AT(factors), "of velocity_m_s, one for each time; 0: it stands",
+           .offset_n = AT(n_factors), .range = &scene_range_speed_factor, .least = 1,
+           .limit = SCENE_SPEEDS_MAX),
+};
+static const member_table speed_schedule_table = {
+    MEMBER_TABLE("speedSchedule", speed_schedule_members), .size = sizeof(scene_speed_schedule)
+};
+#undef AT
+
+#define AT(place) offsetof(scene_belt, place)
+static const member belt_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "main, belt-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("velocity_m_s", point, AT(velocity), "of the surface", .unit = "m/s",
+           .flags = MEMBER_INIT),
+    MEMBER("acceleration_m_s2", number, AT(acceleration), "of ramps to a higher speed",
+           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "at once"),
+    MEMBER("deceleration_m_s2", number, AT(deceleration), "of ramps to a lower speed",
+           .unit = "m/s2", .range = &scene_range_acceleration, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "at once"),
+    MEMBER("speed_schedule", object, AT(speed_schedule), "how its speed changes in time",
+           .table = &speed_schedule_table, .offset_n = AT(speed_schedule.n_times),
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "factor 1 at all times"),
+    MEMBER("polygon_m", points, AT(polygon), "corners of a simple polygon", .unit = "m",
+           .offset_n = AT(n_points), .least = 3, .limit = SCENE_POINTS_MAX,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "the domain"),
+};
+const member_table scenario__belt_members = { MEMBER_TABLE("belt", belt_members),
+                                              .size = sizeof(scene_belt), .init = init_belt };
+#undef AT
+
+// What turns an obstacle. A pivot is all there is where only actions turn it.
+#define AT(place) offsetof(scene_obstacle, place)
+static bool has_no_motion(const void *item)
+{
+    const scene_obstacle *o = item;
+    bool has_pivot = o->n_points > 0 && (o->pivot.x != o->path[0].x || o->pivot.y != o->path[0].y);
+
+    return o->turn.n_times == 0 && !has_pivot;
+}
+
+static const member motion_members[] = {
+    MEMBER("pivot_m", point, AT(pivot), "about which it turns", .unit = "m",
+           .default_text = "the start of its path"),
+    MEMBER("t_s", numbers, AT(turn.times), "times of the angles, rising", .unit = "s",
+           .offset_n = AT(turn.n_times), .range = &scene_range_instant, .least = 1,
+           .limit = SCENE_SERIES_MAX, .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "it turns by actions only"),
+    MEMBER("turn_deg", angles, AT(turn.values),
+           "by which its path is turned, counter-clockwise, one for each time; linear between",
+           .unit = "deg", .offset_n = AT(turn.n_values), .least = 1, .limit = SCENE_SERIES_MAX,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "it turns by actions only"),
+    MEMBER("repeat_s", number, AT(turn.repeat), "after which it begins again", .unit = "s",
+           .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "never"),
+};
+static const member_table motion_table = { MEMBER_TABLE("motion", motion_members),
+                                           .size = sizeof(scene_obstacle), .init = init_obstacle };
+#undef AT
+
+#define AT(place) offsetof(scene_series, place)
+static const member presence_members[] = {
+    MEMBER("t_s", numbers, AT(times), "from which on a value applies, rising", .unit = "s",
+           .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
+           .limit = SCENE_SERIES_MAX),
+    MEMBER("value", flags, AT(values), "true: it stands there, one for each time",
+           .offset_n = AT(n_values), .least = 1, .limit = SCENE_SERIES_MAX),
+    MEMBER("repeat_s", number, AT(repeat), "after which it begins again", .unit = "s",
+           .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "never"),
+};
+static const member_table presence_table = { MEMBER_TABLE("presence", presence_members),
+                                             .size = sizeof(scene_series) };
+#undef AT
+
+#define AT(place) offsetof(scene_obstacle, place)
+static const member obstacle_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "obstacle-1, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("end_m", point, offsetof(obstacle_form, end), "first form: end of the upstream face",
+           .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("angle_deg", number, offsetof(obstacle_form, angle),
+           "first form: direction from start to end, from the x axis", .unit = "deg",
+           .flags = MEMBER_FORM),
+    MEMBER("length_m", number, offsetof(obstacle_form, length),
+           "first form: of the upstream face, > 0", .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("from_m", point, offsetof(obstacle_form, from),
+           "second form: start of the upstream face", .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("to_m", point, offsetof(obstacle_form, to), "second form: end of the upstream face",
+           .unit = "m", .flags = MEMBER_FORM),
+    MEMBER("path_m", points, AT(path), "third form: corners of the upstream face", .unit = "m",
+           .offset_n = AT(n_points), .least = 2, .limit = SCENE_POINTS_MAX,
+           .default_text = "from another form"),
+    MEMBER("thickness_m", number, AT(thickness), "of the plate, downstream", .unit = "m",
+           .range = &scene_range_length, .flags = MEMBER_INIT),
+    MEMBER("treatment", enum, AT(treatment), "how the macroscopic model holds cargo",
+           .words = treatment_words, .flags = MEMBER_INIT),
+    MEMBER("band_m", number, AT(band), "width of the outward field (sealed)", .unit = "m",
+           .range = &scene_range_length, .default_text = TEXT_OF(SCENE_BAND_FACTOR) "/sqrt(sigma)"),
+    MEMBER("slide_width_m", number, AT(slide_width), "width of the slide zone", .unit = "m",
+           .range = &scene_range_length,
+           .default_text = TEXT_OF(SCENE_SLIDE_FACTOR) "/sqrt(sigma) if sealed, else " TEXT_OF(
+               SCENE_SLIDE_WIDTH)),
+    MEMBER("motion", object, 0, "how it turns", .table = &motion_table, .flags = MEMBER_OMIT_EMPTY,
+           .is_empty = has_no_motion, .default_text = "it does not turn"),
+    MEMBER("present", object, AT(presence), "when it stands there; before the first time it does",
+           .table = &presence_table, .offset_n = AT(presence.n_times), .flags = MEMBER_OMIT_EMPTY,
+           .default_text = "at all times"),
+};
+const member_table scenario_members_obstacle = {
+    MEMBER_TABLE("obstacle", obstacle_members), .size = sizeof(scene_obstacle),
+    .init = init_obstacle, .forms = obstacle_form__members, .post_read = obstacle_form__read
+};
+#undef AT
+
+#define AT(place) offsetof(scene_photo_eye, place)
+static const member photo_eye_members[] = {
+    MEMBER("id", text, AT(id), "its name", .default_text = "eye-1, eye-2, ...", .least = 1,
+           .limit = SCENE_ID_SIZE),
+    MEMBER("line_m", line, AT(line), "ends of its beam", .unit = "m"),
+    MEMBER("block_time_s", number, AT(block_time),
+           "how long the beam is broken before the state is blocked", .unit = "s",
+           .range = &scene_range_instant, .flags = MEMBER_INIT),
+    MEMBER("clear_time_s", number, AT(clear_time),
+           "how long the beam is free before the state is clear", .unit = "s",
+           .range = &scene_range_instant, .flags = MEMBER_INIT),
+    MEMBER("density_ratio", number, AT(density_ratio),
+           "macroscopic model: the beam is broken where the largest density on it is at least this",
+           .range = &scene_range_ratio, .flags = MEMBER_INIT),
+};
+const member_table scenario__photo_eye_members = { MEMBER_TABLE("photoEye", photo_eye_members),
+                                                   .size = sizeof(scene_photo_eye),
+                                                   .init = init_photo_eye };
+#undef AT
+
+#define AT(place) offsetof(scene_action, place)
+static const member when_members[] = {
+    MEMBER_OF("photo_eye", &scenario__photo_eye_id, AT(eye), "id of the photo eye"),
+    MEMBER("state", either, AT(when_blocked), "the state that begins", .words = state_words),
+};
+static const member_table when_table = { MEMBER_TABLE("actionWhen", when_members),
+                                         .size = sizeof(scene_action) };
+
+static const char *const belt_form[] = { "factor", "belt", NULL };
+static const char *const turn_form[] = { "turn_deg", "obstacle", "over_s", NULL };
+static const char *const presence_form[] = { "present", "obstacle", NULL };
+static const char *const feed_form[] = { "hold", "feed", NULL };
+static const char *const *const action_forms[] = { [SCENE_ACTION_BELT] = belt_form,
+                                                   [SCENE_ACTION_TURN] = turn_form,
+                                                   [SCENE_ACTION_PRESENCE] = presence_form,
+                                                   [SCENE_ACTION_FEED] = feed_form,
+                                                   [SCENE_ACTION_COUNT] = NULL };
+
+static const member do_members[] = {
+    MEMBER_OF("belt", &scenario__belt_id, AT(target), "id of a belt that gets another speed"),
+    MEMBER("factor", number, AT(value), "of velocity_m_s, reached with the belt's accelerations",
+           .range = &scene_range_speed_factor),
+    MEMBER_OF("obstacle", &scenario__obstacle_id, AT(target),
+              "id of an obstacle that turns, comes or goes"),
+    MEMBER("turn_deg", degrees, AT(value),
+           "by which its path is then turned, as in motion, counter-clockwise", .unit = "deg"),
+    MEMBER("over_s", number, AT(over), "how long the turn takes", .unit = "s",
+           .range = &scene_range_time, .flags = MEMBER_INIT),
+    MEMBER("present", flag, AT(value), "true: it comes, false: it goes"),
+    MEMBER_OF("feed", &scenario__feed_id, AT(target), "id of a feed"),
+    MEMBER("hold", flag, AT(value), "true: the feed is held, false: it is released"),
+};
+static const member_table do_table = { MEMBER_TABLE("actionDo", do_members),
+                                       .size = sizeof(scene_action),
+                                       .init = init_action,
+                                       .choice = MEMBER_ONE_FORM,
+                                       .offset_choice = AT(type),
+                                       .forms = action_forms };
+
+static const member action_members[] = {
+    MEMBER("when", object, 0, "what starts it", .table = &when_table),
+    MEMBER("delay_s", number, AT(delay), "how long after that it acts", .unit = "s",
+           .range = &scene_range_instant, .flags = MEMBER_INIT),
+    MEMBER("do", object, 0, "what it commands; it outranks the target's own schedule from then on",
+           .table = &do_table),
+};
+const member_table scenario__action_members = { MEMBER_TABLE("action", action_members),
+                                                .size = sizeof(scene_action), .init = init_action };
+#undef AT
