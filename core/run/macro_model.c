@@ -4,8 +4,8 @@
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
 #include "core/macro/velocity_field.h"
-#include "core/run/counter.h"
 #include "core/run/run_priv.h"
+#include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
 

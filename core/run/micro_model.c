@@ -3,9 +3,9 @@
 #include "core/base/faults.h"
 #include "core/base/memory.h"
 #include "core/base/polygon.h"
-#include "core/run/counter.h"
 #include "core/run/run_priv.h"
 #include "core/scene/belt_speeds.h"
+#include "core/scene/counter.h"
 #include "core/scene/density.h"
 #include "core/scene/shape.h"
 

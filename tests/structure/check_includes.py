@@ -6,7 +6,7 @@ import re
 
 import tree
 
-API_CORE = {"core/base", "core/scene", "core/run", "core/compare"}
+API_CORE = {"core/base", "core/scene", "core/figures", "core/run", "core/compare"}
 API = {"api", "api/json", "api/scenario", "api/results", "api/http", "api/openapi"}
 
 # Folder: the folders of ours that it may include from.
@@ -15,11 +15,13 @@ ARROWS = {
     "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/feed": {"core/base", "core/scene", "core/feed"},
+    "core/figures": {"core/base", "core/scene", "core/feed", "core/figures"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/micro/disk": {"core/base", "core/scene", "core/micro", "core/micro/disk"},
     "core/micro/body": {"core/base", "core/convex", "core/scene", "core/micro", "core/micro/body"},
-    "core/run": {"core/base", "core/scene", "core/feed", "core/macro", "core/micro", "core/run"},
+    "core/run": {"core/base", "core/scene", "core/feed", "core/figures", "core/macro", "core/micro",
+                 "core/run"},
     "core/compare": {"core/base", "core/compare"},
     "api": {"core/base", "core/scene", "core/run", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},

@@ -1,6 +1,6 @@
 // Unit tests of counters: a cell counts if its centre is inside.
 
-#include "core/run/counter.h"
+#include "core/scene/counter.h"
 
 #include "core/base/random.h"
 

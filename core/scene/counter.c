@@ -1,4 +1,4 @@
-#include "core/run/counter.h"
+#include "core/scene/counter.h"
 
 /// How many of n centres, which grow with their index, lie below a limit.
 static size_t count_below(const bf_grid *grid, double (*centre)(const bf_grid *, size_t), size_t n,

@@ -1,0 +1,146 @@
+#include "core/figures/figure.h"
+
+#define OF(scope_, models_) .scope = FIGURE_OF_##scope_, .models = FIGURE_BY_##models_
+
+const figure figure_table[FIGURE_COUNT] = {
+    [FIGURE_THROUGHPUT] = { "throughput_per_h", NULL, "parts/h",
+                            "Parts that left the domain after the warm-up, by the time since then",
+                            OF(RUN, BOTH) },
+    [FIGURE_THROUGHPUT_ERROR] = { "throughput_error_per_h", NULL, "parts/h",
+                                  "Half the width of the 95 % confidence interval of the "
+                                  "throughput, by batch means (Student)",
+                                  OF(RUN, BOTH) },
+    [FIGURE_STEADY_AT] = { "steady_at_s", NULL, "s",
+                           "First time at which that half width was at most `steady_precision` of "
+                           "the throughput and successive batches were not correlated",
+                           OF(RUN, BOTH) },
+    [FIGURE_RESIDENCE_MEAN] = { "residence_s", "mean", "s",
+                                "Mean time from entering (or the start) to leaving the domain, of "
+                                "each part that left after the warm-up (microscopic), or by the "
+                                "distance in time of the cumulative curves of entries and exits, "
+                                "first in, first out (macroscopic)",
+                                OF(RUN, BOTH) },
+    [FIGURE_RESIDENCE_P50] = { "residence_s", "p50", "s", "Median of the same times",
+                               OF(RUN, BOTH) },
+    [FIGURE_RESIDENCE_P90] = { "residence_s", "p90", "s", "90 % of these times are not longer",
+                               OF(RUN, BOTH) },
+    [FIGURE_RESIDENCE_P95] = { "residence_s", "p95", "s", "95 % of these times are not longer",
+                               OF(RUN, BOTH) },
+    [FIGURE_RESIDENCE_P99] = { "residence_s", "p99", "s", "99 % of these times are not longer",
+                               OF(RUN, BOTH) },
+    [FIGURE_JAM_COUNT] = { "jam", "count", NULL,
+                           "Jams after the warm-up: times of at least `jam_time_s` in which less "
+                           "than one part left while at least one was inside",
+                           OF(RUN, BOTH) },
+    [FIGURE_JAM_FIRST] = { "jam", "first_s", "s", "When the first jam began", OF(RUN, BOTH) },
+    [FIGURE_JAM_TOTAL] = { "jam", "total_s", "s", "Length of all jams together", OF(RUN, BOTH) },
+    [FIGURE_QUEUE_END] = { "queue_end_m", NULL, "m",
+                           "Largest distance, against the belt's direction, from the upstream end "
+                           "of the most upstream plate to a part slower than 0.8 of its belt; 0 "
+                           "where there was none upstream of it",
+                           OF(RUN, PARTS) },
+    [FIGURE_PEAK] = { "peak_density", NULL, NULL,
+                      "Largest density after the warm-up, 1 being close packing, of all samples "
+                      "(macroscopic) or snapshots (microscopic)",
+                      OF(RUN, BOTH) },
+    [FIGURE_DRAINED_AT] = { "drained_at_s", NULL, "s",
+                            "Since when the domain has been empty until the end: less than half a "
+                            "part inside and waiting at all feeds",
+                            OF(RUN, BOTH) },
+    [FIGURE_OFFERED] = { "offered", NULL, "parts",
+                         "Parts due at the feed since the start: admitted, waiting or discarded",
+                         OF(FEED, BOTH) },
+    [FIGURE_ADMITTED] = { "admitted", NULL, "parts",
+                          "Parts of the feed that entered since the start", OF(FEED, BOTH) },
+    [FIGURE_DISCARDED] = { "discarded", NULL, "parts",
+                           "Parts of the feed that were dropped since the start", OF(FEED, BOTH) },
+    [FIGURE_WAITING_MAX] = { "waiting_max", NULL, "parts",
+                             "Most parts that waited at the feed at once", OF(FEED, BOTH) },
+    [FIGURE_WAIT_MEAN] = { "wait_s", "mean", "s",
+                           "Mean time from being due to entering, of what entered after the "
+                           "warm-up",
+                           OF(FEED, BOTH) },
+    [FIGURE_WAIT_P95] = { "wait_s", "p95", "s", "95 % of these times are not longer",
+                          OF(FEED, BOTH) },
+    [FIGURE_CONTENT_MEAN] = { "content", "mean", "parts",
+                              "Mean over time of the parts in the counter", OF(COUNTER, BOTH) },
+    [FIGURE_CONTENT_MAX] = { "content", "max", "parts", "Most parts in the counter",
+                             OF(COUNTER, BOTH) },
+    [FIGURE_STATE_FREE] = { "state_share", "free", NULL,
+                            "Share of the time that parts spent in the counter in which they were "
+                            "faster than 0.8 of the belt under them",
+                            OF(COUNTER, PARTS) },
+    [FIGURE_STATE_QUEUED] = { "state_share", "queued", NULL,
+                              "Share in which they were neither free nor blocked",
+                              OF(COUNTER, PARTS) },
+    [FIGURE_STATE_BLOCKED] = { "state_share", "blocked", NULL,
+                               "Share in which they were slower than 0.05 of the belt under them, "
+                               "or that one stood",
+                               OF(COUNTER, PARTS) },
+    [FIGURE_GAP_MIN] = { "gap_m", "min", "m",
+                         "Smallest gap between parts that pass the beam: what the belt moved "
+                         "between the end of one interruption and the start of the next",
+                         OF(EYE, PARTS) },
+    [FIGURE_GAP_P05] = { "gap_m", "p05", "m", "5 % of the gaps are not larger", OF(EYE, PARTS) },
+    [FIGURE_GAP_MEAN] = { "gap_m", "mean", "m", "Mean of the gaps", OF(EYE, PARTS) },
+    [FIGURE_DOUBLES] = { "doubles_share", NULL, NULL,
+                         "Share of the parts that interrupted the beam at the same time as another",
+                         OF(EYE, PARTS) },
+};
+
+figure_id figure_first(figure_scope scope)
+{
+    static const figure_id first[FIGURE_SCOPES + 1] = { FIGURE_THROUGHPUT, FIGURE_OFFERED,
+                                                        FIGURE_CONTENT_MEAN, FIGURE_GAP_MIN,
+                                                        FIGURE_COUNT };
+
+    return first[scope];
+}
+
+size_t figure_items(const scene *s, figure_scope scope)
+{
+    const size_t n[FIGURE_SCOPES] = { 1, s->n_feeds, s->n_counters, s->n_eyes };
+
+    return n[scope];
+}
+
+const char *figure_item_id(const scene *s, figure_scope scope, size_t item)
+{
+    switch (scope) {
+    case FIGURE_OF_FEED:
+        return s->feeds[item].id;
+    case FIGURE_OF_COUNTER:
+        return s->counters[item].id;
+    case FIGURE_OF_EYE:
+        return s->eyes[item].id;
+    default:
+        return "";
+    }
+}
+
+static size_t figures_of(figure_scope scope)
+{
+    return (size_t)(figure_first(scope + 1) - figure_first(scope));
+}
+
+// Values of all items of the scopes before one.
+static size_t values_before(const scene *s, figure_scope end)
+{
+    size_t n = 0;
+
+    for (figure_scope scope = FIGURE_OF_RUN; scope < end; scope++)
+        n += figure_items(s, scope) * figures_of(scope);
+    return n;
+}
+
+size_t figure_values(const scene *s)
+{
+    return values_before(s, FIGURE_SCOPES);
+}
+
+size_t figure_at(const scene *s, figure_id id, size_t item)
+{
+    const figure_scope scope = figure_table[id].scope;
+
+    return values_before(s, scope) + item * figures_of(scope) + (size_t)(id - figure_first(scope));
+}

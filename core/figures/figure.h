@@ -1,0 +1,88 @@
+/// The key figures of a run: one table of their words, units and definitions, and where their values stand.
+///
+/// A run has the values of all figures of the table as doubles in one array: those of the run, then those of its first
+/// feed, of its second feed, and so on, then of its counters, then of its photo eyes, each in the order of the
+/// table. NAN: the run cannot say; never 0 instead.
+///
+/// Every figure but offered, admitted, discarded, steady_at_s and drained_at_s leaves out what was before the first
+/// sample at or after the scenario's warmup_s, the warm-up. Samples are those of the curve.
+
+#pragma once
+
+#include "core/scene/scene.h"
+
+#include <stddef.h>
+
+/// What a figure is of.
+typedef enum figure_scope {
+    FIGURE_OF_RUN,     ///< the whole run
+    FIGURE_OF_FEED,    ///< each feed
+    FIGURE_OF_COUNTER, ///< each counter
+    FIGURE_OF_EYE,     ///< each photo eye
+    FIGURE_SCOPES
+} figure_scope;
+
+/// The figures, sorted by scope. Figures that stand in one JSON object are neighbours.
+typedef enum figure_id {
+    FIGURE_THROUGHPUT,
+    FIGURE_THROUGHPUT_ERROR,
+    FIGURE_STEADY_AT,
+    FIGURE_RESIDENCE_MEAN,
+    FIGURE_RESIDENCE_P50,
+    FIGURE_RESIDENCE_P90,
+    FIGURE_RESIDENCE_P95,
+    FIGURE_RESIDENCE_P99,
+    FIGURE_JAM_COUNT,
+    FIGURE_JAM_FIRST,
+    FIGURE_JAM_TOTAL,
+    FIGURE_QUEUE_END,
+    FIGURE_PEAK,
+    FIGURE_DRAINED_AT,
+    FIGURE_OFFERED, ///< the first one of a feed
+    FIGURE_ADMITTED,
+    FIGURE_DISCARDED,
+    FIGURE_WAITING_MAX,
+    FIGURE_WAIT_MEAN,
+    FIGURE_WAIT_P95,
+    FIGURE_CONTENT_MEAN, ///< the first one of a counter
+    FIGURE_CONTENT_MAX,
+    FIGURE_STATE_FREE,
+    FIGURE_STATE_QUEUED,
+    FIGURE_STATE_BLOCKED,
+    FIGURE_GAP_MIN, ///< the first one of a photo eye
+    FIGURE_GAP_P05,
+    FIGURE_GAP_MEAN,
+    FIGURE_DOUBLES,
+    FIGURE_COUNT
+} figure_id;
+
+/// Models that have a figure; flags.
+enum { FIGURE_BY_DENSITY = 1, FIGURE_BY_PARTS = 2, FIGURE_BY_BOTH = 3 };
+
+/// A key figure.
+typedef struct figure {
+    const char *word;       ///< the JSON member
+    const char *part;       ///< the member within it; NULL: it is a number itself
+    const char *unit;       ///< NULL: none
+    const char *definition; ///< one sentence
+    figure_scope scope;     ///< what it is of
+    unsigned models;        ///< that have it, FIGURE_BY_...
+} figure;
+
+/// The table.
+extern const figure figure_table[FIGURE_COUNT];
+
+/// The first figure of a scope; of FIGURE_SCOPES, FIGURE_COUNT.
+figure_id figure_first(figure_scope scope);
+
+/// What there is of a scope in a scene: 1, its feeds, counters or photo eyes.
+size_t figure_items(const scene *s, figure_scope scope);
+
+/// Id of an item of a scope: that of the feed, the counter or the photo eye; "" of the run.
+const char *figure_item_id(const scene *s, figure_scope scope, size_t item);
+
+/// Values of all figures of a scene.
+size_t figure_values(const scene *s);
+
+/// Where the value of a figure of an item, below figure_items(), stands among them.
+size_t figure_at(const scene *s, figure_id id, size_t item);

@@ -1,0 +1,450 @@
+#include "core/figures/figures.h"
+
+#include "core/base/memory.h"
+#include "core/figures/fifo.h"
+#include "core/figures/quantiles.h"
+#include "core/figures/steady.h"
+#include "core/scene/counter.h"
+#include "core/scene/surroundings.h"
+
+#include <math.h>
+#include <string.h>
+
+// Bounds of the states of cargo, relative to the speed of its belt.
+static const double free_speed = 0.8, blocked_speed = 0.05;
+
+// Of divisible parts, what rounding may take from a whole one.
+static const double whole_part = 1.0 - 1e-6;
+
+// What counts as nothing inside: the density thins out without end.
+static const double empty_domain = 0.5;
+
+// A piece of a plate that is less inclined to its belt than this, rad, guides cargo and does not hold it back.
+static const double guide_angle = 0.01;
+
+static const double s_per_h = 3600.0;
+
+typedef enum cargo_state { STATE_FREE, STATE_QUEUED, STATE_BLOCKED, STATES } cargo_state;
+
+// A counter's content and its parts in each state.
+typedef struct counter_sums {
+    double content, content_integral, content_max;
+    double states[STATES], states_before[STATES], states_integral[STATES];
+} counter_sums;
+
+typedef struct feed_sums {
+    feed_balance balance;
+    double waiting_max;
+} feed_sums;
+
+typedef struct eye_sums {
+    uint64_t n_inside; // parts that interrupt the beam
+    uint64_t is_noted; // the doubles count all of them
+    double last_end;   // travel at the end of the last interruption; NAN: none
+    double n, n_doubles;
+} eye_sums;
+
+typedef struct jam_sums {
+    double since;        // of the last exit or empty domain
+    double since_exited; // parts that had left then
+    uint64_t is_jam;     // it has lasted long enough
+    double count, first, total;
+} jam_sums;
+
+// Plain numbers, saved as they are.
+typedef struct run_sums {
+    uint64_t is_warm; // the warm-up is over
+    double t_start, exited_start;
+    double t, exited; // of the last sample
+    double peak, queue_end, queue_end_now, drained_at;
+    jam_sums jam;
+    steady batches;
+} run_sums;
+
+struct figures {
+    const scene *s;
+    bool has_parts;
+    bool has_plate;
+    vec2 upstream;    // against the belt's direction
+    double plate_end; // of the most upstream plate, along that direction
+    run_sums run;
+    feed_sums feeds[SCENE_FEEDS_MAX];
+    counter_sums counters[SCENE_COUNTERS_MAX];
+    eye_sums eyes[SCENE_EYES_MAX];
+    quantiles residence;
+    quantiles waits[SCENE_FEEDS_MAX];
+    quantiles gaps[SCENE_EYES_MAX];
+    fifo inside;                  // without parts
+    fifo queues[SCENE_FEEDS_MAX]; // without parts
+};
+
+static void find_piece(figures *f, const surroundings_piece *piece, vec2 belt)
+{
+    const double speed = hypot(belt.x, belt.y);
+    const double sine = (belt.x * piece->along.y - belt.y * piece->along.x) / speed;
+
+    if (!(fabs(sine) > guide_angle))
+        return;
+    if (!f->has_plate) {
+        f->has_plate = true;
+        f->upstream = (vec2){ -belt.x / speed, -belt.y / speed };
+        f->plate_end = -(double)INFINITY;
+    }
+    f->plate_end =
+        fmax(f->plate_end, f->upstream.x * piece->start.x + f->upstream.y * piece->start.y);
+    f->plate_end = fmax(f->plate_end, f->upstream.x * piece->end.x + f->upstream.y * piece->end.y);
+}
+
+// The most upstream point of all plates, along the belt under the first one.
+static void find_plate(figures *f)
+{
+    const surroundings around = surroundings_of(f->s);
+
+    for (size_t k = 0; k < f->s->n_obstacles; k++)
+        for (size_t p = 0; p + 1 < f->s->obstacles[k].n_points; p++) {
+            const surroundings_piece piece = surroundings_piece_of(&around, &f->s->obstacles[k], p);
+            const vec2 middle = { 0.5 * (piece.start.x + piece.end.x),
+                                  0.5 * (piece.start.y + piece.end.y) };
+            const size_t belt = surroundings_belt_at(&around, middle);
+            find_piece(f, &piece, surroundings_velocity_of(&around, belt));
+        }
+}
+
+static bf_status init_items(figures *f, bf_error *err)
+{
+    bf_status status = quantiles_init(&f->residence, err);
+
+    for (size_t k = 0; status == BF_OK && k < f->s->n_feeds; k++)
+        status = quantiles_init(&f->waits[k], err);
+    for (size_t k = 0; status == BF_OK && f->has_parts && k < f->s->n_eyes; k++)
+        status = quantiles_init(&f->gaps[k], err);
+    if (status == BF_OK && !f->has_parts)
+        status = fifo_init(&f->inside, err);
+    for (size_t k = 0; status == BF_OK && !f->has_parts && k < f->s->n_feeds; k++)
+        status = fifo_init(&f->queues[k], err);
+    return status;
+}
+
+bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, bf_error *err)
+{
+    figures *f = memory_alloc(1, sizeof *f);
+
+    if (f == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
+    f->s = s;
+    f->has_parts = has_parts;
+    f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
+    for (size_t k = 0; k < s->n_eyes; k++)
+        f->eyes[k].last_end = (double)NAN;
+    find_plate(f);
+    const bf_status status = init_items(f, err);
+    if (status == BF_OK)
+        *ret_figures = f;
+    else
+        figures_destroy(f);
+    return status;
+}
+
+figures *figures_destroy(figures *f)
+{
+    if (f == NULL)
+        return NULL;
+    quantiles_fini(&f->residence);
+    fifo_fini(&f->inside);
+    for (size_t k = 0; k < SCENE_FEEDS_MAX; k++) {
+        quantiles_fini(&f->waits[k]);
+        fifo_fini(&f->queues[k]);
+    }
+    for (size_t k = 0; k < SCENE_EYES_MAX; k++)
+        quantiles_fini(&f->gaps[k]);
+    memory_free(f);
+    return NULL;
+}
+
+static cargo_state state_of(const figures_cargo *cargo)
+{
+    if (!(cargo->speed >= blocked_speed * cargo->belt_speed) || cargo->belt_speed == 0.0)
+        return STATE_BLOCKED;
+    return cargo->speed > free_speed * cargo->belt_speed ? STATE_FREE : STATE_QUEUED;
+}
+
+void figures_add_cargo(figures *f, const figures_cargo *cargo)
+{
+    const cargo_state state = state_of(cargo);
+    const double upstream = f->upstream.x * cargo->at.x + f->upstream.y * cargo->at.y;
+
+    for (size_t k = 0; k < f->s->n_counters; k++)
+        if (counter_holds(&f->s->counters[k], cargo->at))
+            f->counters[k].states[state] += cargo->parts;
+    if (state != STATE_FREE)
+        f->run.queue_end_now = fmax(f->run.queue_end_now, upstream - f->plate_end);
+}
+
+static void begin(figures *f, const figures_now *now)
+{
+    f->run.is_warm = 1;
+    f->run.t_start = now->t;
+    f->run.exited_start = now->exited;
+    f->run.jam.since = now->t;
+    f->run.jam.since_exited = now->exited;
+    f->run.batches = steady_from(f->s->steady_precision, now->t, now->exited);
+}
+
+// The mean height of a trapezoid times its width.
+static double area(double dt, double from, double to)
+{
+    return dt * (0.5 * (from + to));
+}
+
+static void sample_counter(counter_sums *c, bool was_warm, bool is_warm, double dt, double content)
+{
+    for (int k = 0; k < STATES; k++) {
+        c->states_integral[k] += was_warm ? area(dt, c->states_before[k], c->states[k]) : 0.0;
+        c->states_before[k] = c->states[k];
+        c->states[k] = 0.0;
+    }
+    c->content_integral += was_warm ? area(dt, c->content, content) : 0.0;
+    c->content_max = is_warm ? fmax(c->content_max, content) : 0.0;
+    c->content = content;
+}
+
+static void sample_feed(figures *f, size_t k, bool was_warm, double t, const feed_balance *b)
+{
+    feed_sums *sums = &f->feeds[k];
+
+    if (f->run.is_warm)
+        sums->waiting_max = fmax(sums->waiting_max, b->waiting);
+    if (!f->has_parts) {
+        // Those that are dropped have waited longest.
+        const double dropped = b->discarded - sums->balance.discarded;
+        if (dropped > 0.0)
+            fifo_sample(&f->queues[k], t, b->offered, f->queues[k].out.level + dropped, NULL);
+        fifo_sample(&f->queues[k], t, b->offered, b->admitted + b->discarded,
+                    was_warm ? &f->waits[k] : NULL);
+    }
+    sums->balance = *b;
+}
+
+static void sample_jam(jam_sums *jam, double jam_time, const figures_now *now)
+{
+    if (now->exited - jam->since_exited >= whole_part || now->inside < whole_part) {
+        jam->total += jam->is_jam ? now->t - jam->since : 0.0;
+        jam->is_jam = 0;
+        jam->since = now->t;
+        jam->since_exited = now->exited;
+    } else if (!jam->is_jam && now->t - jam->since >= jam_time) {
+        jam->first = jam->count == 0.0 ? jam->since : jam->first;
+        jam->count += 1.0;
+        jam->is_jam = 1;
+    }
+}
+
+static bool is_drained(const figures *f, const figures_now *now)
+{
+    double waiting = 0.0;
+
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        waiting += now->feeds[k].waiting;
+    return now->inside < empty_domain && waiting < empty_domain;
+}
+
+void figures_sample(figures *f, const figures_now *now)
+{
+    const bool was_warm = f->run.is_warm;
+
+    if (!was_warm && now->t >= f->s->warmup)
+        begin(f, now);
+    for (size_t k = 0; k < f->s->n_counters; k++)
+        sample_counter(&f->counters[k], was_warm, f->run.is_warm, now->t - f->run.t,
+                       now->counters[k]);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        sample_feed(f, k, was_warm, now->t, &now->feeds[k]);
+    if (!f->has_parts)
+        fifo_sample(&f->inside, now->t, now->entered, now->exited, was_warm ? &f->residence : NULL);
+    if (f->run.is_warm)
+        f->run.queue_end = fmax(f->run.queue_end, f->run.queue_end_now);
+    f->run.queue_end_now = 0.0;
+    if (was_warm) {
+        sample_jam(&f->run.jam, f->s->jam_time, now);
+        steady_sample(&f->run.batches, now->t, now->exited);
+    }
+    if (!is_drained(f, now))
+        f->run.drained_at = (double)NAN;
+    else if (isnan(f->run.drained_at))
+        f->run.drained_at = now->t;
+    f->run.t = now->t;
+    f->run.exited = now->exited;
+}
+
+void figures_peak(figures *f, double density)
+{
+    if (f->run.is_warm)
+        f->run.peak = fmax(f->run.peak, density);
+}
+
+void figures_exit(figures *f, double residence)
+{
+    if (f->run.is_warm)
+        quantiles_add(&f->residence, residence, 1.0);
+}
+
+void figures_wait(figures *f, size_t feed, double wait)
+{
+    if (f->run.is_warm)
+        quantiles_add(&f->waits[feed], wait, 1.0);
+}
+
+void figures_eye_begin(figures *f, size_t eye, double travel)
+{
+    eye_sums *e = &f->eyes[eye];
+    const bool is_alone = e->n_inside == 0;
+
+    if (f->run.is_warm) {
+        e->n += 1.0;
+        if (!is_alone)
+            e->n_doubles += e->is_noted ? 1.0 : 2.0;
+        else if (!isnan(e->last_end))
+            quantiles_add(&f->gaps[eye], fmax(travel - e->last_end, 0.0), 1.0);
+    }
+    e->is_noted = !is_alone || !f->run.is_warm;
+    e->n_inside++;
+}
+
+void figures_eye_end(figures *f, size_t eye, double travel)
+{
+    f->eyes[eye].n_inside--;
+    f->eyes[eye].last_end = travel;
+}
+
+bool figures_is_steady(const figures *f)
+{
+    return f->run.is_warm && !isnan(f->run.batches.reached_at);
+}
+
+static double ratio(double a, double b)
+{
+    return b > 0.0 ? a / b : (double)NAN;
+}
+
+static void fill_quantiles(const figures *f, const quantiles *q, size_t item, figure_id mean,
+                           const double *p, size_t n, double *ret_values)
+{
+    ret_values[figure_at(f->s, mean, item)] = quantiles_mean(q);
+    for (size_t k = 0; k < n; k++)
+        ret_values[figure_at(f->s, mean + 1 + (figure_id)k, item)] = quantiles_at(q, p[k]);
+}
+
+static void fill_run(const figures *f, double *ret_values)
+{
+    static const double p[] = { 0.5, 0.9, 0.95, 0.99 };
+    const run_sums *run = &f->run;
+    const jam_sums *jam = &run->jam;
+
+    fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, sizeof p / sizeof *p, ret_values);
+    ret_values[FIGURE_DRAINED_AT] = run->drained_at;
+    ret_values[FIGURE_PEAK] = run->peak;
+    if (!run->is_warm)
+        return;
+    ret_values[FIGURE_THROUGHPUT] =
+        s_per_h * ratio(run->exited - run->exited_start, run->t - run->t_start);
+    ret_values[FIGURE_THROUGHPUT_ERROR] = s_per_h * run->batches.estimate.half_width;
+    ret_values[FIGURE_STEADY_AT] = run->batches.reached_at;
+    ret_values[FIGURE_JAM_COUNT] = jam->count;
+    ret_values[FIGURE_JAM_FIRST] = jam->first;
+    ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
+    ret_values[FIGURE_QUEUE_END] = f->has_parts && f->has_plate ? run->queue_end : (double)NAN;
+}
+
+static void fill_feed(const figures *f, size_t k, double *ret_values)
+{
+    static const double p[] = { 0.95 };
+    const feed_sums *sums = &f->feeds[k];
+
+    ret_values[figure_at(f->s, FIGURE_OFFERED, k)] = sums->balance.offered;
+    ret_values[figure_at(f->s, FIGURE_ADMITTED, k)] = sums->balance.admitted;
+    ret_values[figure_at(f->s, FIGURE_DISCARDED, k)] = sums->balance.discarded;
+    if (f->run.is_warm)
+        ret_values[figure_at(f->s, FIGURE_WAITING_MAX, k)] = sums->waiting_max;
+    fill_quantiles(f, &f->waits[k], k, FIGURE_WAIT_MEAN, p, 1, ret_values);
+}
+
+static void fill_counter(const figures *f, size_t k, double *ret_values)
+{
+    const counter_sums *c = &f->counters[k];
+    double all = 0.0;
+
+    if (!f->run.is_warm)
+        return;
+    ret_values[figure_at(f->s, FIGURE_CONTENT_MEAN, k)] =
+        ratio(c->content_integral, f->run.t - f->run.t_start);
+    ret_values[figure_at(f->s, FIGURE_CONTENT_MAX, k)] = c->content_max;
+    for (int state = 0; state < STATES; state++)
+        all += c->states_integral[state];
+    for (int state = 0; state < STATES; state++)
+        ret_values[figure_at(f->s, FIGURE_STATE_FREE + (figure_id)state, k)] =
+            ratio(c->states_integral[state], all);
+}
+
+static void fill_eye(const figures *f, size_t k, double *ret_values)
+{
+    const quantiles *gaps = &f->gaps[k];
+
+    if (!f->has_parts)
+        return;
+    ret_values[figure_at(f->s, FIGURE_GAP_MIN, k)] = gaps->weight > 0.0 ? gaps->min : (double)NAN;
+    ret_values[figure_at(f->s, FIGURE_GAP_P05, k)] = quantiles_at(gaps, 0.05);
+    ret_values[figure_at(f->s, FIGURE_GAP_MEAN, k)] = quantiles_mean(gaps);
+    ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
+}
+
+void figures_fill(const figures *f, double *ret_values)
+{
+    const size_t n = figure_values(f->s);
+
+    for (size_t k = 0; k < n; k++)
+        ret_values[k] = (double)NAN;
+    fill_run(f, ret_values);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        fill_feed(f, k, ret_values);
+    for (size_t k = 0; k < f->s->n_counters; k++)
+        fill_counter(f, k, ret_values);
+    for (size_t k = 0; k < f->s->n_eyes; k++)
+        fill_eye(f, k, ret_values);
+}
+
+void figures_save(const figures *f, checkpoint_writer *w)
+{
+    checkpoint_write(w, &f->run, sizeof f->run);
+    checkpoint_write(w, f->counters, f->s->n_counters * sizeof *f->counters);
+    checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
+    checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
+    quantiles_save(&f->residence, w);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        quantiles_save(&f->waits[k], w);
+    for (size_t k = 0; f->has_parts && k < f->s->n_eyes; k++)
+        quantiles_save(&f->gaps[k], w);
+    if (f->has_parts)
+        return;
+    fifo_save(&f->inside, w);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        fifo_save(&f->queues[k], w);
+}
+
+bool figures_load(figures *f, checkpoint_reader *r)
+{
+    bool is_good = checkpoint_read(r, &f->run, sizeof f->run) &&
+                   checkpoint_read(r, f->counters, f->s->n_counters * sizeof *f->counters) &&
+                   checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
+                   checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
+                   quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
+
+    for (size_t k = 0; is_good && k < f->s->n_feeds; k++)
+        is_good = quantiles_load(&f->waits[k], r);
+    for (size_t k = 0; is_good && f->has_parts && k < f->s->n_eyes; k++)
+        is_good = quantiles_load(&f->gaps[k], r);
+    if (is_good && !f->has_parts)
+        is_good = fifo_load(&f->inside, r);
+    for (size_t k = 0; is_good && !f->has_parts && k < f->s->n_feeds; k++)
+        is_good = fifo_load(&f->queues[k], r);
+    return is_good;
+}

@@ -1,0 +1,515 @@
+// Unit tests of the key figures: each by hand.
+
+#include "core/figures/figures.h"
+
+#include "core/base/memory.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { VALUES_MAX = 64 };
+
+// A belt of 1 m x 0.6 m along +x with two counters, a feed and a photo eye.
+typedef struct fixture {
+    scene s;
+    figures *f;
+    double values[VALUES_MAX];
+} fixture;
+
+static void begin(fixture *x, double warmup, bool has_parts)
+{
+    static const scene_pose pose = { 0.5, 0.3, 0.0 };
+
+    helper_scene_belt(&x->s, 1.0, 0.6, 0.005, &pose, 1);
+    x->s.warmup = warmup;
+    x->s.jam_time = 5.0;
+    x->s.n_feeds = 1;
+    x->s.feeds = memory_alloc(1, sizeof *x->s.feeds);
+    x->s.n_eyes = 1;
+    x->s.eyes = memory_alloc(1, sizeof *x->s.eyes);
+    x->s.n_counters = 2;
+    x->s.counters = memory_alloc(2, sizeof *x->s.counters);
+    x->s.counters[0].rect = (scene_rect){ 0.0, 1.0, 0.0, 0.6 };
+    x->s.counters[1].rect = (scene_rect){ 0.0, 0.5, 0.0, 0.6 };
+    helper_scene_resolve(&x->s);
+    assert_int_equal(figures_create(&x->s, has_parts, &x->f, NULL), BF_OK);
+}
+
+static void end(fixture *x)
+{
+    figures_destroy(x->f);
+    scene_fini(&x->s);
+}
+
+static double value(fixture *x, figure_id id, size_t item)
+{
+    assert_true(figure_values(&x->s) <= VALUES_MAX);
+    figures_fill(x->f, x->values);
+    return x->values[figure_at(&x->s, id, item)];
+}
+
+static void sample_feed(fixture *x, double t, double inside, double exited, feed_balance balance)
+{
+    const double counters[] = { inside, 0.5 * inside };
+    const figures_now now = { .t = t,
+                              .inside = inside,
+                              .entered = inside + exited,
+                              .exited = exited,
+                              .counters = counters,
+                              .feeds = &balance };
+
+    figures_sample(x->f, &now);
+}
+
+static void sample(fixture *x, double t, double inside, double exited)
+{
+    sample_feed(x, t, inside, exited, (feed_balance){ .offered = 0.0 });
+}
+
+// Every value but those that a run without events has is absent.
+static void what_is_not_known_is_absent(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 10.0, true);
+    sample(&x, 0.0, 3.0, 0.0);
+    figures_fill(x.f, x.values);
+    for (figure_id id = 0; id < FIGURE_COUNT; id++)
+        assert_true(isnan(x.values[figure_at(&x.s, id, 0)]) ==
+                    (id != FIGURE_OFFERED && id != FIGURE_ADMITTED && id != FIGURE_DISCARDED));
+    end(&x);
+}
+
+// 4 parts leave in the 2 s before the warm-up ends, 6 in the 3 s after it: 2 parts/s.
+static void throughput_leaves_out_the_warm_up(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 2.0, true);
+    sample(&x, 0.0, 10.0, 0.0);
+    sample(&x, 2.0, 6.0, 4.0);
+    sample(&x, 4.0, 1.0, 9.0);
+    sample(&x, 5.0, 0.0, 10.0);
+    assert_near(value(&x, FIGURE_THROUGHPUT, 0), 7200.0, 1e-9);
+    assert_near(value(&x, FIGURE_DRAINED_AT, 0), 5.0, 0.0);
+    end(&x);
+}
+
+// 1 part leaves in each of 20 s: the error is 0, and the throughput steady at 20 s.
+static void a_constant_throughput_is_steady_after_twenty_batches(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    for (int k = 0; k <= 20; k++)
+        sample(&x, k, 20.0, k);
+    assert_true(figures_is_steady(x.f));
+    assert_near(value(&x, FIGURE_STEADY_AT, 0), 20.0, 0.0);
+    assert_near(value(&x, FIGURE_THROUGHPUT_ERROR, 0), 0.0, 1e-9);
+    end(&x);
+}
+
+// After the warm-up leave parts of 1, 2, 3 and 10 s; one before it does not count.
+static void residence_is_that_of_each_part_that_left(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 1.0, true);
+    sample(&x, 0.0, 5.0, 0.0);
+    figures_exit(x.f, 100.0);
+    sample(&x, 1.0, 4.0, 1.0);
+    figures_exit(x.f, 1.0);
+    figures_exit(x.f, 2.0);
+    figures_exit(x.f, 3.0);
+    figures_exit(x.f, 10.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 4.0, 1e-14);
+    assert_near(value(&x, FIGURE_RESIDENCE_P50, 0), 2.0, 2.0 / 256.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 10.0, 10.0 / 256.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_P95, 0), 10.0, 10.0 / 256.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_P99, 0), 10.0, 10.0 / 256.0);
+    end(&x);
+}
+
+// 10 parts of the start leave evenly from 1 s to 3 s: uniform from 1 s to 3 s.
+static void residence_of_a_density_is_the_distance_of_the_curves(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, false);
+    sample(&x, 0.0, 10.0, 0.0);
+    sample(&x, 1.0, 10.0, 0.0);
+    sample(&x, 3.0, 0.0, 10.0);
+    assert_near(value(&x, FIGURE_RESIDENCE_MEAN, 0), 2.0, 1e-12);
+    assert_near(value(&x, FIGURE_RESIDENCE_P90, 0), 2.8, 1e-9);
+    end(&x);
+}
+
+// Exits at 1 s and at 9 s with cargo inside: from 1 s to 9 s nothing leaves, 8 s >= 5 s. Then 4 s without an exit are none.
+static void a_jam_is_a_long_time_without_an_exit(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 10.0, 0.0);
+    for (int t = 1; t <= 8; t++)
+        sample(&x, t, 9.0, 1.0);
+    assert_near(value(&x, FIGURE_JAM_COUNT, 0), 1.0, 0.0);
+    assert_near(value(&x, FIGURE_JAM_TOTAL, 0), 7.0, 0.0); // it goes on
+    sample(&x, 9.0, 8.0, 2.0);
+    for (int t = 10; t <= 13; t++)
+        sample(&x, t, 8.0, 2.0);
+    assert_near(value(&x, FIGURE_JAM_COUNT, 0), 1.0, 0.0);
+    assert_near(value(&x, FIGURE_JAM_FIRST, 0), 1.0, 0.0);
+    assert_near(value(&x, FIGURE_JAM_TOTAL, 0), 8.0, 0.0);
+    end(&x);
+}
+
+// A density loses a tenth of a part a second: a part has left every 10 s, so a jam of 5 s begins at once.
+static void less_than_a_part_is_no_exit(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, false);
+    for (int t = 0; t <= 9; t++)
+        sample(&x, t, 5.0 - 0.1 * t, 0.1 * t);
+    assert_near(value(&x, FIGURE_JAM_COUNT, 0), 1.0, 0.0);
+    sample(&x, 10.0, 4.0, 1.0);
+    assert_near(value(&x, FIGURE_JAM_TOTAL, 0), 10.0, 0.0);
+    end(&x);
+}
+
+static void an_empty_belt_is_no_jam(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    for (int t = 0; t <= 20; t++)
+        sample(&x, t, 0.0, 0.0);
+    assert_near(value(&x, FIGURE_JAM_COUNT, 0), 0.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_JAM_FIRST, 0)));
+    assert_near(value(&x, FIGURE_JAM_TOTAL, 0), 0.0, 0.0);
+    end(&x);
+}
+
+// 0 to 8 parts in 2 s, then 8 for 1 s: a mean of (8 + 8)/3; the second counter has half of it.
+static void content_is_a_mean_over_time(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 0.0, 0.0);
+    sample(&x, 2.0, 8.0, 0.0);
+    sample(&x, 3.0, 8.0, 0.0);
+    assert_near(value(&x, FIGURE_CONTENT_MEAN, 0), 16.0 / 3.0, 1e-14);
+    assert_near(value(&x, FIGURE_CONTENT_MAX, 0), 8.0, 0.0);
+    assert_near(value(&x, FIGURE_CONTENT_MEAN, 1), 8.0 / 3.0, 1e-14);
+    assert_near(value(&x, FIGURE_CONTENT_MAX, 1), 4.0, 0.0);
+    end(&x);
+}
+
+// Four parts at rest in time: one free and one queued in both counters, one blocked in the first alone, one on a belt that
+// stands, which is blocked too.
+static void states_go_by_the_speed_of_the_belt(void **state)
+{
+    (void)state;
+    static const figures_cargo cargo[] = { { { 0.1, 0.3 }, 0.33, 0.4, 1.0 },
+                                           { { 0.2, 0.3 }, 0.31, 0.4, 1.0 },
+                                           { { 0.7, 0.3 }, 0.019, 0.4, 1.0 },
+                                           { { 0.8, 0.3 }, 0.01, 0.0, 1.0 } };
+    fixture x;
+    begin(&x, 0.0, true);
+    for (int t = 0; t < 2; t++) {
+        for (size_t k = 0; k < sizeof cargo / sizeof *cargo; k++)
+            figures_add_cargo(x.f, &cargo[k]);
+        sample(&x, t, 4.0, 0.0);
+    }
+    assert_near(value(&x, FIGURE_STATE_FREE, 0), 0.25, 1e-15);
+    assert_near(value(&x, FIGURE_STATE_QUEUED, 0), 0.25, 1e-15);
+    assert_near(value(&x, FIGURE_STATE_BLOCKED, 0), 0.5, 1e-15);
+    assert_near(value(&x, FIGURE_STATE_FREE, 1), 0.5, 1e-15);
+    assert_near(value(&x, FIGURE_STATE_QUEUED, 1), 0.5, 1e-15);
+    assert_near(value(&x, FIGURE_STATE_BLOCKED, 1), 0.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_QUEUE_END, 0))); // there is no plate
+    end(&x);
+}
+
+// A rail along the belt at y = 0.1 guides; the plate from (0.9, 0.1) to (0.7, 0.5) begins at x = 0.7. A slow part
+// at x = 0.45 is 0.25 m upstream of it; a fast one at 0.1 and a slow one downstream do not count.
+static void the_queue_ends_at_the_most_upstream_slow_part(void **state)
+{
+    (void)state;
+    static const vec2 rail[] = { { 0.0, 0.1 }, { 1.0, 0.1 } },
+                      plate[] = { { 0.9, 0.1 }, { 0.7, 0.5 } };
+    static const figures_cargo cargo[] = { { { 0.45, 0.3 }, 0.2, 0.4, 1.0 },
+                                           { { 0.1, 0.3 }, 0.4, 0.4, 1.0 },
+                                           { { 0.8, 0.3 }, 0.0, 0.4, 1.0 } };
+    fixture x;
+    begin(&x, 0.0, true);
+    figures_destroy(x.f);
+    helper_scene_add_obstacle(&x.s, rail, 2, SCENE_SEALED);
+    helper_scene_add_obstacle(&x.s, plate, 2, SCENE_SEALED);
+    assert_int_equal(figures_create(&x.s, true, &x.f, NULL), BF_OK);
+    sample(&x, 0.0, 3.0, 0.0);
+    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.0, 0.0);
+    for (size_t k = 0; k < sizeof cargo / sizeof *cargo; k++)
+        figures_add_cargo(x.f, &cargo[k]);
+    sample(&x, 1.0, 3.0, 0.0);
+    sample(&x, 2.0, 3.0, 0.0); // the queue has gone; the largest counts
+    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.25, 1e-15);
+    end(&x);
+}
+
+static void the_peak_leaves_out_the_warm_up(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 1.0, false);
+    sample(&x, 0.0, 1.0, 0.0);
+    figures_peak(x.f, 3.0);
+    assert_true(isnan(value(&x, FIGURE_PEAK, 0)));
+    sample(&x, 1.0, 1.0, 0.0);
+    figures_peak(x.f, 1.25);
+    figures_peak(x.f, 0.5);
+    assert_near(value(&x, FIGURE_PEAK, 0), 1.25, 0.0);
+    end(&x);
+}
+
+// Empty at 2 s, but a part waits; then one is inside again; empty for good from 5 s on.
+static void drained_is_since_when_the_belt_is_empty(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 1.0, 0.0);
+    sample_feed(&x, 2.0, 0.0, 1.0, (feed_balance){ .offered = 1.0, .waiting = 1.0 });
+    assert_true(isnan(value(&x, FIGURE_DRAINED_AT, 0)));
+    sample_feed(&x, 3.0, 1.0, 1.0, (feed_balance){ .offered = 1.0, .admitted = 1.0 });
+    sample_feed(&x, 5.0, 0.0, 2.0, (feed_balance){ .offered = 1.0, .admitted = 1.0 });
+    sample_feed(&x, 6.0, 0.0, 2.0, (feed_balance){ .offered = 1.0, .admitted = 1.0 });
+    assert_near(value(&x, FIGURE_DRAINED_AT, 0), 5.0, 0.0);
+    end(&x);
+}
+
+static void a_feed_has_its_balance_and_the_waits_of_its_parts(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 0.0, 0.0);
+    figures_wait(x.f, 0, 0.0);
+    figures_wait(x.f, 0, 2.0);
+    sample_feed(&x, 1.0, 2.0, 0.0, (feed_balance){ 9.0, 2.0, 6.0, 1.0 });
+    sample_feed(&x, 2.0, 2.0, 0.0, (feed_balance){ 9.0, 2.0, 3.0, 4.0 });
+    assert_near(value(&x, FIGURE_OFFERED, 0), 9.0, 0.0);
+    assert_near(value(&x, FIGURE_ADMITTED, 0), 2.0, 0.0);
+    assert_near(value(&x, FIGURE_DISCARDED, 0), 4.0, 0.0);
+    assert_near(value(&x, FIGURE_WAITING_MAX, 0), 6.0, 0.0);
+    assert_near(value(&x, FIGURE_WAIT_MEAN, 0), 1.0, 0.0);
+    assert_near(value(&x, FIGURE_WAIT_P95, 0), 2.0, 2.0 / 256.0);
+    end(&x);
+}
+
+// 4 parts are offered in the first second. At 3 s one is dropped; from 3 s to 4 s three enter: the levels 1 to 4, due
+// at u/4, enter at 3 + (u - 1)/3. Waits from 2.75 s to 3 s, uniformly.
+static void waits_of_a_density_leave_out_what_is_dropped(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, false);
+    sample(&x, 0.0, 0.0, 0.0);
+    sample_feed(&x, 1.0, 0.0, 0.0, (feed_balance){ 4.0, 0.0, 4.0, 0.0 });
+    sample_feed(&x, 3.0, 0.0, 0.0, (feed_balance){ 4.0, 0.0, 3.0, 1.0 });
+    sample_feed(&x, 4.0, 3.0, 0.0, (feed_balance){ 4.0, 3.0, 0.0, 1.0 });
+    assert_near(value(&x, FIGURE_WAIT_MEAN, 0), 2.875, 1e-12);
+    assert_near(value(&x, FIGURE_WAIT_P95, 0), 2.75 + 0.95 * 0.25, 1e-12);
+    end(&x);
+}
+
+// Interruptions in metres that the belt has moved: 0..0.1, 0.15..0.25, then 0.3..0.4 and 0.35..0.45 together, then
+// 0.65..0.75. Gaps 0.05, 0.05 and 0.2 m; two of five parts are doubles.
+static void an_eye_sees_gaps_and_doubles(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 0.0, 0.0);
+    figures_eye_begin(x.f, 0, 0.0);
+    figures_eye_end(x.f, 0, 0.1);
+    figures_eye_begin(x.f, 0, 0.15);
+    figures_eye_end(x.f, 0, 0.25);
+    figures_eye_begin(x.f, 0, 0.3);
+    figures_eye_begin(x.f, 0, 0.35);
+    figures_eye_end(x.f, 0, 0.4);
+    figures_eye_end(x.f, 0, 0.45);
+    figures_eye_begin(x.f, 0, 0.65);
+    figures_eye_end(x.f, 0, 0.75);
+    assert_near(value(&x, FIGURE_GAP_MIN, 0), 0.05, 1e-15);
+    assert_near(value(&x, FIGURE_GAP_P05, 0), 0.05, 0.05 / 256.0);
+    assert_near(value(&x, FIGURE_GAP_MEAN, 0), 0.1, 1e-15);
+    assert_near(value(&x, FIGURE_DOUBLES, 0), 0.4, 1e-15);
+    end(&x);
+}
+
+// Three parts of which each overlaps with the next one are three doubles.
+static void a_chain_of_parts_is_all_doubles(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    sample(&x, 0.0, 0.0, 0.0);
+    figures_eye_begin(x.f, 0, 0.0);
+    figures_eye_begin(x.f, 0, 0.05);
+    figures_eye_end(x.f, 0, 0.1);
+    figures_eye_begin(x.f, 0, 0.12);
+    figures_eye_end(x.f, 0, 0.15);
+    figures_eye_end(x.f, 0, 0.22);
+    assert_near(value(&x, FIGURE_DOUBLES, 0), 1.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_GAP_MEAN, 0)));
+    end(&x);
+}
+
+// Some samples and events of a run.
+static void go_on(fixture *x, bool has_parts, int first, int last)
+{
+    for (int k = first; k < last; k++) {
+        const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0 };
+        figures_add_cargo(x->f, &cargo);
+        if (has_parts) {
+            figures_exit(x->f, 0.3 * k + 0.1);
+            figures_wait(x->f, 0, 0.01 * k);
+            figures_eye_begin(x->f, 0, 0.1 * k);
+            figures_eye_end(x->f, 0, 0.1 * k + 0.03);
+        }
+        sample_feed(x, 0.7 * k, 20.0 + k % 5, k / 3.0,
+                    (feed_balance){ 2.0 * k, 1.5 * k, 0.25 * k, 0.25 * k });
+        figures_peak(x->f, 0.01 * k);
+    }
+}
+
+static void take_over(const fixture *from, fixture *to)
+{
+    bf_buffer bytes = { 0 };
+    checkpoint_writer w;
+    checkpoint_reader r;
+
+    checkpoint_begin(&w, &bytes, CHECKPOINT_RUN, 1);
+    figures_save(from->f, &w);
+    assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
+    assert_int_equal(checkpoint_open(&r, bytes.bytes, bytes.n, CHECKPOINT_RUN, 1, NULL), BF_OK);
+    const checkpoint_reader payload = r;
+    for (size_t n = 0; n < payload.n_left; n += 61) {
+        r = (checkpoint_reader){ payload.at, n };
+        assert_false(figures_load(to->f, &r));
+    }
+    r = payload;
+    assert_true(figures_load(to->f, &r));
+    assert_int_equal(r.n_left, 0);
+    buffer_fini(&bytes);
+}
+
+static void a_checkpoint_goes_on_with_the_same_bits_in_both_models(void **state)
+{
+    (void)state;
+    for (int model = 0; model < 2; model++) {
+        const bool has_parts = model == 1;
+        fixture whole, before, after;
+        begin(&whole, 5.0, has_parts);
+        begin(&before, 5.0, has_parts);
+        begin(&after, 5.0, has_parts);
+        go_on(&whole, has_parts, 0, 40);
+        go_on(&before, has_parts, 0, 17);
+        take_over(&before, &after);
+        go_on(&after, has_parts, 17, 40);
+        figures_fill(whole.f, whole.values);
+        figures_fill(after.f, after.values);
+        assert_memory_equal(whole.values, after.values,
+                            figure_values(&whole.s) * sizeof *whole.values);
+        end(&whole);
+        end(&before);
+        end(&after);
+    }
+}
+
+static void the_values_of_items_follow_each_other(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 0.0, true);
+    size_t n = 0;
+    for (figure_scope scope = 0; scope < FIGURE_SCOPES; scope++)
+        for (size_t item = 0; item < figure_items(&x.s, scope); item++)
+            for (figure_id id = figure_first(scope); id < figure_first(scope + 1); id++)
+                assert_int_equal(figure_at(&x.s, id, item), n++);
+    assert_int_equal(n, figure_values(&x.s));
+    end(&x);
+}
+
+// The JSON object of a word is written at once, so its members must be neighbours; and every word has a definition.
+static void the_table_is_sorted_by_scope_and_word(void **state)
+{
+    (void)state;
+    for (figure_id id = 0; id < FIGURE_COUNT; id++) {
+        const figure *f = &figure_table[id];
+        assert_true(strlen(f->definition) > 8 && f->models != 0);
+        assert_true(id >= figure_first(f->scope) && id < figure_first(f->scope + 1));
+        for (figure_id before = figure_first(f->scope); before < id; before++) {
+            const bool is_same = strcmp(figure_table[before].word, f->word) == 0;
+            assert_true(!is_same || strcmp(figure_table[id - 1].word, f->word) == 0);
+            assert_true(!is_same || strcmp(figure_table[before].part, f->part) != 0);
+        }
+    }
+}
+
+static void every_failed_allocation_is_reported(void **state)
+{
+    (void)state;
+    for (int has_parts = 0; has_parts < 2; has_parts++) {
+        fixture x;
+        begin(&x, 0.0, true);
+        size_t n = 0, n_failed = 1;
+        while (n_failed > 0) {
+            figures *f = NULL;
+            memory_plan_fault(++n, 0);
+            const bf_status status = figures_create(&x.s, has_parts != 0, &f, NULL);
+            n_failed = memory_faults();
+            memory_plan_fault(0, 0);
+            assert_int_equal(status, n_failed > 0 ? BF_ENOMEM : BF_OK);
+            figures_destroy(f);
+        }
+        assert_true(n > 3);
+        end(&x);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_not_known_is_absent),
+        cmocka_unit_test(throughput_leaves_out_the_warm_up),
+        cmocka_unit_test(a_constant_throughput_is_steady_after_twenty_batches),
+        cmocka_unit_test(residence_is_that_of_each_part_that_left),
+        cmocka_unit_test(residence_of_a_density_is_the_distance_of_the_curves),
+        cmocka_unit_test(a_jam_is_a_long_time_without_an_exit),
+        cmocka_unit_test(less_than_a_part_is_no_exit),
+        cmocka_unit_test(an_empty_belt_is_no_jam),
+        cmocka_unit_test(content_is_a_mean_over_time),
+        cmocka_unit_test(states_go_by_the_speed_of_the_belt),
+        cmocka_unit_test(the_queue_ends_at_the_most_upstream_slow_part),
+        cmocka_unit_test(the_peak_leaves_out_the_warm_up),
+        cmocka_unit_test(drained_is_since_when_the_belt_is_empty),
+        cmocka_unit_test(a_feed_has_its_balance_and_the_waits_of_its_parts),
+        cmocka_unit_test(waits_of_a_density_leave_out_what_is_dropped),
+        cmocka_unit_test(an_eye_sees_gaps_and_doubles),
+        cmocka_unit_test(a_chain_of_parts_is_all_doubles),
+        cmocka_unit_test(a_checkpoint_goes_on_with_the_same_bits_in_both_models),
+        cmocka_unit_test(the_values_of_items_follow_each_other),
+        cmocka_unit_test(the_table_is_sorted_by_scope_and_word),
+        cmocka_unit_test(every_failed_allocation_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
