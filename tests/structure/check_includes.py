@@ -1,4 +1,4 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed, macro,
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures, scene <- macro,
 micro <- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
 <- daemon, cli; and every outside header is included only where it belongs."""
 
