@@ -31,6 +31,7 @@ typedef enum checkpoint_kind {
     CHECKPOINT_MACRO,   ///< core/macro
     CHECKPOINT_DISK,    ///< core/micro/disk
     CHECKPOINT_BODY,    ///< core/micro/body
+    CHECKPOINT_FEED,    ///< core/feed, and then the solver that is fed
 } checkpoint_kind;
 
 /// A checkpoint that is being written. checkpoint_begin(), checkpoint_end().

@@ -91,6 +91,12 @@ macro_solver *macro_destroy(macro_solver *s);
 BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
                                           bf_error *err);
 
+/// Add a density >= 0 to a cell, layout of grid.h, between two steps.
+void macro_add(macro_solver *s, size_t cell, double density);
+
+/// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
+double macro_belt_factor(const macro_solver *s, size_t belt);
+
 /// Advance by dt. Never allocates. A step itself cannot fail; see macro_check().
 void macro_step(macro_solver *s);
 

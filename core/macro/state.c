@@ -21,12 +21,18 @@ void macro__fill_margins(const macro_solver *s, double *row)
         row[s->n1 + k] = row[s->n1 - 1 - k];
 }
 
+// The density from which on H is not zero.
+static double active_from(const macro_solver *s)
+{
+    return s->def.heaviside == SCENE_HEAVISIDE_SHARP ? 1.0 : 0.0;
+}
+
 void macro__measure_row(macro_solver *s, ptrdiff_t j)
 {
     double *row = macro__row(s, s->now.rho, j);
     uint64_t *active = macro__set(s, s->now.active, j);
     uint64_t *active_first = macro__set(s, s->now.active_first, j);
-    const double threshold = s->def.heaviside == SCENE_HEAVISIDE_SHARP ? 1.0 : 0.0;
+    const double threshold = active_from(s);
     block_span span = { 0, 0 };
 
     for (ptrdiff_t i = 0; i < s->n1; i++) {
@@ -75,6 +81,30 @@ bf_status macro_set_density(macro_solver *s, const double *rho, size_t n, bf_err
     if (s->congested != NULL)
         congested_reset(s);
     return BF_OK;
+}
+
+void macro_add(macro_solver *s, size_t cell, double density)
+{
+    const ptrdiff_t j = (ptrdiff_t)cell / s->n1, i = (ptrdiff_t)cell % s->n1, b = i / BLOCK_CELLS;
+    double *row = macro__row(s, s->now.rho, j);
+
+    if (density == 0.0)
+        return;
+    row[i] += density;
+    s->now.span[j] = block_span_hull(s->now.span[j], (block_span){ b, b + 1 });
+    if (row[i] >= active_from(s))
+        block_set_add(macro__set(s, s->now.active, j), b);
+    if (row[i] >= active_from(s) && i % BLOCK_CELLS == 0)
+        block_set_add(macro__set(s, s->now.active_first, j), b);
+    macro__fill_margins(s, row);
+}
+
+double macro_belt_factor(const macro_solver *s, size_t belt)
+{
+    return belt < s->speeds.n_belts
+               ? belt_speeds_mean(&s->speeds, belt, (double)s->steps * s->def.dt,
+                                  (double)(s->steps + 1) * s->def.dt)
+               : 1.0;
 }
 
 const double *macro_row(const macro_solver *s, size_t j)

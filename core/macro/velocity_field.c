@@ -486,17 +486,22 @@ static bool close_line(void *context, const line *l)
     return false;
 }
 
+static bool is_side_closed(const scene *s, scene_side side)
+{
+    return s->edges[side] == SCENE_EDGE_WALL || scene_is_fed(s, side);
+}
+
 static void close_edges(const scene *s, velocity_field *f)
 {
     size_t n1 = f->grid.n1, n2 = f->grid.n2;
 
     for (size_t j = 0; j < n2; j++) {
-        f->closed1[j * (n1 + 1)] |= s->edges[SCENE_WEST] == SCENE_EDGE_WALL;
-        f->closed1[j * (n1 + 1) + n1] |= s->edges[SCENE_EAST] == SCENE_EDGE_WALL;
+        f->closed1[j * (n1 + 1)] |= is_side_closed(s, SCENE_WEST);
+        f->closed1[j * (n1 + 1) + n1] |= is_side_closed(s, SCENE_EAST);
     }
     for (size_t i = 0; i < n1; i++) {
-        f->closed2[i] |= s->edges[SCENE_SOUTH] == SCENE_EDGE_WALL;
-        f->closed2[n2 * n1 + i] |= s->edges[SCENE_NORTH] == SCENE_EDGE_WALL;
+        f->closed2[i] |= is_side_closed(s, SCENE_SOUTH);
+        f->closed2[n2 * n1 + i] |= is_side_closed(s, SCENE_NORTH);
     }
 }
 

@@ -18,6 +18,9 @@
 /// the later one counts, as everywhere; but a face along which that one moves has the velocity of the other one if
 /// this comes towards the face: what is brought to the border crosses it.
 ///
+/// Walls of the domain are closed lines, and so are sides with a feed, whose density enters in the cells beside them
+/// (core/feed/density_entry.h).
+///
 /// All velocities are linear in v_T, so that a belt whose speed changes (core/scene/belt_speeds.h) scales them by
 /// its factor: where there is such a belt, the field says which belt each face has its velocity from.
 

@@ -1,6 +1,8 @@
 // The macroscopic model's run_backend: scenario to solver, density to parts.
 
+#include "core/base/checkpoint.h"
 #include "core/base/memory.h"
+#include "core/feed/density_entry.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
 #include "core/macro/velocity_field.h"
@@ -11,6 +13,8 @@
 
 typedef struct macro_run {
     macro_solver *solver;
+    bool is_fed; // there are feeds
+    feed_density *feeds;
     double packing; // parts/m2 at density 1
     bf_grid grid;
     size_t n_counters;
@@ -59,7 +63,8 @@ static void complete_congested(const scene *s, const velocity_field *f, macro_de
     def->transverse1 = f->transverse1;
     def->transverse2 = f->transverse2;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
-        def->one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;
+        def->one_way[side] =
+            s->edges[side] != SCENE_EDGE_OUTFLOW || scene_is_fed(s, (scene_side)side);
 }
 
 static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
@@ -90,7 +95,8 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     def.dispersion = s->macro.dispersion;
     def.mollifier = s->macro.mollifier;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
-        def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
+        def.mirror[side] = scene_mirrors_walls(s) &&
+                           (s->edges[side] == SCENE_EDGE_WALL || scene_is_fed(s, (scene_side)side));
     return def;
 }
 
@@ -133,8 +139,10 @@ static void destroy_run(void *solver)
 {
     macro_run *run = solver;
 
-    if (run != NULL)
+    if (run != NULL) {
         macro_destroy(run->solver);
+        feed_density_destroy(run->feeds);
+    }
     memory_free(run);
 }
 
@@ -147,12 +155,14 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
 
     if (run == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a run");
+    run->is_fed = s->n_feeds > 0;
     run->grid = scene_grid(s);
     run->packing = scene_packing_density(s);
     run->n_counters = s->n_counters;
     for (size_t k = 0; k < s->n_counters; k++)
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
     if ((status = create_solver(s, n_threads, &run->solver, err)) != BF_OK ||
+        (status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
         destroy_run(run);
         return status;
@@ -168,14 +178,49 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     return BF_OK;
 }
 
+static double density_of_cell(const void *context, size_t cell)
+{
+    const macro_run *run = context;
+
+    return macro_row(run->solver, cell / run->grid.n1)[cell % run->grid.n1];
+}
+
+static double factor_of_belt(const void *context, size_t belt)
+{
+    const macro_run *run = context;
+
+    return macro_belt_factor(run->solver, belt);
+}
+
+static void add_to_cell(void *context, size_t cell, double density)
+{
+    const macro_run *run = context;
+
+    macro_add(run->solver, cell, density);
+}
+
+static bf_status admit_run(void *solver, bf_error *err)
+{
+    macro_run *run = solver;
+    const feed_field field = {
+        .context = run, .density = density_of_cell, .factor = factor_of_belt, .add = add_to_cell
+    };
+
+    (void)err;
+    feed_density_advance(run->feeds, macro_time(run->solver), &field);
+    return BF_OK;
+}
+
 static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     macro_run *run = solver;
+    bf_status status = BF_OK;
 
-    (void)err;
-    for (uint64_t k = 0; k < n; k++)
+    for (uint64_t k = 0; status == BF_OK && k < n; k++) {
+        status = admit_run(run, err);
         macro_step(run->solver);
-    return BF_OK;
+    }
+    return status;
 }
 
 static bf_status check_run(const void *solver, bf_error *err)
@@ -201,7 +246,9 @@ static run_load measure_run(const void *solver)
     const macro_run *run = solver;
     const macro_totals totals = macro_measure(run->solver);
 
-    return (run_load){ .parts = run->packing * totals.mass, .peak = totals.peak };
+    return (run_load){ .parts = run->packing * totals.mass,
+                       .entered = feed_density_admitted(run->feeds),
+                       .peak = totals.peak };
 }
 
 static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load, bf_error *err)
@@ -217,15 +264,36 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
 static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
 {
     const macro_run *run = solver;
+    checkpoint_writer w;
 
-    return macro_save(run->solver, out, err);
+    if (!run->is_fed)
+        return macro_save(run->solver, out, err);
+    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
+    feed_density_save(run->feeds, &w);
+    const bf_status status = macro_save(run->solver, out, err);
+    if (status == BF_OK)
+        return checkpoint_end(&w, err);
+    buffer_truncate(out, w.start);
+    return status;
 }
 
 static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *err)
 {
     macro_run *run = solver;
+    checkpoint_reader r, feeds;
+    bf_status status;
 
-    return macro_load(run->solver, bytes, n, err);
+    if (!run->is_fed)
+        return macro_load(run->solver, bytes, n, err);
+    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err)) != BF_OK)
+        return status;
+    feeds = r;
+    if (checkpoint_read_items(&r, 1, feed_density_state_size(run->feeds)) == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    // The feeds come last: until the solver has taken its state, everything is as before.
+    if ((status = macro_load(run->solver, r.at, r.n_left, err)) == BF_OK)
+        feed_density_load(run->feeds, &feeds);
+    return status;
 }
 
 static uint64_t digest_run(const void *solver)

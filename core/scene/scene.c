@@ -426,6 +426,15 @@ double scene_belt_speed(const scene *s)
     return speed;
 }
 
+bool scene_is_fed(const scene *s, scene_side side)
+{
+    bool is_fed = false;
+
+    for (size_t k = 0; k < s->n_feeds; k++)
+        is_fed |= s->feeds[k].is_edge && s->feeds[k].edge == side;
+    return is_fed;
+}
+
 bool scene_mirrors_walls(const scene *s)
 {
     for (size_t k = 0; k < s->n_obstacles; k++) {

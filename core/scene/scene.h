@@ -78,7 +78,10 @@ bool scene_is_id(const char *text);
 /// How many parts there are at the start.
 size_t scene_parts(const scene *s);
 
-/// True if the convolution sees the density mirrored at wall edges instead of zero outside: when
+/// True if a feed lies on this side of the domain: then nothing leaves over it, in both models.
+bool scene_is_fed(const scene *s, scene_side side);
+
+/// True if the convolution sees the density mirrored at wall and fed edges instead of zero outside: when
 /// no obstacle has one of the paper's own treatments.
 bool scene_mirrors_walls(const scene *s);
 

@@ -1,0 +1,302 @@
+#include "core/feed/density_entry.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "core/feed/arrivals.h"
+#include "core/feed/line_cells.h"
+#include "core/scene/surroundings.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Cells are filled up to this below 1, so that a feed alone never starts the dispersion.
+static const double below_packed = 1e-12;
+
+static const double exhausted_below = 1e-6; // parts
+
+// What a feed fills.
+typedef struct cell_entry {
+    size_t cell;
+    double weight;   // of its share: the length of the line in it
+    double capacity; // most density in a step at the factor 1 of its belt; INFINITY: no bound
+    size_t belt;
+} cell_entry;
+
+// What a cell takes in a step.
+typedef struct cell_room {
+    double room;  // density
+    double level; // room/weight
+    size_t entry;
+} cell_room;
+
+// The state of a feed, as it is saved; parts.
+typedef struct feed_state {
+    double offered;
+    double admitted;
+    double discarded;
+    uint64_t is_held; // 0 or 1
+} feed_state;
+
+typedef struct feed_line {
+    feed_arrivals *arrivals;
+    size_t n;
+    cell_entry *cells;
+    double weight; // of all cells
+} feed_line;
+
+struct feed_density {
+    const scene *scene;
+    double packed;         // rho_p
+    double parts_per_cell; // at density 1
+    size_t n_feeds;
+    feed_line *lines;
+    feed_state *states;
+    uint64_t n_turns; // calls of feed_density_advance()
+    cell_room *rooms; // scratch: as many as the longest line has cells
+};
+
+// The part of a packed cell beside a side that its belt carries on in a step of dt, of the line's length in it.
+static double edge_capacity(const surroundings *around, scene_side side, const bf_grid *grid,
+                            double dt, size_t belt, double length)
+{
+    const vec2 velocity = surroundings_velocity_of(around, belt);
+    const double inward = vec2_dot(surroundings_side(around, side).inward, velocity);
+    const double speed = inward > 0.0 ? inward : vec2_length(velocity);
+
+    return speed * dt * length / (grid->d1 * grid->d2);
+}
+
+static bf_status make_line(const feed_density *d, const scene_feed *f, double dt,
+                           feed_line *ret_line, bf_error *err)
+{
+    const bf_grid grid = scene_grid(d->scene);
+    const surroundings around = surroundings_of(d->scene);
+    line_cell *cells = NULL;
+    vec2 inward = { 0.0, 0.0 };
+
+    // A line on a side lies in the cells beside it, not on their border.
+    if (f->is_edge)
+        inward = surroundings_side(&around, f->edge).inward;
+    inward = (vec2){ 0.5 * grid.d1 * inward.x, 0.5 * grid.d2 * inward.y };
+    bf_status status = line_cells_find(&grid, vec2_add(f->line[0], inward),
+                                       vec2_add(f->line[1], inward), &cells, &ret_line->n, err);
+    if (status != BF_OK)
+        return status;
+    if ((ret_line->cells = memory_alloc(ret_line->n, sizeof *ret_line->cells)) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for the line of feed %s", f->id);
+    for (size_t k = 0; status == BF_OK && k < ret_line->n; k++) {
+        const size_t cell = cells[k].cell;
+        const vec2 centre = { grid_x1(&grid, cell % grid.n1), grid_x2(&grid, cell / grid.n1) };
+        const size_t belt = surroundings_belt_at(&around, centre);
+        const double capacity = f->is_edge ? d->packed * edge_capacity(&around, f->edge, &grid, dt,
+                                                                       belt, cells[k].length)
+                                           : INFINITY;
+        ret_line->cells[k] = (cell_entry){ cell, cells[k].length, capacity, belt };
+        ret_line->weight += cells[k].length;
+    }
+    memory_free(cells);
+    return status;
+}
+
+static bf_status make_lines(feed_density *d, double dt, bf_error *err)
+{
+    const scene *s = d->scene;
+    bf_status status = BF_OK;
+    size_t n_most = 0;
+
+    for (size_t k = 0; status == BF_OK && k < d->n_feeds; k++) {
+        feed_line *line = &d->lines[k];
+        status = feed_arrivals_create(&s->feeds[k], s->substream, &line->arrivals, err);
+        if (status == BF_OK)
+            status = make_line(d, &s->feeds[k], dt, line, err);
+        n_most = line->n > n_most ? line->n : n_most;
+    }
+    if (status == BF_OK && (d->rooms = memory_alloc(n_most, sizeof *d->rooms)) == NULL)
+        status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu cells of feeds", n_most);
+    return status;
+}
+
+bf_status feed_density_create(const scene *s, double dt, feed_density **ret_density, bf_error *err)
+{
+    feed_density *d = memory_alloc(1, sizeof *d);
+    bf_status status;
+
+    if (d != NULL) {
+        const bf_grid grid = scene_grid(s);
+        *d = (feed_density){ .scene = s, .n_feeds = s->n_feeds };
+        d->packed = s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0 - below_packed;
+        d->parts_per_cell = scene_packing_density(s) * grid.d1 * grid.d2;
+        d->lines = memory_alloc(s->n_feeds, sizeof *d->lines);
+        d->states = memory_alloc(s->n_feeds, sizeof *d->states);
+    }
+    if (d == NULL || d->lines == NULL || d->states == NULL)
+        status = bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu feeds", s->n_feeds);
+    else
+        status = make_lines(d, dt, err);
+    if (status != BF_OK) {
+        feed_density_destroy(d);
+        return status;
+    }
+    *ret_density = d;
+    return BF_OK;
+}
+
+feed_density *feed_density_destroy(feed_density *d)
+{
+    if (d == NULL)
+        return NULL;
+    for (size_t k = 0; d->lines != NULL && k < d->n_feeds; k++) {
+        feed_arrivals_destroy(d->lines[k].arrivals);
+        memory_free(d->lines[k].cells);
+    }
+    memory_free(d->lines);
+    memory_free(d->states);
+    memory_free(d->rooms);
+    memory_free(d);
+    return NULL;
+}
+
+// By rising level; in the order of the line where they are equal.
+static int compare_rooms(const void *a, const void *b)
+{
+    const cell_room *x = a, *y = b;
+
+    if (x->level != y->level)
+        return x->level > y->level ? 1 : -1;
+    return (x->entry > y->entry) - (x->entry < y->entry);
+}
+
+// The rooms of a line's cells. True if they all take their share of the demand, a sum of densities.
+static bool find_rooms(const feed_density *d, const feed_line *line, double demand,
+                       const feed_field *field)
+{
+    bool is_enough = true;
+
+    for (size_t k = 0; k < line->n; k++) {
+        const cell_entry *c = &line->cells[k];
+        const double free = d->packed - field->density(field->context, c->cell);
+        // The bound first: infinity times the factor 0 is no number.
+        const double most =
+            isinf(c->capacity) ? c->capacity : c->capacity * field->factor(field->context, c->belt);
+        const double room = fmax(fmin(free, most), 0.0);
+        d->rooms[k] = (cell_room){ room, room / c->weight, k };
+        is_enough = is_enough && d->rooms[k].level * line->weight >= demand;
+    }
+    return is_enough;
+}
+
+// Spreads a demand, a sum of densities, over the cells of a line. Returns what they took.
+static double fill_line(feed_density *d, const feed_line *line, double demand,
+                        const feed_field *field)
+{
+    double left = demand, weight = line->weight, taken = 0.0;
+
+    if (!find_rooms(d, line, demand, field))
+        qsort(d->rooms, line->n, sizeof *d->rooms, compare_rooms);
+    for (size_t k = 0; k < line->n; k++) {
+        const cell_entry *c = &line->cells[d->rooms[k].entry];
+        // The cells with the lowest levels come first: once one takes its share, so do all that follow.
+        const double amount =
+            fmin(d->rooms[k].room, weight > c->weight ? left * (c->weight / weight) : left);
+        if (amount > 0.0)
+            field->add(field->context, c->cell, amount);
+        taken += amount;
+        left = fmax(left - amount, 0.0);
+        weight -= c->weight;
+    }
+    return taken;
+}
+
+static void admit(feed_density *d, size_t k, double t, const feed_field *field)
+{
+    const feed_line *line = &d->lines[k];
+    feed_state *state = &d->states[k];
+    const double served = state->admitted + state->discarded, waiting = state->offered - served;
+
+    if (state->is_held || !(waiting > 0.0))
+        return;
+    const double parts = d->parts_per_cell * fill_line(d, line, waiting / d->parts_per_cell, field);
+    state->admitted += parts;
+    if (parts > 0.0 && field->note_wait != NULL) {
+        const double due = feed_arrivals_time(line->arrivals, served + 0.5 * parts);
+        field->note_wait(field->context, k, parts, fmax(t - due, 0.0));
+    }
+}
+
+static void discard(feed_density *d, size_t k, double t)
+{
+    const scene_feed *f = &d->scene->feeds[k];
+    feed_state *state = &d->states[k];
+    const double served = state->admitted + state->discarded;
+
+    if (f->when_blocked == SCENE_BLOCKED_DISCARD)
+        state->discarded +=
+            fmax(feed_arrivals_until(d->lines[k].arrivals, t - f->max_wait) - served, 0.0);
+}
+
+void feed_density_advance(feed_density *d, double t, const feed_field *field)
+{
+    const size_t turn = d->n_feeds > 0 ? (size_t)(d->n_turns++ % d->n_feeds) : 0;
+
+    for (size_t n = 0; n < d->n_feeds; n++) {
+        const size_t k = (turn + n) % d->n_feeds;
+        d->states[k].offered = feed_arrivals_until(d->lines[k].arrivals, t);
+        admit(d, k, t, field);
+        discard(d, k, t);
+    }
+}
+
+void feed_density_hold(feed_density *d, size_t feed, bool is_held)
+{
+    d->states[feed].is_held = is_held;
+}
+
+feed_balance feed_density_balance(const feed_density *d, size_t feed)
+{
+    const feed_state *state = &d->states[feed];
+
+    return (feed_balance){
+        .offered = state->offered,
+        .admitted = state->admitted,
+        .waiting = fmax(state->offered - state->admitted - state->discarded, 0.0),
+        .discarded = state->discarded,
+    };
+}
+
+double feed_density_admitted(const feed_density *d)
+{
+    double sum = 0.0;
+
+    for (size_t k = 0; k < d->n_feeds; k++)
+        sum += d->states[k].admitted;
+    return sum;
+}
+
+bool feed_density_is_exhausted(const feed_density *d)
+{
+    bool is_exhausted = true;
+
+    for (size_t k = 0; k < d->n_feeds; k++) {
+        const feed_balance b = feed_density_balance(d, k);
+        const double all = feed_arrivals_until(d->lines[k].arrivals, INFINITY);
+        is_exhausted = is_exhausted && all - b.offered + b.waiting < exhausted_below;
+    }
+    return is_exhausted;
+}
+
+size_t feed_density_state_size(const feed_density *d)
+{
+    return sizeof d->n_turns + d->n_feeds * sizeof *d->states;
+}
+
+void feed_density_save(const feed_density *d, checkpoint_writer *w)
+{
+    checkpoint_write(w, &d->n_turns, sizeof d->n_turns);
+    checkpoint_write(w, d->states, d->n_feeds * sizeof *d->states);
+}
+
+void feed_density_load(feed_density *d, checkpoint_reader *r)
+{
+    BF_CHECK(checkpoint_read(r, &d->n_turns, sizeof d->n_turns) &&
+             checkpoint_read(r, d->states, d->n_feeds * sizeof *d->states));
+}

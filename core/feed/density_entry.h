@@ -1,0 +1,79 @@
+/// How the parts of feeds enter the macroscopic model: as a density in the cells of their lines.
+///
+/// With Lambda of arrivals.h, at a time t a feed has offered Lambda(t) parts, of which S were admitted or discarded.
+/// The rest, Lambda(t) - S, is spread over the cells that its line crosses (a line on a side: the cells along it), in
+/// proportion to the length of the line in each. A cell takes at most its room
+///
+///     rho_p - rho                                 rho_p the density of packed cargo
+///     rho_p v_n dt/dx  w                          a line on a side: what the belt carries from there in a step,
+///                                                 v_n its speed into the domain, w the covered part of the cell's side
+///
+/// and what some cannot take goes to the others in proportion (water filling): cell k of length w_k gets
+/// min(room_k, w_k h) with the h at which everything, or all room, is used. What is left waits. Parts are served in the
+/// order of their arrival, so that those at S are next: the time at which Lambda was S is when they arrived. Of a feed that discards, those
+/// below Lambda(t - max_wait) are dropped. A feed that is held admits nothing, while parts go on to arrive.
+///
+/// rho_p is 1 - 1e-12 with the dispersive closure, in which a density of 1 begins to disperse, and jam_density
+/// with the congested one. Where the belt does not run into the domain v_n is its speed.
+///
+/// Within a call each feed has its turn once, and the one that is first changes from call to call, so that none starves
+/// where two share cells.
+///
+/// Bits     the same for the same calls, also after save and load.
+/// Units    SI; densities normalised by rho_max = scene_packing_density().
+
+#pragma once
+
+#include "core/base/checkpoint.h"
+#include "core/base/grid.h"
+#include "core/base/status.h"
+#include "core/feed/balance.h"
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// The model that the density enters, as a table of functions that get its context.
+typedef struct feed_field {
+    void *context; ///< of the functions
+    /// The density of a cell, layout of grid.h.
+    double (*density)(const void *context, size_t cell);
+    /// The factor on the velocity of a belt in the step that begins now; n_belts: off every belt.
+    double (*factor)(const void *context, size_t belt);
+    /// Add a density > 0 to a cell.
+    void (*add)(void *context, size_t cell, double density);
+    /// Parts of a feed entered that have waited for about `wait`, s, on average. NULL: nobody asks.
+    void (*note_wait)(void *context, size_t feed, double parts, double wait);
+} feed_field;
+
+/// The entry of all feeds of a scene; opaque. It borrows the scene, which must outlive it.
+typedef struct feed_density feed_density;
+
+/// Begin before the first part, for steps of dt, s. The caller owns *ret_density: feed_density_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status feed_density_create(const scene *s, double dt, feed_density **ret_density,
+                                            bf_error *err);
+
+/// Free it. NULL is fine. Always returns NULL.
+feed_density *feed_density_destroy(feed_density *d);
+
+/// Let in what is due at t, s, not before that of the last call: once before each step.
+void feed_density_advance(feed_density *d, double t, const feed_field *field);
+
+/// Hold a feed, or release it.
+void feed_density_hold(feed_density *d, size_t feed, bool is_held);
+
+/// The balance of a feed at the last call of feed_density_advance().
+feed_balance feed_density_balance(const feed_density *d, size_t feed);
+
+/// Parts that entered, of all feeds.
+double feed_density_admitted(const feed_density *d);
+
+/// True if less than a millionth of a part waits at each feed and as little will arrive.
+bool feed_density_is_exhausted(const feed_density *d);
+
+/// Bytes that the state takes in a checkpoint; the same for all states of a scene.
+size_t feed_density_state_size(const feed_density *d);
+
+/// Append the state to a checkpoint, and take it from one of the same scene that has as many bytes left.
+void feed_density_save(const feed_density *d, checkpoint_writer *w);
+void feed_density_load(feed_density *d, checkpoint_reader *r);
