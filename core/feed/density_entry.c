@@ -10,13 +10,15 @@
 #include <stdlib.h>
 
 // Cells are filled up to this below 1, so that a feed alone never starts the dispersion.
-static const double below_packed = 1e-12;
+static const double below_saturated = 1e-12;
 
 static const double exhausted_below = 1e-6; // parts
 
 // What a feed fills.
 typedef struct cell_entry {
     size_t cell;
+    size_t
+        inner; // of a line on a side: the cell behind it, which takes what this one cannot; else the same
     double weight;   // of its share: the length of the line in it
     double capacity; // most density in a step at the factor 1 of its belt; INFINITY: no bound
     size_t belt;
@@ -46,7 +48,7 @@ typedef struct feed_line {
 
 struct feed_density {
     const scene *scene;
-    double packed;         // rho_p
+    double saturated;      // rho_p
     double parts_per_cell; // at density 1
     size_t n_feeds;
     feed_line *lines;
@@ -64,6 +66,21 @@ static double edge_capacity(const surroundings *around, scene_side side, const b
     const double speed = inward > 0.0 ? inward : vec2_length(velocity);
 
     return speed * dt * length / (grid->d1 * grid->d2);
+}
+
+// The cell behind one that lies beside a side; the same if there is none.
+static size_t inner_cell(const bf_grid *grid, scene_side side, size_t cell)
+{
+    switch (side) {
+    case SCENE_WEST:
+        return grid->n1 > 1 ? cell + 1 : cell;
+    case SCENE_EAST:
+        return grid->n1 > 1 ? cell - 1 : cell;
+    case SCENE_SOUTH:
+        return grid->n2 > 1 ? cell + grid->n1 : cell;
+    default:
+        return grid->n2 > 1 ? cell - grid->n1 : cell;
+    }
 }
 
 static bf_status make_line(const feed_density *d, const scene_feed *f, double dt,
@@ -88,10 +105,15 @@ static bf_status make_line(const feed_density *d, const scene_feed *f, double dt
         const size_t cell = cells[k].cell;
         const vec2 centre = { grid_x1(&grid, cell % grid.n1), grid_x2(&grid, cell / grid.n1) };
         const size_t belt = surroundings_belt_at(&around, centre);
-        const double capacity = f->is_edge ? d->packed * edge_capacity(&around, f->edge, &grid, dt,
-                                                                       belt, cells[k].length)
+        const double capacity = f->is_edge ? d->saturated * edge_capacity(&around, f->edge, &grid,
+                                                                          dt, belt, cells[k].length)
                                            : INFINITY;
-        ret_line->cells[k] = (cell_entry){ cell, cells[k].length, capacity, belt };
+        ret_line->cells[k] =
+            (cell_entry){ .cell = cell,
+                          .inner = f->is_edge ? inner_cell(&grid, f->edge, cell) : cell,
+                          .weight = cells[k].length,
+                          .capacity = capacity,
+                          .belt = belt };
         ret_line->weight += cells[k].length;
     }
     memory_free(cells);
@@ -124,7 +146,8 @@ bf_status feed_density_create(const scene *s, double dt, feed_density **ret_dens
     if (d != NULL) {
         const bf_grid grid = scene_grid(s);
         *d = (feed_density){ .scene = s, .n_feeds = s->n_feeds };
-        d->packed = s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0 - below_packed;
+        d->saturated =
+            s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0 - below_saturated;
         d->parts_per_cell = scene_packing_density(s) * grid.d1 * grid.d2;
         d->lines = memory_alloc(s->n_feeds, sizeof *d->lines);
         d->states = memory_alloc(s->n_feeds, sizeof *d->states);
@@ -166,6 +189,11 @@ static int compare_rooms(const void *a, const void *b)
     return (x->entry > y->entry) - (x->entry < y->entry);
 }
 
+static double free_in(const feed_density *d, size_t cell, const feed_field *field)
+{
+    return fmax(d->saturated - field->density(field->context, cell), 0.0);
+}
+
 // The rooms of a line's cells. True if they all take their share of the demand, a sum of densities.
 static bool find_rooms(const feed_density *d, const feed_line *line, double demand,
                        const feed_field *field)
@@ -174,15 +202,28 @@ static bool find_rooms(const feed_density *d, const feed_line *line, double dema
 
     for (size_t k = 0; k < line->n; k++) {
         const cell_entry *c = &line->cells[k];
-        const double free = d->packed - field->density(field->context, c->cell);
+        const double free =
+            free_in(d, c->cell, field) + (c->inner != c->cell ? free_in(d, c->inner, field) : 0.0);
         // The bound first: infinity times the factor 0 is no number.
         const double most =
             isinf(c->capacity) ? c->capacity : c->capacity * field->factor(field->context, c->belt);
-        const double room = fmax(fmin(free, most), 0.0);
+        const double room = fmin(free, most);
         d->rooms[k] = (cell_room){ room, room / c->weight, k };
         is_enough = is_enough && d->rooms[k].level * line->weight >= demand;
     }
     return is_enough;
+}
+
+// Adds a density to a cell as far as it is free, and the rest to the one behind it.
+static void fill_cell(const feed_density *d, const cell_entry *c, double amount,
+                      const feed_field *field)
+{
+    const double first = c->inner != c->cell ? fmin(amount, free_in(d, c->cell, field)) : amount;
+
+    if (first > 0.0)
+        field->add(field->context, c->cell, first);
+    if (amount > first)
+        field->add(field->context, c->inner, amount - first);
 }
 
 // Spreads a demand, a sum of densities, over the cells of a line. Returns what they took.
@@ -198,8 +239,7 @@ static double fill_line(feed_density *d, const feed_line *line, double demand,
         // The cells with the lowest levels come first: once one takes its share, so do all that follow.
         const double amount =
             fmin(d->rooms[k].room, weight > c->weight ? left * (c->weight / weight) : left);
-        if (amount > 0.0)
-            field->add(field->context, c->cell, amount);
+        fill_cell(d, c, amount, field);
         taken += amount;
         left = fmax(left - amount, 0.0);
         weight -= c->weight;

@@ -1,23 +1,25 @@
 /// How the parts of feeds enter the macroscopic model: as a density in the cells of their lines.
 ///
 /// With Lambda of arrivals.h, at a time t a feed has offered Lambda(t) parts, of which S were admitted or discarded.
-/// The rest, Lambda(t) - S, is spread over the cells that its line crosses (a line on a side: the cells along it), in
-/// proportion to the length of the line in each. A cell takes at most its room
+/// The rest, Lambda(t) - S, is spread over the cells that its line crosses in proportion to the line's length w_k in
+/// each. Cell k takes at most its room; what some cannot take goes to the others in proportion ("water filling"), so
+/// that it gets min(room_k, w_k h) with the h at which everything, or all room, is used:
 ///
-///     rho_p - rho                                 rho_p the density of packed cargo
-///     rho_p v_n dt/dx  w                          a line on a side: what the belt carries from there in a step,
-///                                                 v_n its speed into the domain, w the covered part of the cell's side
+///     line inside      room = rho_p - rho                      rho_p: density of packed cargo
+///     line on a side   room = min(rho_p - rho + rho_p - rho', rho_p v_n dt/dx c)
 ///
-/// and what some cannot take goes to the others in proportion (water filling): cell k of length w_k gets
-/// min(room_k, w_k h) with the h at which everything, or all room, is used. What is left waits. Parts are served in the
-/// order of their arrival, so that those at S are next: the time at which Lambda was S is when they arrived. Of a feed that discards, those
-/// below Lambda(t - max_wait) are dropped. A feed that is held admits nothing, while parts go on to arrive.
+/// On a side the cells are those beside it, and rho' is the density of the cell behind, which takes what the outer one
+/// cannot: where steps have several stages, a cell that is packed when a step begins hands on less than rho_p v_n in it.
+/// The bound is what the belt carries into the domain in a step: v_n is its speed across the side, its whole speed
+/// where it does not run inwards, and c the part of the cell's side that the line covers.
 ///
-/// rho_p is 1 - 1e-12 with the dispersive closure, in which a density of 1 begins to disperse, and jam_density
-/// with the congested one. Where the belt does not run into the domain v_n is its speed.
+/// What finds no room waits. Parts are served in the order of their arrival: those that enter next arrived when Lambda
+/// was S. Of a feed that discards, what is left below Lambda(t - max_wait) is dropped. A feed that is held admits
+/// nothing, while parts go on to arrive. Within a call each feed has its turn once, and the one that is first changes
+/// from call to call, so that none starves where two share cells.
 ///
-/// Within a call each feed has its turn once, and the one that is first changes from call to call, so that none starves
-/// where two share cells.
+/// rho_p is jam_density with the congested closure. With the dispersive one it is 1 - 1e-12: from a density of 1 on cargo
+/// disperses, and a feed alone must not start that.
 ///
 /// Bits     the same for the same calls, also after save and load.
 /// Units    SI; densities normalised by rho_max = scene_packing_density().

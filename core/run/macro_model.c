@@ -211,16 +211,36 @@ static bf_status admit_run(void *solver, bf_error *err)
     return BF_OK;
 }
 
+static void command_run(void *solver, const scene_action *action)
+{
+    macro_run *run = solver;
+
+    if (action->type == SCENE_ACTION_FEED)
+        feed_density_hold(run->feeds, action->target, action->value != 0.0);
+}
+
+static feed_balance balance_run(const void *solver, size_t feed)
+{
+    const macro_run *run = solver;
+
+    return feed_density_balance(run->feeds, feed);
+}
+
+static bool is_exhausted_run(const void *solver)
+{
+    const macro_run *run = solver;
+
+    return feed_density_is_exhausted(run->feeds);
+}
+
 static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     macro_run *run = solver;
-    bf_status status = BF_OK;
 
-    for (uint64_t k = 0; status == BF_OK && k < n; k++) {
-        status = admit_run(run, err);
+    (void)err;
+    for (uint64_t k = 0; k < n; k++)
         macro_step(run->solver);
-    }
-    return status;
+    return BF_OK;
 }
 
 static bf_status check_run(const void *solver, bf_error *err)
@@ -315,4 +335,8 @@ const run_backend run__macro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
+    .command = command_run,
+    .admit = admit_run,
+    .balance = balance_run,
+    .is_exhausted = is_exhausted_run,
 };
