@@ -136,17 +136,17 @@ static bf_status find_bodies(feed_parts *p, const scene_feed *f, span places, do
                              const feed_room *room, size_t *ret_n, bf_error *err)
 {
     const scene_pose start = pose_at(f, places.low, 0.0), end = pose_at(f, places.high, 0.0);
+    const vec2 from = { start.x, start.y }, to = { end.x, end.y };
+    const size_t n_before = p->n_bodies_max;
 
-    for (;;) {
-        *ret_n = room->near(room->context, (vec2){ start.x, start.y }, (vec2){ end.x, end.y },
-                            within, p->bodies, p->n_bodies_max);
-        if (*ret_n <= p->n_bodies_max)
-            return BF_OK;
-        if (memory_reserve(&p->bodies, &p->n_bodies_max, *ret_n, sizeof *p->bodies) != 0 ||
-            memory_reserve(&p->blocked, &p->n_blocked_max, *ret_n, sizeof *p->blocked) != 0)
-            return bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu bodies at feed %s", *ret_n,
-                           f->id);
-    }
+    *ret_n = room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
+    if (memory_reserve(&p->bodies, &p->n_bodies_max, *ret_n, sizeof *p->bodies) != 0 ||
+        memory_reserve(&p->blocked, &p->n_blocked_max, *ret_n, sizeof *p->blocked) != 0)
+        return bf_fail(err, BF_ENOMEM, "/feeds", "no memory for %zu bodies at feed %s", *ret_n,
+                       f->id);
+    if (*ret_n > n_before)
+        room->near(room->context, from, to, within, p->bodies, p->n_bodies_max);
+    return BF_OK;
 }
 
 // Fills p->blocked, by rising start, with the places that the bodies deny to the centre of a disk; returns how many.

@@ -1,0 +1,333 @@
+// Unit tests of how a density enters: into cells that do not change unless the test does it.
+
+#include "core/feed/density_entry.h"
+
+#include "core/base/memory.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { N1 = 10, N2 = 4 };
+
+typedef struct cells {
+    double rho[N1 * N2];
+    double factor;
+    double parts[2];  // of each feed, as they entered
+    double waited[2]; // parts times waits
+} cells;
+
+static double density(const void *context, size_t cell)
+{
+    return ((const cells *)context)->rho[cell];
+}
+
+static double factor(const void *context, size_t belt)
+{
+    assert_int_equal(belt, 0);
+    return ((const cells *)context)->factor;
+}
+
+static void add(void *context, size_t cell, double amount)
+{
+    cells *c = context;
+
+    assert_true(amount > 0.0);
+    c->rho[cell] += amount;
+}
+
+static void note_wait(void *context, size_t feed, double parts, double wait)
+{
+    cells *c = context;
+
+    c->parts[feed] += parts;
+    c->waited[feed] += parts * wait;
+}
+
+static const double dt = 0.05;
+
+// 1 m x 0.4 m in cells of 0.1 m, 100 parts in a packed one, on a belt of 0.5 m/s: a step of 0.05 s carries 0.25 of a cell.
+// n feeds along the west side at `rate` parts/s.
+static void make_scene(scene *s, size_t n_feeds, double rate)
+{
+    helper_scene_belt(s, 1.0, 0.4, 0.1, NULL, 0);
+    s->macro.packing = 10000.0;
+    helper_scene_add_belt(s, (vec2){ 0.5, 0.0 }, NULL, 0);
+    s->n_feeds = n_feeds;
+    s->feeds = memory_alloc(n_feeds, sizeof *s->feeds);
+    assert_non_null(s->feeds);
+    for (size_t k = 0; k < n_feeds; k++) {
+        scene_feed_init(&s->feeds[k]);
+        s->feeds[k].is_edge = true;
+        s->feeds[k].edge = SCENE_WEST;
+        s->feeds[k].demand = SCENE_DEMAND_RATE;
+        s->feeds[k].rate = rate;
+    }
+}
+
+static feed_density *make_density(scene *s, cells *c)
+{
+    feed_density *d = NULL;
+
+    *c = (cells){ .factor = 1.0 };
+    helper_scene_resolve(s);
+    assert_int_equal(feed_density_create(s, dt, &d, NULL), BF_OK);
+    return d;
+}
+
+static void advance(feed_density *d, double t, cells *c)
+{
+    const feed_field field = { c, density, factor, add, note_wait };
+
+    feed_density_advance(d, t, &field);
+}
+
+static void check_balance(const feed_density *d, size_t feed, double offered, double admitted,
+                          double discarded)
+{
+    const feed_balance b = feed_density_balance(d, feed);
+
+    assert_near(b.offered, offered, 1e-12 * offered);
+    assert_near(b.admitted, admitted, 1e-9);
+    assert_near(b.discarded, discarded, 1e-9);
+    assert_near(b.waiting, offered - admitted - discarded, 1e-9);
+}
+
+// 40 parts are 0.1 in each of the four cells of the west side.
+static void equal_cells_take_equal_amounts(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 1, 800.0);
+    feed_density *d = make_density(&s, &c);
+    advance(d, 0.05, &c);
+    for (size_t j = 0; j < N2; j++)
+        assert_near(c.rho[j * N1], 0.1, 1e-14);
+    check_balance(d, 0, 40.0, 40.0, 0.0);
+    // Half of them came in the first half of 0.05 s.
+    assert_near(c.waited[0] / c.parts[0], 0.025, 1e-12);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+// Rooms of 0.05, 0.2, 0.25 and 0.25 (the belt's), and a demand of 0.5: 0.05, then 0.15 for each of the others. With a
+// demand of 0.68 the second one is full, too, and the last two take 0.215. All rooms are 0.75.
+static void what_a_full_cell_cannot_take_goes_to_the_others(void **state)
+{
+    (void)state;
+    static const double demands[] = { 0.5, 0.68, 0.9 };
+    static const double expected[][N2] = { { 0.15, 0.05, 0.15, 0.15 },
+                                           { 0.2, 0.05, 0.215, 0.215 },
+                                           { 0.2, 0.05, 0.25, 0.25 } };
+    for (size_t k = 0; k < 3; k++) {
+        cells c;
+        scene s;
+        double taken = 0.0;
+        make_scene(&s, 1, 100.0 * demands[k] / dt);
+        feed_density *d = make_density(&s, &c);
+        c.rho[0] = 0.8;
+        c.rho[1] = 1.0;
+        c.rho[N1] = 0.95;
+        c.rho[N1 + 1] = 1.5;
+        c.rho[2 * N1] = 0.7;
+        const cells before = c;
+        advance(d, dt, &c);
+        for (size_t j = 0; j < N2; j++) {
+            assert_near(c.rho[j * N1] - before.rho[j * N1], expected[k][j], 1e-11);
+            taken += expected[k][j];
+        }
+        check_balance(d, 0, 100.0 * demands[k], 100.0 * taken, 0.0);
+        feed_density_destroy(d);
+        scene_fini(&s);
+    }
+}
+
+// The outer cell has room for 0.1 and the belt takes 0.25: the other 0.15 go behind it.
+static void the_inner_cell_takes_what_the_outer_one_cannot(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 1, 1e5);
+    feed_density *d = make_density(&s, &c);
+    for (size_t j = 0; j < N2; j++) {
+        c.rho[j * N1] = 0.9;
+        c.rho[j * N1 + 1] = 0.75;
+    }
+    advance(d, dt, &c);
+    for (size_t j = 0; j < N2; j++) {
+        assert_near(c.rho[j * N1], 1.0, 1e-11);
+        assert_near(c.rho[j * N1 + 1], 0.9, 1e-11);
+    }
+    assert_true(c.rho[0] < 1.0);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+// From y = 0.15 to 0.35 m: half a cell, a cell, half a cell. At half its speed the belt takes half as much.
+static void a_part_of_a_side_takes_a_part_of_the_belt(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 1, 1e5);
+    s.feeds[0].line[0].y = 0.15;
+    s.feeds[0].line[1].y = 0.35;
+    feed_density *d = make_density(&s, &c);
+    c.factor = 0.5;
+    advance(d, dt, &c);
+    assert_true(c.rho[0] == 0.0);
+    assert_near(c.rho[N1], 0.0625, 1e-12);
+    assert_near(c.rho[2 * N1], 0.125, 1e-12);
+    assert_near(c.rho[3 * N1], 0.0625, 1e-12);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+// Of a cell beside a side that has room for 0.1 the one behind takes what else the belt carries. The belt runs at 45
+// degrees, into the domain at west and south, and out of it at the others, where its whole speed counts.
+static void every_side_has_its_cells(void **state)
+{
+    (void)state;
+    static const struct {
+        scene_side side;
+        size_t outer, inner, n;
+    } sides[] = { { SCENE_WEST, N1, N1 + 1, N2 },
+                  { SCENE_EAST, 2 * N1 - 1, 2 * N1 - 2, N2 },
+                  { SCENE_SOUTH, 3, N1 + 3, N1 },
+                  { SCENE_NORTH, 3 * N1 + 3, 2 * N1 + 3, N1 } };
+    for (size_t k = 0; k < 4; k++) {
+        const bool is_inward = sides[k].side == SCENE_WEST || sides[k].side == SCENE_SOUTH;
+        const double bound = is_inward ? 0.25 : 0.25 * sqrt(2.0);
+        cells c;
+        scene s;
+        make_scene(&s, 1, 1e5);
+        s.belts[0].velocity.y = 0.5;
+        s.feeds[0].edge = sides[k].side;
+        feed_density *d = make_density(&s, &c);
+        c.rho[sides[k].outer] = 0.9;
+        advance(d, dt, &c);
+        assert_near(c.rho[sides[k].outer], 1.0, 1e-11);
+        assert_near(c.rho[sides[k].inner], bound - 0.1, 1e-11);
+        check_balance(d, 0, 1e5 * dt, 100.0 * bound * (double)sides[k].n, 0.0);
+        feed_density_destroy(d);
+        scene_fini(&s);
+    }
+}
+
+// A line inside is filled up at once, to the jam density with the congested closure: 0.1 m in one cell and 0.05 m in the
+// next, so that 6 parts are 0.04 and 0.02.
+static void a_line_inside_has_no_bound_but_its_room(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 1, 6.0 / dt);
+    s.feeds[0].is_edge = false;
+    s.feeds[0].line[0] = (vec2){ 0.4, 0.25 };
+    s.feeds[0].line[1] = (vec2){ 0.55, 0.25 };
+    s.macro.closure = SCENE_CONGESTED;
+    s.macro.jam_density = 0.93;
+    feed_density *d = make_density(&s, &c);
+    advance(d, dt, &c);
+    assert_near(c.rho[2 * N1 + 4], 0.04, 1e-14);
+    assert_near(c.rho[2 * N1 + 5], 0.02, 1e-14);
+    advance(d, 1e3, &c);
+    assert_near(c.rho[2 * N1 + 4], 0.93, 1e-14);
+    assert_near(c.rho[2 * N1 + 5], 0.93, 1e-14);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+// Blocked for 2 s at 10 parts/s, then open: the first parts to enter, 20 less 15 that were dropped, had waited between 1/2
+// and 0 s.
+static void waits_and_drops_follow_the_order_of_arrival(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 1, 10.0);
+    s.feeds[0].when_blocked = SCENE_BLOCKED_DISCARD;
+    s.feeds[0].max_wait = 0.5;
+    feed_density *d = make_density(&s, &c);
+    for (size_t k = 0; k < N1 * N2; k++)
+        c.rho[k] = 1.0;
+    for (int k = 0; k <= 40; k++)
+        advance(d, dt * k, &c);
+    check_balance(d, 0, 20.0, 0.0, 15.0);
+    memset(c.rho, 0, sizeof c.rho);
+    feed_density_hold(d, 0, true);
+    advance(d, 2.0, &c);
+    check_balance(d, 0, 20.0, 0.0, 15.0);
+    feed_density_hold(d, 0, false);
+    advance(d, 2.0, &c);
+    check_balance(d, 0, 20.0, 5.0, 15.0);
+    assert_near(c.waited[0] / c.parts[0], 0.25, 1e-12);
+    assert_near(feed_density_admitted(d), 5.0, 1e-12);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+// Both want all of the room of the line that they share: who is first takes it.
+static void feeds_in_the_same_cells_take_turns(void **state)
+{
+    (void)state;
+    cells c;
+    scene s;
+    make_scene(&s, 2, 1e5);
+    for (size_t k = 0; k < 2; k++) {
+        s.feeds[k].is_edge = false;
+        s.feeds[k].line[0] = (vec2){ 0.55, 0.05 };
+        s.feeds[k].line[1] = (vec2){ 0.55, 0.35 };
+    }
+    feed_density *d = make_density(&s, &c);
+    for (int k = 1; k <= 10; k++) {
+        memset(c.rho, 0, sizeof c.rho);
+        advance(d, dt * k, &c);
+    }
+    assert_near(c.parts[0], 5.0 * 400.0, 1e-6);
+    assert_near(c.parts[1], 5.0 * 400.0, 1e-6);
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+static void out_of_memory_anywhere_is_an_error(void **state)
+{
+    (void)state;
+    bf_status status = BF_ENOMEM;
+    feed_density *d = NULL;
+    scene s;
+    make_scene(&s, 2, 1.0);
+    helper_scene_resolve(&s);
+    for (size_t n = 1; status != BF_OK; n++) {
+        memory_plan_fault(n, 0);
+        status = feed_density_create(&s, dt, &d, NULL);
+        memory_plan_fault(0, 0);
+        assert_true(status == BF_OK || (status == BF_ENOMEM && d == NULL));
+    }
+    feed_density_destroy(d);
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equal_cells_take_equal_amounts),
+        cmocka_unit_test(what_a_full_cell_cannot_take_goes_to_the_others),
+        cmocka_unit_test(the_inner_cell_takes_what_the_outer_one_cannot),
+        cmocka_unit_test(a_part_of_a_side_takes_a_part_of_the_belt),
+        cmocka_unit_test(every_side_has_its_cells),
+        cmocka_unit_test(a_line_inside_has_no_bound_but_its_room),
+        cmocka_unit_test(waits_and_drops_follow_the_order_of_arrival),
+        cmocka_unit_test(feeds_in_the_same_cells_take_turns),
+        cmocka_unit_test(out_of_memory_anywhere_is_an_error),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
