@@ -4,6 +4,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/micro.h"
+#include "core/scene/plate_motion.h"
 #include "core/scene/surroundings.h"
 
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
@@ -20,6 +21,9 @@ typedef struct micro_backend {
     micro_part (*part)(const void *state, size_t k);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
+    /// The motion of the obstacles; pose_plates() must follow what changes it
+    plate_motion *(*motion)(void *state);
+    void (*pose_plates)(void *state);
     /// micro_steps()
     uint64_t (*steps)(const void *state);
     /// Write the state as the payload of a checkpoint.

@@ -2,6 +2,7 @@
 
 #include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
+#include "core/scene/plate_motion.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -191,6 +192,21 @@ static bf_status check_parameters(const micro_def *def, bf_error *err)
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers && status == BF_OK; k++)
         status = check_number(numbers[k].is_good, numbers[k].value, numbers[k].pointer, err);
     return status;
+}
+
+double micro__plate_speed(const micro_def *def, size_t *ret_obstacle)
+{
+    double largest = 0.0;
+
+    *ret_obstacle = 0;
+    for (size_t k = 0; k < def->n_obstacles; k++) {
+        const double speed =
+            plate_motion_largest_speed(def->obstacles, k, def->n_actions, def->actions);
+        if (speed > largest)
+            *ret_obstacle = k;
+        largest = fmax(largest, speed);
+    }
+    return largest;
 }
 
 bf_status micro__check(const micro_def *def, bf_error *err)

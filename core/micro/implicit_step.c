@@ -2,6 +2,7 @@
 
 #include "core/base/vec2.h"
 #include "core/micro/contact_law.h"
+#include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/shape.h"
 
@@ -39,6 +40,15 @@ static double radius_of(const scene_shape *shape)
     return 0.5 * least;
 }
 
+double implicit_step_radius(const micro_def *def)
+{
+    double radius = HUGE_VAL;
+
+    for (size_t k = 0; k < def->n_kinds; k++)
+        radius = fmin(radius, radius_of(&def->kinds[k].shape));
+    return radius;
+}
+
 // The extremes of a definition that determine the step.
 typedef struct extremes {
     double stiffness; // largest k, N/m
@@ -59,14 +69,13 @@ static extremes extremes_of(const micro_def *def)
     extremes e = { .damping = fmax(def->contact[SCENE_CARGO_CARGO].damping,
                                    def->contact[SCENE_HANDLING_CARGO].damping),
                    .mass = HUGE_VAL,
-                   .radius = HUGE_VAL,
+                   .radius = implicit_step_radius(def),
                    .speed = hypot(def->start_velocity.x, def->start_velocity.y) };
 
     for (size_t k = 0; k < def->n_kinds; k++) {
         const micro_kind *kind = &def->kinds[k];
         const scene_material *own = &kind->material;
         e.mass = fmin(e.mass, kind->mass);
-        e.radius = fmin(e.radius, radius_of(&kind->shape));
         e.stiffness = fmax(e.stiffness, stiffness_of(def, SCENE_CARGO_CARGO, own, own));
         e.stiffness =
             fmax(e.stiffness, stiffness_of(def, SCENE_HANDLING_CARGO, own, &def->handling));
@@ -131,6 +140,9 @@ double implicit_step_stable(const micro_def *def)
 double implicit_step_chosen(const micro_def *def, bool is_planar)
 {
     extremes e = extremes_of(def);
+    size_t fastest;
+
+    e.speed = fmax(e.speed, micro__plate_speed(def, &fastest));
     double dt = fmin(step_longest, step_of_move(&e, is_planar ? move_planar : move_spatial));
 
     return fmin(fmin(dt, step_of_iterations(def, &e)), step_of_belt(def, &e));

@@ -23,7 +23,7 @@
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt accelerates parts over many steps
 ///     where iterations(h) = 16: stiffer contacts take shorter steps instead of more iterations
 ///
-/// with v the largest speed of a belt at any time or of the parts at the start, and r the radius of a cylinder or
+/// with v the largest speed of a belt or of a plate at any time or of the parts at the start, and r the radius of a cylinder or
 /// half the least width of another footprint.
 
 #pragma once
@@ -34,6 +34,9 @@
 /// N s/m, in steps of h, s.
 int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
                              double mass);
+
+/// The smallest r of any kind, m.
+double implicit_step_radius(const micro_def *def);
 
 /// Largest step that is allowed for a checked definition, s.
 double implicit_step_stable(const micro_def *def);

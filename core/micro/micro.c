@@ -3,17 +3,22 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
+#include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
 #include "core/scene/definition.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double step_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
 
 // Of the stable step of MICRO_VERLET, where none is given: keeps U(t) within about 1 % of N.
 static const double chosen_fraction = 0.25;
+
+// Of the smallest radius, how far a plate may move in a step, so that no part gets behind it.
+static const double plate_move = 0.25;
 
 struct micro_solver {
     const micro_backend *backend;
@@ -61,8 +66,17 @@ double micro_dt_chosen(const micro_def *def)
 {
     const micro_backend *backend = choose_backend(def);
 
-    return def->integrator == MICRO_IMPLICIT ? implicit_step_chosen(def, backend == &micro__disk)
-                                             : chosen_fraction * backend->dt_stable(def);
+    return def->integrator == MICRO_IMPLICIT
+               ? implicit_step_chosen(def, backend == &micro__disk)
+               : fmin(chosen_fraction * backend->dt_stable(def), micro_dt_plates(def));
+}
+
+double micro_dt_plates(const micro_def *def)
+{
+    size_t fastest;
+    const double speed = micro__plate_speed(def, &fastest);
+
+    return speed > 0.0 ? plate_move * implicit_step_radius(def) / speed : INFINITY;
 }
 
 static bf_status check_step(const micro_def *def, bf_error *err)
@@ -74,6 +88,44 @@ static bf_status check_step(const micro_def *def, bf_error *err)
     return bf_fail(err, BF_EINPUT, "/micro/step_s",
                    "a step of %.9g s is not possible; the largest stable one is %.9g s", def->dt,
                    stable);
+}
+
+// The fastest plate whose contacts stop it within plate_move of a radius: a mass m at a speed v is stopped
+// by a spring within v sqrt(m/k), by a dashpot within v m/d.
+static double largest_plate_speed(const micro_def *def)
+{
+    const scene_contact *contact = &def->contact[SCENE_HANDLING_CARGO];
+    double longest = 0.0; // s
+
+    for (size_t k = 0; k < def->n_kinds; k++) {
+        const micro_kind *kind = &def->kinds[k];
+        const micro_law law =
+            contact_law_of_line(contact, &kind->material, &def->handling, def->modulus_reduction);
+        longest = fmax(longest, fmin(sqrt(kind->mass / law.stiffness), kind->mass / law.damping));
+    }
+    return plate_move * implicit_step_radius(def) / longest;
+}
+
+// A plate must not get behind what is in front of it.
+static bf_status check_plates(const micro_def *def, bf_error *err)
+{
+    const double stable = micro_dt_plates(def), most = largest_plate_speed(def);
+    char pointer[BF_POINTER_SIZE];
+    size_t fastest;
+    const double speed = micro__plate_speed(def, &fastest);
+
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu/motion", fastest);
+    if (speed > most)
+        return bf_fail(err, BF_EINPUT, pointer,
+                       "moves at up to %.6g m/s; faster than %.6g m/s parts would pass through it",
+                       speed, most);
+    if (def->dt > 0.0 && def->dt <= stable * (1.0 + step_slack))
+        return BF_OK;
+    return bf_fail(
+        err, BF_EINPUT, pointer,
+        "moves at up to %.6g m/s: too fast for steps of %.9g s; the largest stable one is "
+        "%.9g s",
+        speed, def->dt, stable);
 }
 
 bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy, bf_error *err)
@@ -97,6 +149,7 @@ static uint64_t digest_definition(const micro_def *def)
     digest = digest_add(digest, def->edges, sizeof def->edges);
     digest = definition_add_belts(digest, def->n_belts, def->belts);
     digest = definition_add_obstacles(digest, def->n_obstacles, def->obstacles);
+    digest = definition_add_motions(digest, def->n_obstacles, def->obstacles);
     for (size_t k = 0; k < def->n_kinds; k++) {
         const micro_kind *kind = &def->kinds[k];
         digest = definition_add_shape(digest, &kind->shape);
@@ -121,6 +174,8 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
     const micro_backend *backend = choose_backend(def);
     if (own.dt == 0.0)
         own.dt = micro_dt_chosen(def);
+    if (micro_dt_plates(&own) < INFINITY && (status = check_plates(&own, err)) != BF_OK)
+        return status;
     if ((status = check_step(&own, err)) != BF_OK)
         return status;
     micro_solver *s = memory_alloc(1, sizeof *s);
@@ -149,6 +204,18 @@ micro_solver *micro_destroy(micro_solver *s)
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 {
     return s->backend->advance(s->state, n, err);
+}
+
+void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over)
+{
+    plate_motion_command_turn(s->backend->motion(s->state), obstacle, t, angle, over);
+    s->backend->pose_plates(s->state);
+}
+
+void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present)
+{
+    plate_motion_command_presence(s->backend->motion(s->state), obstacle, t, is_present);
+    s->backend->pose_plates(s->state);
 }
 
 micro_part micro_part_of(const micro_solver *s, size_t k)

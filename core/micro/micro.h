@@ -64,7 +64,9 @@ typedef struct micro_def {
     size_t n_belts;                     ///< (default 0)
     const scene_belt *belts;            ///< later ones lie on top of earlier ones
     size_t n_obstacles;                 ///< (default 0)
-    const scene_obstacle *obstacles;    ///< plates: path, thickness; solid
+    const scene_obstacle *obstacles;    ///< plates: path, thickness, motion; solid
+    size_t n_actions;                   ///< (default 0)
+    const scene_action *actions;        ///< that may turn obstacles: bound the step
     size_t n_kinds;                     ///< >= 1 (no default)
     const micro_kind *kinds;            ///< kinds of parts
     size_t n_parts;                     ///< (no default)
@@ -116,12 +118,17 @@ micro_def micro_def_default(void);
 /// dashpot, frictions); what dt = 0 chooses is at most this.
 double micro_dt_stable(const micro_def *def);
 
-/// The step that dt = 0 stands for, s; of MICRO_IMPLICIT it depends on n_parts.
+/// Largest step, s, in which no plate that moves goes farther than a quarter of the smallest radius; INFINITY: none
+/// moves.
+double micro_dt_plates(const micro_def *def);
+
+/// The step that dt = 0 stands for, s, at most micro_dt_plates(); of MICRO_IMPLICIT it depends on n_parts.
 double micro_dt_chosen(const micro_def *def);
 
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
 /// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond
-/// micro_dt_stable(), which the text names; BF_ENOMEM.
+/// micro_dt_stable() or micro_dt_plates(), which the text names, or a plate moves too fast for its contacts;
+/// BF_ENOMEM.
 BF_MUST_CHECK bf_status micro_create(const micro_def *def, micro_solver **ret_solver,
                                      bf_error *err);
 
@@ -131,6 +138,11 @@ micro_solver *micro_destroy(micro_solver *s);
 /// Make n steps of dt. BF_ENUMERIC: a value is not finite, or a part moved impossibly far in a step;
 /// the text has step, time and part. BF_ENOMEM: no memory for a longer neighbour list.
 BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err);
+
+/// Turn an obstacle that moves (scene_obstacle_moves()) from its present angle to another one, rad, within `over`,
+/// s, or let it come or go; at the present time t, s. Its schedule has no effect from then on. Saved with the state.
+void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over);
+void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present);
 
 /// The state of part k, 0 <= k < n_parts.
 micro_part micro_part_of(const micro_solver *s, size_t k);

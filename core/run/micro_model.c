@@ -67,13 +67,16 @@ static void set_surroundings(const scene *s, micro_def *def)
     def->belts = s->belts;
     def->n_obstacles = s->n_obstacles;
     def->obstacles = s->obstacles;
+    def->n_actions = s->n_actions;
+    def->actions = s->actions;
 }
 
 // The step that "auto" stands for: the paper's, where that is stable, or the implicit integrator's own.
 static double choose_step(const micro_def *def)
 {
-    return def->integrator == MICRO_VERLET ? fmin(1e-5, micro_dt_stable(def))
-                                           : micro_dt_chosen(def);
+    return def->integrator == MICRO_VERLET
+               ? fmin(1e-5, fmin(micro_dt_stable(def), micro_dt_plates(def)))
+               : micro_dt_chosen(def);
 }
 
 bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup *setup,

@@ -145,16 +145,22 @@ static uint64_t add_feeds(uint64_t digest, const scene *s)
     return digest;
 }
 
-// Nothing where nothing moves and there are no photo eyes.
-static uint64_t add_equipment(uint64_t digest, const scene *s)
+uint64_t definition_add_motions(uint64_t digest, size_t n, const scene_obstacle *obstacles)
 {
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        const scene_obstacle *o = &s->obstacles[k];
+    for (size_t k = 0; k < n; k++) {
+        const scene_obstacle *o = &obstacles[k];
         if (!scene_obstacle_moves(o))
             continue;
         digest = ADD_NUMBERS(digest, (double)k, o->pivot.x, o->pivot.y);
         digest = add_series(add_series(digest, &o->turn), &o->presence);
     }
+    return digest;
+}
+
+// Nothing where nothing moves and there are no photo eyes.
+static uint64_t add_equipment(uint64_t digest, const scene *s)
+{
+    digest = definition_add_motions(digest, s->n_obstacles, s->obstacles);
     for (size_t k = 0; k < s->n_eyes; k++) {
         const scene_photo_eye *e = &s->eyes[k];
         digest = ADD_NUMBERS(digest, e->line[0].x, e->line[0].y, e->line[1].x, e->line[1].y,

@@ -15,6 +15,9 @@ uint64_t definition_add_belts(uint64_t digest, size_t n, const scene_belt *belts
 /// n obstacles with all their members.
 uint64_t definition_add_obstacles(uint64_t digest, size_t n, const scene_obstacle *obstacles);
 
+/// The motions of n obstacles; nothing where none moves.
+uint64_t definition_add_motions(uint64_t digest, size_t n, const scene_obstacle *obstacles);
+
 /// The shape of a part.
 uint64_t definition_add_shape(uint64_t digest, const scene_shape *shape);
 

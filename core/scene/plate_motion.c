@@ -188,6 +188,22 @@ plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstac
     return (plate_motion_pose){ motion->plates[obstacle].pivot, cos(angle), sin(angle) };
 }
 
+plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstacle,
+                                       uint64_t n_before, double dt, double depth)
+{
+    const double from = (double)n_before * dt, to = (double)(n_before + 1) * dt;
+    const double extent = plate_motion_extent(motion, obstacle, from);
+    const double grown = plate_motion_extent(motion, obstacle, to) - extent;
+
+    return (plate_motion_step){
+        .pose = plate_motion_pose_at(motion, obstacle, plate_motion_angle(motion, obstacle, from)),
+        .spin = plate_motion_angular_velocity(motion, obstacle, from, to),
+        .recess =
+            plate_motion_is_present(motion, obstacle, from) ? (1.0 - extent) * depth : INFINITY,
+        .growth = grown > 0.0 ? grown * depth / dt : 0.0,
+    };
+}
+
 void plate_motion_command_turn(plate_motion *motion, size_t obstacle, double t, double angle,
                                double over)
 {

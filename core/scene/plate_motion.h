@@ -26,6 +26,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// Within which a plate that comes is there in full, s. **Choice**: as long as a pneumatic stop takes. What it comes
 /// upon is pushed aside by that time, so that no contact begins with an overlap, whatever its stiffness.
@@ -64,6 +65,14 @@ typedef struct plate_motion_pose {
     double sin; ///< same
 } plate_motion_pose;
 
+/// An obstacle in a step of a solver, of dt, before which n_before were made.
+typedef struct plate_motion_step {
+    plate_motion_pose pose; ///< at its beginning
+    double spin;            ///< mean angular velocity, rad/s; exactly 0 where it does not turn
+    double recess; ///< how far its surface is behind its place, m; INFINITY: it is not there
+    double growth; ///< at which that decreases, m/s
+} plate_motion_step;
+
 /// Copy the motions of obstacles. The caller owns them: plate_motion_fini(). BF_ENOMEM: *ret_motion is empty.
 BF_MUST_CHECK bf_status plate_motion_init(plate_motion *ret_motion, size_t n,
                                           const scene_obstacle *obstacles, bf_error *err);
@@ -84,8 +93,12 @@ bool plate_motion_is_present(const plate_motion *motion, size_t obstacle, double
 /// How much of it is there, 0 to 1; see above.
 double plate_motion_extent(const plate_motion *motion, size_t obstacle, double t);
 
-/// The rotation by an angle about the obstacle's pivot; by 0 it changes no bit.
+/// The rotation by an angle about the obstacle's pivot; by 0 it changes no bit of what it turns.
 plate_motion_pose plate_motion_pose_at(const plate_motion *motion, size_t obstacle, double angle);
+
+/// All of it. A plate that comes begins behind its place by `depth`, m: the largest overlap that there could be.
+plate_motion_step plate_motion_in_step(const plate_motion *motion, size_t obstacle,
+                                       uint64_t n_before, double dt, double depth);
 
 /// A vector turned by a pose.
 static inline vec2 plate_motion_turn(const plate_motion_pose *pose, vec2 a)
@@ -96,7 +109,9 @@ static inline vec2 plate_motion_turn(const plate_motion_pose *pose, vec2 a)
 /// Where a point of the obstacle is in a pose.
 static inline vec2 plate_motion_place(const plate_motion_pose *pose, vec2 at)
 {
-    return vec2_add(pose->pivot, plate_motion_turn(pose, vec2_sub(at, pose->pivot)));
+    const vec2 to = vec2_sub(at, pose->pivot);
+
+    return vec2_add(at, vec2_sub(plate_motion_turn(pose, to), to));
 }
 
 /// Velocity, m/s, of the point `at` of a body that turns about `pivot` at angular velocity w, rad/s.

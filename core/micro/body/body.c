@@ -238,6 +238,20 @@ static uint64_t steps(const void *state)
     return s->steps;
 }
 
+static plate_motion *motion(void *state)
+{
+    body_state *s = state;
+
+    return &s->motion;
+}
+
+static void pose_plates(void *state)
+{
+    body_state *s = state;
+
+    body__pose_plates(s, s->steps);
+}
+
 const micro_backend micro__body = {
     .dt_stable = body__dt_stable,
     .create = create,
@@ -246,6 +260,8 @@ const micro_backend micro__body = {
     .part = body__part,
     .measure = body__measure,
     .steps = steps,
+    .motion = motion,
+    .pose_plates = pose_plates,
     .save = body__save,
     .load = body__load,
     .kind = CHECKPOINT_BODY,

@@ -27,6 +27,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/body/narrow_phase.h"
+#include "core/micro/body/plates.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/driver.h"
 #include "core/micro/micro.h"
@@ -121,6 +122,8 @@ struct body_state {
     uint32_t *links;            ///< pair of each entry of list.neighbour
     size_t n_plates;            ///< see there
     body_plate *plates;         ///< see there
+    body_moving *moving;        ///< by plate; NULL: none moves
+    plate_motion motion;        ///< of the obstacles
     body_map map;               ///< of plates
     double map_range;           ///< from a part's centre to plates that the map must contain, m
     surroundings around;        ///< a copy: belts and edges
@@ -173,13 +176,9 @@ bool body__contact_force(const body_state *s, const micro_law *law, vec3 normal,
 BF_MUST_CHECK bf_status body__kind_init(const micro_def *def, const micro_kind *from,
                                         body_kind *ret_kind, bf_error *err);
 
-/// Copy plates and belts and map them. BF_ENOMEM.
-BF_MUST_CHECK bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err);
+/// Copy the belts. BF_ENOMEM.
 BF_MUST_CHECK bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err);
-
-/// Free them.
-void body__plates_fini(body_state *s);
-void body__belt_fini(body_state *s);
+void body__belt_fini(body_state *s); ///< Free them.
 
 /// Set the velocities of the belts for a step, before which n_before were made; by one thread.
 void body__update_belts(body_state *s, uint64_t n_before);

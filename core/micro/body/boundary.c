@@ -21,13 +21,17 @@ typedef struct boundary_forces {
 } boundary_forces;
 
 /// Add the force on part k in a contact point of a boundary. Returns true if it is not zero.
-static bool add_point_force(const body_state *s, size_t k, const micro_law *law, vec3 normal,
-                            const manifold_point *point, body_load *load)
+static bool add_point_force(const body_state *s, size_t k, const micro_law *law,
+                            const body_moving *moving, vec3 normal, const manifold_point *point,
+                            body_load *load)
 {
     const body_body *body = &s->bodies[k];
-    vec3 force;
+    vec3 velocity = body__velocity(body, point->at), force;
 
-    if (!body__contact_force(s, law, normal, point, body__velocity(body, point->at), &force))
+    if (moving != NULL)
+        velocity = vec3_sub(
+            velocity, body__surface_velocity(moving, normal, vec3_sub(point->at, moving->pivot)));
+    if (!body__contact_force(s, law, normal, point, velocity, &force))
         return false;
     body__add_force(load, body, point->at, force);
     return true;
@@ -38,18 +42,18 @@ static void add_contact_force(void *context, size_t k, const micro_law *law, uin
                               const body_contact *contact)
 {
     const boundary_forces *forces = context;
+    const body_moving *moving = body__moving_plate(forces->s, boundary);
     double depth = 0.0;
 
-    (void)boundary;
     for (size_t m = 0; contact->is_closed_form && m < contact->n_points; m++) {
         const body_contact_point *contact_point = &contact->points[m];
         manifold_point point = { contact_point->at, contact_point->depth, contact_point->weight };
-        if (add_point_force(forces->s, k, law, contact_point->normal, &point, forces->load))
+        if (add_point_force(forces->s, k, law, moving, contact_point->normal, &point, forces->load))
             depth = fmax(depth, point.depth);
     }
     for (size_t m = 0; !contact->is_closed_form && m < contact->hull.n; m++)
-        if (add_point_force(forces->s, k, law, contact->hull.normal, &contact->hull.point[m],
-                            forces->load))
+        if (add_point_force(forces->s, k, law, moving, contact->hull.normal,
+                            &contact->hull.point[m], forces->load))
             depth = contact->hull.depth;
     if (depth > 0.0)
         body__note(forces->report, depth, forces->s->kinds[forces->s->bodies[k].kind].radius);
@@ -125,7 +129,8 @@ static bool find_at_plate(body_state *s, size_t k, uint32_t id, double margin,
     body_memory passing = { 0 };
 
     contact->is_closed_form = false;
-    if (body__plate_distance(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin ||
+    if (body__is_absent(s, id) ||
+        body__plate_distance(plate, body->x.x, body->x.y) >= s->bounding_radius[k] + margin ||
         body__is_felt_beyond_joint(s, plate, body->x.x, body->x.y)) {
         clear_memory_slot(s->plate_memories[k], id);
         return false;
@@ -151,8 +156,10 @@ static void visit_plates(body_state *s, size_t k, double margin, body_visit *vis
 
     const uint32_t *plates = body__plates_near(s, s->bodies[k].x.x, s->bodies[k].x.y, &n);
     for (size_t m = 0; m < n; m++)
-        if (find_at_plate(s, k, plates[m], margin, &contact))
+        if (find_at_plate(s, k, plates[m], margin, &contact)) {
+            body__recess_contact(s, plates[m], margin, &contact);
             visit(context, k, law, SCENE_SIDE_COUNT + plates[m], &contact);
+        }
 }
 
 /// The wall on a side of the domain.
@@ -207,7 +214,7 @@ size_t body__count_boundaries(const body_state *s, size_t k, double range)
     }
     const uint32_t *plates = body__plates_near(s, x.x, x.y, &n_near);
     for (size_t m = 0; m < n_near; m++)
-        n += body__plate_distance(&s->plates[plates[m]], x.x, x.y) < s->bounding_radius[k] + range;
+        n += body__plate_distance_ever(s, plates[m], x.x, x.y) < s->bounding_radius[k] + range;
     return n;
 }
 

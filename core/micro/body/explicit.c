@@ -195,9 +195,11 @@ static driver_outcome step(driver_member *m)
 {
     body_state *s = m->state;
 
-    // Forces of belts are made after the barrier.
-    if (m->index == 0)
+    // Forces of belts and plates are made after the barrier.
+    if (m->index == 0) {
         body__update_belts(s, s->steps + m->n_made);
+        body__pose_plates(s, s->steps + m->n_made);
+    }
     driver_split(m, 0, s->n_blocks, find_block_forces);
     driver_wait(m);
     driver_split(m, 0, s->n_blocks, move_block);
@@ -211,6 +213,7 @@ void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_pro
 
     (void)progress;
     s->steps += n;
+    body__pose_plates(s, s->steps);
     s->is_listed = outcome == DRIVER_MADE;
 }
 

@@ -156,7 +156,7 @@ static bool find_margin(const body_state *s, double *ret_margin)
         speed = fmax(speed, s->implicit->buffers[block].speed);
         moved2 = fmax(moved2, s->implicit->buffers[block].moved2);
     }
-    *ret_margin = fmin(2.0 * s->def.dt * speed, 0.5 * skin);
+    *ret_margin = fmin(2.0 * s->def.dt * (speed + body__plates_speed(s)), 0.5 * skin);
     return neighbours_holds(skin, sqrt(moved2) + 0.5 * *ret_margin);
 }
 
@@ -283,9 +283,11 @@ static driver_outcome step(driver_member *m)
     body_state *s = m->state;
     double margin; // m, gaps that may close in this step
 
-    // Contacts with belts are made after the barrier.
-    if (m->index == 0)
+    // Contacts with belts and plates are made after the barrier.
+    if (m->index == 0) {
         body__update_belts(s, s->steps + m->n_made);
+        body__pose_plates(s, s->steps + m->n_made);
+    }
     split_blocks(m, predict_block);
     if (!find_margin(s, &margin))
         return DRIVER_NOT_MADE;

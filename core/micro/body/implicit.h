@@ -67,7 +67,8 @@ typedef struct body_constraint {
     uint8_t colour;              ///< of a constraint of two parts
     const body_kind *belt_kind;  ///< the part's kind if a is the belt, else NULL
     vec3 axis[3];                ///< tangents and normal; the normal points from a to b, or to b
-    vec3 lever[2];               ///< from the centres of a and b to the middle, m
+    const body_moving *moving;   ///< the plate if a is one that moves, else NULL
+    vec3 lever[2];               ///< from the centres of a, or its pivot, and b to the middle, m
     mat6 inertia;                ///< M
     double impulse[6];           ///< so far, on b, in the axes: N s and N m s
     double friction;             ///< mu

@@ -253,6 +253,7 @@ typedef struct constraint_source {
     uint32_t b;                    // same
     const micro_law *law;          // of the contact
     const body_kind *belt_kind;    // see body_constraint
+    const body_moving *moving;     // see body_constraint
     const body_warm_start *before; // impulse of the previous step; NULL: none
 } constraint_source;
 
@@ -277,6 +278,7 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     *p = (body_constraint){ .a = source->a,
                             .b = source->b,
                             .belt_kind = source->belt_kind,
+                            .moving = source->moving,
                             .is_flat = from.n == 1 || !contact->is_closed_form,
                             .friction = source->law->friction,
                             .rate = source->law->tanh_linear };
@@ -284,6 +286,8 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     p->lever[1] = vec3_sub(middle, s->bodies[p->b].x);
     if (p->a != BODY_STATIC)
         p->lever[0] = vec3_sub(middle, s->bodies[p->a].x);
+    else if (p->moving != NULL)
+        p->lever[0] = vec3_sub(middle, p->moving->pivot);
     take_points(&from, middle, p);
     for (uint32_t k = 0; k < p->n; k++)
         p->depth = k == 0 ? p->point[k].depth : fmax(p->depth, p->point[k].depth);
@@ -310,7 +314,7 @@ static void find_pair_contact(const body_state *s, double margin, body_pair *pai
     const body_kind *kind_a = &s->kinds[s->bodies[pair->a].kind];
     const body_kind *kind_b = &s->kinds[s->bodies[pair->b].kind];
     const micro_law law = body__law(s, kind_a, kind_b);
-    const constraint_source source = { pair->a, pair->b, &law, NULL, &pair->warm_start };
+    const constraint_source source = { pair->a, pair->b, &law, NULL, NULL, &pair->warm_start };
     body_contact contact;
 
     if (!body__find_pair(s, margin, pair, &contact)) {
@@ -346,10 +350,11 @@ static const body_warm_start *find_warm_start(const body_warm_start *warm_starts
 
 /// Returns the constraint; NULL if the contact has no point.
 static body_constraint *add_boundary(visitor *v, size_t k, const micro_law *law, uint32_t key,
-                                     const body_kind *belt_kind, const body_contact *contact)
+                                     const body_kind *belt_kind, const body_moving *moving,
+                                     const body_contact *contact)
 {
-    const constraint_source source = { BODY_STATIC, (uint32_t)k, law, belt_kind,
-                                       find_warm_start(v->before, key) };
+    const constraint_source source = { BODY_STATIC, (uint32_t)k, law,
+                                       belt_kind,   moving,      find_warm_start(v->before, key) };
     body_constraint *constraint = next_constraint(v->s->implicit, v->buffer);
 
     if (!make_constraint(v->s, &source, contact, constraint))
@@ -364,7 +369,10 @@ static body_constraint *add_boundary(visitor *v, size_t k, const micro_law *law,
 static void visit_boundary(void *context, size_t k, const micro_law *law, uint32_t boundary,
                            const body_contact *contact)
 {
-    (void)add_boundary(context, k, law, KEY_BOUNDARIES + boundary, NULL, contact);
+    const visitor *v = context;
+
+    (void)add_boundary(context, k, law, KEY_BOUNDARIES + boundary, NULL,
+                       body__moving_plate(v->s, boundary), contact);
 }
 
 /// The velocities of the belts under the points of a constraint.
@@ -392,7 +400,8 @@ static void find_belt_contact(body_state *s, size_t k, double margin, visitor *v
     if (body->x.z >= s->bounding_radius[k] + margin)
         return;
     body__find_at_plane(s, body, &belt_plane, margin, &contact);
-    body_constraint *constraint = add_boundary(v, k, &kind->belt_law, KEY_BELT, kind, &contact);
+    body_constraint *constraint =
+        add_boundary(v, k, &kind->belt_law, KEY_BELT, kind, NULL, &contact);
     if (constraint != NULL)
         find_belt_velocities(s, k, constraint);
 }

@@ -26,6 +26,9 @@ static void find_relative_velocity(const body_solver *z, const body_constraint *
         const body_solver_body *a = &z->solver_bodies[p->a];
         v = vec3_sub(v, vec3_add(a->v, vec3_cross(a->w, p->lever[0])));
         w = vec3_sub(w, a->w);
+    } else if (p->moving != NULL) {
+        v = vec3_sub(v, body__surface_velocity(p->moving, p->axis[2], p->lever[0]));
+        w.z -= p->moving->spin;
     }
     for (int k = 0; k < 3; k++) {
         q[k] = vec3_dot(p->axis[k], v);

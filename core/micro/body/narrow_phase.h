@@ -144,6 +144,9 @@ bool body__find_cylinder_at_plate(const body_state *s, const body_body *body,
 /// Horizontal distance from a point to a plate, m; 0 inside.
 double body__plate_distance(const body_plate *plate, double x, double y);
 
+/// A lower bound of that distance at any time, also where the plate moves.
+double body__plate_distance_ever(const body_state *s, size_t plate, double x, double y);
+
 /// True if a body with its centre at a point on the outer side of a bend has its contact with the plate beyond
 /// the joint instead: between the ends of that one, or at the corner, which belongs to the earlier plate.
 bool body__is_felt_beyond_joint(const body_state *s, const body_plate *plate, double x, double y);

@@ -4,10 +4,11 @@
 // corner belongs to one of them, so that it acts once; and where the outer side is the downstream one, both
 // are prolonged until their downstream faces intersect.
 
-#include "core/micro/body/body_priv.h"
+#include "core/micro/body/plates.h"
 
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
+#include "core/micro/body/body_priv.h"
 
 #include <math.h>
 
@@ -141,6 +142,16 @@ static size_t find_cell(double value, double low, double edge, size_t n)
     return cell > 0.0 ? (cell < (double)n ? (size_t)cell : n - 1) : 0;
 }
 
+double body__plate_distance_ever(const body_state *s, size_t plate, double x, double y)
+{
+    const body_moving *moving = s->moving != NULL ? &s->moving[plate] : NULL;
+
+    if (moving == NULL || !moving->moves)
+        return body__plate_distance(&s->plates[plate], x, y);
+    const vec3 to = { x - moving->pivot.x, y - moving->pivot.y, 0.0 };
+    return fmax(0.0, vec3_length(to) - moving->radius);
+}
+
 /// List the plates that a part with its centre in a cell may touch.
 static bf_status map_cell(body_state *s, size_t i, size_t j, size_t *n)
 {
@@ -151,7 +162,7 @@ static bf_status map_cell(body_state *s, size_t i, size_t j, size_t *n)
 
     map->first[j * map->n_x + i] = *n;
     for (size_t k = 0; k < s->n_plates; k++) {
-        if (body__plate_distance(&s->plates[k], x, y) > range)
+        if (body__plate_distance_ever(s, k, x, y) > range)
             continue;
         if (memory_reserve(&map->plate, &map->capacity, *n + 1, sizeof *map->plate) != 0)
             return BF_ENOMEM;
@@ -198,8 +209,16 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
     s->plate_memories = memory_alloc(def->n_parts, sizeof *s->plate_memories);
     if (s->plates == NULL || s->plate_memories == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
-    for (size_t k = 0; k < def->n_obstacles; k++)
+    bf_status status = body__moving_plates_init(s, def, n, err);
+    if (status != BF_OK)
+        return status;
+    for (size_t k = 0; k < def->n_obstacles; k++) {
+        const size_t first = s->n_plates;
         make_plates(s, &def->obstacles[k]);
+        if (scene_obstacle_moves(&def->obstacles[k]))
+            body__add_moving_plates(s, &def->obstacles[k], k, first);
+    }
+    body__pose_plates(s, 0);
     if (make_map(s, &def->domain) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     return BF_OK;
@@ -207,6 +226,7 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
 
 void body__plates_fini(body_state *s)
 {
+    body__moving_plates_fini(s);
     memory_free(s->plates);
     memory_free(s->plate_memories);
     memory_free(s->map.first);

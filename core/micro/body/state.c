@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/// The start of a saved state, followed by n saved_part, n_pairs saved_pair, n_plate_memories
-/// saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT).
+/// The start of a saved state, followed by the commands to obstacles, n saved_part, n_pairs saved_pair,
+/// n_plate_memories saved_plate_memory and n_warm_starts saved_warm_start (of MICRO_IMPLICIT).
 typedef struct saved_header {
     uint64_t steps;
     uint64_t n_pairs;
@@ -213,6 +213,7 @@ void body__save(const void *state, checkpoint_writer *w)
                             .overlap_share = s->overlap_share };
 
     checkpoint_write(w, &header, sizeof header);
+    plate_motion_save(&s->motion, w);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = save_part(s, k);
         checkpoint_write(w, &part, sizeof part);
@@ -235,6 +236,7 @@ void body__save(const void *state, checkpoint_writer *w)
 /// A loaded state, until all of it is validated.
 typedef struct loaded_state {
     saved_header header;
+    const char *commands;
     body_body *bodies;
     uint8_t *is_gone;
     body_pair *pairs;
@@ -370,6 +372,8 @@ static void move_in(body_state *s, loaded_state *a)
     s->largest_overlap = a->header.largest_overlap;
     s->overlap_share = a->header.overlap_share;
     s->is_listed = false;
+    plate_motion_take(&s->motion, a->commands);
+    body__pose_plates(s, s->steps);
     for (size_t k = 0; k < s->n; k++)
         s->belt_cache[k].clearance = -1.0;
     *a = old;
@@ -382,6 +386,7 @@ bf_status body__load(void *state, checkpoint_reader *r, bf_error *err)
     loaded_state a = { 0 };
 
     if (!checkpoint_read(r, &a.header, sizeof a.header) ||
+        (a.commands = plate_motion_read(&s->motion, r)) == NULL ||
         a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
         (a.header.n_plate_memories > 0 && s->plate_memories == NULL))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");

@@ -6,9 +6,10 @@
 // around the joint itself and with radius 0 if that is the upstream side, else the thickness; at free
 // ends there is a short face across and a sharp edge at each of its ends.
 
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/disk/boundary.h"
 
 #include "core/base/memory.h"
+#include "core/micro/disk/disk_priv.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -147,9 +148,13 @@ bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err
     if (s->faces == NULL || s->arcs == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     add_walls(s);
-    for (size_t k = 0; k < def->n_obstacles; k++)
+    for (size_t k = 0; k < def->n_obstacles; k++) {
+        const size_t face_first = s->n_faces, arc_first = s->n_arcs;
         add_plate(s, &def->obstacles[k]);
-    return BF_OK;
+        if (scene_obstacle_moves(&def->obstacles[k]))
+            disk__add_moving_plate(s, &def->obstacles[k], k, face_first, arc_first);
+    }
+    return disk__copy_boundary(s, err);
 }
 
 void disk__boundary_fini(disk_state *s)
@@ -161,16 +166,19 @@ void disk__boundary_fini(disk_state *s)
 
 double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts)
 {
+    const double radius =
+        s->plates.n > 0 ? part->radius - s->plates.surfaces[feature].recess : part->radius;
+
     if (feature < s->n_faces) {
         const disk_face *f = &s->faces[feature];
         double rx = part->x - f->px, ry = part->y - f->py;
         double along = rx * f->ny - ry * f->nx, height = rx * f->nx + ry * f->ny;
         *ret_counts = f->from <= along && along < f->to && -f->depth < height;
-        return part->radius - height;
+        return radius - height;
     }
     const disk_arc *a = &s->arcs[feature - s->n_faces];
     double rx = part->x - a->px, ry = part->y - a->py;
     double height = sqrt(rx * rx + ry * ry) - a->radius;
     *ret_counts = rx * a->ex + ry * a->ey >= 0.0 && rx * a->fx + ry * a->fy > 0.0 && height > 0.0;
-    return part->radius - height;
+    return radius - height;
 }

@@ -18,6 +18,7 @@ static void destroy(void *state)
         return;
     disk__implicit_fini(s);
     disk__boundary_fini(s);
+    disk__plates_fini(s);
     disk__tiling_fini(s);
     surroundings_fini(&s->around);
     belt_speeds_fini(&s->speeds);
@@ -199,9 +200,14 @@ static void start_parts(disk_state *s, const micro_def *def)
     }
 }
 
+// All steps of a tile have one boundary, so plates must stand.
 static bool is_tiled(const micro_def *def)
 {
-    return def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS;
+    bool plates_move = false;
+
+    for (size_t k = 0; k < def->n_obstacles; k++)
+        plates_move = plates_move || scene_obstacle_moves(&def->obstacles[k]);
+    return def->integrator == MICRO_VERLET && def->n_parts >= TILED_PARTS && !plates_move;
 }
 
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
@@ -211,6 +217,8 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
         (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     bf_status status = init_belts(s, def, err);
+    if (status == BF_OK)
+        status = disk__plates_init(s, def, err);
     if (status == BF_OK)
         status = disk__boundary_init(s, def, err);
     if (status != BF_OK)
@@ -249,6 +257,20 @@ static uint64_t steps(const void *state)
     return s->steps;
 }
 
+static plate_motion *motion(void *state)
+{
+    disk_state *s = state;
+
+    return &s->plates.motion;
+}
+
+static void pose_plates(void *state)
+{
+    disk_state *s = state;
+
+    disk__pose_plates(s, s->steps);
+}
+
 const micro_backend micro__disk = {
     .dt_stable = disk__dt_stable_explicit,
     .create = create,
@@ -257,6 +279,8 @@ const micro_backend micro__disk = {
     .part = disk__part,
     .measure = disk__measure,
     .steps = steps,
+    .motion = motion,
+    .pose_plates = pose_plates,
     .save = disk__save,
     .load = disk__load,
     .kind = CHECKPOINT_DISK,

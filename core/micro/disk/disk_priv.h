@@ -20,7 +20,7 @@
 ///          parts that have left, in their last state.
 /// List     Everything that depends on the positions of parts (neighbours, candidates for the boundary, parts
 ///          at borders, belts) is made together by disk__rebuild() and holds as long as
-///          neighbours_holds() says of displacement_bound.
+///          neighbours_holds() says of displacement_bound, to which the travel of plates that move is added.
 /// Sums     over features of the boundary first, in their order, then over neighbours by their ids, so
 ///          that results depend neither on the order of slots nor on when a list was made.
 
@@ -28,6 +28,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/contact_law.h"
+#include "core/micro/disk/boundary.h"
 #include "core/micro/disk/kernels.h"
 #include "core/micro/micro.h"
 #include "core/micro/neighbours.h"
@@ -143,6 +144,7 @@ struct disk_state {
     disk_face *faces;               ///< see there
     size_t n_arcs;                  ///< of the boundary
     disk_arc *arcs;                 ///< see there
+    disk_plates plates;             ///< those that move
     size_t n_candidates;            ///< sorted by slot, then by feature
     size_t candidates_capacity;     ///< room
     disk_candidate *candidates;     ///< see there
@@ -216,14 +218,6 @@ static inline void disk__swap(disk_state *s)
     s->now = s->next;
     s->next = parts;
 }
-
-/// Lay out faces and arcs of walls and obstacles; s->around must be there. BF_ENOMEM.
-BF_MUST_CHECK bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err);
-void disk__boundary_fini(disk_state *s); ///< Free them.
-
-/// A part's overlap with a face or arc, m; 0 or less, or any value with *ret_counts false, where they
-/// are not in contact.
-double disk__overlap(const disk_state *s, const disk *part, uint32_t feature, bool *ret_counts);
 
 /// Allocate the data of tiles, in use from the next rebuild on. BF_ENOMEM: steps will be made one by one.
 BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);

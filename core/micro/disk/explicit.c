@@ -62,13 +62,13 @@ static explicit_step make_step(const disk_state *s, uint64_t n_before, const dis
                             .spin_damping_factor = is_first ? 1.0 : s->spin_damping };
 }
 
-// Adds a step with these extremes to the progress.
-static driver_outcome add_step(const disk_state *s, const driver_extremes *of_step,
+// Adds a step with these extremes, in which plates moved by up to travel, m, to the progress.
+static driver_outcome add_step(const disk_state *s, const driver_extremes *of_step, double travel,
                                driver_progress *progress)
 {
     driver_join(&progress->largest, of_step);
     progress->last_bound = sqrt(of_step->speed2) * s->def.dt;
-    progress->displacement_bound += progress->last_bound;
+    progress->displacement_bound += progress->last_bound + travel;
     if (!isfinite(of_step->sum) || progress->last_bound > 0.5 * s->radius_min)
         return DRIVER_SUSPECT;
     return neighbours_holds(s->skin, progress->displacement_bound) ? DRIVER_MADE : DRIVER_STALE;
@@ -121,11 +121,12 @@ static driver_outcome step(driver_member *m)
     single.of.now = turn == 0 ? s->now : s->next;
     single.of.next = turn == 0 ? s->next : s->now;
     m->step = &single;
+    disk__pose_plates_by_team(m);
     driver_split(m, 0, (size_t)s->n_partitions, advance_partition);
     driver_wait(m);
     for (int k = 0; k < s->n_partitions; k++)
         driver_join(&of_step, &single.extremes[k].of);
-    return add_step(s, &of_step, &m->progress);
+    return add_step(s, &of_step, disk__plates_travel(s, n_before), &m->progress);
 }
 
 static void end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress)
@@ -136,6 +137,7 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     if (n % TURNS != 0)
         disk__swap(s);
     s->steps += n;
+    disk__pose_plates(s, s->steps);
     s->displacement_bound = progress->displacement_bound;
     s->last_bound = progress->last_bound;
     s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
@@ -330,7 +332,7 @@ static driver_outcome outcome_of(const tile *w, driver_progress *ret_progress, b
     *ret_holds = true;
     for (int k = 0; k < w->n_levels; k++) {
         *ret_holds = *ret_holds && outcome == DRIVER_MADE;
-        outcome = add_step(w->s, &w->levels[k].extremes, ret_progress);
+        outcome = add_step(w->s, &w->levels[k].extremes, 0.0, ret_progress);
     }
     return outcome;
 }

@@ -429,6 +429,35 @@ INLINED candidate_lanes load_candidates(const disk_state *s, size_t first, size_
     return t;
 }
 
+// How the surfaces move that SIMD_LANES candidates are about.
+typedef struct surface_motion {
+    simd px, py; // pivot
+    simd spin, recess, growth;
+} surface_motion;
+
+INLINED surface_motion load_surfaces(const disk_state *s, const candidate_lanes *t)
+{
+    const uint32_t first_arc = (uint32_t)s->n_faces * DISK_DOUBLES;
+    uint32_t row[SIMD_LANES];
+
+    for (size_t k = 0; k < SIMD_LANES; k++)
+        row[k] = t->is_arc[k] > 0.0 ? first_arc + t->arc[k] : t->face[k];
+    simd_quad low = simd_quad_load(&s->plates.surfaces->px, row);
+    simd_quad high = simd_quad_load(&s->plates.surfaces->growth, row);
+    return (surface_motion){ low.column[0], low.column[1], low.column[2], low.column[3],
+                             high.column[0] };
+}
+
+// The velocity of the parts becomes that against the surface in the contact point.
+INLINED void subtract_surface_velocity(const surface_motion *m, const surface *at, simd lever,
+                                       parts *own)
+{
+    simd rx = own->x - lever * at->nx - m->px, ry = own->y - lever * at->ny - m->py;
+
+    own->vx -= m->growth * at->nx - m->spin * ry;
+    own->vy -= m->growth * at->ny + m->spin * rx;
+}
+
 INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *law,
                                    const candidate_lanes *t, bool uniform, loads *sum)
 {
@@ -443,9 +472,14 @@ INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *la
         at = choose(at, find_arcs(s, &own, t->arc), t->is_arc);
     if (!uniform)
         stiffness = law->line / (own.compliance + s->handling_compliance);
-    simd overlap = radius - at.height;
-    simd presses = simd_where_less(at.height, radius, at.inside * t->counts);
+    surface_motion surfaces = { zero, zero, zero, zero, zero };
+    if (s->plates.n > 0)
+        surfaces = load_surfaces(s, t);
+    simd range = radius - surfaces.recess, overlap = range - at.height;
+    simd presses = simd_where_less(at.height, range, at.inside * t->counts);
     contact c = { .nx = -at.nx, .ny = -at.ny, .lever = radius - 0.5 * overlap };
+    if (s->plates.n > 0)
+        subtract_surface_velocity(&surfaces, &at, c.lever, &own);
     c.force = normal_force(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
     c.sliding = law->rate * (own.vx * at.ny - own.vy * at.nx + own.spin * c.lever);
     add_contact(&c, at.friction, uniform, sum);

@@ -4,6 +4,8 @@
 //     normal     impulse J = max(0, E (delta - h v+) - d max(delta, 0)), E = h k + d: for delta > 0
 //                h times (4a) at the end of the step; for a gap (delta < 0), zero until it closes,
 //                and then the dashpot acts on the overlap
+//                v is against the surface of a plate that moves: a body of given velocity that impulses do
+//                not change
 //     sliding    impulse -mu |J| lambda theta(lambda |u|) u+, at most mu |J|; u the slip known so far: (7),
 //                implicit by its secant (core/micro/friction.h)
 //     belt       impulse -h mu m g lambda theta(lambda |u|) u+, u the velocity relative to the belt
@@ -94,7 +96,9 @@ implicit_state *disk_implicit__create(const disk_state *s)
     z->head = alloc_or_fail(s->n, sizeof *z->head, &has_failed);
     z->first = alloc_or_fail(s->n + 1, sizeof *z->first, &has_failed);
     z->used = alloc_or_fail(n_slots, sizeof *z->used, &has_failed);
-    z->bodies = alloc_or_fail(n_slots + n_static, sizeof *z->bodies, &has_failed);
+    z->first_driven = n_slots + n_static;
+    z->bodies = alloc_or_fail(z->first_driven, sizeof *z->bodies, &has_failed);
+    z->bodies_capacity = z->first_driven;
     z->extremes = alloc_or_fail(n_slots / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
     z->iterations = find_iterations(s);
     z->skin = s->radius_min;
@@ -131,9 +135,10 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
     implicit_state *z = s->implicit;
-    bool must_choose = !z->is_chosen || !holds(z->skin, z->displacement_bound, z->last_bound);
+    const double move = z->last_bound + disk__plates_travel(s, s->steps);
+    bool must_choose = !z->is_chosen || !holds(z->skin, z->displacement_bound, move);
 
-    if (must_choose || !holds(s->skin, s->displacement_bound, z->last_bound)) {
+    if (must_choose || !holds(s->skin, s->displacement_bound, move)) {
         bf_status status = rebuild(s, z, err);
         if (status == BF_OK && must_choose)
             status = disk_implicit__choose(s, z, err);
@@ -261,7 +266,7 @@ static void update_partition(const driver_member *m, size_t k)
 }
 
 // The phases of a step: prediction, contacts, iterations, motion.
-static void make_phases(driver_member *m)
+static void make_phases(driver_member *m, double travel)
 {
     const disk_state *s = m->state;
     const implicit_state *z = s->implicit;
@@ -271,9 +276,10 @@ static void make_phases(driver_member *m)
 
     numbers.step.belts = disk__belts_in_step(s, s->steps + m->n_made, &room);
     m->step = &numbers;
+    disk__pose_plates_by_team(m);
     driver_split(m, 0, n_chunks, predict_chunk);
     driver_wait(m);
-    numbers.margin = 2.0 * s->def.dt * sqrt(join_chunks(s).speed2);
+    numbers.margin = 2.0 * (s->def.dt * sqrt(join_chunks(s).speed2) + travel);
     split_groups(m, find_contacts_of_piece);
     for (int iteration = 0; iteration < z->iterations; iteration++) {
         if (iteration > 0) {
@@ -302,20 +308,22 @@ static driver_outcome step(driver_member *m)
 {
     const disk_state *s = m->state;
     const implicit_state *z = s->implicit;
+    const uint64_t n_before = s->steps + m->n_made;
+    const double travel = disk__plates_travel(s, n_before);
     driver_progress *p = &m->progress;
 
-    make_phases(m);
+    make_phases(m, travel);
     const driver_extremes e = join_chunks(s);
     p->last_bound = s->def.dt * sqrt(e.speed2);
-    p->pair_bound += p->last_bound;
-    p->displacement_bound += p->last_bound;
+    p->pair_bound += p->last_bound + travel;
+    p->displacement_bound += p->last_bound + travel;
     if (m->index == 0)
         raise_overlaps(z, &p->largest);
     driver_wait(m);
     if (!isfinite(e.sum) || p->last_bound > 0.5 * s->radius_min)
         return DRIVER_SUSPECT;
-    return holds(z->skin, p->pair_bound, p->last_bound) &&
-                   holds(s->skin, p->displacement_bound, p->last_bound)
+    const double move = p->last_bound + disk__plates_travel(s, n_before + 1);
+    return holds(z->skin, p->pair_bound, move) && holds(s->skin, p->displacement_bound, move)
                ? DRIVER_MADE
                : DRIVER_STALE;
 }
@@ -337,6 +345,7 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
 
     (void)outcome;
     s->steps += n;
+    disk__pose_plates(s, s->steps);
     s->displacement_bound = progress->displacement_bound;
     z->displacement_bound = progress->pair_bound;
     z->last_bound = progress->last_bound;

@@ -71,7 +71,9 @@ typedef struct implicit_state {
     size_t pieces_capacity;                  ///< room
     implicit_block *blocks;                  ///< scratch, by pieces
     size_t blocks_capacity;                  ///< room
+    size_t first_driven;                     ///< rows of bodies from there on move with plates
     solver_body *bodies;                     ///< scratch, by slot
+    size_t bodies_capacity;                  ///< room
     driver_extremes *extremes;               ///< scratch, of each chunk of slots
 } implicit_state;
 

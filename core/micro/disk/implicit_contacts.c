@@ -174,11 +174,21 @@ static size_t cut_groups(const disk_state *s, implicit_state *z)
     return n_blocks;
 }
 
+// The row of a contact with the boundary where plates move. Such contacts are in the first groups and in the last.
+static size_t row_of_driven(const implicit_state *z, size_t index)
+{
+    const size_t n_first = z->group[IMPLICIT_BOUNDARY];
+
+    return z->first_driven + (index < n_first ? index : n_first + index - z->group[IMPLICIT_REST]);
+}
+
 bf_status disk_implicit__cut(const disk_state *s, implicit_state *z, bf_error *err)
 {
     size_t n_blocks = cut_groups(s, z);
 
-    if (memory_reserve(&z->blocks, &z->blocks_capacity, n_blocks, sizeof *z->blocks))
+    if (memory_reserve(&z->blocks, &z->blocks_capacity, n_blocks, sizeof *z->blocks) ||
+        (s->plates.n > 0 && memory_reserve(&z->bodies, &z->bodies_capacity,
+                                           row_of_driven(z, z->n_pairs), sizeof *z->bodies)))
         return fail_for_memory(err);
     return BF_OK;
 }
@@ -222,11 +232,10 @@ typedef struct contact_geometry {
     double damping;   // N s/m
     double friction;  // mu
     double rate;      // lambda, s/m
-    double vx;        // velocity of 1 minus that of 0, m/s
+    double vx;        // velocity of the boundary in the contact, m/s
     double vy;        //
     double inv_mass;  // change of the parting speed by a unit impulse along n, 1/kg
     double radius[2]; // m; 0 for the boundary
-    double spin[2];   // rad/s
 } contact_geometry;
 
 // False if the parts do not come nearer than `margin`.
@@ -280,6 +289,21 @@ static bool arc_near(const disk_arc *a, const disk *part, double range, contact_
     return true;
 }
 
+// Where plates move: the contact with a feature as it is in this step. False if it is not within `margin`.
+static bool follow_plate(const disk_state *s, const disk *part, size_t feature, double margin,
+                         contact_geometry *m)
+{
+    const disk_surface *surface = &s->plates.surfaces[feature];
+
+    m->gap += surface->recess;
+    const double lever = part->radius + 0.5 * m->gap;
+    const vec2 at = { part->x + lever * m->nx, part->y + lever * m->ny };
+    const vec2 v = disk__surface_velocity(surface, (vec2){ -m->nx, -m->ny }, at);
+    m->vx = v.x;
+    m->vy = v.y;
+    return m->gap < margin;
+}
+
 static bool find_contact_with_boundary(const disk_state *s, const implicit_pair *pair,
                                        double margin, contact_geometry *ret_m)
 {
@@ -295,9 +319,17 @@ static bool find_contact_with_boundary(const disk_state *s, const implicit_pair 
     bool is_near = feature < s->n_faces ? face_near(&s->faces[feature], part, range, &m)
                                         : arc_near(&s->arcs[feature - s->n_faces], part, range, &m);
 
+    if (is_near && s->plates.n > 0)
+        is_near = follow_plate(s, part, feature, margin, &m);
     if (is_near)
         *ret_m = m;
     return is_near;
+}
+
+// Let a row move with the boundary.
+static void drive(const implicit_state *z, size_t row, const contact_geometry *m)
+{
+    z->bodies[row] = (solver_body){ .vx = m->vx, .vy = m->vy };
 }
 
 static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
@@ -310,8 +342,13 @@ static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
 
     block->pair[lane] = (uint32_t)index;
     block->row[0][lane] = pair->slot[0] * SIMD_ROW;
-    if (pair->id[1] < s->n)
+    if (pair->id[1] < s->n) {
         block->row[1][lane] = pair->slot[1] * SIMD_ROW;
+    } else if (s->plates.n > 0) {
+        const size_t row = row_of_driven(z, index);
+        drive(z, row, m);
+        block->row[1][lane] = (uint32_t)row * SIMD_ROW;
+    }
     block->nx[lane] = m->nx;
     block->ny[lane] = m->ny;
     block->bias[lane] = (joint * overlap - m->damping * pressed) * scale;

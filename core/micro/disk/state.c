@@ -262,6 +262,7 @@ void disk__save(const void *state, checkpoint_writer *w)
         const saved_part part = read_part(s, k);
         checkpoint_write(w, &part, sizeof part);
     }
+    plate_motion_save(&s->plates.motion, w);
     disk_implicit__save(s, w);
 }
 
@@ -285,18 +286,22 @@ bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err)
 {
     disk_state *s = state;
     saved_header header;
-    const char *parts = NULL;
+    const char *parts = NULL, *commands = NULL;
 
     if (checkpoint_read(r, &header, sizeof header))
         parts = checkpoint_read_items(r, s->n, sizeof(saved_part));
-    if (parts == NULL)
+    if (parts != NULL)
+        commands = plate_motion_read(&s->plates.motion, r);
+    if (commands == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
     bf_status status = disk_implicit__load(s, r, err);
     if (status != BF_OK)
         return status;
     take_parts(s, parts);
+    plate_motion_take(&s->plates.motion, commands);
     s->steps = header.steps;
     s->largest_overlap = header.largest_overlap;
     s->overlap_share = header.overlap_share;
+    disk__pose_plates(s, s->steps);
     return disk__rebuild(s, err);
 }

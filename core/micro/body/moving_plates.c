@@ -1,0 +1,144 @@
+// Plates that move: in each step they are turned from where they are in the document, so that rounding does not add up
+// and upstream sides stay what they are there.
+
+#include "core/micro/body/body_priv.h"
+
+#include "core/base/memory.h"
+
+#include <math.h>
+
+bf_status body__moving_plates_init(body_state *s, const micro_def *def, size_t n_plates,
+                                   bf_error *err)
+{
+    bf_status status = plate_motion_init(&s->motion, def->n_obstacles, def->obstacles, err);
+
+    if (status != BF_OK || !s->motion.is_any)
+        return status;
+    s->moving = memory_alloc(n_plates, sizeof *s->moving);
+    return s->moving != NULL ? BF_OK
+                             : bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+}
+
+void body__moving_plates_fini(body_state *s)
+{
+    plate_motion_fini(&s->motion);
+    memory_free(s->moving);
+}
+
+void body__add_moving_plates(body_state *s, const scene_obstacle *obstacle, size_t index,
+                             size_t first)
+{
+    for (size_t k = first; k < s->n_plates; k++)
+        s->moving[k] = (body_moving){ .moves = true,
+                                      .obstacle = index,
+                                      .rest = s->plates[k],
+                                      .pivot = { obstacle->pivot.x, obstacle->pivot.y, 0.0 },
+                                      // Ends at bends are prolonged by up to the thickness.
+                                      .radius = plate_motion_radius(obstacle) + obstacle->thickness,
+                                      .depth = s->bounding_radius_max + obstacle->thickness };
+}
+
+static vec3 turn(const plate_motion_pose *pose, vec3 a)
+{
+    const vec2 turned = plate_motion_turn(pose, (vec2){ a.x, a.y });
+
+    return (vec3){ turned.x, turned.y, a.z };
+}
+
+static void pose_plate(body_moving *moving, const plate_motion_step *step, body_plate *plate)
+{
+    const vec2 middle =
+        plate_motion_place(&step->pose, (vec2){ moving->rest.middle.x, moving->rest.middle.y });
+
+    plate->middle = (vec3){ middle.x, middle.y, 0.0 };
+    plate->along = turn(&step->pose, moving->rest.along);
+    plate->across = turn(&step->pose, moving->rest.across);
+    moving->spin = step->spin;
+    moving->recess = step->recess;
+    moving->growth = step->growth;
+}
+
+void body__pose_plates(body_state *s, uint64_t n_before)
+{
+    for (size_t k = 0; s->moving != NULL && k < s->n_plates; k++) {
+        body_moving *moving = &s->moving[k];
+        if (!moving->moves)
+            continue;
+        const plate_motion_step step =
+            plate_motion_in_step(&s->motion, moving->obstacle, n_before, s->def.dt, moving->depth);
+        pose_plate(moving, &step, &s->plates[k]);
+    }
+}
+
+double body__plates_speed(const body_state *s)
+{
+    double speed = 0.0;
+
+    for (size_t k = 0; s->moving != NULL && k < s->n_plates; k++)
+        speed = fmax(speed, fabs(s->moving[k].spin) * s->moving[k].radius + s->moving[k].growth);
+    return speed;
+}
+
+const body_moving *body__moving_plate(const body_state *s, uint32_t boundary)
+{
+    if (s->moving == NULL || boundary < SCENE_SIDE_COUNT)
+        return NULL;
+    const body_moving *moving = &s->moving[boundary - SCENE_SIDE_COUNT];
+    return moving->moves ? moving : NULL;
+}
+
+bool body__is_absent(const body_state *s, uint32_t plate)
+{
+    return s->moving != NULL && s->moving[plate].recess == INFINITY;
+}
+
+static void recess_points(body_contact *contact, double recess, double margin)
+{
+    size_t n = 0;
+
+    for (size_t k = 0; k < contact->n_points; k++) {
+        body_contact_point point = contact->points[k];
+        point.depth -= recess;
+        if (point.depth > -margin)
+            contact->points[n++] = point;
+    }
+    contact->n_points = n;
+}
+
+// Points that still overlap stay the first.
+static void recess_hull(manifold *m, double recess, double margin)
+{
+    manifold_point near[MANIFOLD_POINTS_MAX];
+    size_t n = 0, n_near = 0;
+
+    for (size_t k = 0; k < m->n; k++) {
+        manifold_point point = m->point[k];
+        point.depth -= recess;
+        if (point.depth > 0.0)
+            m->point[n++] = point;
+        else if (point.depth > -margin)
+            near[n_near++] = point;
+    }
+    m->n_below = n;
+    for (size_t k = 0; k < n_near; k++)
+        m->point[n++] = near[k];
+    m->n = n;
+    m->depth -= recess;
+}
+
+void body__recess_contact(const body_state *s, uint32_t plate, double margin, body_contact *contact)
+{
+    const double recess = s->moving != NULL ? s->moving[plate].recess : 0.0;
+
+    if (recess > 0.0 && contact->is_closed_form)
+        recess_points(contact, recess, margin);
+    else if (recess > 0.0)
+        recess_hull(&contact->hull, recess, margin);
+}
+
+vec3 body__surface_velocity(const body_moving *moving, vec3 n, vec3 to)
+{
+    const vec3 turning = { -moving->spin * to.y, moving->spin * to.x, 0.0 };
+
+    return vec3_along(turning, moving->growth, n);
+}

@@ -1,0 +1,143 @@
+// Plates that move: before each step their faces and arcs are made from those as in the document, turned about the
+// pivot, so that rounding does not add up and upstream sides stay what they are there.
+
+#include "core/micro/disk/disk_priv.h"
+
+#include "core/base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+bf_status disk__plates_init(disk_state *s, const micro_def *def, bf_error *err)
+{
+    bf_status status = plate_motion_init(&s->plates.motion, def->n_obstacles, def->obstacles, err);
+
+    if (status != BF_OK || !s->plates.motion.is_any)
+        return status;
+    s->plates.of = memory_alloc(def->n_obstacles, sizeof *s->plates.of);
+    return s->plates.of != NULL
+               ? BF_OK
+               : bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+}
+
+void disk__plates_fini(disk_state *s)
+{
+    plate_motion_fini(&s->plates.motion);
+    memory_free(s->plates.of);
+    memory_free(s->plates.faces);
+    memory_free(s->plates.arcs);
+    memory_free(s->plates.surfaces);
+}
+
+void disk__add_moving_plate(disk_state *s, const scene_obstacle *obstacle, size_t index,
+                            size_t face_first, size_t arc_first)
+{
+    s->plates.of[s->plates.n++] = (disk_plate){ .obstacle = index,
+                                                .face_first = face_first,
+                                                .face_last = s->n_faces,
+                                                .arc_first = arc_first,
+                                                .arc_last = s->n_arcs,
+                                                .radius = plate_motion_radius(obstacle),
+                                                .depth = s->radius_max + obstacle->thickness };
+}
+
+bf_status disk__copy_boundary(disk_state *s, bf_error *err)
+{
+    disk_plates *plates = &s->plates;
+
+    if (plates->n == 0)
+        return BF_OK;
+    plates->faces = memory_alloc(s->n_faces, sizeof *plates->faces);
+    plates->arcs = memory_alloc(s->n_arcs, sizeof *plates->arcs);
+    plates->surfaces = memory_alloc(s->n_faces + s->n_arcs, sizeof *plates->surfaces);
+    if (plates->faces == NULL || plates->arcs == NULL || plates->surfaces == NULL)
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
+    memcpy(plates->faces, s->faces, s->n_faces * sizeof *plates->faces);
+    memcpy(plates->arcs, s->arcs, s->n_arcs * sizeof *plates->arcs);
+    disk__pose_plates(s, 0);
+    return BF_OK;
+}
+
+static disk_face turn_face(const disk_face *from, const plate_motion_pose *pose)
+{
+    const vec2 p = plate_motion_place(pose, (vec2){ from->px, from->py });
+    const vec2 n = plate_motion_turn(pose, (vec2){ from->nx, from->ny });
+    disk_face face = *from;
+
+    face.px = p.x;
+    face.py = p.y;
+    face.nx = n.x;
+    face.ny = n.y;
+    return face;
+}
+
+static disk_arc turn_arc(const disk_arc *from, const plate_motion_pose *pose)
+{
+    const vec2 p = plate_motion_place(pose, (vec2){ from->px, from->py });
+    const vec2 e = plate_motion_turn(pose, (vec2){ from->ex, from->ey });
+    const vec2 f = plate_motion_turn(pose, (vec2){ from->fx, from->fy });
+
+    return (disk_arc){ p.x, p.y, from->radius, e.x, e.y, f.x, f.y, from->friction };
+}
+
+static void pose_plate(disk_state *s, const disk_plate *plate, const plate_motion_step *step)
+{
+    const disk_plates *plates = &s->plates;
+    const disk_surface surface = { .px = step->pose.pivot.x,
+                                   .py = step->pose.pivot.y,
+                                   .spin = step->spin,
+                                   .recess = fmin(step->recess, DISK_FAR),
+                                   .growth = step->growth };
+
+    for (size_t k = plate->face_first; k < plate->face_last; k++) {
+        s->faces[k] = turn_face(&plates->faces[k], &step->pose);
+        plates->surfaces[k] = surface;
+    }
+    for (size_t k = plate->arc_first; k < plate->arc_last; k++) {
+        s->arcs[k] = turn_arc(&plates->arcs[k], &step->pose);
+        plates->surfaces[s->n_faces + k] = surface;
+    }
+}
+
+void disk__pose_plates(disk_state *s, uint64_t n_before)
+{
+    for (size_t k = 0; k < s->plates.n; k++) {
+        const disk_plate *plate = &s->plates.of[k];
+        const plate_motion_step step = plate_motion_in_step(&s->plates.motion, plate->obstacle,
+                                                            n_before, s->def.dt, plate->depth);
+        pose_plate(s, plate, &step);
+    }
+}
+
+void disk__pose_plates_by_team(const driver_member *m)
+{
+    disk_state *s = m->state;
+
+    if (s->plates.n == 0)
+        return;
+    if (m->index == 0)
+        disk__pose_plates(s, s->steps + m->n_made);
+    driver_wait(m);
+}
+
+double disk__plates_travel(const disk_state *s, uint64_t n_before)
+{
+    const double dt = s->def.dt;
+    double speed = 0.0;
+
+    for (size_t k = 0; k < s->plates.n; k++) {
+        const disk_plate *plate = &s->plates.of[k];
+        const plate_motion_step step =
+            plate_motion_in_step(&s->plates.motion, plate->obstacle, n_before, dt, plate->depth);
+        speed = fmax(speed, fabs(step.spin) * plate->radius + step.growth);
+    }
+    return speed * dt;
+}
+
+vec2 disk__surface_velocity(const disk_surface *surface, vec2 n, vec2 at)
+{
+    const vec2 turning =
+        plate_motion_velocity((vec2){ surface->px, surface->py }, surface->spin, at);
+
+    return vec2_add(turning, vec2_scale(n, surface->growth));
+}

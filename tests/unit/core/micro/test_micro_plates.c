@@ -1,0 +1,417 @@
+// The four microscopic solvers with plates that turn, come and go. Expected values are derived.
+
+#include "core/base/buffer.h"
+#include "core/micro/micro.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SOLVERS = 4, PARTS_MAX = 64 };
+
+static const struct {
+    micro_path path;
+    micro_integrator integrator;
+    double dt;
+} solvers[SOLVERS] = {
+    { MICRO_PATH_PLANAR, MICRO_VERLET, 2e-5 },
+    { MICRO_PATH_PLANAR, MICRO_IMPLICIT, 1e-3 },
+    { MICRO_PATH_SPATIAL, MICRO_VERLET, 1e-5 },
+    { MICRO_PATH_SPATIAL, MICRO_IMPLICIT, 5e-4 },
+};
+
+static const double radius = 0.012, mass = 0.0284;
+
+// Cylinders on a belt that stands, and a plate from its pivot in the middle of it. Do not move it once it was made.
+typedef struct world {
+    micro_def def;
+    scene_belt belt;
+    vec2 path[2];
+    scene_obstacle plate;
+    double times[2][4], values[2][4];
+    micro_kind kind;
+    scene_pose poses[PARTS_MAX];
+} world;
+
+static void make_world(world *w, int solver)
+{
+    *w = (world){ .def = micro_def_default(),
+                  .belt = { .acceleration = INFINITY, .deceleration = INFINITY },
+                  .path = { { 1.0, 1.0 }, { 1.5, 1.0 } },
+                  .kind = { .shape = { .type = SCENE_CYLINDER, .radius = radius, .height = 0.02 },
+                            .material = { 210e9, 0.28 },
+                            .mass = mass,
+                            .spin_radius = 0.008 } };
+    scene_obstacle_init(&w->plate);
+    w->plate.n_points = 2;
+    w->plate.path = w->path;
+    w->plate.pivot = w->path[0];
+    w->def.domain = (scene_rect){ 0.0, 2.0, 0.0, 2.0 };
+    w->def.path = solvers[solver].path;
+    w->def.integrator = solvers[solver].integrator;
+    w->def.dt = solvers[solver].dt;
+    w->def.damping = 0.0;
+    w->def.modulus_reduction = 1e4;
+    w->def.n_belts = w->def.n_obstacles = w->def.n_kinds = 1;
+    w->def.belts = &w->belt;
+    w->def.obstacles = &w->plate;
+    w->def.kinds = &w->kind;
+    w->def.poses = w->poses;
+}
+
+// Nothing but contacts, without friction, acts.
+static void make_bare(world *w)
+{
+    w->def.n_belts = 0;
+    w->def.gravity = 0.0;
+    w->def.contact[SCENE_HANDLING_CARGO].friction = 0.0;
+}
+
+static void add_part(world *w, double x, double y)
+{
+    assert_true(w->def.n_parts < PARTS_MAX);
+    w->poses[w->def.n_parts++] = (scene_pose){ x, y, 0.0 };
+}
+
+static void set_turn(world *w, size_t n, const double *times, const double *angles)
+{
+    memcpy(w->times[0], times, n * sizeof *times);
+    memcpy(w->values[0], angles, n * sizeof *angles);
+    w->plate.turn = (scene_series){ n, w->times[0], n, w->values[0], INFINITY };
+}
+
+static void set_presence(world *w, size_t n, const double *times, const double *values)
+{
+    memcpy(w->times[1], times, n * sizeof *times);
+    memcpy(w->values[1], values, n * sizeof *values);
+    w->plate.presence = (scene_series){ n, w->times[1], n, w->values[1], INFINITY };
+}
+
+static micro_solver *start(const world *w)
+{
+    micro_solver *s = NULL;
+    bf_error err = { 0 };
+
+    if (micro_create(&w->def, &s, &err) != BF_OK)
+        fail_msg("%s: %s", err.pointer, err.text);
+    return s;
+}
+
+static void advance_to(micro_solver *s, double t)
+{
+    bf_error err = { 0 };
+
+    if (micro_advance(s, (uint64_t)round(t / micro_dt(s)) - micro_steps(s), &err) != BF_OK)
+        fail_msg("%s: %s", err.pointer, err.text);
+}
+
+// On a plate that turns at w the part slides outwards by rho'' = w^2 rho, from rest, which is rho' = w r there.
+// Its speed across the plate is w rho, which needs the force 2 m w rho'; it is late by the time in which the
+// contact takes up that force, d/k, and by a step.
+static void a_part_that_a_plate_pushes_has_the_speed_of_its_surface(void **state)
+{
+    const double w = 1.0, t = 0.5, first = 0.2, times[] = { 0.0, 1.0 }, angles[] = { 0.0, w };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        world d;
+        make_world(&d, k);
+        make_bare(&d);
+        set_turn(&d, 2, times, angles);
+        add_part(&d, 1.0 + first, 1.0 + radius);
+        micro_solver *s = start(&d);
+        advance_to(s, t);
+        const double rho = first * cosh(w * t) + radius * sinh(w * t);
+        const double rate = w * (first * sinh(w * t) + radius * cosh(w * t));
+        const double late = 120.0 / 3.7e4 + micro_dt(s), tolerance = 2.0 * w * rate * late;
+        const vec2 along = { cos(w * t), sin(w * t) }, across = vec2_turn_left(along);
+        const micro_part p = micro_part_of(s, 0);
+        const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 }, v = { p.v[0], p.v[1] };
+        assert_near(vec2_dot(v, across), w * rho, tolerance);
+        assert_near(vec2_dot(v, along), rate - w * radius, tolerance);
+        assert_near(vec2_dot(x, along), rho, tolerance);
+        assert_near(vec2_dot(x, across), radius, 2e-5);
+        s = micro_destroy(s);
+    }
+}
+
+// The speed at which a plate is refused: by its step, and by its contacts, whose dashpot stops a part within v m/d.
+static double largest_speed(int solver)
+{
+    return 0.25 * radius * fmin(1.0 / solvers[solver].dt, 120.0 / mass);
+}
+
+// Parts in the sector that the plate sweeps, from 0 to 2 rad to its left or to its right.
+static void fill_sector(world *w, double side)
+{
+    for (int ring = 0; ring < 9; ring++)
+        for (int k = 0; k < 5; k++) {
+            const double rho = 0.1 + 0.04 * ring, angle = side * (0.3 + 0.35 * k);
+            add_part(w, 1.0 + rho * cos(angle), 1.0 + rho * sin(angle));
+        }
+}
+
+static void no_part_gets_behind_a_plate_that_sweeps(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2 * SOLVERS; k++) {
+        const double side = k < SOLVERS ? 1.0 : -1.0, angles[] = { 0.0, 2.0 * side };
+        const double times[] = { 0.0, 2.0 * 0.505 / (0.999 * largest_speed(k % SOLVERS)) };
+        world w;
+        make_world(&w, k % SOLVERS);
+        set_turn(&w, 2, times, angles);
+        fill_sector(&w, side);
+        micro_solver *s = start(&w);
+        advance_to(s, times[1] + 0.1);
+        for (size_t part = 0; part < w.def.n_parts; part++) {
+            const micro_part p = micro_part_of(s, part);
+            const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 };
+            const double angle = side * atan2(x.y, x.x);
+            assert_true(p.is_gone || vec2_length(x) > 0.5 || angle < 0.0 || angle > 2.0);
+        }
+        s = micro_destroy(s);
+    }
+}
+
+static void a_plate_that_is_too_fast_is_refused(void **state)
+{
+    const double times[] = { 0.0, 1.0 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const double angles[] = { 0.0, 1.001 * largest_speed(k) / 0.505 };
+        micro_solver *s = NULL;
+        bf_error err;
+        world w;
+        make_world(&w, k);
+        set_turn(&w, 2, times, angles);
+        assert_int_equal(micro_create(&w.def, &s, &err), BF_EINPUT);
+        assert_string_equal(err.pointer, "/obstacles/0/motion");
+        // The step that is chosen is small enough, but where contacts are the bound.
+        w.def.dt = 0.0;
+        assert_true(micro_dt_chosen(&w.def) <= micro_dt_plates(&w.def));
+        if (solvers[k].integrator == MICRO_IMPLICIT)
+            s = micro_destroy(start(&w));
+    }
+}
+
+static void the_largest_step_for_a_plate_is_named(void **state)
+{
+    const scene_action action = { .type = SCENE_ACTION_TURN, .value = 1.0, .over = 0.05 };
+    micro_solver *s = NULL;
+    bf_error err;
+    world w;
+
+    (void)state;
+    make_world(&w, 1);
+    w.plate.is_commanded = true;
+    w.def.n_actions = 1;
+    w.def.actions = &action;
+    // 20 rad/s at 0.505 m: 0.003 m in 0.297 ms.
+    assert_near(micro_dt_plates(&w.def), 0.003 / 10.1, 1e-12);
+    assert_int_equal(micro_create(&w.def, &s, &err), BF_EINPUT);
+    assert_string_equal(err.pointer, "/obstacles/0/motion");
+    assert_non_null(strstr(err.text, "0.00029702"));
+}
+
+static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **state)
+{
+    const double times[] = { 0.1, 0.2 }, zeros[] = { 0.0, 0.0 }, ones[] = { 1.0, 1.0 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        uint64_t digests[2];
+        for (int moves = 0; moves < 2; moves++) {
+            world w;
+            make_world(&w, k);
+            w.belt.velocity = (vec2){ 0.3, -0.3 };
+            fill_sector(&w, 1.0);
+            if (moves) {
+                set_turn(&w, 2, times, zeros);
+                set_presence(&w, 2, times, ones);
+            }
+            micro_solver *s = start(&w);
+            advance_to(s, 0.5);
+            assert_true(micro_measure(s).largest_overlap > 0.0);
+            digests[moves] = micro_digest(s);
+            s = micro_destroy(s);
+        }
+        assert_true(digests[0] == digests[1]);
+    }
+}
+
+// Across a belt of 0.4 m/s, at x = 1 m.
+static void make_stop(world *w, int solver)
+{
+    make_world(w, solver);
+    w->belt.velocity = (vec2){ 0.4, 0.0 };
+    w->path[0] = (vec2){ 1.0, 0.5 };
+    w->path[1] = (vec2){ 1.0, 1.5 };
+}
+
+// A part that is released is at the belt's speed within 1 cm: v^2/(2 mu g), and a little more by the tanh of (7).
+static void a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them(void **state)
+{
+    const double times[] = { 0.0, 1.0, 2.0 }, values[] = { 0.0, 1.0, 0.0 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        world w;
+        make_stop(&w, k);
+        set_presence(&w, 3, times, values);
+        add_part(&w, 0.7, 1.0);
+        add_part(&w, 0.5, 1.0);
+        micro_solver *s = start(&w);
+        advance_to(s, 2.0);
+        assert_near(micro_part_of(s, 0).x[0], 1.5, 1e-4);
+        assert_near(micro_part_of(s, 1).x[0], 1.0 - radius, 1e-4);
+        assert_near(micro_part_of(s, 1).v[0], 0.0, 1e-3);
+        advance_to(s, 2.5);
+        assert_near(micro_part_of(s, 1).x[0], 1.0 - radius + 0.195, 0.006);
+        assert_near(micro_part_of(s, 1).v[0], 0.4, 1e-3);
+        s = micro_destroy(s);
+    }
+}
+
+// It comes by the radius and its thickness of 5 mm in 0.2 s; with the bounding radius in space. Then parts slide on, by
+// little more than v/(mu g lambda), as the belt's friction is nearly viscous at this speed.
+static void a_plate_that_comes_upon_parts_pushes_them_to_their_sides(void **state)
+{
+    static const double offsets[] = { 0.010, 0.004, 0.0, -0.008, -0.014 };
+    const double times[] = { 0.0, 0.1 }, values[] = { 0.0, 1.0 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const bool is_planar = solvers[k].path == MICRO_PATH_PLANAR;
+        const double speed = ((is_planar ? radius : hypot(radius, 0.01)) + 0.005) / 0.2;
+        world w;
+        make_world(&w, k);
+        set_presence(&w, 2, times, values);
+        // The stiffness of steel, and in space what does not let the cylinders rock.
+        if (solvers[k].integrator == MICRO_IMPLICIT)
+            w.def.modulus_reduction = is_planar ? 1.0 : 1e3;
+        for (int m = 0; m < 5; m++)
+            add_part(&w, 1.1 + 0.05 * m, 1.0 + offsets[m]);
+        micro_solver *s = start(&w);
+        for (int sample = 1; sample <= 45; sample++) {
+            advance_to(s, 0.01 * sample);
+            for (size_t m = 0; m < 5; m++)
+                assert_true(fabs(micro_part_of(s, m).v[1]) <= 1.1 * speed);
+        }
+        for (size_t m = 0; m < 5; m++) {
+            const double y = micro_part_of(s, m).x[1] - 1.0;
+            const double gap = offsets[m] > -0.0025 ? y - radius : -radius - 0.005 - y;
+            assert_true(-1e-4 < gap && gap < 1.2 * speed / 98.1 + 1e-4);
+        }
+        assert_true(micro_measure(s).largest_overlap < 5e-4);
+        s = micro_destroy(s);
+    }
+}
+
+// Of the times that follow, s: as many steps of either integrator.
+static double unit_of(int solver)
+{
+    return solvers[solver].integrator == MICRO_IMPLICIT ? 0.1 : 0.01;
+}
+
+// Parts that a belt carries against a plate that swings, goes, comes and is turned by commands.
+static void make_busy(world *w, int solver)
+{
+    const double u = unit_of(solver), times[] = { 0.0, u, 2.0 * u };
+    const double angles[] = { 0.0, 2.0 * u, 0.0 };
+    const double switches[] = { 1.2 * u, 1.5 * u }, values[] = { 0.0, 1.0 };
+
+    make_world(w, solver);
+    w->belt.velocity = (vec2){ 0.2, -0.4 };
+    set_turn(w, 3, times, angles);
+    set_presence(w, 2, switches, values);
+    w->plate.turn.repeat = 2.0 * u;
+    w->plate.is_commanded = true;
+    for (int k = 0; k < 60; k++)
+        add_part(w, 1.02 + 0.0265 * (k % 15), 1.02 + 0.0265 * (k / 15));
+}
+
+static void command(micro_solver *s, double unit)
+{
+    micro_command_turn(s, 0, 3.0 * unit, 6.0 * unit, 2.0 * unit);
+    micro_command_presence(s, 0, 3.0 * unit, true);
+}
+
+static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        const double unit = unit_of(k);
+        bf_buffer bytes = { 0 };
+        bf_error err = { 0 };
+        world w;
+        make_busy(&w, k);
+        micro_solver *whole = start(&w), *cut;
+        w.def.n_threads = 2;
+        cut = start(&w);
+        advance_to(whole, 3.0 * unit);
+        for (int part = 1; part <= 10; part++)
+            advance_to(cut, 0.3 * unit * part);
+        assert_true(micro_digest(whole) == micro_digest(cut));
+        command(whole, unit);
+        command(cut, unit);
+        advance_to(cut, 4.1 * unit);
+        assert_int_equal(micro_save(cut, &bytes, &err), BF_OK);
+        cut = micro_destroy(cut);
+        w.def.n_threads = 1;
+        cut = start(&w);
+        assert_int_equal(micro_load(cut, bytes.bytes, bytes.n, &err), BF_OK);
+        advance_to(whole, 6.0 * unit);
+        advance_to(cut, 6.0 * unit);
+        assert_true(micro_digest(whole) == micro_digest(cut));
+        assert_true(micro_measure(whole).n_contacts == micro_measure(cut).n_contacts);
+        whole = micro_destroy(whole);
+        cut = micro_destroy(cut);
+        buffer_fini(&bytes);
+    }
+}
+
+// Over 0.04 m. Contacts give less than a tenth of the speed back, with which the part goes ahead of the plate.
+static void a_command_turns_a_plate(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        world w;
+        make_world(&w, k);
+        make_bare(&w);
+        w.plate.is_commanded = true;
+        add_part(&w, 1.2, 1.0 + radius + 1e-4);
+        micro_solver *s = start(&w);
+        advance_to(s, 0.1);
+        assert_near(micro_part_of(s, 0).x[1], 1.0 + radius + 1e-4, 1e-12);
+        micro_command_turn(s, 0, 0.1, 0.2, 0.2);
+        advance_to(s, 0.3);
+        const micro_part p = micro_part_of(s, 0);
+        const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 };
+        const double ahead = vec2_dot(x, (vec2){ -sin(0.2), cos(0.2) }) - radius;
+        assert_true(-5e-5 < ahead && ahead < 0.004);
+        s = micro_destroy(s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_part_that_a_plate_pushes_has_the_speed_of_its_surface),
+        cmocka_unit_test(no_part_gets_behind_a_plate_that_sweeps),
+        cmocka_unit_test(a_plate_that_is_too_fast_is_refused),
+        cmocka_unit_test(the_largest_step_for_a_plate_is_named),
+        cmocka_unit_test(a_plate_that_does_not_move_has_the_bits_of_one_that_cannot),
+        cmocka_unit_test(a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them),
+        cmocka_unit_test(a_plate_that_comes_upon_parts_pushes_them_to_their_sides),
+        cmocka_unit_test(a_command_turns_a_plate),
+        cmocka_unit_test(threads_cuts_and_checkpoints_do_not_change_a_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
