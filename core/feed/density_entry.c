@@ -63,9 +63,8 @@ static double edge_capacity(const surroundings *around, scene_side side, const b
 {
     const vec2 velocity = surroundings_velocity_of(around, belt);
     const double inward = vec2_dot(surroundings_side(around, side).inward, velocity);
-    const double speed = inward > 0.0 ? inward : vec2_length(velocity);
 
-    return speed * dt * length / (grid->d1 * grid->d2);
+    return fmax(inward, 0.0) * dt * length / (grid->d1 * grid->d2);
 }
 
 // The cell behind one that lies beside a side; the same if there is none.
@@ -247,20 +246,14 @@ static double fill_line(feed_density *d, const feed_line *line, double demand,
     return taken;
 }
 
-static void admit(feed_density *d, size_t k, double t, const feed_field *field)
+static void admit(feed_density *d, size_t k, const feed_field *field)
 {
-    const feed_line *line = &d->lines[k];
     feed_state *state = &d->states[k];
-    const double served = state->admitted + state->discarded, waiting = state->offered - served;
+    const double waiting = state->offered - state->admitted - state->discarded;
 
-    if (state->is_held || !(waiting > 0.0))
-        return;
-    const double parts = d->parts_per_cell * fill_line(d, line, waiting / d->parts_per_cell, field);
-    state->admitted += parts;
-    if (parts > 0.0 && field->note_wait != NULL) {
-        const double due = feed_arrivals_time(line->arrivals, served + 0.5 * parts);
-        field->note_wait(field->context, k, parts, fmax(t - due, 0.0));
-    }
+    if (!state->is_held && waiting > 0.0)
+        state->admitted +=
+            d->parts_per_cell * fill_line(d, &d->lines[k], waiting / d->parts_per_cell, field);
 }
 
 static void discard(feed_density *d, size_t k, double t)
@@ -281,7 +274,7 @@ void feed_density_advance(feed_density *d, double t, const feed_field *field)
     for (size_t n = 0; n < d->n_feeds; n++) {
         const size_t k = (turn + n) % d->n_feeds;
         d->states[k].offered = feed_arrivals_until(d->lines[k].arrivals, t);
-        admit(d, k, t, field);
+        admit(d, k, field);
         discard(d, k, t);
     }
 }

@@ -10,11 +10,11 @@
 ///
 /// On a side the cells are those beside it, and rho' is the density of the cell behind, which takes what the outer one
 /// cannot: where steps have several stages, a cell that is packed when a step begins hands on less than rho_p v_n in it.
-/// The bound is what the belt carries into the domain in a step: v_n is its speed across the side, its whole speed
-/// where it does not run inwards, and c the part of the cell's side that the line covers.
+/// The bound is what the belt carries into the domain in a step: v_n is its speed across the side, and c the part of the
+/// cell's side that the line covers.
 ///
 /// What finds no room waits. Parts are served in the order of their arrival: those that enter next arrived when Lambda
-/// was S. Of a feed that discards, what is left below Lambda(t - max_wait) is dropped. A feed that is held admits
+/// was S, so that waits follow from the curves of what was offered, admitted and discarded. Of a feed that discards, what is left below Lambda(t - max_wait) is dropped. A feed that is held admits
 /// nothing, while parts go on to arrive. Within a call each feed has its turn once, and the one that is first changes
 /// from call to call, so that none starves where two share cells.
 ///
@@ -44,8 +44,6 @@ typedef struct feed_field {
     double (*factor)(const void *context, size_t belt);
     /// Add a density > 0 to a cell.
     void (*add)(void *context, size_t cell, double density);
-    /// Parts of a feed entered that have waited for about `wait`, s, on average. NULL: nobody asks.
-    void (*note_wait)(void *context, size_t feed, double parts, double wait);
 } feed_field;
 
 /// The entry of all feeds of a scene; opaque. It borrows the scene, which must outlive it.
