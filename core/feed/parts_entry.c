@@ -3,6 +3,7 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/feed/arrivals.h"
+#include "core/scene/feed_line.h"
 #include "core/scene/mix.h"
 #include "core/scene/surroundings.h"
 
@@ -17,12 +18,6 @@ typedef struct feed_state {
     uint64_t is_held; // 0 or 1
 } feed_state;
 
-// A part of a line, by its places from 0 to 1.
-typedef struct span {
-    double low;
-    double high;
-} span;
-
 struct feed_parts {
     const scene *scene;
     surroundings around;
@@ -34,7 +29,7 @@ struct feed_parts {
     uint64_t n_turns;  // calls of feed_parts_advance()
     feed_body *bodies; // scratch of find_first_free()
     size_t n_bodies_max;
-    span *blocked; // by each of them
+    feed_line_span *blocked; // by each of them
     size_t n_blocked_max;
 };
 
@@ -80,60 +75,28 @@ feed_parts *feed_parts_destroy(feed_parts *p)
     return NULL;
 }
 
-// How far a footprint extends from its origin in a direction, m.
-static double extent(const shape_footprint *footprint, double heading, vec2 direction)
+static feed_line_span usable_places(const feed_parts *p, const scene_feed *f, const feed_part *part)
 {
-    vec2 corners[SCENE_VERTICES_MAX + 1];
-    double most = 0.0;
-
-    if (footprint->n_corners == 0)
-        return footprint->bounding_radius;
-    shape_place(footprint, (scene_pose){ 0.0, 0.0, heading }, corners);
-    for (size_t k = 0; k < footprint->n_corners; k++)
-        most = fmax(most, vec2_dot(corners[k], direction));
-    return most;
-}
-
-// The places on a feed's line where a part does not stick into a wall; low > high: none.
-static span usable_places(const feed_parts *p, const scene_feed *f, const feed_part *part)
-{
-    const vec2 line = vec2_sub(f->line[1], f->line[0]);
-    span places = { 0.0, 1.0 };
-
-    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (p->around.edges[side] != SCENE_EDGE_WALL || (f->is_edge && side == (int)f->edge))
-            continue;
-        const surroundings_line wall = surroundings_side(&p->around, (scene_side)side);
-        const double needed =
-            extent(&p->footprints[part->kind], part->heading, vec2_scale(wall.inward, -1.0)) +
-            SCENE_TOLERANCE;
-        const double rise = vec2_dot(wall.inward, line);
-        const double missing = needed - vec2_dot(wall.inward, vec2_sub(f->line[0], wall.at));
-        if (rise > 0.0)
-            places.low = fmax(places.low, missing / rise);
-        else if (rise < 0.0)
-            places.high = fmin(places.high, missing / rise);
-    }
-    return places;
+    return feed_line_usable(&p->around, f, &p->footprints[part->kind], part->heading);
 }
 
 static scene_pose pose_at(const scene_feed *f, double place, double heading)
 {
-    const vec2 at = vec2_add(f->line[0], vec2_scale(vec2_sub(f->line[1], f->line[0]), place));
+    const vec2 at = feed_line_at(f, place);
 
     return (scene_pose){ at.x, at.y, heading };
 }
 
 static int compare_spans(const void *a, const void *b)
 {
-    const double x = ((const span *)a)->low, y = ((const span *)b)->low;
+    const double x = ((const feed_line_span *)a)->low, y = ((const feed_line_span *)b)->low;
 
     return (x > y) - (x < y);
 }
 
 // Copies the bodies near the places to p->bodies.
-static bf_status find_bodies(feed_parts *p, const scene_feed *f, span places, double within,
-                             const feed_room *room, size_t *ret_n, bf_error *err)
+static bf_status find_bodies(feed_parts *p, const scene_feed *f, feed_line_span places,
+                             double within, const feed_room *room, size_t *ret_n, bf_error *err)
 {
     const scene_pose start = pose_at(f, places.low, 0.0), end = pose_at(f, places.high, 0.0);
     const vec2 from = { start.x, start.y }, to = { end.x, end.y };
@@ -164,7 +127,7 @@ static size_t find_blocked(feed_parts *p, const scene_feed *f, double radius, si
         const double off = vec2_cross(along, from), at = vec2_dot(along, from);
         const double half = sqrt(fmax(apart * apart - off * off, 0.0));
         if (half > 0.0)
-            p->blocked[n++] = (span){ (at - half) / length, (at + half) / length };
+            p->blocked[n++] = (feed_line_span){ (at - half) / length, (at + half) / length };
     }
     qsort(p->blocked, n, sizeof *p->blocked, compare_spans);
     return n;
@@ -174,7 +137,7 @@ typedef struct search {
     const scene_feed *feed;
     const feed_part *part;
     const feed_room *room;
-    span places;
+    feed_line_span places;
 } search;
 
 static bool is_free_at(const search *in, double place, scene_pose *ret_pose)

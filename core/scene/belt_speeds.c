@@ -3,6 +3,7 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/scene/ranges.h"
+#include "core/scene/scene_priv.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -233,20 +234,6 @@ static void check_acceleration(double acceleration, const char *belt, const char
         range_check(&scene_range_acceleration, acceleration, pointer, faults);
 }
 
-static void check_times(const scene_speed_schedule *s, const char *belt, bf_faults *faults)
-{
-    const size_t n_before = faults->n;
-    char pointer[BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < s->n_times && faults->n == n_before; k++) {
-        snprintf(pointer, sizeof pointer, "%s/speed_schedule/t_s/%zu", belt, k);
-        range_check(&scene_range_instant, s->times[k], pointer, faults);
-        if (faults->n == n_before && k > 0 && !(s->times[k] > s->times[k - 1]))
-            faults_add(faults, pointer, "%.15g s do not come after the %.15g s before them",
-                       s->times[k], s->times[k - 1]);
-    }
-}
-
 static void check_factors(const scene_belt *belt, const char *at, bf_faults *faults)
 {
     const scene_speed_schedule *s = &belt->speed_schedule;
@@ -279,6 +266,7 @@ void belt_speeds_check(const scene_belt *belt, const char *pointer, bf_faults *f
     }
     if (s->n_factors != s->n_times)
         faults_add(faults, at, "has %zu factors for %zu times", s->n_factors, s->n_times);
-    check_times(s, pointer, faults);
+    snprintf(at, sizeof at, "%s/speed_schedule/t_s", pointer);
+    scene__check_times(s->times, s->n_times, at, false, faults);
     check_factors(belt, pointer, faults);
 }

@@ -3,20 +3,14 @@
 
 #include "core/scene/scene.h"
 
-#include "core/base/polygon.h"
-#include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
 #include "core/scene/ranges.h"
+#include "core/scene/scene_priv.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum {
-    REPORTED_MAX = 4,    ///< bad positions that are reported
-    ROOM_FOR_INDEX = 24, ///< bytes of "/" and an index
-};
 
 /// Largest ratio of the disk about the part that extends farthest to the smallest footprint: with
 /// more, far too many small parts fit into one cell of the search for overlaps.
@@ -27,17 +21,6 @@ enum {
 #define WHOLE     1e-6
 #define WHOLE_MAX 0.01
 
-/// A number of a struct and its valid range.
-typedef struct number_rule {
-    const char *pointer;   ///< below that of the struct
-    size_t offset;         ///< of the double in the struct
-    const bf_range *range; ///< of the number
-} number_rule;
-
-#define RULE(pointer, type, member, range)                                                         \
-    {                                                                                              \
-        pointer, offsetof(type, member), &(range)                                                  \
-    }
 #define CONTACT(word, pair)                                                                        \
     RULE("/contacts/" word "/length_m", scene, micro.contact[pair].length, scene_range_length),    \
         RULE("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping,               \
@@ -55,6 +38,9 @@ static const bf_range micro_step = { 0.0, INFINITY, false, false, 1.0 };
 
 static const number_rule number_rules[] = {
     RULE("/duration_s", scene, duration, scene_range_time),
+    RULE("/warmup_s", scene, warmup, scene_range_instant),
+    RULE("/jam_time_s", scene, jam_time, scene_range_time),
+    RULE("/steady_precision", scene, steady_precision, scene_range_ratio),
     RULE("/output/curve_every_s", scene, output.curve_every, scene_range_time),
     RULE("/output/snapshot_every_s", scene, output.snapshot_every, scene_range_time),
     RULE("/macro/cell_m", scene, macro.cell, scene_range_length),
@@ -83,19 +69,6 @@ static const number_rule number_rules[] = {
     CONTACT("handling_cargo", SCENE_HANDLING_CARGO),
 };
 
-/// Note numbers of a struct that are out of range; pointer is that of the struct.
-static void check_numbers(const void *item, const char *pointer, const number_rule *rules, size_t n,
-                          bf_faults *faults)
-{
-    char at[2 * BF_POINTER_SIZE];
-
-    for (size_t k = 0; k < n; k++) {
-        snprintf(at, sizeof at, "%s%s", pointer, rules[k].pointer);
-        range_check(rules[k].range, *(const double *)((const char *)item + rules[k].offset), at,
-                    faults);
-    }
-}
-
 static void check_words(const scene *s, bf_faults *faults)
 {
     if ((unsigned)s->macro.closure >= SCENE_CLOSURE_COUNT)
@@ -108,6 +81,20 @@ static void check_words(const scene *s, bf_faults *faults)
         faults_add(faults, "/micro/integrator", "is not an integrator");
     if ((unsigned)s->micro.path >= SCENE_PATH_COUNT)
         faults_add(faults, "/micro/path", "is not a path");
+}
+
+/// Note what a run's end and its key figures cannot be.
+static void check_course(const scene *s, bf_faults *faults)
+{
+    if ((unsigned)s->until >= SCENE_UNTIL_COUNT)
+        faults_add(faults, "/until", "is not an end of a run");
+    if (s->until == SCENE_UNTIL_STEADY && s->n_feeds == 0)
+        faults_add(faults, "/until", "nothing becomes steady without a feed");
+    if (s->warmup > 0.0 && s->duration > 0.0 && s->warmup >= s->duration)
+        faults_add(faults, "/warmup_s", "must be shorter than duration_s, %.15g s, not %.15g s",
+                   s->duration, s->warmup);
+    if ((double)s->substream > scene_range_seed.maximum)
+        faults_add(faults, "/substream", "must be below 2^53");
 }
 
 static bool is_interval(double low, double high)
@@ -132,165 +119,6 @@ static void check_domain(const scene *s, bf_faults *faults)
     }
 }
 
-/// The id of an item of a list.
-typedef const char *id_of(const scene *s, size_t k);
-
-static const char *belt_id(const scene *s, size_t k)
-{
-    return s->belts[k].id;
-}
-
-static const char *obstacle_id(const scene *s, size_t k)
-{
-    return s->obstacles[k].id;
-}
-
-static const char *counter_id(const scene *s, size_t k)
-{
-    return s->counters[k].id;
-}
-
-bool scene_is_id(const char *text)
-{
-    size_t n = strnlen(text, SCENE_ID_SIZE);
-
-    return n >= 1 && n < SCENE_ID_SIZE &&
-           strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == n;
-}
-
-static void check_id(const scene *s, id_of *get, const char *list, size_t k, bf_faults *faults)
-{
-    const char *id = get(s, k);
-    char pointer[BF_POINTER_SIZE];
-
-    snprintf(pointer, sizeof pointer, "/%s/%zu/id", list, k);
-    if (!scene_is_id(id)) {
-        faults_add(faults, pointer, "must be 1 to %d letters, digits, '_', '.' and '-'",
-                   SCENE_ID_SIZE - 1);
-        return;
-    }
-    for (size_t m = 0; m < k; m++) {
-        if (strncmp(id, get(s, m), SCENE_ID_SIZE) == 0) {
-            faults_add(faults, pointer, "'%s' is the id of /%s/%zu too", id, list, m);
-            return;
-        }
-    }
-}
-
-static bool is_place(vec2 at)
-{
-    return fabs(at.x) <= SCENE_LENGTH_MAX && fabs(at.y) <= SCENE_LENGTH_MAX;
-}
-
-/// Note the first point that is no number or repeats the one before it; whole: point at the pointer
-/// itself instead of at the point. Returns true if there is none.
-static bool check_points(const vec2 *points, size_t n, const char *pointer, bool whole,
-                         bf_faults *faults)
-{
-    char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
-
-    for (size_t k = 0; k < n; k++) {
-        bool is_good = is_place(points[k]);
-        if (is_good &&
-            (k == 0 || vec2_length(vec2_sub(points[k], points[k - 1])) > SCENE_LENGTH_MIN))
-            continue;
-        if (whole)
-            snprintf(at, sizeof at, "%s", pointer);
-        else
-            snprintf(at, sizeof at, "%s/%zu", pointer, k);
-        if (is_good)
-            faults_add(faults, at, "point %zu repeats the one before it", k);
-        else
-            faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
-        return false;
-    }
-    return true;
-}
-
-static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults *faults)
-{
-    size_t n = belt->n_points;
-    char last[BF_POINTER_SIZE + ROOM_FOR_INDEX];
-
-    if (n < 3 || n > SCENE_POINTS_MAX) {
-        faults_add(faults, pointer, "must have 3 to %d points, not %zu", SCENE_POINTS_MAX, n);
-        return;
-    }
-    if (!check_points(belt->polygon, n, pointer, false, faults))
-        return;
-    if (vec2_length(vec2_sub(belt->polygon[n - 1], belt->polygon[0])) <= SCENE_LENGTH_MIN) {
-        snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
-        faults_add(faults, last, "repeats the first point; a polygon closes itself");
-    } else if (!polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
-        faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
-    }
-}
-
-static void check_belts(const scene *s, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-
-    if (s->n_belts < 1 || s->n_belts > SCENE_BELTS_MAX) {
-        faults_add_limit(faults, "/belts", "%zu belts, the limits are 1 and %d", s->n_belts,
-                         SCENE_BELTS_MAX);
-        return;
-    }
-    for (size_t k = 0; k < s->n_belts; k++) {
-        const scene_belt *belt = &s->belts[k];
-        check_id(s, belt_id, "belts", k, faults);
-        snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
-        if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
-            faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
-        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
-        belt_speeds_check(belt, pointer, faults);
-        snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
-        if (belt->n_points != 0)
-            check_polygon(belt, pointer, faults);
-    }
-}
-
-static const number_rule obstacle_rules[] = {
-    RULE("/thickness_m", scene_obstacle, thickness, scene_range_length),
-    RULE("/band_m", scene_obstacle, band, scene_range_length),
-    RULE("/slide_width_m", scene_obstacle, slide_width, scene_range_length),
-};
-
-static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-    size_t n = obstacle->n_points;
-    // Two points may have been given in another form than a path.
-    bool whole = n == 2;
-
-    snprintf(pointer, sizeof pointer, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
-    if (n < 2 || n > SCENE_POINTS_MAX)
-        faults_add(faults, pointer, "must have 2 to %d points, not %zu", SCENE_POINTS_MAX, n);
-    else
-        (void)check_points(obstacle->path, n, pointer, whole, faults);
-}
-
-static void check_obstacles(const scene *s, bf_faults *faults)
-{
-    char pointer[BF_POINTER_SIZE];
-
-    if (s->n_obstacles > SCENE_OBSTACLES_MAX) {
-        faults_add_limit(faults, "/obstacles", "%zu obstacles, the limit is %d", s->n_obstacles,
-                         SCENE_OBSTACLES_MAX);
-        return;
-    }
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        const scene_obstacle *obstacle = &s->obstacles[k];
-        check_id(s, obstacle_id, "obstacles", k, faults);
-        check_path(obstacle, k, faults);
-        snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
-        check_numbers(obstacle, pointer, obstacle_rules,
-                      sizeof obstacle_rules / sizeof *obstacle_rules, faults);
-        snprintf(pointer, sizeof pointer, "/obstacles/%zu/treatment", k);
-        if ((unsigned)obstacle->treatment >= SCENE_TREATMENT_COUNT)
-            faults_add(faults, pointer, "is not a treatment");
-    }
-}
-
 static void check_interval(double low, double high, size_t k, const char *member, bf_faults *faults)
 {
     char pointer[BF_POINTER_SIZE];
@@ -299,6 +127,37 @@ static void check_interval(double low, double high, size_t k, const char *member
         return;
     snprintf(pointer, sizeof pointer, "/counters/%zu/%s", k, member);
     faults_add(faults, pointer, "must be [from, to] with from < to, within %g m", SCENE_LENGTH_MAX);
+}
+
+/// Note a time at which results change that is out of order.
+static void check_windows(const scene_output *output, bf_faults *faults)
+{
+    static const number_rule rules[] = {
+        RULE("/t_s/0", scene_output_window, from, scene_range_instant),
+        RULE("/t_s/1", scene_output_window, to, scene_range_time),
+        RULE("/curve_every_s", scene_output_window, curve_every, scene_range_time),
+        RULE("/snapshot_every_s", scene_output_window, snapshot_every, scene_range_time),
+    };
+    char pointer[BF_POINTER_SIZE], times[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    if (output->n_windows > SCENE_WINDOWS_MAX) {
+        faults_add_limit(faults, "/output/windows", "%zu windows, the limit is %d",
+                         output->n_windows, SCENE_WINDOWS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < output->n_windows; k++) {
+        const scene_output_window *w = &output->windows[k];
+        snprintf(pointer, sizeof pointer, "/output/windows/%zu", k);
+        scene__check_numbers(w, pointer, rules, sizeof rules / sizeof *rules, faults);
+        snprintf(times, sizeof times, "%s/t_s", pointer);
+        if (!(w->from < w->to))
+            faults_add(faults, times, "must be [from, to] with from < to");
+        if (k > 0 && !(w->from >= w[-1].to))
+            faults_add(faults, times,
+                       "begins at %.15g s, before the end of the window before it at "
+                       "%.15g s",
+                       w->from, w[-1].to);
+    }
 }
 
 static void check_counters(const scene *s, bf_faults *faults)
@@ -312,7 +171,7 @@ static void check_counters(const scene *s, bf_faults *faults)
     }
     for (size_t k = 0; k < s->n_counters; k++) {
         const scene_counter *counter = &s->counters[k];
-        check_id(s, counter_id, "counters", k, faults);
+        scene__check_id(s->counters, sizeof *s->counters, "counters", k, faults);
         snprintf(pointer, sizeof pointer, "/counters/%zu/id", k);
         if (strcmp(counter->id, "t_s") == 0 || strcmp(counter->id, "left_domain") == 0)
             faults_add(faults, pointer, "'%s' is a column of every curve", counter->id);
@@ -323,9 +182,13 @@ static void check_counters(const scene *s, bf_faults *faults)
 
 static void check_items(const scene *s, bf_faults *faults)
 {
-    check_belts(s, faults);
-    check_obstacles(s, faults);
+    scene__check_belts(s, faults);
+    scene__check_obstacles(s, faults);
+    scene__check_feeds(s, faults);
+    scene__check_photo_eyes(s, faults);
+    scene__check_actions(s, faults);
     check_counters(s, faults);
+    check_windows(&s->output, faults);
 }
 
 static const number_rule kind_rules[] = {
@@ -352,6 +215,14 @@ static const char *point_at(const scene *s, size_t k, char *room, size_t size)
     return room;
 }
 
+static void check_kind_id(const scene *s, size_t k, bf_faults *faults)
+{
+    if (s->is_mix)
+        scene__check_id(s->cargo, sizeof *s->cargo, "cargo", k, faults);
+    else if (!scene_is_id(s->cargo[k].id))
+        faults_add(faults, "/cargo/id", ID_TEXT, SCENE_ID_SIZE - 1);
+}
+
 static void check_cargo(const scene *s, bf_faults *faults)
 {
     char room[BF_POINTER_SIZE];
@@ -359,9 +230,13 @@ static void check_cargo(const scene *s, bf_faults *faults)
     for (size_t k = 0; k < s->n_cargo; k++) {
         const scene_cargo *kind = &s->cargo[k];
         const char *pointer = point_at(s, k, room, sizeof room);
-        check_numbers(kind, pointer, kind_rules, sizeof kind_rules / sizeof *kind_rules, faults);
+        if (kind->id[0] != '\0')
+            check_kind_id(s, k, faults);
+        scene__check_numbers(kind, pointer, kind_rules, sizeof kind_rules / sizeof *kind_rules,
+                             faults);
         if (s->is_mix)
-            check_numbers(kind, pointer, mix_rules, sizeof mix_rules / sizeof *mix_rules, faults);
+            scene__check_numbers(kind, pointer, mix_rules, sizeof mix_rules / sizeof *mix_rules,
+                                 faults);
         if (s->micro.path == SCENE_PATH_PLANAR && kind->shape.type != SCENE_CYLINDER)
             faults_add(faults, "/micro/path", "planar is for cylinders; %s has another shape",
                        pointer);
@@ -379,7 +254,7 @@ static void check_shapes(const scene *s, bf_faults *faults)
     for (size_t k = 0; k < s->n_cargo; k++) {
         const char *pointer = point_at(s, k, room, sizeof room);
         if (s->is_mix)
-            check_numbers(&s->cargo[k], pointer, &share_rule, 1, faults);
+            scene__check_numbers(&s->cargo[k], pointer, &share_rule, 1, faults);
         snprintf(at, sizeof at, "%s/shape", pointer);
         shape_check(&s->cargo[k].shape, at, faults);
     }
@@ -568,6 +443,16 @@ static void check_placement(scene *s, bf_faults *faults)
     }
 }
 
+static void check_feed_lines(const scene *s, bf_faults *faults)
+{
+    bf_error err;
+
+    if (scene__check_feed_lines(s, faults) == BF_OK)
+        return;
+    (void)bf_fail(&err, BF_ENOMEM, "/feeds", "no memory for the check of %zu feeds", s->n_feeds);
+    faults_add_error(faults, &err);
+}
+
 void scene_check(scene *s, bf_faults *faults)
 {
     size_t n_before = faults->n;
@@ -575,8 +460,9 @@ void scene_check(scene *s, bf_faults *faults)
     placement_fini(&s->placement);
     check_domain(s, faults);
     size_t n_domain = faults->n;
-    check_numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
+    scene__check_numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);
     check_words(s, faults);
+    check_course(s, faults);
     check_cargo(s, faults);
     check_items(s, faults);
     if (faults->n == n_before)
@@ -584,6 +470,9 @@ void scene_check(scene *s, bf_faults *faults)
     size_t n_others = faults->n;
     check_shapes(s, faults);
     check_initial(s, faults);
+    const bool is_sound = faults->n == n_before;
     if (n_domain == n_before && faults->n == n_others)
         check_placement(s, faults);
+    if (is_sound)
+        check_feed_lines(s, faults);
 }

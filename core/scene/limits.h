@@ -10,6 +10,7 @@ enum {
     SCENE_SERIES_MAX = 100000,      ///< times of a profile, a list of arrivals, a motion
     SCENE_FEEDS_MAX = 64,           ///< feeds in a scenario
     SCENE_EYES_MAX = 64,            ///< photo eyes in a scenario
+    SCENE_STAGES_MAX = 1000,        ///< stages of a gap of Erlang arrivals
     SCENE_ACTIONS_MAX = 256,        ///< actions in a scenario
     SCENE_WINDOWS_MAX = 256,        ///< output windows in a scenario
     SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario

@@ -5,6 +5,7 @@
 #include "core/base/random.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
+#include "core/scene/plate_pieces.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
@@ -335,11 +336,6 @@ typedef struct plate_findings {
     size_t n_reported;
 } plate_findings;
 
-/// One straight piece of a plate: its corners, counter-clockwise.
-typedef struct piece {
-    vec2 corners[4];
-} piece;
-
 static int compare_places(const void *a, const void *b)
 {
     const place *of_a = a, *of_b = b;
@@ -348,28 +344,17 @@ static int compare_places(const void *a, const void *b)
     return of_a->part < of_b->part ? -1 : of_a->part > of_b->part;
 }
 
-static piece piece_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
-{
-    surroundings_piece p = surroundings_piece_of(around, obstacle, k);
-    vec2 through = vec2_scale(p.upstream, -p.thickness);
-    vec2 back_start = vec2_add(p.start, through), back_end = vec2_add(p.end, through);
-
-    if (vec2_cross(vec2_sub(p.end, p.start), p.upstream) > 0.0)
-        return (piece){ { p.end, p.start, back_start, back_end } };
-    return (piece){ { p.start, p.end, back_end, back_start } };
-}
-
-static bool is_overlapping(const plate_findings *f, size_t k, const piece *plate)
+static bool is_overlapping(const plate_findings *f, size_t k, const vec2 plate[4])
 {
     const shape_footprint *footprint = &f->footprints[mix_kind(f->p->kinds, k)];
     vec2 corners[SCENE_VERTICES_MAX + 1];
     scene_pose at = f->p->poses[k];
 
     if (footprint->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->bounding_radius,
-                                     plate->corners, 4, SCENE_TOLERANCE);
+        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->bounding_radius, plate, 4,
+                                     SCENE_TOLERANCE);
     shape_place(footprint, at, corners);
-    return polygon_overlaps(corners, footprint->n_corners, plate->corners, 4, SCENE_TOLERANCE);
+    return polygon_overlaps(corners, footprint->n_corners, plate, 4, SCENE_TOLERANCE);
 }
 
 /// The first place at or beyond x.
@@ -387,17 +372,17 @@ static size_t find_first(const plate_findings *f, double x)
     return low;
 }
 
-static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const piece *plate)
+static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const vec2 plate[4])
 {
     scene_rect box = { INFINITY, -INFINITY, INFINITY, -INFINITY };
     size_t limit = limit_reported(f->s);
     char room[BF_POINTER_SIZE];
 
     for (int k = 0; k < 4; k++) {
-        box.x_min = fmin(box.x_min, plate->corners[k].x - f->bounding_radius);
-        box.x_max = fmax(box.x_max, plate->corners[k].x + f->bounding_radius);
-        box.y_min = fmin(box.y_min, plate->corners[k].y - f->bounding_radius);
-        box.y_max = fmax(box.y_max, plate->corners[k].y + f->bounding_radius);
+        box.x_min = fmin(box.x_min, plate[k].x - f->bounding_radius);
+        box.x_max = fmax(box.x_max, plate[k].x + f->bounding_radius);
+        box.y_min = fmin(box.y_min, plate[k].y - f->bounding_radius);
+        box.y_max = fmax(box.y_max, plate[k].y + f->bounding_radius);
     }
     for (size_t i = find_first(f, box.x_min);
          i < f->p->n && f->places[i].x <= box.x_max && f->n_reported < limit; i++) {
@@ -414,12 +399,16 @@ static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const
 
 bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_faults *faults)
 {
-    const surroundings around = surroundings_of(s);
     plate_findings f = { .s = s, .p = p, .faults = faults };
+    plate_pieces pieces;
+    vec2 plate[4];
 
-    f.places = memory_alloc(p->n, sizeof *f.places);
-    if (f.places == NULL)
+    bf_status status = plate_pieces_init(&pieces, s, NULL);
+    f.places = status == BF_OK ? memory_alloc(p->n, sizeof *f.places) : NULL;
+    if (f.places == NULL) {
+        plate_pieces_fini(&pieces);
         return BF_ENOMEM;
+    }
     mix_footprints(s, f.footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
         f.bounding_radius = fmax(f.bounding_radius, f.footprints[k].bounding_radius);
@@ -428,10 +417,11 @@ bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_fa
     qsort(f.places, p->n, sizeof *f.places, compare_places);
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            piece plate = piece_of(&around, &s->obstacles[k], m);
-            check_piece(&f, &s->obstacles[k], &plate);
+            if (plate_pieces_get(&pieces, k, m, plate))
+                check_piece(&f, &s->obstacles[k], plate);
         }
     }
     memory_free(f.places);
+    plate_pieces_fini(&pieces);
     return BF_OK;
 }

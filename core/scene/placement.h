@@ -24,7 +24,7 @@ void placement_fini(scene_placement *p);
 BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,
                                         bf_faults *faults);
 
-/// Note parts that overlap the plate of an obstacle by more than SCENE_TOLERANCE, for the microscopic
+/// Note parts that overlap the plate of an obstacle, as it stands at t = 0, by more than SCENE_TOLERANCE, for the microscopic
 /// model, where a plate is solid. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check_plates(const scene *s, const scene_placement *p,
                                                bf_faults *faults);

@@ -346,3 +346,16 @@ void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_co
             vec2_add(centre, vec2_add(vec2_scale(u, corner.x), vec2_scale(v, corner.y)));
     }
 }
+
+double shape_extent(const shape_footprint *footprint, double heading, vec2 direction)
+{
+    vec2 corners[SCENE_VERTICES_MAX + 1];
+    double most = 0.0;
+
+    if (footprint->n_corners == 0)
+        return footprint->bounding_radius;
+    shape_place(footprint, (scene_pose){ 0.0, 0.0, heading }, corners);
+    for (size_t k = 0; k < footprint->n_corners; k++)
+        most = fmax(most, vec2_dot(corners[k], direction));
+    return most;
+}

@@ -27,5 +27,8 @@ double shape_packing_density(const scene_shape *shape);
 /// Note every fault of a shape; pointers begin with that of the shape ("/cargo/shape").
 void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults);
 
+/// How far a footprint at a heading, rad, extends from its origin in a direction of length 1, m.
+double shape_extent(const shape_footprint *footprint, double heading, vec2 direction);
+
 /// Corners of the footprint of a part in its place, into ret_corners.
 void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners);

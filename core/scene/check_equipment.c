@@ -1,0 +1,225 @@
+// The checks of belts, obstacles, photo eyes and actions.
+
+#include "core/base/polygon.h"
+#include "core/scene/belt_speeds.h"
+#include "core/scene/ranges.h"
+#include "core/scene/scene_priv.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/// Largest angle of a turn, rad: far from any sensible value, so that later arithmetic is safe.
+#define ANGLE_MAX 1e6
+
+static const bf_range turn_range = { -ANGLE_MAX, ANGLE_MAX, false, false, 0.0 };
+static const bf_range flag_range = { 0.0, 1.0, false, false, 0.0 };
+
+static void check_polygon(const scene_belt *belt, const char *pointer, bf_faults *faults)
+{
+    size_t n = belt->n_points;
+    char last[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    if (n < 3 || n > SCENE_POINTS_MAX) {
+        faults_add(faults, pointer, "must have 3 to %d points, not %zu", SCENE_POINTS_MAX, n);
+        return;
+    }
+    if (!scene__check_points(belt->polygon, n, pointer, false, faults))
+        return;
+    if (vec2_length(vec2_sub(belt->polygon[n - 1], belt->polygon[0])) <= SCENE_LENGTH_MIN) {
+        snprintf(last, sizeof last, "%s/%zu", pointer, n - 1);
+        faults_add(faults, last, "repeats the first point; a polygon closes itself");
+    } else if (!polygon_is_simple(belt->polygon, n, SCENE_TOLERANCE)) {
+        faults_add(faults, pointer, "must be a simple polygon: its sides cross or touch");
+    }
+}
+
+void scene__check_belts(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_belts < 1 || s->n_belts > SCENE_BELTS_MAX) {
+        faults_add_limit(faults, "/belts", "%zu belts, the limits are 1 and %d", s->n_belts,
+                         SCENE_BELTS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_belts; k++) {
+        const scene_belt *belt = &s->belts[k];
+        scene__check_id(s->belts, sizeof *s->belts, "belts", k, faults);
+        snprintf(pointer, sizeof pointer, "/belts/%zu/velocity_m_s", k);
+        if (!(vec2_length(belt->velocity) <= SCENE_SPEED_MAX))
+            faults_add(faults, pointer, "must be a velocity of at most %g m/s", SCENE_SPEED_MAX);
+        snprintf(pointer, sizeof pointer, "/belts/%zu", k);
+        belt_speeds_check(belt, pointer, faults);
+        snprintf(pointer, sizeof pointer, "/belts/%zu/polygon_m", k);
+        if (belt->n_points != 0)
+            check_polygon(belt, pointer, faults);
+    }
+}
+
+static const number_rule obstacle_rules[] = {
+    RULE("/thickness_m", scene_obstacle, thickness, scene_range_length),
+    RULE("/band_m", scene_obstacle, band, scene_range_length),
+    RULE("/slide_width_m", scene_obstacle, slide_width, scene_range_length),
+};
+
+static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+    size_t n = obstacle->n_points;
+    // Two points may have been given in another form than a path.
+    bool whole = n == 2;
+
+    snprintf(pointer, sizeof pointer, "/obstacles/%zu%s", k, whole ? "" : "/path_m");
+    if (n < 2 || n > SCENE_POINTS_MAX)
+        faults_add(faults, pointer, "must have 2 to %d points, not %zu", SCENE_POINTS_MAX, n);
+    else
+        (void)scene__check_points(obstacle->path, n, pointer, whole, faults);
+}
+
+/// Note what is wrong with how an obstacle moves; pointer is that of the obstacle.
+static void check_motion(const scene_obstacle *o, const char *pointer, bf_faults *faults)
+{
+    char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    snprintf(at, sizeof at, "%s/motion/pivot_m", pointer);
+    // The start of a path, its default, is reported there.
+    if (!scene__is_place(o->pivot) && o->n_points > 0 && scene__is_place(o->path[0]))
+        faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
+    snprintf(at, sizeof at, "%s/motion", pointer);
+    scene__check_series(&o->turn, at, "turn_deg", &turn_range, faults);
+    snprintf(at, sizeof at, "%s/present", pointer);
+    scene__check_series(&o->presence, at, "value", &flag_range, faults);
+}
+
+void scene__check_obstacles(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_obstacles > SCENE_OBSTACLES_MAX) {
+        faults_add_limit(faults, "/obstacles", "%zu obstacles, the limit is %d", s->n_obstacles,
+                         SCENE_OBSTACLES_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const scene_obstacle *obstacle = &s->obstacles[k];
+        scene__check_id(s->obstacles, sizeof *s->obstacles, "obstacles", k, faults);
+        check_path(obstacle, k, faults);
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
+        scene__check_numbers(obstacle, pointer, obstacle_rules,
+                             sizeof obstacle_rules / sizeof *obstacle_rules, faults);
+        check_motion(obstacle, pointer, faults);
+        snprintf(pointer, sizeof pointer, "/obstacles/%zu/treatment", k);
+        if ((unsigned)obstacle->treatment >= SCENE_TREATMENT_COUNT)
+            faults_add(faults, pointer, "is not a treatment");
+    }
+}
+
+static const number_rule eye_rules[] = {
+    RULE("/block_time_s", scene_photo_eye, block_time, scene_range_instant),
+    RULE("/clear_time_s", scene_photo_eye, clear_time, scene_range_instant),
+    RULE("/density_ratio", scene_photo_eye, density_ratio, scene_range_ratio),
+};
+
+/// A beam may end beyond the domain, where its housing stands.
+static void check_beam(const scene *s, const scene_photo_eye *eye, const char *pointer,
+                       bf_faults *faults)
+{
+    const vec2 lower = { s->domain.x_min, s->domain.y_min },
+               upper = { s->domain.x_max, s->domain.y_max };
+    vec2 start = eye->line[0], end = eye->line[1];
+
+    if (scene__check_points(eye->line, 2, pointer, false, faults) &&
+        !polygon_clip_segment(&start, &end, lower, upper))
+        faults_add(faults, pointer, "lies outside of the domain");
+}
+
+void scene__check_photo_eyes(const scene *s, bf_faults *faults)
+{
+    char pointer[BF_POINTER_SIZE];
+
+    if (s->n_eyes > SCENE_EYES_MAX) {
+        faults_add_limit(faults, "/photo_eyes", "%zu photo eyes, the limit is %d", s->n_eyes,
+                         SCENE_EYES_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_eyes; k++) {
+        scene__check_id(s->eyes, sizeof *s->eyes, "photo_eyes", k, faults);
+        snprintf(pointer, sizeof pointer, "/photo_eyes/%zu", k);
+        scene__check_numbers(&s->eyes[k], pointer, eye_rules, sizeof eye_rules / sizeof *eye_rules,
+                             faults);
+        snprintf(pointer, sizeof pointer, "/photo_eyes/%zu/line_m", k);
+        check_beam(s, &s->eyes[k], pointer, faults);
+    }
+}
+
+/// A kind of target of actions.
+typedef struct target_rule {
+    const char *name;      ///< of the member that names the target
+    const char *value;     ///< and of that with the value
+    const bf_range *range; ///< of the value
+} target_rule;
+
+static const target_rule targets[SCENE_ACTION_COUNT] = {
+    [SCENE_ACTION_BELT] = { "belt", "factor", &scene_range_speed_factor },
+    [SCENE_ACTION_TURN] = { "obstacle", "turn_deg", &turn_range },
+    [SCENE_ACTION_PRESENCE] = { "obstacle", "present", &flag_range },
+    [SCENE_ACTION_FEED] = { "feed", "hold", &flag_range },
+};
+
+static size_t count_targets(const scene *s, scene_action_type type)
+{
+    if (type == SCENE_ACTION_BELT)
+        return s->n_belts;
+    return type == SCENE_ACTION_FEED ? s->n_feeds : s->n_obstacles;
+}
+
+static void check_command(const scene *s, const scene_action *a, const char *pointer,
+                          bf_faults *faults)
+{
+    const target_rule *rule = &targets[a->type];
+    const size_t n_before = faults->n;
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/do/%s", pointer, rule->name);
+    if (a->target >= count_targets(s, a->type)) {
+        faults_add(faults, at, "must be the id of one in the scenario");
+        return;
+    }
+    snprintf(at, sizeof at, "%s/do/%s", pointer, rule->value);
+    range_check(rule->range, a->value, at, faults);
+    if (faults->n > n_before || a->type != SCENE_ACTION_BELT)
+        return;
+    const double speed = vec2_length(s->belts[a->target].velocity);
+    // A speed that is too large by itself is reported at the belt.
+    if (speed <= SCENE_SPEED_MAX && speed * a->value > SCENE_SPEED_MAX)
+        faults_add(faults, at, "makes the belt move at %g m/s, the limit is %g", speed * a->value,
+                   SCENE_SPEED_MAX);
+}
+
+void scene__check_actions(const scene *s, bf_faults *faults)
+{
+    static const number_rule rules[] = {
+        RULE("/delay_s", scene_action, delay, scene_range_instant),
+        RULE("/do/over_s", scene_action, over, scene_range_time),
+    };
+    char pointer[BF_POINTER_SIZE], at[2 * BF_POINTER_SIZE];
+
+    if (s->n_actions > SCENE_ACTIONS_MAX) {
+        faults_add_limit(faults, "/actions", "%zu actions, the limit is %d", s->n_actions,
+                         SCENE_ACTIONS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        snprintf(pointer, sizeof pointer, "/actions/%zu", k);
+        scene__check_numbers(a, pointer, rules, sizeof rules / sizeof *rules, faults);
+        snprintf(at, sizeof at, "%s/when/photo_eye", pointer);
+        if (a->eye >= s->n_eyes)
+            faults_add(faults, at, "must be the id of one in the scenario");
+        snprintf(at, sizeof at, "%s/do", pointer);
+        if ((unsigned)a->type < SCENE_ACTION_COUNT)
+            check_command(s, a, pointer, faults);
+        else
+            faults_add(faults, at, "is not an action");
+    }
+}

@@ -1,0 +1,373 @@
+// The checks of feeds: first their own members, then, where nothing else is wrong, where they lie.
+
+#include "core/base/polygon.h"
+#include "core/scene/feed_line.h"
+#include "core/scene/mix.h"
+#include "core/scene/plate_pieces.h"
+#include "core/scene/ranges.h"
+#include "core/scene/scene_priv.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { POINTS = 101 }; ///< of a line that belts are looked for under
+
+static const char *const side_words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
+
+static const char *point_at(size_t feed, const char *member, char *room, size_t size)
+{
+    snprintf(room, size, "/feeds/%zu%s", feed, member);
+    return room;
+}
+
+/// The member that says where on its side, or inside, a feed lies.
+static const char *line_member(const scene_feed *f)
+{
+    if (!f->is_edge)
+        return "/line_m";
+    return f->edge == SCENE_WEST || f->edge == SCENE_EAST ? "/y_m" : "/x_m";
+}
+
+static void check_span(const scene_feed *f, const char *feed, bf_faults *faults)
+{
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/end_s", feed);
+    if (f->end != INFINITY)
+        range_check(&scene_range_time, f->end, at, faults);
+    if (!(f->end > f->start))
+        faults_add(faults, at, "must be after start_s, %.15g s, not %.15g s", f->start, f->end);
+    snprintf(at, sizeof at, "%s/count", feed);
+    if (f->count != INFINITY &&
+        !(f->count >= scene_range_count.minimum && f->count <= scene_range_seed.maximum &&
+          f->count == floor(f->count)))
+        faults_add(faults, at, "must be a whole number of at least %g, not %.15g",
+                   scene_range_count.minimum, f->count);
+}
+
+static void check_whole(uint32_t n, size_t most, const char *feed, const char *member,
+                        bf_faults *faults)
+{
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/%s", feed, member);
+    if (n < scene_range_count.minimum)
+        faults_add(faults, at, "must be at least %g", scene_range_count.minimum);
+    else if (n > most)
+        faults_add_limit(faults, at, "is %u, the limit is %zu", n, most);
+}
+
+static void check_words(const scene_feed *f, const char *feed, bf_faults *faults)
+{
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/arrivals", feed);
+    if ((unsigned)f->arrivals >= SCENE_ARRIVALS_COUNT)
+        faults_add(faults, at, "is not a kind of arrivals");
+    snprintf(at, sizeof at, "%s/when_blocked", feed);
+    if ((unsigned)f->when_blocked >= SCENE_BLOCKED_COUNT)
+        faults_add(faults, at, "is not a rule");
+    snprintf(at, sizeof at, "%s/heading_deg", feed);
+    if (!isfinite(f->heading))
+        faults_add(faults, at, "must be a number");
+    snprintf(at, sizeof at, "%s/seed", feed);
+    if ((double)f->seed > scene_range_seed.maximum)
+        faults_add(faults, at, "must be below 2^53");
+}
+
+static void check_mix(const scene *s, const scene_feed *f, const char *feed, bf_faults *faults)
+{
+    char at[2 * BF_POINTER_SIZE];
+    bool is_there[SCENE_KINDS_MAX] = { false };
+
+    snprintf(at, sizeof at, "%s/cargo", feed);
+    if (f->n_cargo < 1 || f->n_cargo > SCENE_KINDS_MAX) {
+        faults_add_limit(faults, at, "%zu kinds, the limits are 1 and %d", f->n_cargo,
+                         SCENE_KINDS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < f->n_cargo; k++) {
+        const uint32_t kind = f->cargo[k].kind;
+        snprintf(at, sizeof at, "%s/cargo/%zu/kind", feed, k);
+        if (kind >= s->n_cargo)
+            faults_add(faults, at, "must be the id of a kind of cargo");
+        else if (is_there[kind])
+            faults_add(faults, at, "'%s' is there already", s->cargo[kind].id);
+        if (kind < s->n_cargo)
+            is_there[kind] = true;
+        snprintf(at, sizeof at, "%s/cargo/%zu/share", feed, k);
+        range_check(&scene_range_share, f->cargo[k].share, at, faults);
+    }
+}
+
+/// What is wrong with entry k of a list of arrivals; NULL: nothing.
+static const char *entry_fault(const scene *s, const scene_arrival_list *l, size_t k,
+                               const char **ret_member)
+{
+    *ret_member = "count";
+    if (l->counts != NULL && l->counts[k] < scene_range_count.minimum)
+        return "must be at least 1";
+    *ret_member = "kind";
+    if (l->kinds != NULL && l->kinds[k] >= s->n_cargo)
+        return "must be the id of a kind of cargo";
+    *ret_member = "place";
+    if (l->places != NULL && !isnan(l->places[k]) &&
+        !(l->places[k] >= scene_range_place.minimum && l->places[k] <= scene_range_place.maximum))
+        return "must be from 0 to 1";
+    *ret_member = "heading_deg";
+    if (l->headings != NULL && isinf(l->headings[k]))
+        return "must be a number";
+    return NULL;
+}
+
+static void check_schedule(const scene *s, const scene_arrival_list *l, const char *feed,
+                           bf_faults *faults)
+{
+    const size_t n_before = faults->n;
+    const char *member;
+    char at[2 * BF_POINTER_SIZE];
+
+    snprintf(at, sizeof at, "%s/schedule", feed);
+    if (l->n < 1 || l->n > SCENE_SERIES_MAX) {
+        faults_add_limit(faults, at, "%zu arrivals, the limits are 1 and %d", l->n,
+                         SCENE_SERIES_MAX);
+        return;
+    }
+    snprintf(at, sizeof at, "%s/schedule/t_s", feed);
+    scene__check_times(l->times, l->n, at, true, faults);
+    for (size_t k = 0; k < l->n && faults->n < n_before + REPORTED_MAX; k++) {
+        const char *text = entry_fault(s, l, k, &member);
+        snprintf(at, sizeof at, "%s/schedule/%s/%zu", feed, member, k);
+        if (text != NULL)
+            faults_add(faults, at, "%s", text);
+    }
+}
+
+static void check_demand(const scene *s, const scene_feed *f, const char *feed, bf_faults *faults)
+{
+    char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
+
+    switch (f->demand) {
+    case SCENE_DEMAND_RATE:
+        snprintf(at, sizeof at, "%s/rate_per_s", feed);
+        range_check(&scene_range_rate, f->rate, at, faults);
+        break;
+    case SCENE_DEMAND_PROFILE:
+        snprintf(at, sizeof at, "%s/profile", feed);
+        if (f->profile.n_times == 0)
+            faults_add(faults, at, "must have a time");
+        else
+            scene__check_series(&f->profile, at, "rate_per_s", &scene_range_profile, faults);
+        break;
+    case SCENE_DEMAND_SCHEDULE:
+        check_schedule(s, &f->schedule, feed, faults);
+        break;
+    default:
+        faults_add(faults, feed, "must have rate_per_s, profile or schedule");
+    }
+}
+
+/// Part of a side: [from, to] within it.
+static void check_extent(const scene *s, const scene_feed *f, const char *pointer,
+                         bf_faults *faults)
+{
+    const bool is_along_y = f->edge == SCENE_WEST || f->edge == SCENE_EAST;
+    const double from = is_along_y ? f->line[0].y : f->line[0].x;
+    const double to = is_along_y ? f->line[1].y : f->line[1].x;
+    const double low = is_along_y ? s->domain.y_min : s->domain.x_min;
+    const double high = is_along_y ? s->domain.y_max : s->domain.x_max;
+
+    if (!(from >= low && to <= high && to - from > SCENE_LENGTH_MIN))
+        faults_add(
+            faults, pointer,
+            "must be [from, to] with from < to, within the side from %g to %g m, not [%g, %g]", low,
+            high, from, to);
+}
+
+static bool is_inside(const scene *s, vec2 at)
+{
+    return at.x >= s->domain.x_min && at.x <= s->domain.x_max && at.y >= s->domain.y_min &&
+           at.y <= s->domain.y_max;
+}
+
+static void check_line(const scene *s, size_t k, bf_faults *faults)
+{
+    const scene_feed *f = &s->feeds[k];
+    char room[BF_POINTER_SIZE];
+    const char *pointer = point_at(k, line_member(f), room, sizeof room);
+
+    if (!f->is_edge) {
+        if (scene__check_points(f->line, 2, pointer, false, faults) &&
+            !(is_inside(s, f->line[0]) && is_inside(s, f->line[1])))
+            faults_add(faults, pointer, "must lie in the domain");
+    } else if ((unsigned)f->edge >= SCENE_SIDE_COUNT) {
+        faults_add(faults, point_at(k, "/edge", room, sizeof room), "is not a side");
+    } else if (s->edges[f->edge] != SCENE_EDGE_INFLOW) {
+        faults_add(faults, point_at(k, "/edge", room, sizeof room),
+                   "the side %s is %s: parts enter over an inflow", side_words[f->edge],
+                   s->edges[f->edge] == SCENE_EDGE_WALL ? "a wall" : "an outflow");
+    } else {
+        check_extent(s, f, pointer, faults);
+    }
+}
+
+void scene__check_feeds(const scene *s, bf_faults *faults)
+{
+    static const number_rule rules[] = {
+        RULE("/start_s", scene_feed, start, scene_range_instant),
+        RULE("/max_wait_s", scene_feed, max_wait, scene_range_instant),
+    };
+    char feed[BF_POINTER_SIZE];
+
+    if (s->n_feeds > SCENE_FEEDS_MAX) {
+        faults_add_limit(faults, "/feeds", "%zu feeds, the limit is %d", s->n_feeds,
+                         SCENE_FEEDS_MAX);
+        return;
+    }
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        const scene_feed *f = &s->feeds[k];
+        scene__check_id(s->feeds, sizeof *s->feeds, "feeds", k, faults);
+        snprintf(feed, sizeof feed, "/feeds/%zu", k);
+        check_line(s, k, faults);
+        scene__check_numbers(f, feed, rules, sizeof rules / sizeof *rules, faults);
+        check_span(f, feed, faults);
+        check_words(f, feed, faults);
+        check_whole(f->shape, SCENE_STAGES_MAX, feed, "shape", faults);
+        check_whole(f->batch_size, SCENE_PARTS_MAX, feed, "batch_size", faults);
+        check_demand(s, f, feed, faults);
+        check_mix(s, f, feed, faults);
+    }
+}
+
+// ---- where feeds lie
+
+/// Belts under the line must carry parts away from it; over a side, inward.
+static void check_belts(const scene *s, const surroundings *around, size_t feed, bf_faults *faults)
+{
+    const scene_feed *f = &s->feeds[feed];
+    char room[BF_POINTER_SIZE];
+    const char *pointer = point_at(feed, line_member(f), room, sizeof room);
+
+    for (int k = 0; k < POINTS; k++) {
+        const vec2 at = feed_line_at(f, (double)k / (POINTS - 1));
+        const size_t belt = surroundings_belt_at(around, at);
+        if (belt == s->n_belts) {
+            faults_add(faults, pointer, "lies off every belt at (%g, %g) m", at.x, at.y);
+            return;
+        }
+        if (f->is_edge &&
+            !(vec2_dot(surroundings_side(around, f->edge).inward, s->belts[belt].velocity) > 0.0)) {
+            faults_add(faults, pointer, "the belt '%s' does not move inward at (%g, %g) m",
+                       s->belts[belt].id, at.x, at.y);
+            return;
+        }
+    }
+}
+
+/// The headings of a feed's parts, as far as they are known.
+static bool has_one_heading(const scene_feed *f)
+{
+    return !f->has_random_heading &&
+           (f->demand != SCENE_DEMAND_SCHEDULE || f->schedule.headings == NULL);
+}
+
+/// True if the feed may deliver a kind.
+static bool delivers(const scene_feed *f, uint32_t kind)
+{
+    bool is_in_mix = false;
+
+    for (size_t k = 0; k < f->n_cargo; k++)
+        is_in_mix = is_in_mix || f->cargo[k].kind == kind;
+    if (f->demand != SCENE_DEMAND_SCHEDULE || f->schedule.kinds == NULL)
+        return is_in_mix;
+    for (size_t k = 0; k < f->schedule.n; k++) {
+        if (f->schedule.kinds[k] == kind)
+            return true;
+    }
+    return false;
+}
+
+/// The line must have a place for every kind, whatever its heading.
+static void check_room(const scene *s, const surroundings *around, size_t feed,
+                       const shape_footprint *footprints, bf_faults *faults)
+{
+    const scene_feed *f = &s->feeds[feed];
+    char room[BF_POINTER_SIZE];
+
+    for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
+        const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
+        if (!delivers(f, kind))
+            continue;
+        const feed_line_span places =
+            feed_line_usable(around, f, has_one_heading(f) ? &footprints[kind] : &disk, f->heading);
+        if (places.low <= places.high)
+            continue;
+        faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
+                   "has no room between the walls for a part of '%s'", s->cargo[kind].id);
+        return;
+    }
+}
+
+static void check_plates(const plate_pieces *pieces, size_t feed, bf_faults *faults)
+{
+    const scene *s = pieces->s;
+    const scene_feed *f = &s->feeds[feed];
+    vec2 plate[4];
+    char room[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
+            if (!plate_pieces_get(pieces, k, m, plate) ||
+                !polygon_overlaps(f->line, 2, plate, 4, SCENE_TOLERANCE))
+                continue;
+            faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
+                       "runs into the plate of obstacle '%s'", s->obstacles[k].id);
+            return;
+        }
+    }
+}
+
+/// Feeds on one side may share an end, others must not touch.
+static bool are_apart(const scene_feed *a, const scene_feed *b)
+{
+    if (!a->is_edge || !b->is_edge)
+        return !polygon_segments_touch(a->line[0], a->line[1], b->line[0], b->line[1],
+                                       SCENE_TOLERANCE);
+    // Two sides meet in a corner at most.
+    return a->edge != b->edge || a->line[1].x + a->line[1].y <= b->line[0].x + b->line[0].y ||
+           b->line[1].x + b->line[1].y <= a->line[0].x + a->line[0].y;
+}
+
+static void check_others(const scene *s, size_t feed, bf_faults *faults)
+{
+    char room[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < feed; k++) {
+        if (are_apart(&s->feeds[k], &s->feeds[feed]))
+            continue;
+        faults_add(faults, point_at(feed, line_member(&s->feeds[feed]), room, sizeof room),
+                   "overlaps the feed '%s'", s->feeds[k].id);
+        return;
+    }
+}
+
+bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
+{
+    shape_footprint footprints[SCENE_KINDS_MAX];
+    plate_pieces pieces;
+
+    if (s->n_feeds == 0)
+        return BF_OK;
+    bf_status status = plate_pieces_init(&pieces, s, NULL);
+    if (status != BF_OK)
+        return status;
+    mix_footprints(s, footprints);
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        check_belts(s, &pieces.around, k, faults);
+        check_room(s, &pieces.around, k, footprints, faults);
+        check_plates(&pieces, k, faults);
+        check_others(s, k, faults);
+    }
+    plate_pieces_fini(&pieces);
+    return BF_OK;
+}

@@ -1,0 +1,32 @@
+#include "core/scene/plate_pieces.h"
+
+bf_status plate_pieces_init(plate_pieces *ret_pieces, const scene *s, bf_error *err)
+{
+    *ret_pieces = (plate_pieces){ .s = s, .around = surroundings_of(s) };
+    return plate_motion_init(&ret_pieces->motion, s->n_obstacles, s->obstacles, err);
+}
+
+void plate_pieces_fini(plate_pieces *pieces)
+{
+    plate_motion_fini(&pieces->motion);
+}
+
+bool plate_pieces_get(const plate_pieces *pieces, size_t obstacle, size_t k, vec2 ret_corners[4])
+{
+    const plate_motion *motion = &pieces->motion;
+
+    if (!plate_motion_is_present(motion, obstacle, 0.0))
+        return false;
+    const surroundings_piece p =
+        surroundings_piece_of(&pieces->around, &pieces->s->obstacles[obstacle], k);
+    const vec2 through = vec2_scale(p.upstream, -p.thickness);
+    const bool is_left = vec2_cross(vec2_sub(p.end, p.start), p.upstream) > 0.0;
+    const vec2 first = is_left ? p.end : p.start, second = is_left ? p.start : p.end;
+    const plate_motion_pose pose =
+        plate_motion_pose_at(motion, obstacle, plate_motion_angle(motion, obstacle, 0.0));
+    ret_corners[0] = plate_motion_place(&pose, first);
+    ret_corners[1] = plate_motion_place(&pose, second);
+    ret_corners[2] = plate_motion_place(&pose, vec2_add(second, through));
+    ret_corners[3] = plate_motion_place(&pose, vec2_add(first, through));
+    return true;
+}

@@ -1,0 +1,260 @@
+// The checks of what moves, of photo eyes, actions, windows and the end of a run: every fault at its place.
+
+#include "core/scene/scene.h"
+
+#include "core/base/memory.h"
+#include "core/scene/placement.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void set_series(scene_series *series, size_t n, const double *times, const double *values)
+{
+    series->n_times = series->n_values = n;
+    series->times = memory_alloc(n, sizeof *times);
+    series->values = memory_alloc(n, sizeof *values);
+    memcpy(series->times, times, n * sizeof *times);
+    memcpy(series->values, values, n * sizeof *values);
+}
+
+// A belt of 1 x 0.6 m with a plate, a feed, a photo eye behind the plate, two windows, and an action of each kind.
+static void make_scene(scene *s)
+{
+    const vec2 path[] = { { 0.5, 0.1 }, { 0.6, 0.3 } };
+
+    helper_scene_belt(s, 1.0, 0.6, 0.005, (scene_pose[]){ { 0.2, 0.3, 0.0 } }, 1);
+    helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0);
+    helper_scene_add_obstacle(s, path, 2, SCENE_SEALED);
+    s->duration = 10.0;
+    s->n_feeds = 1;
+    s->feeds = memory_alloc(1, sizeof *s->feeds);
+    scene_feed_init(&s->feeds[0]);
+    s->feeds[0].is_edge = true;
+    s->feeds[0].edge = SCENE_WEST;
+    s->feeds[0].demand = SCENE_DEMAND_RATE;
+    s->feeds[0].rate = 1.0;
+    s->n_eyes = 2;
+    s->eyes = memory_alloc(2, sizeof *s->eyes);
+    for (int k = 0; k < 2; k++) {
+        scene_photo_eye_init(&s->eyes[k]);
+        s->eyes[k].line[0] = (vec2){ 0.7, -0.1 };
+        s->eyes[k].line[1] = (vec2){ 0.7, 0.7 };
+    }
+    s->n_actions = SCENE_ACTION_COUNT;
+    s->actions = memory_alloc(s->n_actions, sizeof *s->actions);
+    for (size_t k = 0; k < s->n_actions; k++) {
+        scene_action_init(&s->actions[k]);
+        s->actions[k].eye = 0;
+        s->actions[k].type = (scene_action_type)k;
+        s->actions[k].target = 0;
+        s->actions[k].value = 1.0;
+    }
+    s->output.n_windows = 2;
+    s->output.windows = memory_alloc(2, sizeof *s->output.windows);
+    for (int k = 0; k < 2; k++) {
+        scene_output_window_init(&s->output.windows[k]);
+        s->output.windows[k].from = k;
+        s->output.windows[k].to = k + 1.0;
+    }
+}
+
+static const bf_faults *faults_of(scene *s)
+{
+    static bf_faults faults;
+
+    faults = (bf_faults){ 0 };
+    helper_scene_resolve(s);
+    scene_check(s, &faults);
+    scene_fini(s);
+    return &faults;
+}
+
+static void equipment_in_order_is_accepted(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    make_scene(&s);
+    set_series(&s.obstacles[0].turn, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, -9.0 });
+    set_series(&s.obstacles[0].presence, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, 1.0 });
+    s.obstacles[0].turn.repeat = 2.0;
+    s.until = SCENE_UNTIL_STEADY;
+    s.warmup = 9.5;
+    const bf_faults *faults = faults_of(&s);
+    if (faults->n > 0)
+        fail_msg("%s: %s", faults->items[0].pointer, faults->items[0].text);
+}
+
+#define SPOIL(name, code)                                                                          \
+    static void name(scene *s)                                                                     \
+    {                                                                                              \
+        scene_obstacle *o = &s->obstacles[0];                                                      \
+        scene_photo_eye *eye = &s->eyes[0];                                                        \
+        scene_action *of_belt = &s->actions[SCENE_ACTION_BELT];                                    \
+        scene_action *turn = &s->actions[SCENE_ACTION_TURN];                                       \
+        scene_output_window *window = s->output.windows;                                           \
+        (void)o, (void)eye, (void)of_belt, (void)turn, (void)window;                               \
+        code;                                                                                      \
+    }
+static const double two[] = { 0.0, 1.0 };
+SPOIL(bad_pivot, o->pivot = ((vec2){ 0.0, INFINITY }))
+SPOIL(falling_turn, set_series(&o->turn, 2, (double[]){ 1, 0 }, two))
+SPOIL(endless_turn, set_series(&o->turn, 2, two, (double[]){ 0, INFINITY }))
+SPOIL(short_turn, set_series(&o->turn, 2, two, two); o->turn.repeat = 0.5)
+SPOIL(uneven_turn, set_series(&o->turn, 2, two, two); o->turn.n_values = 1)
+SPOIL(negative_time, set_series(&o->presence, 2, (double[]){ -1, 0 }, two))
+SPOIL(half_there, set_series(&o->presence, 2, two, (double[]){ 0, 2 }))
+SPOIL(endless_round, set_series(&o->turn, 2, two, two); o->turn.repeat = NAN)
+SPOIL(bad_eye_id, strcpy(eye->id, "/"))
+SPOIL(short_beam, eye->line[1] = eye->line[0])
+SPOIL(beam_outside, eye->line[0].x = eye->line[1].x = 1.5)
+SPOIL(bad_beam, eye->line[0].x = NAN)
+SPOIL(bad_block, eye->block_time = -1.0)
+SPOIL(bad_clear, eye->clear_time = INFINITY)
+SPOIL(bad_ratio, eye->density_ratio = 0.0)
+SPOIL(no_eye, of_belt->eye = 2)
+SPOIL(no_target, of_belt->target = 1)
+SPOIL(no_obstacle, turn->target = 1)
+SPOIL(no_feed, s->actions[SCENE_ACTION_FEED].target = 1)
+SPOIL(bad_delay, of_belt->delay = -1.0)
+SPOIL(bad_factor, of_belt->value = -0.5)
+SPOIL(too_fast, of_belt->value = 1e4)
+SPOIL(bad_turn, turn->value = INFINITY)
+SPOIL(sudden, turn->over = 0.0)
+SPOIL(no_action, of_belt->type = SCENE_ACTION_COUNT)
+SPOIL(backwards, window[1].from = 3.0; window[1].to = 2.5)
+SPOIL(overlapping, window[1].from = 0.9)
+SPOIL(bad_period, window[0].curve_every = 0.0)
+SPOIL(bad_snapshots, window[1].snapshot_every = -1.0)
+SPOIL(long_warmup, s->warmup = 10.0)
+SPOIL(bad_jam, s->jam_time = 0.0)
+SPOIL(bad_end, s->until = SCENE_UNTIL_COUNT)
+SPOIL(bad_precision, s->steady_precision = 1.5)
+SPOIL(bad_cargo, strcpy(s->cargo[0].id, "a b"))
+
+static void what_is_wrong_is_pointed_at(void **unused)
+{
+    static const struct {
+        void (*spoil)(scene *s);
+        const char *pointer, *words;
+    } bad[] = {
+        { bad_pivot, "/obstacles/0/motion/pivot_m", "within" },
+        { falling_turn, "/obstacles/0/motion/t_s/1", "0 s do not come after the 1 s" },
+        { endless_turn, "/obstacles/0/motion/turn_deg/1", "" },
+        { short_turn, "/obstacles/0/motion/repeat_s", "at least the last time, 1 s, not 0.5 s" },
+        { uneven_turn, "/obstacles/0/motion/turn_deg", "1 items, but t_s has 2" },
+        { endless_round, "/obstacles/0/motion/repeat_s", "" },
+        { negative_time, "/obstacles/0/present/t_s/0", "at least 0" },
+        { half_there, "/obstacles/0/present/value/1", "" },
+        { bad_eye_id, "/photo_eyes/0/id", "letters" },
+        { short_beam, "/photo_eyes/0/line_m/1", "repeats" },
+        { beam_outside, "/photo_eyes/0/line_m", "outside of the domain" },
+        { bad_beam, "/photo_eyes/0/line_m/0", "" },
+        { bad_block, "/photo_eyes/0/block_time_s", "" },
+        { bad_clear, "/photo_eyes/0/clear_time_s", "" },
+        { bad_ratio, "/photo_eyes/0/density_ratio", "" },
+        { no_eye, "/actions/0/when/photo_eye", "" },
+        { no_target, "/actions/0/do/belt", "" },
+        { no_obstacle, "/actions/1/do/obstacle", "" },
+        { no_feed, "/actions/3/do/feed", "" },
+        { bad_delay, "/actions/0/delay_s", "" },
+        { bad_factor, "/actions/0/do/factor", "at least 0" },
+        { too_fast, "/actions/0/do/factor", "4000 m/s, the limit is 1000" },
+        { bad_turn, "/actions/1/do/turn_deg", "" },
+        { sudden, "/actions/1/do/over_s", "above 0" },
+        { no_action, "/actions/0/do", "" },
+        { backwards, "/output/windows/1/t_s", "from < to" },
+        { overlapping, "/output/windows/1/t_s", "before the end of the window before it at 1 s" },
+        { bad_period, "/output/windows/0/curve_every_s", "" },
+        { bad_snapshots, "/output/windows/1/snapshot_every_s", "" },
+        { long_warmup, "/warmup_s", "shorter than duration_s, 10 s" },
+        { bad_jam, "/jam_time_s", "" },
+        { bad_end, "/until", "" },
+        { bad_precision, "/steady_precision", "" },
+        { bad_cargo, "/cargo/id", "letters" },
+    };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        scene s;
+        make_scene(&s);
+        bad[k].spoil(&s);
+        const bf_faults *faults = faults_of(&s);
+        if (faults->n != 1 || strcmp(faults->items[0].pointer, bad[k].pointer) != 0 ||
+            strstr(faults->items[0].text, bad[k].words) == NULL)
+            fail_msg("%zu faults, %s: %s; not %s: %s", faults->n, faults->items[0].pointer,
+                     faults->items[0].text, bad[k].pointer, bad[k].words);
+    }
+}
+
+static void nothing_becomes_steady_without_a_feed(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.until = SCENE_UNTIL_STEADY;
+    assert_string_equal(faults_of(&s)->items[0].pointer, "/until");
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.until = SCENE_UNTIL_DRAINED;
+    assert_int_equal(faults_of(&s)->n, 0);
+}
+
+static void kinds_have_ids_of_their_own(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    make_scene(&s);
+    s.n_cargo = 2;
+    scene_cargo_init(&s.cargo[1]);
+    strcpy(s.cargo[1].id, "cargo");
+    const bf_faults *faults = faults_of(&s);
+    assert_int_equal(faults->n, 1);
+    assert_string_equal(faults->items[0].pointer, "/cargo/1/id");
+}
+
+// A part at (0.55, 0.1) m is clear of the plate from (0.5, 0.1) to (0.6, 0.3) m, and under it when that is turned by
+// -63.4 degrees about its start, along y = 0.1 m; not where it comes later.
+static void parts_keep_clear_of_plates_as_they_stand_at_the_start(void **unused)
+{
+    static const struct {
+        double turn, presence;
+        size_t n;
+    } cases[] = { { 0.0, 1.0, 0 }, { -1.1071487, 1.0, 1 }, { -1.1071487, 0.0, 0 } };
+
+    (void)unused;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        static bf_faults faults;
+        scene s;
+        make_scene(&s);
+        s.initial.poses[0] = (scene_pose){ 0.57, 0.1, 0.0 };
+        set_series(&s.obstacles[0].turn, 1, (double[]){ 0.0 }, &cases[k].turn);
+        set_series(&s.obstacles[0].presence, 1, (double[]){ 0.0 }, &cases[k].presence);
+        helper_scene_resolve(&s);
+        faults = (bf_faults){ 0 };
+        scene_check(&s, &faults);
+        assert_int_equal(faults.n, 0);
+        assert_int_equal(placement_check_plates(&s, &s.placement, &faults), BF_OK);
+        assert_int_equal(faults.n, cases[k].n);
+        scene_fini(&s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equipment_in_order_is_accepted),
+        cmocka_unit_test(what_is_wrong_is_pointed_at),
+        cmocka_unit_test(nothing_becomes_steady_without_a_feed),
+        cmocka_unit_test(kinds_have_ids_of_their_own),
+        cmocka_unit_test(parts_keep_clear_of_plates_as_they_stand_at_the_start),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
