@@ -1,7 +1,9 @@
 // The four microscopic solvers with plates that turn, come and go. Expected values are derived.
 
 #include "core/base/buffer.h"
+#include "core/base/memory.h"
 #include "core/micro/micro.h"
+#include "core/scene/plate_motion.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -32,11 +34,12 @@ static const double radius = 0.012, mass = 0.0284;
 typedef struct world {
     micro_def def;
     scene_belt belt;
-    vec2 path[2];
+    vec2 path[3];
     scene_obstacle plate;
     double times[2][4], values[2][4];
-    micro_kind kind;
+    micro_kind kinds[2]; // see def.n_kinds
     scene_pose poses[PARTS_MAX];
+    uint32_t part_kinds[PARTS_MAX]; // every other one of the second kind
 } world;
 
 static void make_world(world *w, int solver)
@@ -44,10 +47,13 @@ static void make_world(world *w, int solver)
     *w = (world){ .def = micro_def_default(),
                   .belt = { .acceleration = INFINITY, .deceleration = INFINITY },
                   .path = { { 1.0, 1.0 }, { 1.5, 1.0 } },
-                  .kind = { .shape = { .type = SCENE_CYLINDER, .radius = radius, .height = 0.02 },
-                            .material = { 210e9, 0.28 },
-                            .mass = mass,
-                            .spin_radius = 0.008 } };
+                  .kinds[0] = {
+                      .shape = { .type = SCENE_CYLINDER, .radius = radius, .height = 0.02 },
+                      .material = { 210e9, 0.28 },
+                      .mass = mass,
+                      .spin_radius = 0.008 } };
+    w->kinds[1] = w->kinds[0];
+    w->kinds[1].shape.radius = 0.015;
     scene_obstacle_init(&w->plate);
     w->plate.n_points = 2;
     w->plate.path = w->path;
@@ -61,7 +67,9 @@ static void make_world(world *w, int solver)
     w->def.n_belts = w->def.n_obstacles = w->def.n_kinds = 1;
     w->def.belts = &w->belt;
     w->def.obstacles = &w->plate;
-    w->def.kinds = &w->kind;
+    w->def.kinds = w->kinds;
+    for (size_t k = 0; k < PARTS_MAX; k++)
+        w->part_kinds[k] = k % 2;
     w->def.poses = w->poses;
 }
 
@@ -167,6 +175,10 @@ static void no_part_gets_behind_a_plate_that_sweeps(void **state)
         make_world(&w, k % SOLVERS);
         set_turn(&w, 2, times, angles);
         fill_sector(&w, side);
+        if (side < 0.0) {
+            w.def.n_kinds = 2;
+            w.def.part_kinds = w.part_kinds;
+        }
         micro_solver *s = start(&w);
         advance_to(s, times[1] + 0.1);
         for (size_t part = 0; part < w.def.n_parts; part++) {
@@ -243,6 +255,54 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
             s = micro_destroy(s);
         }
         assert_true(digests[0] == digests[1]);
+    }
+}
+
+// A path with bends to both sides, turned by the document or by the schedule.
+static void make_bent(world *w, int solver, bool is_scheduled)
+{
+    static const vec2 bent[] = { { 1.0, 1.0 }, { 1.2, 1.05 }, { 1.3, 1.2 } };
+    const double times[] = { 0.0 }, angles[] = { 0.7 };
+    plate_motion motion;
+
+    make_world(w, solver);
+    make_bare(w);
+    w->def.start_velocity = (vec2){ 0.5, 0.2 };
+    memcpy(w->path, bent, sizeof bent);
+    w->plate.n_points = 3;
+    w->plate.pivot = (vec2){ 0.9, 1.0 };
+    for (int k = 0; k < 6; k++)
+        add_part(w, 0.8 + 0.05 * k, 0.99 + 0.04 * k);
+    if (is_scheduled) {
+        set_turn(w, 1, times, angles);
+        return;
+    }
+    assert_int_equal(plate_motion_init(&motion, 1, &w->plate, NULL), BF_OK);
+    const plate_motion_pose pose = plate_motion_pose_at(&motion, 0, angles[0]);
+    for (int k = 0; k < 3; k++)
+        w->path[k] = plate_motion_place(&pose, bent[k]);
+    plate_motion_fini(&motion);
+}
+
+static void a_bent_plate_is_turned_as_a_whole(void **state)
+{
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        micro_solver *turned[2];
+        for (int is_scheduled = 0; is_scheduled < 2; is_scheduled++) {
+            world w;
+            make_bent(&w, k, is_scheduled == 1);
+            turned[is_scheduled] = start(&w);
+            advance_to(turned[is_scheduled], 1.0);
+            assert_true(micro_measure(turned[is_scheduled]).largest_overlap > 0.0);
+        }
+        for (size_t m = 0; m < 6; m++) {
+            const micro_part a = micro_part_of(turned[0], m), b = micro_part_of(turned[1], m);
+            assert_near(a.x[0], b.x[0], 1e-9);
+            assert_near(a.x[1], b.x[1], 1e-9);
+        }
+        for (int m = 0; m < 2; m++)
+            turned[m] = micro_destroy(turned[m]);
     }
 }
 
@@ -377,6 +437,31 @@ static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
     }
 }
 
+static void every_lack_of_memory_is_reported(void **state)
+{
+    const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
+
+    (void)state;
+    for (int k = 0; k < SOLVERS; k++) {
+        bf_status status = BF_ENOMEM;
+        world w;
+        make_world(&w, k);
+        set_turn(&w, 2, times, angles);
+        for (int m = 0; m < 4; m++)
+            add_part(&w, 1.1 + 0.05 * m, 1.0 + radius);
+        for (size_t n = 1; status != BF_OK; n++) {
+            micro_solver *s = NULL;
+            memory_plan_fault(n, 0);
+            status = micro_create(&w.def, &s, NULL);
+            if (status == BF_OK)
+                status = micro_advance(s, 20, NULL);
+            memory_plan_fault(0, 0);
+            assert_true(status == BF_OK || status == BF_ENOMEM);
+            s = micro_destroy(s);
+        }
+    }
+}
+
 // Over 0.04 m. Contacts give less than a tenth of the speed back, with which the part goes ahead of the plate.
 static void a_command_turns_a_plate(void **state)
 {
@@ -411,6 +496,8 @@ int main(void)
         cmocka_unit_test(a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them),
         cmocka_unit_test(a_plate_that_comes_upon_parts_pushes_them_to_their_sides),
         cmocka_unit_test(a_command_turns_a_plate),
+        cmocka_unit_test(a_bent_plate_is_turned_as_a_whole),
+        cmocka_unit_test(every_lack_of_memory_is_reported),
         cmocka_unit_test(threads_cuts_and_checkpoints_do_not_change_a_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
