@@ -87,6 +87,11 @@ static scene_pose pose_at(const scene_feed *f, double place, double heading)
     return (scene_pose){ at.x, at.y, heading };
 }
 
+static double line_length(const scene_feed *f)
+{
+    return vec2_length(vec2_sub(f->line[1], f->line[0]));
+}
+
 static int compare_spans(const void *a, const void *b)
 {
     const double x = ((const feed_line_span *)a)->low, y = ((const feed_line_span *)b)->low;
@@ -116,7 +121,7 @@ static bf_status find_bodies(feed_parts *p, const scene_feed *f, feed_line_span 
 static size_t find_blocked(feed_parts *p, const scene_feed *f, double radius, size_t n_bodies)
 {
     const vec2 line = vec2_sub(f->line[1], f->line[0]);
-    const double length = vec2_length(line);
+    const double length = line_length(f);
     const vec2 along = vec2_scale(line, 1.0 / length);
     size_t n = 0;
 
@@ -163,8 +168,7 @@ static bool find_gap(const feed_parts *p, const search *in, size_t n_blocked, sc
 
 static bool scan_places(const feed_parts *p, const search *in, scene_pose *ret_pose)
 {
-    const double length = vec2_length(vec2_sub(in->feed->line[1], in->feed->line[0])) *
-                          (in->places.high - in->places.low);
+    const double length = line_length(in->feed) * (in->places.high - in->places.low);
     const double step = 0.25 * p->footprints[in->part->kind].bounding_radius;
     const int n = (int)fmin(ceil(length / step), PARTS_ENTRY_TRIALS - 1);
 
@@ -182,7 +186,8 @@ static bf_status find_first_free(feed_parts *p, const search *in, bool *ret_foun
                                  scene_pose *ret_pose, bf_error *err)
 {
     const shape_footprint *footprint = &p->footprints[in->part->kind];
-    bool are_disks = footprint->n_corners == 0 && in->places.low < in->places.high;
+    // On a line without length there is one place.
+    bool are_disks = footprint->n_corners == 0 && line_length(in->feed) > 0.0;
     size_t n = 0;
 
     if (are_disks) {
