@@ -99,7 +99,7 @@ export function dealKinds(cargo, seed, n) {
   return kinds;
 }
 
-// { kinds, kindOfPart(k) } of a resolved scenario with n parts.
+// { kinds, kindOfPart(k) } of a resolved scenario with n parts at the start.
 export function cargoOf(scenario, n) {
   const list = Array.isArray(scenario.cargo) ? scenario.cargo : [scenario.cargo];
   const kinds = list.map(kindOf);

@@ -65,7 +65,7 @@ export class Cinema {
 
   // Again when the parts of the run become known.
   setScene({ data, stage, reel }) {
-    stage.setScene(data.scenario, data.grid, data.parts);
+    stage.setScene(data);
     stage.knowsParts = data.parts !== null;
     reel.layer = data.hasParts() ? this.layer ?? "both" : "density";
     stage.setStyle({ layer: reel.layer, map: this.map });

@@ -10,38 +10,78 @@ const CORNERED_MAX = 20000; // and others beyond this, as discs of their area
 // Where the columns of a row stand.
 function layoutOf(columns) {
   const at = (name) => columns.indexOf(name);
-  return { stride: columns.length, x: at("x_m"), y: at("y_m"), heading: at("heading_rad"), q: at("q_w"),
-    vx: at("vx_m_s"), vy: at("vy_m_s") };
+  return { stride: columns.length, id: at("id"), kind: at("kind"), x: at("x_m"), y: at("y_m"), heading: at("heading_rad"),
+    q: at("q_w"), vx: at("vx_m_s"), vy: at("vy_m_s") };
+}
+
+// Whether the way from a to b meets a segment.
+function crosses(a, b, [p, q]) {
+  const side = ([ux, uy], [vx, vy], [wx, wy]) => (vx - ux) * (wy - uy) - (vy - uy) * (wx - ux);
+  return side(p, q, a) * side(p, q, b) <= 0 && side(a, b, p) * side(a, b, q) <= 0;
 }
 
 export class PartsLayer {
-  constructor(columns, cargo) {
-    this.layout = layoutOf(columns);
-    this.cargo = cargo;
-    this.stamper = new Stamper();
-    this.pose = { x: 0, y: 0, heading: 0, q: null };
+  // feedLines: what parts enter over during the run.
+  constructor(columns, cargo, feedLines) {
+    Object.assign(this, { layout: layoutOf(columns), cargo, feedLines });
+    this.stamper = null;
+    this.pose = { kind: 0, x: 0, y: 0, heading: 0, q: null };
   }
 
-  // The pose of part k between two frames; false: it has left. gap: seconds between the frames.
-  read(k, frame, next, share, gap) {
+  // Sets the pose to that of each part between two frames, one after the other, and visits it; gap: seconds between
+  // the frames. Rows are parts, or their ids rise; then parts come and go from one frame to the next.
+  each({ frame, next, share, gap }, visit) {
+    const after = share > 0 && next ? next : null;
+    const n = frame.shape[0];
+    if (this.layout.id < 0 || !after) {
+      for (let k = 0; k < n; k++) if (this.read(k, frame.data, after?.data, k, share, gap)) visit(this.pose);
+      return;
+    }
+    const { stride, id } = this.layout;
+    const n_after = after.shape[0];
+    for (let k = 0, j = 0; k < n || j < n_after;) {
+      const [a, b] = [k < n ? frame.data[k * stride + id] : Infinity, j < n_after ? after.data[j * stride + id] : Infinity];
+      const isSeen = b < a ? this.readEntering(j, after.data, (1 - share) * gap)
+        : this.read(k, frame.data, a === b ? after.data : null, j, share, gap);
+      if (isSeen) visit(this.pose);
+      k += a <= b;
+      j += b <= a;
+    }
+  }
+
+  // The pose of row k on its way to row j of the frame after, or on with its velocity; false: it has left.
+  read(k, data, after, j, share, gap) {
     const { stride, x, y, heading, q, vx, vy } = this.layout;
-    const from = k * stride;
-    const { data } = frame;
+    const [from, to] = [k * stride, j * stride];
     if (Number.isNaN(data[from + x])) return false;
-    const there = next && share > 0 && !Number.isNaN(next.data[from + x]) ? next.data : null;
-    const mix = (c) => (there ? data[from + c] + share * (there[from + c] - data[from + c]) : data[from + c]);
-    const drift = next && share > 0 && !there ? share * gap : 0;
+    const there = after && !Number.isNaN(after[to + x]) ? after : null;
+    const mix = (c) => (there ? data[from + c] + share * (there[to + c] - data[from + c]) : data[from + c]);
+    const drift = there ? 0 : share * gap;
+    this.pose.kind = this.kindOf(k, data);
     this.pose.x = mix(x) + drift * data[from + vx];
     this.pose.y = mix(y) + drift * data[from + vy];
     if (heading >= 0) this.pose.heading = mix(heading);
-    else this.turn(from, there, share, data, q);
+    else this.turn(data, from + q, there, to + q, share);
     return true;
   }
 
-  turn(from, there, share, data, q) {
-    const a = [data[from + q], data[from + q + 1], data[from + q + 2], data[from + q + 3]];
+  // The pose some seconds before a frame of a part that entered since the frame before; false: it is not there yet.
+  readEntering(k, data, before) {
+    const { stride, x, y } = this.layout;
+    this.read(k, data, null, 0, 1, -before);
+    const [here, later] = [[this.pose.x, this.pose.y], [data[k * stride + x], data[k * stride + y]]];
+    return !this.feedLines.some((line) => crosses(here, later, line));
+  }
+
+  kindOf(k, data) {
+    const { stride, kind } = this.layout;
+    return kind < 0 ? this.cargo.kindOfPart(k) : data[k * stride + kind];
+  }
+
+  turn(data, from, there, to, share) {
+    const a = [data[from], data[from + 1], data[from + 2], data[from + 3]];
     if (there) {
-      const b = [there[from + q], there[from + q + 1], there[from + q + 2], there[from + q + 3]];
+      const b = [there[to], there[to + 1], there[to + 2], there[to + 3]];
       const sign = a.reduce((dot, value, c) => dot + value * b[c], 0) < 0 ? -1 : 1;
       a.forEach((value, c) => (a[c] = value + share * (sign * b[c] - value)));
       const length = Math.hypot(...a);
@@ -53,21 +93,20 @@ export class PartsLayer {
   }
 
   // view: a ViewBox; style: { fill, line, fillRgb, lineRgb }.
-  draw(context, view, { frame, next, share, gap }, style) {
-    const n = frame.shape[0];
+  draw(context, view, picture, style) {
+    const n = picture.frame.shape[0];
     const isRound = this.cargo.kinds.every((kind) => kind.isRound) && this.layout.heading >= 0;
-    if (n > (isRound ? CRISP_MAX : CORNERED_MAX)) this.stamp(context, view, { frame, next, share, gap, n }, style);
-    else this.trace(context, view, { frame, next, share, gap, n }, style);
+    if (n > (isRound ? CRISP_MAX : CORNERED_MAX)) this.stamp(context, view, picture, style);
+    else this.trace(context, view, picture, style);
   }
 
-  trace(context, view, { frame, next, share, gap, n }, style) {
+  trace(context, view, picture, style) {
     const bodies = new Path2D();
     const headings = new Path2D();
-    for (let k = 0; k < n; k++) {
-      if (!this.read(k, frame, next, share, gap)) continue;
-      const kind = this.cargo.kinds[this.cargo.kindOfPart(k)];
-      const x = view.x(this.pose.x);
-      const y = view.y(this.pose.y);
+    this.each(picture, (pose) => {
+      const kind = this.cargo.kinds[pose.kind];
+      const x = view.x(pose.x);
+      const y = view.y(pose.y);
       const reach = kind.radius * view.scale;
       if (this.isUpright() && kind.isRound) {
         bodies.moveTo(x + reach, y);
@@ -75,10 +114,9 @@ export class PartsLayer {
       } else {
         addPolygon(bodies, this.outlineOf(kind), x, y, view.scale);
       }
-      const { heading } = this.pose;
       headings.moveTo(x, y);
-      headings.lineTo(x + 0.9 * reach * Math.cos(heading), y - 0.9 * reach * Math.sin(heading));
-    }
+      headings.lineTo(x + 0.9 * reach * Math.cos(pose.heading), y - 0.9 * reach * Math.sin(pose.heading));
+    });
     context.lineWidth = Math.max(0.75, Math.min(1.5, view.scale * 0.0015)) * view.ratio;
     context.fillStyle = style.fill;
     context.fill(bodies);
@@ -106,14 +144,10 @@ export class PartsLayer {
     ]));
   }
 
-  stamp(context, view, { frame, next, share, gap, n }, style) {
-    const { kinds, kindOfPart } = this.cargo;
-    this.stamper.begin(view.width, view.height, kinds.map((kind) => kind.radius * view.scale), style);
-    const { pose } = this;
-    for (let k = 0; k < n; k++) {
-      if (!this.read(k, frame, next, share, gap)) continue;
-      this.stamper.put(kindOfPart(k), view.x(pose.x), view.y(pose.y), pose.heading);
-    }
+  stamp(context, view, picture, style) {
+    this.stamper ??= new Stamper();
+    this.stamper.begin(view.width, view.height, this.cargo.kinds.map((kind) => kind.radius * view.scale), style);
+    this.each(picture, (pose) => this.stamper.put(pose.kind, view.x(pose.x), view.y(pose.y), pose.heading));
     this.stamper.drawOn(context);
   }
 }

@@ -45,7 +45,7 @@ export class Reel {
       const frame = now[name] && this.frames.get(now[name]);
       return frame ? { frame, next: next && this.frames.get(next[name]) } : null;
     };
-    const picture = { density: pick("url"), parts: pick("parts_url"), share, gap };
+    const picture = { t: now.t_s + share * gap, density: pick("url"), parts: pick("parts_url"), share, gap };
     return picture.density || picture.parts ? picture : null;
   }
 

@@ -17,11 +17,12 @@ export class RunData {
     this.run = null;
     this.scenario = null;
     this.summary = null;
+    this.figures = null; // the key figures so far
     this.grid = null; // { origin_m, cell_m, shape }
     this.parts = null; // { rows, columns, cargo }
     this.snapshots = [];
     this.curve = { t: [], columns: new Map() };
-    this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots" or "summary"
+    this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots", "figures" or "summary"
   }
 
   async load() {
@@ -57,6 +58,7 @@ export class RunData {
   async loadSummary() {
     try {
       this.summary = await getJson(paths.of(this.id, "summary"));
+      this.figures = this.summary.key_figures ?? this.figures;
     } catch (error) {
       if (error.status !== 404 && error.status !== 409) throw error;
     }
@@ -70,7 +72,8 @@ export class RunData {
   }
 
   takeParts(parts) {
-    this.parts = { ...parts, cargo: cargoOf(this.scenario, parts.rows) };
+    const hasKinds = parts.columns.includes("kind"); // with feeds; else they follow from the scenario
+    this.parts = { ...parts, cargo: cargoOf(this.scenario, hasKinds ? 0 : parts.rows) };
   }
 
   takeCurve({ first, t_s: times, run, ...columns }) {
@@ -87,9 +90,10 @@ export class RunData {
     applyToRun(this.run, kind, event);
     if (kind === "curve") this.takeCurve(event);
     if (kind === "snapshot") await this.takeSnapshot(event);
+    if (kind === "figures") this.figures = event.key_figures;
     if (kind === "gap") await this.loadResults();
     if (kind === "end") await this.loadSummary();
-    this.onChange(kind === "curve" ? "curve" : kind === "snapshot" ? "snapshots" : "run");
+    this.onChange({ curve: "curve", snapshot: "snapshots", figures: "figures" }[kind] ?? "run");
   }
 
   // The columns of parts come with the list, which is asked for once.
@@ -108,10 +112,12 @@ export class RunData {
     return this.snapshots.reduce((most, { peak }) => Math.max(most, peak), 0);
   }
 
+  // About how many bytes a picture has; without feeds each snapshot has a row for each part of the start.
   frameBytes(layer) {
     const [rows, columns] = this.grid.shape;
     const density = layer === "parts" ? 0 : 4 * rows * columns;
-    const parts = layer === "density" || !this.parts ? 0 : 8 * this.parts.rows * this.parts.columns.length;
+    const inside = this.snapshots.at(-1)?.mass ?? 0;
+    const parts = layer === "density" || !this.parts ? 0 : 8 * (this.parts.rows ?? inside) * this.parts.columns.length;
     return density + parts;
   }
 

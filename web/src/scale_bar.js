@@ -52,9 +52,12 @@ export function keyOf(scenario) {
   const speeds = [...new Set(scenario.belts.map(({ velocity_m_s: v }) => quantity(Math.hypot(...v), "m/s")))];
   const entry = (kind, text) => h("li", {}, h("i", { class: `key ${kind}` }), text);
   const sides = Object.values(scenario.edges);
+  const { feeds = [], photo_eyes: eyes = [] } = scenario;
   return h("ul", { class: "keys" },
     entry("belt", `belt ${speeds.slice(0, 3).join(", ")}${speeds.length > 3 ? " …" : ""}`),
     scenario.obstacles.length > 0 ? entry("plate", "obstacle") : null,
+    feeds.length > 0 ? entry("feed", feeds.length > 1 ? "feeds" : `feed “${feeds[0].id}”`) : null,
+    eyes.length > 0 ? entry("eye", "photo eye that is blocked") : null,
     sides.includes("wall") ? entry("wall", "wall") : null,
     sides.some((side) => side !== "wall") ? entry("open", "open edge") : null,
     entry("counter", scenario.counters.length > 1 ? "counters" : `counter “${scenario.counters[0].id}”`));

@@ -1,5 +1,5 @@
-// What stands still: axes, walls, belts with their direction, obstacles, counters. Drawn once for each
-// size, above the cargo.
+// What stands still: axes, walls, belts with their direction, counters, feeds. Drawn once for each size,
+// above the cargo.
 
 import { beltVelocity } from "./geometry.js";
 
@@ -23,7 +23,7 @@ function ticks(from, to, n) {
 }
 
 // A path twice: wide and dark below, thin and light above, so that it shows on every colour.
-function strokeTwice(context, path, { width, color, halo, dash = [] }, ratio) {
+export function strokeTwice(context, path, { width, color, halo, dash = [] }, ratio) {
   context.setLineDash(dash.map((n) => n * ratio));
   context.lineWidth = (width + 2) * ratio;
   context.strokeStyle = halo;
@@ -32,6 +32,19 @@ function strokeTwice(context, path, { width, color, halo, dash = [] }, ratio) {
   context.strokeStyle = color;
   context.stroke(path);
   context.setLineDash([]);
+}
+
+// The same for a line of text; at is its upper left corner.
+export function writeTwice(context, text, at, color, halo, ratio) {
+  context.font = FONT.replace("11", 11 * ratio);
+  context.textBaseline = "top";
+  context.textAlign = "left";
+  context.lineWidth = 3 * ratio;
+  context.strokeStyle = halo;
+  context.lineJoin = "round";
+  context.strokeText(text, ...at);
+  context.fillStyle = color;
+  context.fillText(text, ...at);
 }
 
 function drawAxes(context, view, { x_m, y_m }, colors) {
@@ -111,49 +124,63 @@ function addChevron(path, x, y, angle, size) {
   path.lineTo(x - 0.5 * c - s, y - 0.5 * s + c);
 }
 
-// The side of a segment that lies downstream, as a unit vector.
-function downstream(scenario, [ax, ay], [bx, by]) {
-  const length = Math.hypot(bx - ax, by - ay) || 1;
-  const left = [-(by - ay) / length, (bx - ax) / length];
-  const [vx, vy] = beltVelocity(scenario, [(ax + bx) / 2, (ay + by) / 2]);
-  return left[0] * vx + left[1] * vy > 1e-9 * Math.hypot(vx, vy) ? left : left.map((value) => -value);
-}
-
-function drawObstacles(context, view, scenario, colors) {
-  const plates = new Path2D();
-  for (const { path_m: path, thickness_m: thickness } of scenario.obstacles) {
-    const least = (2 * view.ratio) / view.scale; // a plate is never thinner than two pixels
-    for (let k = 0; k + 1 < path.length; k++) {
-      const side = downstream(scenario, path[k], path[k + 1]).map((value) => value * Math.max(thickness, least));
-      const corners = [path[k], path[k + 1], [path[k + 1][0] + side[0], path[k + 1][1] + side[1]],
-        [path[k][0] + side[0], path[k][1] + side[1]]];
-      corners.forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
-      plates.closePath();
-    }
-  }
-  context.lineJoin = "round";
-  strokeTwice(context, plates, { width: 1.5, color: colors.plate, halo: colors.rim }, view.ratio);
-  context.fillStyle = colors.plate;
-  context.fill(plates);
-}
-
 function drawCounters(context, view, scenario, colors) {
   const { ratio } = view;
-  context.font = FONT.replace("11", 11 * ratio);
-  context.textBaseline = "top";
-  context.textAlign = "left";
   scenario.counters.forEach(({ id, x_m: [x0, x1], y_m: [y0, y1] }, k) => {
     const path = new Path2D();
     path.rect(view.x(x0), view.y(y1), (x1 - x0) * view.scale, (y1 - y0) * view.scale);
     strokeTwice(context, path, { width: 1.25, color: colors.light, halo: colors.dark, dash: [6, 5] }, ratio);
-    const text = [view.x(x0) + 7 * ratio, view.y(y1) + (7 + 15 * k) * ratio];
-    context.lineWidth = 3 * ratio;
-    context.strokeStyle = colors.dark;
-    context.lineJoin = "round";
-    context.strokeText(id, ...text);
-    context.fillStyle = colors.light;
-    context.fillText(id, ...text);
+    writeTwice(context, id, [view.x(x0) + 7 * ratio, view.y(y1) + (7 + 15 * k) * ratio], colors.light, colors.dark, ratio);
   });
+}
+
+// { line, way } of a feed: where parts enter, and which way: over a side inwards, else with the belt.
+function lineOf(scenario, { edge, x_m: xs, y_m: ys, line_m: line }) {
+  const { x_m: [x0, x1], y_m: [y0, y1] } = scenario.domain;
+  if (!edge) return { line, way: beltVelocity(scenario, [(line[0][0] + line[1][0]) / 2, (line[0][1] + line[1][1]) / 2]) };
+  const [xa, xb] = xs ?? [x0, x1];
+  const [ya, yb] = ys ?? [y0, y1];
+  return {
+    west: { line: [[x0, ya], [x0, yb]], way: [1, 0] },
+    east: { line: [[x1, ya], [x1, yb]], way: [-1, 0] },
+    south: { line: [[xa, y0], [xb, y0]], way: [0, 1] },
+    north: { line: [[xa, y1], [xb, y1]], way: [0, -1] },
+  }[edge];
+}
+
+// The lines that parts enter on.
+export function feedLines(scenario) {
+  return (scenario.feeds ?? []).map((feed) => lineOf(scenario, feed).line);
+}
+
+// The line with arrow heads on it.
+function drawFeeds(context, view, scenario, colors) {
+  const { ratio } = view;
+  for (const feed of scenario.feeds ?? []) {
+    const { line: [from, to], way: [vx, vy] } = lineOf(scenario, feed);
+    const [x0, y0, x1, y1] = [view.x(from[0]), view.y(from[1]), view.x(to[0]), view.y(to[1])];
+    const n = Math.max(1, Math.round(Math.hypot(x1 - x0, y1 - y0) / (60 * ratio)));
+    const [line, heads] = [new Path2D(), new Path2D()];
+    line.moveTo(x0, y0);
+    line.lineTo(x1, y1);
+    for (let k = 0; k < n; k++) {
+      const share = (k + 0.5) / n;
+      addHead(heads, x0 + share * (x1 - x0), y0 + share * (y1 - y0), Math.atan2(-vy, vx), 9 * ratio);
+    }
+    strokeTwice(context, line, { width: 3, color: colors.feed, halo: colors.dark }, ratio);
+    strokeTwice(context, heads, { width: 1, color: colors.feed, halo: colors.dark }, ratio);
+    context.fillStyle = colors.feed;
+    context.fill(heads);
+    writeTwice(context, feed.id, [Math.min(x0, x1) + 14 * ratio, Math.max(y0, y1) - 18 * ratio], colors.feed, colors.dark, ratio);
+  }
+}
+
+function addHead(path, x, y, angle, size) {
+  const [c, s] = [Math.cos(angle) * size, Math.sin(angle) * size];
+  path.moveTo(x + c, y + s);
+  path.lineTo(x - 0.7 * s, y + 0.7 * c);
+  path.lineTo(x + 0.7 * s, y - 0.7 * c);
+  path.closePath();
 }
 
 // Everything onto a transparent canvas of the view's size.
@@ -161,12 +188,10 @@ export function drawScenery(context, view, scenario, colors) {
   context.clearRect(0, 0, view.width, view.height);
   drawAxes(context, view, scenario.domain, colors);
   context.save();
-  context.beginPath();
-  context.rect(view.inner.x, view.inner.y, view.inner.width, view.inner.height);
-  context.clip();
+  view.clip(context);
   drawBelts(context, view, scenario, colors);
   drawCounters(context, view, scenario, colors);
-  drawObstacles(context, view, scenario, colors);
   context.restore();
   drawEdges(context, view, scenario.edges, colors);
+  drawFeeds(context, view, scenario, colors);
 }

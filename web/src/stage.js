@@ -1,11 +1,13 @@
-// A run's belt from above: the cargo, the scenery over it, and the value under the pointer.
+// A run's belt from above: the cargo, the scenery and the devices over it, and the value under the pointer.
 
 import { isPale } from "./colormap.js";
+import { drawDevices } from "./devices.js";
 import { h } from "./dom.js";
+import { Equipment } from "./equipment.js";
 import { densityAt, Heatmap } from "./heatmap.js";
 import { number, percent } from "./format.js";
 import { PartsLayer } from "./parts_layer.js";
-import { drawScenery } from "./scenery.js";
+import { drawScenery, feedLines } from "./scenery.js";
 import { color, onTheme, rgb } from "./theme.js";
 import { ViewBox } from "./view_box.js";
 
@@ -17,10 +19,11 @@ export class Stage {
     this.most = most;
     this.field = h("canvas", { class: "field" });
     this.above = h("canvas", { class: "above" });
+    this.devices = h("canvas", { class: "devices" });
     this.tip = h("div", { class: "tip", hidden: true });
     this.cross = h("div", { class: "cross", hidden: true });
     this.frame = h("div", { class: "stage-frame", role: "img", tabindex: "0", "aria-label": label },
-      this.field, this.above, this.cross, this.tip);
+      this.field, this.above, this.devices, this.cross, this.tip);
     this.element = h("div", { class: "stage" }, this.frame);
     this.heatmap = new Heatmap();
     this.style = { layer: "density", map: "viridis", end: 1 };
@@ -47,10 +50,11 @@ export class Stage {
     this.stopTheme();
   }
 
-  // The resolved scenario and { origin_m, cell_m } of its grid; parts: { columns, cargo } or null.
-  setScene(scenario, grid, parts) {
+  // scenario: resolved; grid: { origin_m, cell_m }; parts: { columns, cargo } or null; curve: of the run, which may grow.
+  setScene({ scenario, grid, parts, curve }) {
     Object.assign(this, { scenario, grid });
-    this.layer = parts ? new PartsLayer(parts.columns, parts.cargo) : null;
+    this.equipment = new Equipment(scenario, curve);
+    this.layer = parts ? new PartsLayer(parts.columns, parts.cargo, feedLines(scenario)) : null;
     this.resize();
   }
 
@@ -66,31 +70,50 @@ export class Stage {
     if (!this.scenario || width === 0) return;
     const ratio = Math.min(devicePixelRatio || 1, 2);
     this.view = new ViewBox(this.scenario.domain, width, this.most(), ratio);
-    for (const canvas of [this.field, this.above]) {
+    for (const canvas of [this.field, this.above, this.devices]) {
       Object.assign(canvas, { width: this.view.width, height: this.view.height });
       canvas.style.width = `${this.view.cssWidth}px`;
       canvas.style.height = `${this.view.cssHeight}px`;
     }
     this.frame.style.width = `${this.view.cssWidth}px`;
     this.frame.style.height = `${this.view.cssHeight}px`;
-    const names = ["text", "muted", "light", "dark", "plate", "rim"];
-    const colors = Object.fromEntries(names.map((name) => [name, color(`draw-${name}`)]));
-    if (isPale(this.style.map)) [colors.light, colors.dark] = [color("draw-ink"), color("draw-paper")];
-    drawScenery(this.above.getContext("2d"), this.view, this.scenario, colors);
+    this.colors = this.chooseColors();
+    drawScenery(this.above.getContext("2d"), this.view, this.scenario, this.colors);
+    this.drawnState = "";
     this.bodies = { fill: color("draw-part"), line: color("draw-part-line"),
       fillRgb: rgb("draw-part"), lineRgb: rgb("draw-part-line") };
     this.belt = color("draw-belt");
     this.draw();
   }
 
-  // picture: { density: { frame, next } or null, parts: the same, share, gap }.
+  chooseColors() {
+    const names = ["text", "muted", "light", "dark", "plate", "rim", "feed", "blocked"];
+    const colors = Object.fromEntries(names.map((name) => [name, color(`draw-${name}`)]));
+    if (isPale(this.style.map)) {
+      Object.assign(colors, { light: color("draw-ink"), dark: color("draw-paper"), feed: color("draw-feed-ink") });
+    }
+    return colors;
+  }
+
+  // picture: { t, density: { frame, next } or null, parts: the same, share, gap }.
   show(picture) {
     this.picture = picture;
     this.draw();
   }
 
+  // Drawn again only when something has moved or changed.
+  drawDevices() {
+    const state = this.equipment.at(this.picture?.t ?? 0);
+    const text = JSON.stringify(state);
+    if (text === this.drawnState) return;
+    this.drawnState = text;
+    drawDevices(this.devices.getContext("2d"), this.view, this.scenario, state, this.colors);
+  }
+
   draw() {
-    if (!this.view || !this.picture) return;
+    if (!this.view) return;
+    this.drawDevices();
+    if (!this.picture) return;
     const context = this.field.getContext("2d");
     const { density, parts, share, gap } = this.picture;
     const { layer, map, end } = this.style;
@@ -105,9 +128,7 @@ export class Stage {
     }
     if (layer !== "density" && parts && this.layer) {
       context.save();
-      context.beginPath();
-      context.rect(inner.x, inner.y, inner.width, inner.height);
-      context.clip();
+      this.view.clip(context);
       this.layer.draw(context, this.view, { ...parts, share, gap }, this.bodies);
       context.restore();
     }
@@ -167,8 +188,7 @@ export class Stage {
     const context = canvas.getContext("2d");
     context.fillStyle = color("surface");
     context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(this.field, 0, 0);
-    context.drawImage(this.above, 0, 0);
+    for (const layer of [this.field, this.above, this.devices]) context.drawImage(layer, 0, 0);
     return new Promise((resolve) => {
       canvas.toBlob(resolve, "image/png");
     });

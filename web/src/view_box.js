@@ -33,6 +33,14 @@ export class ViewBox {
     return this.inner.y + this.inner.height - (m - this.origin[1]) * this.scale;
   }
 
+  // Limits drawing to the domain, until the context is restored.
+  clip(context) {
+    const { x, y, width, height } = this.inner;
+    context.beginPath();
+    context.rect(x, y, width, height);
+    context.clip();
+  }
+
   // Metres of a place in CSS pixels.
   place(x, y) {
     return [

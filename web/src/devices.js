@@ -1,0 +1,75 @@
+// What moves or changes above the cargo: plates as they stand at a time, and photo eyes with their states.
+
+import { beltVelocity } from "./geometry.js";
+import { strokeTwice, writeTwice } from "./scenery.js";
+
+// The side of a segment that lies downstream, as a unit vector.
+function downstream(scenario, [ax, ay], [bx, by]) {
+  const length = Math.hypot(bx - ax, by - ay) || 1;
+  const left = [-(by - ay) / length, (bx - ax) / length];
+  const [vx, vy] = beltVelocity(scenario, [(ax + bx) / 2, (ay + by) / 2]);
+  return left[0] * vx + left[1] * vy > 1e-9 * Math.hypot(vx, vy) ? left : left.map((value) => -value);
+}
+
+// Where a point of an obstacle is when it has turned by degrees about its pivot.
+function turned({ path_m: path, motion }, degrees) {
+  const [px, py] = motion?.pivot_m ?? path[0];
+  const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
+  return ([x, y]) => [px + c * (x - px) - s * (y - py), py + s * (x - px) + c * (y - py)];
+}
+
+function addPlate(plates, view, scenario, obstacle, turn) {
+  const { path_m: path, thickness_m: thickness } = obstacle;
+  const least = (2 * view.ratio) / view.scale; // a plate is never thinner than two pixels
+  const place = turned(obstacle, turn);
+  for (let k = 0; k + 1 < path.length; k++) {
+    const [dx, dy] = downstream(scenario, path[k], path[k + 1]).map((value) => value * Math.max(thickness, least));
+    const corners = [path[k], path[k + 1], [path[k + 1][0] + dx, path[k + 1][1] + dy], [path[k][0] + dx, path[k][1] + dy]];
+    corners.map(place).forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
+    plates.closePath();
+  }
+}
+
+// Those that are away are outlines.
+function drawPlates(context, view, scenario, states, colors) {
+  const [here, away] = [new Path2D(), new Path2D()];
+  scenario.obstacles.forEach((obstacle, k) =>
+    addPlate(states[k].isPresent ? here : away, view, scenario, obstacle, states[k].turn));
+  context.lineJoin = "round";
+  strokeTwice(context, here, { width: 1.5, color: colors.plate, halo: colors.rim }, view.ratio);
+  context.fillStyle = colors.plate;
+  context.fill(here);
+  context.lineWidth = view.ratio;
+  context.setLineDash([2 * view.ratio, 3 * view.ratio]);
+  context.strokeStyle = colors.plate;
+  context.stroke(away);
+  context.setLineDash([]);
+}
+
+// A dashed beam between two ends; blocked, it has a colour and its word.
+function drawEye(context, view, { id, line_m: line }, isBlocked, colors) {
+  const { ratio } = view;
+  const color = isBlocked ? colors.blocked : colors.light;
+  const [beam, ends] = [new Path2D(), new Path2D()];
+  line.forEach(([x, y], k) => {
+    if (k === 0) beam.moveTo(view.x(x), view.y(y));
+    else beam.lineTo(view.x(x), view.y(y));
+    ends.rect(view.x(x) - 3 * ratio, view.y(y) - 3 * ratio, 6 * ratio, 6 * ratio);
+  });
+  strokeTwice(context, beam, { width: isBlocked ? 2.5 : 1.5, color, halo: colors.dark, dash: [4, 4] }, ratio);
+  strokeTwice(context, ends, { width: 1, color, halo: colors.dark }, ratio);
+  context.fillStyle = color;
+  context.fill(ends);
+  const [x, y] = line[0][1] > line[1][1] ? line[0] : line[1]; // the upper end
+  writeTwice(context, isBlocked ? `${id} blocked` : id, [view.x(x) + 7 * ratio, view.y(y) + 7 * ratio], color, colors.dark, ratio);
+}
+
+// state: of Equipment.at(). Onto a transparent canvas of the view's size.
+export function drawDevices(context, view, scenario, state, colors) {
+  context.clearRect(0, 0, view.width, view.height);
+  context.save();
+  view.clip(context);
+  drawPlates(context, view, scenario, state.plates, colors);
+  context.restore();
+  (scenario.photo_eyes ?? []).forEach((eye, k) => drawEye(context, view, eye, state.eyes[k], colors));
+}

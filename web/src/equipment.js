@@ -1,0 +1,85 @@
+// What the equipment of a scenario does at a time: how plates are turned, which of them are there, and the
+// states of photo eyes. Commands of photo eyes follow from the curve's columns of their states, so that a
+// command is known to the distance of two samples.
+
+import { indexBefore } from "./series.js";
+
+// The angle of a motion at t, degrees: linear between its times; between the last one of a round and the first one
+// of the next, too.
+export function turnAt(motion, t) {
+  if (!motion?.t_s) return 0;
+  const { t_s: times, turn_deg: angles, repeat_s: round = Infinity } = motion;
+  const now = t % round;
+  const k = indexBefore(times, now);
+  if (k < 0 && t < round) return angles[0];
+  if (k === times.length - 1 && round === Infinity) return angles[k];
+  const from = k < 0 ? times.at(-1) - round : times[k];
+  const to = times[k + 1] ?? times[0] + round;
+  const [before, after] = [angles.at(k), angles[k + 1] ?? angles[0]];
+  return before + (after - before) * ((now - from) / (to - from));
+}
+
+// Whether an obstacle is there at t: from each time to the next, true before the first one.
+export function isPresentAt(present, t) {
+  if (!present) return true;
+  const { t_s: times, value, repeat_s: round = Infinity } = present;
+  const k = indexBefore(times, t % round);
+  return k < 0 && t < round ? true : value.at(k);
+}
+
+export class Equipment {
+  // curve: { t, columns } of the run, which may grow.
+  constructor(scenario, curve) {
+    Object.assign(this, { obstacles: scenario.obstacles, eyes: scenario.photo_eyes ?? [], actions: scenario.actions ?? [], curve });
+    this.seen = -1;
+  }
+
+  // { plates: [{ turn, isPresent }], eyes: [true: blocked, null: not known] }.
+  at(t) {
+    this.followCommands();
+    return {
+      plates: this.obstacles.map((obstacle, k) => ({ turn: this.turnOf(k, t), isPresent: this.isThere(k, t) })),
+      eyes: this.eyes.map((eye) => this.stateOf(eye, t)),
+    };
+  }
+
+  stateOf({ id }, t) {
+    const { t: times, columns } = this.curve;
+    if (times.length === 0 || t > times.at(-1) + 1e-9) return null;
+    return columns.get(`${id}.blocked`)?.[indexBefore(times, t + 1e-9)] === 1;
+  }
+
+  // The commands so far, of each obstacle in the order of their times.
+  followCommands() {
+    if (this.actions.length === 0 || this.seen === this.curve.t.length) return;
+    this.seen = this.curve.t.length;
+    const due = this.actions.flatMap((action) => this.startsOf(action.when).map((t) => ({ ...action.do, t: t + (action.delay_s ?? 0) })));
+    due.sort((a, b) => a.t - b.t);
+    this.commands = this.obstacles.map(({ id }) => due.filter(({ obstacle }) => obstacle === id));
+    this.turns = this.obstacles.map(() => []);
+    this.commands.forEach((list, k) => {
+      for (const { t, turn_deg: to, over_s: over } of list) {
+        if (to !== undefined) this.turns[k].push({ t, from: this.turnOf(k, t), to, over });
+      }
+    });
+  }
+
+  // When a state of a photo eye begins.
+  startsOf({ photo_eye: id, state }) {
+    const sought = state === "blocked" ? 1 : 0;
+    const values = this.curve.columns.get(`${id}.blocked`) ?? [];
+    return this.curve.t.filter((_, k) => values[k] === sought && (values[k - 1] ?? 0) !== sought);
+  }
+
+  turnOf(k, t) {
+    const turns = this.turns?.[k] ?? [];
+    const last = turns[indexBefore(turns, t, (turn) => turn.t)];
+    if (!last) return turnAt(this.obstacles[k].motion, t);
+    return last.from + (last.to - last.from) * Math.min(1, (t - last.t) / last.over);
+  }
+
+  isThere(k, t) {
+    const command = this.commands?.[k].findLast((one) => one.t <= t && one.present !== undefined);
+    return command ? command.present : isPresentAt(this.obstacles[k].present, t);
+  }
+}
