@@ -4,10 +4,12 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { dealKinds } from "../../web/src/cargo.js";
+import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson, locate } from "../../web/src/json_text.js";
 import { readNpy } from "../../web/src/npy.js";
-import { measureGap, readMeasured, valueAt } from "../../web/src/series.js";
+import { PartsLayer } from "../../web/src/parts_layer.js";
+import { columnsOf, contentOf, flowOf, measureGap, readMeasured, valueAt } from "../../web/src/series.js";
 import { daemon } from "./daemon.mjs";
 
 const near = (a, b, tolerance = 1e-9) => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
@@ -94,4 +96,79 @@ test("hulls and their centres are those of plain bodies", () => {
   // A tetrahedron: the mean of its corners.
   const centre = hullCentre([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]);
   for (const value of centre) near(value, 0.25, 1e-4);
+});
+
+test("a plate turns linearly between its times, and in rounds from the last one to the first of the next", () => {
+  const swing = { t_s: [0, 2, 2.5], turn_deg: [0, 0, 35] };
+  for (const [t, angle] of [[0, 0], [1, 0], [2.25, 17.5], [2.5, 35], [90, 35]]) near(turnAt(swing, t), angle);
+  // From 35 degrees at 2.5 s back to 0 at 4 s.
+  for (const [t, angle] of [[3.25, 17.5], [4, 0], [6.25, 17.5]]) near(turnAt({ ...swing, repeat_s: 4 }, t), angle);
+  // Before its first time a plate has the first angle; in later rounds it comes from the last one.
+  const late = { t_s: [1, 2], turn_deg: [10, 20], repeat_s: 4 };
+  for (const [t, angle] of [[0.5, 10], [4.5, 20 - (10 * 2.5) / 3]]) near(turnAt(late, t), angle);
+  assert.equal(turnAt({ pivot_m: [0, 0] }, 1), 0);
+});
+
+test("a plate is there before its first time, and then as from time to time", () => {
+  const present = { t_s: [1, 2], value: [false, true] };
+  assert.deepEqual([0.5, 1, 1.9, 2, 9].map((t) => isPresentAt(present, t)), [true, false, false, true, true]);
+  const rounds = { t_s: [1, 2], value: [true, false], repeat_s: 3 };
+  assert.deepEqual([0.5, 1.5, 2.5, 3.5, 4.5].map((t) => isPresentAt(rounds, t)), [true, true, false, false, true]);
+  assert.equal(isPresentAt(undefined, 1), true);
+});
+
+test("commands of a photo eye move plates from their states then on", () => {
+  const scenario = {
+    obstacles: [{ id: "flap", motion: { t_s: [0, 10], turn_deg: [0, 10] } }, { id: "stop", present: { t_s: [0], value: [false] } }],
+    photo_eyes: [{ id: "pe" }],
+    actions: [
+      { when: { photo_eye: "pe", state: "blocked" }, delay_s: 1, do: { obstacle: "flap", turn_deg: 33, over_s: 2 } },
+      { when: { photo_eye: "pe", state: "blocked" }, do: { obstacle: "stop", present: true } },
+      { when: { photo_eye: "pe", state: "clear" }, do: { obstacle: "stop", present: false } },
+    ],
+  };
+  const curve = { t: [0, 1, 2, 3, 4, 5], columns: new Map([["pe.blocked", [0, 0, 1, 1, 0, 0]]]) };
+  const equipment = new Equipment(scenario, curve);
+  const at = (t) => {
+    const { plates: [flap, stop], eyes: [eye] } = equipment.at(t);
+    return [flap.turn, stop.isPresent, eye];
+  };
+  // The flap begins at 3 degrees at 3 s and is at 33 from 5 s on.
+  assert.deepEqual(at(1), [1, false, false]);
+  assert.deepEqual(at(2), [2, true, true]);
+  assert.deepEqual(at(4), [18, false, false]);
+  assert.deepEqual(at(5), [33, false, false]);
+  assert.deepEqual(at(6), [33, false, null]); // the curve does not know yet
+});
+
+test("parts of fed runs are told by their ids, enter over the feed and leave with their velocity", () => {
+  const columns = ["id", "kind", "x_m", "y_m", "heading_rad", "vx_m_s", "vy_m_s", "spin_rad_s"];
+  const frame = (...rows) => ({ shape: [rows.length, columns.length], data: Float64Array.from(rows.flat()) });
+  const before = frame([3, 0, 0.9, 0.5, 0, 1, 0, 0], [5, 1, 0.4, 0.5, 0.2, 1, 0, 0]);
+  const after = frame([5, 1, 0.6, 0.5, 0.4, 1, 0, 0], [6, 0, 0.15, 0.5, 0, 1, 0, 0], [7, 0, 0.05, 0.5, 0, 1, 0, 0]);
+  const seen = (share) => {
+    const list = [];
+    new PartsLayer(columns, { kinds: [] }, [[[0, 0], [0, 1]]]).each({ frame: before, next: after, share, gap: 0.2 },
+      ({ kind, x, heading }) => list.push([kind, x, heading]));
+    return list;
+  };
+  assert.deepEqual(seen(0), [[0, 0.9, 0], [1, 0.4, 0.2]]);
+  // Half way, 0.1 s: part 3 goes on to 1.0, part 5 is between its places, 6 entered at 0.05, 7 is not there yet.
+  const half = seen(0.5);
+  assert.deepEqual(half.map(([kind]) => kind), [0, 1, 0]);
+  [[1.0, 0], [0.5, 0.3], [0.05, 0]].forEach(([x, heading], k) => {
+    near(half[k][1], x);
+    near(half[k][2], heading);
+  });
+});
+
+test("a fed run's flow is the sum of its feeds and the exits, its content the counters and what waits", () => {
+  const scenario = { counters: [{ id: "upstream" }], feeds: [{ id: "a" }, { id: "b" }] };
+  const columns = new Map(Object.entries({ upstream: [0, 3], left_domain: [0, 1], "a.offered": [0, 4], "a.admitted": [0, 3],
+    "a.waiting": [0, 1], "a.discarded": [0, 0], "b.offered": [0, 2], "b.admitted": [0, 1], "b.waiting": [0, 1], "b.discarded": [0, 0] }));
+  assert.deepEqual(columnsOf(scenario).map(([name]) => name), [...columns.keys()]);
+  assert.deepEqual(flowOf(scenario, { columns }),
+    [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["exits", [0, 1]]]);
+  assert.deepEqual(contentOf(scenario, { columns }),
+    [["upstream", [0, 3]], ["a: waiting", [0, 1]], ["b: waiting", [0, 1]]]);
 });

@@ -13,12 +13,13 @@ import { isGoing } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { statePill } from "./runs_table.js";
 import { ScaleBar } from "./scale_bar.js";
-import { counterNames, readMeasured } from "./series.js";
+import { columnsOf, flowOf, isFed, readMeasured } from "./series.js";
 import { DASHES } from "./theme.js";
 import { toast } from "./toast.js";
 import { segments } from "./transport.js";
 
 export const COMPARED_MAX = 4;
+const flowDashes = { exits: DASHES[0], admitted: DASHES[1], offered: DASHES[2], waiting: DASHES[3], discarded: [1, 4] };
 
 export class CompareView {
   constructor() {
@@ -124,7 +125,7 @@ export class CompareView {
     this.unlay = h("button", { type: "button", class: "quiet", hidden: true, on: { click: () => this.setMeasured(null) } },
       "Remove measured counts");
     const card = h("section", { class: "card curve", "aria-labelledby": "curve-title" },
-      h("h2", { id: "curve-title" }, "Outflow"), this.columnBox(), this.plot.element,
+      h("h2", { id: "curve-title" }, "Curves"), this.columnBox(), this.plot.element,
       h("p", { class: "row hint" },
         h("label", { class: "button" }, file, "Lay measured counts over"), this.unlay,
         h("span", {}, "or drop a CSV with the header ", h("code", {}, "t_s,count"), " here.")));
@@ -141,18 +142,25 @@ export class CompareView {
     return card;
   }
 
-  // Which column of the curves, where there is a choice.
+  // Which column of the curves is shown; "" is the flow of runs with feeds: four columns at once.
   columnBox() {
-    this.column = this.query.get("column") ?? this.runs[0].scenario.counters[0].id;
-    const names = [...new Set(this.runs.flatMap(({ scenario }) => scenario.counters.map(({ id }) => id))), "left_domain"];
+    const hasFlow = this.runs.some(({ scenario }) => isFed(scenario));
+    this.column = this.query.get("column") ?? (hasFlow ? "" : this.runs[0].scenario.counters[0].id);
+    const columns = new Map([...(hasFlow ? [["", "offered, admitted, waiting and exits"]] : []),
+      ...this.runs.flatMap(({ scenario }) => columnsOf(scenario))]);
     const box = h("select", { on: { change: () => {
       this.column = box.value;
       note({ column: box.value });
       this.showCurves();
-      this.table.load(this.column);
-    } } }, names.map((name) => h("option", { value: name }, name === "left_domain" ? "left the belt" : name)));
+      this.table.load(this.measuredColumn());
+    } } }, [...columns].map(([name, words]) => h("option", { value: name }, words)));
     box.value = this.column;
-    return h("label", { class: "field inline" }, h("span", {}, "Counter"), box);
+    return h("label", { class: "field inline" }, h("span", {}, hasFlow ? "Curves" : "Counter"), box);
+  }
+
+  // Measures are of one column; those of a flow are of its exits.
+  measuredColumn() {
+    return this.column || "left_domain";
   }
 
   measures() {
@@ -183,7 +191,7 @@ export class CompareView {
     cinema.refresh();
     this.showCurves();
     this.showScale();
-    this.table.load(this.column);
+    this.table.load(this.measuredColumn());
     const active = runs.filter(({ run }) => !isOver(run));
     if (active.length > 0) {
       this.stopEvents = follow(active.map(({ id }) => id), (kind, event) =>
@@ -200,7 +208,7 @@ export class CompareView {
     if (what === "summary") {
       data.state.show(data.run);
       this.showSnapshots();
-      this.table.load(this.column);
+      this.table.load(this.measuredColumn());
     }
     this.showScale();
   }
@@ -212,15 +220,32 @@ export class CompareView {
   }
 
   showCurves() {
-    const curves = this.runs.map((data, k) => {
-      const name = data.curve.columns.has(this.column) ? this.column : counterNames(data.curve)[0];
-      return { name: `${nameOf(data.run)} (${data.run.model})`, color: `run-${k + 1}`, dash: DASHES[k], t: data.curve.t,
-        v: data.curve.columns.get(name) ?? [] };
-    }).filter(({ v }) => v.length > 0);
     const { measured } = this;
-    if (measured) curves.push({ name: `measured: ${measured.file}`, color: "text", points: true, t: measured.t, v: measured.v });
+    const curves = this.runs.flatMap((data, k) => (this.column ? this.columnCurve(data, k) : this.flowCurves(data, k)))
+      .filter(({ v }) => v.length > 0);
+    if (measured) {
+      curves.push({ name: `measured: ${measured.file}`, group: this.column ? null : "Measured", color: "text", points: true,
+        t: measured.t, v: measured.v });
+    }
     this.plot.setCurves(curves, this.cinema.axisEnd || Math.max(...this.runs.map(({ scenario }) => scenario.duration_s)));
-    this.table.setMeasured(measured, curves[0]);
+    const { curve } = this.runs[0];
+    this.table.setMeasured(measured, { t: curve.t, v: this.valuesOf(this.runs[0]) });
+  }
+
+  // A run whose scenario has no such column shows its first counter.
+  valuesOf({ curve, scenario }) {
+    return curve.columns.get(this.measuredColumn()) ?? curve.columns.get(scenario.counters[0].id) ?? [];
+  }
+
+  columnCurve(data, k) {
+    return [{ name: `${nameOf(data.run)} (${data.run.model})`, color: `run-${k + 1}`, dash: DASHES[k], t: data.curve.t,
+      v: this.valuesOf(data) }];
+  }
+
+  // The colour is the run's, the dash tells what is counted.
+  flowCurves({ run, curve, scenario }, k) {
+    return flowOf(scenario, curve).map(([name, v]) => ({ name, group: `${nameOf(run)} (${run.model})`, color: `run-${k + 1}`,
+      dash: flowDashes[name], t: curve.t, v }));
   }
 
   showScale() {

@@ -2,10 +2,21 @@
 
 import uPlot from "uplot";
 
-import { h } from "./dom.js";
+import { h, strokeMark } from "./dom.js";
 import { fixed, number } from "./format.js";
 import { valueAt } from "./series.js";
 import { color, onTheme } from "./theme.js";
+
+// A piece of the curve.
+function markOf({ color: name, dash, points }) {
+  const mark = points ? h("i", { class: "mark dots" }) : strokeMark(dash);
+  mark.style.color = color(name);
+  return mark;
+}
+
+function longest(texts) {
+  return Math.max(0, ...(texts ?? []).map((text) => text?.length ?? 0));
+}
 
 export class CurvePlot {
   // height(): CSS pixels; onSeek(t).
@@ -26,9 +37,10 @@ export class CurvePlot {
     this.plot?.destroy();
   }
 
-  // curves: [{ name, color (of the style sheet), dash, points, t, v }]; end: of the axis of time.
+  // curves: [{ name, group, color (of the style sheet), dash, points, t, v }], with a group only where neighbours
+  // stand below a heading of the legend; end: of the axis of time.
   setCurves(curves, end) {
-    const key = JSON.stringify([end, curves.map(({ name, color: c, dash }) => [name, c, dash])]);
+    const key = JSON.stringify([end, curves.map(({ name, group, color: c, dash }) => [name, group, c, dash])]);
     this.curves = curves;
     this.end = end;
     if (key !== this.key) {
@@ -60,7 +72,7 @@ export class CurvePlot {
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, y: false, points: { size: 7 } },
       scales: { x: { time: false, range: () => [0, this.end || 1] }, y: { range: top } },
-      axes: [axis("Time (s)", 26), axis("Parts", 46)],
+      axes: [axis("Time (s)", 26), axis("Parts", (u, texts) => Math.max(46, 16 + 7 * longest(texts)))],
       series: [{}, ...this.curves.map((curve) => ({
         stroke: color(curve.color), width: curve.points ? 0 : 2, dash: curve.dash, spanGaps: true,
         points: curve.points ? { show: true, size: 5, fill: color(curve.color), width: 0 } : { show: false },
@@ -81,11 +93,10 @@ export class CurvePlot {
   // The name of each curve and its value at the time of the line.
   showLegend() {
     this.values = this.curves.map(() => h("b"));
-    this.legend.replaceChildren(...this.curves.map((curve, k) => {
-      const mark = h("i", { class: curve.points ? "mark dots" : "mark" });
-      mark.style.color = color(curve.color);
-      if (curve.dash?.length) mark.classList.add("dashed");
-      return h("li", {}, mark, h("span", {}, curve.name), this.values[k]);
+    this.legend.replaceChildren(...this.curves.flatMap((curve, k) => {
+      const isFirst = curve.group && curve.group !== this.curves[k - 1]?.group;
+      return [...(isFirst ? [h("li", { class: "group" }, curve.group)] : []),
+        h("li", {}, markOf(curve), h("span", {}, curve.name), this.values[k])];
     }));
   }
 

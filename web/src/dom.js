@@ -42,16 +42,26 @@ const paths = {
   download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
 };
 
-// A decorative icon of 16 x 16, hidden from assistive technology.
-export function icon(name) {
+// A decorative drawing, hidden from assistive technology.
+function drawing(viewBox, kind, d) {
   const svg = document.createElementNS(SVG, "svg");
   const path = document.createElementNS(SVG, "path");
-  for (const [key, value] of [["viewBox", "0 0 16 16"], ["class", "icon"], ["aria-hidden", "true"]]) {
-    svg.setAttribute(key, value);
-  }
-  path.setAttribute("d", paths[name]);
+  for (const [key, value] of [["viewBox", viewBox], ["class", kind], ["aria-hidden", "true"]]) svg.setAttribute(key, value);
+  path.setAttribute("d", d);
   svg.append(path);
   return svg;
+}
+
+// An icon of 16 x 16.
+export function icon(name) {
+  return drawing("0 0 16 16", "icon", paths[name]);
+}
+
+// A piece of a line, 24 wide, with the dash of a curve.
+export function strokeMark(dash = []) {
+  const mark = drawing("0 0 24 4", "stroke", "M0 2h24");
+  mark.firstChild.setAttribute("stroke-dasharray", dash.join(" "));
+  return mark;
 }
 
 export function swapIcon(button, name) {
@@ -61,10 +71,10 @@ export function swapIcon(button, name) {
 }
 
 // A button with a drawing and a name; shown: the name stands beside the drawing.
-export function iconButton(drawing, name, onClick, { shown = false, ...more } = {}) {
-  const properties = { type: "button", on: { click: onClick }, data: { icon: drawing }, ...more };
+export function iconButton(picture, name, onClick, { shown = false, ...more } = {}) {
+  const properties = { type: "button", on: { click: onClick }, data: { icon: picture }, ...more };
   if (!shown) Object.assign(properties, { "aria-label": name, title: name });
-  return h("button", properties, icon(drawing), shown ? h("span", {}, name) : null);
+  return h("button", properties, icon(picture), shown ? h("span", {}, name) : null);
 }
 
 export function link(href, text, properties = {}) {

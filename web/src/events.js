@@ -4,7 +4,7 @@
 import { onConnection, report, isDaemonAway } from "./connection.js";
 import { ended } from "./api.js";
 
-const KINDS = ["status", "progress", "curve", "snapshot", "end", "gap"];
+const KINDS = ["status", "progress", "curve", "snapshot", "figures", "end", "gap"];
 const RETRY_MS = 2000;
 const RUNS_MAX = 32; // that one stream follows
 
@@ -75,6 +75,7 @@ export function applyToRun(run, kind, event) {
   if (kind === "progress" && !ended.has(run.status) && event.progress >= run.progress) {
     Object.assign(run, { status: "running", progress: event.progress, eta_s: event.eta_s });
   }
+  if (kind === "figures" && !ended.has(run.status)) run.key_figures = event.key_figures;
   if (kind === "end") {
     Object.assign(run, { status: event.status, progress: event.progress, eta_s: null,
       finished_at: event.finished_at, error: event.error });

@@ -1,10 +1,10 @@
 // The few numbers of a scenario that matter to a planner: one line each. `at` are the pointers whose faults
 // belong to the field; `get` and `set` work on a scenario as it was written.
 
-// The obstacle that an angle can be given to: the first one, if it is one straight plate.
+// The obstacle that an angle can be given to: the first one, if it is one straight plate that does not turn.
 function plateOf(scenario) {
   const [o] = scenario.obstacles ?? [];
-  if (!o) return null;
+  if (!o || o.motion) return null;
   if (o.end_m && o.length_m > 0) {
     const angle = (o.angle_deg * Math.PI) / 180;
     return { from: [o.end_m[0] - o.length_m * Math.cos(angle), o.end_m[1] - o.length_m * Math.sin(angle)], to: o.end_m };
@@ -60,6 +60,8 @@ export const fields = [
     hint: "from the direction of x; its end and the opening stay", get: angleOf, set: setAngle },
   { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
     get: speedOf, set: setSpeed },
+  { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",
+    get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },
   { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
     get: (scenario) => scenario.duration_s, set: (scenario, value) => (scenario.duration_s = value) },
   { id: "cell", label: "Cell", unit: "m", at: ["/macro/cell_m"], above: 0, step: 0.001, hint: "edge of a cell of the density",

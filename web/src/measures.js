@@ -43,8 +43,10 @@ export class MeasuresTable {
         h("table", { class: "measures" }, h("thead", {}, this.head), this.body)), this.note);
   }
 
+  // A column whose counts rise has no drain time, and a rate the other way round.
   async load(column) {
     const [first, ...others] = this.runs;
+    this.isRising = !this.runs.some(({ scenario }) => scenario.counters.some(({ id }) => id === column));
     const faults = [];
     await Promise.all(others.map(async (other, k) => {
       const query = new URLSearchParams({ a: first.id, b: other.id, column });
@@ -60,16 +62,20 @@ export class MeasuresTable {
   }
 
   take(k, { curve, density }) {
-    this.columns[0] = { rate: curve.rate_a_per_s, drain: curve.drain_time_a_s };
-    this.columns[k] = { curve, density: meanDensity(density), rate: curve.rate_b_per_s, drain: curve.drain_time_b_s };
+    this.columns[0] = this.rateOf(curve.rate_a_per_s, curve.drain_time_a_s);
+    this.columns[k] = { curve, density: meanDensity(density), ...this.rateOf(curve.rate_b_per_s, curve.drain_time_b_s) };
+  }
+
+  rateOf(rate, drain) {
+    return this.isRising ? { rate: -rate } : { rate, drain };
   }
 
   // Counts from elsewhere against the first run's curve; null: none.
   setMeasured(curve, first) {
     this.measured = null;
-    if (curve && first) {
+    if (curve && first.t.length > 0) {
       const gap = measureGap(first, curve);
-      this.measured = gap ? { curve: gap, rate: gap.rate_per_s, drain: gap.drain_time_s } : {};
+      this.measured = gap ? { curve: gap, ...this.rateOf(gap.rate_per_s, gap.drain_time_s) } : {};
     }
     this.show();
   }

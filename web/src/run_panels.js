@@ -73,9 +73,12 @@ export function scenarioPanel({ scenario, id }) {
 function offers(data, n) {
   const number6 = String(n).padStart(6, "0");
   const isMicro = data.hasParts();
+  const hasFigures = data.run.links.key_figures !== undefined;
   return [
     ["Curve", "CSV", "curve?format=csv", "curve.csv"],
     ["Curve", "JSON", "curve", "curve.json"],
+    hasFigures ? ["Key figures", "CSV", "key_figures?format=csv", "key-figures.csv"] : null,
+    hasFigures ? ["Key figures", "JSON", "key_figures", "key-figures.json"] : null,
     ["Density shown", "NPY", `snapshots/${n}?format=npy`, `density-${number6}.npy`],
     ["Density shown", "PNG", `snapshots/${n}?format=png&width=1200`, `density-${number6}.png`],
     isMicro ? ["Parts shown", "NPY", `parts/${n}?format=npy`, `parts-${number6}.npy`] : null,

@@ -7,13 +7,14 @@ import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
 import { age, models, nameOf, percent, span } from "./format.js";
+import { KeyFiguresPanel } from "./key_figures.js";
 import { address, go, note } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { DownloadsPanel, scenarioPanel, summaryPanel } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { keyOf, ScaleBar } from "./scale_bar.js";
-import { counterNames } from "./series.js";
+import { contentOf, flowOf, isFed } from "./series.js";
 import { DASHES, prefersStillness } from "./theme.js";
 import { segments } from "./transport.js";
 
@@ -57,9 +58,10 @@ export class RunView {
     });
     this.plot = new CurvePlot(`Outflow curve of ${name}`, () => this.plotHeight(), (t) => cinema.player.seek(t));
     this.downloads = new DownloadsPanel(data, () => this.screen.stage.toBlob());
+    this.figures = new KeyFiguresPanel();
     this.summary = h("div", {}, summaryPanel(data));
     return [this.head(), h("div", { class: "watch" },
-      h("div", {}, this.animation(), this.summary, scenarioPanel(data)),
+      h("div", {}, this.animation(), this.figures.element, this.summary, scenarioPanel(data)),
       h("div", {}, this.curve(), this.downloads.element))];
   }
 
@@ -102,9 +104,18 @@ export class RunView {
   }
 
   curve() {
+    const hasFlow = isFed(this.data.scenario);
+    this.shown = hasFlow ? "flow" : "content";
+    const choice = segments("Curves", [["flow", "Flow"], ["content", "Content"]], this.shown, (shown) => {
+      this.shown = shown;
+      this.showCurve();
+    });
+    const title = h("h2", { id: "curve-title" }, hasFlow ? "Curves" : "Outflow");
     return h("section", { class: "card curve", "aria-labelledby": "curve-title" },
-      h("h2", { id: "curve-title" }, "Outflow"),
-      h("p", { class: "hint" }, "Parts in each counter, and parts that have left the belt. Press or drag to move in time."),
+      hasFlow ? h("div", { class: "card-head" }, title, choice.element) : title,
+      h("p", { class: "hint" }, hasFlow
+        ? "Flow: parts that were due, that entered, that wait and that left. Content: parts in each counter. "
+        : "Parts in each counter, and parts that have left the belt. ", "Press or drag to move in time."),
       this.plot.element);
   }
 
@@ -121,6 +132,7 @@ export class RunView {
     this.showHead();
     this.showCurve();
     this.showScale();
+    this.figures.show(data.figures);
     if (isLive) this.goLive();
     cinema.begin(this.query);
   }
@@ -138,10 +150,12 @@ export class RunView {
   }
 
   change(what) {
+    const { data } = this;
     if (this.isGone) return;
     if (what === "curve") this.showCurve();
     if (what === "snapshots") this.showSnapshots();
     if (what === "run") this.showHead();
+    if (what === "figures") this.figures.show(data.figures);
     if (what === "summary") this.finish();
     this.showScale();
   }
@@ -158,6 +172,7 @@ export class RunView {
     const { data, cinema } = this;
     const wasFollowing = cinema.player.isFollowing;
     const took = (Date.parse(data.run.finished_at) - Date.parse(data.run.started_at)) / 1000;
+    this.figures.show(data.figures);
     this.summary.replaceChildren(summaryPanel(data));
     this.showHead();
     cinema.refresh();
@@ -178,13 +193,13 @@ export class RunView {
 
   showCurve() {
     const { curve, scenario, run, snapshots } = this.data;
-    const names = counterNames(curve);
-    const curves = names.map((name, k) => ({ name, color: `run-${(k % 4) + 1}`, dash: DASHES[k % 4], t: curve.t,
-      v: curve.columns.get(name) }));
-    const left = curve.columns.get("left_domain");
-    if (left) curves.push({ name: "left the belt", color: "muted", dash: [2, 4], t: curve.t, v: left });
+    const rows = this.shown === "flow" ? flowOf(scenario, curve) : contentOf(scenario, curve);
+    const curves = rows.map(([name, v], k) => ({ name, color: `run-${(k % 4) + 1}`, dash: DASHES[k % 4], t: curve.t, v }));
+    if (!isFed(scenario)) {
+      curves.push({ name: "left the belt", color: "muted", dash: [2, 4], t: curve.t, v: curve.columns.get("left_domain") ?? [] });
+    }
     const end = isOver(run) ? Math.max(curve.t.at(-1) ?? 0, snapshots.at(-1)?.t_s ?? 0) : this.cinema.axisEnd;
-    this.plot.setCurves(curves, end || scenario.duration_s);
+    this.plot.setCurves(curves.filter(({ v }) => v.length > 0), end || scenario.duration_s);
   }
 
   showScale() {

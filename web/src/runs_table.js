@@ -3,7 +3,7 @@
 
 import { isOver } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
-import { age, fixed, moment, nameOf, number, percent, span } from "./format.js";
+import { age, fixed, moment, nameOf, number, percent, quantity, span } from "./format.js";
 import { address } from "./router.js";
 
 export const states = ["queued", "running", "succeeded", "failed", "cancelled"];
@@ -21,12 +21,16 @@ function cell(name, ...children) {
   return h("td", { role: "cell", "data-label": name }, ...children);
 }
 
-// Parts that have left the belt: { left, start }, either may be unknown.
-export function throughText({ left, start } = {}) {
+function count(parts) {
+  const isCounted = Number.isInteger(parts) || Math.abs(parts) < 0.05 || parts >= 1000;
+  return isCounted ? number(Math.round(parts), 6) : fixed(parts, 1);
+}
+
+// Parts that have left the belt, of those at the start and those that entered; what is unknown is left out.
+export function throughText({ left, start, entered = 0 } = {}) {
   if (left === undefined || left === null) return "–";
-  const isCounted = Number.isInteger(left) || Math.abs(left) < 0.05 || left >= 1000;
-  const gone = isCounted ? number(Math.round(left), 6) : fixed(left, 1);
-  return start ? `${gone} of ${number(start, 6)}` : gone;
+  const all = start === undefined ? 0 : start + entered;
+  return all > 0 ? `${count(left)} of ${count(all)}` : count(left);
 }
 
 export class RunRow {
@@ -40,6 +44,7 @@ export class RunRow {
     this.share = h("span", { class: "figures" });
     this.fault = h("small", { class: "fault" });
     this.through = cell("Parts through", h("span", { class: "figures" }));
+    this.throughput = cell("Throughput", h("span", { class: "figures", title: "Parts that left, in an hour" }));
     this.age = h("time");
     this.check = h("input", { type: "checkbox", on: { change: () => actions.onSelect(run, this.check.checked) } });
     this.cancel = iconButton("stop", "Cancel", () => actions.onCancel(this.run), { class: "bare" });
@@ -50,9 +55,9 @@ export class RunRow {
       h("td", { role: "cell", class: "name" }, this.title, this.label),
       cell("Model", this.model), cell("State", this.state.pill),
       h("td", { role: "cell", class: "progress", "data-label": "Progress" }, this.bar, this.share, this.fault),
-      this.through, cell("Age", this.age),
+      this.through, this.throughput, cell("Age", this.age),
       h("td", { role: "cell", class: "actions" }, this.cancel, this.remove));
-    this.through.classList.add("right");
+    for (const element of [this.through, this.throughput]) element.classList.add("right");
     this.show(run);
   }
 
@@ -71,6 +76,7 @@ export class RunRow {
     setText(this.share, progressText(run));
     setText(this.fault, run.error ? run.error.detail : "");
     this.fault.hidden = !run.error;
+    setText(this.throughput.firstChild, quantity(run.key_figures?.throughput_per_h, "/h"));
     this.age.dateTime = run.created_at;
     this.age.title = moment(run.created_at);
     setText(this.age, age(run.created_at));

@@ -12,7 +12,7 @@ import { Through } from "./through.js";
 const PERIOD_MS = 2000;
 const LIMIT = 50;
 const COMPARED_MAX = 4;
-const columns = ["Compare", "Run", "Model", "State", "Progress", "Parts through", "Age", "Actions"];
+const columns = ["Compare", "Run", "Model", "State", "Progress", "Parts through", "Throughput", "Age", "Actions"];
 
 const trail = []; // cursors of the pages before this one, for the way back
 
@@ -86,7 +86,7 @@ export class RunsView {
   table() {
     this.body = h("tbody", { role: "rowgroup" });
     this.state = h("div", { class: "empty" }, h("p", {}, "Loading …"));
-    const header = columns.map((name, k) => h("th", { role: "columnheader", scope: "col", class: k === 5 ? "right" : null },
+    const header = columns.map((name, k) => h("th", { role: "columnheader", scope: "col", class: k === 5 || k === 6 ? "right" : null },
       k === 0 || k === columns.length - 1 ? h("span", { class: "hidden" }, name) : name));
     this.list = h("table", { class: "runs", role: "table", hidden: true },
       h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, header)), this.body);

@@ -21,9 +21,35 @@ export function valueAt(times, values, t) {
   return values[k] + share * (values[k + 1] - values[k]);
 }
 
-// Columns of a curve without what passes all counters.
-export function counterNames(curve) {
-  return [...curve.columns.keys()].filter((name) => name !== "left_domain");
+const balance = ["offered", "admitted", "waiting", "discarded"]; // columns of each feed
+
+export function isFed({ feeds = [] }) {
+  return feeds.length > 0;
+}
+
+// [name, words] of the columns of a run's curve that count parts.
+export function columnsOf(scenario) {
+  const { counters, feeds = [] } = scenario;
+  return [...counters.map(({ id }) => [id, id]), ["left_domain", isFed(scenario) ? "exits" : "left the belt"],
+    ...feeds.flatMap(({ id }) => balance.map((what) => [`${id}.${what}`, `${id}: ${what}`]))];
+}
+
+// [words, values] of what flows through: the sums of the feeds, and the exits.
+export function flowOf(scenario, { columns }) {
+  const { feeds = [] } = scenario;
+  const sums = balance.map((what) => [what, sumOf(feeds.map(({ id }) => columns.get(`${id}.${what}`) ?? []))]);
+  const seen = sums.filter(([what, values]) => what !== "discarded" || values.some((value) => value > 0));
+  return [...seen, ["exits", columns.get("left_domain") ?? []]];
+}
+
+function sumOf([first = [], ...others]) {
+  return others.reduce((sum, values) => sum.map((value, k) => value + values[k]), first);
+}
+
+// [words, values] of what is in the counters, and what waits at the feeds.
+export function contentOf({ counters, feeds = [] }, { columns }) {
+  return [...counters.map(({ id }) => [id, columns.get(id) ?? []]),
+    ...feeds.map(({ id }) => [`${id}: waiting`, columns.get(`${id}.waiting`) ?? []])];
 }
 
 // Samples of a measured curve from CSV with the header t_s,<name>. Throws with the line at fault.

@@ -1,13 +1,17 @@
-// How many parts have left the belt, for the list: of runs that ended from their summaries, fetched a few
-// at a time and cached; of others from their curves as they come.
+// How many parts have left the belt, of all that were on it, for the list: of runs that ended from their summaries, fetched
+// a few at a time and cached; of others from their curves as they come.
 
 import { getJson, isOver, paths } from "./api.js";
 
 const AT_ONCE = 4;
 
+function sum(values) {
+  return values.reduce((all, value) => all + value, 0);
+}
+
 export class Through {
   constructor(onKnown) {
-    this.onKnown = onKnown; // (id, { left, start })
+    this.onKnown = onKnown; // (id, { left, start, entered })
     this.known = new Map();
     this.waiting = [];
     this.n = 0;
@@ -35,8 +39,8 @@ export class Through {
   async fetchOne(run) {
     this.n += 1;
     try {
-      const summary = await getJson(paths.of(run.id, "summary"));
-      this.set(run.id, { left: summary.parts_left, start: summary.parts_start, isFinal: true });
+      const { parts_start: start, parts_left: left, key_figures: figures } = await getJson(paths.of(run.id, "summary"));
+      this.set(run.id, { left, start, entered: sum((figures?.feeds ?? []).map(({ admitted }) => admitted)), isFinal: true });
     } catch (error) {
       if (error.status !== 0) this.set(run.id, { isFinal: true });
     }
@@ -45,7 +49,8 @@ export class Through {
   }
 
   // A batch of the curve of a run that is going.
-  take({ run, left_domain: left }) {
-    if (left?.length) this.set(run, { left: left.at(-1) });
+  take({ run, left_domain: left, ...columns }) {
+    const admitted = Object.entries(columns).filter(([name]) => name.endsWith(".admitted"));
+    if (left?.length) this.set(run, { left: left.at(-1), entered: sum(admitted.map(([, values]) => values.at(-1))) });
   }
 }
