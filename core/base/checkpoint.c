@@ -42,12 +42,17 @@ void checkpoint_write(checkpoint_writer *w, const void *bytes, size_t n)
     w->has_failed = w->has_failed || buffer_append(w->out, bytes, n) != BF_OK;
 }
 
-void checkpoint_rewrite(checkpoint_writer *w, const void *bytes, size_t n)
+size_t checkpoint_at(const checkpoint_writer *w)
+{
+    return w->has_failed ? 0 : w->out->n - w->start - sizeof(envelope);
+}
+
+void checkpoint_rewrite(checkpoint_writer *w, size_t at, const void *bytes, size_t n)
 {
     if (w->has_failed)
         return;
-    BF_CHECK(w->start + sizeof(envelope) + n <= w->out->n);
-    memcpy(w->out->bytes + w->start + sizeof(envelope), bytes, n);
+    BF_CHECK(at + n <= checkpoint_at(w));
+    memcpy(w->out->bytes + w->start + sizeof(envelope) + at, bytes, n);
 }
 
 bf_status checkpoint_end(checkpoint_writer *w, bf_error *err)

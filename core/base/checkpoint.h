@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 /// Incremented with every change of the format of any solver's state.
-enum { CHECKPOINT_VERSION = 1 };
+enum { CHECKPOINT_VERSION = 2 };
 
 /// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {
@@ -54,8 +54,11 @@ void checkpoint_begin(checkpoint_writer *w, bf_buffer *out, checkpoint_kind kind
 /// Append n bytes to the payload.
 void checkpoint_write(checkpoint_writer *w, const void *bytes, size_t n);
 
-/// Replace the first n bytes of the payload, which were written before: for counts that are known only at the end.
-void checkpoint_rewrite(checkpoint_writer *w, const void *bytes, size_t n);
+/// Where in the payload the next byte is written.
+size_t checkpoint_at(const checkpoint_writer *w);
+
+/// Replace n bytes of the payload from `at` on, which were written before: for counts that are known only at the end.
+void checkpoint_rewrite(checkpoint_writer *w, size_t at, const void *bytes, size_t n);
 
 /// Complete the envelope. BF_ENOMEM: some write had no memory; the buffer is as before checkpoint_begin().
 BF_MUST_CHECK bf_status checkpoint_end(checkpoint_writer *w, bf_error *err);

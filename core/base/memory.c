@@ -80,6 +80,33 @@ int memory_reserve(void *items, size_t *capacity, size_t n, size_t size)
     return 0;
 }
 
+int memory_resize(const memory_array *arrays, size_t n_arrays)
+{
+    void *grown[MEMORY_ARRAYS_MAX] = { NULL }, *old;
+
+    BF_CHECK(n_arrays <= MEMORY_ARRAYS_MAX);
+    for (size_t k = 0; k < n_arrays; k++) {
+        if (arrays[k].n_new == 0)
+            continue;
+        grown[k] = memory_alloc(arrays[k].n_new, arrays[k].size);
+        if (grown[k] != NULL)
+            continue;
+        while (k-- > 0)
+            memory_free(grown[k]);
+        return -1;
+    }
+    for (size_t k = 0; k < n_arrays; k++) {
+        if (arrays[k].n_new == 0)
+            continue;
+        memcpy(&old, arrays[k].items, sizeof old);
+        if (arrays[k].n > 0)
+            memcpy(grown[k], old, arrays[k].n * arrays[k].size);
+        memory_free(old);
+        memcpy(arrays[k].items, &grown[k], sizeof old);
+    }
+    return 0;
+}
+
 void memory_plan_fault(size_t n, int persistent)
 {
     atomic_store(&n_requests, 0);

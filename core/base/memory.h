@@ -17,7 +17,21 @@ void *memory_alloc(size_t n, size_t size);
 /// items points to the caller's array pointer, of any object type.
 int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
 
-/// Free memory of memory_alloc() or memory_reserve(); NULL is fine.
+/// An array of memory_resize().
+typedef struct memory_array {
+    void *items;  ///< the address of the caller's array pointer, of any object type
+    size_t size;  ///< of an item, bytes
+    size_t n;     ///< items that stay
+    size_t n_new; ///< items that there will be room for, at least n; 0: leave the array alone
+} memory_array;
+
+/// Give arrays room for more items, all or none: the first n of each stay, the others are zero. Returns 0, or -1 with
+/// everything left as it was. At most MEMORY_ARRAYS_MAX arrays.
+int memory_resize(const memory_array *arrays, size_t n_arrays);
+
+enum { MEMORY_ARRAYS_MAX = 32 }; ///< see memory_resize()
+
+/// Free memory of memory_alloc(), memory_resize() or memory_reserve(); NULL is fine.
 void memory_free(void *block);
 
 /// n bytes as by malloc(), also NULL when a fault was planned; for libraries that accept

@@ -7,6 +7,13 @@
 #include "core/scene/plate_motion.h"
 #include "core/scene/surroundings.h"
 
+/// What a handle stands for.
+enum {
+    MICRO_HERE, ///< a part in the domain
+    MICRO_LEFT, ///< one that has left
+    MICRO_FREE, ///< one whose departure was reported
+};
+
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
 typedef struct micro_backend {
     /// Largest stable step of MICRO_VERLET, s; def is checked but for dt
@@ -19,6 +26,14 @@ typedef struct micro_backend {
     bf_status (*advance)(void *state, uint64_t n, bf_error *err);
     /// micro_part_of()
     micro_part (*part)(const void *state, size_t k);
+    /// Where part k is on the belt
+    micro_place (*place)(const void *state, size_t k);
+    /// MICRO_HERE etc. of each handle; the caller may free those of parts that have left, then forget_gone()
+    uint8_t *(*presence)(void *state);
+    /// Add a part with the handle k: one that is free, or as many as there are. BF_ENOMEM: as before
+    bf_status (*admit)(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
+    /// Erase what is stored from step to step of contacts with parts that have left
+    void (*forget_gone)(void *state);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
     /// The motion of the obstacles; pose_plates() must follow what changes it
@@ -28,10 +43,16 @@ typedef struct micro_backend {
     uint64_t (*steps)(const void *state);
     /// Write the state as the payload of a checkpoint.
     void (*save)(const void *state, checkpoint_writer *w);
-    /// Take a state that save() wrote, to the payload's end; else as micro_load().
-    bf_status (*load)(void *state, checkpoint_reader *r, bf_error *err);
+    /// Take a state with n handles that save() wrote, to the payload's end; else as micro_load().
+    bf_status (*load)(void *state, size_t n, checkpoint_reader *r, bf_error *err);
     checkpoint_kind kind; ///< of its checkpoints
 } micro_backend;
+
+/// For how many parts steps and iterations are chosen.
+static inline size_t micro__n_expected(const micro_def *def)
+{
+    return def->n_parts_expected > 0 ? def->n_parts_expected : def->n_parts;
+}
 
 /// The definition's domain, edges and belts, copied: surroundings_fini(). BF_ENOMEM.
 BF_MUST_CHECK bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,

@@ -76,7 +76,7 @@ static bf_status check_kinds(const micro_def *def, bf_error *err)
     return status;
 }
 
-static bool is_inside(const scene_rect *d, const scene_pose *pose)
+bool micro__is_inside(const scene_rect *d, const scene_pose *pose)
 {
     return pose->x >= d->x_min && pose->x <= d->x_max && pose->y >= d->y_min &&
            pose->y <= d->y_max && isfinite(pose->heading);
@@ -87,10 +87,13 @@ static bf_status check_parts(const micro_def *def, bf_error *err)
     if (def->n_parts > SCENE_PARTS_MAX)
         return bf_fail(err, BF_ELIMIT, "/initial", "%zu parts, the limit is %d", def->n_parts,
                        SCENE_PARTS_MAX);
+    if (def->n_parts_expected > SCENE_PARTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "/feeds", "%zu parts, the limit is %d",
+                       def->n_parts_expected, SCENE_PARTS_MAX);
     if (def->n_parts > 0 && def->poses == NULL)
         return bf_fail(err, BF_EINPUT, "/initial", "the parts have no places");
     for (size_t k = 0; k < def->n_parts; k++) {
-        if (!is_inside(&def->domain, &def->poses[k]))
+        if (!micro__is_inside(&def->domain, &def->poses[k]))
             return bf_fail(err, BF_EINPUT, "/initial",
                            "part %zu at (%g, %g) m is outside the domain", k, def->poses[k].x,
                            def->poses[k].y);

@@ -1,6 +1,7 @@
 #include "core/micro/implicit_step.h"
 
 #include "core/base/vec2.h"
+#include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/micro_priv.h"
 #include "core/scene/belt_speeds.h"
@@ -115,7 +116,7 @@ int implicit_step_iterations(size_t n_parts, double h, double stiffness, double 
 
 static double step_of_iterations(const micro_def *def, const extremes *x)
 {
-    effort e = make_effort(def->n_parts, x->stiffness, x->damping, x->mass);
+    effort e = make_effort(micro__n_expected(def), x->stiffness, x->damping, x->mass);
     double square = iterations_chosen * iterations_chosen;
 
     return 2.0 * square / (e.linear + sqrt(e.linear * e.linear + 4.0 * e.quadratic * square));

@@ -6,10 +6,12 @@
 #include "core/micro/contact_law.h"
 #include "core/micro/implicit_step.h"
 #include "core/micro/micro_priv.h"
+#include "core/micro/places.h"
 #include "core/scene/definition.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double step_slack = 1e-9; // tolerance for steps that are equal to the bound in decimal
@@ -23,10 +25,25 @@ static const double plate_move = 0.25;
 struct micro_solver {
     const micro_backend *backend;
     void *state;
-    size_t n_parts;
     double dt;
     uint64_t definition; // digest, to which checkpoints belong
+    scene_rect domain;
+    size_t n_kinds;
+    size_t n_defined; // parts of the definition
+    bool admits;      // parts may be admitted
+    size_t n;         // handles
+    size_t capacity;  // room in ids
+    uint64_t *ids;    // by handle
+    uint64_t next_id;
+    size_t first_free; // no lower handle is free
+    places places;
 };
+
+// The start of a saved state, followed by the ids and what the backend saves.
+typedef struct saved_header {
+    uint64_t n;
+    uint64_t next_id;
+} saved_header;
 
 micro_def micro_def_default(void)
 {
@@ -140,9 +157,11 @@ bf_status micro__copy_surroundings(const micro_def *def, surroundings *ret_copy,
 // kind.
 static uint64_t digest_definition(const micro_def *def)
 {
-    const double numbers[] = { def->start_velocity.x, def->start_velocity.y, def->modulus_reduction,
-                               def->damping,          def->gravity,          def->dt,
-                               def->tension,          def->integrator,       (double)def->n_parts };
+    const double numbers[] = { def->start_velocity.x,  def->start_velocity.y,
+                               def->modulus_reduction, def->damping,
+                               def->gravity,           def->dt,
+                               def->tension,           def->integrator,
+                               (double)def->n_parts,   (double)def->n_parts_expected };
     uint64_t digest = digest_add(DIGEST_START, numbers, sizeof numbers);
 
     digest = definition_add_rect(digest, &def->domain);
@@ -165,6 +184,17 @@ static uint64_t digest_definition(const micro_def *def)
     return definition_add_materials(digest, 1, &def->handling);
 }
 
+static bf_status fill(micro_solver *s, const micro_def *def, bf_error *err)
+{
+    if (memory_reserve(&s->ids, &s->capacity, def->n_parts, sizeof *s->ids) != 0)
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
+    while (s->n < def->n_parts)
+        s->ids[s->n++] = s->next_id++;
+    s->first_free = s->n;
+    bf_status status = places_init(def, &s->places, err);
+    return status == BF_OK ? s->backend->create(def, &s->state, err) : status;
+}
+
 bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error *err)
 {
     bf_status status = micro__check(def, err);
@@ -182,11 +212,14 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
     if (s == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a solver");
     *s = (micro_solver){ .backend = backend,
-                         .n_parts = def->n_parts,
                          .dt = own.dt,
-                         .definition = digest_definition(&own) };
-    if ((status = backend->create(&own, &s->state, err)) != BF_OK) {
-        memory_free(s);
+                         .definition = digest_definition(&own),
+                         .domain = def->domain,
+                         .n_kinds = def->n_kinds,
+                         .n_defined = def->n_parts,
+                         .admits = def->n_parts_expected > 0 };
+    if ((status = fill(s, &own, err)) != BF_OK) {
+        micro_destroy(s);
         return status;
     }
     *ret_solver = s;
@@ -195,14 +228,19 @@ bf_status micro_create(const micro_def *def, micro_solver **ret_solver, bf_error
 
 micro_solver *micro_destroy(micro_solver *s)
 {
-    if (s != NULL)
+    if (s == NULL)
+        return NULL;
+    if (s->state != NULL)
         s->backend->destroy(s->state);
+    places_fini(&s->places);
+    memory_free(s->ids);
     memory_free(s);
     return NULL;
 }
 
 bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 {
+    s->places.is_sorted = false;
     return s->backend->advance(s->state, n, err);
 }
 
@@ -225,7 +263,98 @@ micro_part micro_part_of(const micro_solver *s, size_t k)
 
 bool micro_is_gone(const micro_solver *s, size_t k)
 {
-    return s->backend->part(s->state, k).is_gone;
+    return s->backend->presence(s->state)[k] != MICRO_HERE;
+}
+
+uint64_t micro_id_of(const micro_solver *s, size_t k)
+{
+    return s->ids[k];
+}
+
+// The lowest handle from `first` on that stands for this; n if there is none.
+static size_t find_handle(const micro_solver *s, size_t first, int what)
+{
+    const uint8_t *presence = s->backend->presence(s->state);
+    const uint8_t *found = first < s->n ? memchr(presence + first, what, s->n - first) : NULL;
+
+    return found != NULL ? (size_t)(found - presence) : s->n;
+}
+
+static bf_status check_arrival(const micro_solver *s, const micro_arrival *arrival, bf_error *err)
+{
+    if (!s->admits)
+        return bf_fail(err, BF_EINPUT, "", "the definition does not expect parts to be admitted");
+    if (arrival->kind >= s->n_kinds)
+        return bf_fail(err, BF_EINPUT, "/cargo", "kind %u of %zu", (unsigned)arrival->kind,
+                       s->n_kinds);
+    if (!micro__is_inside(&s->domain, &arrival->pose) || !isfinite(arrival->velocity.x) ||
+        !isfinite(arrival->velocity.y))
+        return bf_fail(err, BF_EINPUT, "", "no part can enter at (%g, %g) m with (%g, %g) m/s",
+                       arrival->pose.x, arrival->pose.y, arrival->velocity.x, arrival->velocity.y);
+    return BF_OK;
+}
+
+bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
+                      bf_error *err)
+{
+    bf_status status = check_arrival(s, arrival, err);
+    if (status != BF_OK)
+        return status;
+    const size_t k = s->first_free = find_handle(s, s->first_free, MICRO_FREE);
+    if (k == SCENE_PARTS_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "the limit is %d parts at a time", SCENE_PARTS_MAX);
+    if (memory_reserve(&s->ids, &s->capacity, k + 1, sizeof *s->ids) != 0)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", k + 1);
+    if ((status = s->backend->admit(s->state, k, arrival, err)) != BF_OK)
+        return status;
+    s->ids[k] = s->next_id++;
+    s->n += k == s->n;
+    s->first_free = k + 1;
+    places_add(&s->places, k, arrival->kind);
+    *ret_part = k;
+    return BF_OK;
+}
+
+size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, size_t room)
+{
+    uint8_t *presence = s->backend->presence(s->state);
+    size_t n = 0;
+
+    for (size_t k = find_handle(s, 0, MICRO_LEFT); n < room && k < s->n;
+         k = find_handle(s, k, MICRO_LEFT)) {
+        const micro_part part = micro_part_of(s, k);
+        ret_departures[n++] = (micro_departure){ .part = k,
+                                                 .id = s->ids[k],
+                                                 .kind = s->backend->place(s->state, k).kind,
+                                                 .x = part.x[0],
+                                                 .y = part.x[1] };
+        presence[k] = MICRO_FREE;
+        s->first_free = k < s->first_free ? k : s->first_free;
+    }
+    if (n > 0)
+        s->backend->forget_gone(s->state);
+    return n;
+}
+
+static places_parts parts_of(const micro_solver *s)
+{
+    return (places_parts){ s->backend, s->state, s->n, (double)micro_steps(s) * s->dt };
+}
+
+bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose, bool *ret_is_free,
+                        bf_error *err)
+{
+    const places_parts parts = parts_of(s);
+
+    return places_find_free(&s->places, &parts, kind, pose, ret_is_free, err);
+}
+
+bf_status micro_visit_near(micro_solver *s, vec2 a, vec2 b, double distance, micro_visit *visit,
+                           void *context, bf_error *err)
+{
+    const places_parts parts = parts_of(s);
+
+    return places_visit_near(&s->places, &parts, a, b, distance, visit, context, err);
 }
 
 bool micro_is_planar(const micro_solver *s)
@@ -235,7 +364,7 @@ bool micro_is_planar(const micro_solver *s)
 
 size_t micro_parts(const micro_solver *s)
 {
-    return s->n_parts;
+    return s->n;
 }
 
 micro_totals micro_measure(const micro_solver *s)
@@ -259,7 +388,7 @@ uint64_t micro_digest(const micro_solver *s)
     const bool is_planar = micro_is_planar(s);
     uint64_t digest = digest_add(DIGEST_START, &steps, sizeof steps);
 
-    for (size_t k = 0; k < s->n_parts; k++) {
+    for (size_t k = 0; k < s->n; k++) {
         const micro_part part = micro_part_of(s, k);
         const double is_gone = part.is_gone ? 1.0 : 0.0;
         digest = digest_add(digest, part.x, sizeof part.x);
@@ -272,22 +401,91 @@ uint64_t micro_digest(const micro_solver *s)
             digest = digest_add(digest, part.q, sizeof part.q);
         digest = digest_add(digest, &is_gone, sizeof is_gone);
     }
-    return digest;
+    if (!s->admits)
+        return digest;
+    digest = digest_add(digest, s->ids, s->n * sizeof *s->ids);
+    return digest_add(digest, s->backend->presence(s->state), s->n);
 }
 
 bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
 {
     checkpoint_writer w;
 
+    const saved_header header = { s->n, s->next_id };
+
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
+    checkpoint_write(&w, &header, sizeof header);
+    checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
     s->backend->save(s->state, &w);
     return checkpoint_end(&w, err);
+}
+
+static int compare_ids(const void *left, const void *right)
+{
+    uint64_t a, b;
+
+    memcpy(&a, left, sizeof a);
+    memcpy(&b, right, sizeof b);
+    return (a > b) - (a < b);
+}
+
+static bool is_header_sound(const micro_solver *s, const saved_header *h)
+{
+    if (!s->admits)
+        return h->n == s->n_defined && h->next_id == h->n;
+    return h->n >= s->n_defined && h->n <= SCENE_PARTS_MAX && h->next_id >= h->n;
+}
+
+// Each id once, and less than the next one. Sorts them.
+static bool are_ids_sound(uint64_t *ids, const saved_header *h)
+{
+    bool are_sound = true;
+
+    qsort(ids, h->n, sizeof *ids, compare_ids);
+    for (size_t k = 0; k < h->n; k++)
+        are_sound = are_sound && ids[k] < h->next_id && (k == 0 || ids[k - 1] < ids[k]);
+    return are_sound;
+}
+
+// Reads the ids into new memory, ret_ids, and then the state.
+static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header *header,
+                      uint64_t **ret_ids, bf_error *err)
+{
+    const size_t n = header->n;
+    const char *from = checkpoint_read_items(r, n, sizeof **ret_ids);
+
+    if (from == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
+    if ((*ret_ids = memory_alloc(n + 1, sizeof **ret_ids)) == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
+    memcpy(*ret_ids, from, n * sizeof **ret_ids);
+    if (!are_ids_sound(*ret_ids, header))
+        return bf_fail(err, BF_ECORRUPT, "", "the ids of the saved parts are damaged");
+    memcpy(*ret_ids, from, n * sizeof **ret_ids);
+    return s->backend->load(s->state, n, r, err);
 }
 
 bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err)
 {
     checkpoint_reader r;
+    saved_header header;
+    uint64_t *ids = NULL;
 
     bf_status status = checkpoint_open(&r, bytes, n, s->backend->kind, s->definition, err);
-    return status == BF_OK ? s->backend->load(s->state, &r, err) : status;
+    if (status != BF_OK)
+        return status;
+    if (!checkpoint_read(&r, &header, sizeof header) || !is_header_sound(s, &header))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
+    if ((status = load(s, &r, &header, &ids, err)) != BF_OK) {
+        memory_free(ids);
+        return status;
+    }
+    memory_free(s->ids);
+    s->ids = ids;
+    s->n = header.n;
+    s->capacity = header.n + 1;
+    s->next_id = header.next_id;
+    s->first_free = 0;
+    s->places.is_sorted = false;
+    return BF_OK;
 }

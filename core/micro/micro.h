@@ -14,11 +14,15 @@
 /// rigid bodies in 3-D with quaternions, on belts as moving planes, between obstacles and walls as
 /// rigid boundaries; contact points by GJK/EPA or in closed form.
 ///
-/// A part whose centre leaves the domain over an edge that is not a wall has left: its id remains valid, and
-/// micro_is_gone() is true.
+/// A part whose centre leaves the domain over an edge that is not a wall has left: micro_is_gone() is true, and
+/// its last state stays, until micro_take_departures() has reported it and its handle is used again.
 ///
 /// Units    SI. The belt surface is z = 0; heights count from there.
-/// Ids      of parts are their indices in the definition, whatever order the solver stores them in.
+/// Handles  A part is accessed by its handle k < micro_parts(), whatever order the solver stores parts in:
+///          its index in the definition, or what micro_admit() returns. The lowest free handle is used first, so
+///          that their number is that of the parts that were in the domain at the same time.
+/// Ids      are never used again: 0 .. n_parts - 1 for the parts of the definition, then rising in order of
+///          admission.
 /// Threads  a solver belongs to one thread at a time and uses n_threads itself; the result has the same
 ///          bits for any number of them.
 /// Errors   as in core/macro/macro.h; pointers are those of a scenario.
@@ -72,8 +76,10 @@ typedef struct micro_def {
     size_t n_parts;                     ///< (no default)
     const scene_pose *poses;            ///< of the parts' centres at the start; they lie flat
     const uint32_t *part_kinds;         ///< kind of each part; NULL: all of kind 0
-    vec2 start_velocity;                ///< of parts off every belt, m/s (default 0, 0); parts on
-                                        ///< a belt start with its velocity
+    size_t n_parts_expected; ///< for how many parts steps and iterations are chosen where
+                             ///< parts will be admitted; 0: n_parts, and none will (default)
+    vec2 start_velocity;     ///< of parts off every belt, m/s (default 0, 0); parts on
+                             ///< a belt start with its velocity
     scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
     scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
     scene_material handling;                 ///< obstacles and walls (default 70e9 Pa, 0.34)
@@ -102,6 +108,31 @@ typedef struct micro_part {
     bool is_gone; ///< left the domain
 } micro_part;
 
+/// A part that enters: it lies flat.
+typedef struct micro_arrival {
+    uint32_t kind;   ///< < n_kinds
+    scene_pose pose; ///< in the domain
+    vec2 velocity;   ///< m/s
+} micro_arrival;
+
+/// A part that has left.
+typedef struct micro_departure {
+    size_t part;   ///< handle that it had
+    uint64_t id;   ///< see there
+    uint32_t kind; ///< see there
+    double x;      ///< where it left, m
+    double y;      ///< same
+} micro_departure;
+
+/// Where a part is on the belt, seen from above.
+typedef struct micro_place {
+    uint32_t kind; ///< see there
+    bool
+        is_flat; ///< it stands or lies as at its start, so that its footprint is that of its kind at pose
+    scene_pose pose; ///< of the origin of its footprint; of its centre of mass if not is_flat
+    double radius;   ///< of the disk around pose that holds it, m
+} micro_place;
+
 /// Totals of the current state and of the run so far.
 typedef struct micro_totals {
     size_t n_parts;    ///< parts in the domain
@@ -122,7 +153,8 @@ double micro_dt_stable(const micro_def *def);
 /// moves.
 double micro_dt_plates(const micro_def *def);
 
-/// The step that dt = 0 stands for, s, at most micro_dt_plates(); of MICRO_IMPLICIT it depends on n_parts.
+/// The step that dt = 0 stands for, s, at most micro_dt_plates(); of MICRO_IMPLICIT it depends on
+/// n_parts_expected.
 double micro_dt_chosen(const micro_def *def);
 
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
@@ -144,16 +176,43 @@ BF_MUST_CHECK bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err
 void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over);
 void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present);
 
-/// The state of part k, 0 <= k < n_parts.
+/// The state of part k, 0 <= k < micro_parts().
 micro_part micro_part_of(const micro_solver *s, size_t k);
 
 /// True if part k has left the domain.
 bool micro_is_gone(const micro_solver *s, size_t k);
 
+/// Id of part k.
+uint64_t micro_id_of(const micro_solver *s, size_t k);
+
+/// Add a part; it moves from the next step on. It may overlap others: micro_is_free(). BF_EINPUT: a member is out of
+/// range, or n_parts_expected is 0; BF_ELIMIT: SCENE_PARTS_MAX are in the domain; BF_ENOMEM. On an error s is
+/// as before.
+BF_MUST_CHECK bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret_part,
+                                    bf_error *err);
+
+/// The next parts, in order of their handles, that have left and were not reported yet, at most `room`. Returns how
+/// many; fewer than room: that was all of them. Their handles are free from now on.
+size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, size_t room);
+
+/// Whether a part of a kind at a pose would overlap by more than SCENE_TOLERANCE no part, plate and wall, and have
+/// its centre in the domain; parts by their footprints, those that do not lie flat by the disk around them. Constant
+/// time, but for the first query after steps, which is O(n). BF_ENOMEM.
+BF_MUST_CHECK bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose,
+                                      bool *ret_is_free, bf_error *err);
+
+/// Called with a part in the domain.
+typedef void micro_visit(void *context, size_t part, const micro_place *place);
+
+/// Call visit for the parts whose pose is within a distance, m, of the segment from a to b, in any order; s must
+/// not be changed until this returns. Time as of micro_is_free(). BF_ENOMEM: before the first call.
+BF_MUST_CHECK bf_status micro_visit_near(micro_solver *s, vec2 a, vec2 b, double distance,
+                                         micro_visit *visit, void *context, bf_error *err);
+
 /// True on the planar path.
 bool micro_is_planar(const micro_solver *s);
 
-/// Number of parts, gone ones included.
+/// Number of handles: parts in the domain, those that have left, and free ones.
 size_t micro_parts(const micro_solver *s);
 
 /// Totals; O(n).
@@ -165,7 +224,7 @@ double micro_dt(const micro_solver *s);
 /// Steps made since t = 0.
 uint64_t micro_steps(const micro_solver *s);
 
-/// Digest of step count and state, in the order in which parts were given.
+/// Digest of step count and state, in order of handles, and of the ids where parts may be admitted.
 uint64_t micro_digest(const micro_solver *s);
 
 /// Append the state to *out, so that micro_load() into a solver of the same def goes on with the same

@@ -11,3 +11,6 @@ double micro__plate_speed(const micro_def *def, size_t *ret_obstacle);
 
 /// Check all members of a definition but dt.
 BF_MUST_CHECK bf_status micro__check(const micro_def *def, bf_error *err);
+
+/// Whether a part's centre may be there: in the domain, with a finite heading.
+bool micro__is_inside(const scene_rect *domain, const scene_pose *pose);

@@ -1,7 +1,6 @@
 #include "core/scene/overlap_grid.h"
 
 #include "core/base/memory.h"
-#include "core/base/polygon.h"
 #include "core/scene/mix.h"
 
 #include <math.h>
@@ -52,28 +51,6 @@ static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
     return &c->footprints[mix_kind(c->kinds, k)];
 }
 
-static bool is_overlapping(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
-                           scene_pose b)
-{
-    vec2 corners_a[SCENE_VERTICES_MAX + 1], corners_b[SCENE_VERTICES_MAX + 1];
-    double distance = vec2_length((vec2){ b.x - a.x, b.y - a.y });
-
-    if (distance >= of_a->bounding_radius + of_b->bounding_radius - SCENE_TOLERANCE)
-        return false;
-    if (of_a->n_corners == 0 && of_b->n_corners == 0)
-        return true;
-    shape_place(of_a, a, corners_a);
-    shape_place(of_b, b, corners_b);
-    if (of_a->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ a.x, a.y }, of_a->bounding_radius, corners_b,
-                                     of_b->n_corners, SCENE_TOLERANCE);
-    if (of_b->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ b.x, b.y }, of_b->bounding_radius, corners_a,
-                                     of_a->n_corners, SCENE_TOLERANCE);
-    return polygon_overlaps(corners_a, of_a->n_corners, corners_b, of_b->n_corners,
-                            SCENE_TOLERANCE);
-}
-
 bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, size_t *ret_other)
 {
     const shape_footprint *own = footprint_of(c, part);
@@ -83,7 +60,7 @@ bool overlap_grid_overlaps(const overlap_grid *c, size_t part, scene_pose pose, 
         for (int64_t j = row - 1; j <= row + 1; j++) {
             uint32_t k = c->heads[find_bucket(c, i, j)];
             for (; k != NO_PART; k = c->next[k]) {
-                if (is_overlapping(own, pose, footprint_of(c, k), c->poses[k])) {
+                if (shape_overlaps(own, pose, footprint_of(c, k), c->poses[k])) {
                     *ret_other = k;
                     return true;
                 }

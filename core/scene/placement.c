@@ -1,12 +1,10 @@
 #include "core/scene/placement.h"
 
 #include "core/base/memory.h"
-#include "core/base/polygon.h"
 #include "core/base/random.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
 #include "core/scene/plate_pieces.h"
-#include "core/scene/surroundings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,32 +31,15 @@ static size_t limit_attempts(size_t n)
     return 100000 + 20 * n;
 }
 
-/// Farthest point of a footprint from the centre in direction u, m.
-static double find_support(const shape_footprint *footprint, scene_pose pose, vec2 u)
+double placement_excess(const surroundings *around, const shape_footprint *footprint,
+                        scene_pose pose, scene_side side)
 {
-    vec2 corners[SCENE_VERTICES_MAX + 1];
-    double support = -INFINITY;
+    const double excess = surroundings_excess(around, side, (vec2){ pose.x, pose.y });
+    const vec2 outward = vec2_scale(surroundings_side(around, side).inward, -1.0);
 
-    if (footprint->n_corners == 0)
-        return footprint->bounding_radius;
-    shape_place(footprint, (scene_pose){ 0.0, 0.0, pose.heading }, corners);
-    for (size_t k = 0; k < footprint->n_corners; k++)
-        support = fmax(support, vec2_dot(corners[k], u));
-    return support;
-}
-
-/// How far a part extends over a side of the domain, m: with its footprint over a wall, with its centre
-/// over any side. Negative inside.
-static double excess_of(const scene *s, const shape_footprint *footprint, scene_pose pose,
-                        scene_side side)
-{
-    const surroundings around = surroundings_of(s);
-    const double excess = surroundings_excess(&around, side, (vec2){ pose.x, pose.y });
-    const vec2 outward = vec2_scale(surroundings_side(&around, side).inward, -1.0);
-
-    if (s->edges[side] != SCENE_EDGE_WALL)
+    if (around->edges[side] != SCENE_EDGE_WALL)
         return excess;
-    return excess + fmax(find_support(footprint, pose, outward), 0.0);
+    return excess + shape_extent(footprint, pose.heading, outward);
 }
 
 static void place_hexagonal(const scene_initial *initial, scene_pose *ret_poses)
@@ -80,10 +61,11 @@ static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
 
 static bool has_room(const scene *s, const overlap_grid *c, size_t k, scene_pose pose)
 {
+    const surroundings around = surroundings_of(s);
     size_t other;
 
     for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (excess_of(s, footprint_of(c, k), pose, side) > 0.0)
+        if (placement_excess(&around, footprint_of(c, k), pose, side) > 0.0)
             return false;
     }
     return !overlap_grid_overlaps(c, k, pose, &other);
@@ -254,11 +236,12 @@ static const char *point_at(const scene *s, size_t k, char *room)
 static bool check_inside(overlap_findings *f, size_t k)
 {
     static const char *const words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
+    const surroundings around = surroundings_of(f->s);
     char room[BF_POINTER_SIZE];
     scene_pose at = f->p->poses[k];
 
     for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        double excess = excess_of(f->s, footprint_in(f, k), at, side);
+        double excess = placement_excess(&around, footprint_in(f, k), at, side);
         if (excess <= SCENE_TOLERANCE)
             continue;
         f->n_outside++;
@@ -344,19 +327,6 @@ static int compare_places(const void *a, const void *b)
     return of_a->part < of_b->part ? -1 : of_a->part > of_b->part;
 }
 
-static bool is_overlapping(const plate_findings *f, size_t k, const vec2 plate[4])
-{
-    const shape_footprint *footprint = &f->footprints[mix_kind(f->p->kinds, k)];
-    vec2 corners[SCENE_VERTICES_MAX + 1];
-    scene_pose at = f->p->poses[k];
-
-    if (footprint->n_corners == 0)
-        return polygon_overlaps_disk((vec2){ at.x, at.y }, footprint->bounding_radius, plate, 4,
-                                     SCENE_TOLERANCE);
-    shape_place(footprint, at, corners);
-    return polygon_overlaps(corners, footprint->n_corners, plate, 4, SCENE_TOLERANCE);
-}
-
 /// The first place at or beyond x.
 static size_t find_first(const plate_findings *f, double x)
 {
@@ -388,7 +358,8 @@ static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const
          i < f->p->n && f->places[i].x <= box.x_max && f->n_reported < limit; i++) {
         size_t k = f->places[i].part;
         scene_pose at = f->p->poses[k];
-        if (at.y < box.y_min || at.y > box.y_max || !is_overlapping(f, k, plate))
+        if (at.y < box.y_min || at.y > box.y_max ||
+            !shape_overlaps_polygon(&f->footprints[mix_kind(f->p->kinds, k)], at, plate, 4))
             continue;
         f->n_reported++;
         faults_add(f->faults, point_at(f->s, k, room),

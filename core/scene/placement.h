@@ -3,6 +3,8 @@
 #pragma once
 
 #include "core/scene/scene.h"
+#include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
 
 /// Place the parts of a scenario. Random places are drawn by random.h from
 /// initial.seed, so the same scenario gives the same places on every machine.
@@ -23,6 +25,11 @@ void placement_fini(scene_placement *p);
 /// O(n) by a cell grid. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,
                                         bf_faults *faults);
+
+/// How far a part extends over a side of the domain, m: with its footprint over a wall, with its centre
+/// over any side. Negative inside.
+double placement_excess(const surroundings *around, const shape_footprint *footprint,
+                        scene_pose pose, scene_side side);
 
 /// Note parts that overlap the plate of an obstacle, as it stands at t = 0, by more than SCENE_TOLERANCE, for the microscopic
 /// model, where a plate is solid. BF_ENOMEM.

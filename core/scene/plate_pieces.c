@@ -17,16 +17,12 @@ bool plate_pieces_get(const plate_pieces *pieces, size_t obstacle, size_t k, vec
 
     if (!plate_motion_is_present(motion, obstacle, 0.0))
         return false;
-    const surroundings_piece p =
+    const surroundings_piece piece =
         surroundings_piece_of(&pieces->around, &pieces->s->obstacles[obstacle], k);
-    const vec2 through = vec2_scale(p.upstream, -p.thickness);
-    const bool is_left = vec2_cross(vec2_sub(p.end, p.start), p.upstream) > 0.0;
-    const vec2 first = is_left ? p.end : p.start, second = is_left ? p.start : p.end;
     const plate_motion_pose pose =
         plate_motion_pose_at(motion, obstacle, plate_motion_angle(motion, obstacle, 0.0));
-    ret_corners[0] = plate_motion_place(&pose, first);
-    ret_corners[1] = plate_motion_place(&pose, second);
-    ret_corners[2] = plate_motion_place(&pose, vec2_add(second, through));
-    ret_corners[3] = plate_motion_place(&pose, vec2_add(first, through));
+    surroundings_piece_corners(&piece, ret_corners);
+    for (int corner = 0; corner < 4; corner++)
+        ret_corners[corner] = plate_motion_place(&pose, ret_corners[corner]);
     return true;
 }

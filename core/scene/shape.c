@@ -3,7 +3,6 @@
 #include "core/base/polygon.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -345,6 +344,34 @@ void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_co
         ret_corners[k] =
             vec2_add(centre, vec2_add(vec2_scale(u, corner.x), vec2_scale(v, corner.y)));
     }
+}
+
+bool shape_overlaps_polygon(const shape_footprint *footprint, scene_pose pose, const vec2 *corners,
+                            size_t n)
+{
+    vec2 own[SCENE_VERTICES_MAX + 1];
+
+    if (footprint->n_corners == 0)
+        return polygon_overlaps_disk((vec2){ pose.x, pose.y }, footprint->bounding_radius, corners,
+                                     n, SCENE_TOLERANCE);
+    shape_place(footprint, pose, own);
+    return polygon_overlaps(own, footprint->n_corners, corners, n, SCENE_TOLERANCE);
+}
+
+bool shape_overlaps(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
+                    scene_pose b)
+{
+    vec2 corners[SCENE_VERTICES_MAX + 1];
+    const double distance = vec2_length((vec2){ b.x - a.x, b.y - a.y });
+
+    if (distance >= of_a->bounding_radius + of_b->bounding_radius - SCENE_TOLERANCE)
+        return false;
+    if (of_a->n_corners == 0 && of_b->n_corners == 0)
+        return true;
+    if (of_b->n_corners == 0)
+        return shape_overlaps(of_b, b, of_a, a);
+    shape_place(of_b, b, corners);
+    return shape_overlaps_polygon(of_a, a, corners, of_b->n_corners);
 }
 
 double shape_extent(const shape_footprint *footprint, double heading, vec2 direction)

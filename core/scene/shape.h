@@ -5,6 +5,7 @@
 #include "core/base/faults.h"
 #include "core/scene/scene.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /// The outline of a part seen from above, in its own frame.
@@ -26,6 +27,12 @@ double shape_packing_density(const scene_shape *shape);
 
 /// Note every fault of a shape; pointers begin with that of the shape ("/cargo/shape").
 void shape_check(const scene_shape *shape, const char *pointer, bf_faults *faults);
+
+/// True if two parts, or a part and a convex counter-clockwise polygon, overlap by more than SCENE_TOLERANCE.
+bool shape_overlaps(const shape_footprint *of_a, scene_pose a, const shape_footprint *of_b,
+                    scene_pose b);
+bool shape_overlaps_polygon(const shape_footprint *footprint, scene_pose pose, const vec2 *corners,
+                            size_t n);
 
 /// How far a footprint at a heading, rad, extends from its origin in a direction of length 1, m.
 double shape_extent(const shape_footprint *footprint, double heading, vec2 direction);

@@ -95,6 +95,17 @@ surroundings_piece surroundings_piece_of(const surroundings *around, const scene
     return (surroundings_piece){ start, end, along, upstream, length, obstacle->thickness };
 }
 
+void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corners[4])
+{
+    const vec2 through = vec2_scale(piece->upstream, -piece->thickness);
+    const bool is_left = vec2_cross(piece->along, piece->upstream) > 0.0;
+
+    ret_corners[0] = is_left ? piece->end : piece->start;
+    ret_corners[1] = is_left ? piece->start : piece->end;
+    ret_corners[2] = vec2_add(ret_corners[1], through);
+    ret_corners[3] = vec2_add(ret_corners[0], through);
+}
+
 surroundings_line surroundings_side(const surroundings *around, scene_side side)
 {
     const scene_rect *d = &around->domain;

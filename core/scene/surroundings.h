@@ -76,6 +76,9 @@ vec2 surroundings_upstream(vec2 along, vec2 belt);
 surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
                                          size_t k);
 
+/// The corners of a piece with its thickness, counter-clockwise.
+void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corners[4]);
+
 /// The line of a side of the domain.
 surroundings_line surroundings_side(const surroundings *around, scene_side side);
 

@@ -28,12 +28,9 @@ static vec3 in_space(vec2 velocity, double factor)
 
 bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
 {
-    s->belt_cache = memory_alloc(def->n_parts, sizeof *s->belt_cache);
     s->belt_velocities = memory_alloc(def->n_belts + 1, sizeof *s->belt_velocities);
-    if (s->belt_cache == NULL || s->belt_velocities == NULL)
+    if (s->belt_velocities == NULL)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
-    for (size_t k = 0; k < def->n_parts; k++)
-        s->belt_cache[k].clearance = -1.0;
     for (size_t k = 0; k < def->n_belts; k++)
         s->belt_velocities[k] = in_space(def->belts[k].velocity, 1.0);
     bf_status status = micro__copy_surroundings(def, &s->around, err);

@@ -1,7 +1,7 @@
 // Creation and destruction of the state of bodies, and the list of neighbours: each pair once, with what is
 // stored of it from step to step.
 
-#include "core/micro/body/body_priv.h"
+#include "core/micro/body/parts.h"
 
 #include "core/base/memory.h"
 #include "core/micro/backend.h"
@@ -27,53 +27,36 @@ static bf_status init_kinds(body_state *s, const micro_def *def, bf_error *err)
     return status;
 }
 
-static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
-{
-    s->n = n;
-    s->n_blocks = (n + BODY_BLOCK - 1) / BODY_BLOCK;
-    s->bodies = memory_alloc(n, sizeof *s->bodies);
-    s->is_gone = memory_alloc(n, sizeof *s->is_gone);
-    s->bounding_radius = memory_alloc(n, sizeof *s->bounding_radius);
-    s->first_pair = memory_alloc(n + 1, sizeof *s->first_pair);
-    s->cursor = memory_alloc(n, sizeof *s->cursor);
-    s->reports = memory_alloc(s->n_blocks, sizeof *s->reports);
-    if (s->bodies == NULL || s->is_gone == NULL || s->bounding_radius == NULL ||
-        s->first_pair == NULL || s->cursor == NULL || s->reports == NULL)
-        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
-    return BF_OK;
-}
-
-/// Place part k at its initial pose, flat on z = 0.
-static void place_part(body_state *s, const micro_def *def, size_t k)
-{
-    const uint32_t kind_id = def->part_kinds != NULL ? def->part_kinds[k] : 0;
-    const body_kind *kind = &s->kinds[kind_id];
-    const scene_pose pose = def->poses[k];
-    const quat heading = { cos(0.5 * pose.heading), { 0.0, 0.0, sin(0.5 * pose.heading) } };
-    const mat3 r = mat3_of_quat(heading);
-    const vec3 origin = { pose.x, pose.y, -kind->bottom };
-    body_body *body = &s->bodies[k];
-
-    body->kind = kind_id;
-    body->q = quat_unit(quat_multiply(heading, kind->turn));
-    body->r = mat3_of_quat(body->q);
-    body->x = vec3_add(origin, mat3_apply(&r, kind->centre));
-    size_t belt = surroundings_belt_at(&s->around, (vec2){ body->x.x, body->x.y });
-    vec2 v = def->start_velocity;
-    if (belt < s->speeds.n_belts)
-        v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
-    body->v = (vec3){ v.x, v.y, 0.0 };
-    s->bounding_radius[k] = kind->shape.radius;
-}
-
+/// Place the parts of the definition; those on a belt start with its velocity.
 static void place_parts(body_state *s, const micro_def *def)
 {
-    s->bounding_radius_min = s->n > 0 ? DBL_MAX : 1.0;
     for (size_t k = 0; k < s->n; k++) {
-        place_part(s, def, k);
-        s->bounding_radius_max = fmax(s->bounding_radius_max, s->bounding_radius[k]);
-        s->bounding_radius_min = fmin(s->bounding_radius_min, s->bounding_radius[k]);
+        const micro_arrival arrival = { def->part_kinds != NULL ? def->part_kinds[k] : 0,
+                                        def->poses[k], def->start_velocity };
+        body_body *body = &s->bodies[k];
+        body__place_part(s, k, &arrival);
+        const size_t belt = surroundings_belt_at(&s->around, (vec2){ body->x.x, body->x.y });
+        if (belt == s->speeds.n_belts)
+            continue;
+        vec2 v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
+        body->v = (vec3){ v.x, v.y, 0.0 };
     }
+}
+
+static void note_radius(body_state *s, double radius)
+{
+    s->bounding_radius_max = fmax(s->bounding_radius_max, radius);
+    s->bounding_radius_min = fmin(s->bounding_radius_min, radius);
+}
+
+/// The extremes of all parts that there may be, and lengths that follow.
+static void find_extremes(body_state *s)
+{
+    s->bounding_radius_min = s->n > 0 || s->def.n_parts_expected > 0 ? DBL_MAX : 1.0;
+    for (size_t k = 0; k < s->n; k++)
+        note_radius(s, s->bounding_radius[k]);
+    for (size_t k = 0; s->def.n_parts_expected > 0 && k < s->n_kinds; k++)
+        note_radius(s, s->kinds[k].shape.radius);
     s->list.skin = SKIN * s->bounding_radius_min;
     s->map_range = s->bounding_radius_max;
 }
@@ -207,6 +190,15 @@ static void destroy(void *state)
     memory_free(s);
 }
 
+static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
+{
+    // One more, so that no array is empty.
+    if (body__resize(s, n > 0 ? n : 1) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
+    body__set_parts(s, n);
+    return BF_OK;
+}
+
 static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
 {
     bf_status status;
@@ -218,6 +210,7 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
         (status = init_arrays(s, def->n_parts, err)) == BF_OK &&
         (status = body__belt_init(s, def, err)) == BF_OK) {
         place_parts(s, def);
+        find_extremes(s);
         if (def->integrator == MICRO_IMPLICIT)
             status = body__implicit_init(s, err);
         if (status == BF_OK)
@@ -252,12 +245,23 @@ static void pose_plates(void *state)
     body__pose_plates(s, s->steps);
 }
 
+static uint8_t *presence(void *state)
+{
+    body_state *s = state;
+
+    return s->is_gone;
+}
+
 const micro_backend micro__body = {
     .dt_stable = body__dt_stable,
     .create = create,
     .destroy = destroy,
     .advance = body__advance,
     .part = body__part,
+    .place = body__place,
+    .presence = presence,
+    .admit = body__admit,
+    .forget_gone = body__forget_gone,
     .measure = body__measure,
     .steps = steps,
     .motion = motion,

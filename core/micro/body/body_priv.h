@@ -26,6 +26,7 @@
 #pragma once
 
 #include "core/base/checkpoint.h"
+#include "core/micro/backend.h"
 #include "core/micro/body/narrow_phase.h"
 #include "core/micro/body/plates.h"
 #include "core/micro/contact_law.h"
@@ -51,20 +52,21 @@ typedef struct body_face {
 
 /// A kind of part, ready for the steps.
 typedef struct body_kind {
-    hull shape;             ///< in the body frame
-    quat turn;              ///< body frame in the frame of the shape
-    vec3 centre;            ///< of mass, in the frame of the shape, m
-    double bottom;          ///< lowest z of the shape in its frame, m
-    bool is_cylinder;       ///< a cylinder, about the body's z axis
-    double radius;          ///< of a cylinder; else of the disk with the footprint's area, m
-    double half_height;     ///< of a cylinder, m
-    double mass;            ///< kg
-    vec3 inertia;           ///< about the principal axes, kg m2
-    double compliance;      ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
-    double spin_radius;     ///< r_spin of (8), m
-    double flat_gyration;   ///< g_0, m
-    micro_law belt_law;     ///< on a belt
-    micro_law boundary_law; ///< against plates and walls
+    hull shape;              ///< in the body frame
+    quat turn;               ///< body frame in the frame of the shape
+    vec3 centre;             ///< of mass, in the frame of the shape, m
+    double bottom;           ///< lowest z of the shape in its frame, m
+    bool is_cylinder;        ///< a cylinder, about the body's z axis
+    double radius;           ///< of a cylinder; else of the disk with the footprint's area, m
+    double footprint_radius; ///< of the disk around the footprint, m
+    double half_height;      ///< of a cylinder, m
+    double mass;             ///< kg
+    vec3 inertia;            ///< about the principal axes, kg m2
+    double compliance;       ///< (1 - nu^2)/E with E divided by modulus_reduction, 1/Pa
+    double spin_radius;      ///< r_spin of (8), m
+    double flat_gyration;    ///< g_0, m
+    micro_law belt_law;      ///< on a belt
+    micro_law boundary_law;  ///< against plates and walls
     body_face faces[HULL_FACES_MAX]; ///< of shape
 } body_kind;
 
@@ -101,9 +103,10 @@ struct body_state {
     micro_law cargo;     ///< of two parts; stiffness for compliance 1, see body__law()
     size_t n_kinds;      ///< see there
     body_kind *kinds;    ///< see there
-    size_t n;            ///< parts
+    size_t n;            ///< parts, gone ones included; their ids are the handles of micro.h
+    size_t capacity;     ///< parts that there is room for
     body_body *bodies;   ///< by id
-    uint8_t *is_gone;    ///< by id
+    uint8_t *is_gone;    ///< by id: MICRO_HERE, or how it is gone
     body_plate_memory (*plate_memories)[BODY_PLATE_MEMORIES]; ///< by id; NULL without plates
     body_belt_cache *belt_cache;                              ///< by id
     double *bounding_radius;    ///< radius of the ball around each body, m
@@ -227,8 +230,9 @@ driver_outcome body__find_outcome(const body_state *s);
 int body__begin(const void *state, driver_progress *ret_progress);
 void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_progress *progress);
 
-/// Allocate what only MICRO_IMPLICIT needs. BF_ENOMEM.
+/// Allocate what only MICRO_IMPLICIT needs, for s->capacity parts. BF_ENOMEM.
 BF_MUST_CHECK bf_status body__implicit_init(body_state *s, bf_error *err);
+
 void body__implicit_fini(body_state *s); ///< Free it.
 
 /// MICRO_IMPLICIT for the driver.
@@ -240,9 +244,5 @@ void body__add_belt_forces(body_state *s, size_t k, body_load *load);
 /// Largest stable step for a checked definition, s; see kind.c.
 double body__dt_stable(const micro_def *def);
 
-/// Members of micro_backend.
+/// micro_backend.advance
 bf_status body__advance(void *state, uint64_t n, bf_error *err);
-micro_part body__part(const void *state, size_t k);
-micro_totals body__measure(const void *state);
-void body__save(const void *state, checkpoint_writer *w);
-bf_status body__load(void *state, checkpoint_reader *r, bf_error *err);

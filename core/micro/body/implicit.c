@@ -5,6 +5,7 @@
 
 #include "core/micro/body/implicit.h"
 #include "core/base/memory.h"
+#include "core/micro/body/parts.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>
@@ -27,24 +28,32 @@ static int find_iterations(const body_state *s)
         const body_kind *kind = &s->kinds[k];
         double stiffness =
             fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
-        int own = implicit_step_iterations(s->n, s->def.dt, stiffness, damping, kind->mass);
+        int own = implicit_step_iterations(micro__n_expected(&s->def), s->def.dt, stiffness,
+                                           damping, kind->mass);
         iterations = own > iterations ? own : iterations;
     }
     return iterations;
 }
 
+size_t body__implicit_arrays(body_solver *z, size_t n, size_t capacity, memory_array *ret_arrays)
+{
+    const memory_array arrays[] = {
+        { &z->warm_starts, sizeof *z->warm_starts, n, capacity },
+        { &z->solver_bodies, sizeof *z->solver_bodies, 0, capacity },
+        { &z->used_colours, sizeof *z->used_colours, 0, capacity },
+        { &z->buffers, sizeof *z->buffers, 0, (capacity + BODY_BLOCK - 1) / BODY_BLOCK },
+    };
+
+    memcpy(ret_arrays, arrays, sizeof arrays);
+    return sizeof arrays / sizeof *arrays;
+}
+
 bf_status body__implicit_init(body_state *s, bf_error *err)
 {
-    s->implicit = memory_alloc(1, sizeof *s->implicit);
-    body_solver *z = s->implicit;
-    if (z != NULL) {
-        z->warm_starts = memory_alloc(s->n, sizeof *z->warm_starts);
-        z->solver_bodies = memory_alloc(s->n, sizeof *z->solver_bodies);
-        z->used_colours = memory_alloc(s->n, sizeof *z->used_colours);
-        z->buffers = memory_alloc(s->n_blocks, sizeof *z->buffers);
-    }
-    if (z == NULL || z->warm_starts == NULL || z->solver_bodies == NULL ||
-        z->used_colours == NULL || z->buffers == NULL)
+    memory_array arrays[MEMORY_ARRAYS_MAX];
+    body_solver *z = s->implicit = memory_alloc(1, sizeof *s->implicit);
+
+    if (z == NULL || memory_resize(arrays, body__implicit_arrays(z, 0, s->capacity, arrays)) != 0)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", s->n);
     z->iterations = find_iterations(s);
     z->damping_factor = exp(-s->def.damping * s->def.dt);

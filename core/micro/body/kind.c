@@ -123,6 +123,7 @@ bf_status body__kind_init(const micro_def *def, const micro_kind *from, body_kin
     kind->mass = from->mass;
     kind->spin_radius = from->spin_radius;
     kind->is_cylinder = shape->type == SCENE_CYLINDER;
+    kind->footprint_radius = shape_footprint_of(shape).bounding_radius;
     kind->radius = kind->is_cylinder ? shape->radius : sqrt(shape_footprint_of(shape).area / M_PI);
     kind->half_height = kind->is_cylinder ? 0.5 * shape->height : 0.0;
     kind->bottom = hull_vertex(&kind->shape, hull_support(&kind->shape, down)).z;

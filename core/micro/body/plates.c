@@ -206,7 +206,7 @@ bf_status body__plates_init(body_state *s, const micro_def *def, bf_error *err)
     if (n == 0)
         return BF_OK;
     s->plates = memory_alloc(n, sizeof *s->plates);
-    s->plate_memories = memory_alloc(def->n_parts, sizeof *s->plate_memories);
+    s->plate_memories = memory_alloc(s->capacity, sizeof *s->plate_memories);
     if (s->plates == NULL || s->plate_memories == NULL)
         return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for the obstacles");
     bf_status status = body__moving_plates_init(s, def, n, err);

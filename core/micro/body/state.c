@@ -1,6 +1,7 @@
 // Access to the state: parts, totals, saving and loading.
 
 #include "core/micro/body/implicit.h"
+#include "core/micro/body/parts.h"
 
 #include "core/base/memory.h"
 
@@ -24,7 +25,8 @@ typedef struct saved_part {
     double q[4];
     double v[3];
     double w[3];
-    uint64_t is_gone;
+    uint32_t is_gone;
+    uint32_t kind;
 } saved_part;
 
 typedef struct saved_pair {
@@ -53,6 +55,28 @@ micro_part body__part(const void *state, size_t k)
                          .w = { body->w.x, body->w.y, body->w.z },
                          .heading = atan2(r.row[1].x, r.row[0].x),
                          .is_gone = s->is_gone[k] != 0 };
+}
+
+/// Cosine of the largest angle by which a part that lies flat is tilted.
+#define FLAT 0.9999
+
+micro_place body__place(const void *state, size_t k)
+{
+    const body_state *s = state;
+    const body_body *body = &s->bodies[k];
+    const body_kind *kind = &s->kinds[body->kind];
+    const quat q = quat_multiply(body->q, quat_conjugate(kind->turn));
+    const mat3 r = mat3_of_quat(q);
+    const vec3 origin = vec3_sub(body->x, mat3_apply(&r, kind->centre));
+
+    if (r.row[2].z < FLAT)
+        return (micro_place){ .kind = body->kind,
+                              .pose = { body->x.x, body->x.y, 0.0 },
+                              .radius = kind->shape.radius };
+    return (micro_place){ .kind = body->kind,
+                          .is_flat = true,
+                          .pose = { origin.x, origin.y, atan2(r.row[1].x, r.row[0].x) },
+                          .radius = kind->footprint_radius };
 }
 
 static double kinetic_energy(const body_state *s, const body_body *body)
@@ -121,50 +145,6 @@ static uint64_t save_warm_starts(const body_state *s, checkpoint_writer *w)
     return n;
 }
 
-/// The next free warm start of a part; NULL if there is none.
-static body_warm_start *find_free_warm_start(body_warm_start *warm_starts)
-{
-    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
-        if (warm_starts[k].key == 0)
-            return &warm_starts[k];
-    return NULL;
-}
-
-/// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown.
-static body_warm_start *locate(const body_state *s, const saved_warm_start *saved,
-                               body_pair *listed, size_t n_pairs, size_t *cursor,
-                               body_warm_start (*warm_starts)[BODY_WARM_STARTS])
-{
-    if (saved->key == 0 || saved->a >= s->n)
-        return NULL;
-    if (saved->b == BODY_STATIC)
-        return find_free_warm_start(warm_starts[saved->a]);
-    while (*cursor < n_pairs && (listed[*cursor].a != saved->a || listed[*cursor].b != saved->b))
-        (*cursor)++;
-    return *cursor < n_pairs ? &listed[*cursor].warm_start : NULL;
-}
-
-static bool load_warm_starts(const body_state *s, checkpoint_reader *r, uint64_t n,
-                             body_pair *listed, size_t n_pairs,
-                             body_warm_start (*warm_starts)[BODY_WARM_STARTS])
-{
-    size_t cursor = 0;
-    saved_warm_start saved;
-
-    for (uint64_t k = 0; k < n; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved))
-            return false;
-        body_warm_start *warm_start = locate(s, &saved, listed, n_pairs, &cursor, warm_starts);
-        if (warm_start == NULL)
-            return false;
-        *warm_start = (body_warm_start){ saved.key,
-                                         { saved.impulse[0], saved.impulse[1], saved.impulse[2] },
-                                         { saved.angular_impulse[0], saved.angular_impulse[1],
-                                           saved.angular_impulse[2] } };
-    }
-    return true;
-}
-
 static bool is_empty(const body_memory *memory)
 {
     return memory->feature.kind == MANIFOLD_NONE && vec3_dot(memory->axis, memory->axis) == 0.0;
@@ -178,7 +158,8 @@ static saved_part save_part(const body_state *s, size_t k)
                          { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
                          { body->v.x, body->v.y, body->v.z },
                          { body->w.x, body->w.y, body->w.z },
-                         s->is_gone[k] };
+                         s->is_gone[k],
+                         body->kind };
 }
 
 static saved_pair save_memory(size_t a, size_t b, const body_memory *memory)
@@ -207,6 +188,7 @@ static void save_plate_memories(const body_state *s, size_t k, checkpoint_writer
 void body__save(const void *state, checkpoint_writer *w)
 {
     const body_state *s = state;
+    const size_t start = checkpoint_at(w);
     saved_header header = { .steps = s->steps,
                             .n_contacts = s->n_contacts,
                             .largest_overlap = s->largest_overlap,
@@ -230,11 +212,12 @@ void body__save(const void *state, checkpoint_writer *w)
         save_plate_memories(s, k, w, &header);
     if (s->implicit != NULL)
         header.n_warm_starts = save_warm_starts(s, w);
-    checkpoint_rewrite(w, &header, sizeof header);
+    checkpoint_rewrite(w, start, &header, sizeof header);
 }
 
 /// A loaded state, until all of it is validated.
 typedef struct loaded_state {
+    size_t n; // parts
     saved_header header;
     const char *commands;
     body_body *bodies;
@@ -253,13 +236,13 @@ static void free_loaded_state(loaded_state *a)
     memory_free(a->warm_starts);
 }
 
-static body_body load_part(const saved_part *saved, uint32_t kind)
+static body_body load_part(const saved_part *saved)
 {
     body_body body = { .x = { saved->x[0], saved->x[1], saved->x[2] },
                        .q = { saved->q[0], { saved->q[1], saved->q[2], saved->q[3] } },
                        .v = { saved->v[0], saved->v[1], saved->v[2] },
                        .w = { saved->w[0], saved->w[1], saved->w[2] },
-                       .kind = kind };
+                       .kind = saved->kind };
 
     body.r = mat3_of_quat(body.q);
     return body;
@@ -290,9 +273,9 @@ static bool load_memory(const saved_pair *saved, sizes n, body_memory *ret_memor
     }
 }
 
-static const hull *hull_of(const body_state *s, size_t k)
+static const hull *hull_of(const body_state *s, const loaded_state *a, size_t k)
 {
-    return &s->kinds[s->bodies[k].kind].shape;
+    return &s->kinds[a->bodies[k].kind].shape;
 }
 
 static bool load_pairs(const body_state *s, checkpoint_reader *r, loaded_state *a)
@@ -305,9 +288,9 @@ static bool load_pairs(const body_state *s, checkpoint_reader *r, loaded_state *
             return false;
         bool is_after =
             k == 0 || pair[-1].a < saved.a || (pair[-1].a == saved.a && pair[-1].b < saved.b);
-        if (saved.a >= saved.b || saved.b >= s->n || !is_after)
+        if (saved.a >= saved.b || saved.b >= a->n || !is_after)
             return false;
-        const hull *hull_a = hull_of(s, saved.a), *hull_b = hull_of(s, saved.b);
+        const hull *hull_a = hull_of(s, a, saved.a), *hull_b = hull_of(s, a, saved.b);
         const sizes n = { hull_a->n_faces, hull_a->n_edges, hull_b->n_faces, hull_b->n_edges };
         *pair = (body_pair){ .a = saved.a, .b = saved.b };
         if (!load_memory(&saved, n, &pair->memory))
@@ -321,10 +304,10 @@ static bool load_plate_memories(const body_state *s, checkpoint_reader *r, loade
     saved_plate_memory saved;
 
     for (size_t k = 0; k < a->header.n_plate_memories; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= s->n ||
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.pair.a >= a->n ||
             saved.pair.b >= s->n_plates || saved.slot >= BODY_PLATE_MEMORIES)
             return false;
-        const hull *shape = hull_of(s, saved.pair.a);
+        const hull *shape = hull_of(s, a, saved.pair.a);
         const sizes n = { 6, 12, shape->n_faces, shape->n_edges };
         body_plate_memory *slot = &a->plate_memories[saved.pair.a][saved.slot];
         slot->plate = saved.pair.b + 1;
@@ -334,20 +317,62 @@ static bool load_plate_memories(const body_state *s, checkpoint_reader *r, loade
     return true;
 }
 
+/// The next free warm start of a part; NULL if there is none.
+static body_warm_start *find_free_warm_start(body_warm_start *warm_starts)
+{
+    for (size_t k = 0; k < BODY_WARM_STARTS; k++)
+        if (warm_starts[k].key == 0)
+            return &warm_starts[k];
+    return NULL;
+}
+
+/// Where a saved warm start is loaded to; *cursor advances along the pairs. NULL: the pair is unknown.
+static body_warm_start *locate(const loaded_state *a, const saved_warm_start *saved, size_t *cursor)
+{
+    const size_t n_pairs = a->header.n_pairs;
+
+    if (saved->key == 0 || saved->a >= a->n)
+        return NULL;
+    if (saved->b == BODY_STATIC)
+        return find_free_warm_start(a->warm_starts[saved->a]);
+    while (*cursor < n_pairs &&
+           (a->pairs[*cursor].a != saved->a || a->pairs[*cursor].b != saved->b))
+        (*cursor)++;
+    return *cursor < n_pairs ? &a->pairs[*cursor].warm_start : NULL;
+}
+
+static bool load_warm_starts(checkpoint_reader *r, const loaded_state *a)
+{
+    size_t cursor = 0;
+    saved_warm_start saved;
+
+    for (uint64_t k = 0; k < a->header.n_warm_starts; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved))
+            return false;
+        body_warm_start *warm_start = locate(a, &saved, &cursor);
+        if (warm_start == NULL)
+            return false;
+        *warm_start = (body_warm_start){ saved.key,
+                                         { saved.impulse[0], saved.impulse[1], saved.impulse[2] },
+                                         { saved.angular_impulse[0], saved.angular_impulse[1],
+                                           saved.angular_impulse[2] } };
+    }
+    return true;
+}
+
 static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *a)
 {
     saved_part saved;
 
-    for (size_t k = 0; k < s->n; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved))
+    for (size_t k = 0; k < a->n; k++) {
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.is_gone > MICRO_FREE ||
+            saved.kind >= s->n_kinds)
             return false;
-        a->bodies[k] = load_part(&saved, s->bodies[k].kind);
-        a->is_gone[k] = saved.is_gone != 0;
+        a->bodies[k] = load_part(&saved);
+        a->is_gone[k] = (uint8_t)saved.is_gone;
     }
     return load_pairs(s, r, a) && load_plate_memories(s, r, a) &&
-           (s->implicit == NULL || load_warm_starts(s, r, a->header.n_warm_starts, a->pairs,
-                                                    a->header.n_pairs, a->warm_starts)) &&
-           r->n_left == 0;
+           (s->implicit == NULL || load_warm_starts(r, a)) && r->n_left == 0;
 }
 
 /// Exchange the loaded state with that of the solver.
@@ -374,31 +399,40 @@ static void move_in(body_state *s, loaded_state *a)
     s->is_listed = false;
     plate_motion_take(&s->motion, a->commands);
     body__pose_plates(s, s->steps);
-    for (size_t k = 0; k < s->n; k++)
+    body__set_parts(s, a->n);
+    for (size_t k = 0; k < s->n; k++) {
         s->belt_cache[k].clearance = -1.0;
+        s->bounding_radius[k] = s->kinds[s->bodies[k].kind].shape.radius;
+    }
     *a = old;
 }
 
-bf_status body__load(void *state, checkpoint_reader *r, bf_error *err)
+static bf_status alloc_loaded_state(const body_state *s, loaded_state *a)
+{
+    const size_t n = s->capacity, n_memories = s->plate_memories != NULL ? n : 0;
+    const memory_array arrays[] = {
+        { &a->bodies, sizeof *a->bodies, 0, n },
+        { &a->is_gone, sizeof *a->is_gone, 0, n },
+        { &a->pairs, sizeof *a->pairs, 0, a->header.n_pairs },
+        { &a->plate_memories, sizeof *a->plate_memories, 0, n_memories },
+        { &a->warm_starts, sizeof *a->warm_starts, 0, s->implicit != NULL ? n : 0 },
+    };
+
+    return memory_resize(arrays, sizeof arrays / sizeof *arrays) == 0 ? BF_OK : BF_ENOMEM;
+}
+
+bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
     body_state *s = state;
     bf_status status = BF_OK;
-    loaded_state a = { 0 };
+    loaded_state a = { .n = n };
 
     if (!checkpoint_read(r, &a.header, sizeof a.header) ||
         (a.commands = plate_motion_read(&s->motion, r)) == NULL ||
-        a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
+        n > r->n_left / sizeof(saved_part) || a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
         (a.header.n_plate_memories > 0 && s->plate_memories == NULL))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");
-    a.bodies = memory_alloc(s->n, sizeof *a.bodies);
-    a.is_gone = memory_alloc(s->n, sizeof *a.is_gone);
-    a.pairs = a.header.n_pairs > 0 ? memory_alloc(a.header.n_pairs, sizeof *a.pairs) : NULL;
-    a.plate_memories =
-        s->plate_memories != NULL ? memory_alloc(s->n, sizeof *a.plate_memories) : NULL;
-    a.warm_starts = s->implicit != NULL ? memory_alloc(s->n, sizeof *a.warm_starts) : NULL;
-    if (a.bodies == NULL || a.is_gone == NULL || (a.header.n_pairs > 0 && a.pairs == NULL) ||
-        (s->plate_memories != NULL && a.plate_memories == NULL) ||
-        (s->implicit != NULL && a.warm_starts == NULL))
+    if ((n > s->capacity && body__resize(s, n) != BF_OK) || alloc_loaded_state(s, &a) != BF_OK)
         status = bf_fail(err, BF_ENOMEM, "", "no memory to load a state");
     else if (!load_items(s, r, &a))
         status = bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");

@@ -1,4 +1,4 @@
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/disk/parts.h"
 
 #include "core/base/digest.h"
 #include "core/base/memory.h"
@@ -72,7 +72,6 @@ static void set_constants(disk_state *s, const micro_def *def)
     s->is_uniform = def->n_kinds == 1 && !def->tension && (top == NULL || top->n_points == 0);
     s->uniform_belt = (uint16_t)(def->n_belts - (top != NULL ? 1 : 0));
     s->n = def->n_parts;
-    s->void_slot = (uint32_t)((s->n / DISK_GROUP + 2) * DISK_GROUP);
     s->n_partitions = 1;
     s->displacement_bound = s->last_bound = INFINITY;
 }
@@ -105,40 +104,19 @@ static bf_status copy_kinds(disk_state *s, const micro_def *def)
     }
     s->uniform_deceleration = s->kinds[0].spin_deceleration;
     s->skin = skin_fraction * sqrt(s->radius_min * s->radius_max);
-    if (def->part_kinds == NULL || s->n == 0)
-        return BF_OK;
-    s->kind_of = memory_alloc(s->n, sizeof *s->kind_of);
-    if (s->kind_of == NULL)
-        return BF_ENOMEM;
-    memcpy(s->kind_of, def->part_kinds, s->n * sizeof *s->kind_of);
     return BF_OK;
 }
 
-static bf_status make_arrays(disk_state *s)
+static bf_status make_arrays(disk_state *s, const micro_def *def)
 {
-    const size_t n = (size_t)s->void_slot + 1, n_groups = s->void_slot / DISK_GROUP;
-
-    s->now = memory_alloc(n, sizeof *s->now);
-    s->next = memory_alloc(n, sizeof *s->next);
-    s->heading = memory_alloc(n, sizeof *s->heading);
-    s->scratch = memory_alloc(n, sizeof *s->scratch);
-    s->has_candidates = memory_alloc(n_groups, sizeof *s->has_candidates);
-    s->id_of = memory_alloc(n, sizeof *s->id_of);
-    s->list.scratch = memory_alloc(n, sizeof *s->list.scratch);
-    s->slot_of = memory_alloc(s->n, sizeof *s->slot_of);
-    s->is_gone = memory_alloc(s->n, sizeof *s->is_gone);
-    s->list.first = memory_alloc(n_groups + 1, sizeof *s->list.first);
     s->extremes = memory_alloc((size_t)2 * DISK_PARTITIONS_MAX, sizeof *s->extremes);
     s->kernels = disk__explicit_kernels(cpu_best());
-    if (s->now == NULL || s->next == NULL || s->heading == NULL || s->scratch == NULL ||
-        s->has_candidates == NULL || s->id_of == NULL || s->list.scratch == NULL ||
-        s->slot_of == NULL || s->is_gone == NULL || s->list.first == NULL || s->extremes == NULL)
+    // One more, so that no array is empty.
+    if (s->extremes == NULL || disk__resize(s, s->n > 0 ? s->n : 1) != BF_OK)
         return BF_ENOMEM;
-    if (s->is_uniform)
-        return BF_OK;
-    s->spin_deceleration = memory_alloc(n, sizeof *s->spin_deceleration);
-    s->belt_under = memory_alloc(n, sizeof *s->belt_under);
-    return s->spin_deceleration == NULL || s->belt_under == NULL ? BF_ENOMEM : BF_OK;
+    if (s->kind_of != NULL && def->part_kinds != NULL)
+        memcpy(s->kind_of, def->part_kinds, s->n * sizeof *s->kind_of);
+    return BF_OK;
 }
 
 void disk__fill_slots(disk_state *s)
@@ -213,7 +191,7 @@ static bool is_tiled(const micro_def *def)
 static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
 {
     set_constants(s, def);
-    if (copy_kinds(s, def) != BF_OK || make_arrays(s) != BF_OK ||
+    if (copy_kinds(s, def) != BF_OK || make_arrays(s, def) != BF_OK ||
         (is_tiled(def) && disk__tiling_init(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", def->n_parts);
     bf_status status = init_belts(s, def, err);
@@ -271,12 +249,23 @@ static void pose_plates(void *state)
     disk__pose_plates(s, s->steps);
 }
 
+static uint8_t *presence(void *state)
+{
+    disk_state *s = state;
+
+    return s->is_gone;
+}
+
 const micro_backend micro__disk = {
     .dt_stable = disk__dt_stable_explicit,
     .create = create,
     .destroy = destroy,
     .advance = advance,
     .part = disk__part,
+    .place = disk__place,
+    .presence = presence,
+    .admit = disk__admit,
+    .forget_gone = disk__forget_gone,
     .measure = disk__measure,
     .steps = steps,
     .motion = motion,

@@ -14,10 +14,10 @@
 /// x+ = x + dt v+, the same numbers with less rounding, and the first step by forward Euler is the one
 /// without forces and torques.
 ///
-/// Ids      a part has a fixed id, its index in the definition, and a slot, where it is stored. Slots are
+/// Ids      a part has a fixed id, which is its handle in micro.h, and a slot, where it is stored. Slots are
 ///          sorted in space whenever the list of neighbours is made, and come in groups of DISK_GROUP:
 ///          live parts at 0 .. n_live - 1; then padding up to n_padded (far away, without effect); then
-///          parts that have left, in their last state.
+///          parts that have left, in their last state, and those that were admitted since.
 /// List     Everything that depends on the positions of parts (neighbours, candidates for the boundary, parts
 ///          at borders, belts) is made together by disk__rebuild() and holds as long as
 ///          neighbours_holds() says of displacement_bound, to which the travel of plates that move is added.
@@ -27,6 +27,7 @@
 #pragma once
 
 #include "core/base/checkpoint.h"
+#include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/disk/boundary.h"
 #include "core/micro/disk/kernels.h"
@@ -118,6 +119,7 @@ struct disk_state {
     uint16_t uniform_belt;          ///< index of the belt under all parts if is_uniform
     double uniform_deceleration;    ///< A if is_uniform, rad/s2
     size_t n;                       ///< parts, gone ones included
+    size_t capacity;                ///< parts that there is room for
     size_t n_live;                  ///< live ones when the list was made: the slots below
     size_t n_padded;                ///< n_live rounded up to a multiple of DISK_GROUP
     uint32_t void_slot;             ///< far away from everything, the last one
@@ -130,10 +132,11 @@ struct disk_state {
     uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
     uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
     uint32_t *slot_of;              ///< slot of each part
-    uint8_t *is_gone;               ///< by id
+    uint8_t *is_gone;               ///< by id: MICRO_HERE, or how it is gone
+    bool has_arrivals;              ///< parts were admitted since the list was made
     size_t n_kinds;                 ///< kinds of parts
     disk_kind *kinds;               ///< see there
-    uint32_t *kind_of;              ///< by id; NULL: all of kind 0
+    uint32_t *kind_of;              ///< by id; NULL: there is one kind
     disk_list list;                 ///< neighbours
     double skin;                    ///< m
     double displacement_bound;      ///< m, no part has moved farther since the list was made
@@ -236,9 +239,3 @@ void disk__implicit_fini(disk_state *s);
 
 /// Largest stable step of MICRO_VERLET for a checked definition of cylinders, s.
 double disk__dt_stable_explicit(const micro_def *def);
-
-/// Members of micro_backend.
-micro_part disk__part(const void *state, size_t k);
-micro_totals disk__measure(const void *state);
-void disk__save(const void *state, checkpoint_writer *w);
-BF_MUST_CHECK bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err);

@@ -78,7 +78,9 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
 
-    return neighbours_holds(s->skin, s->displacement_bound) ? BF_OK : disk__rebuild(s, err);
+    return !s->has_arrivals && neighbours_holds(s->skin, s->displacement_bound)
+               ? BF_OK
+               : disk__rebuild(s, err);
 }
 
 static int begin(const void *state, driver_progress *ret_progress)
@@ -349,7 +351,7 @@ static void put_back_gone(disk_state *s, disk_border_part *w)
         part->inv_mass = kind->inv_mass;
     }
     w->gone = DISK_HERE;
-    s->is_gone[id] = 0;
+    s->is_gone[id] = MICRO_HERE;
 }
 
 static void put_back(disk_state *s)

@@ -21,9 +21,11 @@
 
 #include "core/micro/disk/implicit.h"
 #include "core/base/memory.h"
+#include "core/micro/disk/parts.h"
 #include "core/micro/implicit_step.h"
 
 #include <math.h>
+#include <string.h>
 
 #define X(suffix) extern const implicit_kernels implicit_kernels_##suffix;
 CPU_EACH_BUILD(X)
@@ -38,14 +40,6 @@ const implicit_kernels *disk__implicit_kernels(cpu_level level)
     };
 
     return builds[level];
-}
-
-static void *alloc_or_fail(size_t n, size_t size, bool *has_failed)
-{
-    void *block = memory_alloc(n, size);
-
-    *has_failed |= !block;
-    return block;
 }
 
 implicit_state *disk_implicit__destroy(implicit_state *z)
@@ -77,36 +71,70 @@ static int find_iterations(const disk_state *s)
         const disk *part = &s->kinds[k].part;
         double cargo = s->cargo.line / (2.0 * part->compliance);
         double handling = s->handling.line / (part->compliance + s->handling_compliance);
-        int own = implicit_step_iterations(s->n, s->def.dt, fmax(cargo, handling), damping,
-                                           1.0 / part->inv_mass);
+        int own = implicit_step_iterations(micro__n_expected(&s->def), s->def.dt,
+                                           fmax(cargo, handling), damping, 1.0 / part->inv_mass);
         iterations = own > iterations ? own : iterations;
     }
     return iterations;
 }
 
+// Rows of slots and static bodies. The void slot is a static body too; a group has a part once at most.
+static size_t count_rows(size_t capacity)
+{
+    return (size_t)disk__void_slot(capacity) + 1 + capacity / IMPLICIT_PIECE;
+}
+
+size_t disk_implicit__arrays(implicit_state *z, size_t capacity, memory_array *ret_arrays)
+{
+    const size_t n_slots = (size_t)disk__void_slot(capacity) + 1;
+    const memory_array arrays[] = {
+        { &z->head, sizeof *z->head, 0, capacity },
+        { &z->first, sizeof *z->first, 0, capacity + 1 },
+        { &z->used, sizeof *z->used, 0, n_slots },
+        { &z->bodies, sizeof *z->bodies, 0, count_rows(capacity) },
+        { &z->extremes, sizeof *z->extremes, 0, n_slots / IMPLICIT_CHUNK + 1 },
+    };
+
+    memcpy(ret_arrays, arrays, sizeof arrays);
+    return sizeof arrays / sizeof *arrays;
+}
+
+void disk_implicit__set_capacity(implicit_state *z, size_t capacity)
+{
+    z->first_driven = z->bodies_capacity = count_rows(capacity);
+    z->is_chosen = false;
+}
+
 implicit_state *disk_implicit__create(const disk_state *s)
 {
-    // The void slot is a static body too; a group has a part once at most.
-    size_t n_slots = (size_t)s->void_slot + 1, n_static = s->n / IMPLICIT_PIECE;
-    bool has_failed = false;
+    memory_array arrays[MEMORY_ARRAYS_MAX];
     implicit_state *z = memory_alloc(1, sizeof *z);
 
-    if (!z)
-        return NULL;
-    z->head = alloc_or_fail(s->n, sizeof *z->head, &has_failed);
-    z->first = alloc_or_fail(s->n + 1, sizeof *z->first, &has_failed);
-    z->used = alloc_or_fail(n_slots, sizeof *z->used, &has_failed);
-    z->first_driven = n_slots + n_static;
-    z->bodies = alloc_or_fail(z->first_driven, sizeof *z->bodies, &has_failed);
-    z->bodies_capacity = z->first_driven;
-    z->extremes = alloc_or_fail(n_slots / IMPLICIT_CHUNK + 1, sizeof *z->extremes, &has_failed);
+    if (!z || memory_resize(arrays, disk_implicit__arrays(z, s->capacity, arrays)) != 0)
+        return disk_implicit__destroy(z);
+    disk_implicit__set_capacity(z, s->capacity);
     z->iterations = find_iterations(s);
     z->skin = s->radius_min;
     z->kernels = disk__implicit_kernels(cpu_best());
     z->step = (implicit_step){ .damping_factor = exp(-s->def.damping * s->def.dt),
                                .belt_secant = s->def.dt * s->belt.friction * s->def.gravity *
                                               s->belt.tanh_linear };
-    return has_failed ? disk_implicit__destroy(z) : z;
+    return z;
+}
+
+void disk_implicit__forget_choice(implicit_state *z)
+{
+    z->is_chosen = false;
+}
+
+void disk_implicit__forget_gone(const disk_state *s, implicit_state *z)
+{
+    for (size_t k = 0; k < z->n_pairs; k++) {
+        implicit_pair *pair = &z->pairs[k];
+        if (s->is_gone[pair->id[0]] != MICRO_HERE ||
+            (!implicit_is_at_boundary(pair) && s->is_gone[pair->id[1]] != MICRO_HERE))
+            pair->normal = pair->sliding = 0.0;
+    }
 }
 
 void disk__implicit_fini(disk_state *s)

@@ -12,6 +12,7 @@
 
 #pragma once
 
+#include "core/base/memory.h"
 #include "core/micro/disk/disk_priv.h"
 
 enum {
@@ -21,15 +22,24 @@ enum {
     IMPLICIT_GROUPS = 36,  ///< all of them
     IMPLICIT_PIECE = 1024, ///< most pairs of a piece but the last
     IMPLICIT_CHUNK = 1024, ///< slots that a thread takes at a time, a multiple of IMPLICIT_WIDTH
+    IMPLICIT_FEATURE = 1 << 30, ///< ids from here on are features of the boundary
 };
+
+_Static_assert((int)IMPLICIT_FEATURE > (int)SCENE_PARTS_MAX, "ids of parts are below");
 
 /// Two parts, or a part and a feature of the boundary, that may touch before pairs are selected again.
 typedef struct implicit_pair {
-    uint32_t id[2];   ///< of the parts, rising; a feature has id n + feature
+    uint32_t id[2];   ///< of the parts, rising; a feature has id IMPLICIT_FEATURE + feature
     uint32_t slot[2]; ///< of the parts; void_slot for the boundary
     double normal;    ///< impulse of the last step, N s
     double sliding;   ///< same, along the tangent (normal turned left)
 } implicit_pair;
+
+/// True for a part and a feature of the boundary.
+static inline bool implicit_is_at_boundary(const implicit_pair *pair)
+{
+    return pair->id[1] >= IMPLICIT_FEATURE;
+}
 
 /// Pairs first .. last - 1, of one group, and the blocks of those that are near in this step.
 typedef struct implicit_piece {
@@ -77,6 +87,18 @@ typedef struct implicit_state {
     driver_extremes *extremes;               ///< scratch, of each chunk of slots
 } implicit_state;
 
+/// The arrays of the state as they have to be for a number of parts, at most 5. Returns how many.
+size_t disk_implicit__arrays(implicit_state *z, size_t capacity, memory_array *ret_arrays);
+
+/// Note that the arrays are for that number of parts now; the pairs will be selected again.
+void disk_implicit__set_capacity(implicit_state *z, size_t capacity);
+
+/// Let the pairs be selected again before the next step.
+void disk_implicit__forget_choice(implicit_state *z);
+
+/// Erase the impulses of parts that have left.
+void disk_implicit__forget_gone(const disk_state *s, implicit_state *z);
+
 /// Make the state; NULL: no memory.
 implicit_state *disk_implicit__create(const disk_state *s);
 
@@ -109,5 +131,7 @@ void disk_implicit__store_impulses(implicit_state *z, size_t piece);
 void disk_implicit__save(const disk_state *s, checkpoint_writer *w);
 
 /// Load that, to the end of the payload; if there is nothing, s->implicit is reset to its initial state. Reads
-/// nothing in s that changes with time. BF_ECORRUPT or BF_ENOMEM: s is as before.
-BF_MUST_CHECK bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err);
+/// nothing in s that changes with time, but for its capacity; n is the number of parts. BF_ECORRUPT or BF_ENOMEM: s is
+/// as before.
+BF_MUST_CHECK bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r,
+                                            bf_error *err);

@@ -60,7 +60,7 @@ static void collect_candidates(const disk_state *s, implicit_state *z, size_t *n
 
     for (size_t k = 0; k < s->n_candidates; k++) {
         disk_candidate t = s->candidates[k];
-        implicit_pair pair = { .id = { s->id_of[t.slot], (uint32_t)s->n + t.feature },
+        implicit_pair pair = { .id = { s->id_of[t.slot], IMPLICIT_FEATURE + t.feature },
                                .slot = { t.slot, s->void_slot } };
         bool is_another = k > 0 && s->candidates[k - 1].slot == t.slot;
         group = is_another && group < IMPLICIT_BOUNDARY ? (uint8_t)(group + 1) : group;
@@ -218,7 +218,7 @@ void disk_implicit__locate(const disk_state *s, implicit_state *z)
     for (size_t k = 0; k < z->n_pairs; k++)
         for (int end = 0; end < 2; end++) {
             uint32_t id = z->pairs[k].id[end];
-            bool is_there = id < s->n && !s->is_gone[id];
+            bool is_there = id < IMPLICIT_FEATURE && s->is_gone[id] == MICRO_HERE;
             z->pairs[k].slot[end] = is_there ? s->slot_of[id] : s->void_slot;
         }
 }
@@ -308,7 +308,7 @@ static bool find_contact_with_boundary(const disk_state *s, const implicit_pair 
                                        double margin, contact_geometry *ret_m)
 {
     const disk *part = &s->now[pair->slot[0]];
-    size_t feature = pair->id[1] - s->n;
+    size_t feature = pair->id[1] - IMPLICIT_FEATURE;
     contact_geometry m = { .stiffness =
                                s->handling.line / (part->compliance + s->handling_compliance),
                            .damping = s->handling.damping,
@@ -342,7 +342,7 @@ static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
 
     block->pair[lane] = (uint32_t)index;
     block->row[0][lane] = pair->slot[0] * SIMD_ROW;
-    if (pair->id[1] < s->n) {
+    if (!implicit_is_at_boundary(pair)) {
         block->row[1][lane] = pair->slot[1] * SIMD_ROW;
     } else if (s->plates.n > 0) {
         const size_t row = row_of_driven(z, index);
@@ -390,8 +390,8 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
     for (size_t k = p->first; k < p->last; k++) {
         implicit_pair *pair = &z->pairs[k];
         contact_geometry m = { 0 };
-        if (!(pair->id[1] < s->n ? find_contact_of_parts(s, pair, margin, &m)
-                                 : find_contact_with_boundary(s, pair, margin, &m))) {
+        if (!(implicit_is_at_boundary(pair) ? find_contact_with_boundary(s, pair, margin, &m)
+                                            : find_contact_of_parts(s, pair, margin, &m))) {
             pair->normal = pair->sliding = 0.0;
             continue;
         }

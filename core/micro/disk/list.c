@@ -27,8 +27,9 @@ static void find_gone(disk_state *s)
     }
     s->n_border_parts = 0;
     for (size_t slot = 0; slot < s->n_live; slot++)
-        if (surroundings_is_outside(&s->around, (vec2){ s->now[slot].x, s->now[slot].y }))
-            s->is_gone[s->id_of[slot]] = 1;
+        if (s->is_gone[s->id_of[slot]] == MICRO_HERE &&
+            surroundings_is_outside(&s->around, (vec2){ s->now[slot].x, s->now[slot].y }))
+            s->is_gone[s->id_of[slot]] = MICRO_LEFT;
 }
 
 // Copies a slot into a new one: rows to next, id and heading to scratch.
@@ -83,14 +84,14 @@ static neighbours_parts parts_of(const disk_state *s)
 static bf_status sort_parts(disk_state *s, bf_error *err)
 {
     const neighbours_parts parts = parts_of(s);
-    const size_t n_filed = s->n - s->n_live, filed_at = s->n_padded;
+    const size_t end = s->n_padded + (s->n - s->n_live);
     uint8_t *skip = (uint8_t *)s->list.scratch;
     size_t to = 0;
 
-    for (size_t slot = 0; slot < s->n_live; slot++)
-        skip[slot] = s->is_gone[s->id_of[slot]];
+    for (size_t slot = 0; slot < end; slot++)
+        skip[slot] = s->id_of[slot] == UINT32_MAX || s->is_gone[s->id_of[slot]] != MICRO_HERE;
     bf_status status =
-        neighbours_sort(&s->cells, s->n_live, &parts, skip, 2.0 * s->radius_max + s->skin, err);
+        neighbours_sort(&s->cells, end, &parts, skip, 2.0 * s->radius_max + s->skin, err);
     if (status != BF_OK)
         return status;
     for (; to < s->cells.n_live; to++)
@@ -98,11 +99,9 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
     for (; to % DISK_GROUP != 0; to++)
         fill_pad(s, to);
     s->n_padded = to;
-    for (size_t slot = 0; slot < s->n_live; slot++)
-        if (s->cells.cell_of[slot] == UINT32_MAX)
+    for (size_t slot = 0; slot < end; slot++)
+        if (s->cells.cell_of[slot] == UINT32_MAX && s->id_of[slot] != UINT32_MAX)
             move_part(s, slot, to++);
-    for (size_t k = 0; k < n_filed; k++)
-        move_part(s, filed_at + k, to++);
     for (; to < s->void_slot; to++)
         fill_pad(s, to);
     s->next[s->void_slot] = s->now[s->void_slot];
@@ -427,7 +426,7 @@ void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, s
             continue;
         if (surroundings_is_outside(&s->around, (vec2){ part->x, part->y })) {
             *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
-            s->is_gone[s->id_of[w->slot]] = 1;
+            s->is_gone[s->id_of[w->slot]] = MICRO_LEFT;
             *part = disk__pad(s, w->slot);
         } else if (!s->is_uniform) {
             s->belt_under[w->slot] = disk__belt_at(s, part->x, part->y);
@@ -486,6 +485,7 @@ bf_status disk__rebuild(disk_state *s, bf_error *err)
     cut_partitions(s);
     disk__plan_tiles(s);
     s->displacement_bound = 0.0;
+    s->has_arrivals = false;
     s->n_builds++;
     return BF_OK;
 }

@@ -1,13 +1,15 @@
 // Access to the state: read, measure, save and load.
 
 #include "core/micro/disk/implicit.h"
+#include "core/micro/disk/parts.h"
 
 #include <math.h>
 #include <string.h>
 
 // A part as it is saved.
 typedef struct saved_part {
-    double x, y, vx, vy, spin, heading, is_gone;
+    double x, y, vx, vy, spin, heading;
+    uint32_t is_gone, kind;
 } saved_part;
 
 // The header of a saved state. The parts follow, then the data of the integrator.
@@ -17,8 +19,7 @@ typedef struct saved_header {
     double overlap_share;
 } saved_header;
 
-// The record of a part that left after the last list was made, or NULL.
-static const disk_border_part *find_left(const disk_state *s, uint32_t slot)
+disk_border_part *disk__find_left(const disk_state *s, uint32_t slot)
 {
     size_t first = 0, last = s->n_border_parts;
 
@@ -36,7 +37,7 @@ static const disk_border_part *find_left(const disk_state *s, uint32_t slot)
 static saved_part read_part(const disk_state *s, size_t k)
 {
     const uint32_t slot = s->slot_of[k];
-    const disk_border_part *left = s->is_gone[k] != 0 ? find_left(s, slot) : NULL;
+    const disk_border_part *left = s->is_gone[k] != MICRO_HERE ? disk__find_left(s, slot) : NULL;
     const disk *part = left != NULL ? &left->part : &s->now[slot];
 
     return (saved_part){ .x = part->x,
@@ -45,7 +46,19 @@ static saved_part read_part(const disk_state *s, size_t k)
                          .vy = part->vy,
                          .spin = part->spin,
                          .heading = left != NULL ? left->heading : s->heading[slot],
-                         .is_gone = s->is_gone[k] };
+                         .is_gone = s->is_gone[k],
+                         .kind = s->kind_of != NULL ? s->kind_of[k] : 0 };
+}
+
+micro_place disk__place(const void *state, size_t k)
+{
+    const disk_state *s = state;
+    const saved_part p = read_part(s, k);
+
+    return (micro_place){ .kind = p.kind,
+                          .is_flat = true,
+                          .pose = { p.x, p.y, p.heading },
+                          .radius = s->kinds[p.kind].part.radius };
 }
 
 micro_part disk__part(const void *state, size_t k)
@@ -59,7 +72,7 @@ micro_part disk__part(const void *state, size_t k)
                          .v = { p.vx, p.vy, 0.0 },
                          .w = { 0.0, 0.0, p.spin },
                          .heading = p.heading,
-                         .is_gone = p.is_gone != 0.0 };
+                         .is_gone = p.is_gone != MICRO_HERE };
 }
 
 static void count_contact(micro_totals *totals, double overlap, double radius)
@@ -79,7 +92,7 @@ static void count_contacts_of(const disk_state *s, size_t slot, micro_totals *to
         uint32_t other = disk__neighbour(s, slot, row);
         const disk *with = &s->now[other];
         double dx = with->x - part->x, dy = with->y - part->y;
-        if (other > slot && other != s->void_slot)
+        if (other > slot && other < s->n_live)
             count_contact(totals, part->radius + with->radius - sqrt(dx * dx + dy * dy),
                           fmin(part->radius, with->radius));
     }
@@ -93,7 +106,7 @@ micro_totals disk__measure(const void *state)
 
     for (size_t k = 0; k < s->n; k++) {
         const disk *part = &s->now[s->slot_of[k]];
-        if (s->is_gone[k] != 0)
+        if (s->is_gone[k] != MICRO_HERE)
             continue;
         double mass = 1.0 / part->inv_mass, inertia = 0.5 * mass * part->radius * part->radius;
         totals.n_parts++;
@@ -170,15 +183,17 @@ static bool is_header_sound(const state_header *h)
 
 // Contacts with the boundary and pairs of parts must be in their groups, and no part twice in any but the last:
 // registers and threads rely on it.
-static bool is_pair_sound(const disk_state *s, const implicit_state *z, size_t k, uint32_t group)
+static bool is_pair_sound(const disk_state *s, size_t n, const implicit_state *z, size_t k,
+                          uint32_t group)
 {
     const implicit_pair *p = &z->pairs[k];
     size_t n_features = s->n_faces + s->n_arcs;
-    bool is_boundary = p->id[1] >= s->n;
+    bool is_boundary = implicit_is_at_boundary(p);
 
-    if (p->id[0] >= s->n || !isfinite(p->normal) || !isfinite(p->sliding))
+    if (p->id[0] >= n || !isfinite(p->normal) || !isfinite(p->sliding))
         return false;
-    if (is_boundary ? p->id[1] - s->n >= n_features : p->id[1] <= p->id[0])
+    if (is_boundary ? p->id[1] - IMPLICIT_FEATURE >= n_features
+                    : p->id[1] <= p->id[0] || p->id[1] >= n)
         return false;
     if (group != IMPLICIT_REST && is_boundary != (group < IMPLICIT_BOUNDARY))
         return false;
@@ -190,11 +205,11 @@ static bool is_pair_sound(const disk_state *s, const implicit_state *z, size_t k
     return true;
 }
 
-static bool take_pairs(const disk_state *s, implicit_state *z, const char *bytes)
+static bool take_pairs(const disk_state *s, size_t n, implicit_state *z, const char *bytes)
 {
     uint32_t group = 0;
 
-    memset(z->head, 0xff, s->n * sizeof *z->head);
+    memset(z->head, 0xff, n * sizeof *z->head);
     for (size_t k = 0; k < z->n_pairs; k++) {
         state_pair pair;
         memcpy(&pair, bytes + k * sizeof pair, sizeof pair);
@@ -204,14 +219,14 @@ static bool take_pairs(const disk_state *s, implicit_state *z, const char *bytes
                                        .sliding = pair.sliding };
         while (z->group[group + 1] <= k)
             group++;
-        if (!is_pair_sound(s, z, k, group))
+        if (!is_pair_sound(s, n, z, k, group))
             return false;
     }
     return true;
 }
 
-static bf_status take_state(const disk_state *s, implicit_state *z, const state_header *header,
-                            const char *bytes, bf_error *err)
+static bf_status take_state(const disk_state *s, size_t n, implicit_state *z,
+                            const state_header *header, const char *bytes, bf_error *err)
 {
     z->is_chosen = header->is_chosen != 0;
     z->n_pairs = header->n_pairs;
@@ -222,12 +237,12 @@ static bf_status take_state(const disk_state *s, implicit_state *z, const state_
     bf_status status = disk_implicit__reserve(z, z->n_pairs, err);
     if (status == BF_OK)
         status = disk_implicit__cut(s, z, err);
-    if (status == BF_OK && !take_pairs(s, z, bytes))
+    if (status == BF_OK && !take_pairs(s, n, z, bytes))
         status = bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are not of these parts");
     return status;
 }
 
-bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err)
+bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r, bf_error *err)
 {
     state_header header;
     implicit_state *z = NULL;
@@ -240,7 +255,7 @@ bf_status disk_implicit__load(disk_state *s, checkpoint_reader *r, bf_error *err
         if (pairs == NULL || r->n_left > 0)
             return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
         z = disk_implicit__create(s);
-        status = z ? take_state(s, z, &header, pairs, err)
+        status = z ? take_state(s, n, z, &header, pairs, err)
                    : bf_fail(err, BF_ENOMEM, "", "no memory for the solver");
     }
     if (status != BF_OK) {
@@ -266,10 +281,30 @@ void disk__save(const void *state, checkpoint_writer *w)
     disk_implicit__save(s, w);
 }
 
-static void take_parts(disk_state *s, const char *parts)
+// Whether saved parts can be those of a solver.
+static bool are_parts_sound(const disk_state *s, const char *parts, size_t n)
 {
+    for (size_t k = 0; k < n; k++) {
+        saved_part part;
+        memcpy(&part, parts + k * sizeof part, sizeof part);
+        if (part.is_gone > MICRO_FREE || part.kind >= s->n_kinds)
+            return false;
+    }
+    return true;
+}
+
+static void take_parts(disk_state *s, const char *parts, size_t n)
+{
+    s->n = n;
+    for (size_t k = 0; k < n; k++) {
+        saved_part part;
+        memcpy(&part, parts + k * sizeof part, sizeof part);
+        s->is_gone[k] = (uint8_t)part.is_gone;
+        if (s->kind_of != NULL)
+            s->kind_of[k] = part.kind;
+    }
     disk__fill_slots(s);
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < n; k++) {
         saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
         s->now[k].x = part.x;
@@ -278,26 +313,27 @@ static void take_parts(disk_state *s, const char *parts)
         s->now[k].vy = part.vy;
         s->now[k].spin = part.spin;
         s->heading[k] = part.heading;
-        s->is_gone[k] = part.is_gone != 0.0;
     }
 }
 
-bf_status disk__load(void *state, checkpoint_reader *r, bf_error *err)
+bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
 {
     disk_state *s = state;
     saved_header header;
     const char *parts = NULL, *commands = NULL;
 
     if (checkpoint_read(r, &header, sizeof header))
-        parts = checkpoint_read_items(r, s->n, sizeof(saved_part));
+        parts = checkpoint_read_items(r, n, sizeof(saved_part));
     if (parts != NULL)
         commands = plate_motion_read(&s->plates.motion, r);
-    if (commands == NULL)
-        return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
-    bf_status status = disk_implicit__load(s, r, err);
+    if (commands == NULL || !are_parts_sound(s, parts, n))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
+    if (n > s->capacity && disk__resize(s, n) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
+    bf_status status = disk_implicit__load(s, n, r, err);
     if (status != BF_OK)
         return status;
-    take_parts(s, parts);
+    take_parts(s, parts, n);
     plate_motion_take(&s->plates.motion, commands);
     s->steps = header.steps;
     s->largest_overlap = header.largest_overlap;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/micro/backend.h"
-#include "core/micro/body/body_priv.h"
+#include "core/micro/body/parts.h"
 
 enum { HELPER_BODY_PARTS = 64, HELPER_BODY_KINDS = 4 };
 

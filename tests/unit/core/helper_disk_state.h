@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "core/micro/disk/disk_priv.h"
+#include "core/micro/disk/parts.h"
 #include "tests/unit/core/helper_outflow.h"
 
 enum { HELPER_DISK_STATE_PARTS = 1536 };

@@ -22,9 +22,11 @@ static bf_buffer write_numbers(void)
 
     assert_int_equal(buffer_append(&out, "before", 6), BF_OK);
     checkpoint_begin(&w, &out, CHECKPOINT_MACRO, DEFINITION);
+    const size_t at = checkpoint_at(&w);
     checkpoint_write(&w, &none, sizeof none);
+    assert_int_equal(checkpoint_at(&w), at + sizeof none);
     checkpoint_write(&w, numbers, sizeof numbers);
-    checkpoint_rewrite(&w, &three, sizeof three);
+    checkpoint_rewrite(&w, at, &three, sizeof three);
     assert_int_equal(checkpoint_end(&w, NULL), BF_OK);
     buffer_drop(&out, 6);
     return out;

@@ -80,7 +80,7 @@ static bf_status load_state(body_state *s, const char *bytes, size_t n, bf_error
     checkpoint_reader r;
 
     bf_status status = checkpoint_open(&r, bytes, n, CHECKPOINT_BODY, 0, err);
-    return status == BF_OK ? body__load(s, &r, err) : status;
+    return status == BF_OK ? body__load(s, s->n, &r, err) : status;
 }
 
 // The list is built at other times after loading: results must not depend on them.

@@ -207,7 +207,9 @@ static void without_memory_nothing_is_lost(void **state)
 // A planar state with the members that saving and loading read: 4 parts, 2 features.
 static disk_state make_bare_state(void)
 {
-    disk_state s = { .n = 4, .n_faces = 1, .n_arcs = 1, .void_slot = 16, .radius_min = 0.01 };
+    disk_state s = {
+        .n = 4, .capacity = 4, .n_faces = 1, .n_arcs = 1, .void_slot = 16, .radius_min = 0.01
+    };
 
     s.def.dt = 1e-3;
     s.implicit = disk_implicit__create(&s);
@@ -222,7 +224,7 @@ static bf_buffer save_sound(disk_state *s)
     bf_buffer bytes = { 0 };
 
     assert_int_equal(disk_implicit__reserve(z, 3, NULL), BF_OK);
-    z->pairs[0] = (implicit_pair){ .id = { 0, 4 }, .normal = 1.0 };
+    z->pairs[0] = (implicit_pair){ .id = { 0, IMPLICIT_FEATURE }, .normal = 1.0 };
     z->pairs[1] = (implicit_pair){ .id = { 0, 1 }, .normal = 2.0, .sliding = -1.0 };
     z->pairs[2] = (implicit_pair){ .id = { 2, 3 } };
     z->n_pairs = 3;
@@ -237,7 +239,7 @@ static bf_buffer save_sound(disk_state *s)
 
 static bf_status load(disk_state *s, const char *bytes, size_t n)
 {
-    return disk_implicit__load(s, &(checkpoint_reader){ bytes, n }, NULL);
+    return disk_implicit__load(s, s->n, &(checkpoint_reader){ bytes, n }, NULL);
 }
 
 static void assert_refused(disk_state *s, const bf_buffer *bytes)
@@ -250,13 +252,15 @@ static void assert_refused(disk_state *s, const bf_buffer *bytes)
 
 static void pairs_that_cannot_be_are_refused(void **state)
 {
+    enum { FEATURE = IMPLICIT_FEATURE };
     const uint32_t impossible[][3][2] = {
-        { { 0, 6 }, { 0, 1 }, { 2, 3 } }, // no such feature
-        { { 9, 4 }, { 0, 1 }, { 2, 3 } }, // no such part
-        { { 0, 4 }, { 1, 0 }, { 2, 3 } }, // numbers do not rise
-        { { 0, 4 }, { 0, 1 }, { 1, 3 } }, // a part twice in a colour
-        { { 0, 1 }, { 0, 1 }, { 2, 3 } }, // parts among the contacts with the boundary
-        { { 0, 4 }, { 0, 5 }, { 2, 3 } }, // a touch among the parts
+        { { 0, FEATURE + 2 }, { 0, 1 }, { 2, 3 } }, // no such feature
+        { { 9, FEATURE }, { 0, 1 }, { 2, 3 } },     // no such part
+        { { 0, FEATURE }, { 0, 4 }, { 2, 3 } },     // nor as the second one
+        { { 0, FEATURE }, { 1, 0 }, { 2, 3 } },     // numbers do not rise
+        { { 0, FEATURE }, { 0, 1 }, { 1, 3 } },     // a part twice in a colour
+        { { 0, 1 }, { 0, 1 }, { 2, 3 } },           // parts among the contacts with the boundary
+        { { 0, FEATURE }, { 0, FEATURE + 1 }, { 2, 3 } }, // a touch among the parts
     };
     disk_state s = make_bare_state();
     bf_buffer sound = save_sound(&s);
