@@ -2,6 +2,7 @@
 
 #include "core/base/polygon.h"
 #include "core/scene/belt_speeds.h"
+#include "core/scene/plate_motion.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
 
@@ -79,6 +80,7 @@ static void check_path(const scene_obstacle *obstacle, size_t k, bf_faults *faul
 /// Note what is wrong with how an obstacle moves; pointer is that of the obstacle.
 static void check_motion(const scene_obstacle *o, const char *pointer, bf_faults *faults)
 {
+    const size_t n_before = faults->n;
     char at[BF_POINTER_SIZE + ROOM_FOR_INDEX];
 
     snprintf(at, sizeof at, "%s/motion/pivot_m", pointer);
@@ -87,6 +89,10 @@ static void check_motion(const scene_obstacle *o, const char *pointer, bf_faults
         faults_add(faults, at, "must be numbers within %g m", SCENE_LENGTH_MAX);
     snprintf(at, sizeof at, "%s/motion", pointer);
     scene__check_series(&o->turn, at, "turn_deg", &turn_range, faults);
+    snprintf(at, sizeof at, "%s/motion/repeat_s", pointer);
+    if (faults->n == n_before && o->turn.n_times > 0 &&
+        plate_motion_largest_speed(o, 0, 0, NULL) == INFINITY)
+        faults_add(faults, at, "leaves no time to turn from the last angle to the first one");
     snprintf(at, sizeof at, "%s/present", pointer);
     scene__check_series(&o->presence, at, "value", &flag_range, faults);
 }

@@ -83,7 +83,7 @@ static void equipment_in_order_is_accepted(void **unused)
     make_scene(&s);
     set_series(&s.obstacles[0].turn, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, -9.0 });
     set_series(&s.obstacles[0].presence, 2, (double[]){ 0.0, 2.0 }, (double[]){ 0.0, 1.0 });
-    s.obstacles[0].turn.repeat = 2.0;
+    s.obstacles[0].turn.repeat = 2.5;
     s.until = SCENE_UNTIL_STEADY;
     s.warmup = 9.5;
     const bf_faults *faults = faults_of(&s);
@@ -107,6 +107,7 @@ SPOIL(bad_pivot, o->pivot = ((vec2){ 0.0, INFINITY }))
 SPOIL(falling_turn, set_series(&o->turn, 2, (double[]){ 1, 0 }, two))
 SPOIL(endless_turn, set_series(&o->turn, 2, two, (double[]){ 0, INFINITY }))
 SPOIL(short_turn, set_series(&o->turn, 2, two, two); o->turn.repeat = 0.5)
+SPOIL(jumping_turn, set_series(&o->turn, 2, two, two); o->turn.repeat = 1.0)
 SPOIL(uneven_turn, set_series(&o->turn, 2, two, two); o->turn.n_values = 1)
 SPOIL(negative_time, set_series(&o->presence, 2, (double[]){ -1, 0 }, two))
 SPOIL(half_there, set_series(&o->presence, 2, two, (double[]){ 0, 2 }))
@@ -148,6 +149,7 @@ static void what_is_wrong_is_pointed_at(void **unused)
         { falling_turn, "/obstacles/0/motion/t_s/1", "0 s do not come after the 1 s" },
         { endless_turn, "/obstacles/0/motion/turn_deg/1", "" },
         { short_turn, "/obstacles/0/motion/repeat_s", "at least the last time, 1 s, not 0.5 s" },
+        { jumping_turn, "/obstacles/0/motion/repeat_s", "no time to turn" },
         { uneven_turn, "/obstacles/0/motion/turn_deg", "1 items, but t_s has 2" },
         { endless_round, "/obstacles/0/motion/repeat_s", "" },
         { negative_time, "/obstacles/0/present/t_s/0", "at least 0" },
