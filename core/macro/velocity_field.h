@@ -41,15 +41,20 @@ typedef struct velocity_field {
     uint16_t *belt2;  ///< same for the x2-faces
     double *
         aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the congested closure
-    double *aperture2;   ///< same for the x2-faces
-    double *transverse1; ///< the x2 velocity on the x1-faces, m/s
-    double *transverse2; ///< the x1 velocity on the x2-faces, m/s
+    double *aperture2;                      ///< same for the x2-faces
+    double *transverse1;                    ///< the x2 velocity on the x1-faces, m/s
+    double *transverse2;                    ///< the x1 velocity on the x2-faces, m/s
+    struct velocity_field_sampler *sampler; ///< scratch of velocity_field_update()
 } velocity_field;
 
 /// Build the field of a checked scenario on its grid, for belts that move at v_T. The caller owns *ret_field:
 /// velocity_field_destroy(). BF_ENOMEM.
 BF_MUST_CHECK bf_status velocity_field_create(const scene *s, velocity_field **ret_field,
                                               bf_error *err);
+
+/// Make the field again where obstacles have moved: *s differs from the scene that it was created for in
+/// the paths of obstacles alone, or lacks some of them. Never allocates.
+void velocity_field_update(velocity_field *f, const scene *s);
 
 /// Free a field; NULL is fine. Always returns NULL.
 velocity_field *velocity_field_destroy(velocity_field *f);

@@ -1,0 +1,70 @@
+#include "core/macro/regions.h"
+
+#include "core/macro/aperture.h"
+
+#include <math.h>
+
+/// Width of the slide zone of the congested closure in radii of parts; fitted to the microscopic model.
+static const double congested_slide = 6.0;
+
+/// A sine below this, between belt and plate, is rounding: they are parallel.
+static const double parallel = 1e-12;
+
+regions_segment regions_segment_of(const scene *s, const surroundings *around,
+                                   const scene_obstacle *obstacle, size_t k)
+{
+    regions_segment g = { .piece = surroundings_piece_of(around, obstacle, k),
+                          .moves = scene_obstacle_moves(obstacle) };
+    const bool is_sealed = obstacle->treatment == SCENE_SEALED;
+
+    if (s->macro.closure == SCENE_CONGESTED) {
+        g.level[2] = congested_slide * aperture_radius(s);
+        return g;
+    }
+    g.level[0] = obstacle->treatment == SCENE_FIELD ? -obstacle->thickness : 0.0;
+    g.level[1] = is_sealed ? obstacle->band : 0.0;
+    g.level[2] = g.level[1] + obstacle->slide_width;
+    return g;
+}
+
+double regions_extent(const regions_segment *g)
+{
+    return fmax(fabs(g->level[0]), g->level[2]);
+}
+
+static regions_region find_region(const regions_segment *g, vec2 upstream, vec2 at)
+{
+    vec2 to = vec2_sub(at, g->piece.start);
+    double a = vec2_dot(to, g->piece.along), d = vec2_dot(to, upstream);
+
+    if (a < -SCENE_TOLERANCE || a > g->piece.length + SCENE_TOLERANCE)
+        return REGIONS_FREE;
+    if (d < g->level[0] - SCENE_TOLERANCE || d > g->level[2] + SCENE_TOLERANCE)
+        return REGIONS_FREE;
+    return d < g->level[1] - SCENE_TOLERANCE ? REGIONS_OUTWARD : REGIONS_SLIDE;
+}
+
+regions_velocity regions_begin(const surroundings *around, vec2 at)
+{
+    regions_velocity v = { .region = REGIONS_FREE };
+
+    v.belt_index = surroundings_belt_at(around, at);
+    v.belt = surroundings_velocity_of(around, v.belt_index);
+    v.velocity = v.belt;
+    return v;
+}
+
+void regions_consider(regions_velocity *v, const regions_segment *g, vec2 at)
+{
+    const vec2 along = g->piece.along, upstream = surroundings_upstream(along, v->belt);
+    const double speed = vec2_length(v->belt);
+
+    if (g->moves && fabs(vec2_dot(upstream, v->belt)) <= parallel * speed)
+        return;
+    const regions_region found = find_region(g, upstream, at);
+    if (found <= v->region)
+        return;
+    v->region = found;
+    v->velocity = found == REGIONS_OUTWARD ? vec2_scale(upstream, speed)
+                                           : vec2_scale(along, vec2_dot(v->belt, along));
+}

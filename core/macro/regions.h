@@ -1,0 +1,47 @@
+/// The rules of the static velocity field at a point: regions A, B and C of velocity_field.h.
+///
+/// Beside a plate that runs along its belt there is no upstream side: there, B and C of an obstacle that never moves
+/// lie on its left, as ever. One that moves and has been turned into the belt's direction holds nothing back, and
+/// has neither.
+
+#pragma once
+
+#include "core/scene/scene.h"
+#include "core/scene/surroundings.h"
+
+/// A straight piece of an obstacle.
+typedef struct regions_segment {
+    surroundings_piece piece; ///< see there
+    bool moves;               ///< of an obstacle that moves
+    double level[3]; ///< borders of the regions by their distance d upstream of the line: B from
+                     ///< level[0] to [1], C from there to [2], m
+} regions_segment;
+
+/// The regions of section 3.1; the larger value takes precedence.
+typedef enum regions_region {
+    REGIONS_FREE,   ///< A: the belt's velocity
+    REGIONS_SLIDE,  ///< C: along the obstacle
+    REGIONS_OUTWARD ///< B: away from it
+} regions_region;
+
+/// v_stat at a point for the segments considered so far.
+typedef struct regions_velocity {
+    regions_region region; ///< of these segments
+    size_t belt_index;     ///< of the belt under the point, n_belts off every belt
+    vec2 belt;             ///< v_T under the point, m/s
+    vec2 velocity;         ///< v_stat, m/s
+} regions_velocity;
+
+/// Piece k of an obstacle with the widths of its regions.
+regions_segment regions_segment_of(const scene *s, const surroundings *around,
+                                   const scene_obstacle *obstacle, size_t k);
+
+/// How far a segment's regions reach from its line, m.
+double regions_extent(const regions_segment *g);
+
+/// v_stat without any obstacle.
+regions_velocity regions_begin(const surroundings *around, vec2 at);
+
+/// Consider one more segment; earlier ones take precedence within a region. Its upstream side follows from the
+/// belt under the point.
+void regions_consider(regions_velocity *v, const regions_segment *g, vec2 at);
