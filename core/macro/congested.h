@@ -64,6 +64,10 @@ BF_MUST_CHECK bf_status congested_check(const macro_solver *s, bf_error *err);
 /// The belts' speeds have changed: bring the laws of all faces to them.
 void congested_update(macro_solver *s);
 
-/// Append the state beside the density to a checkpoint, and take it from one. False: too short.
+/// Let the faces have the apertures, transverse velocities and belts of *def, after the solver's own were set.
+void congested_set_faces(macro_solver *s, const macro_def *def);
+
+/// Append the state beside the density, so many bytes, to a checkpoint, and take it from one that has them.
+size_t congested_state_size(const macro_solver *s);
 void congested_save(const macro_solver *s, checkpoint_writer *w);
-BF_MUST_CHECK bool congested_load(macro_solver *s, checkpoint_reader *r);
+void congested_load(macro_solver *s, checkpoint_reader *r);

@@ -6,7 +6,9 @@
 
 #include "core/base/memory.h"
 #include "core/base/team.h"
+#include "core/macro/congested.h"
 #include "core/macro/macro_priv.h"
+#include "core/macro/velocity_field.h"
 
 #include <string.h>
 
@@ -106,9 +108,19 @@ static void fill_block(macro_solver *s, macro_faces *faces, const face_source *f
         block_set_add(macro__set(s, faces->closed_blocks, row), b);
 }
 
+static void clear_sets(const macro_solver *s, macro_faces *faces, ptrdiff_t n_rows)
+{
+    const size_t n_bytes = (size_t)n_rows * s->n_words * sizeof *faces->mixed;
+
+    memset(faces->mixed, 0, n_bytes);
+    memset(faces->closable, 0, n_bytes);
+    memset(faces->closed_blocks, 0, n_bytes);
+}
+
 static void fill_faces(macro_solver *s, macro_faces *faces, const face_source *from,
                        const uniform_faces *uniform)
 {
+    clear_sets(s, faces, from->n_rows);
     for (ptrdiff_t row = 0; row < from->n_rows; row++)
         for (ptrdiff_t b = -1; b < s->n_blocks; b++)
             fill_block(s, faces, from, uniform, row, b);
@@ -139,58 +151,75 @@ static uniform_faces guess_uniform(const face_source *from)
     return best;
 }
 
-// Rows of cells: 0 where one of the two faces of a cell is closed, else 1. Face k of a row of faces is the one before
-// cell k; a row of faces follows `across` rows of cells later.
-static double *make_open(const macro_solver *s, const uint8_t *closed, ptrdiff_t n_faces,
-                         ptrdiff_t to_next)
+// Fills rows of cells: 0 where one of the two faces of a cell is closed, else 1. Face k of a row of faces is the one
+// before cell k; the one behind it follows to_next faces later.
+static void fill_open(const macro_solver *s, const uint8_t *closed, ptrdiff_t n_faces,
+                      ptrdiff_t to_next, double *open)
 {
-    double *open = memory_alloc((size_t)(s->n2 * s->stride), sizeof *open);
-
-    if (open == NULL)
-        return NULL;
     for (ptrdiff_t j = 0; j < s->n2; j++)
         for (ptrdiff_t i = 0; i < s->n1; i++) {
             const uint8_t *face = closed == NULL ? NULL : closed + j * n_faces + i;
             macro__row(s, open, j)[i] =
                 face == NULL || (face[0] == 0 && face[to_next] == 0) ? 1.0 : 0.0;
         }
-    return open;
+}
+
+// Where the faces along x1 and x2 stand in a definition.
+static void find_sources(const macro_solver *s, const macro_def *def, face_source ret_sources[2])
+{
+    const bool changes = !s->speeds.are_constant;
+    const bool is_congested = def->closure == SCENE_CONGESTED;
+
+    ret_sources[0] = (face_source){ .v = def->v1,
+                                    .aperture = is_congested ? def->aperture1 : NULL,
+                                    .closed = def->closed1,
+                                    .belt = changes ? def->belt1 : NULL,
+                                    .row_stride = def->grid.n1 + 1,
+                                    .first = -1,
+                                    .n_faces = s->n1 + 1,
+                                    .n_rows = s->n2 };
+    ret_sources[1] = (face_source){ .v = def->v2,
+                                    .aperture = is_congested ? def->aperture2 : NULL,
+                                    .closed = def->closed2,
+                                    .belt = changes ? def->belt2 : NULL,
+                                    .row_stride = def->grid.n1,
+                                    .n_faces = s->n1,
+                                    .n_rows = s->n2 + 1 };
+}
+
+// Fills both sets of faces from a definition's arrays.
+static void fill_all(macro_solver *s, const macro_def *def)
+{
+    const uniform_faces uniform1 = { s->uniform1_full, s->uniform_belt }, uniform2 = { 0.0, 0 };
+    face_source sources[2];
+
+    find_sources(s, def, sources);
+    fill_faces(s, &s->faces1, &sources[0], &uniform1);
+    fill_faces(s, &s->faces2, &sources[1], &uniform2);
+    if (s->open1 != NULL) {
+        fill_open(s, def->closed1, s->n1 + 1, 1, s->open1);
+        fill_open(s, def->closed2, s->n1, s->n1, s->open2);
+    }
 }
 
 bf_status macro__faces_init(macro_solver *s, const macro_def *def)
 {
-    const bool changes = !s->speeds.are_constant;
-    const bool is_congested = def->closure == SCENE_CONGESTED;
-    const face_source from1 = { .v = def->v1,
-                                .aperture = is_congested ? def->aperture1 : NULL,
-                                .closed = def->closed1,
-                                .belt = changes ? def->belt1 : NULL,
-                                .row_stride = def->grid.n1 + 1,
-                                .first = -1,
-                                .n_faces = s->n1 + 1,
-                                .n_rows = s->n2 };
-    const face_source from2 = { .v = def->v2,
-                                .aperture = is_congested ? def->aperture2 : NULL,
-                                .closed = def->closed2,
-                                .belt = changes ? def->belt2 : NULL,
-                                .row_stride = def->grid.n1,
-                                .n_faces = s->n1,
-                                .n_rows = s->n2 + 1 };
-    const uniform_faces uniform1 = guess_uniform(&from1), uniform2 = { 0.0, 0 };
+    face_source sources[2];
 
     if (alloc_faces(s, &s->faces1, s->n2) != BF_OK ||
         alloc_faces(s, &s->faces2, s->n2 + 1) != BF_OK)
         return BF_ENOMEM;
     if (def->scheme == SCENE_SCHEME_MUSCL) {
-        s->open1 = make_open(s, def->closed1, s->n1 + 1, 1);
-        s->open2 = make_open(s, def->closed2, s->n1, s->n1);
+        s->open1 = memory_alloc((size_t)(s->n2 * s->stride), sizeof *s->open1);
+        s->open2 = memory_alloc((size_t)(s->n2 * s->stride), sizeof *s->open2);
         if (s->open1 == NULL || s->open2 == NULL)
             return BF_ENOMEM;
     }
+    find_sources(s, def, sources);
+    const uniform_faces uniform1 = guess_uniform(&sources[0]);
     s->uniform1 = s->uniform1_full = uniform1.v;
     s->uniform_belt = uniform1.belt;
-    fill_faces(s, &s->faces1, &from1, &uniform1);
-    fill_faces(s, &s->faces2, &from2, &uniform2);
+    fill_all(s, def);
     return BF_OK;
 }
 
@@ -245,6 +274,13 @@ static void update_rows(void *context, size_t item)
     }
 }
 
+// Brings the velocities, which are those at the factor 1 or of the step before, to the present factors.
+static void scale_faces(macro_solver *s)
+{
+    s->uniform1 = s->uniform1_full * s->factors[s->uniform_belt];
+    team_for(s->n_bands, (size_t)s->n2 / ROWS_AT_ONCE + 1, update_rows, s);
+}
+
 bool macro__faces_update(macro_solver *s)
 {
     const size_t n_bytes = (s->speeds.n_belts + 1) * sizeof *s->factors;
@@ -255,9 +291,29 @@ bool macro__faces_update(macro_solver *s)
     if (memcmp(s->factors, s->factors_next, n_bytes) == 0)
         return false;
     memcpy(s->factors, s->factors_next, n_bytes);
-    s->uniform1 = s->uniform1_full * s->factors[s->uniform_belt];
-    team_for(s->n_bands, (size_t)s->n2 / ROWS_AT_ONCE + 1, update_rows, s);
+    scale_faces(s);
     return true;
+}
+
+void macro_set_field(macro_solver *s, const velocity_field *field)
+{
+    macro_def def = s->def;
+
+    def.v1 = field->v1;
+    def.v2 = field->v2;
+    def.closed1 = field->closed1;
+    def.closed2 = field->closed2;
+    def.belt1 = field->belt1;
+    def.belt2 = field->belt2;
+    def.aperture1 = field->aperture1;
+    def.aperture2 = field->aperture2;
+    def.transverse1 = field->transverse1;
+    def.transverse2 = field->transverse2;
+    fill_all(s, &def);
+    if (!s->speeds.are_constant)
+        scale_faces(s);
+    if (s->congested != NULL)
+        congested_set_faces(s, &def);
 }
 
 static void free_faces(macro_faces *faces)

@@ -27,6 +27,7 @@
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/macro/velocity_field.h"
 #include "core/scene/scene.h"
 
 #include <stdbool.h>
@@ -91,11 +92,18 @@ macro_solver *macro_destroy(macro_solver *s);
 BF_MUST_CHECK bf_status macro_set_density(macro_solver *s, const double *rho, size_t n,
                                           bf_error *err);
 
-/// Add a density >= 0 to a cell, layout of grid.h, between two steps.
+/// Add a density to a cell, layout of grid.h, between two steps; one below 0 takes some of what there is.
 void macro_add(macro_solver *s, size_t cell, double density);
 
 /// The factor on the velocities over a belt of the definition in the step that begins now; 1 off every belt.
 double macro_belt_factor(const macro_solver *s, size_t belt);
+
+/// Let a belt of the definition that an action commands head for a factor from now on.
+void macro_command_belt(macro_solver *s, size_t belt, double factor);
+
+/// Let the steps from now on have another velocity field of the same grid: one of the same scene whose obstacles have
+/// moved. Never allocates.
+void macro_set_field(macro_solver *s, const velocity_field *field);
 
 /// Advance by dt. Never allocates. A step itself cannot fail; see macro_check().
 void macro_step(macro_solver *s);

@@ -107,6 +107,11 @@ double macro_belt_factor(const macro_solver *s, size_t belt)
                : 1.0;
 }
 
+void macro_command_belt(macro_solver *s, size_t belt, double factor)
+{
+    belt_speeds_command(&s->speeds, belt, macro_time(s), factor);
+}
+
 const double *macro_row(const macro_solver *s, size_t j)
 {
     return macro__row(s, s->now.rho, (ptrdiff_t)j);
@@ -268,6 +273,7 @@ bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
         checkpoint_write(&w, macro_row(s, j), s->def.grid.n1 * sizeof(double));
     if (s->congested != NULL)
         congested_save(s, &w);
+    belt_speeds_save(&s->speeds, &w);
     return checkpoint_end(&w, err);
 }
 
@@ -280,10 +286,15 @@ bf_status macro_load(macro_solver *s, const void *bytes, size_t n, bf_error *err
     if (status != BF_OK)
         return status;
     const size_t n_bytes = grid_cells(&s->def.grid) * sizeof(double);
-    const bool has_density = checkpoint_read(&r, &steps, sizeof steps) && r.n_left >= n_bytes;
-    const char *rho = has_density ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
-    if (rho == NULL || (s->congested != NULL ? !congested_load(s, &r) : r.n_left != 0))
+    const bool has_steps = checkpoint_read(&r, &steps, sizeof steps);
+    const char *rho = has_steps ? checkpoint_read_items(&r, 1, n_bytes) : NULL;
+    checkpoint_reader closure = r;
+    const size_t n_closure = s->congested != NULL ? congested_state_size(s) : 0;
+    if (rho == NULL || (n_closure > 0 && checkpoint_read_items(&r, 1, n_closure) == NULL) ||
+        !belt_speeds_load(&s->speeds, &r) || r.n_left != 0)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    if (s->congested != NULL)
+        congested_load(s, &closure);
     take_density(s, rho);
     s->steps = steps;
     return BF_OK;

@@ -5,6 +5,7 @@
 #include "core/feed/density_entry.h"
 #include "core/macro/macro.h"
 #include "core/macro/mollifier.h"
+#include "core/macro/moving_plates.h"
 #include "core/macro/velocity_field.h"
 #include "core/run/run_priv.h"
 #include "core/scene/counter.h"
@@ -15,7 +16,8 @@ typedef struct macro_run {
     macro_solver *solver;
     bool is_fed; // there are feeds
     feed_density *feeds;
-    double packing; // parts/m2 at density 1
+    moving_plates *plates; // NULL: no obstacle moves
+    double packing;        // parts/m2 at density 1
     bf_grid grid;
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
@@ -23,13 +25,19 @@ typedef struct macro_run {
 
 static void check_step(const scene *s, bf_faults *faults)
 {
-    double step = s->macro.step, stable = scene_step_stable(s);
+    double step = s->macro.step, stable = scene_step_stable(s), turning = scene_step_turning(s);
     double n = ceil(s->duration / scene_macro_step(s));
 
     if (step > stable * (1.0 + RUN__STABLE_SLACK))
         faults_add(faults, "/macro/step_s",
                    "a step of %.10g s is unstable (CFL): the largest stable one is %.10g s", step,
                    stable);
+    else if (step > turning * (1.0 + RUN__STABLE_SLACK))
+        faults_add(faults, "/macro/step_s",
+                   "in a step of %.10g s an obstacle turns by more than a cell; the largest one "
+                   "without that "
+                   "is %.10g s",
+                   step, turning);
     else if (s->duration < step)
         faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
                    step);
@@ -100,16 +108,26 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     return def;
 }
 
-static bf_status create_solver(const scene *s, int n_threads, macro_solver **ret_solver,
-                               bf_error *err)
+static bool has_moving_plates(const scene *s)
+{
+    bool has = false;
+
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        has = has || scene_obstacle_moves(&s->obstacles[k]);
+    return has;
+}
+
+static bf_status create_solver(const scene *s, int n_threads, macro_run *run, bf_error *err)
 {
     velocity_field *f = NULL;
-    bf_status status = velocity_field_create(s, &f, err);
+    bf_status status = has_moving_plates(s) ? moving_plates_create(s, &run->plates, err)
+                                            : velocity_field_create(s, &f, err);
 
     if (status != BF_OK)
         return status;
-    const macro_def def = def_of(s, f, n_threads);
-    status = macro_create(&def, ret_solver, err);
+    const macro_def def =
+        def_of(s, run->plates != NULL ? moving_plates_field(run->plates) : f, n_threads);
+    status = macro_create(&def, &run->solver, err);
     velocity_field_destroy(f);
     return status;
 }
@@ -139,10 +157,11 @@ static void destroy_run(void *solver)
 {
     macro_run *run = solver;
 
-    if (run != NULL) {
-        macro_destroy(run->solver);
-        feed_density_destroy(run->feeds);
-    }
+    if (run == NULL)
+        return;
+    macro_destroy(run->solver);
+    feed_density_destroy(run->feeds);
+    moving_plates_destroy(run->plates);
     memory_free(run);
 }
 
@@ -161,7 +180,7 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     run->n_counters = s->n_counters;
     for (size_t k = 0; k < s->n_counters; k++)
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
-    if ((status = create_solver(s, n_threads, &run->solver, err)) != BF_OK ||
+    if ((status = create_solver(s, n_threads, run, err)) != BF_OK ||
         (status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
         destroy_run(run);
@@ -215,8 +234,20 @@ static void command_run(void *solver, const scene_action *action)
 {
     macro_run *run = solver;
 
-    if (action->type == SCENE_ACTION_FEED)
+    switch (action->type) {
+    case SCENE_ACTION_BELT:
+        macro_command_belt(run->solver, action->target, action->value);
+        break;
+    case SCENE_ACTION_TURN:
+    case SCENE_ACTION_PRESENCE:
+        moving_plates_command(run->plates, action, macro_time(run->solver));
+        break;
+    case SCENE_ACTION_FEED:
         feed_density_hold(run->feeds, action->target, action->value != 0.0);
+        break;
+    case SCENE_ACTION_COUNT:
+        break;
+    }
 }
 
 static feed_balance balance_run(const void *solver, size_t feed)
@@ -238,8 +269,11 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
     macro_run *run = solver;
 
     (void)err;
-    for (uint64_t k = 0; k < n; k++)
+    for (uint64_t k = 0; k < n; k++) {
+        if (run->plates != NULL)
+            moving_plates_update(run->plates, run->solver);
         macro_step(run->solver);
+    }
     return BF_OK;
 }
 
@@ -286,10 +320,13 @@ static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
     const macro_run *run = solver;
     checkpoint_writer w;
 
-    if (!run->is_fed)
+    if (!run->is_fed && run->plates == NULL)
         return macro_save(run->solver, out, err);
-    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
-    feed_density_save(run->feeds, &w);
+    checkpoint_begin(&w, out, CHECKPOINT_EQUIPPED, 0);
+    if (run->plates != NULL)
+        moving_plates_save(run->plates, &w);
+    if (run->is_fed)
+        feed_density_save(run->feeds, &w);
     const bf_status status = macro_save(run->solver, out, err);
     if (status == BF_OK)
         return checkpoint_end(&w, err);
@@ -301,19 +338,26 @@ static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *e
 {
     macro_run *run = solver;
     checkpoint_reader r, feeds;
+    const char *commands = NULL;
     bf_status status;
 
-    if (!run->is_fed)
+    if (!run->is_fed && run->plates == NULL)
         return macro_load(run->solver, bytes, n, err);
-    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err)) != BF_OK)
+    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_EQUIPPED, 0, err)) != BF_OK)
         return status;
+    if (run->plates != NULL && (commands = moving_plates_read(run->plates, &r)) == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's obstacles are damaged");
     feeds = r;
-    if (checkpoint_read_items(&r, 1, feed_density_state_size(run->feeds)) == NULL)
+    if (run->is_fed && checkpoint_read_items(&r, 1, feed_density_state_size(run->feeds)) == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
-    // The feeds come last: until the solver has taken its state, everything is as before.
-    if ((status = macro_load(run->solver, r.at, r.n_left, err)) == BF_OK)
+    // Feeds and obstacles come last: until the solver has taken its state, everything is as before.
+    if ((status = macro_load(run->solver, r.at, r.n_left, err)) != BF_OK)
+        return status;
+    if (run->is_fed)
         feed_density_load(run->feeds, &feeds);
-    return status;
+    if (run->plates != NULL)
+        moving_plates_take(run->plates, commands, run->solver);
+    return BF_OK;
 }
 
 static uint64_t digest_run(const void *solver)

@@ -53,6 +53,7 @@ static const range_row dispersive_ranges[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_TREATMENT] = { NOTHING, 0.0, NULL,
                              "Cargo leaks through field, and piles up in the corners of wall." },
     [VALIDITY_CELL] = { 0.1, 0.25, NULL, "The model lets cargo pass too slowly on a coarse grid." },
+    [VALIDITY_MOTIONS] = { NOTHING, 0.0, NULL, NULL },
 };
 
 static const range_row congested_ranges[VALIDITY_FIGURE_COUNT] = {
@@ -80,6 +81,7 @@ static const range_row congested_ranges[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_BELT_FRICTION] = { 1.0, 1.0, NULL, NULL },
     [VALIDITY_TREATMENT] = { NOTHING, INFINITY, NULL, NULL },
     [VALIDITY_CELL] = { 0.2, 0.42, NULL, NULL },
+    [VALIDITY_MOTIONS] = { NOTHING, 0.0, NULL, NULL },
 };
 
 static const range_row *const ranges[SCENE_CLOSURE_COUNT] = {
@@ -108,6 +110,7 @@ const char *const validity_words[] = {
     [VALIDITY_BELT_FRICTION] = "belt_friction",
     [VALIDITY_TREATMENT] = "treatment",
     [VALIDITY_CELL] = "cell",
+    [VALIDITY_MOTIONS] = "motions",
     [VALIDITY_FIGURE_COUNT] = NULL,
 };
 
@@ -149,6 +152,8 @@ static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
                              "sealed ones alone" },
     [VALIDITY_CELL] = { "diameters", "The edge of a cell is", " part diameters", " diameters",
                         NULL },
+    [VALIDITY_MOTIONS] = { NULL, "The number of obstacles that move is", "", "",
+                           "obstacles that stand" },
 };
 
 enum { TOO_SMALL, TOO_LARGE, WAY_COUNT };
@@ -253,6 +258,20 @@ static void note_speeds(findings *f)
     note(f, VALIDITY_SCHEDULES, n_schedules, "/belts");
 }
 
+static void note_motions(findings *f)
+{
+    double n_moving = 0.0;
+    size_t moving = 0;
+
+    for (size_t k = 0; k < f->s->n_obstacles; k++) {
+        if (scene_obstacle_moves(&f->s->obstacles[k])) {
+            n_moving += 1.0;
+            moving = k;
+        }
+    }
+    note(f, VALIDITY_MOTIONS, n_moving, "/obstacles/%zu", moving);
+}
+
 static void note_cargo(findings *f)
 {
     const scene *s = f->s;
@@ -313,6 +332,8 @@ static double diameter_of(const scene *s)
 static void note_figures(findings *f, const layout *of)
 {
     const size_t n_velocities = count_velocities(f->s);
+
+    note_motions(f);
     const bool is_free =
         of->is_measured && of->n_plates == 0 && of->wall_angle.value == 0.0 && n_velocities == 1;
 

@@ -40,6 +40,7 @@ typedef enum validity_figure {
     VALIDITY_BELT_FRICTION,  ///< mu of parts on belts
     VALIDITY_TREATMENT,      ///< obstacles that are not SCENE_SEALED
     VALIDITY_CELL,           ///< edge of a cell, diameters
+    VALIDITY_MOTIONS,        ///< obstacles that turn, come or go
     VALIDITY_FIGURE_COUNT
 } validity_figure;
 

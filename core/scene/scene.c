@@ -4,6 +4,7 @@
 #include "core/base/vec2.h"
 #include "core/scene/belt_speeds.h"
 #include "core/scene/placement.h"
+#include "core/scene/plate_motion.h"
 #include "core/scene/shape.h"
 
 #include <math.h>
@@ -486,10 +487,22 @@ double scene_step_positive(const scene *s)
     return s->macro.closure == SCENE_CONGESTED ? INFINITY : 0.5 * scene_step_stable(s);
 }
 
+double scene_step_turning(const scene *s)
+{
+    double speed = 0.0;
+
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        speed = fmax(speed, plate_motion_largest_speed(s->obstacles, k, s->n_actions, s->actions));
+    return s->macro.cell / speed;
+}
+
 double scene_macro_step(const scene *s)
 {
+    const double turning = scene_step_turning(s);
+
     if (s->macro.step > 0.0)
         return s->macro.step;
-    return s->macro.closure == SCENE_CONGESTED ? scene_fit_step(s, scene_step_stable(s), false)
-                                               : scene_fit_step(s, scene_step_positive(s), true);
+    return s->macro.closure == SCENE_CONGESTED
+               ? scene_fit_step(s, fmin(scene_step_stable(s), turning), false)
+               : scene_fit_step(s, fmin(scene_step_positive(s), turning), true);
 }

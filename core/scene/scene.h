@@ -100,3 +100,6 @@ double scene_macro_step(const scene *s);
 /// the largest is 2 n dt max|v_stat| = dx, and rho stays >= 0 up to it: the second is INFINITY.
 double scene_step_stable(const scene *s);
 double scene_step_positive(const scene *s);
+
+/// The largest step in which no point of an obstacle that turns moves by more than a cell, s; INFINITY: none turns.
+double scene_step_turning(const scene *s);

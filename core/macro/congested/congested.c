@@ -1,5 +1,6 @@
 // The congested closure's memory and state; step.c makes the steps.
 
+#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/macro/congested/congested_priv.h"
 
@@ -33,28 +34,31 @@ static bool are_forward(size_t n_belts, const scene_belt *belts)
     return are;
 }
 
-// A copy of n items; NULL: no memory.
-static void *copy_of(const void *from, size_t n, size_t size)
+static void copy_faces(const macro_solver *s, const macro_def *def)
 {
-    void *copy = memory_alloc(n, size);
-
-    if (copy != NULL)
-        memcpy(copy, from, n * size);
-    return copy;
-}
-
-static bool copy_definition(congested *c, const macro_def *def)
-{
-    const bf_grid *g = &def->grid;
+    const congested *c = s->congested;
+    const bf_grid *g = &s->def.grid;
     const size_t n[2] = { (g->n1 + 1) * g->n2, g->n1 * (g->n2 + 1) };
     const double *aperture[2] = { def->aperture1, def->aperture2 };
     const double *transverse[2] = { def->transverse1, def->transverse2 };
     const uint16_t *belt[2] = { def->belt1, def->belt2 };
 
     for (int axis = 0; axis < 2; axis++) {
-        c->aperture[axis] = copy_of(aperture[axis], n[axis], sizeof *c->aperture[axis]);
-        c->transverse[axis] = copy_of(transverse[axis], n[axis], sizeof *c->transverse[axis]);
-        c->belt[axis] = copy_of(belt[axis], n[axis], sizeof *c->belt[axis]);
+        memcpy(c->aperture[axis], aperture[axis], n[axis] * sizeof *c->aperture[axis]);
+        memcpy(c->transverse[axis], transverse[axis], n[axis] * sizeof *c->transverse[axis]);
+        memcpy(c->belt[axis], belt[axis], n[axis] * sizeof *c->belt[axis]);
+    }
+}
+
+static bool init_faces(const macro_solver *s, congested *c, const macro_def *def)
+{
+    const bf_grid *g = &s->def.grid;
+    const size_t n[2] = { (g->n1 + 1) * g->n2, g->n1 * (g->n2 + 1) };
+
+    for (int axis = 0; axis < 2; axis++) {
+        c->aperture[axis] = memory_alloc(n[axis], sizeof *c->aperture[axis]);
+        c->transverse[axis] = memory_alloc(n[axis], sizeof *c->transverse[axis]);
+        c->belt[axis] = memory_alloc(n[axis], sizeof *c->belt[axis]);
         if (c->aperture[axis] == NULL || c->transverse[axis] == NULL || c->belt[axis] == NULL)
             return false;
     }
@@ -144,15 +148,21 @@ bf_status congested_create(macro_solver *s, const macro_def *def, congested **re
     c->n_belts = def->n_belts;
     c->relaxation = (float)(relaxation_factor * def->grid.d1 / (4.0 * def->dt));
     c->lambda = (float)(def->dt / def->grid.d1);
-    if (!copy_definition(c, def) || !lay_out(s, c) ||
+    if (!init_faces(s, c, def) || !lay_out(s, c) ||
         (def->scheme == SCENE_SCHEME_MUSCL && !lay_out_stage(s, c))) {
         congested_destroy(c);
         return BF_ENOMEM;
     }
     *ret_congested = s->congested = c;
-    congested_update(s);
+    congested_set_faces(s, def);
     congested_reset(s);
     return BF_OK;
+}
+
+void congested_set_faces(macro_solver *s, const macro_def *def)
+{
+    copy_faces(s, def);
+    congested_update(s);
 }
 
 congested *congested_destroy(congested *c)
@@ -243,20 +253,27 @@ void congested_save(const macro_solver *s, checkpoint_writer *w)
         checkpoint_write(w, arrays[k], array_bytes(s, c));
 }
 
-bool congested_load(macro_solver *s, checkpoint_reader *r)
+size_t congested_state_size(const macro_solver *s)
+{
+    const congested *c = s->congested;
+    float *arrays[STATE_ARRAYS];
+    const int n = state_of(c, arrays);
+
+    return sizeof c->density_limit + (size_t)s->n2 * sizeof *c->range +
+           (size_t)n * array_bytes(s, c);
+}
+
+void congested_load(macro_solver *s, checkpoint_reader *r)
 {
     congested *c = s->congested;
     float *arrays[STATE_ARRAYS];
     const int n = state_of(c, arrays);
-    const size_t n_bytes =
-        sizeof c->density_limit + (size_t)s->n2 * sizeof *c->range + (size_t)n * array_bytes(s, c);
+    bool is_read;
 
-    if (r->n_left != n_bytes)
-        return false;
     congested_reset(s);
-    bool is_read = checkpoint_read(r, &c->density_limit, sizeof c->density_limit) &&
-                   checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
+    is_read = checkpoint_read(r, &c->density_limit, sizeof c->density_limit) &&
+              checkpoint_read(r, c->range, (size_t)s->n2 * sizeof *c->range);
     for (int k = 0; k < n; k++)
         is_read = is_read && checkpoint_read(r, arrays[k], array_bytes(s, c));
-    return is_read;
+    BF_CHECK(is_read);
 }

@@ -79,6 +79,12 @@ void helper_scene_schedule(scene_belt *belt, size_t n, const double *times, cons
                                                    .factors = copy(factors, n, sizeof *factors) };
 }
 
+scene_series helper_scene_series(size_t n, const double *times, const double *values, double repeat)
+{
+    return (scene_series){ n, copy(times, n, sizeof *times), n, copy(values, n, sizeof *values),
+                           repeat };
+}
+
 void helper_scene_example(scene *s, double angle_deg, scene_treatment treatment)
 {
     double angle = angle_deg * M_PI / 180.0, length = 0.5 / sin(angle);

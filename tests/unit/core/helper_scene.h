@@ -33,3 +33,7 @@ void helper_scene_resolve(scene *s);
 /// Turn the cargo into a prism or a hull of n vertices.
 void helper_scene_set_vertices(scene *s, scene_shape_type type, const double (*vertices)[3],
                                size_t n);
+
+/// A series of n times, with copies of both arrays.
+scene_series helper_scene_series(size_t n, const double *times, const double *values,
+                                 double repeat);

@@ -339,6 +339,26 @@ static void coarse_grids_were_not_compared(void **state)
     assert_only(&s, VALIDITY_CELL, 0.01 / 0.024, "/macro/cell_m");
 }
 
+// Also one that lies along its belt, where no other figure is looked at.
+static void obstacles_that_move_were_not_compared(void **state)
+{
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double zero = 0.0;
+        helper_scene_example(&s, 60.0, SCENE_SEALED);
+        if (k == 0) {
+            s.obstacles[0].turn = helper_scene_series(1, &zero, &zero, INFINITY);
+        } else {
+            s.obstacles[0].path[0] = (vec2){ 0.4, 0.0 };
+            s.obstacles[0].path[1] = (vec2){ 0.7, 0.0 };
+            s.obstacles[0].is_commanded = true;
+        }
+        assert_only(&s, VALIDITY_MOTIONS, 1.0, "/obstacles/0");
+    }
+}
+
 // 16 rows of 40 parts at 0.1 m, and a plate of 15 degrees: for the one closure both were compared.
 static void each_closure_has_ranges_of_its_own(void **state)
 {
@@ -458,6 +478,7 @@ int main(void)
         cmocka_unit_test(cargo_that_nothing_deflects_rides_on_its_belt),
         cmocka_unit_test(every_figure_has_a_word_of_its_own),
         cmocka_unit_test(no_memory_is_reported),
+        cmocka_unit_test(obstacles_that_move_were_not_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

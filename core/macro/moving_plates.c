@@ -1,0 +1,240 @@
+#include "core/macro/moving_plates.h"
+
+#include "core/base/memory.h"
+#include "core/macro/swept_cells.h"
+#include "core/scene/plate_motion.h"
+
+#include <math.h>
+
+// How far a point of a plate may move before the field is made again, cells.
+static const double most_moved = 0.25;
+
+// Where the field has an obstacle.
+typedef struct place {
+    double angle;    // rad
+    double presence; // 1 or 0
+} place;
+
+// An obstacle of the scene.
+typedef struct plate {
+    place place;
+    double radius;      // plate_motion_radius()
+    size_t n_lines;     // 0: it closes nothing
+    closed_line *lines; // at angle 0
+    vec2 *path;         // at its place
+} plate;
+
+struct moving_plates {
+    const scene *scene;        // as it is at angle 0
+    double dt;                 // step of the solver, s
+    scene now;                 // the same with the plates that are there, at their places
+    scene_obstacle *obstacles; // of now
+    plate_motion motion;
+    plate *plates; // one for each obstacle of the scene
+    velocity_field *field;
+    swept_cells *swept;
+    place *before; // scratch: where the field had each obstacle
+    place *after;  // scratch: where it has to have it
+};
+
+static bool add_line(void *context, const closed_line *l)
+{
+    plate *p = context;
+
+    p->lines[p->n_lines++] = *l;
+    return false;
+}
+
+static bf_status init_plate(const scene *s, const scene_obstacle *o, plate *p)
+{
+    const surroundings around = surroundings_of(s);
+
+    p->path = memory_alloc(o->n_points, sizeof *p->path);
+    p->lines = memory_alloc(o->n_points - 1, sizeof *p->lines);
+    if (p->path == NULL || p->lines == NULL)
+        return BF_ENOMEM;
+    p->radius = plate_motion_radius(o);
+    if (closed_lines_has(s, o))
+        (void)closed_lines_visit_one(&around, o, add_line, p);
+    return BF_OK;
+}
+
+// The places at a time.
+static void find_places(const moving_plates *p, double t, place *ret_places)
+{
+    for (size_t k = 0; k < p->scene->n_obstacles; k++)
+        ret_places[k] = (place){ plate_motion_angle(&p->motion, k, t),
+                                 plate_motion_is_present(&p->motion, k, t) ? 1.0 : 0.0 };
+}
+
+// Makes `now` the scene with these places, and the field that of `now`.
+static void set_places(moving_plates *p, const place *places)
+{
+    const scene *s = p->scene;
+
+    p->now.n_obstacles = 0;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        const plate_motion_pose pose = plate_motion_pose_at(&p->motion, k, places[k].angle);
+        p->plates[k].place = places[k];
+        if (places[k].presence == 0.0)
+            continue;
+        for (size_t m = 0; m < s->obstacles[k].n_points; m++)
+            p->plates[k].path[m] = plate_motion_place(&pose, s->obstacles[k].path[m]);
+        p->obstacles[p->now.n_obstacles] = s->obstacles[k];
+        p->obstacles[p->now.n_obstacles++].path = p->plates[k].path;
+    }
+    velocity_field_update(p->field, &p->now);
+}
+
+static bf_status init_arrays(moving_plates *p, bf_error *err)
+{
+    const scene *s = p->scene;
+    bf_status status = BF_OK;
+
+    p->obstacles = memory_alloc(s->n_obstacles, sizeof *p->obstacles);
+    p->plates = memory_alloc(s->n_obstacles, sizeof *p->plates);
+    p->before = memory_alloc(s->n_obstacles, sizeof *p->before);
+    p->after = memory_alloc(s->n_obstacles, sizeof *p->after);
+    if (p->obstacles == NULL || p->plates == NULL || p->before == NULL || p->after == NULL)
+        status = BF_ENOMEM;
+    for (size_t k = 0; status == BF_OK && k < s->n_obstacles; k++)
+        status = init_plate(s, &s->obstacles[k], &p->plates[k]);
+    p->now.obstacles = p->obstacles;
+    return status == BF_OK ? BF_OK : bf_fail(err, status, "/obstacles", "no memory for obstacles");
+}
+
+bf_status moving_plates_create(const scene *s, moving_plates **ret_plates, bf_error *err)
+{
+    const bf_grid grid = scene_grid(s);
+    moving_plates *p = memory_alloc(1, sizeof *p);
+    bf_status status;
+
+    if (p == NULL)
+        return bf_fail(err, BF_ENOMEM, "/obstacles", "no memory for obstacles");
+    p->scene = s;
+    p->now = *s;
+    p->dt = scene_macro_step(s);
+    // The field has room for all obstacles, and is then made for those that are there at the start.
+    if ((status = plate_motion_init(&p->motion, s->n_obstacles, s->obstacles, err)) != BF_OK ||
+        (status = init_arrays(p, err)) != BF_OK ||
+        (status = swept_cells_create(&grid, &p->swept, err)) != BF_OK ||
+        (status = velocity_field_create(s, &p->field, err)) != BF_OK) {
+        moving_plates_destroy(p);
+        return status;
+    }
+    find_places(p, 0.0, p->after);
+    set_places(p, p->after);
+    *ret_plates = p;
+    return BF_OK;
+}
+
+moving_plates *moving_plates_destroy(moving_plates *p)
+{
+    if (p == NULL)
+        return NULL;
+    for (size_t k = 0; p->plates != NULL && k < p->scene->n_obstacles; k++) {
+        memory_free(p->plates[k].lines);
+        memory_free(p->plates[k].path);
+    }
+    memory_free(p->plates);
+    memory_free(p->obstacles);
+    memory_free(p->before);
+    memory_free(p->after);
+    plate_motion_fini(&p->motion);
+    velocity_field_destroy(p->field);
+    swept_cells_destroy(p->swept);
+    memory_free(p);
+    return NULL;
+}
+
+const velocity_field *moving_plates_field(const moving_plates *p)
+{
+    return p->field;
+}
+
+// True if the field has to be made again for the step that begins at t, when plates are at `after`.
+static bool is_due(const moving_plates *p, double t)
+{
+    bool is = false;
+
+    for (size_t k = 0; k < p->scene->n_obstacles && !is; k++) {
+        const plate *of = &p->plates[k];
+        const place *to = &p->after[k];
+        const double moved = of->radius * fabs(to->angle - of->place.angle);
+        is = to->presence != of->place.presence;
+        if (!is && to->presence == 1.0 && moved > 0.0)
+            is = moved >= most_moved * p->scene->macro.cell ||
+                 plate_motion_angular_velocity(&p->motion, k, t, t + p->dt) == 0.0;
+    }
+    return is;
+}
+
+// The way of an obstacle from `before` to `after`. False: it sweeps over nothing.
+static bool find_sweep(const moving_plates *p, size_t k, swept_cells_plate *ret_sweep)
+{
+    const plate *of = &p->plates[k];
+    const place *from = &p->before[k], *to = &p->after[k];
+    const double turned = to->angle - from->angle;
+
+    *ret_sweep = (swept_cells_plate){ .n_lines = of->n_lines,
+                                      .lines = of->lines,
+                                      .before = plate_motion_pose_at(&p->motion, k, from->angle),
+                                      .after = plate_motion_pose_at(&p->motion, k, to->angle),
+                                      .turned = turned,
+                                      .moved = of->radius * fabs(turned) };
+    return turned != 0.0 && from->presence == 1.0 && to->presence == 1.0;
+}
+
+void moving_plates_update(moving_plates *p, macro_solver *s)
+{
+    const scene *of = p->scene;
+    // The density up to which cells take what plates hand on.
+    const double full = of->macro.closure == SCENE_CONGESTED ? of->macro.jam_density : 1.0;
+    swept_cells_plate sweep;
+
+    find_places(p, macro_time(s), p->after);
+    if (!is_due(p, macro_time(s)))
+        return;
+    for (size_t k = 0; k < of->n_obstacles; k++)
+        p->before[k] = p->plates[k].place;
+    swept_cells_begin(p->swept, p->field);
+    set_places(p, p->after);
+    for (size_t k = 0; k < of->n_obstacles; k++)
+        if (find_sweep(p, k, &sweep))
+            swept_cells_mark(p->swept, &sweep);
+    for (size_t k = 0; k < of->n_obstacles; k++)
+        if (find_sweep(p, k, &sweep))
+            swept_cells_hand_on(p->swept, &sweep, p->field, full, s);
+    macro_set_field(s, p->field);
+}
+
+void moving_plates_command(moving_plates *p, const scene_action *action, double t)
+{
+    if (action->type == SCENE_ACTION_TURN)
+        plate_motion_command_turn(&p->motion, action->target, t, action->value, action->over);
+    if (action->type == SCENE_ACTION_PRESENCE)
+        plate_motion_command_presence(&p->motion, action->target, t, action->value != 0.0);
+}
+
+void moving_plates_save(const moving_plates *p, checkpoint_writer *w)
+{
+    for (size_t k = 0; k < p->scene->n_obstacles; k++)
+        checkpoint_write(w, &p->plates[k].place, sizeof p->plates[k].place);
+    plate_motion_save(&p->motion, w);
+}
+
+const char *moving_plates_read(moving_plates *p, checkpoint_reader *r)
+{
+    for (size_t k = 0; k < p->scene->n_obstacles; k++)
+        if (!checkpoint_read(r, &p->after[k], sizeof p->after[k]) || !isfinite(p->after[k].angle) ||
+            (p->after[k].presence != 0.0 && p->after[k].presence != 1.0))
+            return NULL;
+    return plate_motion_read(&p->motion, r);
+}
+
+void moving_plates_take(moving_plates *p, const char *commands, macro_solver *s)
+{
+    plate_motion_take(&p->motion, commands);
+    set_places(p, p->after);
+    macro_set_field(s, p->field);
+}

@@ -1,0 +1,273 @@
+#include "core/macro/swept_cells.h"
+
+#include "core/base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+struct swept_cells {
+    bf_grid grid;
+    uint8_t *closed1;   // of the field before the plates moved
+    uint8_t *closed2;   // same
+    uint32_t round;     // of the marks below
+    uint32_t search;    // same
+    uint32_t *swept_in; // per cell: last round in which it was swept over
+    uint32_t *found_in; // per cell: last search that came to it
+    size_t n_queue;     // cells found by the present search
+    size_t queue[SWEPT_CELLS_SEARCH];
+};
+
+bf_status swept_cells_create(const bf_grid *grid, swept_cells **ret_cells, bf_error *err)
+{
+    swept_cells *c = memory_alloc(1, sizeof *c);
+
+    if (c != NULL) {
+        c->grid = *grid;
+        c->closed1 = memory_alloc((grid->n1 + 1) * grid->n2, sizeof *c->closed1);
+        c->closed2 = memory_alloc(grid->n1 * (grid->n2 + 1), sizeof *c->closed2);
+        c->swept_in = memory_alloc(grid_cells(grid), sizeof *c->swept_in);
+        c->found_in = memory_alloc(grid_cells(grid), sizeof *c->found_in);
+    }
+    if (c == NULL || c->closed1 == NULL || c->closed2 == NULL || c->swept_in == NULL ||
+        c->found_in == NULL) {
+        swept_cells_destroy(c);
+        return bf_fail(err, BF_ENOMEM, "/macro/cell_m",
+                       "no memory for the cells that plates sweep");
+    }
+    *ret_cells = c;
+    return BF_OK;
+}
+
+swept_cells *swept_cells_destroy(swept_cells *c)
+{
+    if (c == NULL)
+        return NULL;
+    memory_free(c->closed1);
+    memory_free(c->closed2);
+    memory_free(c->swept_in);
+    memory_free(c->found_in);
+    memory_free(c);
+    return NULL;
+}
+
+// The next number of a mark; where all were used the marks begin anew.
+static uint32_t next_mark(uint32_t mark, uint32_t *marks, size_t n)
+{
+    if (mark == UINT32_MAX) {
+        memset(marks, 0, n * sizeof *marks);
+        mark = 0;
+    }
+    return mark + 1;
+}
+
+void swept_cells_begin(swept_cells *c, const velocity_field *f)
+{
+    const bf_grid *g = &c->grid;
+
+    memcpy(c->closed1, f->closed1, (g->n1 + 1) * g->n2);
+    memcpy(c->closed2, f->closed2, g->n1 * (g->n2 + 1));
+    c->round = next_mark(c->round, c->swept_in, grid_cells(g));
+}
+
+// What is done with a cell that a line has swept over; ahead is the line's normal on the side that it moves to.
+typedef void swept_fn(void *context, size_t cell, vec2 ahead);
+
+static plate_motion_pose inverse_of(const plate_motion_pose *pose)
+{
+    return (plate_motion_pose){ pose->pivot, pose->cos, -pose->sin };
+}
+
+static void visit_row(const bf_grid *g, const swept_cells_plate *plate, const closed_line *l,
+                      size_t j, size_t i_min, size_t i_max, swept_fn *visit, void *context)
+{
+    const plate_motion_pose from = inverse_of(&plate->before), to = inverse_of(&plate->after);
+    const vec2 along = plate_motion_turn(&plate->after, vec2_sub(l->end, l->start));
+    const vec2 normal = vec2_scale(vec2_turn_left(along), 1.0 / vec2_length(along));
+
+    for (size_t i = i_min; i < i_max; i++) {
+        const vec2 centre = { grid_x1(g, i), grid_x2(g, j) };
+        if (!closed_line_crosses(l, plate_motion_place(&from, centre),
+                                 plate_motion_place(&to, centre)))
+            continue;
+        const vec2 velocity = plate_motion_velocity(plate->after.pivot, plate->turned, centre);
+        visit(context, j * g->n1 + i,
+              vec2_dot(velocity, normal) < 0.0 ? vec2_scale(normal, -1.0) : normal);
+    }
+}
+
+// A place on an axis in cells, as an index 0 .. n.
+static size_t clamp_index(double index, size_t n)
+{
+    return (size_t)fmin(fmax(index, 0.0), (double)n);
+}
+
+// Visits the cells that a plate has swept over, line by line and in the order of their indices. A cell may come twice.
+static void visit_swept(const bf_grid *g, const swept_cells_plate *plate, swept_fn *visit,
+                        void *context)
+{
+    const double margin = plate->moved + SCENE_TOLERANCE;
+
+    for (size_t k = 0; k < plate->n_lines; k++) {
+        const closed_line *l = &plate->lines[k];
+        const vec2 a = plate_motion_place(&plate->after, l->start);
+        const vec2 b = plate_motion_place(&plate->after, l->end);
+        const double first = (fmin(a.y, b.y) - margin - g->lower2) / g->d2 - 0.5;
+        const double last = (fmax(a.y, b.y) + margin - g->lower2) / g->d2 + 0.5;
+        for (size_t j = clamp_index(floor(first), g->n2); j < clamp_index(ceil(last), g->n2); j++) {
+            const double y = grid_x2(g, j);
+            double low, high;
+            if (!closed_lines_clip(a, b, y - margin, y + margin, &low, &high))
+                continue;
+            low = floor((low - margin - g->lower1) / g->d1 - 0.5);
+            high = ceil((high + margin - g->lower1) / g->d1 + 0.5);
+            visit_row(g, plate, l, j, clamp_index(low, g->n1), clamp_index(high, g->n1), visit,
+                      context);
+        }
+    }
+}
+
+static void mark_cell(void *context, size_t cell, vec2 ahead)
+{
+    swept_cells *c = context;
+
+    (void)ahead;
+    c->swept_in[cell] = c->round;
+}
+
+void swept_cells_mark(swept_cells *c, const swept_cells_plate *plate)
+{
+    visit_swept(&c->grid, plate, mark_cell, c);
+}
+
+// To a neighbouring cell.
+typedef struct direction {
+    int di;
+    int dj;
+} direction;
+
+// The four directions, the one nearest to `ahead` first.
+static void order_directions(vec2 ahead, direction *ret_order)
+{
+    const direction x = { ahead.x < 0.0 ? -1 : 1, 0 }, y = { 0, ahead.y < 0.0 ? -1 : 1 };
+    const bool is_x_first = fabs(ahead.x) >= fabs(ahead.y);
+
+    ret_order[0] = is_x_first ? x : y;
+    ret_order[1] = is_x_first ? y : x;
+    ret_order[2] = (direction){ -ret_order[1].di, -ret_order[1].dj };
+    ret_order[3] = (direction){ -ret_order[0].di, -ret_order[0].dj };
+}
+
+// True if the face between a cell and the next one in a direction is closed, or the grid ends there.
+static bool is_closed(const bf_grid *g, const uint8_t *closed1, const uint8_t *closed2, size_t cell,
+                      direction d)
+{
+    const size_t i = cell % g->n1, j = cell / g->n1;
+
+    if (d.di != 0)
+        return (d.di < 0 ? i == 0 : i + 1 == g->n1) ||
+               closed1[j * (g->n1 + 1) + i + (d.di > 0)] != 0;
+    return (d.dj < 0 ? j == 0 : j + 1 == g->n2) || closed2[(j + (d.dj > 0)) * g->n1 + i] != 0;
+}
+
+// A search for room.
+typedef struct hand_on_context {
+    swept_cells *cells;
+    const velocity_field *field;
+    macro_solver *solver;
+    double full;
+} hand_on_context;
+
+static bool is_swept(const swept_cells *c, size_t cell)
+{
+    return c->swept_in[cell] == c->round;
+}
+
+// The cell next to `from` in a direction, if the search may go there; else `from`.
+static size_t next_cell(const hand_on_context *x, size_t from, direction d, size_t start,
+                        vec2 ahead)
+{
+    const swept_cells *c = x->cells;
+    const bf_grid *g = &c->grid;
+    const bool was = is_swept(c, from);
+
+    if (is_closed(g, was ? c->closed1 : x->field->closed1, was ? c->closed2 : x->field->closed2,
+                  from, d))
+        return from;
+    const size_t to = (size_t)((ptrdiff_t)from + d.di + d.dj * (ptrdiff_t)g->n1);
+    const vec2 way = { grid_x1(g, to % g->n1) - grid_x1(g, start % g->n1),
+                       grid_x2(g, to / g->n1) - grid_x2(g, start / g->n1) };
+    const bool is_behind = vec2_dot(way, ahead) < -SCENE_TOLERANCE;
+    return is_behind || (!was && is_swept(c, to)) || c->found_in[to] == c->search ? from : to;
+}
+
+static double density_of(const hand_on_context *x, size_t cell)
+{
+    const size_t n1 = x->cells->grid.n1;
+
+    return macro_row(x->solver, cell / n1)[cell % n1];
+}
+
+// Searches from a swept cell and fills what is found; returns what is left of its density.
+static double fill_cells(const hand_on_context *x, size_t start, vec2 ahead, double density)
+{
+    swept_cells *c = x->cells;
+    direction order[4];
+
+    order_directions(ahead, order);
+    c->search = next_mark(c->search, c->found_in, grid_cells(&c->grid));
+    c->found_in[start] = c->search;
+    c->queue[0] = start;
+    c->n_queue = 1;
+    for (size_t k = 0; k < c->n_queue; k++) {
+        for (int m = 0; m < 4 && c->n_queue < SWEPT_CELLS_SEARCH; m++) {
+            const size_t from = c->queue[k], to = next_cell(x, from, order[m], start, ahead);
+            if (to == from)
+                continue;
+            c->found_in[to] = c->search;
+            c->queue[c->n_queue++] = to;
+            if (is_swept(c, to))
+                continue;
+            const double taken = fmin(density, fmax(0.0, x->full - density_of(x, to)));
+            if (taken > 0.0)
+                macro_add(x->solver, to, taken);
+            density -= taken;
+            if (density <= 0.0)
+                return 0.0;
+        }
+    }
+    return density;
+}
+
+// Spreads what found no room over the cells that were found. False: there is none.
+static bool spread(const hand_on_context *x, double density)
+{
+    const swept_cells *c = x->cells;
+    size_t n = 0;
+
+    for (size_t k = 0; k < c->n_queue; k++)
+        n += !is_swept(c, c->queue[k]);
+    for (size_t k = 0; k < c->n_queue; k++)
+        if (!is_swept(c, c->queue[k]))
+            macro_add(x->solver, c->queue[k], density / (double)n);
+    return n > 0;
+}
+
+static void hand_on_cell(void *context, size_t cell, vec2 ahead)
+{
+    const hand_on_context *x = context;
+    const double density = density_of(x, cell);
+
+    if (density == 0.0)
+        return;
+    const double left = fill_cells(x, cell, ahead, density);
+    const bool is_done = left == 0.0 || spread(x, left);
+    macro_add(x->solver, cell, is_done ? -density : left - density);
+}
+
+void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
+                         double full, macro_solver *s)
+{
+    hand_on_context x = { c, f, s, full };
+
+    visit_swept(&c->grid, plate, hand_on_cell, &x);
+}

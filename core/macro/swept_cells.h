@@ -1,0 +1,57 @@
+/// Cells that plates sweep over hand their cargo on to the side that the plates move towards.
+///
+/// A plate that turns from one angle to another sweeps over the cells whose centres its closed line passes: in the
+/// plate's own frame such a centre moves across the line. What these cells hold would be on the plate's other side.
+/// It goes to the nearest cells ahead instead:
+///
+///     a search, cell by cell from the swept one, straight ahead first, through faces that are open (those of swept
+///     cells: that were open before), over cells that are not behind the plate's line, extended beyond its ends;
+///     each cell found is filled up to the density `full`;
+///     what is left after SWEPT_CELLS_SEARCH cells, or where no more can be reached, is spread evenly over all
+///     that were found; where none was found, as in a gap that the plate has closed, it stays.
+///
+/// So nothing passes a line, the density exceeds `full` only where there is no room, and mass is conserved to
+/// rounding. Cells, and plates, are taken in the order of their indices.
+///
+/// Units    SI; rho normalised.
+
+#pragma once
+
+#include "core/base/grid.h"
+#include "core/base/status.h"
+#include "core/macro/closed_lines.h"
+#include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
+#include "core/scene/plate_motion.h"
+
+enum { SWEPT_CELLS_SEARCH = 1024 };
+
+/// A plate that has turned.
+typedef struct swept_cells_plate {
+    size_t n_lines;           ///< of its closed line
+    const closed_line *lines; ///< at angle 0
+    plate_motion_pose before; ///< where it was
+    plate_motion_pose after;  ///< where it is
+    double turned;            ///< angle between both, counter-clockwise, rad
+    double moved;             ///< how far its points have moved at most, m
+} swept_cells_plate;
+
+/// What is needed for it; opaque.
+typedef struct swept_cells swept_cells;
+
+/// Room for a grid. The caller owns *ret_cells: swept_cells_destroy(). BF_ENOMEM.
+BF_MUST_CHECK bf_status swept_cells_create(const bf_grid *grid, swept_cells **ret_cells,
+                                           bf_error *err);
+
+/// Free it. NULL is fine. Always returns NULL.
+swept_cells *swept_cells_destroy(swept_cells *c);
+
+/// Plates are about to move: remember which faces of the field are closed, and forget all swept cells.
+void swept_cells_begin(swept_cells *c, const velocity_field *f);
+
+/// Mark the cells that a plate has swept over since.
+void swept_cells_mark(swept_cells *c, const swept_cells_plate *plate);
+
+/// Hand on what lies in the marked cells of a plate; *f is the field of the plates' new places. Never allocates.
+void swept_cells_hand_on(swept_cells *c, const swept_cells_plate *plate, const velocity_field *f,
+                         double full, macro_solver *s);
