@@ -27,11 +27,11 @@ enum { CHECKPOINT_VERSION = 2 };
 
 /// The owner of a checkpoint's state.
 typedef enum checkpoint_kind {
-    CHECKPOINT_RUN = 1,  ///< core/run
-    CHECKPOINT_MACRO,    ///< core/macro
-    CHECKPOINT_DISK,     ///< core/micro/disk
-    CHECKPOINT_BODY,     ///< core/micro/body
-    CHECKPOINT_EQUIPPED, ///< a solver with its feeds and its obstacles that move
+    CHECKPOINT_RUN = 1, ///< core/run
+    CHECKPOINT_MACRO,   ///< core/macro
+    CHECKPOINT_DISK,    ///< core/micro/disk
+    CHECKPOINT_BODY,    ///< core/micro/body
+    CHECKPOINT_FEED,    ///< a solver with its feeds and its obstacles that move
 } checkpoint_kind;
 
 /// A checkpoint that is being written. checkpoint_begin(), checkpoint_end().

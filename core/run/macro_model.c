@@ -322,7 +322,7 @@ static bf_status save_run(const void *solver, bf_buffer *out, bf_error *err)
 
     if (!run->is_fed && run->plates == NULL)
         return macro_save(run->solver, out, err);
-    checkpoint_begin(&w, out, CHECKPOINT_EQUIPPED, 0);
+    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
     if (run->plates != NULL)
         moving_plates_save(run->plates, &w);
     if (run->is_fed)
@@ -343,7 +343,7 @@ static bf_status load_run(void *solver, const void *bytes, size_t n, bf_error *e
 
     if (!run->is_fed && run->plates == NULL)
         return macro_load(run->solver, bytes, n, err);
-    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_EQUIPPED, 0, err)) != BF_OK)
+    if ((status = checkpoint_open(&r, bytes, n, CHECKPOINT_FEED, 0, err)) != BF_OK)
         return status;
     if (run->plates != NULL && (commands = moving_plates_read(run->plates, &r)) == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint's obstacles are damaged");
