@@ -1,6 +1,7 @@
 // Feeds as tables.
 
 #include "api/json/schema.h"
+#include "api/scenario/feed_csv.h"
 #include "api/scenario/scenario_priv.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene.h"
@@ -120,19 +121,64 @@ static const member_kind member_heading = { .text = "number or \"random\"",
 
 // ---- how many and when
 
+// CSV as a text; it is read when all members of its object were.
+static const member_kind member_csv = { .text = "string", .type = "string" };
+
+static const char *const csv_form[] = { "csv", NULL };
+static const char *const profile_form_lists[] = { "t_s", "rate_per_s", NULL };
+static const char *const *const profile_forms[] = { profile_form_lists, csv_form, NULL };
+static const char *const schedule_form_lists[] = { "t_s", NULL };
+static const char *const *const schedule_forms[] = { schedule_form_lists, csv_form, NULL };
+
+// True if there is a CSV text alone; else a fault is noted where there are lists beside it, or none.
+static bool check_csv(json_in *in, const json_t *object, const member *members, size_t n)
+{
+    const json_t *csv = json_object_get(object, "csv");
+
+    if (csv == NULL && json_object_get(object, "t_s") == NULL)
+        json_in_fault(in, "must have t_s or csv");
+    for (size_t k = 0; csv != NULL && k < n; k++) {
+        const char *name = members[k].name;
+        if (members[k].limit == 0 || json_object_get(object, name) == NULL)
+            continue;
+        size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+        json_in_fault(in, "does not stand beside csv");
+        json_pointer_leave(&in->pointer, mark);
+        return false;
+    }
+    if (csv != NULL && !json_is_string(csv)) {
+        size_t mark = json_pointer_enter(&in->pointer, "csv", strlen("csv"));
+        json_in_fault(in, "must be a string");
+        json_pointer_leave(&in->pointer, mark);
+    }
+    return json_is_string(csv);
+}
+
 #define AT(place) offsetof(scene_series, place)
 static const member profile_members[] = {
     MEMBER("t_s", numbers, AT(times), "times of the rates after start_s, rising", .unit = "s",
            .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
-           .limit = SCENE_SERIES_MAX),
+           .limit = SCENE_SERIES_MAX, .default_text = "from csv"),
     MEMBER("rate_per_s", numbers, AT(values), "one for each time; linear between", .unit = "1/s",
            .offset_n = AT(n_values), .range = &scene_range_profile, .least = 1,
-           .limit = SCENE_SERIES_MAX),
+           .limit = SCENE_SERIES_MAX, .default_text = "from csv"),
+    MEMBER("csv", csv, 0, "both as CSV: t_s and one of rate_per_s, rate_per_h, count",
+           .flags = MEMBER_FORM),
     MEMBER("repeat_s", number, AT(repeat), "after which it begins again", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "never"),
 };
+static void read_profile_csv(json_in *in, const struct json_t *object, void *item)
+{
+    if (!check_csv(in, object, profile_members, sizeof profile_members / sizeof *profile_members))
+        return;
+    size_t mark = json_pointer_enter(&in->pointer, "csv", strlen("csv"));
+    feed_csv__read_profile(in, json_string_value(json_object_get(object, "csv")), item);
+    json_pointer_leave(&in->pointer, mark);
+}
+
 static const member_table profile_table = { MEMBER_TABLE("profile", profile_members),
-                                            .size = sizeof(scene_series), .init = init_profile };
+                                            .size = sizeof(scene_series), .init = init_profile,
+                                            .forms = profile_forms, .post_read = read_profile_csv };
 #undef AT
 
 #define AT(place) offsetof(scene_arrival_list, place)
@@ -159,7 +205,7 @@ static bool has_no_headings(const void *item)
 
 static const member schedule_members[] = {
     MEMBER("t_s", numbers, AT(times), "times of the run at which parts arrive, not falling",
-           .unit = "s", .range = &scene_range_instant, EACH),
+           .unit = "s", .range = &scene_range_instant, .default_text = "from csv", EACH),
     MEMBER("count", counts, AT(counts), "how many at once, one for each time",
            .range = &scene_range_count, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_counts,
            .default_text = "1 each", EACH),
@@ -172,6 +218,8 @@ static const member schedule_members[] = {
     MEMBER("heading_deg", angles_or_null, AT(headings), "null: that of the feed", .unit = "deg",
            .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_headings,
            .default_text = "those of the feed", EACH),
+    MEMBER("csv", csv, 0, "all of them as CSV: t_s, count, kind, x_m or y_m, heading_deg",
+           .flags = MEMBER_FORM),
 };
 
 // All lists of a schedule have an item for each time.
@@ -179,6 +227,8 @@ static void check_lengths(json_in *in, const struct json_t *object, void *item)
 {
     scene_arrival_list *list = item;
 
+    if (check_csv(in, object, schedule_members, sizeof schedule_members / sizeof *schedule_members))
+        return;
     list->n = json_array_size(json_object_get(object, "t_s"));
     for (size_t k = 1; k < sizeof schedule_members / sizeof *schedule_members; k++) {
         const char *name = schedule_members[k].name;
@@ -193,7 +243,7 @@ static void check_lengths(json_in *in, const struct json_t *object, void *item)
 
 static const member_table schedule_table = { MEMBER_TABLE("schedule", schedule_members),
                                              .size = sizeof(scene_arrival_list),
-                                             .post_read = check_lengths };
+                                             .forms = schedule_forms, .post_read = check_lengths };
 #undef EACH
 #undef AT
 

@@ -2,6 +2,7 @@
 // whole document was read and every id is there.
 
 #include "api/json/schema.h"
+#include "api/scenario/feed_csv.h"
 #include "api/scenario/scenario_priv.h"
 #include "core/base/memory.h"
 
@@ -62,8 +63,8 @@ static void list_known(const id_list *list, char *ret_text)
         snprintf(ret_text + KNOWN_SIZE - 4, 4, "...");
 }
 
-// Finds the item of an id, or notes that there is none.
-static bool find(json_in *in, id_list list, const char *id, size_t *ret_index)
+// Finds the item of an id, or notes, after `where`, that there is none.
+static bool find(json_in *in, id_list list, const char *where, const char *id, size_t *ret_index)
 {
     char known[KNOWN_SIZE];
 
@@ -75,19 +76,20 @@ static bool find(json_in *in, id_list list, const char *id, size_t *ret_index)
     }
     list_known(&list, known);
     if (list.n > 0)
-        json_in_fault(in, "\"%.*s\" is not the id of %s; there are: %s", SCENE_ID_SIZE - 1, id,
-                      list.what, known);
+        json_in_fault(in, "%s\"%.*s\" is not the id of %s; there are: %s", where, SCENE_ID_SIZE - 1,
+                      id, list.what, known);
     else
-        json_in_fault(in, "\"%.*s\" is not the id of %s; there is none", SCENE_ID_SIZE - 1, id,
-                      list.what);
+        json_in_fault(in, "%s\"%.*s\" is not the id of %s; there is none", where, SCENE_ID_SIZE - 1,
+                      id, list.what);
     return false;
 }
 
-bool scenario__find_kind(json_in *in, const scene *s, const char *id, uint32_t *ret_kind)
+bool scenario__find_kind(json_in *in, const scene *s, const char *where, const char *id,
+                         uint32_t *ret_kind)
 {
     size_t index;
 
-    if (!find(in, kinds_of(s), id, &index))
+    if (!find(in, kinds_of(s), where, id, &index))
         return false;
     *ret_kind = (uint32_t)index;
     return true;
@@ -229,7 +231,7 @@ static void look_up_member(json_in *in, const json_t *object, const char *name, 
     size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
 
     if (value != NULL)
-        (void)find(in, list, json_string_value(value), ret_index);
+        (void)find(in, list, "", json_string_value(value), ret_index);
     json_pointer_leave(&in->pointer, mark);
 }
 
@@ -262,9 +264,23 @@ static void look_up_kinds(json_in *in, const json_t *list, const scene *s,
     schedule->kinds = kinds;
     for (size_t k = 0; k < n; k++) {
         size_t mark = json_pointer_enter_index(&in->pointer, k);
-        (void)scenario__find_kind(in, s, json_string_value(json_array_get(list, k)), &kinds[k]);
+        (void)scenario__find_kind(in, s, "", json_string_value(json_array_get(list, k)), &kinds[k]);
         json_pointer_leave(&in->pointer, mark);
     }
+}
+
+// A list of arrivals as CSV: its ids are in the text, its places are those of the feed's line.
+static void read_arrivals(json_in *in, const json_t *schedule, const scene *s, scene_feed *feed)
+{
+    const char *csv = json_string_value(json_object_get(schedule, "csv"));
+    const char *name = csv != NULL ? "csv" : "kind";
+    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+
+    if (csv != NULL)
+        feed_csv__read_schedule(in, csv, s, feed);
+    else
+        look_up_kinds(in, json_object_get(schedule, "kind"), s, &feed->schedule);
+    json_pointer_leave(&in->pointer, mark);
 }
 
 static void look_up_feed(json_in *in, const json_t *object, scene *s, size_t k)
@@ -273,10 +289,7 @@ static void look_up_feed(json_in *in, const json_t *object, scene *s, size_t k)
 
     look_up_mix(in, json_object_get(object, "cargo"), s, feed);
     const size_t mark = json_pointer_enter(&in->pointer, "schedule", strlen("schedule"));
-    const json_t *schedule = json_object_get(object, "schedule");
-    const size_t mark_kind = json_pointer_enter(&in->pointer, "kind", strlen("kind"));
-    look_up_kinds(in, json_object_get(schedule, "kind"), s, &feed->schedule);
-    json_pointer_leave(&in->pointer, mark_kind);
+    read_arrivals(in, json_object_get(object, "schedule"), s, feed);
     json_pointer_leave(&in->pointer, mark);
 }
 

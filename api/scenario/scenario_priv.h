@@ -42,8 +42,10 @@ extern const member_kind scenario__photo_eye_id;
 /// Look up the ids that members of the document name, in a resolved scene; unknown ones are faults.
 void scenario__look_up(json_in *in, const struct json_t *document, scene *s);
 
-/// The kind of cargo of an id. False: there is none, and a fault was noted at the present place.
-bool scenario__find_kind(json_in *in, const scene *s, const char *id, uint32_t *ret_kind);
+/// The kind of cargo of an id. False: there is none, and a fault was noted at the present place, its text after
+/// `where`.
+bool scenario__find_kind(json_in *in, const scene *s, const char *where, const char *id,
+                         uint32_t *ret_kind);
 
 /// The ways to say where an obstacle is: `path_m`, `from_m` with `to_m`, or `end_m` with `angle_deg` and
 /// `length_m`. All become the path of scene_obstacle.

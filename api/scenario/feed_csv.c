@@ -1,0 +1,342 @@
+#include "api/scenario/feed_csv.h"
+
+#include "api/json/number.h"
+#include "api/scenario/scenario_priv.h"
+#include "core/base/memory.h"
+#include "core/scene/ranges.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { COLUMNS_MAX = 8, LINE_TEXT_SIZE = 32 };
+
+// A piece of the text.
+typedef struct csv_field {
+    const char *at;
+    size_t n;
+} csv_field;
+
+// The reading of a text.
+typedef struct csv {
+    json_in *in;
+    const char *at;                // what was not read yet
+    size_t line;                   // number of the line that was read
+    const char *const *names;      // of columns; NULL-terminated
+    size_t n;                      // columns in the text
+    size_t which[COLUMNS_MAX];     // the name of each
+    csv_field fields[COLUMNS_MAX]; // of a row, by names; without a column: at is NULL
+    bool has[COLUMNS_MAX];         // by names: the column is there
+} csv;
+
+static csv_field next_line(csv *c)
+{
+    const size_t n = strcspn(c->at, "\n");
+    csv_field line = { c->at, n };
+
+    if (n > 0 && c->at[n - 1] == '\r')
+        line.n--;
+    c->at += n + (c->at[n] == '\n');
+    c->line++;
+    return line;
+}
+
+// Splits a line at its commas; returns how many fields there are, of which ret_fields has the first ones.
+static size_t split(csv_field line, csv_field ret_fields[COLUMNS_MAX])
+{
+    const char *end = line.at + line.n;
+    size_t n = 0;
+
+    for (const char *at = line.at;; n++) {
+        const char *comma = memchr(at, ',', (size_t)(end - at));
+        const char *stop = comma == NULL ? end : comma;
+        if (n < COLUMNS_MAX)
+            ret_fields[n] = (csv_field){ at, (size_t)(stop - at) };
+        if (comma == NULL)
+            return n + 1;
+        at = comma + 1;
+    }
+}
+
+static bool read_column(csv *c, size_t k, csv_field field)
+{
+    size_t which = 0;
+
+    while (c->names[which] != NULL &&
+           (strlen(c->names[which]) != field.n || memcmp(c->names[which], field.at, field.n) != 0))
+        which++;
+    if (c->names[which] == NULL) {
+        json_in_fault(c->in, "line 1: \"%.*s\" is not a column", (int)fmin((double)field.n, 40.0),
+                      field.at);
+        return false;
+    }
+    if (c->has[which]) {
+        json_in_fault(c->in, "line 1: %s stands there twice", c->names[which]);
+        return false;
+    }
+    c->has[which] = true;
+    c->which[k] = which;
+    return true;
+}
+
+// Reads the header, of which the first name must be there, and counts the rows. 0: a fault was noted.
+static size_t begin(csv *c, json_in *in, const char *text, const char *const *names)
+{
+    csv_field fields[COLUMNS_MAX];
+    size_t n_rows = 0;
+
+    *c = (csv){ .in = in, .at = text, .names = names };
+    c->n = split(next_line(c), fields);
+    for (size_t k = 0; k < c->n; k++) {
+        if (k == COLUMNS_MAX)
+            json_in_fault(in, "line 1: has %zu columns, the limit is %d", c->n, COLUMNS_MAX);
+        if (k == COLUMNS_MAX || !read_column(c, k, fields[k]))
+            return 0;
+    }
+    if (!c->has[0]) {
+        json_in_fault(in, "line 1: the column %s is missing", names[0]);
+        return 0;
+    }
+    for (const char *at = c->at; *at != '\0'; at += strcspn(at, "\n"), at += *at == '\n')
+        n_rows++;
+    if (n_rows == 0)
+        json_in_fault(in, "has no rows after its header");
+    if (n_rows > SCENE_SERIES_MAX) {
+        json_in_fault_limit(in, "has %zu rows, the limit is %d", n_rows, SCENE_SERIES_MAX);
+        return 0;
+    }
+    return n_rows;
+}
+
+// Reads a row into c->fields. False: a fault was noted.
+static bool next_row(csv *c)
+{
+    csv_field fields[COLUMNS_MAX];
+    const size_t n = split(next_line(c), fields);
+
+    if (n != c->n) {
+        json_in_fault(c->in, "line %zu: has %zu fields, the header has %zu", c->line, n, c->n);
+        return false;
+    }
+    for (size_t k = 0; k < n; k++)
+        c->fields[c->which[k]] = fields[k];
+    return true;
+}
+
+// The number of a column within a range. False: a fault was noted.
+static bool get_number(const csv *c, size_t which, const bf_range *range, double *ret_number)
+{
+    const csv_field field = c->fields[which];
+    bf_faults faults = { 0 };
+
+    if (number_read(field.at, field.n, ret_number) != 0) {
+        json_in_fault(c->in, "line %zu: %s must be a number, not \"%.*s\"", c->line,
+                      c->names[which], (int)fmin((double)field.n, 40.0), field.at);
+        return false;
+    }
+    if (range == NULL)
+        return true;
+    range_check(range, *ret_number, "", &faults);
+    if (faults.n > 0)
+        json_in_fault(c->in, "line %zu: %s %s", c->line, c->names[which], faults.items[0].text);
+    return faults.n == 0;
+}
+
+static bool note_order(const csv *c, double t, double before)
+{
+    json_in_fault(c->in, "line %zu: %.15g s do not come after the %.15g s before them", c->line, t,
+                  before);
+    return false;
+}
+
+// ---- profiles
+
+enum { PROFILE_T, PER_S, PER_H, PER_ROW };
+static const char *const profile_names[] = { "t_s", "rate_per_s", "rate_per_h", "count", NULL };
+
+static bool read_profile_rows(csv *c, size_t n, double *times, double *values)
+{
+    const size_t which = c->has[PER_S] ? PER_S : c->has[PER_H] ? PER_H : PER_ROW;
+
+    for (size_t k = 0; k < n; k++) {
+        if (!next_row(c) || !get_number(c, PROFILE_T, &scene_range_instant, &times[k]) ||
+            !get_number(c, which, &scene_range_profile, &values[k]))
+            return false;
+        if (k > 0 && !(times[k] > times[k - 1]))
+            return note_order(c, times[k], times[k - 1]);
+        if (which == PER_H)
+            values[k] /= 3600.0;
+    }
+    return true;
+}
+
+static void add(scene_series *p, double t, double rate)
+{
+    p->times[p->n_times] = t;
+    p->values[p->n_times++] = rate;
+    p->n_values = p->n_times;
+}
+
+// Rates that are constant from one time to the next. A profile is linear between its times: it steps between two
+// neighbouring numbers.
+static void make_steps(size_t n, const double *times, const double *counts, scene_series *p)
+{
+    if (times[0] > 0.0)
+        add(p, nextafter(times[0], 0.0), 0.0);
+    for (size_t k = 0; k < n; k++) {
+        const double length = k + 1 < n ? times[k + 1] - times[k] : times[k] - times[k - 1];
+        const double end = k + 1 < n ? times[k + 1] : times[k] + length;
+        add(p, times[k], counts[k] / length);
+        add(p, nextafter(end, 0.0), counts[k] / length);
+        if (k + 1 == n)
+            add(p, end, 0.0);
+    }
+}
+
+static bool check_profile_columns(json_in *in, const csv *c, size_t n_rows)
+{
+    if (c->has[PER_S] + c->has[PER_H] + c->has[PER_ROW] != 1)
+        json_in_fault(in, "line 1: must have exactly one of rate_per_s, rate_per_h and count");
+    else if (c->has[PER_ROW] && n_rows < 2)
+        json_in_fault(in, "counts need at least 2 rows");
+    else
+        return true;
+    return false;
+}
+
+void feed_csv__read_profile(json_in *in, const char *text, scene_series *profile)
+{
+    csv c;
+    const size_t n = begin(&c, in, text, profile_names);
+
+    if (n == 0 || !check_profile_columns(in, &c, n))
+        return;
+    const size_t n_max = c.has[PER_ROW] ? 2 * n + 2 : n;
+    double *rows = memory_alloc(2 * n, sizeof *rows);
+    profile->times = memory_alloc(n_max, sizeof *profile->times);
+    profile->values = memory_alloc(n_max, sizeof *profile->values);
+    if (rows == NULL || profile->times == NULL || profile->values == NULL) {
+        in->has_failed = true;
+    } else if (read_profile_rows(&c, n, rows, rows + n)) {
+        if (c.has[PER_ROW])
+            make_steps(n, rows, rows + n, profile);
+        for (size_t k = 0; k < n && !c.has[PER_ROW]; k++)
+            add(profile, rows[k], rows[n + k]);
+    }
+    memory_free(rows);
+}
+
+// ---- lists of arrivals
+
+enum { LIST_T, COUNT, KIND, X, Y, HEADING };
+static const char *const list_names[] = {
+    "t_s", "count", "kind", "x_m", "y_m", "heading_deg", NULL
+};
+
+static bool get_count(const csv *c, uint32_t *ret_count)
+{
+    static const bf_range range = { 1.0, UINT32_MAX, false, false, 0.0 };
+    double count;
+
+    if (!get_number(c, COUNT, &range, &count))
+        return false;
+    if (count != floor(count))
+        json_in_fault(c->in, "line %zu: count must be a whole number, not %.15g", c->line, count);
+    *ret_count = (uint32_t)count;
+    return count == floor(count);
+}
+
+static bool get_kind(const csv *c, const scene *s, uint32_t *ret_kind)
+{
+    char line[LINE_TEXT_SIZE], id[SCENE_ID_SIZE];
+    const csv_field field = c->fields[KIND];
+
+    snprintf(line, sizeof line, "line %zu: ", c->line);
+    snprintf(id, sizeof id, "%.*s", (int)fmin((double)field.n, SCENE_ID_SIZE), field.at);
+    return scenario__find_kind(c->in, s, line, id, ret_kind);
+}
+
+// A coordinate as a place on the line of the feed, from 0 to 1; an empty one is none.
+static bool get_place(const csv *c, size_t which, const scene_feed *feed, double *ret_place)
+{
+    const double from = which == X ? feed->line[0].x : feed->line[0].y;
+    const double to = which == X ? feed->line[1].x : feed->line[1].y;
+    double at;
+
+    *ret_place = NAN;
+    if (c->fields[which].n == 0)
+        return true;
+    if (!get_number(c, which, NULL, &at))
+        return false;
+    *ret_place = (at - from) / (to - from);
+    // A line across has no other places; rounding must not move an end off it.
+    if (at >= fmin(from, to) - SCENE_TOLERANCE && at <= fmax(from, to) + SCENE_TOLERANCE &&
+        from != to) {
+        *ret_place = fmin(fmax(*ret_place, 0.0), 1.0);
+        return true;
+    }
+    json_in_fault(c->in, "line %zu: %s %.15g lies off the feed, from %.15g to %.15g m", c->line,
+                  c->names[which], at, from, to);
+    return false;
+}
+
+static bool get_heading(const csv *c, double *ret_heading)
+{
+    double degrees;
+
+    *ret_heading = NAN;
+    if (c->fields[HEADING].n == 0)
+        return true;
+    if (!get_number(c, HEADING, NULL, &degrees))
+        return false;
+    *ret_heading = number_from_degrees(degrees);
+    return true;
+}
+
+static bool read_arrival(csv *c, const scene *s, const scene_feed *feed, size_t k)
+{
+    const scene_arrival_list *l = &feed->schedule;
+
+    if (!next_row(c) || !get_number(c, LIST_T, &scene_range_instant, &l->times[k]))
+        return false;
+    if (k > 0 && !(l->times[k] >= l->times[k - 1]))
+        return note_order(c, l->times[k], l->times[k - 1]);
+    return (l->counts == NULL || get_count(c, &l->counts[k])) &&
+           (l->kinds == NULL || get_kind(c, s, &l->kinds[k])) &&
+           (l->places == NULL || get_place(c, c->has[X] ? X : Y, feed, &l->places[k])) &&
+           (l->headings == NULL || get_heading(c, &l->headings[k]));
+}
+
+// Room for n items of a column, if it is there.
+static void *make_room(csv *c, bool is_there, size_t n, size_t size)
+{
+    void *items = is_there ? memory_alloc(n, size) : NULL;
+
+    c->in->has_failed = c->in->has_failed || (is_there && items == NULL);
+    return items;
+}
+
+void feed_csv__read_schedule(json_in *in, const char *text, const scene *s, scene_feed *feed)
+{
+    scene_arrival_list *l = &feed->schedule;
+    csv c;
+    const size_t n = begin(&c, in, text, list_names);
+
+    if (n == 0)
+        return;
+    if (c.has[X] && c.has[Y]) {
+        json_in_fault(in, "line 1: must have one of x_m and y_m");
+        return;
+    }
+    l->n = n;
+    l->times = make_room(&c, true, n, sizeof *l->times);
+    l->counts = make_room(&c, c.has[COUNT], n, sizeof *l->counts);
+    l->kinds = make_room(&c, c.has[KIND], n, sizeof *l->kinds);
+    l->places = make_room(&c, c.has[X] || c.has[Y], n, sizeof *l->places);
+    l->headings = make_room(&c, c.has[HEADING], n, sizeof *l->headings);
+    for (size_t k = 0; k < n && !in->has_failed; k++) {
+        if (!read_arrival(&c, s, feed, k))
+            return;
+    }
+}
