@@ -72,24 +72,6 @@ unsigned run_doubts(run_model model, const frame_end *end)
     return doubts;
 }
 
-bf_status run_review_of(const scene *s, run_model model, run_review *ret_review, bf_error *err)
-{
-    const double step = scene_macro_step(s), positive = scene_step_positive(s);
-
-    *ret_review = (run_review){ .model = model };
-    if (model != RUN_MACRO)
-        return BF_OK;
-    if (step >= positive)
-        faults_add(&ret_review->warnings, "/macro/step_s",
-                   "the step, %.6g s, is not below %.6g s: densities may become negative", step,
-                   positive);
-    bf_status status = validity_of(s, &ret_review->validity, err);
-    for (size_t k = 0; status == BF_OK && k < ret_review->validity.n; k++)
-        faults_add(&ret_review->warnings, ret_review->validity.items[k].pointer, "%s",
-                   ret_review->validity.items[k].detail);
-    return status;
-}
-
 bool run_model_is_available(run_model model)
 {
     return model < RUN_MODEL_COUNT && backends[model] != NULL;

@@ -69,7 +69,9 @@ typedef struct run_review {
     bf_faults warnings; ///< reasons to doubt the results; none of them is a fault
 } run_review;
 
-/// Review a resolved and checked scenario for a model: a step at which densities may become negative, see
+/// Review a resolved and checked scenario for a model: rates of feeds that belts cannot carry (feed_capacity());
+/// actions in a circle, where a belt is stopped by its own cargo in a beam, and nothing but photo eyes above belts
+/// that stand likewise starts it again; of the macroscopic model a step at which densities may become negative, see
 /// scene_step_positive(), and what lies outside its validity. BF_ENOMEM.
 BF_MUST_CHECK bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
                                       bf_error *err);

@@ -208,12 +208,14 @@ static void note_heap(findings *f, const layout *of)
 {
     const double n_parts = (double)scene_parts(f->s), width = of->opening.value / f->diameter;
 
-    note(f, VALIDITY_PARTS, n_parts, "/initial");
+    // How many parts there are at a time is not known before where feeds go on to deliver them.
+    if (f->s->n_feeds == 0)
+        note(f, VALIDITY_PARTS, n_parts, "/initial");
     if (!isfinite(width))
         return;
     note(f, of->n_plates > 1 ? VALIDITY_FUNNEL : VALIDITY_OPENING, width, "/obstacles/%zu",
          of->opening.index);
-    if (width > 0.0)
+    if (width > 0.0 && f->s->n_feeds == 0)
         note(f, VALIDITY_HEAP, n_parts / width, "/initial");
 }
 

@@ -1,0 +1,154 @@
+// What is said about the results of a scenario before it is solved.
+
+#include "core/feed/arrivals.h"
+#include "core/feed/capacity.h"
+#include "core/run/run.h"
+#include "core/scene/surroundings.h"
+
+#include <stdio.h>
+
+enum { BEAM_POINTS = 101 }; ///< of a beam that belts are looked for under
+
+/// Warn of a rate that belts cannot carry away from the line of a feed.
+static bf_status review_rate(const scene *s, size_t k, bf_faults *warnings, bf_error *err)
+{
+    static const char *const members[SCENE_DEMAND_COUNT] = { "rate_per_s", "profile", "schedule" };
+    const scene_feed *feed = &s->feeds[k];
+    const double capacity = feed_capacity(s, feed);
+    char pointer[BF_POINTER_SIZE];
+    feed_arrivals *arrivals;
+
+    bf_status status = feed_arrivals_create(feed, s->substream, &arrivals, err);
+    if (status != BF_OK)
+        return status;
+    const double rate = feed_arrivals_largest_rate(arrivals);
+    feed_arrivals_destroy(arrivals);
+    snprintf(pointer, sizeof pointer, "/feeds/%zu/%s", k, members[feed->demand]);
+    if (rate > capacity)
+        faults_add(
+            warnings, pointer,
+            "The feed '%s' delivers up to %.4g parts/s, but belts carry at most %.4g parts/s "
+            "away from its line: the others wait.",
+            feed->id, rate, capacity);
+    return BF_OK;
+}
+
+/// Which belts stand when their cargo breaks a beam, and which belts each beam crosses.
+typedef struct standing {
+    const scene *s;
+    bool stands[SCENE_BELTS_MAX];
+    bool crosses[SCENE_EYES_MAX][SCENE_BELTS_MAX];
+} standing;
+
+static void find_crossed(standing *c)
+{
+    const surroundings around = surroundings_of(c->s);
+
+    for (size_t e = 0; e < c->s->n_eyes; e++) {
+        const vec2 *line = c->s->eyes[e].line;
+        for (int k = 0; k < BEAM_POINTS; k++) {
+            const double place = (double)k / (BEAM_POINTS - 1);
+            const vec2 at = vec2_add(line[0], vec2_scale(vec2_sub(line[1], line[0]), place));
+            const size_t belt = surroundings_belt_at(&around, at);
+            if (belt < c->s->n_belts)
+                c->crosses[e][belt] = true;
+        }
+    }
+}
+
+/// True if nothing under the beam moves.
+static bool stands_under(const standing *c, size_t eye)
+{
+    bool is_any = false;
+
+    for (size_t k = 0; k < c->s->n_belts; k++) {
+        if (c->crosses[eye][k] && !c->stands[k])
+            return false;
+        is_any = is_any || c->crosses[eye][k];
+    }
+    return is_any;
+}
+
+/// True if the action stops a belt by cargo that then stands in the beam.
+static bool stops_itself(const standing *c, const scene_action *a)
+{
+    return a->type == SCENE_ACTION_BELT && a->when_blocked && a->value == 0.0 &&
+           c->crosses[a->eye][a->target] && stands_under(c, a->eye);
+}
+
+/// True if a belt that stands stays so: an action stops it by its own cargo, and those that start it wait for
+/// photo eyes above belts that stand.
+static bool stays(const standing *c, size_t belt)
+{
+    bool is_stopped = false;
+
+    for (size_t k = 0; k < c->s->n_actions; k++) {
+        const scene_action *a = &c->s->actions[k];
+        if (a->type != SCENE_ACTION_BELT || a->target != belt)
+            continue;
+        if (a->value > 0.0 && !stands_under(c, a->eye))
+            return false;
+        is_stopped = is_stopped || stops_itself(c, a);
+    }
+    return is_stopped;
+}
+
+/// Warn of actions in a circle. The belts that stay are the largest set of which each one stays as long as the others
+/// do.
+static void review_actions(const scene *s, bf_faults *warnings)
+{
+    standing c = { .s = s };
+    char pointer[BF_POINTER_SIZE];
+    bool changes = s->n_actions > 0;
+
+    find_crossed(&c);
+    for (size_t k = 0; k < s->n_belts; k++)
+        c.stands[k] = true;
+    while (changes) {
+        changes = false;
+        for (size_t k = 0; k < s->n_belts; k++) {
+            if (!c.stands[k] || stays(&c, k))
+                continue;
+            c.stands[k] = false;
+            changes = true;
+        }
+    }
+    for (size_t k = 0; k < s->n_actions; k++) {
+        const scene_action *a = &s->actions[k];
+        snprintf(pointer, sizeof pointer, "/actions/%zu", k);
+        if (stops_itself(&c, a))
+            faults_add(
+                warnings, pointer,
+                "Actions in a circle: cargo in the beam of '%s' stops the belt '%s' under it, "
+                "which nothing but photo eyes above standing belts starts again.",
+                s->eyes[a->eye].id, s->belts[a->target].id);
+    }
+}
+
+static bf_status review_density(const scene *s, run_review *review, bf_error *err)
+{
+    const double step = scene_macro_step(s), positive = scene_step_positive(s);
+
+    if (step >= positive)
+        faults_add(&review->warnings, "/macro/step_s",
+                   "the step, %.6g s, is not below %.6g s: densities may become negative", step,
+                   positive);
+    bf_status status = validity_of(s, &review->validity, err);
+    for (size_t k = 0; status == BF_OK && k < review->validity.n; k++)
+        faults_add(&review->warnings, review->validity.items[k].pointer, "%s",
+                   review->validity.items[k].detail);
+    return status;
+}
+
+bf_status run_review_of(const scene *s, run_model model, run_review *ret_review, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    *ret_review = (run_review){ .model = model };
+    for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
+        status = review_rate(s, k, &ret_review->warnings, err);
+    review_actions(s, &ret_review->warnings);
+    if (status == BF_OK && model == RUN_MACRO)
+        status = review_density(s, ret_review, err);
+    return status;
+}
