@@ -43,6 +43,16 @@ const polygon = (n) => Array.from({ length: n }, (_, k) => [
   0.3 + 0.2 * Math.sin((2 * Math.PI * k) / n),
 ]);
 
+// The good scenario with a feed, a photo eye behind it and an action.
+const fed = (s, feed = {}, action = {}) => Object.assign(s, {
+  feeds: [{ id: "in", edge: "west", y_m: [0.05, 0.3], rate_per_s: 5, ...feed }],
+  photo_eyes: [{ id: "pe", line_m: [[0.4, 0], [0.4, 0.6]] }],
+  actions: [{ when: { photo_eye: "pe", state: "blocked" }, do: { feed: "in", hold: true }, ...action }],
+});
+const profile = (members) => ({ rate_per_s: undefined, profile: members });
+const list = (members) => ({ rate_per_s: undefined, schedule: members });
+const rows = (n, row) => Array.from({ length: n }, (_, k) => row(k)).join("\n");
+
 // [what is wrong, change of the good scenario, pointer within the scenario]
 export const badScenarios = [
   // Members that are missing, unknown or of the wrong type.
@@ -193,6 +203,82 @@ export const badScenarios = [
   ["more counters than the limit",
     (s) => (s.counters = Array.from({ length: 40 }, (_, k) => ({ id: `c${k}`, x_m: [0, 0.1] }))),
     "/counters"],
+
+  // Feeds.
+  ["a feed without a rate", (s) => fed(s, { rate_per_s: undefined }), "/feeds/0"],
+  ["a feed with two rates", (s) => fed(s, { schedule: { t_s: [1] } }), "/feeds/0"],
+  ["a feed nowhere", (s) => fed(s, { edge: undefined, y_m: undefined }), "/feeds/0"],
+  ["a feed over a wall", (s) => fed(s, { edge: "north", y_m: undefined }), "/feeds/0/edge"],
+  ["a feed over an outflow", (s) => fed(s, { edge: "east" }), "/feeds/0/edge"],
+  ["a feed beyond its side", (s) => fed(s, { y_m: [0.3, 0.7] }), "/feeds/0/y_m"],
+  ["a feed outside of the domain",
+    (s) => fed(s, { edge: undefined, y_m: undefined, line_m: [[0.1, 0.1], [0.1, 0.7]] }),
+    "/feeds/0/line_m"],
+  ["a feed inside a plate",
+    (s) => fed(s, { edge: undefined, y_m: undefined, line_m: [[0.5, 0.3], [0.75, 0.3]] }),
+    "/feeds/0/line_m"],
+  ["a feed off every belt",
+    (s) => (s.belts[0].polygon_m = [[0, 0.2], [1, 0.2], [1, 0.6], [0, 0.6]]) && fed(s), "/feeds/0/y_m"],
+  ["a feed that the belt carries out", (s) => fed(s) && (s.belts[0].velocity_m_s = [-0.1, 0]),
+    "/feeds/0/y_m"],
+  ["a feed too narrow for a part", (s) => fed(s, { y_m: [0, 0.01] }), "/feeds/0/y_m"],
+  ["feeds that overlap", (s) => fed(s) && s.feeds.push({ edge: "west", y_m: [0.2, 0.5], rate_per_s: 1 }),
+    "/feeds/1/y_m"],
+  ["two feeds of one name", (s) => fed(s) && s.feeds.push({ ...s.feeds[0], y_m: [0.4, 0.5] }),
+    "/feeds/1/id"],
+  ["a feed that ends before it starts", (s) => fed(s, { start_s: 3, end_s: 2 }), "/feeds/0/end_s"],
+  ["half a part", (s) => fed(s, { count: 0.5 }), "/feeds/0/count"],
+  ["a rate of zero", (s) => fed(s, { rate_per_s: 0 }), "/feeds/0/rate_per_s"],
+  ["a kind that nobody knows", (s) => fed(s, { cargo: [{ kind: "can" }] }), "/feeds/0/cargo/0/kind"],
+  ["a heading of no kind", (s) => fed(s, { heading_deg: "up" }), "/feeds/0/heading_deg"],
+  ["a profile whose times fall", (s) => fed(s, profile({ t_s: [0, 2, 1], rate_per_s: [1, 1, 1] })),
+    "/feeds/0/profile/t_s/2"],
+  ["a profile with a negative rate", (s) => fed(s, profile({ t_s: [0, 1], rate_per_s: [1, -1] })),
+    "/feeds/0/profile/rate_per_s/1"],
+  ["a profile without rates", (s) => fed(s, profile({ t_s: [0, 1] })), "/feeds/0/profile/rate_per_s"],
+  ["a profile that repeats too soon",
+    (s) => fed(s, profile({ t_s: [0, 9], rate_per_s: [1, 2], repeat_s: 5 })),
+    "/feeds/0/profile/repeat_s"],
+  ["CSV whose times fall", (s) => fed(s, profile({ csv: "t_s,rate_per_s\n0,1\n2,1\n1,1" })),
+    "/feeds/0/profile/csv"],
+  ["CSV without a known column", (s) => fed(s, profile({ csv: "time;rate\n0;1" })),
+    "/feeds/0/profile/csv"],
+  ["CSV of too many rows",
+    (s) => fed(s, profile({ csv: `t_s,rate_per_s\n${rows(100_001, (k) => `${k},1`)}` })),
+    "/feeds/0/profile/csv"],
+  ["arrivals of a kind that nobody knows",
+    (s) => fed(s, list({ csv: "t_s,kind\n0,cargo\n1,can" })), "/feeds/0/schedule/csv"],
+  ["arrivals beside the feed", (s) => fed(s, list({ csv: "t_s,y_m\n0,0.5" })),
+    "/feeds/0/schedule/csv"],
+  ["arrivals in the wrong order", (s) => fed(s, list({ t_s: [1, 0.5] })), "/feeds/0/schedule/t_s/1"],
+  ["more kinds than arrivals", (s) => fed(s, list({ t_s: [1], kind: ["cargo", "cargo"] })),
+    "/feeds/0/schedule/kind"],
+
+  // What moves, photo eyes and actions, and the course of a run.
+  ["a plate whose times fall", (s) => (s.obstacles[0].motion = { t_s: [1, 0], turn_deg: [0, 9] }),
+    "/obstacles/0/motion/t_s/1"],
+  ["a plate with an angle too few", (s) => (s.obstacles[0].motion = { t_s: [0, 1], turn_deg: [0] }),
+    "/obstacles/0/motion/turn_deg"],
+  ["a plate that is half there", (s) => (s.obstacles[0].present = { t_s: [0], value: [0.5] }),
+    "/obstacles/0/present/value/0"],
+  ["a photo eye outside of the domain",
+    (s) => fed(s) && (s.photo_eyes[0].line_m = [[2, 0], [2, 0.6]]), "/photo_eyes/0/line_m"],
+  ["a photo eye without length",
+    (s) => fed(s) && (s.photo_eyes[0].line_m = [[0.4, 0.1], [0.4, 0.1]]), "/photo_eyes/0/line_m/1"],
+  ["an action of a photo eye that is not there",
+    (s) => fed(s, {}, { when: { photo_eye: "px", state: "clear" } }), "/actions/0/when/photo_eye"],
+  ["an action on a belt that is not there",
+    (s) => fed(s, {}, { do: { belt: "side", factor: 0 } }), "/actions/0/do/belt"],
+  ["an action that does two things",
+    (s) => fed(s, {}, { do: { belt: "main", factor: 0, feed: "in", hold: true } }), "/actions/0/do"],
+  ["an action that does nothing", (s) => fed(s, {}, { do: { belt: "main" } }), "/actions/0/do"],
+  ["a turn in no time",
+    (s) => fed(s, {}, { do: { obstacle: "singularizer", turn_deg: 9, over_s: 0 } }),
+    "/actions/0/do/over_s"],
+  ["windows that overlap",
+    (s) => (s.output.windows = [{ t_s: [0, 0.2] }, { t_s: [0.1, 0.3] }]), "/output/windows/1/t_s"],
+  ["steady without a feed", (s) => (s.until = "steady"), "/until"],
+  ["a warm-up as long as the run", (s) => (s.warmup_s = 0.5), "/warmup_s"],
 ];
 
 const nested = (n) => `/scenario/belts${"/0".repeat(n)}`;
