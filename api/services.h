@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include "api/measurements.h"
 #include "api/run_state.h"
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
@@ -16,38 +17,35 @@
 #include <stdint.h>
 
 enum {
-    API_ID_SIZE = 37,            ///< bytes of a run id (UUIDv7, lower case) with its terminator
-    API_CLIENT_SIZE = 64,        ///< bytes of a client's address with its terminator
-    API_LABEL_SIZE = 101,        ///< bytes of a label with its terminator
-    API_PRIORITY_MAX = 100,      ///< priorities go from -100 to 100, higher first
-    API_LIST_MAX = 200,          ///< runs a page of a list
-    API_STREAM_RUNS_MAX = 32,    ///< runs one event stream can follow
-    API_KEY_SIZE = 256,          ///< bytes of an idempotency key with its terminator
-    API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
-    API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
-    API_ANY_REVISION = 0,                 ///< whatever the revision is
+    API_CLIENT_SIZE = 64,     ///< bytes of a client's address with its terminator
+    API_FIGURES_SIZE = 1024,  ///< bytes of the run's own key figures as JSON with its terminator
+    API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
+    API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
+    API_KEY_SIZE = 256,       ///< bytes of an idempotency key with its terminator
+    API_ANY_REVISION = 0,     ///< whatever the revision is
 };
 
 /// A run as the store knows it.
 typedef struct api_run {
-    char id[API_ID_SIZE];       ///< UUIDv7: sorts by time of creation
-    run_state state;            ///< where it is in its life
-    run_model model;            ///< which solver
-    int priority;               ///< higher runs first
-    char label[API_LABEL_SIZE]; ///< the client's, "" if none
-    char name[SCENE_NAME_SIZE]; ///< of the scenario
-    uint64_t revision;          ///< from 1, rises with every change of the row: the ETag
-    double progress;            ///< 0 to 1
-    int64_t created_ms;         ///< Unix time, ms
-    int64_t started_ms;         ///< last start; 0: never
-    int64_t finished_ms;        ///< 0: not yet
-    double eta_s;               ///< wall seconds to the end; NAN: unknown
-    uint64_t n_samples;         ///< stored samples of the curve
-    uint64_t n_snapshots;       ///< stored snapshots
-    uint64_t last_event;        ///< id of the newest event of the run; 0: none
-    bool has_summary;           ///< summary.json is there
-    bool is_cached;             ///< its results are those of a run before it
-    bf_error error;             ///< code BF_OK: none
+    char id[API_ID_SIZE];           ///< UUIDv7: sorts by time of creation
+    run_state state;                ///< where it is in its life
+    run_model model;                ///< which solver
+    int priority;                   ///< higher runs first
+    char label[API_LABEL_SIZE];     ///< the client's, "" if none
+    char name[SCENE_NAME_SIZE];     ///< of the scenario
+    uint64_t revision;              ///< from 1, rises with every change of the row: the ETag
+    double progress;                ///< 0 to 1
+    int64_t created_ms;             ///< Unix time, ms
+    int64_t started_ms;             ///< last start; 0: never
+    int64_t finished_ms;            ///< 0: not yet
+    double eta_s;                   ///< wall seconds to the end; NAN: unknown
+    uint64_t n_samples;             ///< stored samples of the curve
+    uint64_t n_snapshots;           ///< stored snapshots
+    uint64_t last_event;            ///< id of the newest event of the run; 0: none
+    bool has_summary;               ///< summary.json is there
+    bool is_cached;                 ///< its results are those of a run before it
+    char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
+    bf_error error;                 ///< code BF_OK: none
 } api_run;
 
 /// A run to be accepted.
@@ -91,32 +89,11 @@ typedef struct api_run_list {
 } api_run_list;
 
 /// A stored text of a run.
-typedef enum api_text { API_TEXT_SCENARIO, API_TEXT_SUMMARY } api_text;
-
-/// A curve that was measured elsewhere, without its samples.
-typedef struct api_measurement {
-    char id[API_ID_SIZE];        ///< UUIDv7, unlike those of all runs
-    char label[API_LABEL_SIZE];  ///< the client's, "" if none
-    char counter[SCENE_ID_SIZE]; ///< what was counted: a column of curves
-    int64_t created_ms;          ///< Unix time, ms
-    uint64_t n_samples;          ///< of its curve
-    double t_start;              ///< first time, s
-    double t_end;                ///< last time, s
-} api_measurement;
-
-/// Which measurements a list shows; newest first.
-typedef struct api_measurement_query {
-    char label[API_LABEL_SIZE]; ///< "": any
-    char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
-    size_t limit;               ///< 1 .. API_LIST_MAX
-} api_measurement_query;
-
-/// A page of measurements.
-typedef struct api_measurement_list {
-    size_t n;                            ///< measurements in this page
-    bool has_more;                       ///< older ones follow
-    api_measurement items[API_LIST_MAX]; ///< the page
-} api_measurement_list;
+typedef enum api_text {
+    API_TEXT_SCENARIO, ///< the resolved document
+    API_TEXT_SUMMARY,  ///< summary.json
+    API_TEXT_FIGURES,  ///< all key figures so far, as of key_figures_write()
+} api_text;
 
 /// The stored part of a curve. Zero-initialise; api_curve_fini().
 typedef struct api_curve {
@@ -155,7 +132,8 @@ typedef struct api_snapshot_list {
     X(API_EVENT_PROGRESS, "progress")                                                              \
     X(API_EVENT_CURVE, "curve")                                                                    \
     X(API_EVENT_SNAPSHOT, "snapshot")                                                              \
-    X(API_EVENT_END, "end")
+    X(API_EVENT_END, "end")                                                                        \
+    X(API_EVENT_FIGURES, "figures")
 
 /// The values stand in the store: never renumber.
 typedef enum api_event_type {

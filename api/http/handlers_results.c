@@ -69,6 +69,29 @@ bf_status handlers_results_curve(exchange *x, bf_error *err)
     return status;
 }
 
+bf_status handlers_results_figures(exchange *x, bf_error *err)
+{
+    bf_buffer text = { 0 };
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    if (record.figures[0] == '\0')
+        return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no key figures",
+                       run_state_word(record.state));
+    exchange__cache_revalidate(x);
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-figures-%s", record.revision, x->media->word))
+        return BF_OK;
+    status = x->services->read_text(x->services->context, record.id, API_TEXT_FIGURES, &text, err);
+    if (status == BF_OK)
+        status = x->media->format == MEDIA_CSV
+                     ? key_figures_csv(text.bytes, text.n, &x->response->body, err)
+                     : buffer_append(&x->response->body, text.bytes, text.n);
+    buffer_fini(&text);
+    return status;
+}
+
 // The parameters of a picture.
 typedef struct picture_query {
     uint64_t width; // pixels; 0: chosen by picture_layout()

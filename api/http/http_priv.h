@@ -132,6 +132,7 @@ route_handler_fn handlers_results_archive;
 /// Event streams of one run and of several.
 route_handler_fn handlers_results_events;
 route_handler_fn handlers_results_events_of_runs;
+route_handler_fn handlers_results_figures;
 
 /// Measured curves.
 route_handler_fn handlers_measurements_add;

@@ -65,7 +65,12 @@ void openapi__write_paths(json_out *w);
 void openapi__write_refusals(json_out *w);
 void openapi__write_header_components(json_out *w);
 
-/// Write what output_schemas.c has no rows for: enumerations of the code's tables.
+/// Write what output_schemas.c has no rows for: key figures and enumerations of the code's tables.
+void openapi__write_figures(json_out *w);
+void openapi__write_run_figures(json_out *w);
+void openapi__write_feed_figures(json_out *w);
+void openapi__write_counter_figures(json_out *w);
+void openapi__write_eye_figures(json_out *w);
 void openapi__write_states(json_out *w);
 void openapi__write_models(json_out *w);
 void openapi__write_colormaps(json_out *w);

@@ -84,6 +84,7 @@ LINE("ProgressLine", progress_line, "progress", "ProgressEvent");
 LINE("CurveLine", curve_line, "curve", "CurveEvent");
 LINE("SnapshotLine", snapshot_line, "snapshot", "SnapshotEvent");
 LINE("EndLine", end_line, "end", "EndEvent");
+LINE("FiguresLine", figures_line, "figures", "FiguresEvent");
 
 static const openapi_schema table[] = {
     TYPE("Id", "string",
@@ -114,6 +115,11 @@ static const openapi_schema table[] = {
     OBJECT(run_json_error, "Why a run failed"),
     OBJECT(run_json_links, "The resources of a run"),
     OBJECT(run_json_list, "A page of the list of runs"),
+    WRITTEN("KeyFigures", openapi__write_figures, "Key figures; what a run cannot say is missing"),
+    WRITTEN("RunFigures", openapi__write_run_figures, "Key figures of a run alone"),
+    WRITTEN("FeedFigures", openapi__write_feed_figures, "Key figures of a feed"),
+    WRITTEN("CounterFigures", openapi__write_counter_figures, "Key figures of a counter"),
+    WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
     OBJECT(submission_validation_members, "A submission that is valid"),
     OBJECT(review_validity_members,
            "Whether the macroscopic model was compared with moving parts for scenarios like this "
@@ -171,7 +177,8 @@ static const openapi_schema table[] = {
     TYPE("EventStream", "string",
          "\"contentMediaType\":\"application/json\",\"contentSchema\":"
          "{\"$ref\":\"#/components/schemas/EventData\"}",
-         "Server-sent events. `event` is one of status, progress, curve, snapshot and end; `data` "
+         "Server-sent events. `event` is one of status, progress, curve, snapshot, figures and "
+         "end; `data` "
          "is an object in one line; `id` rises. A comment is sent while there are no events"),
     TYPE(
         "EventLines", "string",
@@ -184,7 +191,7 @@ static const openapi_schema table[] = {
       .limits = "\"contentEncoding\":\"base64\"" },
     { .name = "EventData",
       .help = "Data of an event",
-      .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent" },
+      .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
     { .help = "Samples of the outflow curve: one list for each counter, under its id",
@@ -192,14 +199,16 @@ static const openapi_schema table[] = {
       .others = "[number]" },
     OBJECT(events_snapshot_data, "A snapshot was taken"),
     OBJECT(events_end_data, "The run has ended; its last event"),
+    OBJECT(events_figures_data, "Key figures so far"),
     { .name = "EventLine",
       .help = "An event",
-      .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine" },
+      .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine" },
     OBJECT(status_line, "A status event"),
     OBJECT(progress_line, "A progress event"),
     OBJECT(curve_line, "A curve event"),
     OBJECT(snapshot_line, "A snapshot event"),
     OBJECT(end_line, "An end event"),
+    OBJECT(figures_line, "A figures event"),
 };
 
 // Of the bodies of formats that are not JSON; a row each.

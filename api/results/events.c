@@ -183,3 +183,37 @@ bf_status events_end(const api_run *record, bf_buffer *out, bf_error *err)
 {
     return write_event(&events_end_data, record, out, err);
 }
+
+typedef struct figures_event {
+    const char *run;
+    const key_figures *figures;
+    double t;
+} figures_event;
+
+static void write_figures(json_out *w, const member *m, const void *item)
+{
+    const figures_event *event = item;
+
+    (void)m;
+    key_figures_write(w, event->figures);
+}
+
+static const member_kind member_figures = { .type = "#KeyFigures", .write = write_figures };
+
+#define AT(place) offsetof(figures_event, place)
+static const member figures_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "Time of the last sample", .unit = "s"),
+    MEMBER("key_figures", figures, 0, "The key figures until then"),
+};
+const member_table events_figures_data = { MEMBER_TABLE("FiguresEvent", figures_members) };
+#undef AT
+
+bf_status events_figures(const char *run_id, const key_figures *figures, bf_buffer *out,
+                         bf_error *err)
+{
+    const figures_event event = { .run = run_id, .figures = figures, .t = figures->t };
+    const bf_status status = key_figures_check(figures, err);
+
+    return status == BF_OK ? write_event(&events_figures_data, &event, out, err) : status;
+}

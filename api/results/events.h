@@ -6,6 +6,7 @@
 #pragma once
 
 #include "api/json/members.h"
+#include "api/results/key_figures.h"
 #include "api/services.h"
 #include "core/base/buffer.h"
 #include "core/run/frame.h"
@@ -19,6 +20,7 @@ extern const member_table events_progress_data;
 extern const member_table events_curve_data;
 extern const member_table events_snapshot_data;
 extern const member_table events_end_data;
+extern const member_table events_figures_data;
 
 /// {"run", "id", "status", "progress", ...}: the run as GET /v1/runs/{id} shows it.
 BF_MUST_CHECK bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err);
@@ -36,6 +38,10 @@ BF_MUST_CHECK bf_status events_curve(const char *run_id, const frame_curve *c, c
 /// parts come with the snapshot.
 BF_MUST_CHECK bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool has_parts,
                                         bf_buffer *out, bf_error *err);
+
+/// {"run", "t_s", "key_figures"}: the key figures so far. BF_ECORRUPT: see key_figures_check().
+BF_MUST_CHECK bf_status events_figures(const char *run_id, const key_figures *figures,
+                                       bf_buffer *out, bf_error *err);
 
 /// {"run", "status", "progress", "finished_at", "n_samples", "n_snapshots", "error"}: the last event
 /// of a run.

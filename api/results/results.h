@@ -7,6 +7,7 @@
 
 #include "api/json/members.h"
 #include "api/results/colormap.h"
+#include "api/results/key_figures.h"
 #include "api/results/picture.h"
 #include "api/results/results_files.h"
 #include "api/services.h"
@@ -101,11 +102,11 @@ BF_MUST_CHECK bf_status results_series_pvd(const api_snapshot_list *list, result
 BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id,
                                                bf_buffer *out, bf_error *err);
 
-/// Append summary.json. scenario is the resolved document.
+/// Append summary.json. scenario is the resolved document; figures are those at the end, n = 0: there are none.
 BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
                                         const frame_begin *begin, const frame_end *end,
-                                        const results_timing *timing, bf_buffer *out,
-                                        bf_error *err);
+                                        const key_figures *figures, const results_timing *timing,
+                                        bf_buffer *out, bf_error *err);
 
 /// Append the summary of a run whose results are those of another one: the other's, but with its own
 /// scenario, a resolved document, and `cached`. BF_ECORRUPT: summary is none of results_summary().

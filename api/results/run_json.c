@@ -44,6 +44,23 @@ static void write_state(json_out *w, const member *m, const void *item)
 
 const member_kind run_json_state_kind = { .type = "#RunStatus", .write = write_state };
 
+static void write_figures(json_out *w, const member *m, const void *item)
+{
+    const api_run *record = item;
+
+    (void)m;
+    json_out_raw(w, record->figures, strlen(record->figures));
+}
+
+static const member_kind member_figures = { .type = "#RunFigures", .write = write_figures };
+
+static bool has_figures(const void *item)
+{
+    const api_run *record = item;
+
+    return record->figures[0] != '\0';
+}
+
 static bool has_parts(const void *item)
 {
     const api_run *record = item;
@@ -59,6 +76,7 @@ static const member link_members[] = {
     LINK("scenario", "/scenario", "Its resolved scenario"),
     LINK("summary", "/summary", "Its summary, once it has ended"),
     LINK("curve", "/curve", "Its outflow curve so far"),
+    LINK("key_figures", "/key_figures", "Its key figures so far"),
     LINK("snapshots", "/snapshots", "Its snapshots so far"),
     LINK("series", "/snapshots.pvd", "Its snapshots in time, for ParaView"),
     LINK("parts_series", "/parts.pvd", "Its parts in time, for ParaView (microscopic model)",
@@ -84,6 +102,9 @@ static const member run_members[] = {
     MEMBER("eta_s", number, AT(eta_s), "Remaining wall time", .unit = "s", .null = "not known"),
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
     MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
+    MEMBER("key_figures", figures, 0,
+           "Its key figures so far, without those of feeds, counters and photo eyes",
+           .applies = has_figures),
     MEMBER("links", object, 0, "Its resources", .table = &run_json_links),
 };
 const member_table run_json = { MEMBER_TABLE("Run", run_members), .size = sizeof(api_run) };

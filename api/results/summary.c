@@ -37,6 +37,7 @@ typedef struct summary_view {
     double work_per_s; // cell or particle steps
     double packing_density;
     run_review review;
+    const key_figures *figures;
     const char *scenario;
     size_t n_scenario;
 } summary_view;
@@ -81,6 +82,22 @@ static void write_digest(json_out *w, const member *m, const void *item)
     json_out_string(w, digest);
 }
 
+static void write_figures(json_out *w, const member *m, const void *item)
+{
+    const summary_view *of = item;
+
+    (void)m;
+    key_figures_write(w, of->figures);
+}
+
+static bool has_figures(const void *item)
+{
+    const summary_view *of = item;
+
+    return of->figures->n > 0;
+}
+
+static const member_kind member_figures = { .type = "#KeyFigures", .write = write_figures };
 static const member_kind member_warnings = { .type = "[string]", .write = write_warnings };
 static const member_kind member_path = { .type = "string", .write = write_path };
 static const member_kind member_digest = { .type = "string", .write = write_digest };
@@ -122,6 +139,10 @@ static const member summary_members[] = {
     MEMBER("digest", digest, 0, "Digest of the final state: the same for the same results"),
     MEMBER("packing_density_per_m2", number, AT(packing_density), "Parts in close packing",
            .unit = "1/m2"),
+    MEMBER("key_figures", figures, 0,
+           "Throughput, residence, queues, jams, gaps; missing in summaries of versions that did "
+           "not say so",
+           .applies = has_figures),
     MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
     MEMBER("validity", object, AT(review.validity),
            "Whether the model was compared with moving parts for scenarios like this one; missing "
@@ -138,14 +159,17 @@ const member_table results_summary_members = { MEMBER_TABLE("Summary", summary_m
 
 bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
                           const frame_begin *begin, const frame_end *end,
-                          const results_timing *timing, bf_buffer *out, bf_error *err)
+                          const key_figures *figures, const results_timing *timing, bf_buffer *out,
+                          bf_error *err)
 {
     double n_items = model == RUN_MICRO ? (double)begin->n_parts : (double)end->n_cells;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
     scene s;
 
-    bf_status status = scenario_read_resolved(scenario, n_scenario, &s, err);
+    bf_status status = figures->n > 0 ? key_figures_check(figures, err) : BF_OK;
+    if (status == BF_OK)
+        status = scenario_read_resolved(scenario, n_scenario, &s, err);
     if (status != BF_OK)
         return status;
     summary_view of = { .model = model,
@@ -158,6 +182,7 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .n_left = end->parts_start - end->parts_end,
                         .work_per_s = n_items * (double)end->n_steps / timing->wall_s,
                         .packing_density = scene_packing_density(&s),
+                        .figures = figures,
                         .scenario = scenario,
                         .n_scenario = n_scenario };
     status = run_review_of(&s, model, &of.review, err);

@@ -53,7 +53,8 @@ typedef struct jam_sums {
 
 // Plain numbers, saved as they are.
 typedef struct run_sums {
-    uint64_t is_warm; // the warm-up is over
+    uint64_t is_warm;   // the warm-up is over
+    uint64_t has_cargo; // the speed of cargo is known
     double t_start, exited_start;
     double t, exited; // of the last sample
     double peak, queue_end, queue_end_now, drained_at;
@@ -64,6 +65,8 @@ typedef struct run_sums {
 struct figures {
     const scene *s;
     bool has_parts;
+    bool
+        has_exits; // figures_exit() tells of each part that leaves; else all entered at the start, or have no id
     bool has_plate;
     vec2 upstream;    // against the belt's direction
     double plate_end; // of the most upstream plate, along that direction
@@ -118,7 +121,7 @@ static bf_status init_items(figures *f, bf_error *err)
         status = quantiles_init(&f->waits[k], err);
     for (size_t k = 0; status == BF_OK && f->has_parts && k < f->s->n_eyes; k++)
         status = quantiles_init(&f->gaps[k], err);
-    if (status == BF_OK && !f->has_parts)
+    if (status == BF_OK && !f->has_exits)
         status = fifo_init(&f->inside, err);
     for (size_t k = 0; status == BF_OK && !f->has_parts && k < f->s->n_feeds; k++)
         status = fifo_init(&f->queues[k], err);
@@ -133,6 +136,7 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
         return bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
     f->s = s;
     f->has_parts = has_parts;
+    f->has_exits = has_parts && s->n_feeds > 0;
     f->run.drained_at = f->run.jam.first = f->run.peak = (double)NAN;
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
@@ -171,6 +175,7 @@ static cargo_state state_of(const figures_cargo *cargo)
 void figures_add_cargo(figures *f, const figures_cargo *cargo)
 {
     const cargo_state state = state_of(cargo);
+    f->run.has_cargo = 1;
     const double upstream = f->upstream.x * cargo->at.x + f->upstream.y * cargo->at.y;
 
     for (size_t k = 0; k < f->s->n_counters; k++)
@@ -259,7 +264,7 @@ void figures_sample(figures *f, const figures_now *now)
                        now->counters[k]);
     for (size_t k = 0; k < f->s->n_feeds; k++)
         sample_feed(f, k, was_warm, now->t, &now->feeds[k]);
-    if (!f->has_parts)
+    if (!f->has_exits)
         fifo_sample(&f->inside, now->t, now->entered, now->exited, was_warm ? &f->residence : NULL);
     if (f->run.is_warm)
         f->run.queue_end = fmax(f->run.queue_end, f->run.queue_end_now);
@@ -316,6 +321,11 @@ void figures_eye_end(figures *f, size_t eye, double travel)
     f->eyes[eye].last_end = travel;
 }
 
+double figures_time(const figures *f)
+{
+    return f->run.t;
+}
+
 bool figures_is_steady(const figures *f)
 {
     return f->run.is_warm && !isnan(f->run.batches.reached_at);
@@ -352,7 +362,7 @@ static void fill_run(const figures *f, double *ret_values)
     ret_values[FIGURE_JAM_COUNT] = jam->count;
     ret_values[FIGURE_JAM_FIRST] = jam->first;
     ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
-    ret_values[FIGURE_QUEUE_END] = f->has_parts && f->has_plate ? run->queue_end : (double)NAN;
+    ret_values[FIGURE_QUEUE_END] = run->has_cargo && f->has_plate ? run->queue_end : (double)NAN;
 }
 
 static void fill_feed(const figures *f, size_t k, double *ret_values)
@@ -423,10 +433,9 @@ void figures_save(const figures *f, checkpoint_writer *w)
         quantiles_save(&f->waits[k], w);
     for (size_t k = 0; f->has_parts && k < f->s->n_eyes; k++)
         quantiles_save(&f->gaps[k], w);
-    if (f->has_parts)
-        return;
-    fifo_save(&f->inside, w);
-    for (size_t k = 0; k < f->s->n_feeds; k++)
+    if (!f->has_exits)
+        fifo_save(&f->inside, w);
+    for (size_t k = 0; !f->has_parts && k < f->s->n_feeds; k++)
         fifo_save(&f->queues[k], w);
 }
 
@@ -442,7 +451,7 @@ bool figures_load(figures *f, checkpoint_reader *r)
         is_good = quantiles_load(&f->waits[k], r);
     for (size_t k = 0; is_good && f->has_parts && k < f->s->n_eyes; k++)
         is_good = quantiles_load(&f->gaps[k], r);
-    if (is_good && !f->has_parts)
+    if (is_good && !f->has_exits)
         is_good = fifo_load(&f->inside, r);
     for (size_t k = 0; is_good && !f->has_parts && k < f->s->n_feeds; k++)
         is_good = fifo_load(&f->queues[k], r);

@@ -58,7 +58,8 @@ void figures_sample(figures *f, const figures_now *now);
 /// The largest density of a sample or snapshot, taken after the sample of the same time.
 void figures_peak(figures *f, double density);
 
-/// A part left the domain after a time in it, s. Models without parts leave it out: residence follows from the samples.
+/// A part left the domain after a time in it, s. Models without parts and scenes without feeds leave it out: there
+/// residence follows from the samples.
 void figures_exit(figures *f, double residence);
 
 /// A part of a feed entered after a wait, s. Models without parts leave it out: waits follow from the samples.
@@ -68,6 +69,9 @@ void figures_wait(figures *f, size_t feed, double wait);
 /// moved since t = 0, m.
 void figures_eye_begin(figures *f, size_t eye, double travel);
 void figures_eye_end(figures *f, size_t eye, double travel);
+
+/// Time of the last sample, s.
+double figures_time(const figures *f);
 
 /// True once the throughput is steady: see steady.h.
 bool figures_is_steady(const figures *f);

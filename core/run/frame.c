@@ -125,13 +125,17 @@ static const field change_fields[] = { { COPY(change.index) },      { COPY(chang
                                        { COPY(change.type) },       { COPY(change.item) },
                                        { COPY(change.is_blocked) }, { END } };
 
+static const field figures_fields[] = {
+    { COPY(figures.t) }, { COPY(figures.n) }, { ARRAY(figures.values, figures.n) }, { END }
+};
+
 static const field *const fields_of[FRAME_TYPE_COUNT] = {
     [FRAME_JOB] = job_fields,           [FRAME_RESUME] = bytes_fields,
     [FRAME_BEGIN] = begin_fields,       [FRAME_CURVE] = curve_fields,
     [FRAME_SNAPSHOT] = snapshot_fields, [FRAME_PROGRESS] = progress_fields,
     [FRAME_CHECKPOINT] = bytes_fields,  [FRAME_END] = end_fields,
     [FRAME_ERROR] = error_fields,       [FRAME_PARTS] = parts_fields,
-    [FRAME_CHANGE] = change_fields,
+    [FRAME_CHANGE] = change_fields,     [FRAME_FIGURES] = figures_fields,
 };
 
 static uint64_t count_of(const frame *f, const member *m)

@@ -36,6 +36,7 @@ typedef enum frame_type {
     FRAME_ERROR,      ///< the run failed
     FRAME_PARTS,      ///< the parts at the time of the snapshot before it
     FRAME_CHANGE,     ///< a photo eye changed its state, or an action was carried out
+    FRAME_FIGURES,    ///< the key figures so far
     FRAME_TYPE_COUNT
 } frame_type;
 
@@ -123,6 +124,13 @@ typedef struct frame_change {
     uint32_t is_blocked; ///< FRAME_CHANGE_EYE: its state from now on; else 0
 } frame_change;
 
+/// The key figures until a time, as by figure.h; NAN: the run cannot say. They come with progress and before the end.
+typedef struct frame_figures {
+    double t;             ///< of the last sample, s
+    uint64_t n;           ///< figure_values() of the scenario
+    const double *values; ///< n of them
+} frame_figures;
+
 /// Why a run is over.
 typedef enum frame_end_reason {
     FRAME_END_DURATION, ///< its duration has passed, or it was stopped
@@ -178,6 +186,7 @@ typedef struct frame {
         frame_error error;       ///< FRAME_ERROR
         frame_parts parts;       ///< FRAME_PARTS
         frame_change change;     ///< FRAME_CHANGE
+        frame_figures figures;   ///< FRAME_FIGURES
     };
 } frame;
 

@@ -4,6 +4,7 @@
 #include "core/base/checkpoint.h"
 #include "core/base/digest.h"
 #include "core/base/memory.h"
+#include "core/figures/figures.h"
 #include "core/run/columns.h"
 #include "core/run/control.h"
 #include "core/run/run_priv.h"
@@ -40,6 +41,9 @@ struct run {
     uint64_t step, first_step;
     series samples, snapshots;
     control control;
+    figures *figures;
+    double *figure_values;                  // of FRAME_FIGURES
+    feed_balance balances[SCENE_FEEDS_MAX]; // at the last sample
     frame_end_reason reason;
     double parts_start, peak;
     uint32_t n_columns;
@@ -106,9 +110,11 @@ static bf_status allocate_results(run *r, bf_error *err)
 {
     r->rho = memory_alloc(grid_cells(&r->plan.grid), sizeof *r->rho);
     r->values = memory_alloc(BATCH * (size_t)r->n_columns, sizeof *r->values);
-    if (r->rho == NULL || r->values == NULL || reserve_parts(r, r->plan.n_parts) != 0)
+    r->figure_values = memory_alloc(figure_values(r->scene), sizeof *r->figure_values);
+    if (r->rho == NULL || r->values == NULL || r->figure_values == NULL ||
+        reserve_parts(r, r->plan.n_parts) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for a snapshot");
-    return BF_OK;
+    return figures_create(r->scene, r->backend->parts != NULL, &r->figures, err);
 }
 
 bf_status run_create(const scene *s, run_model model, int n_threads, run **ret_run, bf_error *err)
@@ -146,6 +152,8 @@ run *run_destroy(run *r)
     if (r->solver != NULL)
         r->backend->destroy(r->solver);
     control_fini(&r->control);
+    figures_destroy(r->figures);
+    memory_free(r->figure_values);
     buffer_fini(&r->checkpoint);
     memory_free(r->values);
     memory_free(r->rho);
@@ -173,13 +181,21 @@ static void restore_series(run *r, series *s, uint64_t n)
 static bf_status load_state(run *r, checkpoint_reader *reader, bf_error *err)
 {
     control loaded = control_of(r->scene, r->backend, &r->plan);
+    figures *loaded_figures = NULL;
     bf_status status = control_load(&loaded, reader, err);
 
     if (status == BF_OK)
+        status = figures_create(r->scene, r->backend->parts != NULL, &loaded_figures, err);
+    if (status == BF_OK && !figures_load(loaded_figures, reader))
+        status = bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
+    if (status == BF_OK)
         status = r->backend->load(r->solver, reader->at, reader->n_left, err);
     control_fini(status == BF_OK ? &r->control : &loaded);
-    if (status == BF_OK)
+    figures_destroy(status == BF_OK ? r->figures : loaded_figures);
+    if (status == BF_OK) {
         r->control = loaded;
+        r->figures = loaded_figures;
+    }
     return status;
 }
 
@@ -248,6 +264,17 @@ static bf_status emit_progress(run *r, const run_sink *sink, bf_error *err)
     return sink->take(sink->context, &f, err);
 }
 
+static bf_status emit_figures(run *r, const run_sink *sink, bf_error *err)
+{
+    figures_fill(r->figures, r->figure_values);
+    const frame f = { .type = FRAME_FIGURES,
+                      .figures = { .t = figures_time(r->figures),
+                                   .n = figure_values(r->scene),
+                                   .values = r->figure_values } };
+
+    return sink->take(sink->context, &f, err);
+}
+
 static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
 {
     const saved_header h = { .step = r->step,
@@ -261,6 +288,7 @@ static bf_status emit_checkpoint(run *r, const run_sink *sink, bf_error *err)
     checkpoint_begin(&w, &r->checkpoint, CHECKPOINT_RUN, r->definition);
     checkpoint_write(&w, &h, sizeof h);
     control_save(&r->control, &w);
+    figures_save(r->figures, &w);
     bf_status status = r->backend->save(r->solver, &r->checkpoint, err);
     if (status == BF_OK)
         status = checkpoint_end(&w, err);
@@ -294,7 +322,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
 }
 
 // In the order of columns.h.
-static void fill_columns(const run *r, const run_load *load, double *values)
+static void fill_columns(run *r, const run_load *load, double *values)
 {
     const scene *s = r->scene;
 
@@ -302,11 +330,25 @@ static void fill_columns(const run *r, const run_load *load, double *values)
     values += s->n_counters;
     *values++ = r->parts_start + load->entered - load->parts;
     for (size_t k = 0; k < s->n_feeds; k++, values += COLUMNS_OF_FEED) {
-        const feed_balance balance = r->backend->balance(r->solver, k);
-        columns_put_feed(&balance, values);
+        r->balances[k] = r->backend->balance(r->solver, k);
+        columns_put_feed(&r->balances[k], values);
     }
     for (size_t k = 0; k < s->n_eyes; k++)
         *values++ = r->control.eyes.states[k].is_blocked;
+}
+
+static void sample_figures(run *r, const run_load *load, const double *columns)
+{
+    const figures_now now = { .t = time_now(r),
+                              .inside = load->parts,
+                              .entered = r->parts_start + load->entered,
+                              .exited = columns[r->scene->n_counters],
+                              .counters = columns,
+                              .feeds = r->balances };
+
+    figures_sample(r->figures, &now);
+    if (r->backend->parts == NULL)
+        figures_peak(r->figures, load->peak);
 }
 
 // Takes a sample of the curve; a full batch is emitted.
@@ -321,6 +363,7 @@ static bf_status take_sample(run *r, const run_sink *sink, bf_error *err)
     r->peak = fmax(r->peak, load.peak);
     r->t[r->n_waiting++] = time_now(r);
     fill_columns(r, &load, values);
+    sample_figures(r, &load, values);
     move_on(r, &r->samples);
     return r->n_waiting == BATCH ? emit_curve(r, sink, err) : BF_OK;
 }
@@ -354,6 +397,7 @@ static bf_status take_snapshot(run *r, const run_sink *sink, bf_error *err)
     if (status != BF_OK)
         return status;
     r->peak = fmax(r->peak, load.peak);
+    figures_peak(r->figures, load.peak);
     const frame f = { .type = FRAME_SNAPSHOT,
                       .snapshot = { .index = r->snapshots.n,
                                     .t = time_now(r),
@@ -392,6 +436,8 @@ static bf_status take_results(run *r, const run_sink *sink, bf_error *err)
 
     if (status == BF_OK && (r->step >= r->samples.step || is_over(r)))
         status = take_sample(r, sink, err);
+    if (r->scene->until == SCENE_UNTIL_STEADY && figures_is_steady(r->figures))
+        r->reason = FRAME_END_STEADY;
     if (status == BF_OK && (r->step >= r->snapshots.step || is_over(r)))
         status = take_snapshot(r, sink, err);
     return status;
@@ -404,6 +450,8 @@ static bf_status serve_request(run *r, unsigned request, const run_sink *sink, b
 
     if (status == BF_OK)
         status = emit_progress(r, sink, err);
+    if (status == BF_OK)
+        status = emit_figures(r, sink, err);
     if (status == BF_OK && (request & RUN_CHECKPOINT) != 0)
         status = emit_checkpoint(r, sink, err);
     if (status == BF_OK && (request & RUN_STOP) != 0)
@@ -445,5 +493,7 @@ bf_status run_execute(run *r, const run_sink *sink, bf_error *err)
     }
     if (status == BF_OK)
         status = emit_progress(r, sink, err);
+    if (status == BF_OK)
+        status = emit_figures(r, sink, err);
     return status == BF_OK ? emit_end(r, false, sink, err) : status;
 }

@@ -34,6 +34,8 @@ typedef struct solving {
     run_control run_control;
     frame_begin begin;
     frame_end end;
+    double figures_t;
+    bf_buffer figures;  // values of the newest FRAME_FIGURES
     double first_count; // of the curve's first column
     double last_count;
     double wall_s;
@@ -55,6 +57,13 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
         break;
     case FRAME_PROGRESS:
         progress_bar_show(&s->bar, &f->progress);
+        break;
+    case FRAME_FIGURES:
+        s->figures_t = f->figures.t;
+        s->figures.n = 0;
+        if (buffer_append(&s->figures, f->figures.values,
+                          f->figures.n * sizeof *f->figures.values) != BF_OK)
+            return bf_fail(err, BF_ENOMEM, "", "no memory for key figures");
         break;
     case FRAME_END:
         s->end = f->end;
@@ -98,12 +107,17 @@ static bf_status finish(solving *s, bf_error *err)
 {
     const results_timing timing = { .wall_s = s->wall_s,
                                     .n_threads = (uint32_t)s->arguments->n_threads };
+    const key_figures figures = { .columns = s->columns.bytes,
+                                  .t = s->figures_t,
+                                  .n = s->figures.n / sizeof(double),
+                                  .values = (const double *)(const void *)s->figures.bytes };
     bf_buffer summary = { 0 };
 
     if (s->end.stopped)
         return results_dir_finish(s->results, NULL, 0, err);
-    bf_status status = results_summary(s->arguments->subject.model, s->document.bytes,
-                                       s->document.n, &s->begin, &s->end, &timing, &summary, err);
+    bf_status status =
+        results_summary(s->arguments->subject.model, s->document.bytes, s->document.n, &s->begin,
+                        &s->end, &figures, &timing, &summary, err);
     if (status == BF_OK)
         status = results_dir_finish(s->results, summary.bytes, summary.n, err);
     buffer_fini(&summary);
@@ -235,6 +249,7 @@ int cmd_solve(int argc, char **argv)
     code = solve(&s, argv[0]);
     results_dir_close(s.results);
     buffer_fini(&s.columns);
+    buffer_fini(&s.figures);
     buffer_fini(&s.document);
     scene_fini(&s.scene);
     return code;

@@ -1,6 +1,7 @@
 #include "server/run/supervisor_priv.h"
 
 #include "api/results/events.h"
+#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
@@ -24,6 +25,7 @@ static void free_item(store_item *item)
     buffer_fini(&item->values);
     buffer_fini(&item->rho);
     buffer_fini(&item->parts);
+    buffer_fini(&item->figures);
 }
 
 static void free_batch(supervisor__task *task)
@@ -115,30 +117,85 @@ static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_erro
     return add_waiting(task, err);
 }
 
-// Bring the rate up to date and make the event of the newest progress; older ones in the same batch are
-// out of date.
+key_figures supervisor__figures(const supervisor__task *task)
+{
+    return (key_figures){ .columns = task->claimed.columns.bytes,
+                          .t = task->figures_t,
+                          .n = task->figures.n / sizeof(double),
+                          .values = (const double *)(const void *)task->figures.bytes };
+}
+
+static bf_status take_figures(supervisor__task *task, const frame_figures *f, bf_error *err)
+{
+    task->has_figures = true;
+    task->figures_t = f->t;
+    task->figures.n = 0;
+    if (buffer_append(&task->figures, f->values, f->n * sizeof *f->values) != BF_OK)
+        return fail_memory(err);
+    const key_figures figures = supervisor__figures(task);
+    return key_figures_check(&figures, err);
+}
+
+static bf_status add_figures(supervisor__task *task, bf_error *err)
+{
+    const key_figures figures = supervisor__figures(task);
+    bf_buffer of_run = { 0 };
+
+    if (!task->has_figures)
+        return BF_OK;
+    store_item *item = add_item(task, API_EVENT_FIGURES);
+    if (item == NULL)
+        return fail_memory(err);
+    task->has_figures = false;
+    json_out w = json_out_to(&item->figures), w_run = json_out_to(&of_run);
+    key_figures_write(&w, &figures);
+    key_figures_write_run(&w_run, figures.values);
+    bf_status status = json_out_status(&w, err);
+    if (status == BF_OK)
+        status = json_out_status(&w_run, err);
+    BF_CHECK(of_run.n < sizeof item->run_figures);
+    if (status == BF_OK) {
+        memcpy(item->run_figures, of_run.bytes, of_run.n);
+        status = events_figures(task->claimed.run.id, &figures, &item->event, err);
+    }
+    buffer_fini(&of_run);
+    return status;
+}
+
+static void update_rate(supervisor__task *task, double now_s)
+{
+    const double passed_s = now_s - task->rate_s;
+
+    if (!(passed_s > 0.0) || task->progress.step <= task->rate_step)
+        return;
+    double rate = (double)(task->progress.step - task->rate_step) / passed_s;
+    double weight = task->rate == 0.0 ? 1.0 : passed_s / (passed_s + rate_memory_s);
+    task->rate += weight * (rate - task->rate);
+    task->rate_s = now_s;
+    task->rate_step = task->progress.step;
+}
+
+// Make the events of the newest progress and key figures, where they are due; older ones in the same batch are out
+// of date.
 static bf_status add_progress(supervisor__task *task, bf_error *err)
 {
-    double now_s = clock_monotonic_s(), passed_s = now_s - task->rate_s;
+    const double now_s = clock_monotonic_s();
+    const double wait_s = progress_fraction * supervisor__wall_s(task);
+    bf_status status = BF_OK;
 
-    if (!task->has_progress)
-        return BF_OK;
-    if (passed_s > 0.0 && task->progress.step > task->rate_step) {
-        double rate = (double)(task->progress.step - task->rate_step) / passed_s;
-        double weight = task->rate == 0.0 ? 1.0 : passed_s / (passed_s + rate_memory_s);
-        task->rate += weight * (rate - task->rate);
-        task->rate_s = now_s;
-        task->rate_step = task->progress.step;
-    }
-    double wait_s = progress_fraction * supervisor__wall_s(task);
+    if (task->has_progress)
+        update_rate(task, now_s);
     if (task->reported_s > 0.0 && now_s < task->reported_s + wait_s && !task->has_ended)
         return BF_OK;
-    task->reported_s = now_s;
-    task->has_progress = false;
-    store_item *item = add_item(task, API_EVENT_PROGRESS);
-    return item == NULL ? fail_memory(err)
-                        : events_progress(task->claimed.run.id, &task->progress, task->rate,
-                                          &item->event, err);
+    if (task->has_progress) {
+        task->reported_s = now_s;
+        task->has_progress = false;
+        store_item *item = add_item(task, API_EVENT_PROGRESS);
+        status = item == NULL ? fail_memory(err)
+                              : events_progress(task->claimed.run.id, &task->progress, task->rate,
+                                                &item->event, err);
+    }
+    return status == BF_OK ? add_figures(task, err) : status;
 }
 
 // Begin to store what has come, with the checkpoint that came last (NULL: none).
@@ -231,6 +288,8 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
         return take_progress(task, &f->progress, err);
     case FRAME_CHECKPOINT:
         return begin_batch(task, &f->bytes, err); // its bytes stand in output only now
+    case FRAME_FIGURES:
+        return take_figures(task, &f->figures, err);
     case FRAME_END:
         count_steps(task, f->end.n_steps);
         task->end = f->end;

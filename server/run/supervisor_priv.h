@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "api/results/key_figures.h"
 #include "core/run/frame.h"
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
@@ -97,6 +98,9 @@ struct supervisor__task {
     bf_error error;          ///< why it fails: sent by the job, or found here
     bool has_progress;       ///< progress is not stored yet
     frame_progress progress; ///< the newest
+    bool has_figures;        ///< key figures are not stored yet
+    double figures_t;        ///< of the newest key figures, s
+    bf_buffer figures;       ///< the newest, as doubles; empty if none came
     double reported_s;       ///< when a progress event was last made, clock_monotonic_s(); 0: never
     double rate;             ///< steps/s, smoothed; 0: not known yet
     double rate_s;           ///< when rate was last brought up to date
@@ -189,6 +193,9 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task);
 /// more as a failure, then as going back to the queue: task->ending is what was written. An error means
 /// that even that was refused. On a writing thread.
 BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_error *err);
+
+/// The newest key figures of a run that sent some.
+key_figures supervisor__figures(const supervisor__task *task);
 
 /// Solving time so far, all attempts together, s.
 double supervisor__wall_s(const supervisor__task *task);

@@ -36,6 +36,7 @@ void supervisor__task_destroy(supervisor__task *task)
     supervisor__free_items(task);
     memory_free(task->items);
     buffer_fini(&task->output);
+    buffer_fini(&task->figures);
     store_job_fini(&task->claimed);
     memory_free(task);
 }
@@ -153,11 +154,13 @@ static bf_status write_summary(const supervisor__task *task, bf_buffer *out, bf_
 {
     const results_timing timing = { .wall_s = supervisor__wall_s(task),
                                     .n_threads = task->n_threads };
+    const key_figures figures = supervisor__figures(task);
 
     if (!task->has_begun || !task->has_ended)
         return BF_OK;
     return results_summary(task->claimed.run.model, task->claimed.scenario.bytes,
-                           task->claimed.scenario.n, &task->begin, &task->end, &timing, out, err);
+                           task->claimed.scenario.n, &task->begin, &task->end, &figures, &timing,
+                           out, err);
 }
 
 static void log_end(const supervisor__task *task)

@@ -227,6 +227,17 @@ static bf_status append_snapshot(store__connection *writer, append_context *cont
     return status;
 }
 
+static bf_status replace_figures(store__connection *writer, store__row *row, const store_item *item,
+                                 bf_error *err)
+{
+    memcpy(row->run.figures, item->run_figures, sizeof row->run.figures);
+    bf_status status = store__put_text(writer, row->rowid, STORE__TEXT_FIGURES, item->figures.bytes,
+                                       item->figures.n, err);
+    return status == BF_OK
+               ? store__insert_event(writer, row, API_EVENT_FIGURES, 0, &item->event, err)
+               : status;
+}
+
 static bf_status append_item(store__connection *writer, append_context *context, size_t i,
                              bf_error *err)
 {
@@ -236,6 +247,8 @@ static bf_status append_item(store__connection *writer, append_context *context,
         return append_curve(writer, context, item, err);
     if (item->type == API_EVENT_SNAPSHOT)
         return append_snapshot(writer, context, i, err);
+    if (item->type == API_EVENT_FIGURES)
+        return replace_figures(writer, &context->row, item, err);
     BF_CHECK(item->type == API_EVENT_PROGRESS);
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
 }

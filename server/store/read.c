@@ -121,10 +121,12 @@ static bf_status read_text(store__connection *reader, const char *id, api_text w
         return status;
     if (which == API_TEXT_SCENARIO)
         return store__get_text(reader, row.rowid, STORE__TEXT_SCENARIO, out, err);
-    if (!row.run.has_summary)
-        return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no summary yet",
-                       run_state_word(row.run.state));
-    return store__get_text(reader, row.rowid, STORE__TEXT_SUMMARY, out, err);
+    const bool is_summary = which == API_TEXT_SUMMARY;
+    if (is_summary ? !row.run.has_summary : row.run.figures[0] == '\0')
+        return bf_fail(err, BF_ECONFLICT, "", "the run is %s and has no %s yet",
+                       run_state_word(row.run.state), is_summary ? "summary" : "key figures");
+    return store__get_text(reader, row.rowid,
+                           is_summary ? STORE__TEXT_SUMMARY : STORE__TEXT_FIGURES, out, err);
 }
 
 bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out, bf_error *err)

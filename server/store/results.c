@@ -194,23 +194,32 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     return status;
 }
 
+// Copies a text as it is.
+static bf_status copy_text(store__connection *writer, int64_t from, int64_t to, store__text kind,
+                           bf_error *err)
+{
+    bf_buffer text = { 0 };
+
+    bf_status status = store__get_text(writer, from, kind, &text, err);
+    if (status == BF_OK)
+        status = store__put_text(writer, to, kind, text.bytes, text.n, err);
+    buffer_fini(&text);
+    return status;
+}
+
 static bf_status copy_texts(store__connection *writer, const store__row *solved,
                             const bf_buffer *scenario, const bf_buffer *summary,
                             const store__row *row, bf_error *err)
 {
-    bf_buffer columns = { 0 };
-
-    bf_status status = store__get_text(writer, solved->rowid, STORE__TEXT_COLUMNS, &columns, err);
-    if (status == BF_OK)
-        status =
-            store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns.bytes, columns.n, err);
+    bf_status status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_COLUMNS, err);
+    if (status == BF_OK && row->run.figures[0] != '\0')
+        status = copy_text(writer, solved->rowid, row->rowid, STORE__TEXT_FIGURES, err);
     if (status == BF_OK)
         status = store__put_text(writer, row->rowid, STORE__TEXT_SCENARIO, scenario->bytes,
                                  scenario->n, err);
     if (status == BF_OK && row->run.has_summary)
         status = store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, summary->bytes,
                                  summary->n, err);
-    buffer_fini(&columns);
     return status;
 }
 
@@ -237,6 +246,7 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
     row->run.n_samples = solved->run.n_samples;
     row->run.n_snapshots = solved->run.n_snapshots;
     row->run.has_summary = solved->run.has_summary;
+    memcpy(row->run.figures, solved->run.figures, sizeof row->run.figures);
     bf_status status = store__insert_row(writer, row, err);
     if (status == BF_OK)
         status = copy_texts(writer, solved, scenario, summary, row, err);

@@ -163,8 +163,13 @@ static const char schema_5[] =
     "UPDATE runs SET checkpoint_step = 0 WHERE checkpoint_step <> 0;"
     "DELETE FROM chunks WHERE kind = 1 AND results IN (SELECT results FROM runs WHERE state < 2);";
 
+// Key figures of a run alone, for lists; all of them are a text.
+static const char schema_6[] = "ALTER TABLE runs ADD COLUMN figures TEXT NOT NULL DEFAULT '';";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4, schema_5 };
+const char *const store__migrations[] = {
+    schema_1, schema_2, schema_3, schema_4, schema_5, schema_6
+};
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -43,7 +43,8 @@
     X(INTEGER, n_parts, parts.n_parts)                                                             \
     X(INTEGER, n_values, parts.n_values)                                                           \
     X(INTEGER, stop_request, stop_request)                                                         \
-    X(TEXT, external_id, external_id)
+    X(TEXT, external_id, external_id)                                                              \
+    X(TEXT, figures, run.figures)
 
 /// All of them but `number`, in the order of the texts below.
 #define STORE__RUN_LIST(X)                                                                         \

@@ -21,6 +21,7 @@ typedef enum store__text {
     STORE__TEXT_SCENARIO, ///< the resolved document
     STORE__TEXT_SUMMARY,  ///< summary.json
     STORE__TEXT_COLUMNS,  ///< of the curve
+    STORE__TEXT_FIGURES,  ///< key figures so far
 } store__text;
 
 /// Kinds of chunked blobs. The values stand in the store: never renumber.
@@ -39,7 +40,6 @@ typedef enum store__results {
 
 typedef struct store__operation store__operation;
 typedef struct store__key store__key; ///< of a submission under way; see submit.c
-
 /// Do a write on the store's thread in a transaction that is open; not BF_OK undoes what it wrote.
 typedef bf_status store__apply(store__connection *writer, store__operation *operation,
                                bf_error *err);

@@ -28,7 +28,7 @@ void store_job_fini(store_job *job);
 
 /// One thing that a running run sent, ready for the store.
 typedef struct store_item {
-    api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE or _SNAPSHOT
+    api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE, _SNAPSHOT or _FIGURES
     bf_buffer event;       ///< data of the event: a JSON object
     uint64_t first;        ///< curve: index of the first sample; snapshot: its index
     size_t n;              ///< curve: samples
@@ -37,6 +37,8 @@ typedef struct store_item {
     api_snapshot snapshot; ///< snapshot
     bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
     bf_buffer parts;       ///< snapshot: rows of doubles, uncompressed; empty if there are none
+    bf_buffer figures;     ///< figures: all of them as an object
+    char run_figures[API_FIGURES_SIZE]; ///< figures: those of the run alone
 } store_item;
 
 /// A batch of what one running run sent, in order.

@@ -31,7 +31,15 @@ test("a stream opens with the run and ends with its end", async (t) => {
     ["status", "queued", run.id],
   );
   const kinds = new Set(events.map((event) => event.event));
-  assert.deepEqual([...kinds].sort(), ["curve", "end", "progress", "snapshot", "status"]);
+  assert.deepEqual([...kinds].sort(), ["curve", "end", "figures", "progress", "snapshot", "status"]);
+  // The key figures that came last are those of the summary, and of the resource.
+  const { data: last } = events.filter((event) => event.event === "figures").at(-1);
+  assert.deepEqual(last.key_figures, (await d.get(`/v1/runs/${run.id}/summary`)).json.key_figures);
+  assert.deepEqual(last.key_figures, (await d.get(`/v1/runs/${run.id}/key_figures`)).json);
+  const { feeds, counters, photo_eyes: eyes, ...ofRun } = last.key_figures;
+  assert.deepEqual([feeds.length, counters.length, eyes.length], [0, 1, 0]);
+  const { json: list } = await d.get("/v1/runs");
+  assert.deepEqual(list.runs[0].key_figures, ofRun);
   const snapshots = events.filter((event) => event.event === "snapshot");
   assert.deepEqual(snapshots.map((event) => event.data.n), [0, 1, 2, 3, 4]);
   assert.equal((await d.get(snapshots[4].data.url)).status, 200);

@@ -155,7 +155,10 @@ static bf_status do_read_text(void *context, const char *id, api_text which, bf_
 
     if (item == NULL)
         return no_run(err);
-    const char *text = which == API_TEXT_SCENARIO ? "{\"duration_s\":6.0}" : item->summary;
+    const char *const texts[] = { [API_TEXT_SCENARIO] = "{\"duration_s\":6.0}",
+                                  [API_TEXT_SUMMARY] = item->summary,
+                                  [API_TEXT_FIGURES] = item->figures };
+    const char *text = texts[which];
     if (text == NULL)
         return bf_fail(err, BF_ECONFLICT, "", "there is none yet");
     return buffer_append(out, text, strlen(text)) == BF_OK ? BF_OK : no_memory(err);

@@ -27,6 +27,7 @@ typedef struct helper_measurement {
 typedef struct helper_run {
     api_run record;                                ///< what find() gives; id "" once removed
     const char *summary;                           ///< NULL: none
+    const char *figures;                           ///< all key figures; NULL: none
     const char *columns;                           ///< of the curve
     size_t n_columns;                              ///< of them
     double t[8];                                   ///< n_samples of the record

@@ -246,8 +246,19 @@ void helper_progress_item(const char *id, uint64_t step, store_item *item)
     assert_int_equal(events_progress(id, &progress, 100.0, &item->event, NULL), BF_OK);
 }
 
+void helper_figures_item(const char *id, int throughput, store_item *item)
+{
+    *item = (store_item){ .type = API_EVENT_FIGURES };
+    snprintf(item->run_figures, sizeof item->run_figures, "{\"throughput_per_h\":%d}", throughput);
+    assert_int_equal(
+        buffer_printf(&item->figures, "{\"throughput_per_h\":%d,\"feeds\":[]}", throughput), BF_OK);
+    assert_int_equal(buffer_printf(&item->event, "{\"run\":\"%s\",\"t_s\":%d}", id, throughput),
+                     BF_OK);
+}
+
 void helper_item_fini(store_item *item)
 {
+    buffer_fini(&item->figures);
     buffer_fini(&item->event);
     buffer_fini(&item->t);
     buffer_fini(&item->values);

@@ -68,6 +68,9 @@ void helper_snapshot_item(const char *id, uint64_t index, store_item *item);
 /// Fill an item with a progress event.
 void helper_progress_item(const char *id, uint64_t step, store_item *item);
 
+/// Fill an item with key figures.
+void helper_figures_item(const char *id, int throughput, store_item *item);
+
 /// Free what an item owns.
 void helper_item_fini(store_item *item);
 

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 #include <stdio.h>
+#include <string.h>
 
 static void the_scenario_never_changes(void **state)
 {
@@ -33,6 +34,33 @@ static void a_summary_that_is_not_there_yet_is_a_conflict(void **state)
     of->summary = "{\"model\":\"macro\"}";
     ask_get(RUN_1 "/summary", NULL, NULL, 200);
     assert_string_equal(ask_response.body.bytes, of->summary);
+}
+
+static void key_figures_that_are_not_there_yet_are_a_conflict(void **state)
+{
+    (void)state;
+    helper_run *of = ask_add_run(RUN_QUEUED);
+    ask_get(RUN_1 "/key_figures", NULL, NULL, 409);
+    ask_get(RUN_1, NULL, NULL, 200);
+    assert_false(ask_body_has("\"key_figures\":{"));
+    strcpy(of->record.figures, "{\"throughput_per_h\":60}");
+    of->figures = "{\"throughput_per_h\":60,\"feeds\":[{\"id\":\"in\",\"offered\":7}]}";
+    ask_get(RUN_1, NULL, NULL, 200);
+    assert_true(ask_body_has("\"key_figures\":{\"throughput_per_h\":60},"));
+}
+
+static void key_figures_are_json_or_csv(void **state)
+{
+    (void)state;
+    helper_run *of = ask_add_run(RUN_RUNNING);
+    strcpy(of->record.figures, "{\"throughput_per_h\":60}");
+    of->figures = "{\"throughput_per_h\":60,\"feeds\":[{\"id\":\"in\",\"offered\":7}]}";
+    ask_get(RUN_1 "/key_figures", NULL, NULL, 200);
+    assert_string_equal(ask_response.body.bytes, of->figures);
+    ask_get(RUN_1 "/key_figures", "format=csv", NULL, 200);
+    assert_string_equal(ask_response.body.bytes, "figure,of,id,value,unit\n"
+                                                 "throughput_per_h,run,,60,parts/h\n"
+                                                 "offered,feed,in,7,parts\n");
 }
 
 // The bytes that `beltflow solve` writes into curve.csv: header, then t and the counters.
@@ -83,6 +111,8 @@ int main(void)
     static const struct CMUnitTest tests[] = {
         ASK_TEST(the_scenario_never_changes),
         ASK_TEST(a_summary_that_is_not_there_yet_is_a_conflict),
+        ASK_TEST(key_figures_that_are_not_there_yet_are_a_conflict),
+        ASK_TEST(key_figures_are_json_or_csv),
         ASK_TEST(the_curve_is_json_or_csv),
         ASK_TEST(a_curve_without_samples_has_its_columns),
         ASK_TEST(the_tag_of_a_curve_tells_formats_apart),

@@ -352,14 +352,21 @@ static const frame_end end = { .n_steps = 800,
                                .digest = 0xabc };
 static const results_timing timing = { .wall_s = 0.5, .n_threads = 2 };
 
+// Of a run with one counter.
+static const double known_figures[FIGURE_COUNT] = { 3600.0 };
+static const key_figures figures = { .columns = "upstream,left_domain",
+                                     .t = 1.0,
+                                     .n = FIGURE_OFFERED + FIGURE_GAP_MIN - FIGURE_CONTENT_MEAN,
+                                     .values = known_figures };
+
 static json_t *summarise_scenario(const char *text, const frame_begin *b, const frame_end *e)
 {
     bf_buffer scenario = resolved_document(text);
     bf_buffer out = { 0 };
 
-    assert_int_equal(
-        results_summary((run_model)b->model, scenario.bytes, scenario.n, b, e, &timing, &out, NULL),
-        BF_OK);
+    assert_int_equal(results_summary((run_model)b->model, scenario.bytes, scenario.n, b, e,
+                                     &figures, &timing, &out, NULL),
+                     BF_OK);
     json_t *root = parse(&out);
     json_t *document = json_loadb(scenario.bytes, scenario.n, 0, NULL);
     assert_true(json_equal(json_object_get(root, "scenario"), document));
@@ -502,8 +509,9 @@ static void a_damaged_scenario_gives_no_summary(void **unused)
     bf_error err = { 0 };
 
     (void)unused;
-    assert_int_equal(results_summary(RUN_MACRO, "{", 1, &begin, &end, &timing, &out, &err),
-                     BF_ECORRUPT);
+    assert_int_equal(
+        results_summary(RUN_MACRO, "{", 1, &begin, &end, &figures, &timing, &out, &err),
+        BF_ECORRUPT);
     assert_int_equal(err.code, BF_ECORRUPT);
     assert_int_equal(out.n, 0);
     buffer_fini(&out);
@@ -522,7 +530,7 @@ static void a_cached_summary_differs_in_its_scenario_alone(void **unused)
     for (size_t i = 0; i < sizeof documents / sizeof *documents; i++) {
         bf_buffer scenario = resolved_document(documents[i]), wanted = { 0 }, out = { 0 };
         assert_int_equal(results_summary(RUN_MACRO, scenario.bytes, scenario.n, &begin, &end,
-                                         &timing, &wanted, NULL),
+                                         &figures, &timing, &wanted, NULL),
                          BF_OK);
         if (i > 0) {
             assert_int_equal(results_summary_cached(summary.bytes, summary.n, scenario.bytes,
@@ -592,8 +600,8 @@ static bf_status append_all(const api_curve *curve, const bf_buffer *scenario, b
     case 8:
         return results_parts_json(disk_rows, &three_parts, &snapshot, out, NULL);
     default:
-        return results_summary(RUN_MACRO, scenario->bytes, scenario->n, &begin, &end, &timing, out,
-                               NULL);
+        return results_summary(RUN_MACRO, scenario->bytes, scenario->n, &begin, &end, &figures,
+                               &timing, out, NULL);
     }
 }
 

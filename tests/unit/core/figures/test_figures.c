@@ -255,7 +255,7 @@ static void the_queue_ends_at_the_most_upstream_slow_part(void **state)
     helper_scene_add_obstacle(&x.s, plate, 2, SCENE_SEALED);
     assert_int_equal(figures_create(&x.s, true, &x.f, NULL), BF_OK);
     sample(&x, 0.0, 3.0, 0.0);
-    assert_near(value(&x, FIGURE_QUEUE_END, 0), 0.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_QUEUE_END, 0))); // of cargo nothing was said
     for (size_t k = 0; k < sizeof cargo / sizeof *cargo; k++)
         figures_add_cargo(x.f, &cargo[k]);
     sample(&x, 1.0, 3.0, 0.0);

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 static const double times[] = { 0.0, 0.01, 0.02 };
+static const double figure_values[] = { 3600.0, 0.25, 1.5 };
 static const double values[] = { 192.0, 0.0, 191.5, 0.5, 190.25, 1.75 };
 static const uint64_t ids[] = { 17, 40 };
 static const uint32_t kinds[] = { 1, 0 };
@@ -38,6 +39,8 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
                            .end = { 1, 2, 4800, 6.0, 6, 192.0, 19.75, 1.43, 0xdeadbeefcafe, 601, 61,
                                     172, 5, 0.25, 6e-4, 0.05 } };
     frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values, 2, ids, kinds } };
+    frames[n++] =
+        (frame){ .type = FRAME_FIGURES, .figures = { .t = 1.5, .n = 3, .values = figure_values } };
     frames[n++] = (frame){ .type = FRAME_CHANGE, .change = { 7, 0.5, FRAME_CHANGE_EYE, 3, 1 } };
     frames[n] = (frame){ .type = FRAME_ERROR };
     frames[n].error.error.code = BF_ENUMERIC;

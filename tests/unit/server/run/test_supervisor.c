@@ -147,6 +147,11 @@ static void a_queued_run_is_solved_and_stored(void **state)
     assert_true(ended.has_summary);
     assert_int_equal(store_read_text(w->store, ended.id, API_TEXT_SUMMARY, &summary, NULL), BF_OK);
     assert_non_null(strstr(summary.bytes, "\"model\":\"macro\""));
+    assert_non_null(strstr(summary.bytes, "\"key_figures\":{\"throughput_per_h\":"));
+    assert_non_null(strstr(ended.figures, "{\"throughput_per_h\":"));
+    summary.n = 0;
+    assert_int_equal(store_read_text(w->store, ended.id, API_TEXT_FIGURES, &summary, NULL), BF_OK);
+    assert_non_null(strstr(summary.bytes, "\"counters\":[{\"id\":\"upstream\",\"content\":"));
     buffer_fini(&summary);
     assert_same_results(w, ended.id, short_belt);
 }

@@ -350,6 +350,29 @@ static void a_summary_may_come_without_an_end(void **state)
     buffer_fini(&text);
 }
 
+// I7. The events tell all that came, the run and its text the last.
+static void key_figures_are_those_that_came_last(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run record = helper_start(s);
+    bf_buffer text = { 0 };
+    store_item item;
+
+    assert_int_equal(store_read_text(s, record.id, API_TEXT_FIGURES, &text, NULL), BF_ECONFLICT);
+    for (int i = 1; i <= 2; i++) {
+        helper_figures_item(record.id, 60 * i, &item);
+        assert_int_equal(helper_append(s, record.id, &item, NULL), BF_OK);
+        helper_events events = helper_read_events(s, record.id, 0);
+        assert_int_equal(events.type, API_EVENT_FIGURES);
+        buffer_fini(&events.data);
+    }
+    helper_finish(s, record.id, RUN_SUCCEEDED);
+    assert_string_equal(helper_find(s, record.id).figures, "{\"throughput_per_h\":120}");
+    assert_int_equal(store_read_text(s, record.id, API_TEXT_FIGURES, &text, NULL), BF_OK);
+    assert_string_equal(text.bytes, "{\"throughput_per_h\":120,\"feeds\":[]}");
+    buffer_fini(&text);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -371,6 +394,7 @@ int main(void)
         STORE_TEST(only_a_running_run_may_append),
         STORE_TEST(a_run_that_is_handed_back_goes_on_from_its_checkpoint),
         STORE_TEST(a_summary_may_come_without_an_end),
+        STORE_TEST(key_figures_are_those_that_came_last),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

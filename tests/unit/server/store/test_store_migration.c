@@ -338,6 +338,7 @@ static void a_store_of_version_4_is_there_with_all_it_had(void **state)
     assert_int_equal(helper_find(h->store, half_way).state, RUN_QUEUED);
     assert_int_equal(helper_find(h->store, cancelled).state, RUN_CANCELLED);
     assert_int_equal(helper_find(h->store, waits).state, RUN_QUEUED);
+    assert_string_equal(helper_find(h->store, kept).figures, "");
     check_curve(h->store, kept, 0.9973352459501292, 0.9970831667969885);
     check_curve(h->store, shared, 0.9973352459501292, 0.9970831667969885);
     check_curve(h->store, micro, 1.0, 1.0);

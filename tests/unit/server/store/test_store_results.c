@@ -109,6 +109,8 @@ static api_run solve(store *s, const char *id)
         helper_curve_item(id, 5 * i, 5, &item);
         append_item(s, id, &item);
     }
+    helper_figures_item(id, 60, &item);
+    append_item(s, id, &item);
     return end(s, id, RUN_SUCCEEDED);
 }
 
@@ -214,6 +216,10 @@ static void its_texts_are_its_own(void **state)
         assert_int_equal(store_read_text(s, other.id, API_TEXT_SUMMARY, &text, NULL), BF_OK);
         assert_string_equal(text.bytes, "{\"steps\":4800,\"warnings\":[],\"cached\":true,"
                                         "\"scenario\":{\"name\":\"other\"}}");
+        text.n = 0;
+        assert_int_equal(store_read_text(s, other.id, API_TEXT_FIGURES, &text, NULL), BF_OK);
+        assert_string_equal(text.bytes, "{\"throughput_per_h\":60,\"feeds\":[]}");
+        assert_string_equal(helper_find(s, other.id).figures, "{\"throughput_per_h\":60}");
     }
     buffer_fini(&text);
 }

@@ -1,0 +1,43 @@
+/// Measured curves as the services of the API take and return them, and the sizes of what runs and measurements have in
+/// common.
+
+#pragma once
+
+#include "core/scene/limits.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    API_ID_SIZE = 37,            ///< bytes of an id (UUIDv7, lower case) with its terminator
+    API_LABEL_SIZE = 101,        ///< bytes of a label with its terminator
+    API_LIST_MAX = 200,          ///< runs or measurements a page of a list
+    API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
+    API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
+};
+
+/// A curve that was measured elsewhere, without its samples.
+typedef struct api_measurement {
+    char id[API_ID_SIZE];        ///< UUIDv7, unlike those of all runs
+    char label[API_LABEL_SIZE];  ///< the client's, "" if none
+    char counter[SCENE_ID_SIZE]; ///< what was counted: a column of curves
+    int64_t created_ms;          ///< Unix time, ms
+    uint64_t n_samples;          ///< of its curve
+    double t_start;              ///< first time, s
+    double t_end;                ///< last time, s
+} api_measurement;
+
+/// Which measurements a list shows; newest first.
+typedef struct api_measurement_query {
+    char label[API_LABEL_SIZE]; ///< "": any
+    char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
+    size_t limit;               ///< 1 .. API_LIST_MAX
+} api_measurement_query;
+
+/// A page of measurements.
+typedef struct api_measurement_list {
+    size_t n;                            ///< measurements in this page
+    bool has_more;                       ///< older ones follow
+    api_measurement items[API_LIST_MAX]; ///< the page
+} api_measurement_list;

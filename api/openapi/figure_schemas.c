@@ -1,0 +1,123 @@
+// Schemas of key figures, from their table (core/figures/figure.h).
+
+#include "api/openapi/openapi_priv.h"
+
+#include "api/results/key_figures.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { HELP_SIZE = 400 };
+
+static const char *const titles[FIGURE_SCOPES] = { "RunFigures", "FeedFigures", "CounterFigures",
+                                                   "PhotoEyeFigures" };
+
+static void write_number(json_out *w, const figure *f)
+{
+    static const char *const models[] = { [FIGURE_BY_DENSITY] = " (macroscopic model)",
+                                          [FIGURE_BY_PARTS] = " (microscopic model)",
+                                          [FIGURE_BY_BOTH] = "" };
+    char help[HELP_SIZE];
+
+    snprintf(help, sizeof help, "%s%s%s%s%s", f->definition, f->unit != NULL ? " [" : "",
+             f->unit != NULL ? f->unit : "", f->unit != NULL ? "]" : "", models[f->models]);
+    json_out_key(w, f->part != NULL ? f->part : f->word);
+    json_out_object(w);
+    json_out_key_string(w, "type", "number");
+    json_out_key_string(w, "description", help);
+    json_out_object_end(w);
+}
+
+static void begin_object(json_out *w)
+{
+    json_out_object(w);
+    json_out_key_string(w, "type", "object");
+    json_out_key(w, "properties");
+    json_out_object(w);
+}
+
+static void end_object(json_out *w)
+{
+    json_out_object_end(w);
+    json_out_key_bool(w, "additionalProperties", false);
+    json_out_object_end(w);
+}
+
+// The properties of a scope: those that share a word are neighbours, and an object.
+static void write_properties(json_out *w, figure_scope scope)
+{
+    const figure *open = NULL;
+
+    for (figure_id id = figure_first(scope); id < figure_first(scope + 1); id++) {
+        const figure *f = &figure_table[id];
+        if (open != NULL && strcmp(open->word, f->word) != 0) {
+            end_object(w);
+            open = NULL;
+        }
+        if (open == NULL && f->part != NULL) {
+            json_out_key(w, f->word);
+            begin_object(w);
+            open = f;
+        }
+        write_number(w, f);
+    }
+    if (open != NULL)
+        end_object(w);
+}
+
+static void write_item(json_out *w, figure_scope scope)
+{
+    json_out_key_string(w, "type", "object");
+    json_out_key(w, "properties");
+    json_out_object(w);
+    if (scope != FIGURE_OF_RUN) {
+        json_out_key(w, "id");
+        schema_write(w, "#ScenarioId", NULL, "Of which one");
+    }
+    write_properties(w, scope);
+    json_out_object_end(w);
+    if (scope != FIGURE_OF_RUN) {
+        json_out_key(w, "required");
+        schema_write_words(w, "id");
+    }
+    json_out_key_bool(w, "additionalProperties", false);
+}
+
+void openapi__write_run_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_RUN);
+}
+
+void openapi__write_feed_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_FEED);
+}
+
+void openapi__write_counter_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_COUNTER);
+}
+
+void openapi__write_eye_figures(json_out *w)
+{
+    write_item(w, FIGURE_OF_EYE);
+}
+
+void openapi__write_figures(json_out *w)
+{
+    char type[MEMBER_TEXT_SIZE];
+
+    json_out_key_string(w, "type", "object");
+    json_out_key(w, "properties");
+    json_out_object(w);
+    write_properties(w, FIGURE_OF_RUN);
+    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        snprintf(type, sizeof type, "[#%s]", titles[scope]);
+        json_out_key(w, key_figures_list(scope));
+        schema_write(w, type, NULL, "Of each of them");
+    }
+    json_out_object_end(w);
+    json_out_key(w, "required");
+    schema_write_words(w, "feeds counters photo_eyes");
+    json_out_key_bool(w, "additionalProperties", false);
+}

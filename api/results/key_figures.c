@@ -1,0 +1,199 @@
+#include "api/results/key_figures.h"
+
+#include "api/json/json_in.h"
+#include "api/json/number.h"
+#include "api/services.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+enum { ITEMS_MAX = 64 };
+_Static_assert((int)ITEMS_MAX >= (int)SCENE_FEEDS_MAX && (int)ITEMS_MAX >= (int)SCENE_EYES_MAX &&
+                   (int)ITEMS_MAX >= (int)SCENE_COUNTERS_MAX,
+               "there is room for the items of every scope");
+
+static const struct {
+    const char *list; // the member with the items
+    const char *word; // in CSV
+} scopes[FIGURE_SCOPES] = {
+    [FIGURE_OF_RUN] = { NULL, "run" },
+    [FIGURE_OF_FEED] = { "feeds", "feed" },
+    [FIGURE_OF_COUNTER] = { "counters", "counter" },
+    [FIGURE_OF_EYE] = { "photo_eyes", "photo_eye" },
+};
+
+const char *key_figures_list(figure_scope scope)
+{
+    return scopes[scope].list;
+}
+
+// What the figures are of.
+typedef struct items {
+    size_t n[FIGURE_SCOPES];
+    char ids[FIGURE_SCOPES][ITEMS_MAX][SCENE_ID_SIZE];
+} items;
+
+static void add_item(items *all, figure_scope scope, const char *id, size_t n)
+{
+    const size_t k = all->n[scope]++;
+
+    if (k < ITEMS_MAX && n < SCENE_ID_SIZE) {
+        memcpy(all->ids[scope][k], id, n);
+        all->ids[scope][k][n] = '\0';
+    }
+}
+
+// The columns before left_domain are counters; of those behind it one of each feed and of each photo eye tells the id.
+static void find_items(const char *columns, items *ret_items)
+{
+    bool is_counter = true;
+    size_t n = 0;
+
+    *ret_items = (items){ .n = { [FIGURE_OF_RUN] = 1 } };
+    for (const char *name = columns; *name != '\0'; name += n + (name[n] == ',' ? 1 : 0)) {
+        n = strcspn(name, ",");
+        const char *dot = memrchr(name, '.', n);
+        const size_t n_id = dot == NULL ? n : (size_t)(dot - name), n_word = n - n_id;
+        if (n == strlen("left_domain") && strncmp(name, "left_domain", n) == 0)
+            is_counter = false;
+        else if (is_counter)
+            add_item(ret_items, FIGURE_OF_COUNTER, name, n);
+        else if (dot != NULL && n_word == strlen(".offered") &&
+                 memcmp(dot, ".offered", n_word) == 0)
+            add_item(ret_items, FIGURE_OF_FEED, name, n_id);
+        else if (dot != NULL && n_word == strlen(".blocked") &&
+                 memcmp(dot, ".blocked", n_word) == 0)
+            add_item(ret_items, FIGURE_OF_EYE, name, n_id);
+    }
+}
+
+static size_t figures_of(figure_scope scope)
+{
+    return (size_t)(figure_first(scope + 1) - figure_first(scope));
+}
+
+bf_status key_figures_check(const key_figures *figures, bf_error *err)
+{
+    items all;
+    size_t n = 0;
+
+    find_items(figures->columns, &all);
+    for (figure_scope scope = 0; scope < FIGURE_SCOPES; scope++) {
+        if (all.n[scope] > ITEMS_MAX)
+            return bf_fail(err, BF_ECORRUPT, "", "the curve has too many columns");
+        n += all.n[scope] * figures_of(scope);
+    }
+    if (figures->n != n)
+        return bf_fail(err, BF_ECORRUPT, "", "%zu key figures, not %zu", figures->n, n);
+    return BF_OK;
+}
+
+// Writes the figures of an item into an object that is open. Those that share a word are neighbours.
+static void write_item(json_out *w, figure_scope scope, const double *values)
+{
+    const figure *open = NULL; // the last one in an inner object that is open
+
+    for (figure_id id = figure_first(scope); id < figure_first(scope + 1); id++) {
+        const figure *f = &figure_table[id];
+        const double value = values[id - figure_first(scope)];
+        if (!isfinite(value))
+            continue;
+        if (open != NULL && strcmp(open->word, f->word) != 0) {
+            json_out_object_end(w);
+            open = NULL;
+        }
+        if (open == NULL && f->part != NULL) {
+            json_out_key(w, f->word);
+            json_out_object(w);
+            open = f;
+        }
+        json_out_key_number(w, f->part != NULL ? f->part : f->word, value);
+    }
+    if (open != NULL)
+        json_out_object_end(w);
+}
+
+void key_figures_write_run(json_out *w, const double *values)
+{
+    json_out_object(w);
+    write_item(w, FIGURE_OF_RUN, values);
+    json_out_object_end(w);
+}
+
+void key_figures_write(json_out *w, const key_figures *figures)
+{
+    const double *values = figures->values;
+    items all;
+
+    find_items(figures->columns, &all);
+    json_out_object(w);
+    write_item(w, FIGURE_OF_RUN, values);
+    values += figures_of(FIGURE_OF_RUN);
+    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        json_out_key(w, scopes[scope].list);
+        json_out_array(w);
+        for (size_t k = 0; k < all.n[scope]; k++, values += figures_of(scope)) {
+            json_out_object(w);
+            json_out_key_string(w, "id", all.ids[scope][k]);
+            write_item(w, scope, values);
+            json_out_object_end(w);
+        }
+        json_out_array_end(w);
+    }
+    json_out_object_end(w);
+}
+
+static bf_status append_rows(figure_scope scope, const json_t *object, bf_buffer *out)
+{
+    const char *of = json_string_value(json_object_get(object, "id"));
+    bf_status status = BF_OK;
+
+    for (figure_id id = figure_first(scope); id < figure_first(scope + 1) && status == BF_OK;
+         id++) {
+        const figure *f = &figure_table[id];
+        const json_t *value = json_object_get(object, f->word);
+        char number[NUMBER_SIZE];
+        if (f->part != NULL)
+            value = json_object_get(value, f->part);
+        if (!json_is_number(value))
+            continue;
+        (void)number_format(json_number_value(value), number);
+        status = buffer_printf(out, "%s%s%s,%s,%s,%s,%s\n", f->word, f->part != NULL ? "." : "",
+                               f->part != NULL ? f->part : "", scopes[scope].word,
+                               of != NULL ? of : "", number, f->unit != NULL ? f->unit : "");
+    }
+    return status;
+}
+
+static bf_status append_all(const json_t *object, bf_buffer *out)
+{
+    bf_status status = buffer_printf(out, "figure,of,id,value,unit\n");
+
+    if (status == BF_OK)
+        status = append_rows(FIGURE_OF_RUN, object, out);
+    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        const json_t *list = json_object_get(object, scopes[scope].list);
+        for (size_t k = 0; k < json_array_size(list) && status == BF_OK; k++)
+            status = append_rows(scope, json_array_get(list, k), out);
+    }
+    return status;
+}
+
+bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *err)
+{
+    const size_t start = out->n;
+    bf_faults faults = { 0 };
+    json_in in = json_in_to(&faults);
+    json_t *root = json_in_parse(&in, json, n);
+
+    if (root == NULL)
+        return in.has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                             : bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
+    bf_status status = append_all(root, out);
+    json_in_free(root);
+    if (status == BF_OK)
+        return BF_OK;
+    buffer_truncate(out, start);
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
