@@ -393,12 +393,20 @@ static void make_busy(world *w, int solver)
     set_presence(w, 2, switches, values);
     w->plate.turn.repeat = 2.0 * u;
     w->plate.is_commanded = true;
+    w->def.n_parts_expected = 60;
     for (int k = 0; k < 60; k++)
         add_part(w, 1.02 + 0.0265 * (k % 15), 1.02 + 0.0265 * (k / 15));
 }
 
-static void command(micro_solver *s, double unit)
+// More parts, for which the memory of the solver grows, and commands.
+static void intervene(micro_solver *s, double unit)
 {
+    for (int k = 0; k < 40; k++) {
+        const micro_arrival arrival = { .pose = { 1.02 + 0.03 * (k % 10), 1.3 + 0.03 * (k / 10) },
+                                        .velocity = { 0.2, -0.4 } };
+        size_t part;
+        assert_int_equal(micro_admit(s, &arrival, &part, NULL), BF_OK);
+    }
     micro_command_turn(s, 0, 3.0 * unit, 6.0 * unit, 2.0 * unit);
     micro_command_presence(s, 0, 3.0 * unit, true);
 }
@@ -419,8 +427,8 @@ static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
         for (int part = 1; part <= 10; part++)
             advance_to(cut, 0.3 * unit * part);
         assert_true(micro_digest(whole) == micro_digest(cut));
-        command(whole, unit);
-        command(cut, unit);
+        intervene(whole, unit);
+        intervene(cut, unit);
         advance_to(cut, 4.1 * unit);
         assert_int_equal(micro_save(cut, &bytes, &err), BF_OK);
         cut = micro_destroy(cut);
