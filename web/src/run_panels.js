@@ -20,6 +20,7 @@ function summaryFacts(s) {
   const speed = isMicro ? s.particle_steps_per_s : s.cell_steps_per_s;
   return facts([
     ["Parts at start", number(s.parts_start, 6)],
+    s.parts_entered === undefined ? null : ["Parts that entered", number(s.parts_entered, 6)],
     ["Parts through", number(s.parts_left, 4)],
     ["Parts left on the belt", number(s.parts_end, 4)],
     ["Largest density", `${percent(s.largest_density, 1)} of close packing`],
@@ -27,8 +28,9 @@ function summaryFacts(s) {
     isMicro ? ["Contacts at the end", number(s.contacts, 6)] : ["Cells", number(s.cells, 9)],
     ["Time step", quantity(s.step_s * 1000, "ms")],
     ["Steps", number(s.steps, 9)],
+    s.end_reason === undefined ? null : ["Ended by", s.end_reason],
     ["Computing time", span(s.wall_time_s)],
-    ["Speed", `${number(speed / 1e6)} million ${isMicro ? "part" : "cell"} steps/s`],
+    speed === null ? null : ["Speed", `${number(speed / 1e6)} million ${isMicro ? "part" : "cell"} steps/s`],
     ["Threads", number(s.threads)],
     ["Solver", `${models[s.model]}, version ${s.solver_version}`],
   ]);

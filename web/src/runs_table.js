@@ -22,7 +22,7 @@ function cell(name, ...children) {
 }
 
 function count(parts) {
-  const isCounted = Number.isInteger(parts) || Math.abs(parts) < 0.05 || parts >= 1000;
+  const isCounted = Math.abs(parts - Math.round(parts)) < 0.05 || parts >= 1000;
   return isCounted ? number(Math.round(parts), 6) : fixed(parts, 1);
 }
 

@@ -5,10 +5,6 @@ import { getJson, isOver, paths } from "./api.js";
 
 const AT_ONCE = 4;
 
-function sum(values) {
-  return values.reduce((all, value) => all + value, 0);
-}
-
 export class Through {
   constructor(onKnown) {
     this.onKnown = onKnown; // (id, { left, start, entered })
@@ -39,8 +35,8 @@ export class Through {
   async fetchOne(run) {
     this.n += 1;
     try {
-      const { parts_start: start, parts_left: left, key_figures: figures } = await getJson(paths.of(run.id, "summary"));
-      this.set(run.id, { left, start, entered: sum((figures?.feeds ?? []).map(({ admitted }) => admitted)), isFinal: true });
+      const { parts_start: start, parts_entered: entered, parts_left: left } = await getJson(paths.of(run.id, "summary"));
+      this.set(run.id, { left, start, entered, isFinal: true });
     } catch (error) {
       if (error.status !== 0) this.set(run.id, { isFinal: true });
     }
@@ -51,6 +47,7 @@ export class Through {
   // A batch of the curve of a run that is going.
   take({ run, left_domain: left, ...columns }) {
     const admitted = Object.entries(columns).filter(([name]) => name.endsWith(".admitted"));
-    if (left?.length) this.set(run, { left: left.at(-1), entered: sum(admitted.map(([, values]) => values.at(-1))) });
+    const entered = admitted.reduce((all, [, values]) => all + values.at(-1), 0);
+    if (left?.length) this.set(run, { left: left.at(-1), entered });
   }
 }
