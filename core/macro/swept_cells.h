@@ -24,7 +24,7 @@
 #include "core/macro/velocity_field.h"
 #include "core/scene/plate_motion.h"
 
-enum { SWEPT_CELLS_SEARCH = 1024 };
+enum { SWEPT_CELLS_SEARCH = 1 << 14 };
 
 /// A plate that has turned.
 typedef struct swept_cells_plate {
