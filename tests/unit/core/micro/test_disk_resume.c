@@ -112,10 +112,20 @@ static void all_instruction_sets_give_the_same_bits(void **state)
     (void)state;
     assert_non_null(e);
     helper_disk_state_jam(e, 60.0);
+    double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
     const micro_def *defs[] = { &e->def, &w->def }; // plain and not
-    for (size_t k = 0; k < 2; k++) {
-        disk_state *s = helper_disk_state_start(defs[k]);
-        assert_int_equal(s->is_uniform, k == 0);
+    for (size_t k = 0; k < 4; k++) {
+        micro_def def = *defs[k % 2];
+        scene_obstacle turning = def.obstacles[0];
+        turning.pivot = turning.path[0];
+        turning.turn = (scene_series){ 2, times, 2, angles, INFINITY };
+        if (k >= 2) {
+            def.n_obstacles = 1;
+            def.obstacles = &turning;
+        }
+        disk_state *s = helper_disk_state_start(&def);
+        assert_int_equal(s->is_uniform, k % 2 == 0);
+        assert_int_equal(s->plates.n, k / 2);
         helper_disk_state_advance(s, 100);
         check_builds(s);
         helper_disk_state_end(s);
