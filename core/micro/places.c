@@ -73,7 +73,8 @@ static bf_status sort(places *p, const places_parts *parts, bf_error *err)
 
     if (p->is_sorted)
         return BF_OK;
-    if (memory_reserve(&p->centres, &p->capacity, parts->n, sizeof *p->centres) != 0)
+    // One more, so that the array is never empty.
+    if (memory_reserve(&p->centres, &p->capacity, parts->n + 1, sizeof *p->centres) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the places of %zu parts", parts->n);
     p->radius_max = SCENE_LENGTH_MIN;
     for (size_t k = 0; k < parts->n; k++) {
