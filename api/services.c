@@ -30,7 +30,7 @@ bool api_take_column(const char **columns, char *ret_name)
 
     if (n == 0)
         return false;
-    BF_CHECK(n < SCENE_ID_SIZE);
+    BF_CHECK(n < COLUMN_NAME_SIZE);
     memcpy(ret_name, *columns, n);
     ret_name[n] = '\0';
     *columns += n + ((*columns)[n] == ',');

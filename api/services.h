@@ -11,6 +11,7 @@
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/run/columns.h"
 #include "core/run/run.h"
 
 #include <stddef.h>
@@ -97,7 +98,7 @@ typedef enum api_text {
 
 /// The stored part of a curve. Zero-initialise; api_curve_fini().
 typedef struct api_curve {
-    bf_buffer columns; ///< "id,...,left_domain"
+    bf_buffer columns; ///< of core/run/columns.h, "id,...,left_domain,..."
     size_t n;          ///< samples
     size_t n_columns;  ///< columns without t
     bf_buffer t;       ///< n doubles, s
@@ -114,7 +115,7 @@ typedef struct api_snapshot {
 
 /// The rows of parts that come with each snapshot of a run; see frame_parts.
 typedef struct api_parts {
-    uint64_t n_parts;  ///< rows
+    uint64_t n_parts;  ///< rows; of a whole run with feeds 0: each snapshot has its own number
     uint32_t n_values; ///< doubles of a row; 0: the model has no parts
 } api_parts;
 
@@ -133,7 +134,9 @@ typedef struct api_snapshot_list {
     X(API_EVENT_CURVE, "curve")                                                                    \
     X(API_EVENT_SNAPSHOT, "snapshot")                                                              \
     X(API_EVENT_END, "end")                                                                        \
-    X(API_EVENT_FIGURES, "figures")
+    X(API_EVENT_FIGURES, "figures")                                                                \
+    X(API_EVENT_EYE, "photo_eye")                                                                  \
+    X(API_EVENT_ACTION, "action")
 
 /// The values stand in the store: never renumber.
 typedef enum api_event_type {
@@ -148,7 +151,7 @@ typedef struct api_event {
     uint64_t id;           ///< rising over all runs of a store, never reused
     char run[API_ID_SIZE]; ///< of this run
     api_event_type type;   ///< kind
-    uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index
+    uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index; _EYE, _ACTION: frame_change.index
     size_t n;              ///< bytes of data
     const char *data;      ///< JSON object, one line; valid during api_event_fn
 } api_event;
@@ -221,7 +224,7 @@ const char *api_event_word(api_event_type type);
 size_t api_count_columns(const bf_buffer *columns);
 
 /// Take the next name off the columns at *columns and move past it. False: none is left (ret_name
-/// untouched). ret_name has SCENE_ID_SIZE bytes; a longer name is a bug.
+/// untouched). ret_name has COLUMN_NAME_SIZE bytes; a longer name is a bug.
 bool api_take_column(const char **columns, char *ret_name);
 
 /// Free what the curve owns and zero it. NULL is fine.

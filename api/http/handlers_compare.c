@@ -35,7 +35,7 @@ typedef struct comparison {
     size_t n;
     size_t reference; // index
     entry entries[API_COMPARE_MAX];
-    char column[SCENE_ID_SIZE]; // that is compared
+    char column[COLUMN_NAME_SIZE]; // that is compared
 } comparison;
 
 // A column of a curve, owned.
@@ -144,7 +144,7 @@ static const char *columns_of(const entry *e)
 static bool find_column(const entry *e, const char *wanted, size_t *ret_index)
 {
     const char *names = columns_of(e);
-    char name[SCENE_ID_SIZE];
+    char name[COLUMN_NAME_SIZE];
 
     for (size_t index = 0; api_take_column(&names, name); index++) {
         if (strcmp(name, wanted) == 0) {
@@ -177,7 +177,7 @@ static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
         lack = find_lack(c, wanted);
         if (lack != NULL)
             return exchange__refuse(x, 422, lack->pointer, err,
-                                    "the curve of '%s' has no column '%.64s'; it has %.120s",
+                                    "the curve of '%s' has no column '%.80s'; it has %.120s",
                                     lack->id, wanted, columns_of(lack));
         snprintf(c->column, sizeof c->column, "%s", wanted);
         return BF_OK;

@@ -85,6 +85,8 @@ LINE("CurveLine", curve_line, "curve", "CurveEvent");
 LINE("SnapshotLine", snapshot_line, "snapshot", "SnapshotEvent");
 LINE("EndLine", end_line, "end", "EndEvent");
 LINE("FiguresLine", figures_line, "figures", "FiguresEvent");
+LINE("PhotoEyeLine", eye_line, "photo_eye", "PhotoEyeEvent");
+LINE("ActionLine", action_line, "action", "ActionEvent");
 
 static const openapi_schema table[] = {
     TYPE("Id", "string",
@@ -174,12 +176,13 @@ static const openapi_schema table[] = {
     TYPE("Pvd", "string", NULL, "A ParaView collection: files and their times [s]"),
     TYPE("Zip", "string", "\"format\":\"binary\"", "An archive"),
     TYPE("Metrics", "string", NULL, "A line for each metric: its name, its labels, its value"),
-    TYPE("EventStream", "string",
-         "\"contentMediaType\":\"application/json\",\"contentSchema\":"
-         "{\"$ref\":\"#/components/schemas/EventData\"}",
-         "Server-sent events. `event` is one of status, progress, curve, snapshot, figures and "
-         "end; `data` "
-         "is an object in one line; `id` rises. A comment is sent while there are no events"),
+    TYPE(
+        "EventStream", "string",
+        "\"contentMediaType\":\"application/json\",\"contentSchema\":"
+        "{\"$ref\":\"#/components/schemas/EventData\"}",
+        "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
+        "photo_eye, action and end; `data` is an object in one line; `id` rises. A comment is sent "
+        "while there are no events"),
     TYPE(
         "EventLines", "string",
         "\"contentMediaType\":\"application/json\",\"contentSchema\":"
@@ -191,7 +194,8 @@ static const openapi_schema table[] = {
       .limits = "\"contentEncoding\":\"base64\"" },
     { .name = "EventData",
       .help = "Data of an event",
-      .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent" },
+      .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent "
+                "PhotoEyeEvent ActionEvent" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
     { .help = "Samples of the outflow curve: one list for each counter, under its id",
@@ -200,15 +204,20 @@ static const openapi_schema table[] = {
     OBJECT(events_snapshot_data, "A snapshot was taken"),
     OBJECT(events_end_data, "The run has ended; its last event"),
     OBJECT(events_figures_data, "Key figures so far"),
+    OBJECT(events_eye_data, "A photo eye changed its state"),
+    OBJECT(events_action_data, "An action of a photo eye was carried out"),
     { .name = "EventLine",
       .help = "An event",
-      .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine" },
+      .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine PhotoEyeLine "
+                "ActionLine" },
     OBJECT(status_line, "A status event"),
     OBJECT(progress_line, "A progress event"),
     OBJECT(curve_line, "A curve event"),
     OBJECT(snapshot_line, "A snapshot event"),
     OBJECT(end_line, "An end event"),
     OBJECT(figures_line, "A figures event"),
+    OBJECT(eye_line, "An event of a photo eye"),
+    OBJECT(action_line, "An event of an action"),
 };
 
 // Of the bodies of formats that are not JSON; a row each.

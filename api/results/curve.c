@@ -91,7 +91,7 @@ bf_status results_curve_json(const api_curve *curve, bf_buffer *out, bf_error *e
     json_out_object(&w);
     members_write_into(&w, &results_curve_members, &times);
     for (size_t c = 0; c < curve->n_columns; c++) {
-        char key[SCENE_ID_SIZE];
+        char key[COLUMN_NAME_SIZE];
         bool has_name = api_take_column(&names, key);
         BF_CHECK(has_name);
         json_out_key(&w, key);

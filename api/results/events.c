@@ -99,7 +99,7 @@ bf_status events_curve(const char *run_id, const frame_curve *c, const char *col
 {
     const curve_event event = { .run = run_id, .first = c->first, .t = c->t, .n = c->n };
     size_t start = out->n;
-    char name[SCENE_ID_SIZE];
+    char name[COLUMN_NAME_SIZE];
     json_out w = json_out_to(out);
 
     json_out_object(&w);
@@ -163,6 +163,44 @@ bf_status events_snapshot(const char *run_id, const frame_snapshot *s, bool with
 
     snprintf(event.run, sizeof event.run, "%s", run_id);
     return write_event(&events_snapshot_data, &event, out, err);
+}
+
+typedef struct change_event {
+    const char *run;
+    double t;
+    const char *id;
+    uint64_t item;
+    uint32_t state;
+} change_event;
+
+static const char *const eye_states[] = { "clear", "blocked", NULL };
+
+#define AT(place) offsetof(change_event, place)
+static const member eye_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "When its state changed", .unit = "s"),
+    MEMBER("photo_eye", string, AT(id), "Its id", .type = "#ScenarioId"),
+    MEMBER("state", enum, AT(state), "Its state from then on", .words = eye_states),
+};
+const member_table events_eye_data = { MEMBER_TABLE("PhotoEyeEvent", eye_members) };
+
+static const member action_members[] = {
+    MEMBER("run", string, AT(run), RUN, .type = "#Id"),
+    MEMBER("t_s", number, AT(t), "When it was carried out", .unit = "s"),
+    MEMBER("action", size, AT(item), "Its index in the scenario's `actions`"),
+    MEMBER("target", string, AT(id), "Id of the belt, obstacle or feed", .type = "#ScenarioId"),
+};
+const member_table events_action_data = { MEMBER_TABLE("ActionEvent", action_members) };
+#undef AT
+
+bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *out, bf_error *err)
+{
+    const change_event event = {
+        .run = run_id, .t = c->t, .id = c->id, .item = c->item, .state = c->is_blocked != 0
+    };
+
+    return write_event(c->type == FRAME_CHANGE_EYE ? &events_eye_data : &events_action_data, &event,
+                       out, err);
 }
 
 #define AT(place) offsetof(api_run, place)

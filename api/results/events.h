@@ -21,6 +21,8 @@ extern const member_table events_curve_data;
 extern const member_table events_snapshot_data;
 extern const member_table events_end_data;
 extern const member_table events_figures_data;
+extern const member_table events_eye_data;
+extern const member_table events_action_data;
 
 /// {"run", "id", "status", "progress", ...}: the run as GET /v1/runs/{id} shows it.
 BF_MUST_CHECK bf_status events_status(const api_run *record, bf_buffer *out, bf_error *err);
@@ -42,6 +44,10 @@ BF_MUST_CHECK bf_status events_snapshot(const char *run_id, const frame_snapshot
 /// {"run", "t_s", "key_figures"}: the key figures so far. BF_ECORRUPT: see key_figures_check().
 BF_MUST_CHECK bf_status events_figures(const char *run_id, const key_figures *figures,
                                        bf_buffer *out, bf_error *err);
+
+/// {"run", "t_s", "photo_eye", "state"} or {"run", "t_s", "action", "target"}.
+BF_MUST_CHECK bf_status events_change(const char *run_id, const frame_change *c, bf_buffer *out,
+                                      bf_error *err);
 
 /// {"run", "status", "progress", "finished_at", "n_samples", "n_snapshots", "error"}: the last event
 /// of a run.

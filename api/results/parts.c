@@ -9,28 +9,36 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const disk_columns[] = { "x_m",    "y_m",    "heading_rad",
-                                            "vx_m_s", "vy_m_s", "spin_rad_s" };
-static const char *const body_columns[] = { "x_m",      "y_m",      "z_m",     "q_w",    "q_x",
-                                            "q_y",      "q_z",      "vx_m_s",  "vy_m_s", "vz_m_s",
-                                            "wx_rad_s", "wy_rad_s", "wz_rad_s" };
+// The first two are those of scenarios with feeds alone.
+static const char *const disk_columns[] = { "id",          "kind",   "x_m",    "y_m",
+                                            "heading_rad", "vx_m_s", "vy_m_s", "spin_rad_s" };
+static const char *const body_columns[] = {
+    "id",  "kind",   "x_m",    "y_m",    "z_m",      "q_w",      "q_x",     "q_y",
+    "q_z", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s"
+};
 
-_Static_assert(sizeof disk_columns / sizeof *disk_columns == FRAME_VALUES_PLANAR, "a name each");
-_Static_assert(sizeof body_columns / sizeof *body_columns == FRAME_VALUES_SPATIAL, "a name each");
+_Static_assert(sizeof disk_columns / sizeof *disk_columns == FRAME_VALUES_FED + FRAME_VALUES_PLANAR,
+               "a name each");
+_Static_assert(sizeof body_columns / sizeof *body_columns ==
+                   FRAME_VALUES_FED + FRAME_VALUES_SPATIAL,
+               "a name each");
 
 const char *const *results_parts_columns(uint32_t n_values)
 {
-    BF_CHECK(n_values == FRAME_VALUES_PLANAR || n_values == FRAME_VALUES_SPATIAL);
-    return n_values == FRAME_VALUES_PLANAR ? disk_columns : body_columns;
+    const size_t n_ids = frame_has_ids(n_values) ? FRAME_VALUES_FED : 0;
+
+    BF_CHECK(n_values - n_ids == FRAME_VALUES_PLANAR || n_values - n_ids == FRAME_VALUES_SPATIAL);
+    return (frame_is_planar(n_values) ? disk_columns : body_columns) + FRAME_VALUES_FED - n_ids;
 }
 
 static bf_status append_header(const api_parts *parts, bf_buffer *out)
 {
     const char *const *columns = results_parts_columns(parts->n_values);
-    bf_status status = buffer_printf(out, "part");
+    const bool has_ids = frame_has_ids(parts->n_values);
+    bf_status status = buffer_printf(out, "%s", has_ids ? "" : "part");
 
     for (uint32_t k = 0; k < parts->n_values && status == BF_OK; k++)
-        status = buffer_printf(out, ",%s", columns[k]);
+        status = buffer_printf(out, "%s%s", has_ids && k == 0 ? "" : ",", columns[k]);
     return status == BF_OK ? buffer_printf(out, "\n") : status;
 }
 
@@ -45,7 +53,9 @@ bf_status results_parts_csv(const double *rows, const api_parts *parts, bf_buffe
         char *from = buffer_reserve(out, (n_values + 1) * NUMBER_SIZE);
         if (from == NULL)
             return results__finish(BF_ENOMEM, out, n_before, err);
-        char *at = from + snprintf(from, NUMBER_SIZE, "%" PRIu64 ",", k);
+        char *at = from;
+        if (!frame_has_ids(n_values))
+            at += snprintf(from, NUMBER_SIZE, "%" PRIu64 ",", k);
         for (uint32_t v = 0; v < n_values; v++)
             at = results__put_number(at, rows[k * n_values + v], v + 1 == n_values ? '\n' : ',');
         *at = '\0';
@@ -80,9 +90,19 @@ static void write_columns(json_out *w, const member *m, const void *item)
 
 static const member_kind member_columns = { .type = "[string]", .write = write_columns };
 
+static bool has_rows(const void *item)
+{
+    const api_parts *parts = item;
+
+    return !frame_has_ids(parts->n_values);
+}
+
 #define COLUMNS "Names of the values of a part, with their units"
 static const member layout_members[] = {
-    MEMBER("rows", size, offsetof(api_parts, n_parts), "Parts, in the order of their placement"),
+    MEMBER("rows", size, offsetof(api_parts, n_parts),
+           "Parts, in the order of their placement; missing where there are feeds: a snapshot then "
+           "has a row for each part in the domain, by their ids",
+           .applies = has_rows),
     MEMBER("columns", columns, 0, COLUMNS),
 };
 const member_table results_parts_layout_members = { MEMBER_TABLE("PartsLayout", layout_members) };

@@ -75,7 +75,7 @@ const char *const *results_parts_columns(uint32_t n_values);
 
 /// Append the rows of parts as a NumPy file of doubles, as CSV ("part,x_m,..."; a part that has left
 /// the domain is a line of nan), or as JSON: {"n", "t_s", "columns": [...], "parts": [[...], null]}
-/// (null: left the domain).
+/// (null: left the domain). In scenarios with feeds rows begin with id and kind, and CSV with "id,kind,x_m,...".
 BF_MUST_CHECK bf_status results_parts_npy(const double *rows, const api_parts *parts,
                                           bf_buffer *out, bf_error *err);
 BF_MUST_CHECK bf_status results_parts_csv(const double *rows, const api_parts *parts,
@@ -85,8 +85,8 @@ BF_MUST_CHECK bf_status results_parts_json(const double *rows, const api_parts *
                                            bf_error *err);
 
 /// Append the parts that are in the domain as VTK PolyData (.vtp): a vertex each with point data
-/// `velocity_m_s`, `heading_rad` (planar) or `quaternion_wxyz` (spatial), `spin_rad_s`, and `part`, its
-/// number; appended raw.
+/// `velocity_m_s`, `heading_rad` (planar) or `quaternion_wxyz` (spatial), `spin_rad_s`, in scenarios with feeds
+/// `id` and `kind`, and `part`, the number of its row; appended raw.
 BF_MUST_CHECK bf_status results_parts_vtp(const double *rows, const api_parts *parts, double t,
                                           bf_buffer *out, bf_error *err);
 

@@ -6,6 +6,7 @@
 #include "api/scenario/scenario.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -33,6 +34,8 @@ typedef struct summary_view {
     results_timing timing;
     uint64_t n_threads;
     bool is_stopped;
+    bool is_fed;
+    bool may_end_early; // by `until`
     double n_left;
     double work_per_s; // cell or particle steps
     double packing_density;
@@ -69,7 +72,7 @@ static void write_path(json_out *w, const member *m, const void *item)
     const summary_view *of = item;
 
     (void)m;
-    json_out_string(w, of->begin.n_values == FRAME_VALUES_PLANAR ? "planar" : "spatial");
+    json_out_string(w, frame_is_planar(of->begin.n_values) ? "planar" : "spatial");
 }
 
 static void write_digest(json_out *w, const member *m, const void *item)
@@ -102,6 +105,23 @@ static const member_kind member_warnings = { .type = "[string]", .write = write_
 static const member_kind member_path = { .type = "string", .write = write_path };
 static const member_kind member_digest = { .type = "string", .write = write_digest };
 
+static bool is_fed(const void *item)
+{
+    const summary_view *of = item;
+
+    return of->is_fed;
+}
+
+static bool may_end_early(const void *item)
+{
+    const summary_view *of = item;
+
+    return of->may_end_early;
+}
+
+static const char *const end_words[FRAME_END_REASON_COUNT + 1] = { "duration", "drained",
+                                                                   "steady" };
+
 #define AT(place) offsetof(summary_view, place)
 #define MACRO     (1U << RUN_MACRO)
 #define MICRO     (1U << RUN_MICRO)
@@ -109,6 +129,9 @@ static const member summary_members[] = {
     MEMBER("model", enum, AT(model), "Which solver", .words = run_model_words),
     MEMBER("solver_version", string, AT(solver_version), "Version of the solver"),
     MEMBER("stopped", bool, AT(is_stopped), "It was stopped before its end"),
+    MEMBER("end_reason", enum, AT(end.reason),
+           "Why it ended: its duration, or what `until` in the scenario waited for",
+           .words = end_words, .applies = may_end_early),
     MEMBER("steps", size, AT(end.n_steps), "Time steps"),
     MEMBER("path", path, 0, "Equations of motion: planar or spatial", .tags = MICRO),
     MEMBER("parts", size, AT(begin.n_parts), "Parts at the start", .tags = MICRO),
@@ -126,6 +149,8 @@ static const member summary_members[] = {
     MEMBER("samples", size, AT(end.n_samples), "Samples of the curve"),
     MEMBER("snapshots", size, AT(end.n_snapshots), "Number of snapshots"),
     MEMBER("parts_start", number, AT(end.parts_start), "Parts in the domain at the start"),
+    MEMBER("parts_entered", number, AT(end.parts_entered), "Parts of feeds that entered the domain",
+           .applies = is_fed),
     MEMBER("parts_end", number, AT(end.parts_end), "Parts in the domain at the end"),
     MEMBER("parts_left", number, AT(n_left), "Parts that left the domain"),
     MEMBER("largest_density", number, AT(end.peak), "At any time; 1 is close packing"),
@@ -157,12 +182,22 @@ const member_table results_summary_members = { MEMBER_TABLE("Summary", summary_m
                                                .choice = MEMBER_TAGGED };
 #undef AT
 
+// Not known where the number of parts changes.
+static double work_per_s(const scene *s, run_model model, const frame_begin *begin,
+                         const frame_end *end, const results_timing *timing)
+{
+    const double n_items = model == RUN_MICRO ? (double)begin->n_parts : (double)end->n_cells;
+
+    if (model == RUN_MICRO && s->n_feeds > 0)
+        return NAN;
+    return n_items * (double)end->n_steps / timing->wall_s;
+}
+
 bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
                           const frame_begin *begin, const frame_end *end,
                           const key_figures *figures, const results_timing *timing, bf_buffer *out,
                           bf_error *err)
 {
-    double n_items = model == RUN_MICRO ? (double)begin->n_parts : (double)end->n_cells;
     size_t n_before = out->n;
     json_out w = json_out_to(out);
     scene s;
@@ -179,8 +214,10 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .timing = *timing,
                         .n_threads = timing->n_threads,
                         .is_stopped = end->stopped != 0,
-                        .n_left = end->parts_start - end->parts_end,
-                        .work_per_s = n_items * (double)end->n_steps / timing->wall_s,
+                        .is_fed = s.n_feeds > 0,
+                        .may_end_early = s.until != SCENE_UNTIL_DURATION,
+                        .n_left = end->parts_start + end->parts_entered - end->parts_end,
+                        .work_per_s = work_per_s(&s, model, begin, end, timing),
                         .packing_density = scene_packing_density(&s),
                         .figures = figures,
                         .scenario = scenario,

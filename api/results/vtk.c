@@ -85,27 +85,32 @@ bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t, 
     return results__finish(status, out, n_before, err);
 }
 
-// An array of a point's doubles, from columns of the part's row; Z is 0 where the path is planar.
+// An array of a point's doubles, from columns of the part's row in scenarios with feeds; others have none of
+// the first FRAME_VALUES_FED. Z is 0 where the path is planar.
 typedef struct vtk_array {
     const char *name;
     int n; // components
     int columns[4];
 } vtk_array;
 
-enum { Z = -1, ARRAYS = 4 };
+enum { Z = -1, ARRAYS = 6, ARRAYS_FED = 2 };
 
-// The points first.
+// The points first, and last what only scenarios with feeds have.
 static const vtk_array disk_arrays[ARRAYS] = {
-    { "position_m", 3, { 0, 1, Z } },
-    { "velocity_m_s", 3, { 3, 4, Z } },
-    { "heading_rad", 1, { 2 } },
-    { "spin_rad_s", 1, { 5 } },
+    { "position_m", 3, { 2, 3, Z } },
+    { "velocity_m_s", 3, { 5, 6, Z } },
+    { "heading_rad", 1, { 4 } },
+    { "spin_rad_s", 1, { 7 } },
+    { "id", 1, { 0 } },
+    { "kind", 1, { 1 } },
 };
 static const vtk_array body_arrays[ARRAYS] = {
-    { "position_m", 3, { 0, 1, 2 } },
-    { "velocity_m_s", 3, { 7, 8, 9 } },
-    { "quaternion_wxyz", 4, { 3, 4, 5, 6 } },
-    { "spin_rad_s", 3, { 10, 11, 12 } },
+    { "position_m", 3, { 2, 3, 4 } },
+    { "velocity_m_s", 3, { 9, 10, 11 } },
+    { "quaternion_wxyz", 4, { 5, 6, 7, 8 } },
+    { "spin_rad_s", 3, { 12, 13, 14 } },
+    { "id", 1, { 0 } },
+    { "kind", 1, { 1 } },
 };
 
 // What a file of parts holds: those that are in the domain.
@@ -113,8 +118,10 @@ typedef struct vtk_points {
     const double *rows;
     const api_parts *parts;
     const vtk_array *arrays;
-    uint64_t n;      // in the domain
-    uint64_t offset; // of the next block
+    int n_arrays;
+    int first_column; // of the rows
+    uint64_t n;       // in the domain
+    uint64_t offset;  // of the next block
 } vtk_points;
 
 static bool is_inside(const vtk_points *v, uint64_t part)
@@ -160,7 +167,7 @@ static bf_status append_points_header(vtk_points *v, double t, bf_buffer *out)
         status = append_doubles_array(v, &v->arrays[0], out);
     if (status == BF_OK)
         status = append_text("</Points>\n<PointData Vectors=\"velocity_m_s\">\n", out);
-    for (int k = 1; k < ARRAYS && status == BF_OK; k++)
+    for (int k = 1; k < v->n_arrays && status == BF_OK; k++)
         status = append_doubles_array(v, &v->arrays[k], out);
     if (status == BF_OK)
         status = append_numbers_array(v, "part", out);
@@ -183,7 +190,7 @@ static bf_status append_doubles_block(const vtk_points *v, const vtk_array *a, b
         if (!is_inside(v, part))
             continue;
         for (int k = 0; k < a->n; k++)
-            values[k] = a->columns[k] == Z ? 0.0 : row[a->columns[k]];
+            values[k] = a->columns[k] == Z ? 0.0 : row[a->columns[k] - v->first_column];
         status = results__append_values(values, (size_t)a->n, sizeof *values, out);
     }
     return status;
@@ -214,7 +221,7 @@ static bf_status append_points_data(const vtk_points *v, bf_buffer *out)
 {
     bf_status status = append_text(data_start, out);
 
-    for (int k = 0; k < ARRAYS && status == BF_OK; k++)
+    for (int k = 0; k < v->n_arrays && status == BF_OK; k++)
         status = append_doubles_block(v, &v->arrays[k], out);
     if (status == BF_OK)
         status = append_numbers_block(v, NUMBERS_OF_PARTS, out);
@@ -228,13 +235,14 @@ static bf_status append_points_data(const vtk_points *v, bf_buffer *out)
 bf_status results_parts_vtp(const double *rows, const api_parts *parts, double t, bf_buffer *out,
                             bf_error *err)
 {
-    bool is_planar = parts->n_values == FRAME_VALUES_PLANAR;
+    const bool has_ids = frame_has_ids(parts->n_values);
     vtk_points v = { .rows = rows,
                      .parts = parts,
-                     .arrays = is_planar ? disk_arrays : body_arrays };
+                     .arrays = frame_is_planar(parts->n_values) ? disk_arrays : body_arrays,
+                     .n_arrays = has_ids ? ARRAYS : ARRAYS - ARRAYS_FED,
+                     .first_column = has_ids ? 0 : FRAME_VALUES_FED };
     size_t n_before = out->n;
 
-    BF_CHECK(is_planar || parts->n_values == FRAME_VALUES_SPATIAL);
     for (uint64_t part = 0; part < parts->n_parts; part++)
         v.n += is_inside(&v, part);
     bf_status status = append_points_header(&v, t, out);

@@ -4,6 +4,7 @@
 #include "api/json/members.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
+#include "core/run/columns.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -118,10 +119,11 @@ bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err)
     size_t n = out->n;
     bf_status status = BF_OK;
 
-    for (size_t k = 0; k < s->n_counters && status == BF_OK; k++)
-        status = buffer_printf(out, "%s,", s->counters[k].id);
-    if (status == BF_OK)
-        status = buffer_append(out, "left_domain", strlen("left_domain"));
+    for (size_t k = 0; k < columns_count(s) && status == BF_OK; k++) {
+        char name[COLUMN_NAME_SIZE];
+        columns_name(s, k, name);
+        status = buffer_printf(out, "%s%s", k == 0 ? "" : ",", name);
+    }
     if (status != BF_OK) {
         buffer_truncate(out, n);
         return bf_fail(err, status, "", "out of memory");

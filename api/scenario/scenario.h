@@ -33,5 +33,5 @@ BF_MUST_CHECK bf_status scenario_read_resolved(const char *json, size_t n, scene
 /// Reading it gives the same scene again, bit by bit.
 BF_MUST_CHECK bf_status scenario_write(const scene *s, bf_buffer *out, bf_error *err);
 
-/// Append the columns of the scenario's curve as "id,id,...,left_domain".
+/// Append the columns of the scenario's curve (core/run/columns.h) as "id,...,left_domain,...".
 BF_MUST_CHECK bf_status scenario_columns(const scene *s, bf_buffer *out, bf_error *err);

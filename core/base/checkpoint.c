@@ -102,7 +102,7 @@ const char *checkpoint_read_items(checkpoint_reader *r, uint64_t n_items, size_t
 {
     const char *from = r->at;
 
-    if (n_items > r->n_left / size)
+    if (size > 0 && n_items > r->n_left / size)
         return NULL;
     r->at += n_items * size;
     r->n_left -= n_items * size;

@@ -4,6 +4,7 @@
 
 #include "core/base/checkpoint.h"
 #include "core/micro/micro.h"
+#include "core/scene/belt_speeds.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/surroundings.h"
 
@@ -34,6 +35,9 @@ typedef struct micro_backend {
     bf_status (*admit)(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
     /// Erase what is stored from step to step of contacts with parts that have left
     void (*forget_gone)(void *state);
+    /// Belts and edges, and the speeds of the belts
+    const surroundings *(*around)(const void *state);
+    belt_speeds *(*speeds)(void *state);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
     /// The motion of the obstacles; pose_plates() must follow what changes it

@@ -336,6 +336,26 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
     return n;
 }
 
+static double time_now(const micro_solver *s)
+{
+    return (double)micro_steps(s) * s->dt;
+}
+
+void micro_command_belt(micro_solver *s, size_t belt, double factor)
+{
+    belt_speeds_command(s->backend->speeds(s->state), belt, time_now(s), factor);
+}
+
+vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
+{
+    const surroundings *around = s->backend->around(s->state);
+    const belt_speeds *speeds = s->backend->speeds(s->state);
+    const size_t belt = surroundings_belt_at(around, at);
+    const double factor = belt < around->n_belts ? belt_speeds_at(speeds, belt, time_now(s)) : 0.0;
+
+    return vec2_scale(surroundings_velocity_of(around, belt), factor);
+}
+
 static places_parts parts_of(const micro_solver *s)
 {
     return (places_parts){ s->backend, s->state, s->n, (double)micro_steps(s) * s->dt };
@@ -416,6 +436,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
     checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
+    belt_speeds_save(s->backend->speeds(s->state), &w);
     s->backend->save(s->state, &w);
     return checkpoint_end(&w, err);
 }
@@ -451,10 +472,12 @@ static bool are_ids_sound(uint64_t *ids, const saved_header *h)
 static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header *header,
                       uint64_t **ret_ids, bf_error *err)
 {
+    belt_speeds *speeds = s->backend->speeds(s->state);
     const size_t n = header->n;
     const char *from = checkpoint_read_items(r, n, sizeof **ret_ids);
+    checkpoint_reader of_speeds = *r;
 
-    if (from == NULL)
+    if (from == NULL || checkpoint_read_items(r, belt_speeds_state_size(speeds), 1) == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is too short");
     if ((*ret_ids = memory_alloc(n + 1, sizeof **ret_ids)) == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
@@ -462,7 +485,10 @@ static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header 
     if (!are_ids_sound(*ret_ids, header))
         return bf_fail(err, BF_ECORRUPT, "", "the ids of the saved parts are damaged");
     memcpy(*ret_ids, from, n * sizeof **ret_ids);
-    return s->backend->load(s->state, n, r, err);
+    const bf_status status = s->backend->load(s->state, n, r, err);
+    if (status == BF_OK && !belt_speeds_load(speeds, &of_speeds))
+        return bf_fail(err, BF_ECORRUPT, "", "the saved speeds of the belts are damaged");
+    return status;
 }
 
 bf_status micro_load(micro_solver *s, const void *bytes, size_t n, bf_error *err)

@@ -201,6 +201,13 @@ size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, s
 BF_MUST_CHECK bf_status micro_is_free(micro_solver *s, uint32_t kind, scene_pose pose,
                                       bool *ret_is_free, bf_error *err);
 
+/// Let a belt of the definition that actions may command head for a factor from now on (belt_speeds.h). Saved with the
+/// state.
+void micro_command_belt(micro_solver *s, size_t belt, double factor);
+
+/// Velocity of the belt under a place now, m/s; zero off every belt.
+vec2 micro_belt_velocity(const micro_solver *s, vec2 at);
+
 /// Called with a part in the domain.
 typedef void micro_visit(void *context, size_t part, const micro_place *place);
 

@@ -1,5 +1,7 @@
 #include "core/run/control.h"
 
+#include <stdio.h>
+
 // Less than this is no part any more where parts are divisible.
 static const double least_part = 0.5;
 
@@ -25,16 +27,32 @@ uint64_t control_next(const control *c, uint64_t step)
     return c->n_tick == 0 ? UINT64_MAX : (step / c->n_tick + 1) * c->n_tick;
 }
 
+// The id of what an action acts on.
+static const char *target_of(const scene *s, const scene_action *a)
+{
+    switch (a->type) {
+    case SCENE_ACTION_BELT:
+        return s->belts[a->target].id;
+    case SCENE_ACTION_FEED:
+        return s->feeds[a->target].id;
+    default:
+        return s->obstacles[a->target].id;
+    }
+}
+
 static bf_status emit_change(control *c, uint64_t step, frame_change_type type, size_t item,
                              bool is_blocked, const run_sink *sink, bf_error *err)
 {
-    const frame f = { .type = FRAME_CHANGE,
-                      .change = { .index = c->n_changes++,
-                                  .t = (double)step * c->dt,
-                                  .type = type,
-                                  .item = (uint32_t)item,
-                                  .is_blocked = is_blocked } };
+    const scene *s = c->scene;
+    frame f = { .type = FRAME_CHANGE,
+                .change = { .index = c->n_changes++,
+                            .t = (double)step * c->dt,
+                            .type = type,
+                            .item = (uint32_t)item,
+                            .is_blocked = is_blocked } };
 
+    snprintf(f.change.id, sizeof f.change.id, "%s",
+             type == FRAME_CHANGE_EYE ? s->eyes[item].id : target_of(s, &s->actions[item]));
     return sink->take(sink->context, &f, err);
 }
 
@@ -43,9 +61,8 @@ static bf_status watch(control *c, void *solver, uint64_t step, const run_sink *
     bool broken[SCENE_EYES_MAX] = { false };
     bf_status status = BF_OK;
 
-    if (c->eyes.n == 0)
-        return BF_OK;
-    c->backend->look(solver, broken);
+    if (c->eyes.n > 0)
+        status = c->backend->look(solver, broken, err);
     for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++) {
         if (!photo_eyes_see(&c->eyes, k, step, broken[k]))
             continue;

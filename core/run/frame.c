@@ -91,23 +91,15 @@ static const field snapshot_fields[] = { { COPY(snapshot.index) },
 static const field progress_fields[] = {
     { COPY(progress.step) }, { COPY(progress.n_steps) }, { COPY(progress.t) }, { END }
 };
-static const field end_fields[] = { { COPY(end.stopped) },
-                                    { COPY(end.reason) },
-                                    { COPY(end.n_steps) },
-                                    { COPY(end.t) },
-                                    { COPY(end.n_cells) },
-                                    { COPY(end.parts_start) },
-                                    { COPY(end.parts_end) },
-                                    { COPY(end.peak) },
-                                    { COPY(end.digest) },
-                                    { COPY(end.n_samples) },
-                                    { COPY(end.n_snapshots) },
-                                    { COPY(end.n_parts_left) },
-                                    { COPY(end.n_contacts) },
-                                    { COPY(end.kinetic_energy) },
-                                    { COPY(end.largest_overlap) },
-                                    { COPY(end.overlap_share) },
-                                    { END } };
+static const field end_fields[] = { { COPY(end.stopped) },        { COPY(end.reason) },
+                                    { COPY(end.n_steps) },        { COPY(end.t) },
+                                    { COPY(end.n_cells) },        { COPY(end.parts_start) },
+                                    { COPY(end.parts_end) },      { COPY(end.parts_entered) },
+                                    { COPY(end.peak) },           { COPY(end.digest) },
+                                    { COPY(end.n_samples) },      { COPY(end.n_snapshots) },
+                                    { COPY(end.n_parts_left) },   { COPY(end.n_contacts) },
+                                    { COPY(end.kinetic_energy) }, { COPY(end.largest_overlap) },
+                                    { COPY(end.overlap_share) },  { END } };
 static const field error_fields[] = {
     { COPY(error.error.code) }, { COPY(error.error.pointer) }, { COPY(error.error.text) }, { END }
 };
@@ -116,14 +108,15 @@ static const field parts_fields[] = { { COPY(parts.index) },
                                       { COPY(parts.n_parts) },
                                       { COPY(parts.n_values) },
                                       { ZEROS(4) },
-                                      { COPY(parts.n_ids) },
                                       { TABLE(parts.rows, parts.n_parts, parts.n_values) },
-                                      { ARRAY(parts.ids, parts.n_ids) },
-                                      { ARRAY(parts.kinds, parts.n_ids) },
                                       { END } };
-static const field change_fields[] = { { COPY(change.index) },      { COPY(change.t) },
-                                       { COPY(change.type) },       { COPY(change.item) },
-                                       { COPY(change.is_blocked) }, { END } };
+static const field change_fields[] = { { COPY(change.index) },
+                                       { COPY(change.t) },
+                                       { COPY(change.type) },
+                                       { COPY(change.item) },
+                                       { COPY(change.is_blocked) },
+                                       { COPY(change.id) },
+                                       { END } };
 
 static const field figures_fields[] = {
     { COPY(figures.t) }, { COPY(figures.n) }, { ARRAY(figures.values, figures.n) }, { END }
@@ -273,6 +266,8 @@ static bf_status read_payload(const char *bytes, uint64_t n, frame *f, bf_error 
         return bf_fail(err, BF_ECORRUPT, "", "a frame of type %d has a wrong length", (int)f->type);
     if (f->type == FRAME_ERROR)
         tidy_error(&f->error.error);
+    if (f->type == FRAME_CHANGE)
+        f->change.id[sizeof f->change.id - 1] = '\0';
     return BF_OK;
 }
 

@@ -17,7 +17,9 @@
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
+#include "core/scene/limits.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -92,21 +94,39 @@ typedef struct frame_snapshot {
 } frame_snapshot;
 
 /// Values of a part, by the equations of motion: x, y, heading, vx, vy, spin, or position (3),
-/// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad.
-enum { FRAME_VALUES_PLANAR = 6, FRAME_VALUES_SPATIAL = 13 };
+/// quaternion w, x, y, z (4), velocity (3), angular velocity (3). SI units, rad. In scenarios with feeds id and kind
+/// stand before them.
+enum {
+    FRAME_VALUES_PLANAR = 6,
+    FRAME_VALUES_SPATIAL = 13,
+    FRAME_VALUES_FED = 2, ///< more with feeds
+};
 
-/// The parts at one time. Without feeds, n_ids = 0: row k is part k, in the order of placement, and a part that
-/// has left the domain still has a row, of NANs. With feeds: the parts in the domain, by rising ids.
+/// The parts at one time. Without feeds row k is part k, in the order in which parts were placed, and a part that
+/// has left the domain still has a row, of NANs, so that row k is part k in every frame that has it. With feeds there
+/// are rows of the parts in the domain, by their ids: unique numbers from 0, in the order of entering. Kinds are
+/// indices into the kinds of cargo.
 typedef struct frame_parts {
-    uint64_t index;        ///< of the snapshot
-    double t;              ///< s
-    uint64_t n_parts;      ///< rows
-    uint32_t n_values;     ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL
-    const double *rows;    ///< n_parts rows of n_values
-    uint64_t n_ids;        ///< n_parts with feeds, else 0
-    const uint64_t *ids;   ///< of the rows: unique, from 0, in the order of entering
-    const uint32_t *kinds; ///< of the rows: index into the kinds of cargo
+    uint64_t index;   ///< of the snapshot
+    double t;         ///< s
+    uint64_t n_parts; ///< rows
+    uint32_t
+        n_values; ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL, with feeds FRAME_VALUES_FED more
+    const double *rows; ///< n_parts rows of n_values
 } frame_parts;
+
+/// True if rows of n_values begin with id and kind.
+static inline bool frame_has_ids(uint32_t n_values)
+{
+    return n_values == FRAME_VALUES_PLANAR + FRAME_VALUES_FED ||
+           n_values == FRAME_VALUES_SPATIAL + FRAME_VALUES_FED;
+}
+
+/// True if rows of n_values are of parts that move in the plane.
+static inline bool frame_is_planar(uint32_t n_values)
+{
+    return n_values == FRAME_VALUES_PLANAR || n_values == FRAME_VALUES_PLANAR + FRAME_VALUES_FED;
+}
 
 /// What changed.
 typedef enum frame_change_type {
@@ -117,11 +137,12 @@ typedef enum frame_change_type {
 
 /// A change of a photo eye's state, or an action that is carried out.
 typedef struct frame_change {
-    uint64_t index;      ///< 0 for the first of the run
-    double t;            ///< s
-    uint32_t type;       ///< frame_change_type
-    uint32_t item;       ///< index of the photo eye or action in the scenario
-    uint32_t is_blocked; ///< FRAME_CHANGE_EYE: its state from now on; else 0
+    uint64_t index;         ///< 0 for the first of the run
+    double t;               ///< s
+    uint32_t type;          ///< frame_change_type
+    uint32_t item;          ///< index of the photo eye or action in the scenario
+    uint32_t is_blocked;    ///< FRAME_CHANGE_EYE: its state from now on; else 0
+    char id[SCENE_ID_SIZE]; ///< of the photo eye, or of the action's target
 } frame_change;
 
 /// The key figures until a time, as by figure.h; NAN: the run cannot say. They come with progress and before the end.
@@ -155,6 +176,7 @@ typedef struct frame_end {
     uint64_t n_cells;     ///< cells of the grid
     double parts_start;   ///< parts in the domain at t = 0
     double parts_end;     ///< parts in the domain now
+    double parts_entered; ///< parts that entered since t = 0
     double peak;          ///< largest density of all snapshots and samples
     uint64_t digest;      ///< of the final state
     uint64_t n_samples;   ///< samples of the curve since t = 0

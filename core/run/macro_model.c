@@ -7,6 +7,7 @@
 #include "core/macro/mollifier.h"
 #include "core/macro/moving_plates.h"
 #include "core/macro/velocity_field.h"
+#include "core/run/beam.h"
 #include "core/run/run_priv.h"
 #include "core/scene/counter.h"
 #include "core/scene/density.h"
@@ -21,6 +22,9 @@ typedef struct macro_run {
     bf_grid grid;
     size_t n_counters;
     counter_cells counters[SCENE_COUNTERS_MAX];
+    size_t n_eyes;
+    beam_cells beams[SCENE_EYES_MAX];
+    double broken_from[SCENE_EYES_MAX]; // density from which on each beam is broken
 } macro_run;
 
 static void check_step(const scene *s, bf_faults *faults)
@@ -162,7 +166,22 @@ static void destroy_run(void *solver)
     macro_destroy(run->solver);
     feed_density_destroy(run->feeds);
     moving_plates_destroy(run->plates);
+    for (size_t k = 0; k < run->n_eyes; k++)
+        beam_cells_fini(&run->beams[k]);
     memory_free(run);
+}
+
+// The density of saturated cargo is jam_density with the congested closure.
+static bf_status create_eyes(const scene *s, macro_run *run, bf_error *err)
+{
+    const double saturated = s->macro.closure == SCENE_CONGESTED ? s->macro.jam_density : 1.0;
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < s->n_eyes && status == BF_OK; k++, run->n_eyes++) {
+        run->broken_from[k] = s->eyes[k].density_ratio * saturated;
+        status = beam_cells_of(s->eyes[k].line, &run->grid, &run->beams[k], err);
+    }
+    return status;
 }
 
 static bf_status create_run(const scene *s, int n_threads, void **ret_solver, run_plan *ret_plan,
@@ -181,6 +200,7 @@ static bf_status create_run(const scene *s, int n_threads, void **ret_solver, ru
     for (size_t k = 0; k < s->n_counters; k++)
         run->counters[k] = counter_cells_of(&s->counters[k], &run->grid);
     if ((status = create_solver(s, n_threads, run, err)) != BF_OK ||
+        (status = create_eyes(s, run, err)) != BF_OK ||
         (status = feed_density_create(s, scene_macro_step(s), &run->feeds, err)) != BF_OK ||
         (status = place_parts(s, run, &n_parts, err)) != BF_OK) {
         destroy_run(run);
@@ -216,6 +236,19 @@ static void add_to_cell(void *context, size_t cell, double density)
     const macro_run *run = context;
 
     macro_add(run->solver, cell, density);
+}
+
+static bf_status look_run(void *solver, bool *ret_broken, bf_error *err)
+{
+    const macro_run *run = solver;
+
+    (void)err;
+    for (size_t k = 0; k < run->n_eyes; k++) {
+        ret_broken[k] = false;
+        for (size_t i = 0; i < run->beams[k].n && !ret_broken[k]; i++)
+            ret_broken[k] = density_of_cell(run, run->beams[k].cells[i]) >= run->broken_from[k];
+    }
+    return BF_OK;
 }
 
 static bf_status admit_run(void *solver, bf_error *err)
@@ -379,6 +412,7 @@ const run_backend run__macro = {
     .save = save_run,
     .load = load_run,
     .digest = digest_run,
+    .look = look_run,
     .command = command_run,
     .admit = admit_run,
     .balance = balance_run,

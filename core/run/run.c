@@ -51,8 +51,8 @@ struct run {
     double t[BATCH];
     double *values; // BATCH rows of n_columns
     float *rho;
-    run_parts parts;                           // of FRAME_PARTS
-    size_t n_rows_max, n_ids_max, n_kinds_max; // numbers that its arrays have room for
+    double *parts;      // rows of FRAME_PARTS
+    size_t n_parts_max; // numbers that they have room for
     bf_buffer checkpoint;
 };
 
@@ -98,12 +98,7 @@ void run_check(const scene *s, run_model model, bf_faults *faults)
 
 static int reserve_parts(run *r, uint64_t n_rows)
 {
-    run_parts *p = &r->parts;
-    const uint64_t n_ids = r->scene->n_feeds > 0 ? n_rows : 0;
-
-    return memory_reserve(&p->rows, &r->n_rows_max, n_rows * r->plan.n_values, sizeof *p->rows) |
-           memory_reserve(&p->ids, &r->n_ids_max, n_ids, sizeof *p->ids) |
-           memory_reserve(&p->kinds, &r->n_kinds_max, n_ids, sizeof *p->kinds);
+    return memory_reserve(&r->parts, &r->n_parts_max, n_rows * r->plan.n_values, sizeof *r->parts);
 }
 
 static bf_status allocate_results(run *r, bf_error *err)
@@ -157,9 +152,7 @@ run *run_destroy(run *r)
     buffer_fini(&r->checkpoint);
     memory_free(r->values);
     memory_free(r->rho);
-    memory_free(r->parts.rows);
-    memory_free(r->parts.ids);
-    memory_free(r->parts.kinds);
+    memory_free(r->parts);
     memory_free(r);
     return NULL;
 }
@@ -311,6 +304,7 @@ static bf_status emit_end(run *r, bool is_stopped, const run_sink *sink, bf_erro
                          .n_cells = grid_cells(&r->plan.grid),
                          .parts_start = r->parts_start,
                          .parts_end = load.parts,
+                         .parts_entered = load.entered,
                          .peak = fmax(r->peak, load.peak),
                          .digest = r->backend->digest(r->solver),
                          .n_samples = r->samples.n,
@@ -374,16 +368,13 @@ static bf_status emit_parts(run *r, uint64_t n_rows, const run_sink *sink, bf_er
         return BF_OK;
     if (reserve_parts(r, n_rows) != 0)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the parts of a snapshot");
-    r->backend->parts(r->solver, &r->parts);
+    r->backend->parts(r->solver, r->parts);
     const frame f = { .type = FRAME_PARTS,
                       .parts = { .index = r->snapshots.n,
                                  .t = time_now(r),
                                  .n_parts = n_rows,
                                  .n_values = r->plan.n_values,
-                                 .rows = r->parts.rows,
-                                 .n_ids = r->scene->n_feeds > 0 ? n_rows : 0,
-                                 .ids = r->parts.ids,
-                                 .kinds = r->parts.kinds } };
+                                 .rows = r->parts } };
     return sink->take(sink->context, &f, err);
 }
 

@@ -11,7 +11,9 @@
 #include "core/run/frame.h"
 #include "core/scene/placement.h"
 #include "core/scene/scene.h"
+#include "core/scene/surroundings.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /// Tolerance for rounding of a step at the bound of stability.
@@ -33,16 +35,8 @@ typedef struct run_load {
     double parts;    ///< parts in the domain
     double entered;  ///< parts that entered since t = 0
     double peak;     ///< largest density; 0 where the model knows it at snapshots only
-    uint64_t n_rows; ///< rows of FRAME_PARTS, see run_parts
+    uint64_t n_rows; ///< rows of FRAME_PARTS, see frame_parts
 } run_load;
-
-/// The parts of FRAME_PARTS, in arrays with room for the rows of run_load.
-typedef struct run_parts {
-    double *rows; ///< n_values of each
-    uint64_t
-        *ids; ///< of scenarios with feeds, whose rows are the parts in the domain; else not filled
-    uint32_t *kinds; ///< same
-} run_parts;
 
 /// A part that left the domain.
 typedef struct run_departure {
@@ -78,8 +72,8 @@ typedef struct run_backend {
     run_load (*measure)(const void *solver);
     /// Fill the density grid, n2 rows of n1, and measure it.
     bf_status (*snapshot)(void *solver, float *ret_rho, run_load *ret_load, bf_error *err);
-    /// Fill the parts of FRAME_PARTS, ret_load->n_rows of the snapshot. NULL: the model has no parts.
-    void (*parts)(const void *solver, const run_parts *ret_parts);
+    /// Fill the rows of FRAME_PARTS, ret_load->n_rows of the snapshot just taken. NULL: the model has no parts.
+    void (*parts)(void *solver, double *ret_rows);
     /// Fill the figures of the end that only models with parts have. NULL: they are 0.
     void (*fill_end)(const void *solver, frame_end *end);
     bf_status (*save)(const void *solver, bf_buffer *out, bf_error *err);
@@ -89,8 +83,8 @@ typedef struct run_backend {
     // At a tick, in this order (control.h). The time is that of the steps made.
     /// Take the parts that left the domain since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
-    /// Fill one value per photo eye: is the beam broken?
-    void (*look)(const void *solver, bool *ret_broken);
+    /// Fill one value per photo eye: is the beam broken? BF_ENOMEM.
+    bf_status (*look)(void *solver, bool *ret_broken, bf_error *err);
     /// Give the target of an action its value.
     void (*command)(void *solver, const scene_action *action);
     /// Let the parts of the feeds enter that are due and find a place. BF_ENOMEM.
@@ -113,6 +107,7 @@ extern const run_backend run__micro;
 typedef struct run__micro_setup {
     micro_def def;                     ///< ready, with the step that the run takes
     micro_kind kinds[SCENE_KINDS_MAX]; ///< def.kinds
+    surroundings inlets;               ///< def.domain, edges and belts where a feed lies on a side
     scene_placement placement;         ///< def.poses, def.part_kinds
 } run__micro_setup;
 
@@ -122,6 +117,10 @@ BF_MUST_CHECK bf_status run__micro_init_setup(const scene *s, int n_threads,
 
 /// Free what the setup owns and zero it. NULL is fine.
 void run__micro_fini_setup(run__micro_setup *setup);
+
+/// run_backend.check_scenario of the microscopic model, and the part of it that needs its definition.
+void run__micro_check(const scene *s, bf_faults *faults);
+void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_faults *faults);
 
 /// Steps until the first one at or past time t; rounding errors do not add a step.
 uint64_t run__steps_until(double t, double dt);

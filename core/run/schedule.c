@@ -23,10 +23,11 @@ static uint64_t next_of(const span *s, uint64_t step, double dt)
     if (s->to <= (double)step * dt)
         return UINT64_MAX;
     const double from = fmax(s->from, (double)step * dt);
+    const double slack = 1e-9 * s->every; // for rounding
     double k = fmax(floor((from - s->first) / s->every) - 1.0, 0.0);
-    while (s->first + k * s->every < s->from || due(s, k, dt) <= step)
+    while (s->first + k * s->every < s->from - slack || due(s, k, dt) <= step)
         k++;
-    return s->first + k * s->every < s->to ? due(s, k, dt) : UINT64_MAX;
+    return s->first + k * s->every < s->to - slack ? due(s, k, dt) : UINT64_MAX;
 }
 
 uint64_t schedule_next(const scene_output *output, schedule_of of, uint64_t step, double dt)

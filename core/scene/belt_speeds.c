@@ -95,6 +95,11 @@ static size_t count_commandable(const belt_speeds *speeds)
     return n;
 }
 
+size_t belt_speeds_state_size(const belt_speeds *speeds)
+{
+    return count_commandable(speeds) * sizeof(saved_curve);
+}
+
 bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r)
 {
     const size_t n = count_commandable(speeds);

@@ -77,6 +77,9 @@ void belt_speeds_command(belt_speeds *speeds, size_t belt, double t, double fact
 void belt_speeds_save(const belt_speeds *speeds, checkpoint_writer *w);
 BF_MUST_CHECK bool belt_speeds_load(belt_speeds *speeds, checkpoint_reader *r);
 
+/// Bytes that belt_speeds_save() writes.
+size_t belt_speeds_state_size(const belt_speeds *speeds);
+
 /// True if no belt has a speed schedule or can be commanded: every f is 1 at all times.
 bool belt_speeds_are_constant(size_t n_belts, const scene_belt *belts);
 

@@ -330,10 +330,10 @@ static void check_sizes(const scene *s, bf_faults *faults)
     double cell = s->macro.cell;
     double n1 = fmax(round((s->domain.x_max - s->domain.x_min) / cell), 1.0);
     double n2 = fmax(round((s->domain.y_max - s->domain.y_min) / cell), 1.0);
-    double n_snapshots = floor(s->duration / s->output.snapshot_every) + 2.0;
+    double n_snapshots = scene_snapshots(s);
 
-    check_limit(floor(s->duration / s->output.curve_every) + 2.0, SCENE_SAMPLES_MAX,
-                "samples of the curve", "/output/curve_every_s", faults);
+    check_limit(scene_samples(s), SCENE_SAMPLES_MAX, "samples of the curve",
+                "/output/curve_every_s", faults);
     check_limit(n_snapshots, SCENE_SNAPSHOTS_MAX, "snapshots", "/output/snapshot_every_s", faults);
     // Faults that follow from an invalid cell size are not reported again.
     if (!check_grid(s, n1, n2, faults))

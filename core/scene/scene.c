@@ -427,6 +427,34 @@ double scene_belt_speed(const scene *s)
     return speed;
 }
 
+// Due times up to the duration with a period outside windows and one of each window's own, and the start and end.
+static double count_results(const scene *s, double every, size_t member)
+{
+    double n = floor(s->duration / every) + 2.0;
+
+    for (size_t k = 0; k < s->output.n_windows; k++) {
+        const scene_output_window *w = &s->output.windows[k];
+        const double length = fmin(w->to, s->duration) - w->from;
+        double own;
+        memcpy(&own, (const char *)w + member, sizeof own);
+        // At most one more than fits at each end.
+        if (length > 0.0)
+            n += floor(length / own) - floor(length / every) + 2.0;
+    }
+    return n;
+}
+
+double scene_samples(const scene *s)
+{
+    return count_results(s, s->output.curve_every, offsetof(scene_output_window, curve_every));
+}
+
+double scene_snapshots(const scene *s)
+{
+    return count_results(s, s->output.snapshot_every,
+                         offsetof(scene_output_window, snapshot_every));
+}
+
 bool scene_is_fed(const scene *s, scene_side side)
 {
     bool is_fed = false;

@@ -78,6 +78,10 @@ bool scene_is_id(const char *text);
 /// How many parts there are at the start.
 size_t scene_parts(const scene *s);
 
+/// Most samples of the curve and most snapshots that a run gives.
+double scene_samples(const scene *s);
+double scene_snapshots(const scene *s);
+
 /// True if a feed lies on this side of the domain: then nothing leaves over it, in both models.
 bool scene_is_fed(const scene *s, scene_side side);
 

@@ -119,8 +119,7 @@ static const char *reason_word(size_t value)
 // Of the events only these are frames of a run.
 static const char *frame_word(api_event_type type)
 {
-    bool is_frame = type == API_EVENT_PROGRESS || type == API_EVENT_CURVE ||
-                    type == API_EVENT_SNAPSHOT || type == API_EVENT_FIGURES;
+    const bool is_frame = type != API_EVENT_STATUS && type != API_EVENT_END;
     return is_frame ? api_event_word(type) : NULL;
 }
 

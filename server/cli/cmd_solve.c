@@ -131,9 +131,13 @@ static void print_work(const solving *s)
     double n = has_parts ? (double)s->begin.n_parts : (double)s->end.n_cells;
     double work = n * (double)s->end.n_steps;
 
-    printf("  time         %.3f s with %d thread%s, %.3g %s-steps/s\n", s->wall_s,
-           s->arguments->n_threads, s->arguments->n_threads == 1 ? "" : "s",
-           s->wall_s > 0.0 ? work / s->wall_s : 0.0, has_parts ? "particle" : "cell");
+    printf("  time         %.3f s with %d thread%s", s->wall_s, s->arguments->n_threads,
+           s->arguments->n_threads == 1 ? "" : "s");
+    // The number of parts of feeds changes.
+    if (!frame_has_ids(s->begin.n_values))
+        printf(", %.3g %s-steps/s", s->wall_s > 0.0 ? work / s->wall_s : 0.0,
+               has_parts ? "particle" : "cell");
+    putchar('\n');
     if (has_parts)
         printf("  overlap      at most %.3g mm, %.3g %% of a radius\n",
                1000.0 * s->end.largest_overlap, 100.0 * s->end.overlap_share);
@@ -147,8 +151,12 @@ static void print_result(const solving *s)
     printf("%s%s%s model, %g s in %llu steps%s\n", s->scene.name, s->scene.name[0] ? ": " : "",
            run_model_words[s->arguments->subject.model], e->t, (unsigned long long)e->n_steps,
            e->stopped ? " (interrupted)" : "");
-    printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
-           s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
+    if (s->scene.n_feeds > 0)
+        printf("  parts        %.3f entered, %.3f inside, %.3f left the domain\n", e->parts_entered,
+               e->parts_end, e->parts_start + e->parts_entered - e->parts_end);
+    else
+        printf("  parts left   %.3f of %.3f in '%.*s', %.3f of %.3f in the domain\n", s->last_count,
+               s->first_count, (int)n_id, s->columns.bytes, e->parts_end, e->parts_start);
     print_work(s);
     printf("  results      %s (%llu samples, %llu snapshots)\n", s->arguments->out,
            (unsigned long long)e->n_samples, (unsigned long long)e->n_snapshots);

@@ -146,8 +146,10 @@ static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error
 
 static bf_status take_parts(results_dir *d, const frame_parts *p, bf_error *err)
 {
+    const api_parts parts = { .n_parts = p->n_parts, .n_values = p->n_values };
+
     d->text.n = 0;
-    bf_status status = results_parts_npy(p->rows, &d->list.parts, &d->text, err);
+    bf_status status = results_parts_npy(p->rows, &parts, &d->text, err);
     return status == BF_OK ? write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, err) : status;
 }
 

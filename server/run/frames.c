@@ -108,8 +108,9 @@ static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, b
 
 static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_error *err)
 {
-    if (p->n_parts != task->begin.n_parts || p->n_values != task->begin.n_values ||
-        p->index != task->snapshot.first)
+    const bool is_other_number = p->n_parts != task->begin.n_parts && !frame_has_ids(p->n_values);
+
+    if (is_other_number || p->n_values != task->begin.n_values || p->index != task->snapshot.first)
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
     if (buffer_append(&task->snapshot.parts, p->rows,
                       (size_t)p->n_parts * p->n_values * sizeof *p->rows) != BF_OK)
@@ -175,6 +176,17 @@ static void update_rate(supervisor__task *task, double now_s)
     task->rate_step = task->progress.step;
 }
 
+static bf_status add_change(supervisor__task *task, const frame_change *c, bf_error *err)
+{
+    store_item *item =
+        add_item(task, c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE : API_EVENT_ACTION);
+
+    if (item == NULL)
+        return fail_memory(err);
+    item->first = c->index;
+    return events_change(task->claimed.run.id, c, &item->event, err);
+}
+
 // Make the events of the newest progress and key figures, where they are due; older ones in the same batch are out
 // of date.
 static bf_status add_progress(supervisor__task *task, bf_error *err)
@@ -198,6 +210,13 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
     return status == BF_OK ? add_figures(task, err) : status;
 }
 
+static api_parts parts_of(const frame_begin *begin)
+{
+    const bool is_fixed = begin->n_values > 0 && !frame_has_ids(begin->n_values);
+
+    return (api_parts){ .n_parts = is_fixed ? begin->n_parts : 0, .n_values = begin->n_values };
+}
+
 // Begin to store what has come, with the checkpoint that came last (NULL: none).
 static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
@@ -214,8 +233,7 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
         .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
         .wall_s = supervisor__wall_s(task),
         .grid = &task->begin.grid,
-        .parts = { .n_parts = task->begin.n_values == 0 ? 0 : task->begin.n_parts,
-                   .n_values = task->begin.n_values },
+        .parts = parts_of(&task->begin),
         .step = checkpoint == NULL ? 0 : checkpoint->step,
         .checkpoint = checkpoint == NULL ? NULL : checkpoint->bytes,
         .n_checkpoint = checkpoint == NULL ? 0 : checkpoint->n,
@@ -284,6 +302,8 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
         return add_snapshot(task, &f->snapshot, err);
     case FRAME_PARTS:
         return add_parts(task, &f->parts, err);
+    case FRAME_CHANGE:
+        return add_change(task, &f->change, err);
     case FRAME_PROGRESS:
         return take_progress(task, &f->progress, err);
     case FRAME_CHECKPOINT:

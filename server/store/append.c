@@ -6,6 +6,7 @@
 #include "server/base/metrics.h"
 
 #include <math.h>
+#include <sqlite3.h>
 #include <string.h>
 
 /// A batch on its way into the store; freed by finish_append().
@@ -16,6 +17,8 @@ typedef struct append_context {
     store__row row;
     bf_buffer columns;        ///< of the curve; empty until it is needed
     size_t n_columns;         ///< of them
+    bool has_changes;         ///< the next one is known
+    uint64_t n_changes;       ///< changes of the run that are stored
     store_appended *appended; ///< called at the end
     void *appended_context;
 } append_context;
@@ -166,10 +169,14 @@ static bf_status append_curve(store__connection *writer, append_context *context
 
 static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
 {
+    const uint64_t row = parts->n_values * sizeof(double);
     uint64_t bytes = 0;
 
-    if (__builtin_mul_overflow(parts->n_parts, parts->n_values * sizeof(double), &bytes) ||
-        bytes != item->parts.n)
+    if (frame_has_ids(parts->n_values))
+        bytes = item->parts.n / row * row;
+    else if (__builtin_mul_overflow(parts->n_parts, row, &bytes))
+        bytes = UINT64_MAX;
+    if (bytes != item->parts.n)
         return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %zu bytes",
                        (unsigned long long)parts->n_parts, parts->n_values, item->parts.n);
     return BF_OK;
@@ -238,6 +245,39 @@ static bf_status replace_figures(store__connection *writer, store__row *row, con
                : status;
 }
 
+// How many changes the run has.
+static bf_status count_changes(store__connection *writer, append_context *context, bf_error *err)
+{
+    bool has_row = false;
+
+    if (context->has_changes)
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_COUNT_CHANGES);
+    store__bind_integer(&q, context->row.rowid);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        context->n_changes = (uint64_t)sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    context->has_changes = status == BF_OK;
+    return status;
+}
+
+static bf_status append_change(store__connection *writer, append_context *context,
+                               const store_item *item, bf_error *err)
+{
+    bf_status status = count_changes(writer, context, err);
+
+    if (status != BF_OK || item->first < context->n_changes)
+        return status;
+    if (item->first > context->n_changes)
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "the changes of photo eyes have a gap: number %llu "
+                       "came after %llu",
+                       (unsigned long long)item->first, (unsigned long long)context->n_changes);
+    context->n_changes++;
+    return store__insert_event(writer, &context->row, item->type, item->first, &item->event, err);
+}
+
 static bf_status append_item(store__connection *writer, append_context *context, size_t i,
                              bf_error *err)
 {
@@ -249,6 +289,8 @@ static bf_status append_item(store__connection *writer, append_context *context,
         return append_snapshot(writer, context, i, err);
     if (item->type == API_EVENT_FIGURES)
         return replace_figures(writer, &context->row, item, err);
+    if (item->type == API_EVENT_EYE || item->type == API_EVENT_ACTION)
+        return append_change(writer, context, item, err);
     BF_CHECK(item->type == API_EVENT_PROGRESS);
     return store__insert_event(writer, &context->row, API_EVENT_PROGRESS, 0, &item->event, err);
 }

@@ -321,12 +321,23 @@ static bf_status read_compressed(store__connection *reader, const char *id, read
     return status;
 }
 
-// Append what should be n bytes.
-static bf_status unpack(const bf_buffer *compressed, size_t n, bf_buffer *out, bf_error *err)
+// Append the blob, which should have its size, and note of parts how many there are.
+static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
 {
+    const size_t row = r->row.parts.n_values * sizeof(double);
+    const bool is_parts = r->kind == STORE__BLOB_PARTS;
+    const bool is_fed = is_parts && frame_has_ids(r->row.parts.n_values);
+    size_t n = is_parts ? r->row.parts.n_parts * row : grid_cells(&r->row.grid) * sizeof(float);
     size_t before = out->n;
 
-    bf_status status = store__unpack(compressed, out, err);
+    // No rows are no blob.
+    bf_status status = BF_OK;
+    if (r->compressed.n > 0 || !is_fed)
+        status = store__unpack(&r->compressed, out, err);
+    if (is_fed) {
+        r->row.parts.n_parts = (out->n - before) / row;
+        n = r->row.parts.n_parts * row;
+    }
     if (status == BF_OK && out->n - before != n) {
         out->n = before;
         status = bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not have its size");
@@ -345,11 +356,7 @@ static bf_status read_blob(store *s, const char *id, reading *r, bf_buffer *out,
     status = read_compressed(reader, id, r, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
-        status = unpack(&r->compressed,
-                        r->kind == STORE__BLOB_PARTS
-                            ? r->row.parts.n_parts * r->row.parts.n_values * sizeof(double)
-                            : grid_cells(&r->row.grid) * sizeof(float),
-                        out, err);
+        status = unpack(r, out, err);
     buffer_fini(&r->compressed);
     return status;
 }

@@ -3,7 +3,8 @@
 // and events to runs.
 //
 // The curve and snapshot events of a run that joined a set are rows without data: what they say
-// stands in the set, and only the run's id differs from what the other runs' events say.
+// stands in the set, and only the run's id differs from what the other runs' events say. Those of photo eyes and
+// actions are copied with the other id.
 
 #include "server/store/store_priv.h"
 
@@ -229,6 +230,8 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
     store__query q = store__begin(writer, STORE__SQL_COPY_EVENTS);
     store__bind_integer(&q, row->rowid);
     store__bind_integer(&q, solved->rowid);
+    store__bind_text(&q, row->run.id, strlen(row->run.id));
+    store__bind_text(&q, solved->run.id, strlen(solved->run.id));
     return store__run(&q, err);
 }
 

@@ -7,7 +7,8 @@
 ///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
 ///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
 ///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0.
-///       Storing one again (a run resumed before it) changes nothing and makes no second event.
+///       Storing one again (a run resumed before it) changes nothing and makes no second event. The same holds
+///       for changes of photo eyes and actions, which are events alone.
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
 ///   I7  An event becomes visible in the same transaction as what it reports.

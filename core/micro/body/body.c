@@ -252,6 +252,20 @@ static uint8_t *presence(void *state)
     return s->is_gone;
 }
 
+static const surroundings *around(const void *state)
+{
+    const body_state *s = state;
+
+    return &s->around;
+}
+
+static belt_speeds *speeds(void *state)
+{
+    body_state *s = state;
+
+    return &s->speeds;
+}
+
 const micro_backend micro__body = {
     .dt_stable = body__dt_stable,
     .create = create,
@@ -262,6 +276,8 @@ const micro_backend micro__body = {
     .presence = presence,
     .admit = body__admit,
     .forget_gone = body__forget_gone,
+    .around = around,
+    .speeds = speeds,
     .measure = body__measure,
     .steps = steps,
     .motion = motion,

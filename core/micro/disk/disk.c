@@ -256,6 +256,20 @@ static uint8_t *presence(void *state)
     return s->is_gone;
 }
 
+static const surroundings *around(const void *state)
+{
+    const disk_state *s = state;
+
+    return &s->around;
+}
+
+static belt_speeds *speeds(void *state)
+{
+    disk_state *s = state;
+
+    return &s->speeds;
+}
+
 const micro_backend micro__disk = {
     .dt_stable = disk__dt_stable_explicit,
     .create = create,
@@ -266,6 +280,8 @@ const micro_backend micro__disk = {
     .presence = presence,
     .admit = disk__admit,
     .forget_gone = disk__forget_gone,
+    .around = around,
+    .speeds = speeds,
     .measure = disk__measure,
     .steps = steps,
     .motion = motion,

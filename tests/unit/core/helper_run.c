@@ -44,6 +44,12 @@ static void keep_parts(helper_run_log *log, const frame_parts *p)
         log->n_present += isnan(p->rows[k * p->n_values]) ? 0 : 1;
 }
 
+static void keep_change(helper_run_log *log, const frame_change *c)
+{
+    BF_CHECK(c->index == log->n_changes && c->index < HELPER_RUN_CHANGES);
+    log->changes[log->n_changes++] = *c;
+}
+
 static bf_status take(void *context, const frame *f, bf_error *err)
 {
     helper_run_log *log = context;
@@ -58,6 +64,8 @@ static bf_status take(void *context, const frame *f, bf_error *err)
         keep_snapshot(log, &f->snapshot);
     if (f->type == FRAME_PARTS)
         keep_parts(log, &f->parts);
+    if (f->type == FRAME_CHANGE)
+        keep_change(log, &f->change);
     if (f->type == FRAME_END)
         log->end = f->end;
     if (f->type == FRAME_CHECKPOINT) {
@@ -106,7 +114,9 @@ bool helper_run_is_same(const helper_run_log *a, const helper_run_log *b)
     return a->n_samples == b->n_samples && memcmp(a->t, b->t, a->n_samples * sizeof *a->t) == 0 &&
            memcmp(a->values, b->values, a->n_samples * sizeof *a->values) == 0 &&
            a->n_snapshots == b->n_snapshots && a->snapshot_digest == b->snapshot_digest &&
-           a->parts_digest == b->parts_digest && memcmp(&a->end, &b->end, sizeof a->end) == 0;
+           a->parts_digest == b->parts_digest && a->n_changes == b->n_changes &&
+           memcmp(a->changes, b->changes, sizeof a->changes) == 0 &&
+           memcmp(&a->end, &b->end, sizeof a->end) == 0;
 }
 
 void helper_run_free(helper_run_log *log)

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 4 };
+enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 8, HELPER_RUN_CHANGES = 64 };
 
 /// Everything that a run emitted, and the requests to it. Zero-initialise; helper_run_free() if it is on the heap.
 typedef struct helper_run_log {
@@ -18,6 +18,8 @@ typedef struct helper_run_log {
     size_t n_snapshots;                                    ///< snapshots, in order and without gap
     uint64_t snapshot_digest;                              ///< of all their times and grids
     double peaks[HELPER_RUN_SAMPLES];                      ///< of the snapshots
+    size_t n_changes;                                      ///< changes, in order and without gap
+    frame_change changes[HELPER_RUN_CHANGES];              ///< see there
     frame_begin begin;                                     ///< the last one
     frame_end end;                                         ///< the last one
     bf_buffer checkpoint;                                  ///< the last one

@@ -16,8 +16,6 @@
 static const double times[] = { 0.0, 0.01, 0.02 };
 static const double figure_values[] = { 3600.0, 0.25, 1.5 };
 static const double values[] = { 192.0, 0.0, 191.5, 0.5, 190.25, 1.75 };
-static const uint64_t ids[] = { 17, 40 };
-static const uint32_t kinds[] = { 1, 0 };
 static const float cells[] = { 0.0F, 0.25F, 1.5F, 3e-38F, 1.0F, 0.5F };
 
 // One frame of each kind, all members set.
@@ -36,12 +34,13 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
     frames[n++] = (frame){ .type = FRAME_PROGRESS, .progress = { 99, 4800, 0.12375 } };
     frames[n++] = (frame){ .type = FRAME_CHECKPOINT, .bytes = { 78, 0, "" } };
     frames[n++] = (frame){ .type = FRAME_END,
-                           .end = { 1, 2, 4800, 6.0, 6, 192.0, 19.75, 1.43, 0xdeadbeefcafe, 601, 61,
-                                    172, 5, 0.25, 6e-4, 0.05 } };
-    frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values, 2, ids, kinds } };
+                           .end = { 1, 2, 4800, 6.0, 6, 192.0, 19.75, 8.5, 1.43, 0xdeadbeefcafe,
+                                    601, 61, 172, 5, 0.25, 6e-4, 0.05 } };
+    frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values } };
     frames[n++] =
         (frame){ .type = FRAME_FIGURES, .figures = { .t = 1.5, .n = 3, .values = figure_values } };
-    frames[n++] = (frame){ .type = FRAME_CHANGE, .change = { 7, 0.5, FRAME_CHANGE_EYE, 3, 1 } };
+    frames[n++] =
+        (frame){ .type = FRAME_CHANGE, .change = { 7, 0.5, FRAME_CHANGE_EYE, 3, 1, "pe3" } };
     frames[n] = (frame){ .type = FRAME_ERROR };
     frames[n].error.error.code = BF_ENUMERIC;
     strcpy(frames[n].error.error.pointer, "/macro/step_s");

@@ -1,0 +1,195 @@
+#include "core/run/micro_feeds.h"
+
+#include "core/base/memory.h"
+#include "core/scene/mix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEPARTURES_AT_ONCE = 64 };
+
+static bf_status reserve_tags(micro_feeds *f, size_t n, bf_error *err)
+{
+    if (memory_reserve(&f->tags, &f->n_tags_max, n, sizeof *f->tags) == 0)
+        return BF_OK;
+    return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", n);
+}
+
+bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
+                           const scene_placement *placement, bf_error *err)
+{
+    *f = (micro_feeds){ .scene = s, .solver = solver };
+    bf_status status = reserve_tags(f, placement->n, err);
+    for (size_t k = 0; k < placement->n && status == BF_OK; k++)
+        f->tags[k] = (micro_tag){ 0.0, (uint32_t)s->n_feeds, mix_kind(placement->kinds, k) };
+    if (status == BF_OK && s->n_feeds > 0)
+        status = feed_parts_create(s, &f->entry, err);
+    return status;
+}
+
+void micro_feeds_fini(micro_feeds *f)
+{
+    feed_parts_destroy(f->entry);
+    memory_free(f->tags);
+    memory_free(f->departures);
+    *f = (micro_feeds){ .scene = NULL };
+}
+
+static double time_now(const micro_feeds *f)
+{
+    return (double)micro_steps(f->solver) * micro_dt(f->solver);
+}
+
+static int compare_ids(const void *left, const void *right)
+{
+    const run_departure *a = left, *b = right;
+
+    return (a->id > b->id) - (a->id < b->id);
+}
+
+bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_error *err)
+{
+    const double t = time_now(f);
+    micro_departure some[DEPARTURES_AT_ONCE];
+    size_t n = 0, n_some = DEPARTURES_AT_ONCE;
+
+    while (n_some == DEPARTURES_AT_ONCE) {
+        if (memory_reserve(&f->departures, &f->n_departures_max, n + DEPARTURES_AT_ONCE,
+                           sizeof *f->departures) != 0)
+            return bf_fail(err, BF_ENOMEM, "", "no memory for parts that left");
+        n_some = micro_take_departures(f->solver, some, DEPARTURES_AT_ONCE);
+        for (size_t k = 0; k < n_some; k++) {
+            const micro_tag *tag = &f->tags[some[k].part];
+            f->departures[n++] = (run_departure){ .id = some[k].id,
+                                                  .kind = tag->kind,
+                                                  .feed = tag->feed,
+                                                  .entered = tag->entered,
+                                                  .left = t,
+                                                  .at = { some[k].x, some[k].y } };
+        }
+    }
+    qsort(f->departures, n, sizeof *f->departures, compare_ids);
+    *ret_departures = (run_departures){ .n = n, .items = f->departures };
+    return BF_OK;
+}
+
+// The questions of feed_room; one that fails is remembered, since feeds take only answers.
+static bool is_free(const void *context, uint32_t kind, scene_pose pose)
+{
+    micro_feeds *f = *(micro_feeds *const *)context;
+    bool is_so = false;
+
+    if (f->query_error.code == BF_OK &&
+        micro_is_free(f->solver, kind, pose, &is_so, &f->query_error) != BF_OK)
+        return false;
+    return is_so;
+}
+
+// Bodies near a line.
+typedef struct nearby {
+    feed_body *bodies;
+    size_t n, n_max;
+} nearby;
+
+static void add_body(void *context, size_t part, const micro_place *place)
+{
+    nearby *found = context;
+
+    (void)part;
+    if (found->n < found->n_max)
+        found->bodies[found->n] = (feed_body){ { place->pose.x, place->pose.y }, place->kind };
+    found->n++;
+}
+
+static size_t find_near(const void *context, vec2 start, vec2 end, double within,
+                        feed_body *ret_bodies, size_t n_max)
+{
+    micro_feeds *f = *(micro_feeds *const *)context;
+    nearby found = { .bodies = ret_bodies, .n_max = n_max };
+
+    if (f->query_error.code == BF_OK &&
+        micro_visit_near(f->solver, start, end, within, add_body, &found, &f->query_error) != BF_OK)
+        return 0;
+    return found.n;
+}
+
+static bf_status admit(void *context, const feed_admission *part, bf_error *err)
+{
+    micro_feeds *f = *(micro_feeds *const *)context;
+    const vec2 at = { part->pose.x, part->pose.y };
+    const micro_arrival arrival = { .kind = part->kind,
+                                    .pose = part->pose,
+                                    .velocity = micro_belt_velocity(f->solver, at) };
+    size_t handle;
+
+    // A place that was found free without an answer is none.
+    if (f->query_error.code != BF_OK)
+        return BF_ENOMEM;
+    bf_status status = reserve_tags(f, micro_parts(f->solver) + 1, err);
+    if (status == BF_OK)
+        status = micro_admit(f->solver, &arrival, &handle, err);
+    if (status == BF_OK)
+        f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind };
+    return status;
+}
+
+bf_status micro_feeds_admit(micro_feeds *f, bf_error *err)
+{
+    const feed_room room = { .context = &f, .is_free = is_free, .near = find_near, .admit = admit };
+
+    f->query_error = (bf_error){ .code = BF_OK };
+    const bf_status status = feed_parts_advance(f->entry, time_now(f), &room, err);
+    if (f->query_error.code == BF_OK)
+        return status;
+    return bf_fail(err, f->query_error.code, f->query_error.pointer, "%s", f->query_error.text);
+}
+
+double micro_feeds_entered(const micro_feeds *f)
+{
+    double n = 0.0;
+
+    for (size_t k = 0; k < f->scene->n_feeds; k++)
+        n += feed_parts_balance(f->entry, k).admitted;
+    return n;
+}
+
+bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err)
+{
+    const uint64_t n = micro_parts(f->solver);
+    checkpoint_writer w;
+
+    checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
+    feed_parts_save(f->entry, &w);
+    checkpoint_write(&w, &n, sizeof n);
+    checkpoint_write(&w, f->tags, n * sizeof *f->tags);
+    const bf_status status = micro_save(f->solver, out, err);
+    if (status == BF_OK)
+        return checkpoint_end(&w, err);
+    buffer_truncate(out, w.start);
+    return status;
+}
+
+bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf_error *err)
+{
+    checkpoint_reader r, entry;
+    const char *tags = NULL;
+    uint64_t n = 0;
+
+    bf_status status = checkpoint_open(&r, bytes, n_bytes, CHECKPOINT_FEED, 0, err);
+    if (status != BF_OK)
+        return status;
+    entry = r;
+    if (checkpoint_read_items(&r, feed_parts_state_size(f->entry), 1) != NULL &&
+        checkpoint_read(&r, &n, sizeof n))
+        tags = checkpoint_read_items(&r, n, sizeof *f->tags);
+    if (tags == NULL)
+        return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
+    // The feeds come last: until the solver has taken its state, everything is as before.
+    if ((status = reserve_tags(f, n, err)) == BF_OK)
+        status = micro_load(f->solver, r.at, r.n_left, err);
+    if (status != BF_OK)
+        return status;
+    feed_parts_load(f->entry, &entry);
+    memcpy(f->tags, tags, n * sizeof *f->tags);
+    return BF_OK;
+}

@@ -1,0 +1,52 @@
+/// Parts that come and go during a run of the microscopic model: what each is, departures and admissions.
+///
+/// It belongs to one solver; times are those of the solver's steps.
+
+#pragma once
+
+#include "core/base/checkpoint.h"
+#include "core/feed/parts_entry.h"
+#include "core/micro/micro.h"
+#include "core/run/run_priv.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// What is known of a part beside its state.
+typedef struct micro_tag {
+    double entered; ///< when it entered, s; 0 for those at the start
+    uint32_t feed;  ///< index into scene.feeds; n_feeds: it was there at the start
+    uint32_t kind;  ///< index into scene.cargo
+} micro_tag;
+
+/// The parts. Zero-initialise; micro_feeds_init(), micro_feeds_fini().
+typedef struct micro_feeds {
+    const scene *scene;        ///< must outlive it
+    micro_solver *solver;      ///< same
+    feed_parts *entry;         ///< NULL: there are no feeds
+    micro_tag *tags;           ///< by handle
+    size_t n_tags_max;         ///< handles that they have room for
+    run_departure *departures; ///< since the last tick
+    size_t n_departures_max;   ///< that there is room for
+    bf_error query_error;      ///< of a question that feeds asked; BF_OK: none failed
+} micro_feeds;
+
+/// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
+BF_MUST_CHECK bf_status micro_feeds_init(micro_feeds *f, const scene *s, micro_solver *solver,
+                                         const scene_placement *placement, bf_error *err);
+
+/// Free what *f owns.
+void micro_feeds_fini(micro_feeds *f);
+
+/// run_backend.depart, .admit, .balance and .is_exhausted.
+BF_MUST_CHECK bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures,
+                                           bf_error *err);
+BF_MUST_CHECK bf_status micro_feeds_admit(micro_feeds *f, bf_error *err);
+
+/// Parts that entered since t = 0.
+double micro_feeds_entered(const micro_feeds *f);
+
+/// run_backend.save and .load where there are feeds, with the solver's state.
+BF_MUST_CHECK bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes,
+                                         bf_error *err);

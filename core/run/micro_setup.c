@@ -1,0 +1,281 @@
+// The microscopic model's scenarios: its limits, and from scenario to definition of the solver.
+
+#include "core/base/faults.h"
+#include "core/base/memory.h"
+#include "core/feed/arrivals.h"
+#include "core/run/run_priv.h"
+#include "core/scene/shape.h"
+#include "core/scene/surroundings.h"
+
+#include <math.h>
+#include <string.h>
+
+static void set_kinds(const scene *s, run__micro_setup *setup)
+{
+    for (size_t k = 0; k < s->n_cargo; k++)
+        setup->kinds[k] = (micro_kind){ .shape = s->cargo[k].shape,
+                                        .material = s->cargo[k].material,
+                                        .mass = s->cargo[k].mass,
+                                        .spin_radius = s->cargo[k].spin_friction_radius };
+    setup->def.n_kinds = s->n_cargo;
+    setup->def.kinds = setup->kinds;
+}
+
+static void set_parameters(const scene_micro *micro, micro_def *def)
+{
+    static const micro_integrator integrators[] = {
+        [SCENE_VERLET] = MICRO_VERLET, [SCENE_IMPLICIT] = MICRO_IMPLICIT
+    };
+    static const micro_path paths[] = { [SCENE_PATH_AUTO] = MICRO_PATH_AUTO,
+                                        [SCENE_PATH_PLANAR] = MICRO_PATH_PLANAR,
+                                        [SCENE_PATH_SPATIAL] = MICRO_PATH_SPATIAL };
+
+    memcpy(def->contact, micro->contact, sizeof def->contact);
+    def->conveyor = micro->conveyor;
+    def->handling = micro->handling;
+    def->modulus_reduction = micro->modulus_reduction;
+    def->damping = micro->damping;
+    def->gravity = micro->gravity;
+    def->dt = micro->step;
+    def->tension = micro->tension;
+    def->integrator = integrators[micro->integrator];
+    def->path = paths[micro->path];
+}
+
+static double largest_radius(const scene *s)
+{
+    double largest = 0.0;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        largest = fmax(largest, shape_footprint_of(&s->cargo[k].shape).bounding_radius);
+    return largest;
+}
+
+// Moves the corners of belts that lie on a side.
+static void extend_belts(surroundings *around, scene_side side, vec2 outward)
+{
+    for (size_t k = 0; k < around->n_belts; k++) {
+        const scene_belt *belt = &around->belts[k];
+        for (size_t i = 0; i < belt->n_points; i++)
+            if (fabs(surroundings_excess(around, side, belt->polygon[i])) <= SCENE_TOLERANCE)
+                belt->polygon[i] = vec2_add(belt->polygon[i], outward);
+    }
+}
+
+// Nothing leaves over a side with a feed: the domain and its belts go on behind it, for a part and a wall.
+static void extend_side(surroundings *around, scene_side side, double by)
+{
+    const double signs[SCENE_SIDE_COUNT] = { -by, by, -by, by };
+    double *const ends[SCENE_SIDE_COUNT] = { &around->domain.x_min, &around->domain.x_max,
+                                             &around->domain.y_min, &around->domain.y_max };
+
+    extend_belts(around, side, vec2_scale(surroundings_side(around, side).inward, -by));
+    *ends[side] += signs[side];
+    around->edges[side] = SCENE_EDGE_WALL;
+}
+
+static bf_status make_inlets(const scene *s, surroundings *ret_inlets, bf_error *err)
+{
+    const surroundings around = surroundings_of(s);
+    bool is_any = false;
+
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
+        is_any |= scene_is_fed(s, (scene_side)side);
+    if (!is_any)
+        return BF_OK;
+    bf_status status = surroundings_copy(&around, ret_inlets, err);
+    scene_belt *belts = (scene_belt *)ret_inlets->belts;
+    for (size_t k = 0; k < ret_inlets->n_belts; k++)
+        belts[k].speed_schedule = s->belts[k].speed_schedule; // borrowed
+    for (int side = 0; side < SCENE_SIDE_COUNT && status == BF_OK; side++)
+        if (scene_is_fed(s, (scene_side)side))
+            extend_side(ret_inlets, (scene_side)side, 2.0 * largest_radius(s));
+    return status;
+}
+
+static bf_status set_surroundings(const scene *s, run__micro_setup *setup, bf_error *err)
+{
+    const bf_status status = make_inlets(s, &setup->inlets, err);
+    const bool has_inlets = setup->inlets.n_belts > 0;
+    const surroundings around = has_inlets ? setup->inlets : surroundings_of(s);
+    micro_def *def = &setup->def;
+
+    def->domain = around.domain;
+    memcpy(def->edges, around.edges, sizeof def->edges);
+    def->n_belts = around.n_belts;
+    def->belts = around.belts;
+    def->n_obstacles = s->n_obstacles;
+    def->obstacles = s->obstacles;
+    def->n_actions = s->n_actions;
+    def->actions = s->actions;
+    return status;
+}
+
+// How many parts of the feeds arrive in the run, or INFINITY.
+static bf_status count_arrivals(const scene *s, double *ret_n, bf_error *err)
+{
+    double n = 0.0;
+
+    for (size_t k = 0; k < s->n_feeds; k++) {
+        feed_arrivals *arrivals = NULL;
+        const bf_status status = feed_arrivals_create(&s->feeds[k], s->substream, &arrivals, err);
+        if (status != BF_OK)
+            return status;
+        n += feed_arrivals_until(arrivals, s->duration);
+        feed_arrivals_destroy(arrivals);
+    }
+    *ret_n = n;
+    return BF_OK;
+}
+
+// Parts that may be in the domain at the same time: those at the start and of the feeds, at most what fits.
+static bf_status set_expected(const scene *s, micro_def *def, bf_error *err)
+{
+    const scene_rect *d = &s->domain;
+    const double fits = (d->x_max - d->x_min) * (d->y_max - d->y_min) * scene_packing_density(s);
+    double n_fed = 0.0;
+
+    if (s->n_feeds == 0)
+        return BF_OK;
+    const bf_status status = count_arrivals(s, &n_fed, err);
+    def->n_parts_expected =
+        (size_t)fmax(fmin((double)def->n_parts + n_fed, fmin(fits, SCENE_PARTS_MAX)), 1.0);
+    return status;
+}
+
+// The step that "auto" stands for: the paper's, where that is stable, or the implicit integrator's own.
+static double choose_step(const micro_def *def)
+{
+    return def->integrator == MICRO_VERLET
+               ? fmin(1e-5, fmin(micro_dt_stable(def), micro_dt_plates(def)))
+               : micro_dt_chosen(def);
+}
+
+bf_status run__micro_init_setup(const scene *s, int n_threads, run__micro_setup *setup,
+                                bf_error *err)
+{
+    *setup = (run__micro_setup){ .def = micro_def_default() };
+    bf_status status = placement_of(s, &setup->placement, err);
+    if (status != BF_OK)
+        return status;
+    set_kinds(s, setup);
+    set_parameters(&s->micro, &setup->def);
+    setup->def.n_parts = setup->placement.n;
+    setup->def.poses = setup->placement.poses;
+    setup->def.part_kinds = setup->placement.kinds;
+    setup->def.n_threads = n_threads;
+    if ((status = set_surroundings(s, setup, err)) != BF_OK ||
+        (status = set_expected(s, &setup->def, err)) != BF_OK) {
+        run__micro_fini_setup(setup);
+        return status;
+    }
+    if (setup->def.dt == 0.0)
+        setup->def.dt = scene_fit_step(s, choose_step(&setup->def), false);
+    return BF_OK;
+}
+
+void run__micro_fini_setup(run__micro_setup *setup)
+{
+    if (setup == NULL)
+        return;
+    placement_fini(&setup->placement);
+    surroundings_fini(&setup->inlets);
+    *setup = (run__micro_setup){ .def = { .n_parts = 0 } };
+}
+
+static bf_status check_count(const scene *s, double dt, bf_error *err)
+{
+    double n = ceil(s->duration / dt);
+
+    if (n <= SCENE_STEPS_MAX)
+        return BF_OK;
+    return bf_fail(err, BF_ELIMIT, s->micro.step > 0.0 ? "/micro/step_s" : "/duration_s",
+                   "%.10g steps of the microscopic model, the limit is %.10g", n, SCENE_STEPS_MAX);
+}
+
+// The solver's own checks, applied to the first part alone, which is cheap.
+static bf_status probe(const micro_def *def, bf_error *err)
+{
+    micro_def first = *def;
+    micro_solver *solver = NULL;
+
+    first.n_parts = def->n_parts > 0 ? 1 : 0;
+    bf_status status = micro_create(&first, &solver, err);
+    if (status == BF_OK)
+        micro_destroy(solver);
+    return status;
+}
+
+static void check_step(const scene *s, const micro_def *def, bf_faults *faults)
+{
+    double stable = micro_dt_stable(def);
+    bf_error err;
+
+    if (def->dt > stable * (1.0 + RUN__STABLE_SLACK))
+        faults_add(faults, "/micro/step_s",
+                   "a step of %.10g s is unstable: the largest stable one is %.10g s", def->dt,
+                   stable);
+    else if (s->micro.step > s->duration)
+        faults_add(faults, "/duration_s", "%.10g s are less than one step of %.10g s", s->duration,
+                   s->micro.step);
+    else if (probe(def, &err) != BF_OK || check_count(s, def->dt, &err) != BF_OK)
+        faults_add_error(faults, &err);
+}
+
+static bool is_planar(const scene *s)
+{
+    bool are_cylinders = true;
+
+    for (size_t k = 0; k < s->n_cargo; k++)
+        are_cylinders = are_cylinders && s->cargo[k].shape.type == SCENE_CYLINDER;
+    return are_cylinders && s->micro.path != SCENE_PATH_SPATIAL;
+}
+
+static void check_results(const scene *s, const micro_def *def, bf_faults *faults)
+{
+    const bf_grid grid = scene_grid(s);
+    const double n = scene_snapshots(s),
+                 n_parts = (double)(s->n_feeds > 0 ? def->n_parts_expected : def->n_parts);
+    const int n_values = (is_planar(s) ? FRAME_VALUES_PLANAR : FRAME_VALUES_SPATIAL) +
+                         (s->n_feeds > 0 ? FRAME_VALUES_FED : 0);
+    double bytes = n * n_parts * n_values * (double)sizeof(double);
+    // A part counts for the cells up to where its Gaussian has fallen to 2^-53, see density.h.
+    double n_cells =
+        2.0 * M_PI * 53.0 * M_LN2 / (s->macro.initial_mollifier * s->macro.cell * s->macro.cell);
+    double work = n * n_parts * fmin(n_cells, (double)grid_cells(&grid));
+
+    if (!(bytes <= SCENE_SNAPSHOT_BYTES_MAX))
+        faults_add_limit(faults, "/output/snapshot_every_s",
+                         "%.10g bytes of parts, the limit is %.10g", bytes,
+                         SCENE_SNAPSHOT_BYTES_MAX);
+    if (!(work <= SCENE_DENSITY_WORK_MAX))
+        faults_add_limit(
+            faults, "/output/snapshot_every_s",
+            "%.10g values to sum up for the densities of the parts, the limit is %.10g", work,
+            SCENE_DENSITY_WORK_MAX);
+}
+
+void run__micro_check_setup(const scene *s, const run__micro_setup *setup, bf_faults *faults)
+{
+    bf_error err;
+
+    check_step(s, &setup->def, faults);
+    check_results(s, &setup->def, faults);
+    if (placement_check_plates(s, &setup->placement, faults) != BF_OK) {
+        (void)bf_fail(&err, BF_ENOMEM, "/initial", "no memory for %zu parts", setup->placement.n);
+        faults_add_error(faults, &err);
+    }
+}
+
+void run__micro_check(const scene *s, bf_faults *faults)
+{
+    run__micro_setup setup;
+    bf_error err;
+
+    if (run__micro_init_setup(s, 1, &setup, &err) != BF_OK) {
+        faults_add_error(faults, &err);
+        return;
+    }
+    run__micro_check_setup(s, &setup, faults);
+    run__micro_fini_setup(&setup);
+}
