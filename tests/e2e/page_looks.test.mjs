@@ -5,7 +5,7 @@ import test, { after } from "node:test";
 
 import { assertAccessible, closeBrowser, openPage, schemes, sizes, takePicture, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
-import { endless, tiny } from "./scenarios.mjs";
+import { endless, fed, tiny } from "./scenarios.mjs";
 
 after(closeBrowser);
 
@@ -18,6 +18,8 @@ async function furnish(d) {
     submit("macro", example, { label: "paper" }),
     submit("micro", example, { model: "micro", label: "paper" }),
     submit("mixed", { ...mixed, duration_s: 2 }, { model: "micro" }),
+    submit("fed", fed(), { model: "micro" }),
+    submit("fedMacro", fed()),
     submit("other", { ...example, name: "Example 1 on a faster belt", belts: [{ velocity_m_s: [0.5, 0] }] }),
   ]);
   for (const [, id] of done) await d.reached(id, "succeeded");
@@ -50,11 +52,13 @@ const calmViews = (ids) => [
   ["run-micro", `#/runs/${ids.micro}?t=3`, shown],
   ["run-micro-parts", `#/runs/${ids.micro}?t=3&layer=parts`, shown],
   ["run-mixed", `#/runs/${ids.mixed}?t=1.5`, shown],
+  ["run-fed", `#/runs/${ids.fed}?t=2.5`, shown],
   ["run-none", "#/runs/01a1f916-75bc-759c-9d74-cbbf3fe9393f", async (page) => page.getByText("There is no such run").waitFor()],
   ["compare-two", `#/compare?runs=${ids.macro},${ids.micro}&t=2.5`, async (page) => {
     await page.setInputFiles('input[type="file"]', csv);
     await page.getByText("measured: belt.csv").waitFor();
   }],
+  ["compare-fed", `#/compare?runs=${ids.fed},${ids.fedMacro}&t=2.5`, async (page) => page.locator(".plot-legend .group").nth(1).waitFor()],
   ["compare-four", `#/compare?runs=${ids.macro},${ids.micro},${ids.other},${ids.mixed}&t=1.5`, shown],
   ["compare-none", "#/compare", async (page) => page.getByText("Add two to four runs").waitFor()],
   ["new-form", "#/new", async (page) => page.getByText("Ready:").waitFor()],

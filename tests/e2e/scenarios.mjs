@@ -45,3 +45,27 @@ export function interruptible() {
 export function endless() {
   return jam(200_000, { curve_every_s: 1, snapshot_every_s: 100 });
 }
+
+// A belt of 0.6 m x 0.3 m that is fed 20 parts a second for 3 s, with a flap that turns up at 1 s, and a stop that a
+// photo eye at x = 0.25 m lets come.
+export function fed(changes = {}) {
+  return {
+    name: "a belt that is fed",
+    duration_s: 3,
+    domain: { x_m: [0.0, 0.6], y_m: [0.0, 0.3] },
+    belts: [{ id: "main", velocity_m_s: [0.3, 0.0] }],
+    obstacles: [
+      { id: "flap", path_m: [[0.4, 0.0], [0.55, 0.0]], motion: { t_s: [1, 1.5], turn_deg: [0, 45] } },
+      { id: "stop", from_m: [0.5, 0.2], to_m: [0.5, 0.3], present: { t_s: [0], value: [false] } },
+    ],
+    cargo: structuredClone(cylinder),
+    feeds: [{ id: "infeed", edge: "west", y_m: [0.05, 0.25], rate_per_s: 20 }],
+    photo_eyes: [{ id: "eye", line_m: [[0.25, 0.0], [0.25, 0.3]], density_ratio: 0.05 }],
+    actions: [{ when: { photo_eye: "eye", state: "blocked" }, do: { obstacle: "stop", present: true } }],
+    counters: [{ id: "upstream", x_m: [0.0, 0.5] }],
+    output: { curve_every_s: 0.1, snapshot_every_s: 0.1 },
+    macro: { cell_m: 0.01 },
+    micro: { integrator: "implicit", modulus_reduction: 1e4 },
+    ...changes,
+  };
+}

@@ -61,7 +61,7 @@ export class KeyFiguresPanel {
     if (!figures) return;
     const known = this.schemas ?? {};
     const parts = Object.entries(groups).flatMap(([word, [name, schema]]) => (figures[word] ?? []).map((item) =>
-      [h("h3", {}, `${name} “${item.id}”`), list(item, known[schema])]));
+      (Object.keys(item).length > 1 ? [h("h3", {}, `${name} “${item.id}”`), list(item, known[schema])] : [])));
     this.body.replaceChildren(list(figures, known.RunFigures), ...parts.flat());
   }
 }
