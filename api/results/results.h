@@ -73,6 +73,15 @@ BF_MUST_CHECK bf_status results_snapshot_vti(const float *rho, const bf_grid *gr
 /// have.
 const char *const *results_parts_columns(uint32_t n_values);
 
+/// Append the line of photo_eyes.csv, "t_s,photo_eye,state", that a change has, with the header where *out is empty;
+/// nothing for a change that is none of a photo eye.
+BF_MUST_CHECK bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out,
+                                               bf_error *err);
+
+/// Write photo_eyes.csv of a stored run from its events into the empty *out; nothing where no state changed.
+BF_MUST_CHECK bf_status results_photo_eyes_read(const api_services *services, const char *id,
+                                                bf_buffer *out, bf_error *err);
+
 /// Append the rows of parts as a NumPy file of doubles, as CSV ("part,x_m,..."; a part that has left
 /// the domain is a line of nan), or as JSON: {"n", "t_s", "columns": [...], "parts": [[...], null]}
 /// (null: left the domain). In scenarios with feeds rows begin with id and kind, and CSV with "id,kind,x_m,...".

@@ -18,6 +18,7 @@ typedef struct archive {
     bool has_summary;
     bool has_vtk;
     api_snapshot_list list;
+    bf_buffer eyes; // photo_eyes.csv; empty: there is none
     zip_out *zip;
     size_t kind;       // of the next file, in kinds
     uint64_t index;    // of the next file of that kind
@@ -78,6 +79,16 @@ static bf_status write_curve(const archive *a, const api_services *services, uin
     status = results_curve_csv(&curve, out, err);
     api_curve_fini(&curve);
     return status;
+}
+
+static bf_status write_photo_eyes(const archive *a, const api_services *services, uint64_t index,
+                                  bf_buffer *out, bf_error *err)
+{
+    (void)services;
+    (void)index;
+    if (buffer_append(out, a->eyes.bytes, a->eyes.n) == BF_OK)
+        return BF_OK;
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
 static bf_status write_list(const archive *a, const api_services *services, uint64_t index,
@@ -167,7 +178,7 @@ static bf_status write_parts_vtk(const archive *a, const api_services *services,
 }
 
 // What a kind of file needs to be in an archive.
-enum { NEEDS_PARTS = 1, NEEDS_VTK = 2, NEEDS_SUMMARY = 4 };
+enum { NEEDS_PARTS = 1, NEEDS_VTK = 2, NEEDS_SUMMARY = 4, NEEDS_EYES = 8 };
 
 typedef enum number_of { ONE, ONE_A_SNAPSHOT } number_of;
 
@@ -179,6 +190,7 @@ static const struct {
 } kinds[] = {
     { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario },
     { RESULTS_FILES_CURVE, ONE, 0, write_curve },
+    { RESULTS_FILES_PHOTO_EYES, ONE, NEEDS_EYES, write_photo_eyes },
     { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list },
     { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, write_snapshot },
     { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, write_parts },
@@ -197,7 +209,7 @@ _Static_assert(sizeof kinds / sizeof *kinds == RESULTS_FILES_COUNT,
 static uint64_t count_files(const archive *a, size_t kind)
 {
     int missing = (a->list.parts.n_values == 0 ? NEEDS_PARTS : 0) | (a->has_vtk ? 0 : NEEDS_VTK) |
-                  (a->has_summary ? 0 : NEEDS_SUMMARY);
+                  (a->has_summary ? 0 : NEEDS_SUMMARY) | (a->eyes.n > 0 ? 0 : NEEDS_EYES);
 
     if ((kinds[kind].needs & missing) != 0)
         return 0;
@@ -268,8 +280,22 @@ static void destroy(void *state)
         return;
     zip_out_destroy(a->zip);
     buffer_fini(&a->list.items);
+    buffer_fini(&a->eyes);
     buffer_fini(&a->content);
     memory_free(a);
+}
+
+// Reads the changes of photo eyes, where the columns of the curve say that there are some.
+static bf_status read_photo_eyes(archive *a, const api_run *of, const api_services *services,
+                                 bf_error *err)
+{
+    api_curve curve = { 0 };
+
+    bf_status status = services->read_curve(services->context, a->id, of->n_samples, &curve, err);
+    if (status == BF_OK && curve.columns.n > 0 && strstr(curve.columns.bytes, ".blocked") != NULL)
+        status = results_photo_eyes_read(services, a->id, &a->eyes, err);
+    api_curve_fini(&curve);
+    return status;
 }
 
 bf_status results_archive_open(const api_run *of, results_archive_kind kind,
@@ -284,6 +310,8 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
     a->has_summary = of->has_summary;
     a->has_vtk = kind == RESULTS_ARCHIVE_VTK;
     bf_status status = services->list_snapshots(services->context, a->id, &a->list, err);
+    if (status == BF_OK)
+        status = read_photo_eyes(a, of, services, err);
     if (status == BF_OK)
         status = zip_out_create(of->finished_ms / 1000, &a->zip, err);
     if (status != BF_OK) {

@@ -10,6 +10,7 @@ enum { RESULTS_FILES_NAME_SIZE = 40 }; ///< bytes of a name with its terminator
 #define RESULTS_FILES_LIST(X)                                                                      \
     X(RESULTS_FILES_SCENARIO, "", "scenario", "json")                                              \
     X(RESULTS_FILES_CURVE, "", "curve", "csv")                                                     \
+    X(RESULTS_FILES_PHOTO_EYES, "", "photo_eyes", "csv")                                           \
     X(RESULTS_FILES_SNAPSHOTS, "", "snapshots", "json")                                            \
     X(RESULTS_FILES_SNAPSHOTS_SERIES, "", "snapshots", "pvd")                                      \
     X(RESULTS_FILES_PARTS_SERIES, "", "parts", "pvd")                                              \

@@ -40,7 +40,7 @@ typedef struct micro_run {
     size_t n_start; // parts at the start
     micro_feeds feeds;
     shape_footprint footprints[SCENE_KINDS_MAX];
-    double largest_radius; // of them, m
+    double bounding_radius; // no part extends farther from its centre, m
 } micro_run;
 
 static void destroy_run(void *solver)
@@ -57,6 +57,20 @@ static void destroy_run(void *solver)
     memory_free(run);
 }
 
+// How far a part extends from its centre at most, however it lies.
+static double bound_radius(const scene_shape *shape, const shape_footprint *footprint)
+{
+    double farthest = 0.0;
+
+    if (shape->type != SCENE_HULL)
+        return hypot(footprint->bounding_radius, shape->height);
+    for (size_t k = 0; k < shape->n_vertices; k++) {
+        const double *at = shape->vertices[k];
+        farthest = fmax(farthest, sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]));
+    }
+    return 2.0 * farthest; // no two points of it are farther apart
+}
+
 static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_run *run,
                           bf_error *err)
 {
@@ -68,7 +82,8 @@ static bf_status fill_run(const scene *s, const run__micro_setup *setup, micro_r
     run->n_start = def->n_parts;
     mix_footprints(s, run->footprints);
     for (size_t k = 0; k < s->n_cargo; k++)
-        run->largest_radius = fmax(run->largest_radius, run->footprints[k].bounding_radius);
+        run->bounding_radius =
+            fmax(run->bounding_radius, bound_radius(&s->cargo[k].shape, &run->footprints[k]));
     run->rho = memory_alloc(grid_cells(&run->grid), sizeof *run->rho);
     if (run->rho == NULL ||
         memory_reserve(&run->poses, &run->n_poses_max, def->n_parts, sizeof *run->poses) != 0)
@@ -361,7 +376,7 @@ static bf_status look_at_beams(void *solver, bool *ret_broken, bf_error *err)
     for (size_t k = 0; k < run->scene->n_eyes && status == BF_OK; k++) {
         const vec2 *beam = run->scene->eyes[k].line;
         look l = { .footprints = run->footprints, .beam = beam };
-        status = micro_visit_near(run->solver, beam[0], beam[1], run->largest_radius, look_at_part,
+        status = micro_visit_near(run->solver, beam[0], beam[1], run->bounding_radius, look_at_part,
                                   &l, err);
         ret_broken[k] = l.is_broken;
     }

@@ -23,6 +23,7 @@ struct results_dir {
     off_t curve_bytes; // whole lines in it
     api_snapshot_list list;
     bf_buffer text; // room for what is written next
+    bf_buffer eyes; // photo_eyes.csv so far
 };
 
 static bf_status fail_on(const char *name, bf_error *err)
@@ -66,7 +67,8 @@ static bf_status append_to_curve(results_dir *d, bf_error *err)
 // Remove the results of an earlier run, its mark of completeness first, and begin the curve.
 static bf_status begin_results(results_dir *d, const char *columns, bf_error *err)
 {
-    static const char *const marks[] = { "summary.json", "snapshots.json", "scenario.json" };
+    static const char *const marks[] = { "summary.json", "snapshots.json", "scenario.json",
+                                         "photo_eyes.csv" };
 
     for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
         if (unlinkat(d->directory, marks[i], 0) != 0 && errno != ENOENT)
@@ -164,6 +166,8 @@ bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
         return take_snapshot(d, &f->snapshot, err);
     case FRAME_PARTS:
         return take_parts(d, &f->parts, err);
+    case FRAME_CHANGE:
+        return results_photo_eyes_csv(&f->change, &d->eyes, err);
     default:
         return BF_OK;
     }
@@ -214,6 +218,9 @@ bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summa
     if (status == BF_OK)
         status = file_io_replace(d->directory, "snapshots.json", d->text.bytes, d->text.n,
                                  FILE_IO_LATER, err);
+    if (status == BF_OK && d->eyes.n > 0)
+        status = file_io_replace(d->directory, "photo_eyes.csv", d->eyes.bytes, d->eyes.n,
+                                 FILE_IO_LATER, err);
     if (status != BF_OK || summary == NULL)
         return status;
     // One flush for all files, however many snapshots there are; only then their seal.
@@ -233,6 +240,7 @@ results_dir *results_dir_close(results_dir *d)
     }
     buffer_fini(&d->list.items);
     buffer_fini(&d->text);
+    buffer_fini(&d->eyes);
     memory_free(d);
     return NULL;
 }

@@ -4,6 +4,7 @@
 ///     curve.csv               whole lines, appended while the run goes on
 ///     snapshots/NNNNNN.npy    each complete from the moment it has its name
 ///     parts/NNNNNN.npy        same, of models with parts
+///     photo_eyes.csv          written at the end, where a photo eye changed its state
 ///     snapshots.json          written at the end
 ///     summary.json            written last, and on the disk only after all the rest: where it is,
 ///                             the results are complete
@@ -30,11 +31,11 @@ BF_MUST_CHECK bf_status results_dir_open(const char *path, const char *columns,
 BF_MUST_CHECK bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n,
                                              bf_error *err);
 
-/// Write what a frame of type begin, curve, snapshot or parts has; others are ignored.
+/// Write what a frame of type begin, curve, snapshot, parts or change has; others are ignored.
 /// BF_ESYSTEM: a write failed; no partial file is left.
 BF_MUST_CHECK bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err);
 
-/// Write snapshots.json and, unless summary is NULL (the run was stopped), summary.json.
+/// Write photo_eyes.csv, snapshots.json and, unless summary is NULL (the run was stopped), summary.json.
 BF_MUST_CHECK bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summary,
                                            bf_error *err);
 
