@@ -84,7 +84,7 @@ static const param reference = {
 static const param column = { .name = "column",
                               .in = "query",
                               .kind = &param_text,
-                              .type = "#CounterId",
+                              .type = "#ColumnName",
                               .help = "Which column of the curves is compared; the first one of "
                                       "the reference that all have if missing" };
 

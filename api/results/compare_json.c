@@ -30,7 +30,7 @@ static const member compared_members[] = {
     MEMBER("model", string, AT(model), "Which solver", .type = "#Model", .null = "it was measured"),
     MEMBER("status", string, AT(status), "State of the run", .type = "#RunStatus",
            .null = "it was measured"),
-    MEMBER("column", string, AT(column), "The column of its curve", .type = "#CounterId"),
+    MEMBER("column", string, AT(column), "The column of its curve", .type = "#ColumnName"),
     MEMBER_INLINE(&compare_json_figures, AT(figures)),
 };
 const member_table compare_json_compared = { MEMBER_TABLE("Compared", compared_members) };

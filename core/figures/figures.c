@@ -128,6 +128,17 @@ static bf_status init_items(figures *f, bf_error *err)
     return status;
 }
 
+// The warm-up is over.
+static void begin(figures *f, const figures_now *now)
+{
+    f->run.is_warm = 1;
+    f->run.t_start = now->t;
+    f->run.exited_start = now->exited;
+    f->run.jam.since = now->t;
+    f->run.jam.since_exited = now->exited;
+    f->run.batches = steady_from(f->s->steady_precision, now->t, now->exited);
+}
+
 bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, bf_error *err)
 {
     figures *f = memory_alloc(1, sizeof *f);
@@ -141,6 +152,8 @@ bf_status figures_create(const scene *s, bool has_parts, figures **ret_figures, 
     for (size_t k = 0; k < s->n_eyes; k++)
         f->eyes[k].last_end = (double)NAN;
     find_plate(f);
+    if (s->warmup <= 0.0)
+        begin(f, &(figures_now){ .t = 0.0 });
     const bf_status status = init_items(f, err);
     if (status == BF_OK)
         *ret_figures = f;
@@ -183,16 +196,6 @@ void figures_add_cargo(figures *f, const figures_cargo *cargo)
             f->counters[k].states[state] += cargo->parts;
     if (state != STATE_FREE)
         f->run.queue_end_now = fmax(f->run.queue_end_now, upstream - f->plate_end);
-}
-
-static void begin(figures *f, const figures_now *now)
-{
-    f->run.is_warm = 1;
-    f->run.t_start = now->t;
-    f->run.exited_start = now->exited;
-    f->run.jam.since = now->t;
-    f->run.jam.since_exited = now->exited;
-    f->run.batches = steady_from(f->s->steady_precision, now->t, now->exited);
 }
 
 // The mean height of a trapezoid times its width.

@@ -23,6 +23,25 @@ bool beam_meets_part(const vec2 beam[2], const shape_footprint *footprint, scene
     return is_met;
 }
 
+beam_extent beam_extent_of(vec2 from, vec2 along, const shape_footprint *footprint, scene_pose pose)
+{
+    const size_t n = footprint->n_corners;
+    const double centre = vec2_dot((vec2){ pose.x - from.x, pose.y - from.y }, along);
+    const double radius = footprint->bounding_radius;
+    beam_extent extent = { (double)INFINITY, -(double)INFINITY };
+    vec2 corners[SCENE_VERTICES_MAX + 1];
+
+    if (n == 0)
+        return (beam_extent){ centre - radius, centre + radius };
+    shape_place(footprint, pose, corners);
+    for (size_t k = 0; k < n; k++) {
+        const double at = vec2_dot((vec2){ corners[k].x - from.x, corners[k].y - from.y }, along);
+        extent.least = fmin(extent.least, at);
+        extent.most = fmax(extent.most, at);
+    }
+    return extent;
+}
+
 // Cells that hold the coordinates from `from` to `to`, with one more on both ends: first <= k < last.
 static void find_range(double from, double to, double lower, double d, size_t n, size_t *ret_first,
                        size_t *ret_last)

@@ -20,6 +20,8 @@ control control_of(const scene *s, const run_backend *backend, const run_plan *p
 void control_fini(control *c)
 {
     commands_fini(&c->commands);
+    for (size_t k = 0; k < SCENE_EYES_MAX; k++)
+        passages_fini(&c->passages[k]);
 }
 
 uint64_t control_next(const control *c, uint64_t step)
@@ -56,21 +58,19 @@ static bf_status emit_change(control *c, uint64_t step, frame_change_type type, 
     return sink->take(sink->context, &f, err);
 }
 
-static bf_status watch(control *c, void *solver, uint64_t step, const run_sink *sink, bf_error *err)
+static bf_status watch_eye(control *c, void *solver, size_t eye, uint64_t step, figures *to,
+                           const run_sink *sink, bf_error *err)
 {
-    bool broken[SCENE_EYES_MAX] = { false };
-    bf_status status = BF_OK;
+    run_view view = { .is_broken = false };
+    bf_status status = c->backend->look(solver, eye, &view, err);
 
-    if (c->eyes.n > 0)
-        status = c->backend->look(solver, broken, err);
-    for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++) {
-        if (!photo_eyes_see(&c->eyes, k, step, broken[k]))
-            continue;
-        status = emit_change(c, step, FRAME_CHANGE_EYE, k, broken[k], sink, err);
-        if (status == BF_OK)
-            status = commands_note(&c->commands, k, broken[k], step, err);
-    }
-    return status;
+    if (status == BF_OK && c->backend->parts != NULL)
+        status =
+            passages_see(&c->passages[eye], (double)step * c->dt, &view.passages, eye, to, err);
+    if (status != BF_OK || !photo_eyes_see(&c->eyes, eye, step, view.is_broken))
+        return status;
+    status = emit_change(c, step, FRAME_CHANGE_EYE, eye, view.is_broken, sink, err);
+    return status == BF_OK ? commands_note(&c->commands, eye, view.is_broken, step, err) : status;
 }
 
 static bf_status command_due(control *c, void *solver, uint64_t step, const run_sink *sink,
@@ -86,19 +86,22 @@ static bf_status command_due(control *c, void *solver, uint64_t step, const run_
     return status;
 }
 
-bf_status control_tick(control *c, void *solver, uint64_t step, const run_sink *sink, bf_error *err)
+bf_status control_tick(control *c, void *solver, uint64_t step, figures *to, const run_sink *sink,
+                       bf_error *err)
 {
     run_departures departures = { .n = 0 };
     bf_status status = BF_OK;
 
     if (c->backend->depart != NULL)
         status = c->backend->depart(solver, &departures, err);
-    if (status == BF_OK)
-        status = watch(c, solver, step, sink, err);
+    for (size_t k = 0; k < departures.n && c->scene->n_feeds > 0; k++)
+        figures_exit(to, departures.items[k].left - departures.items[k].entered);
+    for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
+        status = watch_eye(c, solver, k, step, to, sink, err);
     if (status == BF_OK)
         status = command_due(c, solver, step, sink, err);
     if (status == BF_OK && c->scene->n_feeds > 0)
-        status = c->backend->admit(solver, err);
+        status = c->backend->admit(solver, to, err);
     return status;
 }
 
@@ -116,6 +119,8 @@ void control_save(const control *c, checkpoint_writer *w)
     checkpoint_write(w, &c->n_changes, sizeof c->n_changes);
     photo_eyes_save(&c->eyes, w);
     commands_save(&c->commands, w);
+    for (size_t k = 0; k < c->eyes.n; k++)
+        passages_save(&c->passages[k], w);
 }
 
 bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
@@ -124,5 +129,8 @@ bf_status control_load(control *c, checkpoint_reader *r, bf_error *err)
         return BF_OK;
     if (!checkpoint_read(r, &c->n_changes, sizeof c->n_changes) || !photo_eyes_load(&c->eyes, r))
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint is damaged");
-    return commands_load(&c->commands, r, err);
+    bf_status status = commands_load(&c->commands, r, err);
+    for (size_t k = 0; k < c->eyes.n && status == BF_OK; k++)
+        status = passages_load(&c->passages[k], r, err);
+    return status;
 }

@@ -15,13 +15,14 @@
 
 /// The state of a run's ticks. Make with control_of(), free with control_fini().
 typedef struct control {
-    const scene *scene;         ///< must outlive it
-    const run_backend *backend; ///< the model
-    uint64_t n_tick;            ///< steps of a tick; 0: there are none
-    double dt;                  ///< step, s
-    photo_eyes eyes;            ///< see there
-    commands commands;          ///< see there
-    uint64_t n_changes;         ///< frames of changes since t = 0
+    const scene *scene;                ///< must outlive it
+    const run_backend *backend;        ///< the model
+    uint64_t n_tick;                   ///< steps of a tick; 0: there are none
+    double dt;                         ///< step, s
+    photo_eyes eyes;                   ///< see there
+    commands commands;                 ///< see there
+    passages passages[SCENE_EYES_MAX]; ///< of parts, at each eye
+    uint64_t n_changes;                ///< frames of changes since t = 0
 } control;
 
 /// The ticks of a run at t = 0.
@@ -35,8 +36,8 @@ uint64_t control_next(const control *c, uint64_t step);
 
 /// Make the tick after a number of steps; changes are emitted to the sink. Failures are those of the model, of
 /// commands_note() and of the sink.
-BF_MUST_CHECK bf_status control_tick(control *c, void *solver, uint64_t step, const run_sink *sink,
-                                     bf_error *err);
+BF_MUST_CHECK bf_status control_tick(control *c, void *solver, uint64_t step, figures *to,
+                                     const run_sink *sink, bf_error *err);
 
 /// True if the run is over because no feed will deliver any more part and the domain is empty.
 bool control_is_drained(const control *c, const void *solver);

@@ -238,26 +238,26 @@ static void add_to_cell(void *context, size_t cell, double density)
     macro_add(run->solver, cell, density);
 }
 
-static bf_status look_run(void *solver, bool *ret_broken, bf_error *err)
+static bf_status look_run(void *solver, size_t eye, run_view *ret_view, bf_error *err)
 {
     const macro_run *run = solver;
+    bool is_broken = false;
 
     (void)err;
-    for (size_t k = 0; k < run->n_eyes; k++) {
-        ret_broken[k] = false;
-        for (size_t i = 0; i < run->beams[k].n && !ret_broken[k]; i++)
-            ret_broken[k] = density_of_cell(run, run->beams[k].cells[i]) >= run->broken_from[k];
-    }
+    for (size_t i = 0; i < run->beams[eye].n && !is_broken; i++)
+        is_broken = density_of_cell(run, run->beams[eye].cells[i]) >= run->broken_from[eye];
+    *ret_view = (run_view){ .is_broken = is_broken };
     return BF_OK;
 }
 
-static bf_status admit_run(void *solver, bf_error *err)
+static bf_status admit_run(void *solver, figures *to, bf_error *err)
 {
     macro_run *run = solver;
     const feed_field field = {
         .context = run, .density = density_of_cell, .factor = factor_of_belt, .add = add_to_cell
     };
 
+    (void)to;
     (void)err;
     feed_density_advance(run->feeds, macro_time(run->solver), &field);
     return BF_OK;

@@ -128,15 +128,18 @@ static bf_status admit(void *context, const feed_admission *part, bf_error *err)
     bf_status status = reserve_tags(f, micro_parts(f->solver) + 1, err);
     if (status == BF_OK)
         status = micro_admit(f->solver, &arrival, &handle, err);
-    if (status == BF_OK)
-        f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind };
-    return status;
+    if (status != BF_OK)
+        return status;
+    f->tags[handle] = (micro_tag){ time_now(f), (uint32_t)part->feed, part->kind };
+    figures_wait(f->figures, part->feed, part->wait);
+    return BF_OK;
 }
 
-bf_status micro_feeds_admit(micro_feeds *f, bf_error *err)
+bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error *err)
 {
     const feed_room room = { .context = &f, .is_free = is_free, .near = find_near, .admit = admit };
 
+    f->figures = to;
     f->query_error = (bf_error){ .code = BF_OK };
     const bf_status status = feed_parts_advance(f->entry, time_now(f), &room, err);
     if (f->query_error.code == BF_OK)

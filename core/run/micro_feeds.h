@@ -28,6 +28,7 @@ typedef struct micro_feeds {
     size_t n_tags_max;         ///< handles that they have room for
     run_departure *departures; ///< since the last tick
     size_t n_departures_max;   ///< that there is room for
+    figures *figures;          ///< that waits are told, during micro_feeds_admit()
     bf_error query_error;      ///< of a question that feeds asked; BF_OK: none failed
 } micro_feeds;
 
@@ -41,7 +42,7 @@ void micro_feeds_fini(micro_feeds *f);
 /// run_backend.depart, .admit, .balance and .is_exhausted.
 BF_MUST_CHECK bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures,
                                            bf_error *err);
-BF_MUST_CHECK bf_status micro_feeds_admit(micro_feeds *f, bf_error *err);
+BF_MUST_CHECK bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error *err);
 
 /// Parts that entered since t = 0.
 double micro_feeds_entered(const micro_feeds *f);

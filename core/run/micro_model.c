@@ -41,6 +41,8 @@ typedef struct micro_run {
     micro_feeds feeds;
     shape_footprint footprints[SCENE_KINDS_MAX];
     double bounding_radius; // no part extends farther from its centre, m
+    passages_part *seen;    // at the beam looked at last
+    size_t n_seen_max;
 } micro_run;
 
 static void destroy_run(void *solver)
@@ -54,6 +56,7 @@ static void destroy_run(void *solver)
     memory_free(run->rho);
     memory_free(run->poses);
     memory_free(run->rows);
+    memory_free(run->seen);
     memory_free(run);
 }
 
@@ -349,38 +352,95 @@ static bf_status depart(void *solver, run_departures *ret_departures, bf_error *
     return micro_feeds_depart(&run->feeds, ret_departures, err);
 }
 
+static void tell_cargo(const void *solver, figures *to)
+{
+    const micro_run *run = solver;
+
+    for (size_t k = 0; k < micro_parts(run->solver); k++) {
+        if (micro_is_gone(run->solver, k))
+            continue;
+        const micro_part part = micro_part_of(run->solver, k);
+        const vec2 at = { part.x[0], part.x[1] };
+        const figures_cargo cargo = { .at = at,
+                                      .speed = hypot(part.v[0], part.v[1]),
+                                      .belt_speed =
+                                          vec2_length(micro_belt_velocity(run->solver, at)),
+                                      .parts = 1.0 };
+        figures_add_cargo(to, &cargo);
+    }
+}
+
 // A beam that is looked at.
 typedef struct look {
-    const shape_footprint *footprints;
+    micro_run *run;
     const vec2 *beam;
-    bool is_broken;
+    vec2 across; // unit normal, to where the belt under the middle moves
+    size_t n;    // parts that break it
+    bool has_memory;
 } look;
+
+// Of a part that breaks the beam, when its front and back cross it.
+static void add_seen(look *l, size_t part, beam_extent extent)
+{
+    micro_run *run = l->run;
+    const micro_part state = micro_part_of(run->solver, part);
+    const double speed = state.v[0] * l->across.x + state.v[1] * l->across.y;
+    const double slowness = speed > 0.0 ? 1.0 / speed : (double)INFINITY; // s/m
+
+    l->has_memory = l->has_memory &&
+                    memory_reserve(&run->seen, &run->n_seen_max, l->n + 1, sizeof *run->seen) == 0;
+    if (l->has_memory)
+        run->seen[l->n++] =
+            (passages_part){ .id = micro_id_of(run->solver, part),
+                             .since = extent.most > 0.0 ? extent.most * slowness : 0.0,
+                             .left = extent.least < 0.0 ? -extent.least * slowness : 0.0 };
+}
 
 static void look_at_part(void *context, size_t part, const micro_place *place)
 {
     look *l = context;
-    const vec2 centre = { place->pose.x, place->pose.y };
+    const shape_footprint around = { .bounding_radius = place->radius };
+    const shape_footprint *footprint = place->is_flat ? &l->run->footprints[place->kind] : &around;
 
-    (void)part;
-    if (place->is_flat)
-        l->is_broken |= beam_meets_part(l->beam, &l->footprints[place->kind], place->pose);
-    else
-        l->is_broken |= polygon_segment_distance(centre, l->beam[0], l->beam[1]) <= place->radius;
+    if (beam_meets_part(l->beam, footprint, place->pose))
+        add_seen(l, part, beam_extent_of(l->beam[0], l->across, footprint, place->pose));
 }
 
-static bf_status look_at_beams(void *solver, bool *ret_broken, bf_error *err)
+static int compare_seen(const void *left, const void *right)
 {
-    const micro_run *run = solver;
-    bf_status status = BF_OK;
+    const passages_part *a = left, *b = right;
 
-    for (size_t k = 0; k < run->scene->n_eyes && status == BF_OK; k++) {
-        const vec2 *beam = run->scene->eyes[k].line;
-        look l = { .footprints = run->footprints, .beam = beam };
-        status = micro_visit_near(run->solver, beam[0], beam[1], run->bounding_radius, look_at_part,
-                                  &l, err);
-        ret_broken[k] = l.is_broken;
-    }
-    return status;
+    return (a->id > b->id) - (a->id < b->id);
+}
+
+static bf_status look_at_beam(void *solver, size_t eye, run_view *ret_view, bf_error *err)
+{
+    micro_run *run = solver;
+    const surroundings around = surroundings_of(run->scene);
+    const vec2 *beam = run->scene->eyes[eye].line;
+    const vec2 along = { beam[1].x - beam[0].x, beam[1].y - beam[0].y };
+    const vec2 middle = { 0.5 * (beam[0].x + beam[1].x), 0.5 * (beam[0].y + beam[1].y) };
+    const vec2 belt = surroundings_velocity_of(&around, surroundings_belt_at(&around, middle));
+    const double length = copysign(vec2_length(along), along.y * belt.x - along.x * belt.y);
+    look l = { .run = run,
+               .beam = beam,
+               .across = { along.y / length, -along.x / length },
+               .has_memory = true };
+
+    bf_status status = micro_visit_near(run->solver, beam[0], beam[1], run->bounding_radius,
+                                        look_at_part, &l, err);
+    if (status == BF_OK && !l.has_memory)
+        status = bf_fail(err, BF_ENOMEM, "", "no memory for what a photo eye sees");
+    if (status != BF_OK)
+        return status;
+    if (l.n > 0)
+        qsort(run->seen, l.n, sizeof *run->seen, compare_seen);
+    *ret_view = (run_view){ .is_broken = l.n > 0,
+                            .passages = { .belt_speed =
+                                              vec2_length(micro_belt_velocity(run->solver, middle)),
+                                          .n = l.n,
+                                          .parts = run->seen } };
+    return BF_OK;
 }
 
 static void command(void *solver, const scene_action *a)
@@ -403,11 +463,11 @@ static void command(void *solver, const scene_action *a)
     }
 }
 
-static bf_status admit(void *solver, bf_error *err)
+static bf_status admit(void *solver, figures *to, bf_error *err)
 {
     micro_run *run = solver;
 
-    return micro_feeds_admit(&run->feeds, err);
+    return micro_feeds_admit(&run->feeds, to, err);
 }
 
 static feed_balance balance_of(const void *solver, size_t feed)
@@ -445,7 +505,8 @@ const run_backend run__micro = {
     .load = load_run,
     .digest = digest_run,
     .depart = depart,
-    .look = look_at_beams,
+    .tell_cargo = tell_cargo,
+    .look = look_at_beam,
     .command = command,
     .admit = admit,
     .balance = balance_of,

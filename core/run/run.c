@@ -340,6 +340,8 @@ static void sample_figures(run *r, const run_load *load, const double *columns)
                               .counters = columns,
                               .feeds = r->balances };
 
+    if (r->backend->tell_cargo != NULL)
+        r->backend->tell_cargo(r->solver, r->figures);
     figures_sample(r->figures, &now);
     if (r->backend->parts == NULL)
         figures_peak(r->figures, load->peak);
@@ -409,7 +411,7 @@ static bf_status make_tick(run *r, const run_sink *sink, bf_error *err)
 {
     if (r->control.n_tick == 0 || (r->step % r->control.n_tick != 0 && r->step < r->plan.n_steps))
         return BF_OK;
-    bf_status status = control_tick(&r->control, r->solver, r->step, sink, err);
+    bf_status status = control_tick(&r->control, r->solver, r->step, r->figures, sink, err);
     if (status == BF_OK && control_is_drained(&r->control, r->solver))
         r->reason = FRAME_END_DRAINED;
     return status;

@@ -7,8 +7,10 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 #include "core/feed/balance.h"
+#include "core/figures/figures.h"
 #include "core/micro/micro.h"
 #include "core/run/frame.h"
+#include "core/run/passages.h"
 #include "core/scene/placement.h"
 #include "core/scene/scene.h"
 #include "core/scene/surroundings.h"
@@ -54,6 +56,12 @@ typedef struct run_departures {
     const run_departure *items; ///< in the order of their ids
 } run_departures;
 
+/// What a photo eye sees, borrowed from the model until the next question.
+typedef struct run_view {
+    bool is_broken;         ///< the beam
+    passages_view passages; ///< of the parts that break it; models without parts leave it zero
+} run_view;
+
 /// A model. solver is what create() made.
 typedef struct run_backend {
     /// Add the faults for which a checked scenario cannot be solved.
@@ -80,15 +88,18 @@ typedef struct run_backend {
     bf_status (*load)(void *solver, const void *bytes, size_t n, bf_error *err);
     uint64_t (*digest)(const void *solver);
 
+    /// Tell the figures of all cargo, before a sample. NULL: its speed is not known.
+    void (*tell_cargo)(const void *solver, figures *to);
+
     // At a tick, in this order (control.h). The time is that of the steps made.
     /// Take the parts that left the domain since the last tick. NULL: the model has no parts. BF_ENOMEM.
     bf_status (*depart)(void *solver, run_departures *ret_departures, bf_error *err);
-    /// Fill one value per photo eye: is the beam broken? BF_ENOMEM.
-    bf_status (*look)(void *solver, bool *ret_broken, bf_error *err);
+    /// What a photo eye sees. BF_ENOMEM.
+    bf_status (*look)(void *solver, size_t eye, run_view *ret_view, bf_error *err);
     /// Give the target of an action its value.
     void (*command)(void *solver, const scene_action *action);
-    /// Let the parts of the feeds enter that are due and find a place. BF_ENOMEM.
-    bf_status (*admit)(void *solver, bf_error *err);
+    /// Let the parts of the feeds enter that are due and find a place, and tell their waits. BF_ENOMEM.
+    bf_status (*admit)(void *solver, figures *to, bf_error *err);
 
     /// What became of the parts of a feed until the last tick.
     feed_balance (*balance)(const void *solver, size_t feed);

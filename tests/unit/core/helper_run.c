@@ -66,6 +66,11 @@ static bf_status take(void *context, const frame *f, bf_error *err)
         keep_parts(log, &f->parts);
     if (f->type == FRAME_CHANGE)
         keep_change(log, &f->change);
+    if (f->type == FRAME_FIGURES) {
+        BF_CHECK(f->figures.n <= HELPER_RUN_FIGURES);
+        log->n_figures = f->figures.n;
+        memcpy(log->figures, f->figures.values, f->figures.n * sizeof *log->figures);
+    }
     if (f->type == FRAME_END)
         log->end = f->end;
     if (f->type == FRAME_CHECKPOINT) {
@@ -115,7 +120,8 @@ bool helper_run_is_same(const helper_run_log *a, const helper_run_log *b)
            memcmp(a->values, b->values, a->n_samples * sizeof *a->values) == 0 &&
            a->n_snapshots == b->n_snapshots && a->snapshot_digest == b->snapshot_digest &&
            a->parts_digest == b->parts_digest && a->n_changes == b->n_changes &&
-           memcmp(a->changes, b->changes, sizeof a->changes) == 0 &&
+           memcmp(a->changes, b->changes, sizeof a->changes) == 0 && a->n_figures == b->n_figures &&
+           memcmp(a->figures, b->figures, a->n_figures * sizeof *a->figures) == 0 &&
            memcmp(&a->end, &b->end, sizeof a->end) == 0;
 }
 

@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 8, HELPER_RUN_CHANGES = 64 };
+enum { HELPER_RUN_SAMPLES = 2000, HELPER_RUN_COLUMNS = 8, HELPER_RUN_CHANGES = 512 };
+enum { HELPER_RUN_FIGURES = 256 };
 
 /// Everything that a run emitted, and the requests to it. Zero-initialise; helper_run_free() if it is on the heap.
 typedef struct helper_run_log {
@@ -27,6 +28,8 @@ typedef struct helper_run_log {
     uint64_t parts_digest;                                 ///< of all times and rows of parts
     double *parts;                                         ///< rows of the last ones; free()
     size_t n_present;                                      ///< parts in the domain in those
+    size_t n_figures;                                      ///< the key figures that came last
+    double figures[HELPER_RUN_FIGURES];                    ///< their values
     uint64_t n_askings;                                    ///< calls of requested()
     uint64_t stop_at;      ///< request a checkpoint and a stop in this call; 0: never
     uint64_t report_every; ///< request a report every so many calls; 0: never

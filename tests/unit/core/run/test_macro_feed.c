@@ -59,7 +59,7 @@ static void *make_run(scene *s, int n_threads, double *ret_dt)
 static void step(void *solver, size_t n)
 {
     for (size_t k = 0; k < n; k++) {
-        assert_int_equal(run__macro.admit(solver, NULL), BF_OK);
+        assert_int_equal(run__macro.admit(solver, NULL, NULL), BF_OK);
         assert_int_equal(run__macro.advance(solver, 1, NULL), BF_OK);
     }
 }
@@ -91,7 +91,7 @@ static void a_fed_belt_carries_the_rate(void **state)
         void *run = make_run(&s, 1, &dt);
         const size_t n = (size_t)(3.0 / dt);
         for (size_t i = 0; i < n; i++) {
-            assert_int_equal(run__macro.admit(run, NULL), BF_OK);
+            assert_int_equal(run__macro.admit(run, NULL, NULL), BF_OK);
             run__macro.count(run, columns);
             left += columns[0] / 0.01 * 0.4 * dt;
             assert_int_equal(run__macro.advance(run, 1, NULL), BF_OK);

@@ -1,0 +1,176 @@
+// Key figures of whole runs of both models, on belts where they follow by hand.
+
+#include "core/base/memory.h"
+#include "core/figures/figure.h"
+#include "core/run/run.h"
+#include "tests/unit/core/helper_run.h"
+#include "tests/unit/core/helper_scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static const run_model models[] = { RUN_MACRO, RUN_MICRO };
+
+// A belt of 0.4 m/s, 0.8 m x 0.6 m, that a feed in the middle of its western side gives 4 cylinders of 12 mm in a second, in
+// single file; a photo eye across it at 0.6 m; the first 5 of 30 s are warm-up.
+static void make_file(scene *s)
+{
+    helper_scene_belt(s, 0.8, 0.6, 0.01, NULL, 0);
+    s->initial.type = SCENE_INITIAL_EMPTY;
+    s->duration = 30.0;
+    s->warmup = 5.0;
+    s->output.curve_every = 0.05;
+    s->output.snapshot_every = 5.0;
+    s->micro.integrator = SCENE_IMPLICIT;
+    s->micro.step = 1e-3;
+    s->micro.modulus_reduction = 1e4;
+    helper_scene_add_belt(s, (vec2){ 0.4, 0.0 }, NULL, 0);
+    s->n_feeds = 1;
+    s->feeds = memory_alloc(1, sizeof *s->feeds);
+    scene_feed_init(s->feeds);
+    s->feeds[0].is_edge = true;
+    s->feeds[0].edge = SCENE_WEST;
+    s->feeds[0].line[0] = (vec2){ 0.0, 0.28 };
+    s->feeds[0].line[1] = (vec2){ 0.0, 0.32 };
+    s->feeds[0].demand = SCENE_DEMAND_RATE;
+    s->feeds[0].arrivals = SCENE_ARRIVALS_REGULAR;
+    s->feeds[0].rate = 4.0;
+    s->n_eyes = 1;
+    s->eyes = memory_alloc(1, sizeof *s->eyes);
+    scene_photo_eye_init(s->eyes);
+    s->eyes[0].line[0] = (vec2){ 0.6, 0.1 };
+    s->eyes[0].line[1] = (vec2){ 0.6, 0.5 };
+    helper_scene_resolve(s);
+    bf_faults faults = { 0 };
+    scene_check(s, &faults);
+    assert_int_equal(faults_status(&faults, NULL), BF_OK);
+}
+
+static double value(const scene *s, const helper_run_log *log, figure_id id)
+{
+    assert_int_equal(log->n_figures, figure_values(s));
+    return log->figures[figure_at(s, id, 0)];
+}
+
+static helper_run_log *run_model_of(const scene *s, run_model model)
+{
+    helper_run_log *log = calloc(1, sizeof *log);
+
+    log->model = model;
+    assert_int_equal(helper_run(s, 1, 0, log), BF_OK);
+    return log;
+}
+
+// 4 parts/s leave, each after 0.8/0.4 = 2 s: by Little's law 8 parts are inside. All run with the belt. The tick and the
+// last cell cost 1 %.
+static void a_free_file_has_the_throughput_residence_and_content_of_its_feed(void **state)
+{
+    (void)state;
+    scene s;
+    make_file(&s);
+    for (size_t m = 0; m < 2; m++) {
+        helper_run_log *log = run_model_of(&s, models[m]);
+        assert_near(value(&s, log, FIGURE_THROUGHPUT), 14400.0, 1e-6 * 14400.0);
+        assert_near(value(&s, log, FIGURE_THROUGHPUT_ERROR), 0.0, 1e-6 * 14400.0);
+        assert_near(value(&s, log, FIGURE_STEADY_AT), 25.0, 1e-9);
+        assert_near(value(&s, log, FIGURE_RESIDENCE_MEAN), 2.0, 0.02);
+        assert_near(value(&s, log, FIGURE_RESIDENCE_P99), 2.0, 0.03);
+        assert_near(value(&s, log, FIGURE_CONTENT_MEAN), 8.0, 0.08);
+        assert_near(value(&s, log, FIGURE_JAM_COUNT), 0.0, 0.0);
+        assert_near(value(&s, log, FIGURE_OFFERED), 120.0, 1e-6);
+        assert_near(value(&s, log, FIGURE_ADMITTED), 120.0, 1e-6);
+        assert_near(value(&s, log, FIGURE_WAIT_MEAN), 0.0, 0.01);
+        assert_true(isnan(value(&s, log, FIGURE_DRAINED_AT)));
+        helper_run_free(log);
+    }
+    scene_fini(&s);
+}
+
+// Parts follow each other at 0.4/4 = 0.1 m, of which they take 0.024 m.
+static void gaps_are_those_between_the_parts(void **state)
+{
+    (void)state;
+    scene s;
+    make_file(&s);
+    helper_run_log *log = run_model_of(&s, RUN_MICRO);
+    assert_near(value(&s, log, FIGURE_GAP_MEAN), 0.076, 2e-4);
+    assert_near(value(&s, log, FIGURE_GAP_MIN), 0.076, 4e-3); // they enter at ticks
+    assert_near(value(&s, log, FIGURE_DOUBLES), 0.0, 0.0);
+    assert_near(value(&s, log, FIGURE_STATE_FREE), 1.0, 0.0);
+    helper_run_free(log);
+    scene_fini(&s);
+}
+
+// The belt stops at 10 s for good: a jam from the last exit on, everything is blocked, and what comes waits. Until 30 s.
+static void a_belt_that_stops_is_a_jam(void **state)
+{
+    (void)state;
+    static const double times[] = { 10.0 }, factors[] = { 0.0 };
+    scene s;
+    make_file(&s);
+    helper_scene_schedule(&s.belts[0], 1, times, factors);
+    for (size_t m = 0; m < 2; m++) {
+        helper_run_log *log = run_model_of(&s, models[m]);
+        assert_near(value(&s, log, FIGURE_JAM_COUNT), 1.0, 0.0);
+        assert_near(value(&s, log, FIGURE_JAM_FIRST), 10.0, 0.3); // exits come every 0.25 s
+        assert_near(value(&s, log, FIGURE_JAM_TOTAL), 20.0, 0.3);
+        assert_true(value(&s, log, FIGURE_WAITING_MAX) > 70.0); // of 80, less what the line took
+        if (models[m] == RUN_MICRO)
+            assert_true(value(&s, log, FIGURE_STATE_BLOCKED) > 0.75); // for 20 of 25 s
+        helper_run_free(log);
+    }
+    scene_fini(&s);
+}
+
+static void a_run_ends_when_its_throughput_is_steady(void **state)
+{
+    (void)state;
+    scene s;
+    make_file(&s);
+    s.until = SCENE_UNTIL_STEADY;
+    for (size_t m = 0; m < 2; m++) {
+        helper_run_log *log = run_model_of(&s, models[m]);
+        assert_int_equal(log->end.reason, FRAME_END_STEADY);
+        assert_near(log->end.t, 25.0, 1e-6);
+        helper_run_free(log);
+    }
+    scene_fini(&s);
+}
+
+// Stopped half way and resumed, the values have the bits of a run in one piece.
+static void stops_do_not_change_a_bit(void **state)
+{
+    (void)state;
+    scene s;
+    make_file(&s);
+    s.duration = 12.0;
+    for (size_t m = 0; m < 2; m++) {
+        helper_run_log *whole = run_model_of(&s, models[m]);
+        helper_run_log *parts = calloc(1, sizeof *parts);
+        parts->model = models[m];
+        parts->stop_at = whole->n_askings / 2;
+        assert_int_equal(helper_run(&s, 1, 0, parts), BF_OK);
+        parts->stop_at = 0;
+        assert_int_equal(helper_run(&s, 1, 1, parts), BF_OK);
+        assert_true(helper_run_is_same(whole, parts));
+        helper_run_free(whole);
+        helper_run_free(parts);
+    }
+    scene_fini(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_free_file_has_the_throughput_residence_and_content_of_its_feed),
+        cmocka_unit_test(gaps_are_those_between_the_parts),
+        cmocka_unit_test(a_belt_that_stops_is_a_jam),
+        cmocka_unit_test(a_run_ends_when_its_throughput_is_steady),
+        cmocka_unit_test(stops_do_not_change_a_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
