@@ -5,28 +5,28 @@
 
 #include <math.h>
 
-// Speed of the belt at a point of a line across it, m/s; of the belt itself for a line without length.
-static double speed_across(const surroundings *around, vec2 at, vec2 line, double length)
+// The belt's velocity under a point at its largest factor, m/s; zero off every belt.
+static vec2 velocity_at(const surroundings *around, vec2 at)
 {
     const size_t belt = surroundings_belt_at(around, at);
 
     if (belt >= around->n_belts)
-        return 0.0;
-    const vec2 velocity =
-        vec2_scale(around->belts[belt].velocity, belt_speeds_largest(&around->belts[belt]));
-    return length > 0.0 ? fabs(vec2_cross(line, velocity)) / length : vec2_length(velocity);
+        return (vec2){ 0.0, 0.0 };
+    return vec2_scale(around->belts[belt].velocity, belt_speeds_largest(&around->belts[belt]));
 }
 
 double feed_capacity(const scene *s, const scene_feed *feed)
 {
     const surroundings around = surroundings_of(s);
     const vec2 line = vec2_sub(feed->line[1], feed->line[0]);
-    const double packing = scene_packing_density(s), length = vec2_length(line);
-    double mean = 0.0;
+    const double packing = scene_packing_density(s), width = 1.0 / sqrt(packing);
+    double area = 0.0; // m2/s
 
     for (int k = 0; k < CAPACITY_POINTS; k++) {
         const vec2 at = vec2_add(feed->line[0], vec2_scale(line, (k + 0.5) / CAPACITY_POINTS));
-        mean += speed_across(&around, at, line, length) / CAPACITY_POINTS;
+        const vec2 velocity = velocity_at(&around, at);
+        area +=
+            (fabs(vec2_cross(line, velocity)) + width * vec2_length(velocity)) / CAPACITY_POINTS;
     }
-    return packing * mean * (length + 1.0 / sqrt(packing));
+    return packing * area;
 }

@@ -324,8 +324,9 @@ static void a_million_parts_arrive_in_order(void **state)
 }
 
 // A belt of 0.5 m/s, 0.6 m wide, half of it covered by a line, packed with 1000 parts/m2: 150 parts/s, and the width
-// of one more part of 1/sqrt(1000) m. A line at 30 degrees to the belt is crossed at half the speed.
-static void the_capacity_is_what_the_belt_carries_across(void **state)
+// of one more part of 1/sqrt(1000) m. A line at 30 degrees to the belt is crossed at half the speed, one along it not
+// at all: parts make room for each other one by one.
+static void the_capacity_is_what_the_belt_carries_away(void **state)
 {
     (void)state;
     const double width = 1.0 / sqrt(1000.0);
@@ -339,7 +340,9 @@ static void the_capacity_is_what_the_belt_carries_across(void **state)
     f.line[1] = (vec2){ 0.0, 0.4 };
     assert_near(feed_capacity(&s, &f), 1000.0 * 0.5 * (0.3 + width), 1e-9);
     f.line[1] = (vec2){ 0.3 * sqrt(0.75), 0.1 + 0.15 };
-    assert_near(feed_capacity(&s, &f), 1000.0 * 0.25 * (0.3 + width), 1e-9);
+    assert_near(feed_capacity(&s, &f), 1000.0 * (0.25 * 0.3 + 0.5 * width), 1e-9);
+    f.line[1] = (vec2){ 0.3, 0.1 };
+    assert_near(feed_capacity(&s, &f), 1000.0 * 0.5 * width, 1e-9);
     f.line[1] = f.line[0];
     assert_near(feed_capacity(&s, &f), 1000.0 * 0.5 * width, 1e-9);
     helper_scene_schedule(s.belts, 2, (double[]){ 1.0, 2.0 }, (double[]){ 3.0, 0.0 });
@@ -382,7 +385,7 @@ int main(void)
         cmocka_unit_test(poisson_counts_pass_a_chi_square_test),
         cmocka_unit_test(parts_of_equal_substream_are_equal),
         cmocka_unit_test(a_million_parts_arrive_in_order),
-        cmocka_unit_test(the_capacity_is_what_the_belt_carries_across),
+        cmocka_unit_test(the_capacity_is_what_the_belt_carries_away),
         cmocka_unit_test(out_of_memory_anywhere_is_an_error),
     };
 
