@@ -10,7 +10,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import feeds
 from documents import macro_document, micro_documents, set_member
+from layouts import DIAMETER_M as D
 from scenes import GOALS, SCENES
 
 HERE = Path(__file__).resolve().parent
@@ -39,6 +41,17 @@ class Scenes(unittest.TestCase):
                     check = subprocess.run([PROGRAM, "check", "--model", model, "-"], input=json.dumps(document),
                                            capture_output=True, text=True)
                     self.assertEqual(check.returncode, 0, check.stderr)
+
+    def test_the_microscopic_model_accepts_every_fed_scene(self):
+        for row in feeds.rows():
+            with self.subTest(row=row.name):
+                check = subprocess.run([PROGRAM, "check", "--model", "micro", "-"], text=True, capture_output=True,
+                                       input=json.dumps(feeds.fed(row.layout, 0)))
+                self.assertEqual(check.returncode, 0, check.stderr)
+
+    def test_funnels_pass_what_was_published(self):
+        for n, ratio in [(6, 1.31), (10, 1.125)]:
+            self.assertAlmostEqual(feeds.wang(80, n * D) / feeds.wang(0, n * D), ratio, delta=0.005)
 
     def test_members_are_set_by_pointer(self):
         document = {"belts": [{"velocity_m_s": [1, 0]}]}

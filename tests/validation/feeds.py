@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Saturated rates of the microscopic model under a lasting feed, next to what is known of them.
+
+A feed offers more than the outlet passes, so that the queue reaches back to the inlet. The rate is that of parts which
+leave the domain after the warm-up. Known are
+
+    the queue   its length does not change the rate;
+    speed       the rate is proportional to the speed of the belt;
+    funnel      X. Wang et al., Chinese Physics B 29 (2020) 044502: Q ~ 1 - 0.74 exp(-0.19 D/(d cos theta)) for an opening
+                D and parts of diameter d, theta = 90 degrees minus the angle of the plates to the belt.
+"""
+
+import argparse
+import csv
+import math
+import os
+import statistics
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from documents import MICRO
+from layouts import DIAMETER_M as D
+from layouts import SPEED_M_S, WIDTH_M, funnel, single
+from solver import Program
+
+TREE = Path(__file__).resolve().parents[2]
+OFFERED_PER_M = 400.0  # parts offered for each metre that the belt moves: more than any outlet here passes
+FILLED_M = 8.0  # the belt has moved so far when the queue is there
+MEASURED_M = 30.0
+
+
+@dataclass
+class Row:
+    group: str
+    name: str
+    layout: object
+    tolerance: float  # of the ratio to the first row of the group, relative
+    expected: float = 1.0  # that ratio
+
+
+def wang(theta_deg, opening):
+    """The factor of the rate of a funnel, see above."""
+    return 1.0 - 0.74 * math.exp(-0.19 * opening / (D * math.cos(math.radians(theta_deg))))
+
+
+def fed(layout, substream):
+    """The scenario of a layout whose heap is replaced by a feed."""
+    document = layout.document("fed")
+    del document["initial"]
+    warmup = round(FILLED_M / layout.speed, 3)
+    return {
+        **document,
+        "duration_s": warmup + round(MEASURED_M / layout.speed, 3),
+        "warmup_s": warmup,
+        "substream": substream,
+        "feeds": [{"id": "infeed", "edge": "west", "arrivals": "poisson",
+                   "rate_per_s": round(OFFERED_PER_M * layout.speed, 3)}],
+        "output": {"curve_every_s": 0.1, "snapshot_every_s": 10.0},
+        "micro": MICRO["implicit"],
+    }
+
+
+def queue(length):
+    return single(60, 0.10, 1.0, foot=length)
+
+
+def rows():
+    yield from (Row("queue", f"queue of {length} m", queue(length), 0.02) for length in (0.4, 0.8, 1.6))
+    yield from (Row("speed", f"{speed} m/s", single(60, 0.10, 1.0, foot=0.5, speed=speed), 0.04, speed / SPEED_M_S)
+                for speed in (SPEED_M_S, 0.1, 0.2, 0.3, 0.5, 0.6))
+    for n in (6, 10):
+        for theta in (0, 80):
+            yield Row(f"funnel-{n}d", f"theta {theta}, {n} d", funnel(90 - theta, n * D, 1.0), 0.05,
+                      wang(theta, n * D) / wang(0, n * D))
+
+
+def rate(folder, warmup):
+    """Parts/s that left after the warm-up."""
+    with open(folder / "curve.csv", newline="") as file:
+        gone = [(float(row["t_s"]), float(row["left_domain"])) for row in csv.DictReader(file)]
+    (t_0, n_0), (t_1, n_1) = next(row for row in gone if row[0] >= warmup - 1e-9), gone[-1]
+    return (n_1 - n_0) / (t_1 - t_0)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("groups", nargs="*", help="queue, speed, funnel-6d, funnel-10d (default all)")
+    parser.add_argument("--substreams", type=int, default=3, help="runs of a row (default %(default)s)")
+    parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
+    parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    program = Program(options.program, options.out / "runs")
+    chosen = [row for row in rows() if not options.groups or row.group in options.groups]
+    with ThreadPoolExecutor(options.jobs) as pool:
+        runs = [[pool.submit(program.solve, "micro", fed(row.layout, k)) for k in range(options.substreams)]
+                for row in chosen]
+        first, missed = {}, 0
+        print(f"{'group':12} {'row':16} {'parts/s':>8} {'+-':>6} {'ratio':>7} {'known':>7} {'off %':>6} {'most':>5}")
+        for row, made in zip(chosen, runs):
+            warmup = fed(row.layout, 0)["warmup_s"]
+            rates = [rate(run.result().folder, warmup) for run in made]
+            mean = statistics.mean(rates)
+            ratio = mean / first.setdefault(row.group, mean)
+            off = ratio / row.expected - 1.0
+            is_missed = abs(off) > row.tolerance
+            missed += is_missed
+            spread = statistics.stdev(rates) if len(rates) > 1 else math.nan
+            print(f"{row.group:12} {row.name:16} {mean:8.2f} {spread:6.2f} {ratio:7.4f} {row.expected:7.4f} "
+                  f"{100 * off:6.2f} {100 * row.tolerance:5.1f}{' *' if is_missed else ''}", flush=True)
+    sys.exit(missed > 0)
+
+
+if __name__ == "__main__":
+    main()
