@@ -13,6 +13,9 @@ import { segments } from "./transport.js";
 const JUDGE_AFTER_MS = 350;
 const PREFIX = '{"scenario":'; // before the text, so that its line numbers do not change
 
+// The scenario to begin with: the paper's first one.
+const firstOf = (examples) => examples.find(({ name }) => name === "example-1") ?? examples[0];
+
 export class NewView {
   constructor() {
     this.title = "New run";
@@ -27,7 +30,7 @@ export class NewView {
     if (this.isGone) return;
     root.replaceChildren(...this.build(examples, runs));
     const from = query.get("from");
-    await this.begin(from ? `run:${from}` : `example:${query.get("example") ?? examples[0].name}`);
+    await this.begin(from ? `run:${from}` : `example:${query.get("example") ?? firstOf(examples).name}`);
   }
 
   unmount() {
