@@ -54,10 +54,10 @@ typedef struct feed_admission {
 typedef struct feed_room {
     void *context; ///< of the functions
     /// True if a part of the kind overlaps nothing in this place.
-    bool (*is_free)(const void *context, uint32_t kind, scene_pose pose);
+    bool (*is_free)(void *context, uint32_t kind, scene_pose pose);
     /// Copy at most n_max of the bodies whose centres are nearer than `within` to the segment from start to end, and
     /// return how many there are.
-    size_t (*near)(const void *context, vec2 start, vec2 end, double within, feed_body *ret_bodies,
+    size_t (*near)(void *context, vec2 start, vec2 end, double within, feed_body *ret_bodies,
                    size_t n_max);
     /// Add the part.
     bf_status (*admit)(void *context, const feed_admission *part, bf_error *err);

@@ -74,9 +74,9 @@ bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures, bf_
 }
 
 // The questions of feed_room; one that fails is remembered, since feeds take only answers.
-static bool is_free(const void *context, uint32_t kind, scene_pose pose)
+static bool is_free(void *context, uint32_t kind, scene_pose pose)
 {
-    micro_feeds *f = *(micro_feeds *const *)context;
+    micro_feeds *f = context;
     bool is_so = false;
 
     if (f->query_error.code == BF_OK &&
@@ -101,10 +101,10 @@ static void add_body(void *context, size_t part, const micro_place *place)
     found->n++;
 }
 
-static size_t find_near(const void *context, vec2 start, vec2 end, double within,
-                        feed_body *ret_bodies, size_t n_max)
+static size_t find_near(void *context, vec2 start, vec2 end, double within, feed_body *ret_bodies,
+                        size_t n_max)
 {
-    micro_feeds *f = *(micro_feeds *const *)context;
+    micro_feeds *f = context;
     nearby found = { .bodies = ret_bodies, .n_max = n_max };
 
     if (f->query_error.code == BF_OK &&
@@ -115,7 +115,7 @@ static size_t find_near(const void *context, vec2 start, vec2 end, double within
 
 static bf_status admit(void *context, const feed_admission *part, bf_error *err)
 {
-    micro_feeds *f = *(micro_feeds *const *)context;
+    micro_feeds *f = context;
     const vec2 at = { part->pose.x, part->pose.y };
     const micro_arrival arrival = { .kind = part->kind,
                                     .pose = part->pose,
@@ -137,7 +137,7 @@ static bf_status admit(void *context, const feed_admission *part, bf_error *err)
 
 bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error *err)
 {
-    const feed_room room = { .context = &f, .is_free = is_free, .near = find_near, .admit = admit };
+    const feed_room room = { .context = f, .is_free = is_free, .near = find_near, .admit = admit };
 
     f->figures = to;
     f->query_error = (bf_error){ .code = BF_OK };

@@ -26,7 +26,7 @@ from layouts import SPEED_M_S, WIDTH_M, funnel, single
 from solver import Program
 
 TREE = Path(__file__).resolve().parents[2]
-OFFERED_PER_M = 400.0  # parts offered for each metre that the belt moves: more than any outlet here passes
+OFFERED_PER_M = 700.0  # parts offered for each metre that the belt moves: more than any outlet here passes
 FILLED_M = 8.0  # the belt has moved so far when the queue is there
 MEASURED_M = 30.0
 

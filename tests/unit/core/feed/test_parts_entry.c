@@ -34,7 +34,7 @@ typedef struct room {
     bool refuses;    // admit() fails
 } room;
 
-static bool is_free(const void *context, uint32_t kind, scene_pose pose)
+static bool is_free(void *context, uint32_t kind, scene_pose pose)
 {
     room *r = (room *)context;
     vec2 own[SCENE_VERTICES_MAX + 1], other[SCENE_VERTICES_MAX + 1];
@@ -61,7 +61,7 @@ static bool is_free(const void *context, uint32_t kind, scene_pose pose)
     return is;
 }
 
-static size_t near(const void *context, vec2 start, vec2 end, double within, feed_body *ret_bodies,
+static size_t near(void *context, vec2 start, vec2 end, double within, feed_body *ret_bodies,
                    size_t n_max)
 {
     const room *r = context;
