@@ -134,7 +134,8 @@ static size_t find_blocked(feed_parts *p, const scene_feed *f, double radius, si
         if (half > 0.0)
             p->blocked[n++] = (feed_line_span){ (at - half) / length, (at + half) / length };
     }
-    qsort(p->blocked, n, sizeof *p->blocked, compare_spans);
+    if (n > 0)
+        qsort(p->blocked, n, sizeof *p->blocked, compare_spans);
     return n;
 }
 

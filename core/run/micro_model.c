@@ -285,7 +285,8 @@ static int compare_rows(const void *left, const void *right)
 // The parts in the domain, by their ids.
 static void copy_present(micro_run *run, size_t n_values, double *ret_rows)
 {
-    qsort(run->rows, run->n_rows, sizeof *run->rows, compare_rows);
+    if (run->n_rows > 0)
+        qsort(run->rows, run->n_rows, sizeof *run->rows, compare_rows);
     for (size_t k = 0; k < run->n_rows; k++) {
         const part_row *row = &run->rows[k];
         const micro_part part = micro_part_of(run->solver, row->part);
