@@ -93,7 +93,7 @@ bool checkpoint_read(checkpoint_reader *r, void *ret_bytes, size_t n)
 {
     const char *from = checkpoint_read_items(r, 1, n);
 
-    if (from != NULL)
+    if (from != NULL && n > 0)
         memcpy(ret_bytes, from, n);
     return from != NULL;
 }

@@ -193,6 +193,7 @@ bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf
     if (status != BF_OK)
         return status;
     feed_parts_load(f->entry, &entry);
-    memcpy(f->tags, tags, n * sizeof *f->tags);
+    if (n > 0)
+        memcpy(f->tags, tags, n * sizeof *f->tags);
     return BF_OK;
 }

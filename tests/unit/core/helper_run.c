@@ -38,7 +38,8 @@ static void keep_parts(helper_run_log *log, const frame_parts *p)
     free(log->parts);
     log->parts = malloc(n * sizeof *p->rows + 1);
     BF_CHECK(log->parts != NULL);
-    memcpy(log->parts, p->rows, n * sizeof *p->rows);
+    if (n > 0)
+        memcpy(log->parts, p->rows, n * sizeof *p->rows);
     log->n_present = 0;
     for (uint64_t k = 0; k < p->n_parts; k++)
         log->n_present += isnan(p->rows[k * p->n_values]) ? 0 : 1;
