@@ -124,11 +124,21 @@ static void cut_off_late(http *h, int64_t now_ms)
     }
 }
 
+static bool has_event(int fd, int events)
+{
+    struct pollfd p = { .fd = fd, .events = (short)events };
+
+    return poll(&p, 1, 0) > 0 && (p.revents & events) != 0;
+}
+
+bool http__connection_is_broken(int fd)
+{
+    return has_event(fd, POLLHUP | POLLERR);
+}
+
 bool http__connection_has_hung_up(int fd)
 {
-    struct pollfd p = { .fd = fd, .events = POLLRDHUP };
-
-    return poll(&p, 1, 0) > 0 && (p.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+    return has_event(fd, POLLRDHUP | POLLHUP | POLLERR);
 }
 
 // It hung up, and nothing of it is left to be read.

@@ -3,10 +3,10 @@
 /// Life of a request (one http_request, made when its request line is parsed, freed when MHD says
 /// that it is completed):
 ///
-///     HEADER --guard--> BODY --complete--> WORKING --handled--> READY --> SENT
-///                         |                   |                   ^        |
-///                         |                   '--> LONG_POLL -----|        '--> its body is pulled
-///                         '------- does not block ----------------'
+///     HEADER --guard--> BODY --> COMPLETE --> WORKING --handled--> READY --> SENT
+///                         |                      |                   ^        |
+///                         |                      '--> LONG_POLL -----|        '--> its body is pulled
+///                         '---------- does not block ----------------'
 ///
 /// In WORKING and LONG_POLL the connection is suspended. Everything that more than one thread touches
 /// is under http.lock; the order of locks is http.lock, http_pool's lock, MHD's own. No callback of
@@ -59,6 +59,7 @@ typedef struct http_connection {
 typedef enum http_stage {
     HTTP_STAGE_HEADER,    ///< the header is not checked yet
     HTTP_STAGE_BODY,      ///< the body is being received
+    HTTP_STAGE_COMPLETE,  ///< the request is complete, and needs a request thread
     HTTP_STAGE_WORKING,   ///< suspended, a request thread has it
     HTTP_STAGE_LONG_POLL, ///< suspended, its answer waits for a run
     HTTP_STAGE_READY,     ///< the response is complete
@@ -149,8 +150,11 @@ void http__connection_deadline(http_connection *c, int64_t ms);
 /// True if only requests about the daemon's health are still answered.
 bool http__connection_is_reserved(const http_connection *c);
 
-/// True if the client has closed its side, or the connection is broken.
+/// True if the client sends no more, or the connection is broken.
 bool http__connection_has_hung_up(int fd);
+
+/// True if the connection is broken: nothing can be sent either.
+bool http__connection_is_broken(int fd);
 
 /// Start and stop the thread that watches deadlines and pulls.
 BF_MUST_CHECK bf_status http__watch_start(http *h, bf_error *err);

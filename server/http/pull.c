@@ -203,6 +203,24 @@ void http_notify(http *h, const char *run_id)
     lock_release(&h->lock);
 }
 
+// A client that has shut down its sending side may still read, or be gone. Bytes tell: a host answers
+// those for a closed socket by a reset. So a stream gets a heartbeat then, and goes on unless the connection
+// breaks. A long poll has no bytes to send before its answer, and is answered.
+static void look_for_client(http_request *r)
+{
+    http_pull *p = &r->pull;
+    bool has_hung_up = http__connection_has_hung_up(r->connection->fd);
+
+    lock_assert_held(&r->server->lock);
+    if (p->source.heartbeat == NULL) {
+        p->is_disconnected = has_hung_up;
+        return;
+    }
+    p->is_disconnected = http__connection_is_broken(r->connection->fd);
+    p->is_heartbeat_due = has_hung_up && !p->is_half_closed;
+    p->is_half_closed = has_hung_up;
+}
+
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
 {
     int64_t next_ms = NEVER;
@@ -213,9 +231,9 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
         if (!p->is_parked)
             continue;
         if (looks_for_disconnected)
-            p->is_disconnected = http__connection_has_hung_up(r->connection->fd);
-        p->is_heartbeat_due =
-            p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms;
+            look_for_client(r);
+        if (p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms)
+            p->is_heartbeat_due = true;
         if (p->is_disconnected || p->is_heartbeat_due || now_ms >= p->due_ms)
             queue(h, r);
         else if (p->due_ms < next_ms)

@@ -40,10 +40,12 @@ typedef struct http_pull {
     http_request *next;     ///< http.lock: in http.pulls
     uint64_t n_notified;    ///< http.lock: wake-ups so far
     bool is_parked;         ///< http.lock: it has no owner, and waits
-    bool is_disconnected;   ///< http.lock: the client hung up
-    bool is_heartbeat_due;  ///< http.lock: nothing was sent for heartbeat_ms
-    int64_t looked_ms;      ///< http.lock: when it was parked
-    int64_t due_ms;         ///< http.lock: when it is looked at again, without a wake-up
+    bool is_half_closed;    ///< http.lock: the client has shut down its sending side
+    bool is_disconnected;   ///< http.lock: the client is taken for gone
+    bool
+        is_heartbeat_due; ///< http.lock: nothing was sent for heartbeat_ms, or the client is in doubt
+    int64_t looked_ms;    ///< http.lock: when it was parked
+    int64_t due_ms;       ///< http.lock: when it is looked at again, without a wake-up
 } http_pull;
 
 /// Begin to pull the body of the response. False: there are too many of its kind.

@@ -370,6 +370,9 @@ static bool can_block(const http_request *r)
                : r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
 }
 
+// MHD reads from the socket when a connection resumes that was suspended while it waited for more of the
+// request, and takes the end of what a client sends for the end of the client. So the connection is
+// suspended at MHD's second call for the complete request, by when MHD waits for us and not for the socket.
 static bool dispatch(http_request *r)
 {
     http__connection_deadline(r->connection, -1);
@@ -379,6 +382,12 @@ static bool dispatch(http_request *r)
         handle(r);
         return http__respond(r);
     }
+    r->stage = HTTP_STAGE_COMPLETE;
+    return true;
+}
+
+static bool queue(http_request *r)
+{
     if (http__pool_suspend(r->server->pool, r))
         return true;
     bf_error err = { 0 };
@@ -395,6 +404,8 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
         return begin(r, method, version);
     case HTTP_STAGE_BODY:
         return *n > 0 ? take_body(r, bytes, n) : dispatch(r);
+    case HTTP_STAGE_COMPLETE:
+        return queue(r);
     case HTTP_STAGE_READY:
         return http__respond(r);
     case HTTP_STAGE_WORKING:
