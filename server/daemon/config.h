@@ -24,6 +24,10 @@
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
       "address space of a run; 0: unlimited")                                                      \
     X(run_cpu_s, NUMBER, "86400", 0, 1e9, RELOAD, "CPU seconds of a run; 0: unlimited")            \
+    X(run_stall_s, NUMBER, "900", 0, 1e9, RELOAD,                                                  \
+      "seconds without a step after which a run fails; 0: unlimited")                              \
+    X(run_wall_s, NUMBER, "604800", 0, 1e9, RELOAD,                                                \
+      "seconds that a run may take, all attempts together; 0: unlimited")                          \
     X(checkpoint_ms, NUMBER, "5000", 10, 3600000, RELOAD, "between checkpoints of a run")          \
     X(queue_limit, NUMBER, "1000", 1, 1000000, RELOAD, "runs that may wait")                       \
     X(idempotency_hours, NUMBER, "24", 1, 8760, RESTART,                                           \

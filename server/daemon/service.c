@@ -178,7 +178,8 @@ static bf_status ready(void *context, bf_error *err)
 
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
-    return store_ready(s->store, err);
+    bf_status status = store_ready(s->store, err);
+    return status == BF_OK ? supervisor_ready(s->supervisor, err) : status;
 }
 
 static void read_figures(service *s)

@@ -12,7 +12,7 @@
 /// that two attempts at one run cannot mix.
 ///
 /// Implementations  server/run/local_executor.h: child processes of the daemon.
-/// Threads  all functions are called from the supervisor's thread (attach() also
+/// Threads  all functions but ready() are called from the supervisor's thread (attach() also
 ///          before that has started). Another source of a job's bytes (a thread that receives frames over
 ///          HTTP) synchronises inside the executor and makes wake_fd readable.
 
@@ -62,9 +62,10 @@ typedef enum executor_cause {
     EXECUTOR_EXITED,  ///< it exited after completing its work
     EXECUTOR_FAILED,  ///< it exited with a failure
     EXECUTOR_STOPPED, ///< by a graceful stop, the daemon's or another's, before it could handle it
-    EXECUTOR_KILLED,  ///< by force: EXECUTOR_STOP_NOW, or the system's memory killer
+    EXECUTOR_KILLED,  ///< by force: EXECUTOR_STOP_NOW, or from outside
     EXECUTOR_CRASHED, ///< by a fault of the program
     EXECUTOR_TIMED_OUT, ///< because it used up its CPU time
+    EXECUTOR_UNSTARTED, ///< its program could not be executed: nothing of it was done
 } executor_cause;
 
 /// The end of a job.
@@ -75,8 +76,12 @@ typedef struct executor_end {
 
 /// The operations of an executor.
 typedef struct executor_functions {
-    /// Start a job. The executor keeps nothing of *work. BF_EBUSY, BF_ENOMEM: it may work later; other
-    /// errors: this job can never be started.
+    /// BF_OK if jobs can be started, as far as that can be told without starting one; else why not. Does not
+    /// block. The one function that any thread may call.
+    bf_status (*ready)(executor *e, bf_error *err);
+
+    /// Start a job. The executor keeps nothing of *work. BF_EBUSY, BF_ENOMEM, BF_ESYSTEM: the executor is at
+    /// fault, and it may work later; other errors: this job can never be started.
     bf_status (*start)(executor *e, const executor_work *work, executor_job **ret_job,
                        bf_error *err);
 

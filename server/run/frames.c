@@ -245,6 +245,7 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
 void supervisor__finish_batch(supervisor__task *task)
 {
     free_batch(task);
+    task->moved_ms += clock_monotonic_ms() - task->write.begin_ms; // the job may have waited
     if (task->write.status != BF_OK)
         supervisor__fail(task, &task->write.error);
 }
@@ -256,6 +257,8 @@ static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf
                        begin->n_columns, task->n_columns);
     task->begin = *begin;
     task->has_begun = true;
+    task->moved_ms = clock_monotonic_ms();
+    supervisor__forget_trouble(task->supervisor);
     task->progress = (frame_progress){ .step = begin->first_step, .n_steps = begin->n_steps };
     task->rate_step = begin->first_step;
     task->rate_s = clock_monotonic_s();
@@ -273,6 +276,8 @@ static bf_status take_progress(supervisor__task *task, const frame_progress *p, 
 {
     if (p->n_steps != task->begin.n_steps || p->step > p->n_steps)
         return bf_fail(err, BF_ECORRUPT, "", "the solver has lost count of its steps");
+    if (p->step > task->progress.step)
+        task->moved_ms = clock_monotonic_ms();
     count_steps(task, p->step);
     task->progress = *p;
     task->has_progress = true;

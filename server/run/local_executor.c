@@ -20,6 +20,8 @@
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/pidfd.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -30,6 +32,8 @@ enum {
     ERROR_READS = 16, // a turn: what a pipe holds, so that no flood of words blocks the loop
     NUMBER_TEXT = 24,
     EVENTS_MAX = 64,
+    EXIT_NOT_EXECUTABLE = 126, // of shells and of the dynamic loader, for a program that
+    EXIT_NOT_FOUND = 127,      // cannot be executed, or lacks a library
 };
 
 // What an event of a job's descriptors is about.
@@ -49,22 +53,23 @@ typedef struct watch {
 
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];
-    char run_id[64];       // for the log
-    uint64_t memory_bytes; // its limits, for the words about its end
-    uint64_t cpu_s;
-    pid_t pid;       // 0: reaped
-    int status;      // of waitpid(), when reaped
-    int pidfd;       // readable when it has ended
-    int in;          // its standard input, not blocking; -1 when all is written
-    int out;         // its standard output, not blocking; -1 at its end
-    int err;         // its standard error, not blocking; -1 at its end
-    bf_buffer input; // what it is to read
+    char run_id[64];     // for the log
+    uint64_t cpu_s;      // its limit, for the words about its end
+    pid_t pid;           // 0: reaped
+    int status;          // of wait4(), when reaped
+    uint64_t peak_bytes; // of memory that it had at once, when reaped
+    int pidfd;           // readable when it has ended
+    int in;              // its standard input, not blocking; -1 when all is written
+    int out;             // its standard output, not blocking; -1 at its end
+    int err;             // its standard error, not blocking; -1 at its end
+    bf_buffer input;     // what it is to read
     size_t n_written;
     bool has_output;      // there may be something to read from out
     char line[LINE_SIZE]; // of stderr, as far as it has come
     size_t n_line;
     char last_line[LINE_SIZE]; // the last complete one
     unsigned n_logged;
+    bool has_spoken;    // bytes have come from out
     bool is_released;   // freed when it is reaped
     executor_job *next; // in the executor's list of released jobs
     watch watches[SOURCE_COUNT];
@@ -235,6 +240,7 @@ static void close_job(executor_job *job)
 static bool reap(executor_job *job)
 {
     siginfo_t info = { .si_pid = 0 };
+    struct rusage used = { .ru_maxrss = 0 };
 
     if (job->pid == 0)
         return true;
@@ -242,8 +248,9 @@ static bool reap(executor_job *job)
     if (waitid(P_PID, (id_t)job->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0)
         return false;
     kill(-job->pid, SIGKILL);
-    if (waitpid(job->pid, &job->status, 0) != job->pid)
+    if (wait4(job->pid, &job->status, 0, &used) != job->pid)
         job->status = SIGKILL; // already reaped elsewhere
+    job->peak_bytes = (uint64_t)used.ru_maxrss * 1024;
     job->pid = 0;
     job->has_output = true;
     return true;
@@ -290,6 +297,20 @@ static int start_child(local_executor *e, const executor_work *work, executor_jo
     return error;
 }
 
+// The effective user counts, as in execve().
+static bf_status ready(executor *base, bf_error *err)
+{
+    const local_executor *e = (const local_executor *)base;
+    struct stat info;
+    int error = stat(e->program, &info) != 0 ? errno : 0;
+
+    if (error == 0 && !S_ISREG(info.st_mode))
+        error = EACCES;
+    if (error == 0 && faccessat(AT_FDCWD, e->program, X_OK, AT_EACCESS) != 0)
+        error = errno;
+    return error == 0 ? BF_OK : fail_start(e->program, error, err);
+}
+
 static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
                        bf_error *err)
 {
@@ -299,7 +320,6 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
     if (job == NULL)
         return bf_fail(err, BF_ENOMEM, "", "no memory to start a run");
     job->pidfd = job->in = job->out = job->err = -1;
-    job->memory_bytes = work->memory_bytes;
     job->cpu_s = work->cpu_s;
     snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
     bf_status status = encode_input(work, &job->input, err);
@@ -440,11 +460,21 @@ static void update(executor *base)
     }
 }
 
-static executor_cause classify_status(int status)
+static executor_cause classify_exit(const executor_job *job)
 {
-    if (!WIFSIGNALED(status))
-        return WEXITSTATUS(status) == EXIT_SUCCESS ? EXECUTOR_EXITED : EXECUTOR_FAILED;
-    switch (WTERMSIG(status)) {
+    int code = WEXITSTATUS(job->status);
+
+    if (code == EXIT_SUCCESS)
+        return EXECUTOR_EXITED;
+    bool is_unstarted = !job->has_spoken && (code == EXIT_NOT_EXECUTABLE || code == EXIT_NOT_FOUND);
+    return is_unstarted ? EXECUTOR_UNSTARTED : EXECUTOR_FAILED;
+}
+
+static executor_cause classify_end(const executor_job *job)
+{
+    if (!WIFSIGNALED(job->status))
+        return classify_exit(job);
+    switch (WTERMSIG(job->status)) {
     case SIGTERM:
         return EXECUTOR_STOPPED;
     case SIGKILL:
@@ -462,17 +492,19 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
     bf_status code = BF_ESYSTEM;
     const char *name = WIFSIGNALED(job->status) ? sigabbrev_np(WTERMSIG(job->status)) : NULL;
 
-    ret_end->cause = classify_status(job->status);
+    ret_end->cause = classify_end(job);
     if (ret_end->cause == EXECUTOR_TIMED_OUT) {
         code = BF_ELIMIT;
         snprintf(text, sizeof text, "the solver used up its limit of %" PRIu64 " CPU seconds",
                  job->cpu_s);
     } else if (ret_end->cause == EXECUTOR_KILLED) {
-        code = BF_ENOMEM;
         snprintf(text, sizeof text,
-                 "the solver was killed (SIGKILL), most likely because the machine is out of "
-                 "memory; its limit is %" PRIu64 " bytes",
-                 job->memory_bytes);
+                 "the solver was killed from outside (SIGKILL); it had %" PRIu64
+                 " MiB of memory at most. The kernel's log tells if memory was short",
+                 job->peak_bytes >> 20);
+    } else if (ret_end->cause == EXECUTOR_UNSTARTED) {
+        snprintf(text, sizeof text, "the solver cannot be executed (exit code %d)",
+                 WEXITSTATUS(job->status));
     } else if (WIFSIGNALED(job->status)) {
         snprintf(text, sizeof text, "the solver crashed (SIG%s)", name == NULL ? "?" : name);
     } else {
@@ -487,6 +519,7 @@ static size_t read_output(executor_job *job, void *bytes, size_t capacity)
 {
     while (job->has_output && job->out >= 0) {
         ssize_t n = read(job->out, bytes, capacity);
+        job->has_spoken = job->has_spoken || n > 0;
         if (n > 0)
             return (size_t)n;
         if (n < 0 && errno == EINTR)
@@ -536,7 +569,8 @@ static void release(executor *base, executor_job *job)
 
 bf_status local_executor_create(const char *program, executor **ret_executor, bf_error *err)
 {
-    static const executor_functions functions = { .start = start,
+    static const executor_functions functions = { .ready = ready,
+                                                  .start = start,
                                                   .attach = attach,
                                                   .stop = stop,
                                                   .update = update,

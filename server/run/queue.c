@@ -18,6 +18,50 @@ void supervisor__backoff(supervisor *s)
     supervisor_wake(s);
 }
 
+// Backoff makes several attempts a minute.
+void supervisor__note_trouble(supervisor *s, const bf_error *err)
+{
+    const int64_t now_ms = clock_monotonic_ms();
+    char quoted[LOG_QUOTED_SIZE];
+
+    if (s->logged_ms == 0 || now_ms >= s->logged_ms + SUPERVISOR_TROUBLE_MS) {
+        s->logged_ms = now_ms;
+        log_event(LOG_LEVEL_ERROR, "runs_not_started", "error=%s", log_quote(err->text, quoted));
+    }
+    lock_acquire(&s->lock);
+    s->trouble = *err;
+    s->trouble_until_ms = now_ms + SUPERVISOR_TROUBLE_MS;
+    lock_release(&s->lock);
+    supervisor__backoff(s);
+}
+
+void supervisor__forget_trouble(supervisor *s)
+{
+    s->backoff_ms = SUPERVISOR_BACKOFF_FIRST_MS;
+    s->logged_ms = 0;
+    lock_acquire(&s->lock);
+    s->trouble_until_ms = 0;
+    lock_release(&s->lock);
+}
+
+bf_status supervisor_ready(supervisor *s, bf_error *err)
+{
+    bf_error trouble = { .code = BF_OK };
+
+    lock_acquire(&s->lock);
+    if (clock_monotonic_ms() < s->trouble_until_ms)
+        trouble = s->trouble;
+    lock_release(&s->lock);
+    if (trouble.code != BF_OK)
+        return bf_fail(err, trouble.code, "", "%s", trouble.text);
+    return s->executor->functions->ready(s->executor, err);
+}
+
+bool supervisor__may_work_later(bf_status code)
+{
+    return code == BF_EBUSY || code == BF_ENOMEM || code == BF_ESYSTEM;
+}
+
 // Each pending update is of a run that was a task, and no task is made while there are any, so there is
 // room.
 void supervisor__defer(supervisor *s, const char *run_id, run_state state)
@@ -59,6 +103,8 @@ static bool is_claiming(const supervisor *s)
 
 void supervisor__claim(supervisor *s)
 {
+    bf_error err = { 0 };
+
     if (is_claiming(s) || s->n_tasks >= s->options.n_workers)
         return;
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
@@ -73,6 +119,10 @@ void supervisor__claim(supervisor *s)
     lock_release(&s->lock);
     if (!is_time)
         return;
+    if (s->executor->functions->ready(s->executor, &err) != BF_OK) {
+        supervisor__note_trouble(s, &err);
+        return;
+    }
     supervisor__task *task = supervisor__task_create(s);
     if (task == NULL)
         supervisor__backoff(s);
@@ -84,7 +134,7 @@ void supervisor__claim(supervisor *s)
 // that it does not come first again and again.
 static void fail_start(supervisor__task *task, const bf_error *err)
 {
-    bool may_work_later = err->code == BF_EBUSY || err->code == BF_ENOMEM;
+    bool may_work_later = supervisor__may_work_later(err->code);
 
     task->phase = SUPERVISOR_ENDING;
     task->ending = (store_ending){ .run_id = task->claimed.run.id,
@@ -97,19 +147,16 @@ static void start_claimed(supervisor__task *task)
 {
     supervisor *s = task->supervisor;
     bf_error err = { 0 };
-    char quoted[LOG_QUOTED_SIZE];
 
     if (task->requested != SUPERVISOR_STOP_NONE) {
         (void)bf_fail(&err, BF_EBUSY, "", "the daemon is stopping");
     } else if (supervisor__task_start(task, NULL, &err) == BF_OK) {
-        s->backoff_ms = SUPERVISOR_BACKOFF_FIRST_MS;
         log_event(LOG_LEVEL_INFO, "run_started", "run=%s job=%s", task->claimed.run.id,
                   task->external_id);
         supervisor__begin_write(task, SUPERVISOR_WRITE_ID);
         return;
-    } else {
-        log_event(LOG_LEVEL_ERROR, "run_not_started", "run=%s error=%s", task->claimed.run.id,
-                  log_quote(err.text, quoted));
+    } else if (supervisor__may_work_later(err.code)) {
+        supervisor__note_trouble(s, &err);
     }
     fail_start(task, &err);
 }

@@ -67,45 +67,6 @@ static void read_stop_requests(supervisor *s)
     }
 }
 
-static void kill_by(supervisor__task *task, int64_t at_ms)
-{
-    if (task->kill_at_ms < 0 || at_ms < task->kill_at_ms)
-        task->kill_at_ms = at_ms;
-}
-
-// Forward the requested stop to the job, stop it by force after the grace period, and declare it lost if
-// that has no effect.
-static void enforce_stop(supervisor *s, supervisor__task *task, int64_t grace_ms)
-{
-    executor *e = s->executor;
-    int64_t now_ms = clock_monotonic_ms();
-
-    if (task->phase != SUPERVISOR_SOLVING)
-        return;
-    if (task->requested > task->signalled) {
-        if (task->requested == SUPERVISOR_STOP_KILL)
-            kill_by(task, now_ms);
-        else if (task->signalled == SUPERVISOR_STOP_NONE)
-            e->functions->stop(e, task->job, EXECUTOR_STOP_GRACEFUL);
-        kill_by(task,
-                now_ms + (task->requested == SUPERVISOR_STOP_HAND_BACK ? grace_ms
-                                                                       : s->options.stop_grace_ms));
-        task->signalled = task->requested;
-    }
-    // While a batch is stored the job is not polled: it may have ended long ago.
-    if ((task->has_ended || task->failed) && !task->write.is_pending)
-        kill_by(task, now_ms + s->options.stop_grace_ms);
-    if (task->kill_at_ms >= 0 && task->kill_at_ms <= now_ms) {
-        e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
-        task->timed_out = task->requested != SUPERVISOR_STOP_KILL && !task->failed;
-        task->kill_at_ms = INT64_MAX;
-        task->lost_at_ms = now_ms + s->options.lost_ms;
-    }
-    if (task->lost_at_ms >= 0 && task->lost_at_ms <= now_ms && !task->write.is_pending &&
-        task->state != EXECUTOR_ENDED)
-        task->state = EXECUTOR_LOST;
-}
-
 // The job is over and everything it has sent is stored.
 static void begin_end(supervisor__task *task)
 {
@@ -117,15 +78,17 @@ static void begin_end(supervisor__task *task)
 
 static void finish_end(supervisor *s, supervisor__task *task)
 {
-    bool is_back_unasked =
-        task->ending.state == RUN_QUEUED && task->requested == SUPERVISOR_STOP_NONE;
-    bool was_started = task->job != NULL;
+    // Where there is no job, that was noted when it could not be started.
+    bool is_back_unasked = task->job != NULL && task->ending.state == RUN_QUEUED &&
+                           task->requested == SUPERVISOR_STOP_NONE;
 
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
                           task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
+    else if (is_back_unasked && task->exit.cause == EXECUTOR_UNSTARTED)
+        supervisor__note_trouble(s, &task->exit.error);
     // Trouble of the store or of the executor would make the next run end the same way.
-    else if (is_back_unasked || !was_started || (task->failed && task->error.code == BF_ESYSTEM))
+    else if (is_back_unasked || (task->failed && task->error.code == BF_ESYSTEM))
         supervisor__backoff(s);
     supervisor__task_destroy(task);
     supervisor_wake(s); // there is room for another run
@@ -165,37 +128,6 @@ static void advance_task(supervisor *s, supervisor__task *task)
         begin_end(task);
 }
 
-static int sooner(int64_t at_ms, int64_t now_ms, int timeout_ms)
-{
-    int64_t left_ms = at_ms <= now_ms ? 0 : at_ms - now_ms;
-
-    if (left_ms > INT32_MAX)
-        return timeout_ms;
-    return timeout_ms < 0 || left_ms < timeout_ms ? (int)left_ms : timeout_ms;
-}
-
-// How long poll() may block: indefinitely, unless a timer is set or there is data to read.
-static int find_timeout(const supervisor *s)
-{
-    int64_t now_ms = clock_monotonic_ms();
-    int timeout_ms = -1;
-
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        const supervisor__task *task = s->tasks[i];
-        if (task->phase != SUPERVISOR_SOLVING)
-            continue;
-        if ((task->has_more || task->state == EXECUTOR_LOST) && !task->write.is_pending)
-            return 0;
-        if (task->kill_at_ms >= 0)
-            timeout_ms = sooner(task->kill_at_ms, now_ms, timeout_ms);
-        if (task->lost_at_ms >= 0 && !task->write.is_pending)
-            timeout_ms = sooner(task->lost_at_ms, now_ms, timeout_ms);
-    }
-    if (s->claim_at_ms != 0 && s->n_tasks < s->options.n_workers)
-        timeout_ms = sooner(s->claim_at_ms, now_ms, timeout_ms);
-    return timeout_ms;
-}
-
 static void wait_for_events(supervisor *s)
 {
     executor *e = s->executor;
@@ -203,7 +135,7 @@ static void wait_for_events(supervisor *s)
                             { .fd = e->wake_fd, .events = POLLIN } };
     uint64_t n_wakes;
 
-    if (poll(fds, sizeof fds / sizeof *fds, find_timeout(s)) <= 0)
+    if (poll(fds, sizeof fds / sizeof *fds, supervisor__find_timeout(s)) <= 0)
         return;
     if (fds[0].revents != 0 && read(s->wake_fd, &n_wakes, sizeof n_wakes) < 0)
         return;
@@ -266,7 +198,7 @@ static void *run_loop(void *context)
         liveness_answer(&s->liveness);
         read_stop_requests(s);
         for (size_t i = 0; i < s->n_tasks; i++)
-            enforce_stop(s, s->tasks[i], grace_ms);
+            supervisor__enforce(s->tasks[i], grace_ms);
         wait_for_events(s);
         // From the last, because one that is destroyed leaves its place to the last.
         for (size_t i = s->n_tasks; i > 0; i--)

@@ -26,6 +26,8 @@ typedef struct supervisor_options {
     unsigned n_threads;    ///< threads of each run, >= 1
     uint64_t memory_bytes; ///< address space of a job; 0: unlimited
     uint64_t cpu_s;        ///< CPU seconds of a job; 0: unlimited
+    uint64_t stall_s;      ///< seconds without a further step until a run fails; 0: unlimited
+    uint64_t wall_s;       ///< seconds of solving, all attempts together; 0: unlimited
     int64_t checkpoint_ms; ///< between checkpoints of a run
     int64_t stop_grace_ms; ///< from a graceful stop, or the last frame, to a stop by force; 0: 5 s
     int64_t lost_ms;       ///< from that until a job that does not end counts as lost; 0: 30 s
@@ -48,6 +50,9 @@ void supervisor_reconfigure(supervisor *s, const supervisor_options *options);
 
 /// Ask the thread for a sign of life; true if it has answered all earlier questions.
 bool supervisor_is_alive(supervisor *s);
+
+/// BF_OK if runs can be started; else why not, as the executor says or the last attempt has shown.
+BF_MUST_CHECK bf_status supervisor_ready(supervisor *s, bf_error *err);
 
 /// Something was queued or its priority matters: look at the queue.
 void supervisor_wake(supervisor *s);

@@ -1,5 +1,6 @@
 /// What the files of the supervisor have in common: supervisor.c (thread and commands), queue.c (claiming and
-/// what is written later), task.c (how a task starts and ends), frames.c (what its job sends).
+/// what is written later), task.c (how a task starts and ends), deadlines.c (its times), frames.c (what its job
+/// sends).
 ///
 /// A task is a run under supervision; its life is drawn in server/run/README.md.
 
@@ -21,6 +22,7 @@ enum {
     SUPERVISOR_BACKOFF_FIRST_MS = 1000,  ///< of claiming after a failure; doubles each time
     SUPERVISOR_READ_BYTES = 1024 * 1024, ///< of one job in one turn, and so about in one batch
     SUPERVISOR_WRITERS = 2,              ///< threads that wait for the store
+    SUPERVISOR_TROUBLE_MS = 60000, ///< how long trouble counts, and between its lines in the log
 };
 
 /// How a task is to stop; the greater wins.
@@ -54,6 +56,7 @@ typedef struct supervisor__task supervisor__task;
 typedef struct supervisor__write {
     supervisor__write_kind kind; ///< what is written
     bool is_pending;             ///< begun, and its result not taken yet
+    int64_t begin_ms;            ///< when, clock_monotonic_ms()
     atomic_bool is_done;         ///< status and error are set
     bf_status status;            ///< of the store
     bf_error error;              ///< of the store
@@ -92,7 +95,8 @@ struct supervisor__task {
     bool has_begun;          ///< FRAME_BEGIN came
     bool has_ended;          ///< FRAME_END came
     bool failed;             ///< it fails with error, regardless of later frames
-    bool timed_out;          ///< it was stopped by force because it did not end in time
+    bool timed_out;          ///< it was stopped by force because a time was over
+    int64_t moved_ms;        ///< when it was last seen to go on, clock_monotonic_ms()
     frame_begin begin;       ///< valid if has_begun
     frame_end end;           ///< valid if has_ended
     bf_error error;          ///< why it fails: sent by the job, or found here
@@ -135,6 +139,7 @@ struct supervisor {
     int wake_fd;                ///< eventfd
     int64_t claim_at_ms;        ///< no claiming before; 0: at once
     int64_t backoff_ms;         ///< how long the next backoff is
+    int64_t logged_ms;          ///< when trouble was last logged; 0: never
     size_t n_tasks;             ///< tasks
     supervisor__task **tasks;   ///< room for SUPERVISOR_WORKERS_MAX
     size_t n_pending;           ///< pending updates; nothing is claimed while there are any
@@ -146,6 +151,8 @@ struct supervisor {
     int64_t grace_ms;                    ///< with this
     bool has_new_options;                ///< the thread shall apply new_options
     supervisor_options new_options;      ///< see supervisor_reconfigure()
+    bf_error trouble;                    ///< why runs could not be started
+    int64_t trouble_until_ms;            ///< until when that counts; 0: there is none
     liveness liveness;                   ///< of the thread
     supervisor__writers writers;         ///< their own
 };
@@ -165,8 +172,8 @@ void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind
 /// A task without a run, in the list of tasks. NULL: no memory.
 supervisor__task *supervisor__task_create(supervisor *s);
 
-/// Start a job of the claimed run, or take over the one of this name (external_id not NULL). BF_EBUSY and
-/// BF_ENOMEM are temporary; other errors are not.
+/// Start a job of the claimed run, or take over the one of this name (external_id not NULL). Errors are
+/// those of executor_functions.
 BF_MUST_CHECK bf_status supervisor__task_start(supervisor__task *task, const char *external_id,
                                                bf_error *err);
 
@@ -182,6 +189,13 @@ void supervisor__finish_batch(supervisor__task *task);
 
 /// The task fails with this error: discard what was sent and stop the job by force.
 void supervisor__fail(supervisor__task *task, const bf_error *err);
+
+/// Signal the requested stop to the task's job, by force after grace_ms; declare a job lost that even then does
+/// not end; fail a run that has used up its times.
+void supervisor__enforce(supervisor__task *task, int64_t grace_ms);
+
+/// How long the loop may block, ms: -1 indefinitely, unless a time is set or there is data to read.
+int supervisor__find_timeout(const supervisor *s);
 
 /// How a run whose job has ended or was lost ends.
 store_ending supervisor__classify_exit(const supervisor__task *task);
@@ -214,6 +228,15 @@ void supervisor__finish_claim(supervisor__task *task);
 
 /// Write the state of the run later, and claim nothing before that.
 void supervisor__defer(supervisor *s, const char *run_id, run_state state);
+
+/// Runs cannot be started: claim nothing for a while, be not ready, and log it once a minute.
+void supervisor__note_trouble(supervisor *s, const bf_error *err);
+
+/// A run has begun: there is no trouble any more.
+void supervisor__forget_trouble(supervisor *s);
+
+/// True if the failure is of the executor or the store, not of the run, so that it may not come again.
+bool supervisor__may_work_later(bf_status code);
 
 /// Claim nothing for a while: something is wrong that the next run would meet too.
 void supervisor__backoff(supervisor *s);

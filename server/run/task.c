@@ -72,6 +72,7 @@ bf_status supervisor__task_start(supervisor__task *task, const char *external_id
     task->n_threads = task->supervisor->options.n_threads;
     task->n_columns = api_count_columns(&task->claimed.columns);
     task->start_s = clock_monotonic_s();
+    task->moved_ms = clock_monotonic_ms();
     task->phase = SUPERVISOR_SOLVING;
     task->has_more = true;
     return BF_OK;
@@ -120,7 +121,8 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "the solver stopped without being asked to");
     else if (task->state == EXECUTOR_LOST)
         ending.state = state_for(task->requested);
-    else if (cause == EXECUTOR_STOPPED || (cause == EXECUTOR_KILLED && is_requested))
+    else if (cause == EXECUTOR_STOPPED || cause == EXECUTOR_UNSTARTED ||
+             (cause == EXECUTOR_KILLED && is_requested))
         ending.state = state_for(task->requested); // it could not answer the stop, or did not
     else if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
         (void)bf_fail(&ending.error, BF_ECORRUPT, "", "the solver's output ends inside a frame");
@@ -142,6 +144,8 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task)
         return METRICS_EXIT_TIMEOUT;
     case EXECUTOR_EXITED:
         return METRICS_EXIT_OK;
+    case EXECUTOR_UNSTARTED:
+        return METRICS_EXIT_ERROR;
     case EXECUTOR_FAILED:
         return has_refused ? METRICS_EXIT_INPUT : METRICS_EXIT_ERROR;
     default:

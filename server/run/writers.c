@@ -4,6 +4,7 @@
 #include "server/run/supervisor_priv.h"
 
 #include "core/base/check.h"
+#include "server/base/clock.h"
 
 #include <signal.h>
 #include <string.h>
@@ -88,7 +89,8 @@ void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind
     bf_error err = { 0 };
 
     BF_CHECK(!task->write.is_pending);
-    task->write = (supervisor__write){ .kind = kind, .is_pending = true };
+    task->write =
+        (supervisor__write){ .kind = kind, .is_pending = true, .begin_ms = clock_monotonic_ms() };
     if (kind != SUPERVISOR_WRITE_BATCH) {
         enqueue(&s->writers, task);
         return;

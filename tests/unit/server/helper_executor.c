@@ -56,6 +56,13 @@ static size_t add_job(helper_executor *e, const char *run_id, uint64_t first_ste
     return e->n_jobs++;
 }
 
+static bf_status ready(executor *base, bf_error *err)
+{
+    (void)base;
+    (void)err;
+    return BF_OK;
+}
+
 static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
                        bf_error *err)
 {
@@ -161,7 +168,8 @@ static void release(executor *base, executor_job *job)
 
 helper_executor *helper_executor_create(void)
 {
-    static const executor_functions functions = { .start = start,
+    static const executor_functions functions = { .ready = ready,
+                                                  .start = start,
                                                   .attach = attach,
                                                   .stop = stop,
                                                   .update = update,
