@@ -1,6 +1,5 @@
 #include "server/http/cors.h"
 
-#include <stdbool.h>
 #include <string.h>
 #include <strings.h>
 
@@ -72,6 +71,34 @@ static bool is_listed(const char *origins, const char *origin)
     return false;
 }
 
+static bool is_any(const char *origins)
+{
+    return strcmp(origins, "*") == 0;
+}
+
+static bool is_allowed(const char *origins, const char *origin)
+{
+    return origin != NULL && (is_any(origins) || is_listed(origins, origin));
+}
+
+static bool is_safe(const char *method)
+{
+    return strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0 ||
+           strcmp(method, "OPTIONS") == 0;
+}
+
+bool http_cors_is_forged(const char *origins, const char *method, const char *origin,
+                         const char *fetch_site)
+{
+    return fetch_site != NULL && strcmp(fetch_site, "cross-site") == 0 && !is_safe(method) &&
+           !is_allowed(origins, origin);
+}
+
+const char *http_cors_resource_policy(const char *origins)
+{
+    return is_any(origins) ? "cross-origin" : "same-origin";
+}
+
 static void answer_preflight(api_response *response)
 {
     const char *allow = api_response_find(response, "Allow");
@@ -86,15 +113,13 @@ static void answer_preflight(api_response *response)
 void http_cors_answer(const char *origins, const char *method, const char *origin,
                       const char *asked_method, api_response *response)
 {
-    bool is_any = strcmp(origins, "*") == 0;
-
     if (*origins == '\0')
         return;
-    if (!is_any)
+    if (!is_any(origins))
         api_response_vary(response, "Origin"); // also for those that get nothing
-    if (origin == NULL || (!is_any && !is_listed(origins, origin)))
+    if (!is_allowed(origins, origin))
         return;
-    api_response_set(response, "Access-Control-Allow-Origin", is_any ? "*" : origin);
+    api_response_set(response, "Access-Control-Allow-Origin", is_any(origins) ? "*" : origin);
     if (strcmp(method, "OPTIONS") == 0 && asked_method != NULL)
         answer_preflight(response);
     else

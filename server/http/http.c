@@ -158,6 +158,10 @@ static bf_status start_listening(http *h, bf_error *err)
     if (getsockname(h->listen_fd, (struct sockaddr *)&listened, &n) != 0)
         return bf_fail(err, BF_ESYSTEM, "", "the address of the listening socket is not known");
     h->hosts = http_host_list(h->host_names, h->listened, (const struct sockaddr *)&listened);
+    if (!h->hosts.is_loopback)
+        log_event(LOG_LEVEL_WARN, "listens_to_the_network",
+                  "address=%s error=\"whoever reaches this address may submit, read and remove\"",
+                  h->listened);
     return BF_OK;
 }
 

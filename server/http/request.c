@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/http/cors.h"
 #include "server/http/guard.h"
 
 #include <microhttpd.h>
@@ -89,6 +90,10 @@ static void check_header(http_request *r, const char *method, const char *versio
     }
     if (r->refusal != 0)
         return;
+    if (strcmp(r->path, "*") == 0 && strcmp(method, "OPTIONS") != 0) {
+        refuse(r, 400, BF_EINPUT, "only OPTIONS has the target *");
+        return;
+    }
     (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, show_header, &guard);
     if (info != NULL)
         http_guard_end(&guard, method + info->header_size);
@@ -185,6 +190,14 @@ static void check_host(http_request *r)
     }
 }
 
+static void check_origin(http_request *r)
+{
+    if (http_cors_is_forged(r->server->cors_origins, r->method, http__request_header(r, "Origin"),
+                            http__request_header(r, "Sec-Fetch-Site")))
+        refuse(r, 403, BF_EINPUT,
+               "a page of another site sent this; the setting cors_origins allows pages");
+}
+
 static void refuse_body(http_request *r)
 {
     r->refusal = 413;
@@ -240,6 +253,8 @@ static bool begin(http_request *r, const char *method, const char *version)
     identify(r);
     if (r->refusal == 0)
         check_host(r);
+    if (r->refusal == 0)
+        check_origin(r);
     if (r->refusal == 0) {
         const api_request request = view(r);
         r->cost = api_request_cost(&request);

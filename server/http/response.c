@@ -185,6 +185,8 @@ void http__finalize_response(http_request *r)
                      http__request_header(r, "Access-Control-Request-Method"), response);
     http_limit_write_headers(&r->verdict, response);
     add_standard(response);
+    api_response_set(response, "Cross-Origin-Resource-Policy",
+                     http_cors_resource_policy(r->server->cors_origins));
     if (r->refusal != 0)
         api_response_header(response, "Connection", "close");
 }

@@ -56,7 +56,7 @@ class Daemon {
     });
     child.stderr.on("data", (chunk) => (this.log += chunk));
     const line = await within(this.firstLine(child), "the daemon's first line");
-    const found = /^beltflowd \S+ listening on (http:\/\/127\.0\.0\.1:(\d+)\/)$/.exec(line);
+    const found = /^beltflowd \S+ listening on (http:\/\/[\d.]+:(\d+)\/)$/.exec(line);
     assert.ok(found, `first line is ${JSON.stringify(line)}; log:\n${this.log}`);
     this.url = found[1];
     this.port = Number(found[2]);

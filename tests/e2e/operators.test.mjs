@@ -48,6 +48,14 @@ test("promtool finds no fault with the metrics of a daemon that has worked", asy
   assert.deepEqual({ status, stdout, stderr }, { status: 0, stdout: "", stderr: "" });
 });
 
+test("a daemon that others can reach says so in its log", async (t) => {
+  const reachable = await daemon(t, { listen: "0.0.0.0:0" });
+  await until(() => /level=warn event=listens_to_the_network address=0\.0\.0\.0 /.test(reachable.log), "a warning");
+  const local = await daemon(t);
+  assert.equal((await local.get("/livez")).status, 200);
+  assert.doesNotMatch(local.log, /listens_to_the_network/);
+});
+
 test("metrics tell what a run did, by templates and never by ids", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(tiny());

@@ -24,6 +24,7 @@ static void an_answer_carries_the_standard_headers(void **state)
         client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 200);
     server_assert_holds(&answer, "\r\nX-Content-Type-Options: nosniff\r\n");
     server_assert_holds(&answer, "\r\nCache-Control: no-store\r\n");
+    server_assert_holds(&answer, "\r\nCross-Origin-Resource-Policy: same-origin\r\n");
     assert_int_equal(
         client_ask(http_port(server), "GET /nothing HTTP/1.1\r\n" HOST CLOSE "\r\n", &answer), 404);
     server_assert_holds(&answer, "\r\nContent-Type: application/problem+json\r\n");

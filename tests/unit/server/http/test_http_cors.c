@@ -97,6 +97,36 @@ static void settings_are_origins_and_nothing_else(void **state)
         assert_int_equal(http_cors_check(bad[i], &err), BF_EINPUT);
 }
 
+// Fetch Metadata: what a page of another site may not make a browser do.
+static void a_change_that_another_site_asks_for_is_forged(void **state)
+{
+    static const struct {
+        const char *origins, *method, *origin, *site;
+        bool is_forged;
+    } cases[] = {
+        { "", "POST", ONE, "cross-site", true },
+        { "", "DELETE", ONE, "cross-site", true },
+        { "", "POST", NULL, "cross-site", true },
+        { "", "POST", "null", "cross-site", true },
+        { LIST, "POST", "https://evil.example", "cross-site", true },
+        { LIST, "POST", NULL, "cross-site", true },
+        { LIST, "POST", ONE, "cross-site", false },
+        { "*", "POST", ONE, "cross-site", false },
+        { "", "POST", ONE, "same-origin", false },
+        { "", "POST", ONE, "none", false },
+        { "", "POST", ONE, NULL, false }, // no browser
+        { "", "GET", NULL, "cross-site", false },
+        { "", "HEAD", NULL, "cross-site", false },
+        { "", "OPTIONS", ONE, "cross-site", false },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_int_equal(
+            http_cors_is_forged(cases[i].origins, cases[i].method, cases[i].origin, cases[i].site),
+            cases[i].is_forged);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -105,6 +135,7 @@ int main(void)
         cmocka_unit_test(others_get_nothing_but_vary),
         cmocka_unit_test(anybody_is_answered_by_a_star),
         cmocka_unit_test(a_preflight_tells_methods_headers_and_for_how_long),
+        cmocka_unit_test(a_change_that_another_site_asks_for_is_forged),
         cmocka_unit_test(settings_are_origins_and_nothing_else),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -48,6 +48,8 @@ static void a_bad_request_is_refused_and_its_connection_closed(void **state)
         { BYTES("GET /livez%00 HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
         { BYTES("GET /%zz HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
         { BYTES("GET livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("GET * HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
+        { BYTES("DELETE / HTTP/1.1\r\n" HOST "Sec-Fetch-Site: cross-site\r\n\r\n" NEXT), 403 },
         { BYTES("G@T /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
         { BYTES("GET\0X /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 400 },
         { BYTES("NEVERHEARDOFSUCHAMETHODINMYWHOLELIFE /livez HTTP/1.1\r\n" HOST "\r\n" NEXT), 501 },
