@@ -7,6 +7,8 @@
 
 #include "server/store/connection.h"
 
+#include "server/store/page_sums.h"
+
 #include "core/base/check.h"
 #include "server/base/clock.h"
 
@@ -52,7 +54,8 @@ bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
 {
     const char *text = db == NULL ? sqlite3_errstr(code) : sqlite3_errmsg(db);
 
-    switch (code & 0xff) {
+    // A page whose sum does not fit is damage, too.
+    switch (code == SQLITE_IOERR_DATA ? SQLITE_CORRUPT : code & 0xff) {
     case SQLITE_NOMEM:
         return bf_fail(err, BF_ENOMEM, "", "the store has no memory");
     case SQLITE_FULL:
@@ -96,9 +99,11 @@ bf_status store__connect(const char *path, store__access access, store__connecti
                          bf_error *err)
 {
     sqlite3 *db = NULL;
-    bf_status status = BF_OK;
 
-    int code = sqlite3_open_v2(path, &db, open_flags[access], NULL);
+    bf_status status = store__register_page_sums(err);
+    if (status != BF_OK)
+        return status;
+    int code = sqlite3_open_v2(path, &db, open_flags[access], STORE__PAGE_SUMS);
     if (code == SQLITE_OK)
         code = sqlite3_busy_timeout(db, STORE__BUSY_MS);
     if (code == SQLITE_OK)

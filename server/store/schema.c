@@ -1,5 +1,7 @@
 #include "server/store/connection.h"
 
+#include "server/store/page_sums.h"
+
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
@@ -257,6 +259,8 @@ bf_status store__migrate(store__connection *writer, const char *path, bf_error *
     int version = 0;
 
     bf_status status = store__identify(writer->db, path, &version, err);
+    if (status == BF_OK && version == 0)
+        status = store__reserve_page_sums(writer->db, err);
     if (status == BF_OK)
         status = switch_to_wal(writer->db, err);
     if (status != BF_OK || version == VERSION)

@@ -16,6 +16,7 @@
 //   I12 retention.c: OLDEST_ENDED chooses.
 //   I13 measurements.c: one row each, with its samples, and no statement that updates it.
 //   I14 claim.c writes stop requests and external ids; store__transition() heeds and clears them.
+//   I15 page_sums.c, under every connection that connection.c opens.
 
 #include "server/store/store.h"
 
@@ -96,6 +97,28 @@ static bf_status take_lock_file(store *s, bf_error *err)
     return status;
 }
 
+static off_t size_of(const char *path, const char *ending)
+{
+    char whole[STORE__PATH_SIZE + 8];
+    struct stat info;
+
+    (void)snprintf(whole, sizeof whole, "%s%s", path, ending);
+    return stat(whole, &info) == 0 ? info.st_size : 0;
+}
+
+// SQLite would delete a log whose database is empty. The first page of a database is on disk before its log is
+// made, so a log without one has lost it.
+static bf_status refuse_lone_log(const store *s, bf_error *err)
+{
+    if (size_of(s->path, "") > 0 || size_of(s->path, "-wal") == 0)
+        return BF_OK;
+    return bf_fail(
+        err, BF_ESYSTEM, "",
+        "%.200s is missing or empty, but its log is there: put the database back, or start with "
+        "a backup or an empty directory",
+        s->path);
+}
+
 // SQLite would create the file readable by others. Its own descriptors do not exist yet: closing
 // one of ours later would drop their locks.
 static bf_status create_database_file(const store *s, bf_error *err)
@@ -130,6 +153,8 @@ static bf_status hold_directory(store *s, bf_error *err)
     bf_status status = make_directory(s, err);
     if (status == BF_OK)
         status = take_lock_file(s, err);
+    if (status == BF_OK)
+        status = refuse_lone_log(s, err);
     if (status == BF_OK)
         status = create_database_file(s, err);
     if (status == BF_OK)

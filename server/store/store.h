@@ -26,6 +26,8 @@
 ///   I14 A stop request is on disk before its requester is answered, and goes with the run's end. A run with
 ///       one is never queued again: it is cancelled instead. Only running runs have stop requests and
 ///       external ids.
+///   I15 Bytes of the database file that have changed on the disk are never served: what is read of a page whose
+///       checksum does not fit is BF_ESYSTEM. (Not in databases that versions before this made.)
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.

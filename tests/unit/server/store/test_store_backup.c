@@ -1,4 +1,4 @@
-// Unit tests of copies of a store and of checking one. I1 ... I14 are the invariants of
+// Unit tests of copies of a store and of checking one. I1 ... I15 are the invariants of
 // server/store/store.h.
 
 #include "server/store/backup.h"

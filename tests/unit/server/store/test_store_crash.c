@@ -1,4 +1,4 @@
-// A store whose process is killed at any moment. I1 ... I14 are the invariants of server/store/store.h.
+// A store whose process is killed at any moment. I1 ... I15 are the invariants of server/store/store.h.
 //
 // A child submits, claims, appends and finishes in a loop and writes to a pipe what the store has
 // acknowledged. It is killed at a random moment; then everything that was acknowledged must be there.

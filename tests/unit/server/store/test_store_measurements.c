@@ -1,4 +1,4 @@
-// Unit tests of the store: measured curves. I1 ... I14 are the
+// Unit tests of the store: measured curves. I1 ... I15 are the
 // invariants of server/store/store.h.
 
 #include "core/base/memory.h"

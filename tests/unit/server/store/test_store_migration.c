@@ -1,5 +1,5 @@
 // Stores of older versions: migrated with all their content, and their runs continue. The files
-// are made by the texts that made them then. I1 ... I14 are the invariants of server/store/store.h.
+// are made by the texts that made them then. I1 ... I15 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 

@@ -1,4 +1,4 @@
-// Unit tests of the store: opening, and what is refused. I1 ... I14 are the invariants of
+// Unit tests of the store: opening, and what is refused. I1 ... I15 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
@@ -93,30 +93,27 @@ static void a_second_daemon_is_refused(void **state)
     helper_store_open(h);
 }
 
-// Bytes 60 .. 63 of a database hold user_version, big-endian.
 static void a_newer_store_is_refused_and_left_alone(void **state)
 {
     helper_store *h = *state;
-    static const unsigned char newer[] = { 0, 0, 0, 99 };
-    const unsigned char ours[] = { 0, 0, 0, (unsigned char)store__version };
+    char ours[64];
     api_run record = helper_submit(h->store, "", 0);
 
     helper_store_close(h);
-    patch(h, 60, newer, sizeof newer);
+    helper_store_sql(h, "PRAGMA user_version = 99");
     expect_refusal(h->directory, "newer Beltflow");
-    patch(h, 60, ours, sizeof ours);
+    snprintf(ours, sizeof ours, "PRAGMA user_version = %d", store__version);
+    helper_store_sql(h, ours);
     helper_store_open(h);
     assert_int_equal(helper_find(h->store, record.id).revision, record.revision);
 }
 
-// Bytes 68 .. 71 hold application_id.
 static void a_database_of_another_program_is_refused(void **state)
 {
     helper_store *h = *state;
-    static const unsigned char other[] = { 1, 2, 3, 4 };
 
     helper_store_close(h);
-    patch(h, 68, other, sizeof other);
+    helper_store_sql(h, "PRAGMA application_id = 16909060");
     expect_refusal(h->directory, "is not a store of Beltflow");
 }
 
@@ -139,6 +136,58 @@ static void a_damaged_page_is_refused(void **state)
     helper_store_close(h);
     patch(h, 100, &wrong, 1);
     expect_refusal(h->directory, "damaged");
+}
+
+typedef struct content {
+    char bytes[1 << 20];
+    size_t n;
+} content;
+
+static void read_whole(const char *path, content *ret)
+{
+    FILE *file = fopen(path, "rbe");
+
+    assert_non_null(file);
+    ret->n = fread(ret->bytes, 1, sizeof ret->bytes, file);
+    assert_true(ret->n < sizeof ret->bytes);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void write_whole(const char *path, const content *c)
+{
+    FILE *file = fopen(path, "wbe");
+
+    assert_non_null(file);
+    assert_int_equal(fwrite(c->bytes, 1, c->n, file), c->n);
+    assert_int_equal(fclose(file), 0);
+}
+
+// As after a kill: what is in the log is not in the database yet. I1.
+static void a_log_without_its_database_is_left_alone(void **state)
+{
+    static content database, log, now;
+    helper_store *h = *state;
+    char path[128], path_of_log[128];
+
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    snprintf(path_of_log, sizeof path_of_log, "%s/beltflow.db-wal", h->directory);
+    api_run record = helper_submit(h->store, "", 0);
+    read_whole(path, &database);
+    read_whole(path_of_log, &log);
+    helper_store_close(h);
+    write_whole(path_of_log, &log);
+    assert_int_equal(truncate(path, 0), 0);
+    expect_refusal(h->directory, "beltflow.db is missing or empty");
+    assert_int_equal(unlink(path), 0);
+    expect_refusal(h->directory, "beltflow.db is missing or empty");
+    assert_int_not_equal(access(path, F_OK), 0);
+    read_whole(path_of_log, &now);
+    assert_int_equal(now.n, log.n);
+    assert_memory_equal(now.bytes, log.bytes, log.n);
+    // With the database back everything is there.
+    write_whole(path, &database);
+    helper_store_open(h);
+    assert_int_equal(helper_find(h->store, record.id).revision, record.revision);
 }
 
 static void a_directory_is_made_with_those_above_it(void **state)
@@ -277,6 +326,7 @@ int main(void)
         STORE_TEST(a_database_of_another_program_is_refused),
         STORE_TEST(a_damaged_file_is_refused),
         STORE_TEST(a_damaged_page_is_refused),
+        STORE_TEST(a_log_without_its_database_is_left_alone),
         STORE_TEST(a_directory_is_made_with_those_above_it),
         STORE_TEST(a_directory_that_cannot_be_made_is_refused),
         STORE_TEST(one_connection_can_write),

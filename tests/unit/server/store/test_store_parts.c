@@ -1,4 +1,4 @@
-// Unit tests of the store: the parts of microscopic runs. I1 ... I14 are the invariants of
+// Unit tests of the store: the parts of microscopic runs. I1 ... I15 are the invariants of
 // server/store/store.h.
 
 #include "core/base/memory.h"

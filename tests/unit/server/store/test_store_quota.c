@@ -1,5 +1,5 @@
 // Unit tests of the store: the quota of the queue that one client may fill, and its place in the order of a
-// submission. I1 ... I14 are the invariants of server/store/store.h.
+// submission. I1 ... I15 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 

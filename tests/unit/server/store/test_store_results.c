@@ -1,4 +1,4 @@
-// Unit tests of the store: runs that reuse results. I1 ... I14 are the invariants of server/store/store.h.
+// Unit tests of the store: runs that reuse results. I1 ... I15 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
