@@ -208,7 +208,8 @@ bf_status http_start(const http_options *options, http **ret_http, bf_error *err
         return bf_fail(err, BF_ENOMEM, "", "no memory for the HTTP server");
     h->options = *options;
     h->services = *options->services;
-    h->listen_fd = h->web_fd = -1;
+    h->listen_fd = -1;
+    h->web_fd = -1;
     lock_init(&h->lock);
     lock_condition_init(&h->changed);
     bf_status status = open_web(h, options->web_directory, err);

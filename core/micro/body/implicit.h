@@ -80,7 +80,7 @@ typedef struct body_constraint {
     body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there
 } body_constraint;
 
-enum { BODY_STATIC = UINT32_MAX }; ///< in place of the id of a part: a body that does not move
+#define BODY_STATIC UINT32_MAX ///< in place of the id of a part: a body that does not move
 
 /// The constraints and extremes of a block of parts.
 typedef struct body_block_buffer {
