@@ -138,9 +138,11 @@ test("a run that was not solved tells what it would have told", async (t) => {
   const again = await (await d.events(second.id)).rest();
   const results = (events, id) =>
     events
-      .filter(({ event }) => event === "curve" || event === "snapshot")
+      .filter(({ event }) => ["curve", "snapshot", "figures"].includes(event))
       .map(({ event, data }) => [event, JSON.stringify(data).replaceAll(id, "ID")]);
   assert.deepEqual(results(again, second.id), results(told, first.id));
+  const { key_figures } = (await d.get(`/v1/runs/${second.id}/summary`)).json;
+  assert.deepEqual(again.filter(({ event }) => event === "figures").at(-1).data.key_figures, key_figures);
   assert.deepEqual(
     again.slice(-2).map(({ event }) => event),
     ["status", "end"],

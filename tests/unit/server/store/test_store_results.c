@@ -116,7 +116,8 @@ static api_run solve(store *s, const char *id)
 
 static bf_status collect(void *context, const api_event *event, bf_error *err)
 {
-    bool is_shared = event->type == API_EVENT_CURVE || event->type == API_EVENT_SNAPSHOT;
+    bool is_shared = event->type == API_EVENT_CURVE || event->type == API_EVENT_SNAPSHOT ||
+                     event->type == API_EVENT_FIGURES;
 
     (void)err;
     if (is_shared)
@@ -125,7 +126,7 @@ static bf_status collect(void *context, const api_event *event, bf_error *err)
     return BF_OK;
 }
 
-// The curve and snapshot events of a run, with every id of `from` made one of `to`.
+// The events of results of a run, with every id of `from` made one of `to`.
 static bf_buffer told_of(store *s, const char *id, const char *from, const char *to)
 {
     char runs[1][API_ID_SIZE];
@@ -238,8 +239,8 @@ static void its_events_are_those_of_the_first_with_its_own_id(void **state)
     assert_string_equal(told.bytes, wanted.bytes);
     assert_non_null(strstr(told.bytes, "/parts/2"));
     helper_events events = helper_read_events(s, second.id, newest);
-    // Three batches of samples, three snapshots, the status, the end.
-    assert_int_equal(events.n, 8);
+    // Three batches of samples, three snapshots, the key figures, the status, the end.
+    assert_int_equal(events.n, 9);
     assert_int_equal(events.type, API_EVENT_END);
     assert_int_equal(events.id, second.last_event);
     buffer_fini(&events.data);
