@@ -36,6 +36,7 @@ typedef struct summary_view {
     bool is_stopped;
     bool is_fed;
     bool may_end_early; // by `until`
+    uint64_t n_parts;   // of the microscopic model, in the run
     double n_left;
     double work_per_s; // cell or particle steps
     double packing_density;
@@ -134,14 +135,16 @@ static const member summary_members[] = {
            .words = end_words, .applies = may_end_early),
     MEMBER("steps", size, AT(end.n_steps), "Time steps"),
     MEMBER("path", path, 0, "Equations of motion: planar or spatial", .tags = MICRO),
-    MEMBER("parts", size, AT(begin.n_parts), "Parts at the start", .tags = MICRO),
+    MEMBER("parts", size, AT(n_parts), "Parts at the start and those of feeds that entered",
+           .tags = MICRO),
     MEMBER("cells", size, AT(end.n_cells), "Cells of the grid", .tags = MACRO),
     MEMBER("step_s", number, AT(begin.dt), "Length of a time step", .unit = "s"),
     MEMBER("duration_s", number, AT(end.t), "Simulated time that was reached", .unit = "s"),
     MEMBER("wall_time_s", number, AT(timing.wall_s), "Wall time spent solving", .unit = "s"),
     MEMBER("particle_steps_per_s", number, AT(work_per_s),
-           "Parts times time steps per second of wall time", .unit = "1/s", .tags = MICRO,
-           .null = "not known"),
+           "Time steps times parts (those in the domain; without feeds, at the start) per second "
+           "of wall time",
+           .unit = "1/s", .tags = MICRO, .null = "not known"),
     MEMBER("cell_steps_per_s", number, AT(work_per_s),
            "Cells times time steps per second of wall time", .unit = "1/s", .tags = MACRO,
            .null = "not known"),
@@ -182,15 +185,11 @@ const member_table results_summary_members = { MEMBER_TABLE("Summary", summary_m
                                                .choice = MEMBER_TAGGED };
 #undef AT
 
-// Not known where the number of parts changes.
-static double work_per_s(const scene *s, run_model model, const frame_begin *begin,
-                         const frame_end *end, const results_timing *timing)
+static double work_per_s(run_model model, const frame_end *end, const results_timing *timing)
 {
-    const double n_items = model == RUN_MICRO ? (double)begin->n_parts : (double)end->n_cells;
+    const double cell_steps = (double)end->n_cells * (double)end->n_steps;
 
-    if (model == RUN_MICRO && s->n_feeds > 0)
-        return NAN;
-    return n_items * (double)end->n_steps / timing->wall_s;
+    return (model == RUN_MICRO ? end->part_steps : cell_steps) / timing->wall_s;
 }
 
 bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,
@@ -216,8 +215,9 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
                         .is_stopped = end->stopped != 0,
                         .is_fed = s.n_feeds > 0,
                         .may_end_early = s.until != SCENE_UNTIL_DURATION,
+                        .n_parts = begin->n_parts + (uint64_t)end->parts_entered,
                         .n_left = end->parts_start + end->parts_entered - end->parts_end,
-                        .work_per_s = work_per_s(&s, model, begin, end, timing),
+                        .work_per_s = work_per_s(model, end, timing),
                         .packing_density = scene_packing_density(&s),
                         .figures = figures,
                         .scenario = scenario,

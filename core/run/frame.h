@@ -183,6 +183,7 @@ typedef struct frame_end {
     uint64_t n_snapshots; ///< snapshots since t = 0
     // Of models with parts, else 0:
     uint64_t n_parts_left;  ///< parts that left the domain since t = 0
+    double part_steps;      ///< steps times parts: those in the domain; without feeds, at the start
     uint64_t n_contacts;    ///< contacts with a force at the end
     double kinetic_energy;  ///< of the parts in the domain at the end, J
     double largest_overlap; ///< of any contact since t = 0, m

@@ -147,6 +147,15 @@ bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error *err)
     return bf_fail(err, f->query_error.code, f->query_error.pointer, "%s", f->query_error.text);
 }
 
+void micro_feeds_count_steps(micro_feeds *f, uint64_t n)
+{
+    size_t n_present = 0;
+
+    for (size_t k = 0; k < micro_parts(f->solver); k++)
+        n_present += micro_is_gone(f->solver, k) ? 0 : 1;
+    f->part_steps += (double)n * (double)n_present;
+}
+
 double micro_feeds_entered(const micro_feeds *f)
 {
     double n = 0.0;
@@ -163,6 +172,7 @@ bf_status micro_feeds_save(const micro_feeds *f, bf_buffer *out, bf_error *err)
 
     checkpoint_begin(&w, out, CHECKPOINT_FEED, 0);
     feed_parts_save(f->entry, &w);
+    checkpoint_write(&w, &f->part_steps, sizeof f->part_steps);
     checkpoint_write(&w, &n, sizeof n);
     checkpoint_write(&w, f->tags, n * sizeof *f->tags);
     const bf_status status = micro_save(f->solver, out, err);
@@ -176,6 +186,7 @@ bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf
 {
     checkpoint_reader r, entry;
     const char *tags = NULL;
+    double part_steps = 0.0;
     uint64_t n = 0;
 
     bf_status status = checkpoint_open(&r, bytes, n_bytes, CHECKPOINT_FEED, 0, err);
@@ -183,7 +194,7 @@ bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf
         return status;
     entry = r;
     if (checkpoint_read_items(&r, feed_parts_state_size(f->entry), 1) != NULL &&
-        checkpoint_read(&r, &n, sizeof n))
+        checkpoint_read(&r, &part_steps, sizeof part_steps) && checkpoint_read(&r, &n, sizeof n))
         tags = checkpoint_read_items(&r, n, sizeof *f->tags);
     if (tags == NULL)
         return bf_fail(err, BF_ECORRUPT, "", "the checkpoint has a wrong length");
@@ -193,6 +204,7 @@ bf_status micro_feeds_load(micro_feeds *f, const void *bytes, size_t n_bytes, bf
     if (status != BF_OK)
         return status;
     feed_parts_load(f->entry, &entry);
+    f->part_steps = part_steps;
     if (n > 0)
         memcpy(f->tags, tags, n * sizeof *f->tags);
     return BF_OK;

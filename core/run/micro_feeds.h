@@ -30,6 +30,7 @@ typedef struct micro_feeds {
     size_t n_departures_max;   ///< that there is room for
     figures *figures;          ///< that waits are told, during micro_feeds_admit()
     bf_error query_error;      ///< of a question that feeds asked; BF_OK: none failed
+    double part_steps; ///< where there are feeds: parts in the domain, summed over the steps
 } micro_feeds;
 
 /// Begin at t = 0 with the parts of a placement, whose kinds may be NULL. BF_ENOMEM: to be freed all the same.
@@ -43,6 +44,9 @@ void micro_feeds_fini(micro_feeds *f);
 BF_MUST_CHECK bf_status micro_feeds_depart(micro_feeds *f, run_departures *ret_departures,
                                            bf_error *err);
 BF_MUST_CHECK bf_status micro_feeds_admit(micro_feeds *f, figures *to, bf_error *err);
+
+/// Count the parts in the domain for n steps that are made now.
+void micro_feeds_count_steps(micro_feeds *f, uint64_t n);
 
 /// Parts that entered since t = 0.
 double micro_feeds_entered(const micro_feeds *f);

@@ -187,6 +187,8 @@ static bf_status advance_run(void *solver, uint64_t n, bf_error *err)
 {
     micro_run *run = solver;
 
+    if (run->feeds.entry != NULL)
+        micro_feeds_count_steps(&run->feeds, n);
     return micro_advance(run->solver, n, err);
 }
 
@@ -324,6 +326,9 @@ static void fill_end(const void *solver, frame_end *end)
     const size_t n_entered = (size_t)micro_feeds_entered(&run->feeds);
 
     end->n_parts_left = run->n_start + n_entered - totals.n_parts;
+    end->part_steps = run->feeds.entry != NULL
+                          ? run->feeds.part_steps
+                          : (double)run->n_start * (double)micro_steps(run->solver);
     end->n_contacts = totals.n_contacts;
     end->kinetic_energy = totals.kinetic_energy;
     end->largest_overlap = totals.largest_overlap;

@@ -461,11 +461,29 @@ static const frame_end micro_end = { .n_steps = 100000,
                                      .parts_start = 192.0,
                                      .parts_end = 190.0,
                                      .n_parts_left = 2,
+                                     .part_steps = 192.0 * 100000.0,
                                      .peak = 1.5,
                                      .n_contacts = 17,
                                      .kinetic_energy = 0.25,
                                      .largest_overlap = 0.0005,
                                      .overlap_share = 0.0625 };
+
+static void parts_of_feeds_count_in_a_summary(void **unused)
+{
+    frame_begin fed = micro_begin;
+    frame_end over = micro_end;
+
+    (void)unused;
+    fed.n_parts = 2;
+    over.parts_start = 2.0;
+    over.parts_entered = 40.0;
+    over.parts_end = 3.0;
+    over.part_steps = 5e6;
+    json_t *root = summarise(&fed, &over);
+    assert_true(number_at(root, "parts") == 42);
+    assert_true(number_at(root, "particle_steps_per_s") == 1e7);
+    json_decref(root);
+}
 
 static void a_microscopic_summary_counts_parts(void **unused)
 {
@@ -647,6 +665,7 @@ int main(void)
         cmocka_unit_test(parts_are_lines_with_their_numbers),
         cmocka_unit_test(a_part_that_has_left_is_null_in_json),
         cmocka_unit_test(parts_are_a_numpy_file_of_doubles),
+        cmocka_unit_test(parts_of_feeds_count_in_a_summary),
         cmocka_unit_test(a_microscopic_summary_counts_parts),
         cmocka_unit_test(a_microscopic_summary_warns_of_soft_parts_only),
         cmocka_unit_test(a_summary_has_the_figures_of_the_run),
