@@ -198,6 +198,9 @@ typedef struct api_services {
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err);
+    /// Give the events of a run's photo eyes and actions, rising, to take.
+    bf_status (*read_changes)(void *context, const char *id, api_event_fn *take, void *take_context,
+                              bf_error *err);
     /// Store a measured curve of one column, with the label, counter and times of *measurement: durable
     /// when this returns. BF_ECONFLICT: API_MEASUREMENTS_MAX are stored.
     bf_status (*add_measurement)(void *context, const api_measurement *measurement,

@@ -92,6 +92,27 @@ bf_status handlers_results_figures(exchange *x, bf_error *err)
     return status;
 }
 
+bf_status handlers_results_photo_eyes(exchange *x, bf_error *err)
+{
+    results_changes changes = { 0 };
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    exchange__cache_revalidate(x);
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-eyes-%s", record.revision, x->media->word))
+        return BF_OK;
+    status = results_changes_read(x->services, record.id, &changes, err);
+    if (status != BF_OK)
+        return status;
+    status = x->media->format == MEDIA_CSV
+                 ? results_changes_csv(&changes, &x->response->body, err)
+                 : results_changes_json(&changes, &x->response->body, err);
+    results_changes_fini(&changes);
+    return status;
+}
+
 // The parameters of a picture.
 typedef struct picture_query {
     uint64_t width; // pixels; 0: chosen by picture_layout()

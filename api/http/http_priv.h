@@ -117,6 +117,7 @@ route_handler_fn handlers_runs_remove;
 route_handler_fn handlers_results_scenario;
 route_handler_fn handlers_results_summary;
 route_handler_fn handlers_results_curve;
+route_handler_fn handlers_results_photo_eyes;
 
 /// Its density snapshots.
 route_handler_fn handlers_results_snapshots;

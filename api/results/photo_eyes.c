@@ -1,4 +1,4 @@
-// photo_eyes.csv: the changes of photo eyes, from frames and from stored events.
+// What photo eyes saw and did, from frames and from stored events: photo_eyes.csv, and JSON with the actions.
 
 #include "api/results/results.h"
 
@@ -8,16 +8,18 @@
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
-static bf_status append_row(double t, const char *id, const char *state, bf_buffer *out)
+#define CSV_HEADER "t_s,photo_eye,state\n"
+
+static const char *const states[] = { "clear", "blocked", NULL };
+
+static bf_status append_row(double t, const char *id, uint32_t is_blocked, bf_buffer *out)
 {
     char time[NUMBER_SIZE];
-    bf_status status = BF_OK;
 
     number_format(t, time);
-    if (out->n == 0)
-        status = buffer_printf(out, "t_s,photo_eye,state\n");
-    return status == BF_OK ? buffer_printf(out, "%s,%s,%s\n", time, id, state) : status;
+    return buffer_printf(out, "%s,%s,%s\n", time, id, states[is_blocked != 0]);
 }
 
 bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out, bf_error *err)
@@ -25,53 +27,135 @@ bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out, bf_error
     const size_t n_before = out->n;
     bf_status status = BF_OK;
 
-    if (c->type == FRAME_CHANGE_EYE)
-        status = append_row(c->t, c->id, c->is_blocked != 0 ? "blocked" : "clear", out);
+    if (c->type != FRAME_CHANGE_EYE)
+        return BF_OK;
+    if (out->n == 0)
+        status = buffer_printf(out, CSV_HEADER);
+    if (status == BF_OK)
+        status = append_row(c->t, c->id, c->is_blocked, out);
     return results__finish(status, out, n_before, err);
 }
 
-// What read_events() fills.
-typedef struct event_reading {
-    bf_buffer *out;
-    uint64_t after; // id of the last event
-    size_t n;       // events in this turn
-} event_reading;
-
-static bf_status take_event(void *context, const api_event *event, bf_error *err)
+static bool read_eye(json_t *json, results_eye_change *ret_change)
 {
-    event_reading *reading = context;
     const char *id, *state;
     double t;
 
-    reading->after = event->id;
-    reading->n++;
-    if (event->type != API_EVENT_EYE)
-        return BF_OK;
+    if (json_unpack(json, "{s:F, s:s, s:s}", "t_s", &t, "photo_eye", &id, "state", &state) != 0)
+        return false;
+    *ret_change = (results_eye_change){ .t = t, .is_blocked = strcmp(state, states[1]) == 0 };
+    snprintf(ret_change->id, sizeof ret_change->id, "%s", id);
+    return true;
+}
+
+static bool read_action(json_t *json, results_action *ret_action)
+{
+    const char *target;
+    json_int_t index;
+    double t;
+
+    if (json_unpack(json, "{s:F, s:I, s:s}", "t_s", &t, "action", &index, "target", &target) != 0)
+        return false;
+    *ret_action = (results_action){ .t = t, .index = (uint64_t)index };
+    snprintf(ret_action->target, sizeof ret_action->target, "%s", target);
+    return true;
+}
+
+static bf_status take_event(void *context, const api_event *event, bf_error *err)
+{
+    results_changes *changes = context;
     json_t *json = json_loadb(event->data, event->n, 0, NULL);
-    const bool is_sound =
-        json_unpack(json, "{s:F, s:s, s:s}", "t_s", &t, "photo_eye", &id, "state", &state) == 0;
-    bf_status status = is_sound ? append_row(t, id, state, reading->out) : BF_ECORRUPT;
+    bf_status status = BF_ECORRUPT;
+    results_eye_change change;
+    results_action action;
+
+    if (event->type == API_EVENT_EYE && read_eye(json, &change))
+        status = buffer_append(&changes->eyes, &change, sizeof change);
+    else if (event->type == API_EVENT_ACTION && read_action(json, &action))
+        status = buffer_append(&changes->actions, &action, sizeof action);
     json_decref(json);
     return status == BF_OK ? BF_OK
                            : bf_fail(err, status, "", "an event of a photo eye cannot be read");
 }
 
-bf_status results_photo_eyes_read(const api_services *services, const char *id, bf_buffer *out,
-                                  bf_error *err)
+bf_status results_changes_read(const api_services *services, const char *id,
+                               results_changes *changes, bf_error *err)
 {
-    enum { TURN_BYTES = 1024 * 1024 };
-    const size_t n_before = out->n;
-    event_reading reading = { .out = out, .n = 1 };
-    char runs[1][API_ID_SIZE];
-    bf_status status = BF_OK;
+    const bf_status status =
+        services->read_changes(services->context, id, take_event, changes, err);
 
-    snprintf(runs[0], sizeof runs[0], "%s", id);
-    while (status == BF_OK && reading.n > 0) {
-        reading.n = 0;
-        status = services->read_events(services->context, (const char(*)[API_ID_SIZE])runs, 1,
-                                       reading.after, TURN_BYTES, take_event, &reading, err);
-    }
     if (status != BF_OK)
-        buffer_truncate(out, n_before);
+        results_changes_fini(changes);
     return status;
+}
+
+void results_changes_fini(results_changes *changes)
+{
+    buffer_fini(&changes->eyes);
+    buffer_fini(&changes->actions);
+}
+
+bf_status results_changes_csv(const results_changes *changes, bf_buffer *out, bf_error *err)
+{
+    const results_eye_change *eyes = (const results_eye_change *)(const void *)changes->eyes.bytes;
+    const size_t n_before = out->n, n = changes->eyes.n / sizeof *eyes;
+    bf_status status = buffer_printf(out, CSV_HEADER);
+
+    for (size_t k = 0; k < n && status == BF_OK; k++)
+        status = append_row(eyes[k].t, eyes[k].id, eyes[k].is_blocked, out);
+    return results__finish(status, out, n_before, err);
+}
+
+#define AT(place) offsetof(results_eye_change, place)
+static const member eye_members[] = {
+    MEMBER("t_s", number, AT(t), "When its state changed", .unit = "s"),
+    MEMBER("photo_eye", text, AT(id), "Its id", .type = "#ScenarioId"),
+    MEMBER("state", enum, AT(is_blocked), "Its state from then on", .words = states),
+};
+const member_table results_eye_members = { MEMBER_TABLE("PhotoEyeChange", eye_members),
+                                           .size = sizeof(results_eye_change) };
+#undef AT
+
+#define AT(place) offsetof(results_action, place)
+static const member action_members[] = {
+    MEMBER("t_s", number, AT(t), "When it was carried out", .unit = "s"),
+    MEMBER("action", size, AT(index), "Its index in the scenario's `actions`"),
+    MEMBER("target", text, AT(target), "Id of the belt, obstacle or feed", .type = "#ScenarioId"),
+};
+const member_table results_action_members = { MEMBER_TABLE("PhotoEyeAction", action_members),
+                                              .size = sizeof(results_action) };
+#undef AT
+
+// What the JSON is written from.
+typedef struct changes_view {
+    const results_eye_change *eyes;
+    size_t n_eyes;
+    const results_action *actions;
+    size_t n_actions;
+    bool is_cut;
+} changes_view;
+
+#define AT(place) offsetof(changes_view, place)
+static const member changes_members[] = {
+    MEMBER("changes", list, AT(eyes), "Changes of the photo eyes' states", .offset_n = AT(n_eyes),
+           .table = &results_eye_members),
+    MEMBER("actions", list, AT(actions), "Actions that were carried out", .offset_n = AT(n_actions),
+           .table = &results_action_members),
+    MEMBER("is_cut", bool, AT(is_cut),
+           "There are as many as a run keeps, and what came later is not among them"),
+};
+const member_table results_changes_members = { MEMBER_TABLE("PhotoEyes", changes_members) };
+#undef AT
+
+bf_status results_changes_json(const results_changes *changes, bf_buffer *out, bf_error *err)
+{
+    changes_view of = { .eyes = (const results_eye_change *)(const void *)changes->eyes.bytes,
+                        .n_eyes = changes->eyes.n / sizeof *of.eyes,
+                        .actions = (const results_action *)(const void *)changes->actions.bytes,
+                        .n_actions = changes->actions.n / sizeof *of.actions };
+    json_out w = json_out_to(out);
+
+    of.is_cut = of.n_eyes + of.n_actions >= FRAME_CHANGES_MAX;
+    members_write(&w, &results_changes_members, &of);
+    return json_out_status(&w, err);
 }

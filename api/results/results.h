@@ -29,6 +29,9 @@ extern const member_table results_snapshot_item_members;
 extern const member_table results_snapshots_members;
 extern const member_table results_parts_members;
 extern const member_table results_parts_layout_members;
+extern const member_table results_eye_members;
+extern const member_table results_action_members;
+extern const member_table results_changes_members;
 extern const member_table results_summary_members; ///< its tag is the model
 
 /// Append curve.csv's header line, "t_s,<columns>\n".
@@ -78,9 +81,35 @@ const char *const *results_parts_columns(uint32_t n_values);
 BF_MUST_CHECK bf_status results_photo_eyes_csv(const frame_change *c, bf_buffer *out,
                                                bf_error *err);
 
-/// Write photo_eyes.csv of a stored run from its events into the empty *out; nothing where no state changed.
-BF_MUST_CHECK bf_status results_photo_eyes_read(const api_services *services, const char *id,
-                                                bf_buffer *out, bf_error *err);
+/// A photo eye's state that changed, and an action that was carried out.
+typedef struct results_eye_change {
+    double t;               ///< s
+    char id[SCENE_ID_SIZE]; ///< of the photo eye
+    uint32_t is_blocked;    ///< its state from then on
+} results_eye_change;
+typedef struct results_action {
+    double t;                   ///< s
+    uint64_t index;             ///< in the scenario's actions
+    char target[SCENE_ID_SIZE]; ///< id of the belt, obstacle or feed
+} results_action;
+
+/// What the photo eyes of a run saw and did so far. Zero-initialise; results_changes_fini().
+typedef struct results_changes {
+    bf_buffer eyes;    ///< results_eye_change, in the order of their times
+    bf_buffer actions; ///< results_action, same
+} results_changes;
+
+/// Read the changes of a stored run into the empty *changes. BF_ECORRUPT: an event is damaged.
+BF_MUST_CHECK bf_status results_changes_read(const api_services *services, const char *id,
+                                             results_changes *changes, bf_error *err);
+void results_changes_fini(results_changes *changes);
+
+/// Append photo_eyes.csv, its header also where no state changed, or the JSON of both:
+/// {"changes": [{"t_s", "photo_eye", "state"}], "actions": [{"t_s", "action", "target"}], "is_cut": false}.
+BF_MUST_CHECK bf_status results_changes_csv(const results_changes *changes, bf_buffer *out,
+                                            bf_error *err);
+BF_MUST_CHECK bf_status results_changes_json(const results_changes *changes, bf_buffer *out,
+                                             bf_error *err);
 
 /// Append the rows of parts as a NumPy file of doubles, as CSV ("part,x_m,..."; a part that has left
 /// the domain is a line of nan), or as JSON: {"n", "t_s", "columns": [...], "parts": [[...], null]}

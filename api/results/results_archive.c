@@ -289,11 +289,15 @@ static void destroy(void *state)
 static bf_status read_photo_eyes(archive *a, const api_run *of, const api_services *services,
                                  bf_error *err)
 {
+    results_changes changes = { 0 };
     api_curve curve = { 0 };
 
     bf_status status = services->read_curve(services->context, a->id, of->n_samples, &curve, err);
     if (status == BF_OK && curve.columns.n > 0 && strstr(curve.columns.bytes, ".blocked") != NULL)
-        status = results_photo_eyes_read(services, a->id, &a->eyes, err);
+        status = results_changes_read(services, a->id, &changes, err);
+    if (status == BF_OK && changes.eyes.n > 0)
+        status = results_changes_csv(&changes, &a->eyes, err);
+    results_changes_fini(&changes);
     api_curve_fini(&curve);
     return status;
 }

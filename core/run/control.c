@@ -46,6 +46,9 @@ static bf_status emit_change(control *c, uint64_t step, frame_change_type type, 
                              bool is_blocked, const run_sink *sink, bf_error *err)
 {
     const scene *s = c->scene;
+
+    if (c->n_changes == FRAME_CHANGES_MAX)
+        return BF_OK;
     frame f = { .type = FRAME_CHANGE,
                 .change = { .index = c->n_changes++,
                             .t = (double)step * c->dt,

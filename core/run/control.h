@@ -22,7 +22,7 @@ typedef struct control {
     photo_eyes eyes;                   ///< see there
     commands commands;                 ///< see there
     passages passages[SCENE_EYES_MAX]; ///< of parts, at each eye
-    uint64_t n_changes;                ///< frames of changes since t = 0
+    uint64_t n_changes;                ///< frames of changes since t = 0, at most FRAME_CHANGES_MAX
 } control;
 
 /// The ticks of a run at t = 0.
@@ -34,7 +34,8 @@ void control_fini(control *c);
 /// The first step after `step` at which there is a tick; UINT64_MAX: none.
 uint64_t control_next(const control *c, uint64_t step);
 
-/// Make the tick after a number of steps; changes are emitted to the sink. Failures are those of the model, of
+/// Make the tick after a number of steps; changes are emitted to the sink, FRAME_CHANGES_MAX
+/// of a run. Failures are those of the model, of
 /// commands_note() and of the sink.
 BF_MUST_CHECK bf_status control_tick(control *c, void *solver, uint64_t step, figures *to,
                                      const run_sink *sink, bf_error *err);

@@ -128,6 +128,9 @@ static inline bool frame_is_planar(uint32_t n_values)
     return n_values == FRAME_VALUES_PLANAR || n_values == FRAME_VALUES_PLANAR + FRAME_VALUES_FED;
 }
 
+/// Frames of changes that a run sends at most; later ones take effect, but are not told.
+enum { FRAME_CHANGES_MAX = 100000 };
+
 /// What changed.
 typedef enum frame_change_type {
     FRAME_CHANGE_EYE,    ///< the state of a photo eye

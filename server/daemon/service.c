@@ -141,6 +141,12 @@ static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], siz
                              take_context, err);
 }
 
+static bf_status read_changes(void *context, const char *id, api_event_fn *take, void *take_context,
+                              bf_error *err)
+{
+    return store_read_changes(((service *)context)->store, id, take, take_context, err);
+}
+
 static bf_status add_measurement(void *context, const api_measurement *measurement,
                                  const api_curve *curve, api_measurement *ret_measurement,
                                  bf_error *err)
@@ -218,6 +224,7 @@ api_services service_table(service *s)
                            .read_snapshot = read_snapshot,
                            .read_parts = read_parts,
                            .read_events = read_events,
+                           .read_changes = read_changes,
                            .add_measurement = add_measurement,
                            .find_measurement = find_measurement,
                            .list_measurements = list_measurements,

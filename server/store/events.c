@@ -161,17 +161,19 @@ static bf_status find_head(store__connection *reader, event_merge *merge, size_t
     return status;
 }
 
-static bf_status copy_event(const store__query *q, event_merge *merge, size_t which, bf_error *err)
+// Copies an event whose type, item and data are the columns from `first` on.
+static bf_status copy_event(const store__query *q, int first, event_merge *merge, size_t which,
+                            bf_error *err)
 {
     copied_event copied = {
         .id = merge->heads[which],
-        .type = (api_event_type)sqlite3_column_int(q->statement, 0),
-        .snapshot = (uint64_t)sqlite3_column_int64(q->statement, 1),
+        .type = (api_event_type)sqlite3_column_int(q->statement, first),
+        .snapshot = (uint64_t)sqlite3_column_int64(q->statement, first + 1),
         .which = which,
         .at = merge->data.n,
     };
 
-    bf_status status = store__column_bytes(q, 2, &merge->data, err);
+    bf_status status = store__column_bytes(q, first + 2, &merge->data, err);
     if (status == BF_OK && merge->data.n == copied.at)
         status = describe_reused(q->connection, &merge->rows[which], copied.type, copied.snapshot,
                                  &merge->data, err);
@@ -194,7 +196,7 @@ static bf_status copy_head(store__connection *reader, event_merge *merge, size_t
     store__bind_integer(&q, (int64_t)merge->heads[which]);
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
-        status = has_row ? copy_event(&q, merge, which, err)
+        status = has_row ? copy_event(&q, 0, merge, which, err)
                          : bf_fail(err, BF_ECORRUPT, "", "an index of the store is damaged");
     store__end(&q);
     return status == BF_OK ? find_head(reader, merge, which, merge->heads[which], err) : status;
@@ -285,6 +287,45 @@ bf_status store_read_events(store *s, const char (*runs)[API_ID_SIZE], size_t n_
     if (status == BF_OK)
         status = pass_events(&merge, runs, take, take_context, err);
     memory_free(merge.rows);
+    buffer_fini(&merge.copied);
+    buffer_fini(&merge.data);
+    return status;
+}
+
+static bf_status copy_changes(store__connection *reader, const char *id, event_merge *merge,
+                              bf_error *err)
+{
+    bool has_row = true;
+
+    bf_status status = store__find_row(reader, id, &merge->rows[0], err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_LIST_CHANGES);
+    store__bind_integer(&q, merge->rows[0].rowid);
+    while (status == BF_OK && (status = store__next(&q, &has_row, err)) == BF_OK && has_row) {
+        merge->heads[0] = (uint64_t)sqlite3_column_int64(q.statement, 0);
+        status = copy_event(&q, 1, merge, 0, err);
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store_read_changes(store *s, const char *id, api_event_fn *take, void *take_context,
+                             bf_error *err)
+{
+    char runs[1][API_ID_SIZE];
+    store__connection *reader = NULL;
+    store__row row;
+    event_merge merge = { .n_runs = 1, .rows = &row };
+
+    snprintf(runs[0], sizeof runs[0], "%s", id);
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status == BF_OK) {
+        status = copy_changes(reader, id, &merge, err);
+        store__release_reader(&s->pool, reader);
+    }
+    if (status == BF_OK)
+        status = pass_events(&merge, (const char(*)[API_ID_SIZE])runs, take, take_context, err);
     buffer_fini(&merge.copied);
     buffer_fini(&merge.data);
     return status;

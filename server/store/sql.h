@@ -137,6 +137,8 @@
     X(COPY_EVENTS, "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, "    \
                    "CASE WHEN type IN (5, 6, 7) THEN replace(data, ?4, ?3) ELSE '' END"            \
                    " FROM events WHERE run = ?2 AND type IN (2, 3, 5, 6, 7) ORDER BY id")          \
+    X(LIST_CHANGES,                                                                                \
+      "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type IN (6, 7) ORDER BY id") \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
     X(INSERT_MEASUREMENT, "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts) "  \

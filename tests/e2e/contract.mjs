@@ -212,7 +212,8 @@ export function checkExchange(exchange, answer, counts = true) {
   if (counts) count(exchange, template, answer.status, type, digestOfAnswer(answer));
 }
 
-const schemaOfEvent = (kind) => `#/components/schemas/${kind[0].toUpperCase()}${kind.slice(1)}Event`;
+const schemaOfEvent = (kind) =>
+  `#/components/schemas/${kind.split("_").map((word) => word[0].toUpperCase() + word.slice(1)).join("")}Event`;
 
 // One event of a stream of server-sent events.
 export function checkEvent(event) {

@@ -2,12 +2,16 @@
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
+import { readFileSync } from "node:fs";
 import net from "node:net";
+import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
+import { solveMicro } from "./micro.mjs";
 import { residentBytes } from "./processes.mjs";
-import { endless, interruptible, jam, tiny } from "./scenarios.mjs";
+import { solve } from "./results.mjs";
+import { endless, fed, interruptible, jam, tiny } from "./scenarios.mjs";
 import { isSanitized, until, within } from "./setup.mjs";
 
 async function ended(d, scenario) {
@@ -43,6 +47,24 @@ test("a stream opens with the run and ends with its end", async (t) => {
   const snapshots = events.filter((event) => event.event === "snapshot");
   assert.deepEqual(snapshots.map((event) => event.data.n), [0, 1, 2, 3, 4]);
   assert.equal((await d.get(snapshots[4].data.url)).status, 200);
+});
+
+test("what photo eyes saw and did stands in events, in its resource and in the archive alike", async (t) => {
+  const d = await daemon(t);
+  for (const [model, solved] of [["macro", solve], ["micro", solveMicro]]) {
+    const run = await d.submit(fed(), { model });
+    const events = await (await d.events(run.id)).rest();
+    const of = (kind) => events.filter(({ event }) => event === kind).map(({ data: { run: id, ...rest } }) => rest);
+    const { json } = await d.get(`/v1/runs/${run.id}/photo_eyes`);
+    assert.deepEqual(json, { changes: of("photo_eye"), actions: of("action"), is_cut: false });
+    assert.equal(json.changes[0].state, "blocked");
+    assert.deepEqual(json.actions.map(({ action, target }) => [action, target])[0], [0, "stop"]);
+    const lines = json.changes.map((row) => `${row.t_s},${row.photo_eye},${row.state}\n`);
+    const csv = (await d.get(`/v1/runs/${run.id}/photo_eyes?format=csv`)).text;
+    assert.equal(csv, `t_s,photo_eye,state\n${lines.join("")}`);
+    const folder = await solved(t, fed());
+    assert.equal(csv, readFileSync(path.join(folder, "photo_eyes.csv"), "utf8"));
+  }
 });
 
 test("ids rise strictly, over the runs of a store and its restarts (I6)", async (t) => {

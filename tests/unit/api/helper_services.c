@@ -260,6 +260,21 @@ static bf_status do_read_events(void *context, const char (*runs)[API_ID_SIZE], 
     return BF_OK;
 }
 
+static bf_status do_read_changes(void *context, const char *id, api_event_fn *take,
+                                 void *take_context, bf_error *err)
+{
+    const helper_daemon *d = context;
+    bf_status status = BF_OK;
+
+    for (size_t i = 0; i < d->n_events && status == BF_OK; i++) {
+        const api_event *event = &d->events[i];
+        if (strcmp(event->run, id) == 0 &&
+            (event->type == API_EVENT_EYE || event->type == API_EVENT_ACTION))
+            status = take(take_context, event, err);
+    }
+    return status;
+}
+
 static helper_measurement *lookup_measurement(helper_daemon *d, const char *id)
 {
     for (size_t i = 0; i < d->n_measurements; i++) {
@@ -385,6 +400,7 @@ api_services helper_services(helper_daemon *d)
                            .read_snapshot = do_read_snapshot,
                            .read_parts = do_read_parts,
                            .read_events = do_read_events,
+                           .read_changes = do_read_changes,
                            .add_measurement = do_add_measurement,
                            .find_measurement = do_find_measurement,
                            .list_measurements = do_list_measurements,

@@ -63,6 +63,28 @@ static void key_figures_are_json_or_csv(void **state)
                                                  "offered,feed,in,7,parts\n");
 }
 
+static void changes_of_photo_eyes_are_json_or_csv(void **state)
+{
+    (void)state;
+    helper_run *of = ask_add_run(RUN_RUNNING);
+    ask_get(RUN_1 "/photo_eyes", NULL, NULL, 200);
+    assert_string_equal(ask_response.body.bytes,
+                        "{\"changes\":[],\"actions\":[],\"is_cut\":false}");
+    helper_add_event(&ask_daemon, of, API_EVENT_EYE,
+                     "{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}");
+    helper_add_event(&ask_daemon, of, API_EVENT_PROGRESS, "{\"t_s\":1.5}");
+    helper_add_event(&ask_daemon, of, API_EVENT_ACTION,
+                     "{\"t_s\":2,\"action\":3,\"target\":\"flap\"}");
+    ask_get(RUN_1 "/photo_eyes", NULL, NULL, 200);
+    assert_string_equal(
+        ask_response.body.bytes,
+        "{\"changes\":[{\"t_s\":1.5,\"photo_eye\":\"pe\",\"state\":\"blocked\"}],"
+        "\"actions\":[{\"t_s\":2,\"action\":3,\"target\":\"flap\"}],\"is_cut\":false}");
+    ask_get(RUN_1 "/photo_eyes", "format=csv", NULL, 200);
+    assert_string_equal(ask_response.body.bytes, "t_s,photo_eye,state\n1.5,pe,blocked\n");
+    ask_get("/v1/runs/0190a0b0-0000-7000-8000-0000000000ff/photo_eyes", NULL, NULL, 404);
+}
+
 // The bytes that `beltflow solve` writes into curve.csv: header, then t and the counters.
 static void the_curve_is_json_or_csv(void **state)
 {
@@ -113,6 +135,7 @@ int main(void)
         ASK_TEST(a_summary_that_is_not_there_yet_is_a_conflict),
         ASK_TEST(key_figures_that_are_not_there_yet_are_a_conflict),
         ASK_TEST(key_figures_are_json_or_csv),
+        ASK_TEST(changes_of_photo_eyes_are_json_or_csv),
         ASK_TEST(the_curve_is_json_or_csv),
         ASK_TEST(a_curve_without_samples_has_its_columns),
         ASK_TEST(the_tag_of_a_curve_tells_formats_apart),

@@ -1,4 +1,4 @@
-// Unit tests of photo_eyes.csv: the same lines from frames and from stored events.
+// Unit tests of the changes of photo eyes: the same lines from frames and from stored events, and JSON.
 
 #include "api/results/events.h"
 #include "api/results/results.h"
@@ -34,52 +34,80 @@ static void changes_of_photo_eyes_are_lines(void **state)
     buffer_fini(&csv);
 }
 
-// A store that gives one event a turn: the changes, with ids from 1; damaged ones where context is not NULL.
-static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
-                             uint64_t after, size_t limit_bytes, api_event_fn *take,
-                             void *take_context, bf_error *err)
+// A store of the changes; damaged ones where context is not NULL.
+static bf_status read_changes(void *context, const char *id, api_event_fn *take, void *take_context,
+                              bf_error *err)
 {
-    bf_buffer data = { 0 };
+    bf_status status = BF_OK;
 
-    (void)limit_bytes;
-    assert_int_equal(n_runs, 1);
-    assert_string_equal(runs[0], run_id);
-    if (after == N_CHANGES)
-        return BF_OK;
-    const frame_change *c = &changes[after];
-    bf_status status = context != NULL ? buffer_printf(&data, "{\"run\":1}")
-                                       : events_change(run_id, c, &data, err);
-    const api_event event = { .id = after + 1,
-                              .type =
-                                  c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE : API_EVENT_ACTION,
-                              .n = data.n,
-                              .data = data.bytes };
-    if (status == BF_OK)
-        status = take(take_context, &event, err);
-    buffer_fini(&data);
+    assert_string_equal(id, run_id);
+    for (uint64_t k = 0; k < N_CHANGES && status == BF_OK; k++) {
+        const frame_change *c = &changes[k];
+        bf_buffer data = { 0 };
+        status = context != NULL ? buffer_printf(&data, "{\"run\":1}")
+                                 : events_change(run_id, c, &data, err);
+        const api_event event = { .id = k + 1,
+                                  .type = c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE
+                                                                      : API_EVENT_ACTION,
+                                  .n = data.n,
+                                  .data = data.bytes };
+        if (status == BF_OK)
+            status = take(take_context, &event, err);
+        buffer_fini(&data);
+    }
     return status;
 }
 
 static void stored_events_give_the_same_lines(void **state)
 {
-    const api_services services = { .read_events = read_events };
-    bf_buffer csv = { 0 };
+    const api_services services = { .read_changes = read_changes };
+    results_changes read = { 0 };
+    bf_buffer text = { 0 };
 
     (void)state;
-    assert_int_equal(results_photo_eyes_read(&services, run_id, &csv, NULL), BF_OK);
-    assert_string_equal(csv.bytes, expected);
-    buffer_fini(&csv);
+    assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_OK);
+    assert_int_equal(results_changes_csv(&read, &text, NULL), BF_OK);
+    assert_string_equal(text.bytes, expected);
+    text.n = 0;
+    assert_int_equal(results_changes_json(&read, &text, NULL), BF_OK);
+    assert_string_equal(
+        text.bytes,
+        "{\"changes\":[{\"t_s\":0.5,\"photo_eye\":\"pe1\",\"state\":\"blocked\"},"
+        "{\"t_s\":1.25,\"photo_eye\":\"pe2\",\"state\":\"clear\"}],"
+        "\"actions\":[{\"t_s\":0.5,\"action\":2,\"target\":\"main\"}],\"is_cut\":false}");
+    results_changes_fini(&read);
+    buffer_fini(&text);
+}
+
+static void as_many_as_a_run_keeps_may_not_be_all(void **state)
+{
+    static const results_eye_change change = { .t = 1.0, .id = "pe" };
+    static const results_action action = { .t = 1.0, .target = "main" };
+    results_changes kept = { 0 };
+    bf_buffer json = { 0 };
+
+    (void)state;
+    for (int k = 0; k < FRAME_CHANGES_MAX - 2; k++)
+        assert_int_equal(buffer_append(&kept.eyes, &change, sizeof change), BF_OK);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(buffer_append(&kept.actions, &action, sizeof action), BF_OK);
+        json.n = 0;
+        assert_int_equal(results_changes_json(&kept, &json, NULL), BF_OK);
+        assert_non_null(
+            strstr(json.bytes + json.n - 20, k == 0 ? "\"is_cut\":false}" : "\"is_cut\":true}"));
+    }
+    results_changes_fini(&kept);
+    buffer_fini(&json);
 }
 
 static void a_damaged_event_is_reported(void **state)
 {
-    const api_services services = { .context = &(int){ 1 }, .read_events = read_events };
-    bf_buffer csv = { 0 };
+    const api_services services = { .context = &(int){ 1 }, .read_changes = read_changes };
+    results_changes read = { 0 };
 
     (void)state;
-    assert_int_equal(results_photo_eyes_read(&services, run_id, &csv, NULL), BF_ECORRUPT);
-    assert_int_equal(csv.n, 0);
-    buffer_fini(&csv);
+    assert_int_equal(results_changes_read(&services, run_id, &read, NULL), BF_ECORRUPT);
+    assert_int_equal(read.eyes.n + read.actions.n, 0);
 }
 
 static void events_say_what_changed(void **state)
@@ -100,6 +128,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(changes_of_photo_eyes_are_lines),
         cmocka_unit_test(stored_events_give_the_same_lines),
+        cmocka_unit_test(as_many_as_a_run_keeps_may_not_be_all),
         cmocka_unit_test(a_damaged_event_is_reported),
         cmocka_unit_test(events_say_what_changed),
     };

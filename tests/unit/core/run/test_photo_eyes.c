@@ -5,6 +5,7 @@
 #include "core/base/memory.h"
 #include "core/run/beam.h"
 #include "core/run/commands.h"
+#include "core/run/control.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -236,6 +237,47 @@ static void no_memory_is_reported(void **state)
     assert_int_equal(c.n, 0);
 }
 
+// A model that parts never pass, and whose beam changes at every look.
+static bf_status look(void *solver, size_t at, run_view *ret_view, bf_error *err)
+{
+    bool *is_broken = solver;
+
+    (void)at;
+    (void)err;
+    *is_broken = !*is_broken;
+    *ret_view = (run_view){ .is_broken = *is_broken };
+    return BF_OK;
+}
+
+static bf_status count_change(void *context, const frame *f, bf_error *err)
+{
+    uint64_t *n = context;
+
+    (void)err;
+    assert_int_equal(f->type, FRAME_CHANGE);
+    assert_int_equal(f->change.index, (*n)++);
+    return BF_OK;
+}
+
+static void a_run_tells_of_so_many_changes_at_most(void **state)
+{
+    static const run_backend backend = { .look = look };
+    scene_photo_eye nervous = { .id = "pe" };
+    const scene s = { .n_eyes = 1, .eyes = &nervous };
+    control c = control_of(&s, &backend, &(run_plan){ .dt = 1e-3, .n_tick = 1 });
+    bool is_broken = false;
+    uint64_t n = 0;
+    const run_sink sink = { .context = &n, .take = count_change };
+
+    (void)state;
+    for (uint64_t step = 0; step < FRAME_CHANGES_MAX + 5; step++)
+        assert_int_equal(control_tick(&c, &is_broken, step, NULL, &sink, NULL), BF_OK);
+    assert_int_equal(n, FRAME_CHANGES_MAX);
+    // The state is known all the same.
+    assert_int_equal(c.eyes.states[0].is_blocked, is_broken);
+    control_fini(&c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -250,6 +292,7 @@ int main(void)
         cmocka_unit_test(an_action_that_is_not_in_the_scene_is_damage),
         cmocka_unit_test(more_commands_than_may_wait_end_the_run),
         cmocka_unit_test(no_memory_is_reported),
+        cmocka_unit_test(a_run_tells_of_so_many_changes_at_most),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -96,6 +96,15 @@ static void append_item(store *s, const char *id, store_item *item)
     helper_item_fini(item);
 }
 
+static void append_change(store *s, const char *id, api_event_type type, uint64_t index)
+{
+    store_item item = { .type = type, .first = index };
+
+    assert_int_equal(buffer_printf(&item.event, "{\"run\":\"%s\",\"k\":%d}", id, (int)index),
+                     BF_OK);
+    append_item(s, id, &item);
+}
+
 // A run that is claimed, has sent samples and snapshots in turns, and succeeds.
 static api_run solve(store *s, const char *id)
 {
@@ -109,6 +118,8 @@ static api_run solve(store *s, const char *id)
         helper_curve_item(id, 5 * i, 5, &item);
         append_item(s, id, &item);
     }
+    append_change(s, id, API_EVENT_EYE, 0);
+    append_change(s, id, API_EVENT_ACTION, 1);
     helper_figures_item(id, 60, &item);
     append_item(s, id, &item);
     return end(s, id, RUN_SUCCEEDED);
@@ -117,7 +128,8 @@ static api_run solve(store *s, const char *id)
 static bf_status collect(void *context, const api_event *event, bf_error *err)
 {
     bool is_shared = event->type == API_EVENT_CURVE || event->type == API_EVENT_SNAPSHOT ||
-                     event->type == API_EVENT_FIGURES;
+                     event->type == API_EVENT_FIGURES || event->type == API_EVENT_EYE ||
+                     event->type == API_EVENT_ACTION;
 
     (void)err;
     if (is_shared)
@@ -239,13 +251,41 @@ static void its_events_are_those_of_the_first_with_its_own_id(void **state)
     assert_string_equal(told.bytes, wanted.bytes);
     assert_non_null(strstr(told.bytes, "/parts/2"));
     helper_events events = helper_read_events(s, second.id, newest);
-    // Three batches of samples, three snapshots, the key figures, the status, the end.
-    assert_int_equal(events.n, 9);
+    // Three batches of samples, three snapshots, two changes of photo eyes, the key figures, the status, the
+    // end.
+    assert_int_equal(events.n, 11);
     assert_int_equal(events.type, API_EVENT_END);
     assert_int_equal(events.id, second.last_event);
     buffer_fini(&events.data);
     buffer_fini(&wanted);
     buffer_fini(&told);
+}
+
+static void changes_of_photo_eyes_are_read_by_themselves(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run first = submit(s, "work", "first");
+    bf_buffer text = { 0 };
+    char expected[160];
+
+    solve(s, first.id);
+    api_run second = submit(s, "work", "second");
+    for (int k = 0; k < 2; k++) {
+        const char *id = k == 0 ? first.id : second.id;
+        text.n = 0;
+        assert_int_equal(store_read_changes(s, id, collect, &text, NULL), BF_OK);
+        snprintf(expected, sizeof expected,
+                 "photo_eye {\"run\":\"%s\",\"k\":0}\naction {\"run\":\"%s\",\"k\":1}\n", id, id);
+        assert_string_equal(text.bytes, expected);
+    }
+    text.n = 0;
+    assert_int_equal(store_read_changes(s, submit_fresh(s, "work").id, collect, &text, NULL),
+                     BF_OK);
+    assert_int_equal(text.n, 0);
+    assert_int_equal(
+        store_read_changes(s, "01900000-0000-7000-8000-000000000000", collect, &text, NULL),
+        BF_ENOTFOUND);
+    buffer_fini(&text);
 }
 
 // I9 and I10: results live as long as the last run that has them.
@@ -473,6 +513,7 @@ int main(void)
         STORE_TEST(what_was_solved_before_is_there_at_once),
         STORE_TEST(its_texts_are_its_own),
         STORE_TEST(its_events_are_those_of_the_first_with_its_own_id),
+        STORE_TEST(changes_of_photo_eyes_are_read_by_themselves),
         STORE_TEST(removing_one_leaves_the_others_theirs),
         STORE_TEST(only_the_same_work_is_the_same),
         STORE_TEST(only_results_of_success_are_reused),
