@@ -117,7 +117,7 @@ test("a plate is there before its first time, and then as from time to time", ()
   assert.equal(isPresentAt(undefined, 1), true);
 });
 
-test("commands of a photo eye move plates from their states then on", () => {
+test("actions move plates from the time on at which they were carried out", () => {
   const scenario = {
     obstacles: [{ id: "flap", motion: { t_s: [0, 10], turn_deg: [0, 10] } }, { id: "stop", present: { t_s: [0], value: [false] } }],
     photo_eyes: [{ id: "pe" }],
@@ -128,13 +128,17 @@ test("commands of a photo eye move plates from their states then on", () => {
     ],
   };
   const curve = { t: [0, 1, 2, 3, 4, 5], columns: new Map([["pe.blocked", [0, 0, 1, 1, 0, 0]]]) };
-  const equipment = new Equipment(scenario, curve);
+  const done = [{ t_s: 1.75, action: 1 }];
+  const equipment = new Equipment(scenario, curve, done);
   const at = (t) => {
     const { plates: [flap, stop], eyes: [eye] } = equipment.at(t);
     return [flap.turn, stop.isPresent, eye];
   };
-  // The flap begins at 3 degrees at 3 s and is at 33 from 5 s on.
   assert.deepEqual(at(1), [1, false, false]);
+  assert.deepEqual(at(1.75), [1.75, true, false]); // between two samples
+  assert.deepEqual(at(4), [4, true, false]);
+  done.push({ t_s: 3, action: 0 }, { t_s: 3.75, action: 2 });
+  // The flap begins at 3 degrees at 3 s and is at 33 from 5 s on.
   assert.deepEqual(at(2), [2, true, true]);
   assert.deepEqual(at(4), [18, false, false]);
   assert.deepEqual(at(5), [33, false, false]);

@@ -1,6 +1,5 @@
 // What the equipment of a scenario does at a time: how plates are turned, which of them are there, and the
-// states of photo eyes. Commands of photo eyes follow from the curve's columns of their states, so that a
-// command is known to the distance of two samples.
+// states of photo eyes.
 
 import { indexBefore } from "./series.js";
 
@@ -28,10 +27,10 @@ export function isPresentAt(present, t) {
 }
 
 export class Equipment {
-  // curve: { t, columns } of the run, which may grow.
-  constructor(scenario, curve) {
-    Object.assign(this, { obstacles: scenario.obstacles, eyes: scenario.photo_eyes ?? [], actions: scenario.actions ?? [], curve });
-    this.seen = -1;
+  // curve: { t, columns } of the run; done: its actions that were carried out, [{ t_s, action }] in this order. Both may grow.
+  constructor(scenario, curve, done) {
+    Object.assign(this, { obstacles: scenario.obstacles, eyes: scenario.photo_eyes ?? [], actions: scenario.actions ?? [], curve, done });
+    this.seen = 0;
   }
 
   // { plates: [{ turn, isPresent }], eyes: [true: blocked, null: not known] }.
@@ -51,24 +50,16 @@ export class Equipment {
 
   // The commands so far, of each obstacle in the order of their times.
   followCommands() {
-    if (this.actions.length === 0 || this.seen === this.curve.t.length) return;
-    this.seen = this.curve.t.length;
-    const due = this.actions.flatMap((action) => this.startsOf(action.when).map((t) => ({ ...action.do, t: t + (action.delay_s ?? 0) })));
-    due.sort((a, b) => a.t - b.t);
-    this.commands = this.obstacles.map(({ id }) => due.filter(({ obstacle }) => obstacle === id));
+    if (this.seen === this.done.length) return;
+    this.seen = this.done.length;
+    const commands = this.done.map(({ t_s: t, action }) => ({ ...this.actions[action].do, t }));
+    this.commands = this.obstacles.map(({ id }) => commands.filter(({ obstacle }) => obstacle === id));
     this.turns = this.obstacles.map(() => []);
     this.commands.forEach((list, k) => {
       for (const { t, turn_deg: to, over_s: over } of list) {
         if (to !== undefined) this.turns[k].push({ t, from: this.turnOf(k, t), to, over });
       }
     });
-  }
-
-  // When a state of a photo eye begins.
-  startsOf({ photo_eye: id, state }) {
-    const sought = state === "blocked" ? 1 : 0;
-    const values = this.curve.columns.get(`${id}.blocked`) ?? [];
-    return this.curve.t.filter((_, k) => values[k] === sought && (values[k - 1] ?? 0) !== sought);
   }
 
   turnOf(k, t) {

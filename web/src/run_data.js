@@ -22,6 +22,7 @@ export class RunData {
     this.parts = null; // { rows, columns, cargo }
     this.snapshots = [];
     this.curve = { t: [], columns: new Map() };
+    this.actions = []; // that photo eyes commanded, { t_s, action }
     this.onChange = () => {}; // (what) => ..., what is "run", "curve", "snapshots", "figures" or "summary"
   }
 
@@ -43,10 +44,12 @@ export class RunData {
   }
 
   async loadResults() {
-    const [list, curve] = await Promise.all([
+    const [list, curve, { actions }] = await Promise.all([
       getJson(paths.of(this.id, "snapshots")),
       getJson(paths.of(this.id, "curve")),
+      this.scenario.actions ? getJson(paths.of(this.id, "photo_eyes")) : { actions: [] },
     ]);
+    replaceFrom(this.actions, 0, actions);
     this.takeList(list);
     this.takeCurve({ first: 0, ...curve });
     this.onChange("snapshots");
@@ -89,6 +92,7 @@ export class RunData {
   async take(kind, event) {
     applyToRun(this.run, kind, event);
     if (kind === "curve") this.takeCurve(event);
+    if (kind === "action") this.actions.push(event);
     if (kind === "snapshot") await this.takeSnapshot(event);
     if (kind === "figures") this.figures = event.key_figures;
     if (kind === "gap") await this.loadResults();

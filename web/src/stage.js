@@ -50,10 +50,11 @@ export class Stage {
     this.stopTheme();
   }
 
-  // scenario: resolved; grid: { origin_m, cell_m }; parts: { columns, cargo } or null; curve: of the run, which may grow.
-  setScene({ scenario, grid, parts, curve }) {
+  // scenario: resolved; grid: { origin_m, cell_m }; parts: { columns, cargo } or null; curve and actions: of the run, which
+  // may grow.
+  setScene({ scenario, grid, parts, curve, actions }) {
     Object.assign(this, { scenario, grid });
-    this.equipment = new Equipment(scenario, curve);
+    this.equipment = new Equipment(scenario, curve, actions);
     this.layer = parts ? new PartsLayer(parts.columns, parts.cargo, feedLines(scenario)) : null;
     this.resize();
   }
