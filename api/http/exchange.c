@@ -7,7 +7,6 @@
 #include "api/http/negotiation.h"
 #include "api/http/problem.h"
 #include "core/base/check.h"
-#include "core/base/digest.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -79,20 +78,11 @@ static bf_status dispatch(exchange *x, bf_error *err)
         status = choose_media(x, err);
     if (status == BF_OK)
         status = x->route->handle(x, err);
+    if (status == BF_OK && x->response->status == 0)
+        x->response->status = 200;
+    if (status == BF_OK)
+        status = exchange__check_state(x, err);
     return status;
-}
-
-// A cacheable answer without an entity tag gets a digest of its bytes as one.
-static void tag_by_bytes(exchange *x)
-{
-    api_response *response = x->response;
-    const char *caching = api_response_find(response, "Cache-Control");
-
-    if (response->status != 200 || response->source.is_stream || x->route->method[0] != 'G' ||
-        caching == NULL || api_response_find(response, "ETag") != NULL)
-        return;
-    uint64_t digest = digest_add(DIGEST_START, response->body.bytes, response->body.n);
-    (void)exchange__match_etag(x, "%016" PRIx64, digest);
 }
 
 // Completes an answer that is not a problem document.
@@ -100,9 +90,6 @@ static void complete(exchange *x)
 {
     api_response *response = x->response;
 
-    if (response->status == 0)
-        response->status = 200;
-    tag_by_bytes(x);
     bool has_body = response->status != 204 && response->status != 304;
     if (has_body || response->body.n > 0)
         api_response_header(response, "Content-Type", "%s", x->media->content_type);
@@ -254,21 +241,6 @@ bf_status exchange__find_snapshot(const exchange *x, const api_run *of, uint64_t
     return BF_OK;
 }
 
-bf_status exchange__check_match(exchange *x, const api_run *record, uint64_t *ret_revision,
-                                bf_error *err)
-{
-    const char *wanted = exchange__header(x, "If-Match");
-    char tag[EXCHANGE_ETAG_SIZE];
-
-    snprintf(tag, sizeof tag, "r%" PRIu64, record->revision);
-    if (wanted == NULL || negotiation_allows_change(wanted, tag)) {
-        *ret_revision = wanted == NULL ? API_ANY_REVISION : record->revision;
-        return BF_OK;
-    }
-    return exchange__refuse(x, 412, "", err,
-                            "the run is not in the state that If-Match names: it is \"%s\"", tag);
-}
-
 static void list_types(exchange *x, const char *const *types)
 {
     size_t n = 0;
@@ -354,67 +326,10 @@ bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf
     return bf_fail(err, BF_EINPUT, pointer, "%s", text);
 }
 
-void exchange__cache_immutable(exchange *x)
-{
-    api_response_header(x->response, "Cache-Control", "private, max-age=31536000, immutable");
-}
-
 void exchange__name_snapshot(exchange *x, uint64_t index)
 {
     api_response_header(x->response, "Content-Disposition", "inline; filename=\"%06" PRIu64 ".%s\"",
                         index, x->media->word);
-}
-
-// Sets ETag, and the status if the client has this state. ret_form is the tag that it knows it by.
-static bool tag_state(exchange *x, const char *tag, char *ret_form)
-{
-    const char *known = exchange__header(x, "If-None-Match");
-    bool is_known =
-        known != NULL &&
-        negotiation_match_etag(known, tag, exchange__header(x, "Accept-Encoding"), ret_form);
-
-    api_response_header(x->response, "ETag", "\"%s\"", tag);
-    if (is_known)
-        x->response->status = 304;
-    return is_known;
-}
-
-static void write_tag(char *tag, const char *format, va_list args)
-{
-    int n = vsnprintf(tag, EXCHANGE_ETAG_SIZE, format, args);
-
-    BF_CHECK(n >= 0 && n < EXCHANGE_ETAG_SIZE);
-}
-
-bool exchange__match_etag(exchange *x, const char *format, ...)
-{
-    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE];
-    va_list args;
-
-    va_start(args, format);
-    write_tag(tag, format, args);
-    va_end(args);
-    return tag_state(x, tag, form);
-}
-
-bool exchange__is_unchanged(exchange *x, const char *format, ...)
-{
-    char tag[EXCHANGE_ETAG_SIZE], form[CODING_TAG_SIZE], quoted[CODING_TAG_SIZE + 2];
-    va_list args;
-
-    va_start(args, format);
-    write_tag(tag, format, args);
-    va_end(args);
-    if (!tag_state(x, tag, form))
-        return false;
-    snprintf(quoted, sizeof quoted, "\"%s\"", form);
-    api_response_set(x->response, "ETag", quoted);
-    return true;
-}
-
-void exchange__cache_revalidate(exchange *x)
-{
-    api_response_header(x->response, "Cache-Control", "private, no-cache");
 }
 
 // Writes a value for a query; text has room for three bytes per byte of value.

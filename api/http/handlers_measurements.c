@@ -120,9 +120,16 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
 
 bf_status handlers_measurements_remove(exchange *x, bf_error *err)
 {
+    char json[EXCHANGE_ETAG_SIZE], csv[EXCHANGE_ETAG_SIZE];
+    const char *const tags[] = { json, csv, NULL };
     api_measurement about;
 
     bf_status status = find_measurement(x, &about, err);
+    if (status != BF_OK)
+        return status;
+    snprintf(json, sizeof json, "%s-json", about.id);
+    snprintf(csv, sizeof csv, "%s-csv", about.id);
+    status = exchange__check_change(x, tags, err);
     if (status == BF_OK)
         status = x->services->remove_measurement(x->services->context, about.id, err);
     if (status == BF_OK)

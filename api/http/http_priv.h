@@ -22,6 +22,7 @@ struct exchange {
     query query;                  ///< parsed, and checked against the rows of the route
     const media *media;           ///< the representation that was chosen
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
+    bool is_unmatched;            ///< If-Match of a GET names other states than the present one
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
     char accepts[64];             ///< media types of bodies, for a 415
 };
@@ -57,9 +58,12 @@ BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, 
 BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
                                                 uint64_t *ret_index, bf_error *err);
 
-/// Compare If-Match with the run. *ret_revision is the revision that a change of the run has to find:
-/// the run's, API_ANY_REVISION where the request has no If-Match. BF_EINPUT, as a 412: the header names
-/// other states.
+/// Compare If-Match and If-None-Match with the tags of the forms that the resource to be changed has
+/// (ended by NULL). BF_EINPUT, as a 412: the first names other states, or the second this one.
+BF_MUST_CHECK bf_status exchange__check_change(exchange *x, const char *const *tags, bf_error *err);
+
+/// The same for a run. *ret_revision is the revision that a change of the run has to find: the run's,
+/// API_ANY_REVISION where the request has no If-Match.
 BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
                                               uint64_t *ret_revision, bf_error *err);
 
@@ -78,8 +82,8 @@ exchange_page exchange__page(const exchange *x);
 void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
                          const char *last_id);
 
-/// Set ETag to the tag of the resource's present state, given without quotes. True: If-None-Match names
-/// it, the response is a 304 and the handler is done.
+/// Set ETag to the tag of the resource's present state, given without quotes. True: the handler is done,
+/// as If-None-Match names the state (304), or If-Match does not (412, exchange__check_state()).
 bool exchange__is_unchanged(exchange *x, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -87,6 +91,10 @@ bool exchange__is_unchanged(exchange *x, const char *format, ...)
 /// the length that a 200 would have.
 bool exchange__match_etag(exchange *x, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/// What follows a handler: give a response that may be kept a tag, if it has none. BF_EINPUT, as a 412:
+/// If-Match names another state.
+BF_MUST_CHECK bf_status exchange__check_state(exchange *x, bf_error *err);
 
 /// Allow caching without asking again: the answer never changes.
 void exchange__cache_immutable(exchange *x);

@@ -20,7 +20,8 @@
     X(409, "conflict", "Conflict", "", PROBLEM_OF(BF_ECONFLICT),                                   \
       "The request does not fit the present state")                                                \
     X(412, "precondition-failed", "Precondition Failed", "", 0,                                    \
-      "The run is not in the state that If-Match names; nothing was changed")                      \
+      "The resource is not in the state that If-Match or If-None-Match asks for; nothing was "     \
+      "done")                                                                                      \
     X(413, "content-too-large", "Content Too Large", "", 0, "The body is too large")               \
     X(414, "uri-too-long", "URI Too Long", "", 0, "Path or query are too long")                    \
     X(415, "unsupported-media-type", "Unsupported Media Type", "", 0,                              \

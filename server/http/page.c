@@ -274,11 +274,25 @@ static coding choose_form(http_request *r, http_file *file)
     return CODING_IDENTITY;
 }
 
+static void refuse_state(http_request *r, const http_file *file)
+{
+    bf_error err = { 0 };
+
+    (void)bf_fail(&err, BF_EINPUT, "", "the state is not the one that If-Match names: it is \"%s\"",
+                  file->etag);
+    http__respond_refuse(r, 412, &err);
+}
+
 static void answer_file(http_request *r, http_file *file)
 {
+    const char *wanted = http__request_header(r, "If-Match");
     const char *known = http__request_header(r, "If-None-Match");
     char tag[CODING_TAG_SIZE];
 
+    if (wanted != NULL && !negotiation_allows_change(wanted, file->etag)) {
+        refuse_state(r, file);
+        return;
+    }
     api_response_fini(&r->response);
     coding form = choose_form(r, file);
     r->response.status = 200;

@@ -99,6 +99,32 @@ static void a_run_is_changed_only_in_the_state_that_the_client_means(void **stat
     ask("DELETE", RUN_1, NULL, "If-Match: *\n", NULL, 204);
 }
 
+// RFC 9110, 13.1.1 and 13.1.2: If-Match is for all methods; If-None-Match is a 412 for those that change.
+static void conditions_hold_for_reading_and_removing(void **state)
+{
+    static const char *const paths[] = { RUN_1,      RUN_1 "/curve", RUN_1 "/snapshots",
+                                         "/v1/runs", "/version",     "/v1/examples/example-1" };
+
+    (void)state;
+    ask_add_run(RUN_QUEUED)->record.revision = 42;
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        char headers[128];
+        ask_get(paths[i], NULL, "If-Match: \"other\"\n", 412);
+        ask("HEAD", paths[i], NULL, "If-Match: \"other\"\n", NULL, 412);
+        ask_get(paths[i], NULL, "If-Match: *\n", 200);
+        snprintf(headers, sizeof headers, "If-Match: \"other\", %s\n",
+                 helper_header(&ask_response, "ETag"));
+        ask_get(paths[i], NULL, headers, 200);
+        ask_get(paths[i], NULL, "If-Match: \"other\"\nIf-None-Match: *\n", 412);
+    }
+    ask_get(RUN_1, "wait=60", "If-Match: \"other\"\n", 412);
+    assert_int_equal(ask_response.long_poll.seconds, 0);
+    ask("DELETE", RUN_1, NULL, "If-None-Match: *\n", NULL, 412);
+    ask("POST", RUN_1 "/cancel", NULL, "If-None-Match: W/\"r42\"\n", NULL, 412);
+    assert_int_equal(ask_daemon.runs[0].record.state, RUN_QUEUED);
+    ask("DELETE", RUN_1, NULL, "If-None-Match: \"r41\"\n", NULL, 204);
+}
+
 static void a_problem_can_be_given_the_id_of_its_request(void **state)
 {
     (void)state;
@@ -335,6 +361,7 @@ int main(void)
         ASK_TEST(an_encoded_form_is_known_by_its_own_tag),
         ASK_TEST(documents_are_known_by_their_bytes),
         ASK_TEST(a_run_is_changed_only_in_the_state_that_the_client_means),
+        ASK_TEST(conditions_hold_for_reading_and_removing),
         ASK_TEST(a_problem_can_be_given_the_id_of_its_request),
         ASK_TEST(a_full_share_of_the_queue_is_a_429),
         ASK_TEST(what_depends_on_accept_says_so),

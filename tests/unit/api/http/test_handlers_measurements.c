@@ -127,6 +127,8 @@ static void a_removed_measurement_is_gone(void **state)
 {
     (void)state;
     helper_add_measurement(&ask_daemon, "upstream");
+    ask("DELETE", MEASURED, NULL, "If-Match: \"other\"\n", NULL, 412);
+    ask("DELETE", MEASURED, NULL, "If-None-Match: *\n", NULL, 412);
     ask("DELETE", MEASURED, NULL, NULL, NULL, 204);
     ask("DELETE", MEASURED, NULL, NULL, NULL, 404);
     ask_get(MEASURED, NULL, NULL, 404);
