@@ -12,7 +12,7 @@ install(FILES deploy/systemd/beltflow.service DESTINATION /lib/systemd/system)
 install(FILES deploy/systemd/sysusers.conf DESTINATION lib/sysusers.d RENAME beltflow.conf)
 install(FILES deploy/systemd/tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME beltflow.conf)
 install(FILES README.md deploy/CHANGELOG.md DESTINATION share/doc/beltflow)
-install(FILES deploy/nginx/beltflow.conf DESTINATION share/doc/beltflow/examples/nginx)
+install(DIRECTORY deploy/nginx DESTINATION share/doc/beltflow/examples)
 install(DIRECTORY deploy/grafana DESTINATION share/doc/beltflow/examples)
 
 set(CPACK_GENERATOR DEB)
