@@ -77,9 +77,9 @@ test("filters stand in the address, and pages follow the cursor there and back",
 test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
   const page = await openPage(t, d);
+  await visit(page, "#/"); // so that only the view is to come while the run goes on
   const run = await d.submit({ ...interruptible(), name: "interrupted" });
-  await d.progressed(run.id, 0.05);
-  await visit(page, `#/runs/${run.id}`);
+  await page.goto(`/#/runs/${run.id}`);
   await page.locator(".pill", { hasText: "running" }).waitFor();
   await page.waitForFunction(() => Number(document.querySelector(".transport input").value) > 0);
 

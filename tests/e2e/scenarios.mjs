@@ -35,9 +35,9 @@ export function jam(duration_s, output) {
   };
 }
 
-// Solved in a second or three: long enough to be interrupted, with 200 samples and 50 snapshots.
+// Solved in two or three seconds: long enough to be interrupted, with 200 samples and 50 snapshots.
 export function interruptible() {
-  const duration = isSanitized ? 20 : 300;
+  const duration = isSanitized ? 10 : 80;
   return jam(duration, { curve_every_s: duration / 200, snapshot_every_s: duration / 50 });
 }
 
