@@ -10,10 +10,8 @@
 #include "core/base/cpu.h"
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
-#include "core/macro/velocity_field.h"
-#include "core/scene/density.h"
-#include "core/scene/placement.h"
 #include "tests/unit/core/helper_congested.h"
+#include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -67,42 +65,6 @@ static scene make_scene(const work *w, scene_closure closure)
     return s;
 }
 
-static macro_def dispersive_def(const scene *s, const velocity_field *f)
-{
-    macro_def def = macro_def_default();
-
-    def.grid = f->grid;
-    def.dt = scene_macro_step(s);
-    def.v1 = f->v1;
-    def.v2 = f->v2;
-    def.closed1 = f->closed1;
-    def.closed2 = f->closed2;
-    def.mirror[2] = def.mirror[3] = true;
-    return def;
-}
-
-static macro_solver *start_dispersive(const scene *s)
-{
-    velocity_field *f = NULL;
-    macro_solver *solver = NULL;
-    scene_placement p = { .n = 0 };
-
-    if (velocity_field_create(s, &f, NULL) != BF_OK || placement_make(s, &p, NULL) != BF_OK)
-        fail("no memory");
-    const macro_def def = dispersive_def(s, f);
-    double *rho = memory_alloc(grid_cells(&def.grid), sizeof *rho);
-    if (rho == NULL ||
-        density_from_parts(&def.grid, scene_packing_density(s), 2500.0, p.poses, p.n, rho, NULL) !=
-            BF_OK ||
-        macro_create(&def, &solver, NULL) != BF_OK ||
-        macro_set_density(solver, rho, grid_cells(&def.grid), NULL) != BF_OK)
-        fail("no solver");
-    memory_free(rho);
-    placement_fini(&p);
-    velocity_field_destroy(f);
-    return solver;
-}
-
 static double mass_before(const macro_solver *solver, const scene *s, double x)
 {
     const bf_grid g = scene_grid(s);
@@ -121,8 +83,7 @@ static double time_run(const work *w, scene_closure closure)
 {
     const double left = closure == SCENE_DISPERSIVE ? w->dispersive_left : w->congested_left;
     scene s = make_scene(w, closure);
-    macro_solver *solver =
-        closure == SCENE_DISPERSIVE ? start_dispersive(&s) : helper_congested_start(&s, 1);
+    macro_solver *solver = helper_macro_start(&s, 1);
     const double all = mass_before(solver, &s, s.domain.x_max), dt = scene_macro_step(&s);
     const double begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
 
@@ -176,13 +137,13 @@ static scene make_large_scene(void)
 static double time_large(int n_threads, uint64_t *ret_digest)
 {
     scene s = make_large_scene();
-    macro_solver *solver = helper_congested_start(&s, n_threads);
+    macro_solver *solver = helper_macro_start(&s, n_threads);
     double best = INFINITY;
 
     advance(solver, jam_time, scene_macro_step(&s));
     for (int k = 0; k < LARGE_REPETITIONS; k++) {
         const double begin = seconds(CLOCK_MONOTONIC);
-        helper_congested_advance(solver, LARGE_STEPS);
+        helper_macro_advance(solver, LARGE_STEPS);
         best = fmin(best, (seconds(CLOCK_MONOTONIC) - begin) / LARGE_STEPS);
     }
     *ret_digest = macro_digest(solver);

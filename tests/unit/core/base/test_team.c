@@ -9,6 +9,7 @@
 #include <cmocka.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <time.h>
 
 enum { ITEMS_MAX = 1000 };
 
@@ -34,7 +35,7 @@ static void every_item_is_done_once_for_any_number_of_threads(void **state)
     }
 }
 
-enum { ROUNDS = 300, MEMBERS_MAX = 16 };
+enum { ROUNDS = 100, MEMBERS_MAX = 16 };
 
 // What each member of a team wrote in a round, in turns.
 typedef struct meeting {
@@ -58,7 +59,7 @@ static void meet(void *context, int member, int n_members, team_barrier *barrier
         m->n_members = n_members;
 }
 
-static void members_of_a_team_wait_for_each_other(void **state)
+static void threads_of_a_team_wait_for_each_other(void **state)
 {
     static const int n_threads[] = { -1, 0, 1, 2, 3, 5 };
 
@@ -74,7 +75,7 @@ static void members_of_a_team_wait_for_each_other(void **state)
     }
 }
 
-enum { OUTER = 3, INNER = 3, CALLS = 100 };
+enum { OUTER = 3, INNER = 3, CALLS = 40 };
 
 static void count_in_own_loop(void *context, size_t item)
 {
@@ -83,7 +84,7 @@ static void count_in_own_loop(void *context, size_t item)
     team_for(INNER, ITEMS_MAX, count_item, counts[item]);
 }
 
-static void loops_may_be_nested(void **state)
+static void loops_on_threads_may_be_nested(void **state)
 {
     static int counts[OUTER][ITEMS_MAX];
 
@@ -97,7 +98,7 @@ static void loops_may_be_nested(void **state)
 // What a thread of its own does: teams one after the other, each with its barrier.
 static void *meet_often(void *context)
 {
-    for (int k = 0; k < CALLS / 50; k++)
+    for (int k = 0; k < 2; k++)
         team_run(INNER, meet, context);
     return NULL;
 }
@@ -119,27 +120,32 @@ static void threads_of_one_process_may_have_teams_at_the_same_time(void **state)
     }
 }
 
+static void sleep_ms(int ms)
+{
+    const struct timespec time = { .tv_nsec = 1000000L * ms };
+
+    nanosleep(&time, NULL);
+}
+
 static void nap(void *context, int member, int n_members, team_barrier *barrier)
 {
     atomic_int *n_naps = context;
 
     (void)barrier;
     (void)n_members;
-    // Members finish up to some milliseconds apart, so that workers and callers sleep and are woken.
-    for (int k = 1; k < 3000 * member; k++)
-        team_spin_wait(k);
+    // Members finish milliseconds apart, so that workers and callers sleep and are woken.
+    sleep_ms(member);
     atomic_fetch_add(n_naps, 1);
 }
 
-static void those_who_sleep_are_woken(void **state)
+static void threads_that_sleep_are_woken(void **state)
 {
     atomic_int n_naps = 0;
 
     (void)state;
     for (int k = 0; k < CALLS; k++) {
         team_run(INNER, nap, &n_naps);
-        for (int turn = 1; turn < 6000 * (k % 2); turn++)
-            team_spin_wait(turn);
+        sleep_ms(2 * (k % 2));
     }
     assert_int_equal(n_naps, CALLS * INNER);
 }
@@ -154,10 +160,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_number_of_threads),
-        cmocka_unit_test(members_of_a_team_wait_for_each_other),
-        cmocka_unit_test(loops_may_be_nested),
+        cmocka_unit_test(threads_of_a_team_wait_for_each_other),
+        cmocka_unit_test(loops_on_threads_may_be_nested),
         cmocka_unit_test(threads_of_one_process_may_have_teams_at_the_same_time),
-        cmocka_unit_test(those_who_sleep_are_woken),
+        cmocka_unit_test(threads_that_sleep_are_woken),
         cmocka_unit_test(there_is_at_least_one_processor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

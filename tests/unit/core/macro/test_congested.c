@@ -6,6 +6,7 @@
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
 #include "tests/unit/core/helper_congested.h"
+#include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -69,7 +70,7 @@ static void check_free_cargo(vec2 velocity)
     const bf_grid g = scene_grid(&s);
     double *rho = memory_alloc(grid_cells(&g), sizeof *rho);
     double *next = memory_alloc(grid_cells(&g), sizeof *next);
-    macro_solver *solver = helper_congested_create(&s, 1);
+    macro_solver *solver = helper_macro_create(&s, 1);
     const vec2 courant = vec2_scale(velocity, scene_macro_step(&s) / 0.01);
     srand(3);
     for (size_t k = 0; k < grid_cells(&g); k++)
@@ -131,7 +132,7 @@ static void check_compaction(double density, double jam_density)
     scene s;
 
     make_column(&s, jam_density);
-    macro_solver *solver = helper_congested_create(&s, 1);
+    macro_solver *solver = helper_macro_create(&s, 1);
     helper_congested_fill(&s, everywhere, density, solver);
     grow(solver, speed, belt);
     const double front = 1.2 - speed * macro_time(solver);
@@ -169,7 +170,7 @@ static void mass_is_conserved_in_a_closed_box(void **state)
         helper_congested_saturated(&s, 60.0);
         close_edges(&s);
         s.belts[0].velocity = axis == 0 ? (vec2){ 0.395, 0.0 } : (vec2){ 0.28, -0.28 };
-        macro_solver *solver = helper_congested_start(&s, 1);
+        macro_solver *solver = helper_macro_start(&s, 1);
         const double mass = macro_measure(solver).mass;
         for (int step = 0; step < 600; step++) {
             macro_step(solver);
@@ -211,7 +212,7 @@ static void check_outlet(void (*make)(scene *s, double angle_deg), double angle_
     scene s;
 
     make(&s, angle_deg);
-    macro_solver *solver = helper_congested_start(&s, 1);
+    macro_solver *solver = helper_macro_start(&s, 1);
     const double mass = macro_measure(solver).mass;
     double left = 0.0;
     for (int step = 0; step < 600; step++) {
@@ -251,9 +252,9 @@ static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
         helper_scene_add_obstacle(&s, path, 2, SCENE_WALL);
         helper_scene_add_belt(&s, k % 2 == 0 ? (vec2){ 0.4, 0.0 } : (vec2){ 0.35, 0.15 }, NULL, 0);
         helper_scene_resolve(&s);
-        macro_solver *solver = helper_congested_create(&s, 1);
+        macro_solver *solver = helper_macro_create(&s, 1);
         helper_congested_fill(&s, (scene_rect){ 0.05, 0.4, 0.05, 0.55 }, 0.8, solver);
-        helper_congested_advance(solver, 400);
+        helper_macro_advance(solver, 400);
         const bf_grid g = scene_grid(&s);
         size_t n_behind = 0;
         for (size_t j = 0; j < g.n2; j++)
@@ -313,14 +314,14 @@ static void check_image(double width, bool is_transposed, double most_difference
 
     make_image(&s, width, false, is_transposed);
     make_image(&image, width, true, is_transposed);
-    macro_solver *solver = helper_congested_create(&s, 1);
-    macro_solver *other = helper_congested_create(&image, 1);
+    macro_solver *solver = helper_macro_create(&s, 1);
+    macro_solver *other = helper_macro_create(&image, 1);
     helper_congested_fill(&s, heap, 0.8, solver);
     helper_congested_fill(&image, is_transposed ? turned : heap, 0.8, other);
     const double mass = macro_measure(solver).mass;
     for (int k = 0; k < 40; k++) {
-        helper_congested_advance(solver, 5);
-        helper_congested_advance(other, 5);
+        helper_macro_advance(solver, 5);
+        helper_macro_advance(other, 5);
         assert_true(largest_difference(solver, other, is_transposed) <= most_difference);
         assert_near(macro_measure(solver).mass, macro_measure(other).mass, 1e-5 * mass);
     }
@@ -358,7 +359,7 @@ static void cargo_without_a_way_out_fails_with_place_and_time(void **state)
     scene s;
     bf_error err = { 0 };
     make_column(&s, 0.9);
-    macro_solver *solver = helper_congested_create(&s, 1);
+    macro_solver *solver = helper_macro_create(&s, 1);
     helper_congested_fill(&s, everywhere, 2.0, solver);
     const double mass = macro_measure(solver).mass;
     assert_int_equal(macro_check(solver, NULL), BF_OK);
@@ -445,7 +446,7 @@ static void a_bad_def_is_refused_at_its_member(void **state)
     helper_congested_example(&s, 45.0);
     assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        macro_def def = helper_congested_def(&s, f);
+        macro_def def = helper_macro_def(&s, f);
         macro_solver *solver = NULL;
         bf_error err = { 0 };
         bad[k].spoil(&def);
@@ -460,24 +461,10 @@ static void a_bad_def_is_refused_at_its_member(void **state)
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     scene s;
-    bf_status status = BF_ENOMEM;
 
     (void)state;
     helper_congested_example(&s, 60.0);
-    for (size_t n = 1; status != BF_OK; n++) {
-        velocity_field *f = NULL;
-        macro_solver *solver = NULL;
-        memory_plan_fault(n, 0);
-        status = velocity_field_create(&s, &f, NULL);
-        if (status == BF_OK) {
-            const macro_def def = helper_congested_def(&s, f);
-            status = macro_create(&def, &solver, NULL);
-        }
-        memory_plan_fault(0, 0);
-        assert_true(status == BF_OK ? solver != NULL : status == BF_ENOMEM && solver == NULL);
-        macro_destroy(solver);
-        velocity_field_destroy(f);
-    }
+    helper_macro_lack_memory(&s);
     scene_fini(&s);
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/base/buffer.h"
 #include "core/macro/macro.h"
+#include "tests/unit/core/helper_macro.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -96,23 +97,7 @@ static void close_face1(const world *w, size_t i, size_t j)
 
 static macro_solver *start(const world *w)
 {
-    macro_solver *s = NULL;
-
-    assert_int_equal(macro_create(&w->def, &s, NULL), BF_OK);
-    assert_int_equal(macro_set_density(s, w->rho, grid_cells(&w->def.grid), NULL), BF_OK);
-    return s;
-}
-
-static void advance(macro_solver *s, size_t n_steps)
-{
-    for (size_t k = 0; k < n_steps; k++)
-        macro_step(s);
-}
-
-// A Gaussian with a peak of 0.8, below rho_j.
-static double bump(double x1, double x2, double deviation)
-{
-    return 0.8 * exp(-(x1 * x1 + x2 * x2) / (2.0 * deviation * deviation));
+    return helper_macro_start_with(&w->def, w->rho);
 }
 
 static void put_bump(const world *w, double x1, double x2, double deviation)
@@ -121,7 +106,8 @@ static void put_bump(const world *w, double x1, double x2, double deviation)
 
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++)
-            w->rho[j * g->n1 + i] = bump(grid_x1(g, i) - x1, grid_x2(g, j) - x2, deviation);
+            w->rho[j * g->n1 + i] =
+                helper_macro_bump(grid_x1(g, i) - x1, grid_x2(g, j) - x2, deviation);
 }
 
 // L1 error of the bump at (x1, x2), m2.
@@ -132,9 +118,9 @@ static double error_of(const macro_solver *s, const bf_grid *g, double x1, doubl
 
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++)
-            error +=
-                g->d1 * g->d2 *
-                fabs(macro_row(s, j)[i] - bump(grid_x1(g, i) - x1, grid_x2(g, j) - x2, deviation));
+            error += g->d1 * g->d2 *
+                     fabs(macro_row(s, j)[i] -
+                          helper_macro_bump(grid_x1(g, i) - x1, grid_x2(g, j) - x2, deviation));
     return error;
 }
 
@@ -150,7 +136,7 @@ static double error_after_40_cm(scene_scheme scheme)
     put_bump(&w, 0.4, 0.3, deviation);
     macro_solver *s = start(&w);
     const double mass = macro_measure(s).mass;
-    advance(s, 800);
+    helper_macro_advance(s, 800);
     const double error = error_of(s, &w.def.grid, 0.8, 0.3, deviation) / mass;
     macro_destroy(s);
     free_world(&w);
@@ -174,7 +160,7 @@ static double error_at(size_t refinement)
     w.def.dt = 0.625 * cell;
     put_bump(&w, 0.4, 0.4, deviation);
     macro_solver *s = start(&w);
-    advance(s, 160 * refinement);
+    helper_macro_advance(s, 160 * (int)refinement);
     const double error = error_of(s, &w.def.grid, 0.8, 0.4, deviation);
     macro_destroy(s);
     free_world(&w);
@@ -294,7 +280,7 @@ static void nothing_leaks_through_a_closed_wall(void **state)
             w.rho[j * 60 + i] = 0.8;
     }
     macro_solver *s = start(&w);
-    advance(s, 200);
+    helper_macro_advance(s, 200);
     for (size_t j = 0; j < 30; j++)
         for (size_t i = 40; i < 60; i++)
             assert_true(macro_row(s, j)[i] == 0.0);
@@ -333,9 +319,9 @@ static void a_run_that_is_resumed_has_the_same_bits(void **state)
     w.def.dt = 5e-3;
     put_jam(&w);
     macro_solver *whole = start(&w), *resumed = start(&w);
-    advance(whole, 80);
+    helper_macro_advance(whole, 80);
     assert_int_equal(macro_save(whole, &bytes, NULL), BF_OK);
-    advance(resumed, 7);
+    helper_macro_advance(resumed, 7);
     assert_int_equal(macro_load(resumed, bytes.bytes, bytes.n, NULL), BF_OK);
     for (int step = 0; step < 80; step++) {
         macro_step(whole);

@@ -148,25 +148,25 @@ static void compare_with_direct_sum(fixture *s)
     free(s);
 }
 
-static void random_densities_and_fields_agree_with_the_direct_sum(void **state)
+static void random_scenes_agree_with_the_direct_sum_on_one_to_three_threads(void **state)
 {
     (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
-        for (unsigned seed = 1; seed <= 12; seed++)
+        for (unsigned seed = 1; seed <= 8; seed++)
             compare_with_direct_sum(
                 random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, SHORT_ROWS));
-        for (unsigned seed = 13; seed <= 16; seed++)
+        for (unsigned seed = 13; seed <= 15; seed++)
             compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, LONG_ROWS));
     }
 }
 
-static void the_other_forms_of_h_agree_with_the_direct_sum(void **state)
+static void the_other_forms_of_h_agree_with_it_on_one_to_three_threads(void **state)
 {
     (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
-        for (unsigned seed = 21; seed <= 24; seed++) {
+        for (unsigned seed = 21; seed <= 23; seed++) {
             compare_with_direct_sum(
                 random_fixture(seed, scheme, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS));
             compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_NONE, SHORT_ROWS));
@@ -174,11 +174,11 @@ static void the_other_forms_of_h_agree_with_the_direct_sum(void **state)
     }
 }
 
-static void belts_whose_speed_changes_agree_with_the_direct_sum(void **state)
+static void belts_whose_speed_changes_agree_with_it_on_one_to_three_threads(void **state)
 {
     (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++) {
-        for (unsigned seed = 51; seed <= 60; seed++) {
+        for (unsigned seed = 51; seed <= 56; seed++) {
             fixture *s = random_fixture(seed, (scene_scheme)scheme,
                                         (scene_heaviside)(seed % SCENE_HEAVISIDE_COUNT),
                                         seed % 5 == 0 ? LONG_ROWS : SHORT_ROWS);
@@ -188,11 +188,14 @@ static void belts_whose_speed_changes_agree_with_the_direct_sum(void **state)
     }
 }
 
+// On one thread.
 static uint64_t digest_with(const fixture *s, macro_sweep_fn *sweep)
 {
+    macro_def def = s->def;
     macro_solver *solver = NULL;
 
-    assert_int_equal(macro_create(&s->def, &solver, NULL), BF_OK);
+    def.n_threads = 1;
+    assert_int_equal(macro_create(&def, &solver, NULL), BF_OK);
     solver->sweep = sweep;
     assert_int_equal(macro_set_density(solver, s->rho, grid_cells(&s->def.grid), NULL), BF_OK);
     for (int step = 0; step < 60; step++)
@@ -238,9 +241,9 @@ static void both_builds_give_the_same_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_densities_and_fields_agree_with_the_direct_sum),
-        cmocka_unit_test(the_other_forms_of_h_agree_with_the_direct_sum),
-        cmocka_unit_test(belts_whose_speed_changes_agree_with_the_direct_sum),
+        cmocka_unit_test(random_scenes_agree_with_the_direct_sum_on_one_to_three_threads),
+        cmocka_unit_test(the_other_forms_of_h_agree_with_it_on_one_to_three_threads),
+        cmocka_unit_test(belts_whose_speed_changes_agree_with_it_on_one_to_three_threads),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
         cmocka_unit_test(both_builds_give_the_same_bits),
     };

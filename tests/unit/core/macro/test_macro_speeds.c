@@ -3,8 +3,7 @@
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
 #include "core/macro/velocity_field.h"
-#include "core/scene/density.h"
-#include "core/scene/placement.h"
+#include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -16,62 +15,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static macro_def def_of(const scene *s, const velocity_field *f)
-{
-    macro_def def = macro_def_default();
-
-    def.grid = f->grid;
-    def.dt = scene_macro_step(s);
-    def.dispersion = s->macro.dispersion;
-    def.v1 = f->v1;
-    def.v2 = f->v2;
-    def.closed1 = f->closed1;
-    def.closed2 = f->closed2;
-    def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
-    def.belts = s->belts;
-    def.belt1 = f->belt1;
-    def.belt2 = f->belt2;
-    for (int side = 0; side < SCENE_SIDE_COUNT; side++)
-        def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
-    return def;
-}
-
-static void place(const scene *s, macro_solver *solver)
-{
-    const bf_grid grid = scene_grid(s);
-    double *rho = memory_alloc(grid_cells(&grid), sizeof *rho);
-    scene_placement p = { .n = 0 };
-
-    assert_int_equal(placement_of(s, &p, NULL), BF_OK);
-    assert_int_equal(density_from_parts(&grid, scene_packing_density(s), s->macro.initial_mollifier,
-                                        p.poses, p.n, rho, NULL),
-                     BF_OK);
-    assert_int_equal(macro_set_density(solver, rho, grid_cells(&grid), NULL), BF_OK);
-    placement_fini(&p);
-    memory_free(rho);
-}
-
-// A solver of a resolved scene with its cargo.
-static macro_solver *start(const scene *s, int n_threads)
-{
-    velocity_field *f = NULL;
-    macro_solver *solver = NULL;
-
-    assert_int_equal(velocity_field_create(s, &f, NULL), BF_OK);
-    macro_def def = def_of(s, f);
-    def.n_threads = n_threads;
-    assert_int_equal(macro_create(&def, &solver, NULL), BF_OK);
-    velocity_field_destroy(f);
-    place(s, solver);
-    return solver;
-}
-
-static void advance(macro_solver *s, int n_steps)
-{
-    for (int k = 0; k < n_steps; k++)
-        macro_step(s);
-}
 
 // Where the mass is on average, m.
 static vec2 centre(const macro_solver *s, const bf_grid *g)
@@ -109,9 +52,9 @@ static void loose_cargo_is_displaced_by_the_integral_of_the_speed(void **state)
         s.edges[side] = SCENE_EDGE_OUTFLOW;
     helper_scene_resolve(&s);
     const bf_grid grid = scene_grid(&s);
-    macro_solver *solver = start(&s, 1);
+    macro_solver *solver = helper_macro_start(&s, 1);
     const vec2 before = centre(solver, &grid);
-    advance(solver, (int)lround(2.0 / scene_macro_step(&s)));
+    helper_macro_advance(solver, (int)lround(2.0 / scene_macro_step(&s)));
     assert_near(macro_time(solver), 2.0, 1e-12);
     const vec2 after = centre(solver, &grid);
     assert_near(after.x - before.x, 0.3 * integral, 1e-12);
@@ -158,11 +101,11 @@ static void on_a_belt_that_stands_nothing_changes(void **state)
     (void)state;
     make_jam(&s, 1, (double[]){ 1.0 }, (double[]){ 0.0 });
     const bf_grid grid = scene_grid(&s);
-    macro_solver *solver = start(&s, 1);
-    advance(solver, 512);
+    macro_solver *solver = helper_macro_start(&s, 1);
+    helper_macro_advance(solver, 512);
     assert_true(macro_measure(solver).peak > 1.0);
     double *before = densities_of(solver, &s);
-    advance(solver, 100);
+    helper_macro_advance(solver, 100);
     double *after = densities_of(solver, &s);
     assert_memory_equal(before, after, grid_cells(&grid) * sizeof *before);
     memory_free(before);
@@ -179,12 +122,12 @@ static void a_stop_and_go_is_the_same_run_later(void **state)
     (void)state;
     make_jam(&with, 2, (double[]){ 0.5, 0.75 }, (double[]){ 0.0, 1.0 });
     make_jam(&without, 0, NULL, NULL);
-    macro_solver *late = start(&with, 1), *early = start(&without, 1);
-    advance(late, 200 + 128);
-    advance(early, 200);
+    macro_solver *late = helper_macro_start(&with, 1), *early = helper_macro_start(&without, 1);
+    helper_macro_advance(late, 200 + 128);
+    helper_macro_advance(early, 200);
     for (int k = 0; k < 4; k++) {
-        advance(late, 100);
-        advance(early, 100);
+        helper_macro_advance(late, 100);
+        helper_macro_advance(early, 100);
         assert_same_densities(late, early, &with);
     }
     macro_destroy(late);
@@ -206,15 +149,15 @@ static double largest_gap_of_ramps(double cell)
     with.belts[0].acceleration = with.belts[0].deceleration = 0.395;
     with.macro.cell = without.macro.cell = cell;
     const size_t n = (size_t)lround(0.75 / cell), n2 = (size_t)lround(0.6 / cell);
-    macro_solver *late = start(&with, 1), *early = start(&without, 1);
+    macro_solver *late = helper_macro_start(&with, 1), *early = helper_macro_start(&without, 1);
     double largest = 0.0;
-    advance(late, 3 * 512);
-    advance(early, 2 * 512);
+    helper_macro_advance(late, 3 * 512);
+    helper_macro_advance(early, 2 * 512);
     for (int k = 0; k < 8; k++) {
         double gap = macro_mass_in(late, 0, n, 0, n2) - macro_mass_in(early, 0, n, 0, n2);
         largest = fmax(largest, fabs(gap) * scene_packing_density(&with));
-        advance(late, 64);
-        advance(early, 64);
+        helper_macro_advance(late, 64);
+        helper_macro_advance(early, 64);
     }
     macro_destroy(late);
     macro_destroy(early);
@@ -267,7 +210,7 @@ static void make_transfer(scene *s, double pause, vec2 velocity, double half_unt
                               (double[]){ 0.0, 1.0 });
     helper_scene_schedule(&s->belts[1], 2, (double[]){ 0.0, half_until }, (double[]){ 0.5, 1.0 });
     helper_scene_resolve(s);
-    *ret_solver = start(s, 1);
+    *ret_solver = helper_macro_start(s, 1);
     fill(s, &strip, density, *ret_solver);
 }
 
@@ -291,15 +234,15 @@ static void a_right_angle_transfer_follows_both_belts(void **state)
     (void)state;
     make_transfer(&s, 0.2, (vec2){ 0.0, 0.3 }, 2.5, density, &solver);
     const bf_grid g = scene_grid(&s);
-    advance(solver, 240);
+    helper_macro_advance(solver, 240);
     const double before = mass_east(solver, &s);
-    advance(solver, 100);
+    helper_macro_advance(solver, 100);
     assert_near(mass_east(solver, &s) - before, 0.4 * 0.1 * density * (0.5 - 0.2), 1e-6 * mass);
     // At 4 s nothing has been on the first belt for half a second; on the second one the factor is 1 since 2.5 s.
-    advance(solver, 800 - 340);
+    helper_macro_advance(solver, 800 - 340);
     assert_near(mass_east(solver, &s), mass, 1e-6 * mass);
     const vec2 there = centre(solver, &g);
-    advance(solver, 100);
+    helper_macro_advance(solver, 100);
     assert_near(centre(solver, &g).y - there.y, 0.3 * 0.5, 1e-6);
     assert_near(centre(solver, &g).x, there.x, 1e-6);
     assert_near(mass_east(solver, &s), mass, 1e-6 * mass);
@@ -317,13 +260,13 @@ static void a_drop_in_speed_compresses_by_the_ratio_of_the_speeds(void **state)
 
     (void)state;
     make_transfer(&s, 0.0, (vec2){ 0.32, 0.0 }, 1.5, density, &solver);
-    advance(solver, 300);
+    helper_macro_advance(solver, 300);
     const double *row = macro_row(solver, 15);
     assert_near(row[117], density, 1e-6);
     // The last cell before the border has the density behind it, as the face has the velocity of the later belt.
     assert_near(row[119], 2.5 * density, 1e-6);
     assert_near(row[123], 2.5 * density, 1e-4);
-    advance(solver, 40); // 0.2 s, 6.4 cells
+    helper_macro_advance(solver, 40); // 0.2 s, 6.4 cells
     row = macro_row(solver, 15);
     assert_near(row[119], 1.25 * density, 1e-3);
     assert_near(macro_measure(solver).peak, 2.5 * density, 1e-3);
@@ -347,10 +290,10 @@ static void mass_is_conserved_through_ramps(void **state)
 
     (void)state;
     make_box(&s);
-    macro_solver *solver = start(&s, 1);
+    macro_solver *solver = helper_macro_start(&s, 1);
     const double mass = macro_measure(solver).mass;
     for (int k = 0; k < 10; k++) {
-        advance(solver, 60);
+        helper_macro_advance(solver, 60);
         assert_near(macro_measure(solver).mass, mass, 1e-13 * mass);
     }
     macro_destroy(solver);
@@ -363,11 +306,11 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
 
     (void)state;
     make_box(&s);
-    macro_solver *one = start(&s, 1);
-    advance(one, 600);
+    macro_solver *one = helper_macro_start(&s, 1);
+    helper_macro_advance(one, 600);
     for (int n_threads = 2; n_threads <= 4; n_threads++) {
-        macro_solver *many = start(&s, n_threads);
-        advance(many, 600);
+        macro_solver *many = helper_macro_start(&s, n_threads);
+        helper_macro_advance(many, 600);
         assert_true(macro_digest(many) == macro_digest(one));
         macro_destroy(many);
     }
@@ -383,15 +326,15 @@ static void a_run_resumed_in_a_ramp_goes_on_with_the_same_bits(void **state)
 
     (void)state;
     make_box(&s);
-    macro_solver *whole = start(&s, 1);
-    advance(whole, 600);
+    macro_solver *whole = helper_macro_start(&s, 1);
+    helper_macro_advance(whole, 600);
     for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) {
-        macro_solver *first = start(&s, 1), *then = start(&s, 2);
+        macro_solver *first = helper_macro_start(&s, 1), *then = helper_macro_start(&s, 2);
         bf_buffer saved = { 0 };
-        advance(first, stops[k]);
+        helper_macro_advance(first, stops[k]);
         assert_int_equal(macro_save(first, &saved, NULL), BF_OK);
         assert_int_equal(macro_load(then, saved.bytes, saved.n, NULL), BF_OK);
-        advance(then, 600 - stops[k]);
+        helper_macro_advance(then, 600 - stops[k]);
         assert_true(macro_digest(then) == macro_digest(whole));
         buffer_fini(&saved);
         macro_destroy(first);
@@ -408,7 +351,7 @@ static void a_state_of_another_schedule_is_refused(void **state)
 
     (void)state;
     make_box(&s);
-    macro_solver *solver = start(&s, 1);
+    macro_solver *solver = helper_macro_start(&s, 1);
     assert_int_equal(macro_save(solver, &saved, NULL), BF_OK);
     macro_destroy(solver);
     double *const numbers[] = { &s.belts[0].acceleration, &s.belts[0].deceleration,
@@ -417,7 +360,7 @@ static void a_state_of_another_schedule_is_refused(void **state)
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         const double before = *numbers[k];
         *numbers[k] *= 1.0 + 0x1p-40;
-        solver = start(&s, 1);
+        solver = helper_macro_start(&s, 1);
         assert_int_equal(macro_load(solver, saved.bytes, saved.n, NULL), BF_ECORRUPT);
         macro_destroy(solver);
         *numbers[k] = before;
@@ -439,7 +382,7 @@ static void the_largest_factor_bounds_the_step(void **state)
         make_jam(&s, 2, (double[]){ 1e6, 2e6 }, (double[]){ largest, 0.0 });
         assert_near(scene_step_stable(&s), 0.01 / (3.0 * 0.395 * largest), 1e-12);
         assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
-        const macro_def def = def_of(&s, f);
+        const macro_def def = helper_macro_def(&s, f);
         assert_int_equal(macro_create(&def, &solver, &err), k == 0 ? BF_OK : BF_EINPUT);
         assert_string_equal(err.pointer, k == 0 ? "" : "/macro/step_s");
         macro_destroy(solver);
@@ -458,7 +401,7 @@ static void every_face_needs_a_belt(void **state)
     (void)state;
     make_box(&s);
     assert_int_equal(velocity_field_create(&s, &f, NULL), BF_OK);
-    macro_def def = def_of(&s, f);
+    macro_def def = helper_macro_def(&s, f);
     def.belt2 = NULL;
     assert_int_equal(macro_create(&def, &solver, &err), BF_EINPUT);
     assert_string_equal(err.pointer, "/belts");
@@ -476,24 +419,10 @@ static void every_face_needs_a_belt(void **state)
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     scene s;
-    bf_status status = BF_ENOMEM;
 
     (void)state;
     make_box(&s);
-    for (size_t n = 1; status != BF_OK; n++) {
-        velocity_field *f = NULL;
-        macro_solver *solver = NULL;
-        memory_plan_fault(n, 0);
-        status = velocity_field_create(&s, &f, NULL);
-        if (status == BF_OK) {
-            const macro_def def = def_of(&s, f);
-            status = macro_create(&def, &solver, NULL);
-        }
-        memory_plan_fault(0, 0);
-        assert_true(status == BF_OK ? solver != NULL : status == BF_ENOMEM && solver == NULL);
-        macro_destroy(solver);
-        velocity_field_destroy(f);
-    }
+    helper_macro_lack_memory(&s);
     scene_fini(&s);
 }
 

@@ -6,6 +6,7 @@
 #include "core/base/memory.h"
 #include "core/macro/macro.h"
 #include "core/scene/plate_motion.h"
+#include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -71,24 +72,7 @@ static model start(const scene *s, int n_threads)
 
     assert_int_equal(moving_plates_create(s, &m.plates, NULL), BF_OK);
     const velocity_field *f = moving_plates_field(m.plates);
-    macro_def def = macro_def_default();
-    def.grid = f->grid;
-    def.dt = scene_macro_step(s);
-    def.scheme = s->macro.scheme;
-    def.closure = s->macro.closure;
-    def.dispersion = s->macro.closure == SCENE_DISPERSIVE ? s->macro.dispersion : 0.0;
-    def.v1 = f->v1;
-    def.v2 = f->v2;
-    def.closed1 = f->closed1;
-    def.closed2 = f->closed2;
-    def.aperture1 = f->aperture1;
-    def.aperture2 = f->aperture2;
-    def.transverse1 = f->transverse1;
-    def.transverse2 = f->transverse2;
-    def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
-    def.belts = s->belts;
-    def.belt1 = f->belt1;
-    def.belt2 = f->belt2;
+    macro_def def = helper_macro_def(s, f);
     def.n_threads = n_threads;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++)
         def.mirror[side] = def.one_way[side] = true;
@@ -383,10 +367,10 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
         make_diverter(&s, k);
         model one = start(&s, 1);
         fill(&one, 0.1, 0.7, 0.7);
-        advance(&one, 300);
+        advance(&one, 120);
         model three = start(&s, 3);
         fill(&three, 0.1, 0.7, 0.7);
-        advance(&three, 300);
+        advance(&three, 120);
         assert_true(macro_digest(three.solver) == macro_digest(one.solver));
         stop(&three);
         stop(&one);
@@ -424,10 +408,20 @@ static void turn_to(const model *m, double angle, double over)
     moving_plates_command(m->plates, &turn, macro_time(m->solver));
 }
 
+// Up to a number of steps, of which the 151st begins with a command.
+static void advance_to(const model *m, uint64_t n_steps)
+{
+    while (macro_steps(m->solver) < n_steps) {
+        if (macro_steps(m->solver) == 150)
+            turn_to(m, -0.2, 0.3);
+        advance(m, 1);
+    }
+}
+
 // In a swing, at rest, and in a turn that was commanded at 0.3 s.
 static void a_run_resumed_in_a_swing_goes_on_with_the_same_bits(void **state)
 {
-    static const int stops[] = { 60, 140, 200 };
+    static const uint64_t stops[] = { 60, 140, 200 };
 
     (void)state;
     for (int k = 0; k < KINDS; k++) {
@@ -435,29 +429,17 @@ static void a_run_resumed_in_a_swing_goes_on_with_the_same_bits(void **state)
         make_diverter(&s, k);
         model whole = start(&s, 1);
         fill(&whole, 0.1, 0.7, 0.7);
-        advance(&whole, 150);
-        turn_to(&whole, -0.2, 0.3);
-        advance(&whole, 150);
         for (size_t n = 0; n < sizeof stops / sizeof *stops; n++) {
-            model first = start(&s, 1), then = start(&s, 2);
+            model then = start(&s, 2);
             bf_buffer saved = { 0 };
-            fill(&first, 0.1, 0.7, 0.7);
-            advance(&first, stops[n] < 150 ? stops[n] : 150);
-            if (stops[n] > 150) {
-                turn_to(&first, -0.2, 0.3);
-                advance(&first, stops[n] - 150);
-            }
-            save(&first, &saved);
+            advance_to(&whole, stops[n]);
+            save(&whole, &saved);
             load(&then, &saved);
-            if (stops[n] < 150) {
-                advance(&then, 150 - stops[n]);
-                turn_to(&then, -0.2, 0.3);
-            }
-            advance(&then, 300 - (stops[n] < 150 ? 150 : stops[n]));
+            advance_to(&whole, stops[n] + 50);
+            advance_to(&then, stops[n] + 50);
             assert_true(macro_digest(then.solver) == macro_digest(whole.solver));
-            buffer_fini(&saved);
-            stop(&first);
             stop(&then);
+            buffer_fini(&saved);
         }
         stop(&whole);
         scene_fini(&s);

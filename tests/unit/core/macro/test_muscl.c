@@ -2,6 +2,7 @@
 // computes the scheme as written is test_macro_reference.c, and what all schemes have in common test_macro.c.
 
 #include "core/macro/macro.h"
+#include "tests/unit/core/helper_macro.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -52,23 +53,7 @@ static void carry_along_x1(world *w, double speed)
 
 static macro_solver *start(const world *w)
 {
-    macro_solver *s = NULL;
-
-    assert_int_equal(macro_create(&w->def, &s, NULL), BF_OK);
-    assert_int_equal(macro_set_density(s, w->rho, grid_cells(&w->def.grid), NULL), BF_OK);
-    return s;
-}
-
-static void advance(macro_solver *s, size_t n_steps)
-{
-    for (size_t k = 0; k < n_steps; k++)
-        macro_step(s);
-}
-
-// A Gaussian with a peak of 0.8.
-static double bump(double x1, double x2, double deviation)
-{
-    return 0.8 * exp(-(x1 * x1 + x2 * x2) / (2.0 * deviation * deviation));
+    return helper_macro_start_with(&w->def, w->rho);
 }
 
 // Relative L1 error of a round heap of 8 cm after 0.4 m on a free belt, in cells of 5 mm and steps of 1.25 ms.
@@ -84,12 +69,13 @@ static double error_after_40_cm(scene_scheme scheme)
     const bf_grid *g = &w.def.grid;
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++)
-            w.rho[j * g->n1 + i] = bump(grid_x1(g, i) - 0.4, grid_x2(g, j) - 0.3, deviation);
+            w.rho[j * g->n1 + i] =
+                helper_macro_bump(grid_x1(g, i) - 0.4, grid_x2(g, j) - 0.3, deviation);
     macro_solver *s = start(&w);
-    advance(s, 800);
+    helper_macro_advance(s, 800);
     for (size_t j = 0; j < g->n2; j++)
         for (size_t i = 0; i < g->n1; i++) {
-            double exact = bump(grid_x1(g, i) - 0.8, grid_x2(g, j) - 0.3, deviation);
+            double exact = helper_macro_bump(grid_x1(g, i) - 0.8, grid_x2(g, j) - 0.3, deviation);
             error += fabs(macro_row(s, j)[i] - exact);
             sum += exact;
         }
@@ -114,7 +100,7 @@ static double exact_in_spiral(double x1, double x2, double t)
     const double c = cos(turn * t), s = sin(turn * t), scale = exp(-growth * t);
     const double from1 = scale * (c * x1 + s * x2), from2 = scale * (c * x2 - s * x1);
 
-    return scale * scale * bump(from1 - 0.18, from2 - 0.05, 0.07);
+    return scale * scale * helper_macro_bump(from1 - 0.18, from2 - 0.05, 0.07);
 }
 
 // L1 error at t = 1 s of n x n cells of a square of 1 m about the origin.
@@ -137,7 +123,7 @@ static double error_in_spiral(size_t n)
         for (size_t i = 0; i < n; i++)
             w.rho[j * n + i] = exact_in_spiral(grid_x1(g, i), grid_x2(g, j), 0.0);
     macro_solver *s = start(&w);
-    advance(s, 4 * n);
+    helper_macro_advance(s, 4 * (int)n);
     for (size_t j = 0; j < n; j++)
         for (size_t i = 0; i < n; i++)
             error += cell * cell *
@@ -174,7 +160,7 @@ static void a_constant_density_stays_constant_in_a_turning_field(void **state)
         w.rho[k] = 0.7;
     macro_solver *s = start(&w);
     // What comes in at the edges is empty and moves by two cells a step at most.
-    advance(s, 6);
+    helper_macro_advance(s, 6);
     for (size_t j = 12; j < N - 12; j++)
         for (size_t i = 12; i < N - 12; i++)
             assert_true(fabs(macro_row(s, j)[i] - 0.7) < 1e-15);
@@ -312,8 +298,8 @@ static void a_transposed_scene_gives_the_transposed_density(void **state)
     t.def.closed1 = turned1;
     t.def.closed2 = turned2;
     macro_solver *s = start(&w), *turned = start(&t);
-    advance(s, 20);
-    advance(turned, 20);
+    helper_macro_advance(s, 20);
+    helper_macro_advance(turned, 20);
     assert_true(macro_measure(s).peak < 1.0);
     for (size_t j = 0; j < N; j++)
         for (size_t i = 0; i < N; i++)
@@ -337,13 +323,13 @@ static void cargo_leaves_over_an_open_edge_and_none_comes_in(void **state)
     w.def.dt = 2.5e-3;
     carry_along_x1(&w, 0.4);
     for (size_t i = 0; i < 200; i++)
-        w.rho[i] = bump(grid_x1(&w.def.grid, i) - 0.4, 0.0, 0.05);
+        w.rho[i] = helper_macro_bump(grid_x1(&w.def.grid, i) - 0.4, 0.0, 0.05);
     macro_solver *s = start(&w);
     const double before = macro_measure(s).mass;
     for (int k = 0; k < 12; k++) {
         double expected = before * (1.0 - passed(macro_time(s), 0.4));
         assert_true(fabs(macro_measure(s).mass - expected) < 0.01 * before);
-        advance(s, 80);
+        helper_macro_advance(s, 80);
     }
     assert_true(macro_measure(s).mass < 1e-3 * before);
     macro_destroy(s);
@@ -371,8 +357,8 @@ static void nothing_is_seen_through_a_closed_face(void **state)
         for (size_t i = 12; i < N1; i++)
             w.rho[j * N1 + i] = 0.9;
     macro_solver *beside = start(&w);
-    advance(alone, 30);
-    advance(beside, 30);
+    helper_macro_advance(alone, 30);
+    helper_macro_advance(beside, 30);
     for (size_t j = 0; j < N2; j++) {
         assert_memory_equal(macro_row(alone, j), macro_row(beside, j), 12 * sizeof(double));
         for (size_t i = 12; i < N1; i++)

@@ -91,13 +91,14 @@ static void compare_tiles_with_single_steps(bool changes)
     }
 }
 
-static void tiles_give_the_bits_of_single_steps(void **state)
+static void tiles_and_threads_give_the_bits_of_single_steps(void **state)
 {
     (void)state;
     compare_tiles_with_single_steps(false);
 }
 
-static void tiles_give_the_bits_of_single_steps_on_belts_whose_speed_changes(void **state)
+static void tiles_and_threads_give_the_bits_of_single_steps_on_belts_whose_speed_changes(
+    void **state)
 {
     (void)state;
     compare_tiles_with_single_steps(true);
@@ -187,8 +188,9 @@ static void no_memory_for_tiles_leaves_single_steps(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tiles_give_the_bits_of_single_steps),
-        cmocka_unit_test(tiles_give_the_bits_of_single_steps_on_belts_whose_speed_changes),
+        cmocka_unit_test(tiles_and_threads_give_the_bits_of_single_steps),
+        cmocka_unit_test(
+            tiles_and_threads_give_the_bits_of_single_steps_on_belts_whose_speed_changes),
         cmocka_unit_test(a_tile_that_outlives_its_list_is_put_back),
         cmocka_unit_test(a_failure_in_a_tile_is_reported_as_by_single_steps),
         cmocka_unit_test(no_memory_for_tiles_leaves_single_steps),

@@ -1,0 +1,114 @@
+#include "tests/unit/core/helper_macro.h"
+
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "core/scene/density.h"
+#include "core/scene/placement.h"
+
+#include <math.h>
+
+macro_def helper_macro_def(const scene *s, const velocity_field *f)
+{
+    macro_def def = macro_def_default();
+
+    def.closure = s->macro.closure;
+    def.grid = f->grid;
+    def.dt = scene_macro_step(s);
+    def.scheme = s->macro.scheme;
+    def.dispersion = s->macro.closure == SCENE_DISPERSIVE ? s->macro.dispersion : 0.0;
+    def.jam_density = s->macro.jam_density;
+    def.slip_rate = s->micro.contact[SCENE_CONVEYOR_CARGO].tanh_linear;
+    def.v1 = f->v1;
+    def.v2 = f->v2;
+    def.closed1 = f->closed1;
+    def.closed2 = f->closed2;
+    def.n_belts = f->belt1 != NULL ? s->n_belts : 0;
+    def.belts = s->belts;
+    def.belt1 = f->belt1;
+    def.belt2 = f->belt2;
+    def.aperture1 = f->aperture1;
+    def.aperture2 = f->aperture2;
+    def.transverse1 = f->transverse1;
+    def.transverse2 = f->transverse2;
+    for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
+        def.mirror[side] = scene_mirrors_walls(s) && s->edges[side] == SCENE_EDGE_WALL;
+        def.one_way[side] = s->edges[side] != SCENE_EDGE_OUTFLOW;
+    }
+    return def;
+}
+
+macro_solver *helper_macro_create(const scene *s, int n_threads)
+{
+    velocity_field *f = NULL;
+    macro_solver *solver = NULL;
+
+    BF_CHECK(velocity_field_create(s, &f, NULL) == BF_OK);
+    macro_def def = helper_macro_def(s, f);
+    def.n_threads = n_threads;
+    BF_CHECK(macro_create(&def, &solver, NULL) == BF_OK);
+    velocity_field_destroy(f);
+    return solver;
+}
+
+macro_solver *helper_macro_start(const scene *s, int n_threads)
+{
+    const bf_grid grid = scene_grid(s);
+    macro_solver *solver = helper_macro_create(s, n_threads);
+    double *rho = memory_alloc(grid_cells(&grid), sizeof *rho);
+    scene_placement p = { .n = 0 };
+
+    BF_CHECK(placement_of(s, &p, NULL) == BF_OK);
+    BF_CHECK(density_from_parts(&grid, scene_packing_density(s), s->macro.initial_mollifier,
+                                p.poses, p.n, rho, NULL) == BF_OK);
+    BF_CHECK(macro_set_density(solver, rho, grid_cells(&grid), NULL) == BF_OK);
+    placement_fini(&p);
+    memory_free(rho);
+    return solver;
+}
+
+macro_solver *helper_macro_start_with(const macro_def *def, const double *rho)
+{
+    macro_solver *solver = NULL;
+
+    BF_CHECK(macro_create(def, &solver, NULL) == BF_OK);
+    BF_CHECK(macro_set_density(solver, rho, grid_cells(&def->grid), NULL) == BF_OK);
+    return solver;
+}
+
+void helper_macro_advance(macro_solver *solver, int n_steps)
+{
+    for (int k = 0; k < n_steps; k++)
+        macro_step(solver);
+}
+
+double helper_macro_bump(double x1, double x2, double deviation)
+{
+    return 0.8 * exp(-(x1 * x1 + x2 * x2) / (2.0 * deviation * deviation));
+}
+
+static bf_status create_both(const scene *s, velocity_field **ret_f, macro_solver **ret_solver)
+{
+    bf_status status = velocity_field_create(s, ret_f, NULL);
+
+    if (status == BF_OK) {
+        const macro_def def = helper_macro_def(s, *ret_f);
+        status = macro_create(&def, ret_solver, NULL);
+    }
+    return status;
+}
+
+void helper_macro_lack_memory(const scene *s)
+{
+    bf_status status = BF_ENOMEM;
+
+    for (size_t n = 1; status != BF_OK; n++) {
+        velocity_field *f = NULL;
+        macro_solver *solver = NULL;
+        memory_plan_fault(n, 0);
+        status = create_both(s, &f, &solver);
+        memory_plan_fault(0, 0);
+        BF_CHECK(status == BF_OK ? solver != NULL : status == BF_ENOMEM && solver == NULL);
+        macro_destroy(solver);
+        velocity_field_destroy(f);
+    }
+}

@@ -1,0 +1,29 @@
+/// Macroscopic solvers, from scenes and from definitions. All of these assert that all goes well.
+
+#pragma once
+
+#include "core/macro/macro.h"
+#include "core/macro/velocity_field.h"
+#include "core/scene/scene.h"
+
+/// The definition that a run makes of a resolved scene and its field, for one thread.
+macro_def helper_macro_def(const scene *s, const velocity_field *f);
+
+/// An empty solver of a resolved scene; macro_destroy().
+macro_solver *helper_macro_create(const scene *s, int n_threads);
+
+/// The same with the scene's cargo.
+macro_solver *helper_macro_start(const scene *s, int n_threads);
+
+/// A solver of a definition with a density for each cell; macro_destroy().
+macro_solver *helper_macro_start_with(const macro_def *def, const double *rho);
+
+/// Make n steps.
+void helper_macro_advance(macro_solver *solver, int n_steps);
+
+/// A Gaussian about the origin with a peak of 0.8, which is packed nowhere.
+double helper_macro_bump(double x1, double x2, double deviation);
+
+/// Create the field and the solver of a resolved scene with every allocation failing in turn: each is reported as
+/// BF_ENOMEM, and the last attempt succeeds.
+void helper_macro_lack_memory(const scene *s);
