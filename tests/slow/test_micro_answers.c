@@ -19,7 +19,7 @@
 
 #include <cmocka.h>
 
-enum { N_TIMES = 6, N_OUTCOMES = 16 };
+enum { N_TIMES = 6, N_OUTCOMES = 6 };
 
 static const double times[N_TIMES] = { 1.5, 2.0, 3.0, 4.0, 5.0, 6.0 };
 static const double t_end = 6.0;

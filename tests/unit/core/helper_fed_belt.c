@@ -1,5 +1,7 @@
 #include "tests/unit/core/helper_fed_belt.h"
 
+#include "tests/unit/core/helper_micro.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,14 +12,6 @@
 
 static const double radius = 0.012; // of parts, m
 static const double speed = 1.0;    // of the belt, m/s
-
-static const struct {
-    micro_path path;
-    micro_integrator integrator;
-} solvers[HELPER_FED_BELT_SOLVERS] = { { MICRO_PATH_PLANAR, MICRO_VERLET },
-                                       { MICRO_PATH_PLANAR, MICRO_IMPLICIT },
-                                       { MICRO_PATH_SPATIAL, MICRO_VERLET },
-                                       { MICRO_PATH_SPATIAL, MICRO_IMPLICIT } };
 
 void helper_fed_belt_init(helper_fed_belt *w, int solver)
 {
@@ -34,7 +28,7 @@ void helper_fed_belt_init(helper_fed_belt *w, int solver)
                           .material = { 210e9, 0.28 },
                           .mass = 0.03,
                           .spin_radius = 0.008 };
-    w->kinds[1].shape = solvers[solver].path == MICRO_PATH_PLANAR ? small : box;
+    w->kinds[1].shape = helper_micro_solvers[solver].path == MICRO_PATH_PLANAR ? small : box;
     w->plate.path = w->path;
     w->def.domain = (scene_rect){ 0.0, 0.12, 0.0, 0.1 };
     w->def.belts = &w->belt;
@@ -45,16 +39,13 @@ void helper_fed_belt_init(helper_fed_belt *w, int solver)
     w->def.poses = w->poses;
     w->def.n_parts_expected = 8;
     w->def.dt = 0.0;
-    w->def.path = solvers[solver].path;
-    w->def.integrator = solvers[solver].integrator;
+    w->def.path = helper_micro_solvers[solver].path;
+    w->def.integrator = helper_micro_solvers[solver].integrator;
 }
 
 micro_solver *helper_fed_belt_start(const helper_fed_belt *w)
 {
-    micro_solver *s = NULL;
-
-    assert_int_equal(micro_create(&w->def, &s, NULL), BF_OK);
-    return s;
+    return helper_micro_start(&w->def);
 }
 
 size_t helper_fed_belt_admit(micro_solver *s, uint32_t kind, double x, double y)

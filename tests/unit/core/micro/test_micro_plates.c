@@ -4,6 +4,7 @@
 #include "core/base/memory.h"
 #include "core/micro/micro.h"
 #include "core/scene/plate_motion.h"
+#include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -15,18 +16,7 @@
 
 #include <cmocka.h>
 
-enum { SOLVERS = 4, PARTS_MAX = 64 };
-
-static const struct {
-    micro_path path;
-    micro_integrator integrator;
-    double dt;
-} solvers[SOLVERS] = {
-    { MICRO_PATH_PLANAR, MICRO_VERLET, 2e-5 },
-    { MICRO_PATH_PLANAR, MICRO_IMPLICIT, 1e-3 },
-    { MICRO_PATH_SPATIAL, MICRO_VERLET, 1e-5 },
-    { MICRO_PATH_SPATIAL, MICRO_IMPLICIT, 5e-4 },
-};
+enum { PARTS_MAX = 64 };
 
 static const double radius = 0.012, mass = 0.0284;
 
@@ -44,7 +34,7 @@ typedef struct world {
 
 static void make_world(world *w, int solver)
 {
-    *w = (world){ .def = micro_def_default(),
+    *w = (world){ .def = helper_micro_def(solver),
                   .belt = { .acceleration = INFINITY, .deceleration = INFINITY },
                   .path = { { 1.0, 1.0 }, { 1.5, 1.0 } },
                   .kinds[0] = {
@@ -59,11 +49,6 @@ static void make_world(world *w, int solver)
     w->plate.path = w->path;
     w->plate.pivot = w->path[0];
     w->def.domain = (scene_rect){ 0.0, 2.0, 0.0, 2.0 };
-    w->def.path = solvers[solver].path;
-    w->def.integrator = solvers[solver].integrator;
-    w->def.dt = solvers[solver].dt;
-    w->def.damping = 0.0;
-    w->def.modulus_reduction = 1e4;
     w->def.n_belts = w->def.n_obstacles = w->def.n_kinds = 1;
     w->def.belts = &w->belt;
     w->def.obstacles = &w->plate;
@@ -101,24 +86,6 @@ static void set_presence(world *w, size_t n, const double *times, const double *
     w->plate.presence = (scene_series){ n, w->times[1], n, w->values[1], INFINITY };
 }
 
-static micro_solver *start(const world *w)
-{
-    micro_solver *s = NULL;
-    bf_error err = { 0 };
-
-    if (micro_create(&w->def, &s, &err) != BF_OK)
-        fail_msg("%s: %s", err.pointer, err.text);
-    return s;
-}
-
-static void advance_to(micro_solver *s, double t)
-{
-    bf_error err = { 0 };
-
-    if (micro_advance(s, (uint64_t)round(t / micro_dt(s)) - micro_steps(s), &err) != BF_OK)
-        fail_msg("%s: %s", err.pointer, err.text);
-}
-
 // On a plate that turns at w the part slides outwards by rho'' = w^2 rho, from rest, which is rho' = w r there.
 // Its speed across the plate is w rho, which needs the force 2 m w rho'; it is late by the time in which the
 // contact takes up that force, d/k, and by a step.
@@ -127,14 +94,14 @@ static void a_part_that_a_plate_pushes_has_the_speed_of_its_surface(void **state
     const double w = 1.0, t = 0.5, first = 0.2, times[] = { 0.0, 1.0 }, angles[] = { 0.0, w };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world d;
         make_world(&d, k);
         make_bare(&d);
         set_turn(&d, 2, times, angles);
         add_part(&d, 1.0 + first, 1.0 + radius);
-        micro_solver *s = start(&d);
-        advance_to(s, t);
+        micro_solver *s = helper_micro_start(&d.def);
+        helper_micro_advance_to(s, t);
         const double rho = first * cosh(w * t) + radius * sinh(w * t);
         const double rate = w * (first * sinh(w * t) + radius * cosh(w * t));
         const double late = 120.0 / 3.7e4 + micro_dt(s), tolerance = 2.0 * w * rate * late;
@@ -152,7 +119,7 @@ static void a_part_that_a_plate_pushes_has_the_speed_of_its_surface(void **state
 // The speed at which a plate is refused: by its step, and by its contacts, whose dashpot stops a part within v m/d.
 static double largest_speed(int solver)
 {
-    return 0.25 * radius * fmin(1.0 / solvers[solver].dt, 120.0 / mass);
+    return 0.25 * radius * fmin(1.0 / helper_micro_solvers[solver].dt, 120.0 / mass);
 }
 
 // Parts in the sector that the plate sweeps, from 0 to 2 rad to its left or to its right.
@@ -168,19 +135,20 @@ static void fill_sector(world *w, double side)
 static void no_part_gets_behind_a_plate_that_sweeps(void **state)
 {
     (void)state;
-    for (int k = 0; k < 2 * SOLVERS; k++) {
-        const double side = k < SOLVERS ? 1.0 : -1.0, angles[] = { 0.0, 2.0 * side };
-        const double times[] = { 0.0, 2.0 * 0.505 / (0.999 * largest_speed(k % SOLVERS)) };
+    for (int k = 0; k < 2 * HELPER_MICRO_SOLVERS; k++) {
+        const double side = k < HELPER_MICRO_SOLVERS ? 1.0 : -1.0, angles[] = { 0.0, 2.0 * side };
+        const double times[] = { 0.0,
+                                 2.0 * 0.505 / (0.999 * largest_speed(k % HELPER_MICRO_SOLVERS)) };
         world w;
-        make_world(&w, k % SOLVERS);
+        make_world(&w, k % HELPER_MICRO_SOLVERS);
         set_turn(&w, 2, times, angles);
         fill_sector(&w, side);
         if (side < 0.0) {
             w.def.n_kinds = 2;
             w.def.part_kinds = w.part_kinds;
         }
-        micro_solver *s = start(&w);
-        advance_to(s, times[1] + 0.1);
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, times[1] + 0.1);
         for (size_t part = 0; part < w.def.n_parts; part++) {
             const micro_part p = micro_part_of(s, part);
             const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 };
@@ -196,7 +164,7 @@ static void a_plate_that_is_too_fast_is_refused(void **state)
     const double times[] = { 0.0, 1.0 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double angles[] = { 0.0, 1.001 * largest_speed(k) / 0.505 };
         micro_solver *s = NULL;
         bf_error err;
@@ -208,8 +176,8 @@ static void a_plate_that_is_too_fast_is_refused(void **state)
         // The step that is chosen is small enough, but where contacts are the bound.
         w.def.dt = 0.0;
         assert_true(micro_dt_chosen(&w.def) <= micro_dt_plates(&w.def));
-        if (solvers[k].integrator == MICRO_IMPLICIT)
-            s = micro_destroy(start(&w));
+        if (helper_micro_solvers[k].integrator == MICRO_IMPLICIT)
+            s = micro_destroy(helper_micro_start(&w.def));
     }
 }
 
@@ -237,7 +205,7 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
     const double times[] = { 0.1, 0.2 }, zeros[] = { 0.0, 0.0 }, ones[] = { 1.0, 1.0 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         uint64_t digests[2];
         for (int moves = 0; moves < 2; moves++) {
             world w;
@@ -248,8 +216,8 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
                 set_turn(&w, 2, times, zeros);
                 set_presence(&w, 2, times, ones);
             }
-            micro_solver *s = start(&w);
-            advance_to(s, 0.5);
+            micro_solver *s = helper_micro_start(&w.def);
+            helper_micro_advance_to(s, 0.5);
             assert_true(micro_measure(s).largest_overlap > 0.0);
             digests[moves] = micro_digest(s);
             s = micro_destroy(s);
@@ -287,13 +255,13 @@ static void make_bent(world *w, int solver, bool is_scheduled)
 static void a_bent_plate_is_turned_as_a_whole(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         micro_solver *turned[2];
         for (int is_scheduled = 0; is_scheduled < 2; is_scheduled++) {
             world w;
             make_bent(&w, k, is_scheduled == 1);
-            turned[is_scheduled] = start(&w);
-            advance_to(turned[is_scheduled], 1.0);
+            turned[is_scheduled] = helper_micro_start(&w.def);
+            helper_micro_advance_to(turned[is_scheduled], 1.0);
             assert_true(micro_measure(turned[is_scheduled]).largest_overlap > 0.0);
         }
         for (size_t m = 0; m < 6; m++) {
@@ -321,18 +289,18 @@ static void a_stop_that_comes_and_goes_lets_parts_pass_and_holds_them(void **sta
     const double times[] = { 0.0, 1.0, 2.0 }, values[] = { 0.0, 1.0, 0.0 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_stop(&w, k);
         set_presence(&w, 3, times, values);
         add_part(&w, 0.7, 1.0);
         add_part(&w, 0.5, 1.0);
-        micro_solver *s = start(&w);
-        advance_to(s, 2.0);
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, 2.0);
         assert_near(micro_part_of(s, 0).x[0], 1.5, 1e-4);
         assert_near(micro_part_of(s, 1).x[0], 1.0 - radius, 1e-4);
         assert_near(micro_part_of(s, 1).v[0], 0.0, 1e-3);
-        advance_to(s, 2.5);
+        helper_micro_advance_to(s, 2.5);
         assert_near(micro_part_of(s, 1).x[0], 1.0 - radius + 0.195, 0.006);
         assert_near(micro_part_of(s, 1).v[0], 0.4, 1e-3);
         s = micro_destroy(s);
@@ -347,20 +315,20 @@ static void a_plate_that_comes_upon_parts_pushes_them_to_their_sides(void **stat
     const double times[] = { 0.0, 0.1 }, values[] = { 0.0, 1.0 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
-        const bool is_planar = solvers[k].path == MICRO_PATH_PLANAR;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        const bool is_planar = helper_micro_solvers[k].path == MICRO_PATH_PLANAR;
         const double speed = ((is_planar ? radius : hypot(radius, 0.01)) + 0.005) / 0.2;
         world w;
         make_world(&w, k);
         set_presence(&w, 2, times, values);
         // The stiffness of steel, and in space what does not let the cylinders rock.
-        if (solvers[k].integrator == MICRO_IMPLICIT)
+        if (helper_micro_solvers[k].integrator == MICRO_IMPLICIT)
             w.def.modulus_reduction = is_planar ? 1.0 : 1e3;
         for (int m = 0; m < 5; m++)
             add_part(&w, 1.1 + 0.05 * m, 1.0 + offsets[m]);
-        micro_solver *s = start(&w);
+        micro_solver *s = helper_micro_start(&w.def);
         for (int sample = 1; sample <= 45; sample++) {
-            advance_to(s, 0.01 * sample);
+            helper_micro_advance_to(s, 0.01 * sample);
             for (size_t m = 0; m < 5; m++)
                 assert_true(fabs(micro_part_of(s, m).v[1]) <= 1.1 * speed);
         }
@@ -377,7 +345,7 @@ static void a_plate_that_comes_upon_parts_pushes_them_to_their_sides(void **stat
 // Of the times that follow, s: as many steps of either integrator.
 static double unit_of(int solver)
 {
-    return solvers[solver].integrator == MICRO_IMPLICIT ? 0.1 : 0.01;
+    return helper_micro_solvers[solver].integrator == MICRO_IMPLICIT ? 0.1 : 0.01;
 }
 
 // Parts that a belt carries against a plate that swings, goes, comes and is turned by commands.
@@ -414,29 +382,29 @@ static void intervene(micro_solver *s, double unit)
 static void threads_cuts_and_checkpoints_do_not_change_a_bit(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         const double unit = unit_of(k);
         bf_buffer bytes = { 0 };
         bf_error err = { 0 };
         world w;
         make_busy(&w, k);
-        micro_solver *whole = start(&w), *cut;
+        micro_solver *whole = helper_micro_start(&w.def), *cut;
         w.def.n_threads = 2;
-        cut = start(&w);
-        advance_to(whole, 3.0 * unit);
+        cut = helper_micro_start(&w.def);
+        helper_micro_advance_to(whole, 3.0 * unit);
         for (int part = 1; part <= 10; part++)
-            advance_to(cut, 0.3 * unit * part);
+            helper_micro_advance_to(cut, 0.3 * unit * part);
         assert_true(micro_digest(whole) == micro_digest(cut));
         intervene(whole, unit);
         intervene(cut, unit);
-        advance_to(cut, 4.1 * unit);
+        helper_micro_advance_to(cut, 4.1 * unit);
         assert_int_equal(micro_save(cut, &bytes, &err), BF_OK);
         cut = micro_destroy(cut);
         w.def.n_threads = 1;
-        cut = start(&w);
+        cut = helper_micro_start(&w.def);
         assert_int_equal(micro_load(cut, bytes.bytes, bytes.n, &err), BF_OK);
-        advance_to(whole, 6.0 * unit);
-        advance_to(cut, 6.0 * unit);
+        helper_micro_advance_to(whole, 6.0 * unit);
+        helper_micro_advance_to(cut, 6.0 * unit);
         assert_true(micro_digest(whole) == micro_digest(cut));
         assert_true(micro_measure(whole).n_contacts == micro_measure(cut).n_contacts);
         whole = micro_destroy(whole);
@@ -450,7 +418,7 @@ static void every_lack_of_memory_is_reported(void **state)
     const double times[] = { 0.0, 1.0 }, angles[] = { 0.0, 0.5 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         bf_status status = BF_ENOMEM;
         world w;
         make_world(&w, k);
@@ -474,17 +442,17 @@ static void every_lack_of_memory_is_reported(void **state)
 static void a_command_turns_a_plate(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
         make_bare(&w);
         w.plate.is_commanded = true;
         add_part(&w, 1.2, 1.0 + radius + 1e-4);
-        micro_solver *s = start(&w);
-        advance_to(s, 0.1);
+        micro_solver *s = helper_micro_start(&w.def);
+        helper_micro_advance_to(s, 0.1);
         assert_near(micro_part_of(s, 0).x[1], 1.0 + radius + 1e-4, 1e-12);
         micro_command_turn(s, 0, 0.1, 0.2, 0.2);
-        advance_to(s, 0.3);
+        helper_micro_advance_to(s, 0.3);
         const micro_part p = micro_part_of(s, 0);
         const vec2 x = { p.x[0] - 1.0, p.x[1] - 1.0 };
         const double ahead = vec2_dot(x, (vec2){ -sin(0.2), cos(0.2) }) - radius;

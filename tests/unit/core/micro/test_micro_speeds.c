@@ -2,6 +2,8 @@
 
 #include "core/base/memory.h"
 #include "core/micro/micro.h"
+#include "tests/unit/core/helper_micro.h"
+#include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -11,22 +13,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-// cmocka's own comparison of numbers is one of floats.
-#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
-
-enum { SOLVERS = 4 };
-
-static const struct {
-    micro_path path;
-    micro_integrator integrator;
-    double dt;
-} solvers[SOLVERS] = {
-    { MICRO_PATH_PLANAR, MICRO_VERLET, 2e-5 },
-    { MICRO_PATH_PLANAR, MICRO_IMPLICIT, 1e-3 },
-    { MICRO_PATH_SPATIAL, MICRO_VERLET, 1e-5 },
-    { MICRO_PATH_SPATIAL, MICRO_IMPLICIT, 5e-4 },
-};
 
 // An upright cylinder of 12 mm on two belts, without damping. Do not move it once it was made.
 typedef struct world {
@@ -41,18 +27,13 @@ typedef struct world {
 // The first belt moves to the east and covers the domain; the second one is not in the definition yet.
 static void make_world(world *w, int solver)
 {
-    *w = (world){ .def = micro_def_default(),
+    *w = (world){ .def = helper_micro_def(solver),
                   .kind = { .shape = { .type = SCENE_CYLINDER, .radius = 0.012, .height = 0.008 },
                             .material = { 210e9, 0.28 },
                             .mass = 0.0284,
                             .spin_radius = 0.008 },
                   .pose = { 0.5, 1.0, 0.0 } };
     w->def.domain = (scene_rect){ 0.0, 3.0, 0.0, 3.0 };
-    w->def.path = solvers[solver].path;
-    w->def.integrator = solvers[solver].integrator;
-    w->def.dt = solvers[solver].dt;
-    w->def.damping = 0.0;
-    w->def.modulus_reduction = 1e4;
     w->def.n_belts = w->def.n_kinds = w->def.n_parts = 1;
     w->def.belts = w->belts;
     w->def.kinds = &w->kind;
@@ -71,16 +52,6 @@ static void set_schedule(world *w, int belt, size_t n, const double *times, cons
         (scene_speed_schedule){ n, w->times[belt], n, w->factors[belt] };
 }
 
-static micro_solver *start(const world *w)
-{
-    micro_solver *s = NULL;
-    bf_error err = { 0 };
-
-    if (micro_create(&w->def, &s, &err) != BF_OK)
-        fail_msg("%s: %s", err.pointer, err.text);
-    return s;
-}
-
 // Goes on to time t, in calls of one step and of many.
 static void advance_to(micro_solver *s, double t)
 {
@@ -93,11 +64,11 @@ static void advance_to(micro_solver *s, double t)
 static void a_part_starts_with_the_speed_that_its_belt_has_then(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
         set_schedule(&w, 0, 2, (double[]){ 0.0, 1.0 }, (double[]){ 0.25, 1.0 });
-        micro_solver *s = start(&w);
+        micro_solver *s = helper_micro_start(&w.def);
         assert_true(micro_part_of(s, 0).v[0] == 0.1 && micro_part_of(s, 0).v[1] == 0.0);
         advance_to(s, 0.9);
         assert_near(micro_part_of(s, 0).x[0], 0.5 + 0.1 * 0.9, 1e-9);
@@ -108,11 +79,11 @@ static void a_part_starts_with_the_speed_that_its_belt_has_then(void **state)
 static void on_a_belt_that_stands_a_part_does_not_move(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         world w;
         make_world(&w, k);
         set_schedule(&w, 0, 1, (double[]){ 0.0 }, (double[]){ 0.0 });
-        micro_solver *s = start(&w);
+        micro_solver *s = helper_micro_start(&w.def);
         advance_to(s, 0.5);
         const micro_part part = micro_part_of(s, 0);
         assert_near(hypot(part.x[0] - 0.5, part.x[1] - 1.0), 0.0, 1e-15);
@@ -129,15 +100,16 @@ static void in_a_ramp_a_part_trails_by_the_slip_of_its_friction(void **state)
     const double slip = atanh(1.0 / 9.81) / 10.0;
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
-        const double half = solvers[k].integrator == MICRO_IMPLICIT ? -0.5 : 0.5;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        const double half = helper_micro_solvers[k].integrator == MICRO_IMPLICIT ? -0.5 : 0.5;
         world w;
         make_world(&w, k);
         w.belts[0].acceleration = 1.0;
-        set_schedule(&w, 0, 2, (double[]){ 0.0, solvers[k].dt }, (double[]){ 0.5, 4.0 });
-        micro_solver *s = start(&w);
+        set_schedule(&w, 0, 2, (double[]){ 0.0, helper_micro_solvers[k].dt },
+                     (double[]){ 0.5, 4.0 });
+        micro_solver *s = helper_micro_start(&w.def);
         advance_to(s, 0.5);
-        const double belt = 0.2 + 0.5 + (half - 1.0) * solvers[k].dt;
+        const double belt = 0.2 + 0.5 + (half - 1.0) * helper_micro_solvers[k].dt;
         assert_near(belt - micro_part_of(s, 0).v[0], slip, k == 1 ? 2e-4 * slip : 1e-12);
         micro_destroy(s);
     }
@@ -152,14 +124,16 @@ static void after_a_stop_and_go_a_part_is_where_the_belt_has_carried_it(void **s
     const double lead = 0.4 / (9.81 * 10.0);
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
-        const double missing = solvers[k].integrator == MICRO_VERLET ? 0.4 * solvers[k].dt : 0.0;
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
+        const double missing = helper_micro_solvers[k].integrator == MICRO_VERLET
+                                   ? 0.4 * helper_micro_solvers[k].dt
+                                   : 0.0;
         world w;
         make_world(&w, k);
         w.belts[0].acceleration = w.belts[0].deceleration = 0.1;
         // Ramps of 4 s each; the belt moves by 0.2 m, 0.8 m, nothing, 0.8 m and 0.2 m.
         set_schedule(&w, 0, 2, (double[]){ 0.5, 5.0 }, (double[]){ 0.0, 1.0 });
-        micro_solver *s = start(&w);
+        micro_solver *s = helper_micro_start(&w.def);
         advance_to(s, 5.0);
         assert_near(micro_part_of(s, 0).v[0], 0.0, 1e-12);
         assert_near(micro_part_of(s, 0).x[0], 0.5 + 0.2 + 0.8 + lead - missing, 1e-4 * lead);
@@ -199,7 +173,7 @@ static void check_transfer(int solver, const scene_shape *shape, vec2 velocity)
     set_transfer(&w, velocity);
     set_schedule(&w, 0, 2, (double[]){ 0.3, 0.8 }, (double[]){ 0.0, 1.0 });
     set_schedule(&w, 1, 3, (double[]){ 0.0, 2.0, 2.5 }, (double[]){ 0.0, 0.5, 1.0 });
-    micro_solver *s = start(&w);
+    micro_solver *s = helper_micro_start(&w.def);
     advance_to(s, 0.75);
     assert_near(micro_part_of(s, 0).v[0], 0.0, 1e-9);
     advance_to(s, 1.5);
@@ -219,10 +193,10 @@ static void a_part_takes_the_speeds_of_the_belt_that_it_comes_to(void **state)
     const vec2 ahead = { 0.3, 0.0 }, aside = { 0.0, 0.3 };
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         check_transfer(k, &cylinder, ahead); // a drop in speed
         check_transfer(k, &cylinder, aside); // a right-angle transfer
-        if (solvers[k].path == MICRO_PATH_PLANAR)
+        if (helper_micro_solvers[k].path == MICRO_PATH_PLANAR)
             continue;
         check_transfer(k, &box, ahead);
         check_transfer(k, &box, aside);
@@ -241,8 +215,8 @@ typedef struct crowd {
 
 static void make_crowd(crowd *c, int solver)
 {
-    static const int steps[SOLVERS] = { 600, 60, 300, 60 };
-    const double t = steps[solver] * solvers[solver].dt; // s, of the run
+    static const int steps[HELPER_MICRO_SOLVERS] = { 600, 60, 300, 60 };
+    const double t = steps[solver] * helper_micro_solvers[solver].dt; // s, of the run
 
     make_world(&c->w, solver);
     set_transfer(&c->w, (vec2){ 0.1, 0.3 });
@@ -251,7 +225,8 @@ static void make_crowd(crowd *c, int solver)
             (scene_pose){ 0.66 + 0.0239 * (k % COLUMNS), 1.0 + 0.0239 * (k / COLUMNS), 0.0 };
     c->n_steps = steps[solver];
     c->w.def.poses = c->poses;
-    c->w.def.n_parts = solvers[solver].path == MICRO_PATH_PLANAR ? CROWD : CROWD_IN_SPACE;
+    c->w.def.n_parts =
+        helper_micro_solvers[solver].path == MICRO_PATH_PLANAR ? CROWD : CROWD_IN_SPACE;
     // Ramps of 0.4 m/s take a fifth of the run.
     c->w.belts[0].acceleration = c->w.belts[0].deceleration = 0.4 / (0.2 * t);
     set_schedule(&c->w, 0, 3, (double[]){ 0.1 * t, 0.4 * t, 0.7 * t }, (double[]){ 0.0, 1.5, 0.5 });
@@ -264,11 +239,11 @@ static uint64_t digest_of_run(crowd *c, int n_threads, uint64_t n)
     bf_buffer saved = { 0 };
 
     c->w.def.n_threads = n_threads;
-    micro_solver *s = start(&c->w);
+    micro_solver *s = helper_micro_start(&c->w.def);
     assert_int_equal(micro_advance(s, n, NULL), BF_OK);
     assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
     micro_destroy(s);
-    s = start(&c->w);
+    s = helper_micro_start(&c->w.def);
     assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_OK);
     assert_int_equal(micro_advance(s, (uint64_t)c->n_steps - n, NULL), BF_OK);
     assert_true(micro_measure(s).n_contacts > 5);
@@ -284,7 +259,7 @@ static void threads_and_resumes_in_ramps_change_no_bit(void **state)
     static crowd c;
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         make_crowd(&c, k);
         const uint64_t n = (uint64_t)c.n_steps, digest = digest_of_run(&c, 1, 0);
         const uint64_t stops[] = { n / 20, n / 5, n / 3, n / 2, 3 * n / 4, n };
@@ -298,9 +273,9 @@ static void steps_one_by_one_give_the_bits_of_steps_in_a_row(void **state)
     static crowd c;
 
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         make_crowd(&c, k);
-        micro_solver *s = start(&c.w);
+        micro_solver *s = helper_micro_start(&c.w.def);
         for (int n = 0; n < c.n_steps; n++)
             assert_int_equal(micro_advance(s, 1, NULL), BF_OK);
         assert_true(micro_digest(s) == digest_of_run(&c, 1, 0));
@@ -323,7 +298,7 @@ static void the_largest_speed_bounds_implicit_steps(void **state)
 static void a_schedule_at_fault_is_refused_at_its_belt(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         static scene_belt many[SCENE_BELTS_MAX + 1];
         world w;
         micro_solver *s = NULL;
@@ -343,13 +318,13 @@ static void a_schedule_at_fault_is_refused_at_its_belt(void **state)
 static void a_state_of_another_schedule_is_refused(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         bf_buffer saved = { 0 };
         world w;
         make_world(&w, k);
         w.belts[0].acceleration = w.belts[0].deceleration = 1.0;
         set_schedule(&w, 0, 2, (double[]){ 0.5, 1.0 }, (double[]){ 0.0, 1.0 });
-        micro_solver *s = start(&w);
+        micro_solver *s = helper_micro_start(&w.def);
         assert_int_equal(micro_save(s, &saved, NULL), BF_OK);
         micro_destroy(s);
         double *const numbers[] = { &w.belts[0].acceleration, &w.belts[0].deceleration,
@@ -357,7 +332,7 @@ static void a_state_of_another_schedule_is_refused(void **state)
         for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
             const double before = *numbers[n];
             *numbers[n] *= 1.0 + 0x1p-40;
-            s = start(&w);
+            s = helper_micro_start(&w.def);
             assert_int_equal(micro_load(s, saved.bytes, saved.n, NULL), BF_ECORRUPT);
             micro_destroy(s);
             *numbers[n] = before;
@@ -369,7 +344,7 @@ static void a_state_of_another_schedule_is_refused(void **state)
 static void out_of_memory_anywhere_is_an_error_and_nothing_leaks(void **state)
 {
     (void)state;
-    for (int k = 0; k < SOLVERS; k++) {
+    for (int k = 0; k < HELPER_MICRO_SOLVERS; k++) {
         bf_status status = BF_ENOMEM;
         world w;
         make_world(&w, k);

@@ -33,28 +33,6 @@ static void make_scene(scene *s, bool has_second)
     s->feeds[0].rate = 1.0;
 }
 
-static void add_eye(scene *s, double x_from, double x_to)
-{
-    if (s->eyes == NULL)
-        s->eyes = memory_alloc(4, sizeof *s->eyes);
-    scene_photo_eye_init(&s->eyes[s->n_eyes]);
-    s->eyes[s->n_eyes].line[0] = (vec2){ x_from, 0.1 };
-    s->eyes[s->n_eyes++].line[1] = (vec2){ x_to, 0.5 };
-}
-
-static void add_action(scene *s, size_t eye, bool when_blocked, size_t belt, double factor)
-{
-    if (s->actions == NULL)
-        s->actions = memory_alloc(8, sizeof *s->actions);
-    scene_action *a = &s->actions[s->n_actions++];
-    scene_action_init(a);
-    a->eye = eye;
-    a->when_blocked = when_blocked;
-    a->type = SCENE_ACTION_BELT;
-    a->target = belt;
-    a->value = factor;
-}
-
 // The warnings about a scene, which is freed.
 static const bf_faults *warnings_of(scene *s)
 {
@@ -89,16 +67,52 @@ static void rates_beyond_the_belts_are_warned_of(void **unused)
         strstr(warnings->items[0].text, "up to 338.6 parts/s, but belts carry at most 338.5"));
 }
 
-static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
+// An action on a belt.
+typedef struct rule {
+    size_t eye;
+    bool when_blocked;
+    size_t belt;
+    double factor;
+} rule;
+
+// Where the beams of photo eyes begin and end, x; all of them go from y = 0.1 m to 0.5 m.
+static const double late[][2] = { { 0.7, 0.7 } };
+static const double both[][2] = { { 0.3, 0.3 }, { 0.7, 0.7 } };
+static const double across[][2] = { { 0.4, 0.6 } };
+
+// The warnings about one belt or two with photo eyes and actions.
+static const bf_faults *warnings_with(size_t n_belts, size_t n_eyes, const double (*eyes)[2],
+                                      size_t n_rules, const rule *rules)
 {
     scene s;
 
+    make_scene(&s, n_belts > 1);
+    s.n_eyes = n_eyes;
+    s.eyes = memory_alloc(n_eyes, sizeof *s.eyes);
+    for (size_t k = 0; k < n_eyes; k++) {
+        scene_photo_eye_init(&s.eyes[k]);
+        s.eyes[k].line[0] = (vec2){ eyes[k][0], 0.1 };
+        s.eyes[k].line[1] = (vec2){ eyes[k][1], 0.5 };
+    }
+    s.n_actions = n_rules;
+    s.actions = memory_alloc(n_rules, sizeof *s.actions);
+    for (size_t k = 0; k < n_rules; k++) {
+        scene_action_init(&s.actions[k]);
+        s.actions[k].eye = rules[k].eye;
+        s.actions[k].when_blocked = rules[k].when_blocked;
+        s.actions[k].type = SCENE_ACTION_BELT;
+        s.actions[k].target = rules[k].belt;
+        s.actions[k].value = rules[k].factor;
+    }
+    return warnings_of(&s);
+}
+
+static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
+{
+    static const rule rules[] = { { 0, false, 0, 1.0 }, { 0, true, 0, 0.0 } };
+
     (void)unused;
-    make_scene(&s, false);
-    add_eye(&s, 0.7, 0.7);
-    add_action(&s, 0, false, 0, 1.0);
-    add_action(&s, 0, true, 0, 0.0);
-    const bf_faults *warnings = warnings_of(&s);
+    const bf_faults *warnings = warnings_with(1, 1, late, 2, rules);
     assert_int_equal(warnings->n, 1);
     assert_string_equal(warnings->items[0].pointer, "/actions/1");
     assert_non_null(strstr(warnings->items[0].text, "'eye-1' stops the belt 'main'"));
@@ -106,56 +120,37 @@ static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
 
 static void a_belt_that_goes_slower_is_not_stopped(void **unused)
 {
-    scene s;
-
     (void)unused;
-    make_scene(&s, false);
-    add_eye(&s, 0.7, 0.7);
-    add_action(&s, 0, true, 0, 0.1);
-    assert_int_equal(warnings_of(&s)->n, 0);
+    assert_int_equal(warnings_with(1, 1, late, 1, (rule[]){ { 0, true, 0, 0.1 } })->n, 0);
 }
 
 // The eye is above the next belt, which goes on: its cargo leaves.
 static void a_belt_that_the_next_one_stops_is_in_order(void **unused)
 {
-    scene s;
+    static const rule rules[] = { { 0, true, 0, 0.0 }, { 0, false, 0, 1.0 } };
 
     (void)unused;
-    make_scene(&s, true);
-    add_eye(&s, 0.7, 0.7);
-    add_action(&s, 0, true, 0, 0.0);
-    add_action(&s, 0, false, 0, 1.0);
-    assert_int_equal(warnings_of(&s)->n, 0);
+    assert_int_equal(warnings_with(2, 1, late, 2, rules)->n, 0);
 }
 
 // Cargo stops the belt under it, and an eye above the other belt starts it again.
 static void another_belt_may_start_it_again(void **unused)
 {
-    scene s;
+    static const rule rules[] = { { 0, true, 0, 0.0 }, { 1, false, 0, 1.0 } };
 
     (void)unused;
-    make_scene(&s, true);
-    add_eye(&s, 0.3, 0.3);
-    add_eye(&s, 0.7, 0.7);
-    add_action(&s, 0, true, 0, 0.0);
-    add_action(&s, 1, false, 0, 1.0);
-    assert_int_equal(warnings_of(&s)->n, 0);
+    assert_int_equal(warnings_with(2, 2, both, 2, rules)->n, 0);
 }
 
 // Each of two belts is stopped by its own cargo and started by the eye of the other one.
 static void two_belts_may_wait_for_each_other(void **unused)
 {
-    scene s;
+    static const rule rules[] = {
+        { 0, true, 0, 0.0 }, { 1, true, 1, 0.0 }, { 1, false, 0, 1.0 }, { 0, false, 1, 1.0 }
+    };
 
     (void)unused;
-    make_scene(&s, true);
-    add_eye(&s, 0.3, 0.3);
-    add_eye(&s, 0.7, 0.7);
-    add_action(&s, 0, true, 0, 0.0);
-    add_action(&s, 1, true, 1, 0.0);
-    add_action(&s, 1, false, 0, 1.0);
-    add_action(&s, 0, false, 1, 1.0);
-    const bf_faults *warnings = warnings_of(&s);
+    const bf_faults *warnings = warnings_with(2, 2, both, 4, rules);
     assert_int_equal(warnings->n, 2);
     assert_string_equal(warnings->items[0].pointer, "/actions/0");
     assert_string_equal(warnings->items[1].pointer, "/actions/1");
@@ -164,13 +159,8 @@ static void two_belts_may_wait_for_each_other(void **unused)
 // A beam across both belts clears as long as one of them moves.
 static void a_beam_above_a_moving_belt_clears(void **unused)
 {
-    scene s;
-
     (void)unused;
-    make_scene(&s, true);
-    add_eye(&s, 0.4, 0.6);
-    add_action(&s, 0, true, 0, 0.0);
-    assert_int_equal(warnings_of(&s)->n, 0);
+    assert_int_equal(warnings_with(2, 1, across, 1, (rule[]){ { 0, true, 0, 0.0 } })->n, 0);
 }
 
 static void no_memory_is_reported(void **unused)

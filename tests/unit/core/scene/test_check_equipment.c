@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "core/scene/placement.h"
+#include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -64,17 +65,6 @@ static void make_scene(scene *s)
     }
 }
 
-static const bf_faults *faults_of(scene *s)
-{
-    static bf_faults faults;
-
-    faults = (bf_faults){ 0 };
-    helper_scene_resolve(s);
-    scene_check(s, &faults);
-    scene_fini(s);
-    return &faults;
-}
-
 static void equipment_in_order_is_accepted(void **unused)
 {
     scene s;
@@ -86,9 +76,7 @@ static void equipment_in_order_is_accepted(void **unused)
     s.obstacles[0].turn.repeat = 2.5;
     s.until = SCENE_UNTIL_STEADY;
     s.warmup = 9.5;
-    const bf_faults *faults = faults_of(&s);
-    if (faults->n > 0)
-        fail_msg("%s: %s", faults->items[0].pointer, faults->items[0].text);
+    helper_faults_none(&s);
 }
 
 #define SPOIL(name, code)                                                                          \
@@ -141,10 +129,7 @@ SPOIL(bad_cargo, strcpy(s->cargo[0].id, "a b"))
 
 static void what_is_wrong_is_pointed_at(void **unused)
 {
-    static const struct {
-        void (*spoil)(scene *s);
-        const char *pointer, *words;
-    } bad[] = {
+    static const helper_faults_case bad[] = {
         { bad_pivot, "/obstacles/0/motion/pivot_m", "within" },
         { falling_turn, "/obstacles/0/motion/t_s/1", "0 s do not come after the 1 s" },
         { endless_turn, "/obstacles/0/motion/turn_deg/1", "" },
@@ -183,16 +168,7 @@ static void what_is_wrong_is_pointed_at(void **unused)
     };
 
     (void)unused;
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        scene s;
-        make_scene(&s);
-        bad[k].spoil(&s);
-        const bf_faults *faults = faults_of(&s);
-        if (faults->n != 1 || strcmp(faults->items[0].pointer, bad[k].pointer) != 0 ||
-            strstr(faults->items[0].text, bad[k].words) == NULL)
-            fail_msg("%zu faults, %s: %s; not %s: %s", faults->n, faults->items[0].pointer,
-                     faults->items[0].text, bad[k].pointer, bad[k].words);
-    }
+    helper_faults_each(make_scene, bad, sizeof bad / sizeof *bad);
 }
 
 static void nothing_becomes_steady_without_a_feed(void **unused)
@@ -202,10 +178,10 @@ static void nothing_becomes_steady_without_a_feed(void **unused)
     (void)unused;
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.until = SCENE_UNTIL_STEADY;
-    assert_string_equal(faults_of(&s)->items[0].pointer, "/until");
+    assert_string_equal(helper_faults_of(&s)->items[0].pointer, "/until");
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.until = SCENE_UNTIL_DRAINED;
-    assert_int_equal(faults_of(&s)->n, 0);
+    assert_int_equal(helper_faults_of(&s)->n, 0);
 }
 
 static void kinds_have_ids_of_their_own(void **unused)
@@ -217,7 +193,7 @@ static void kinds_have_ids_of_their_own(void **unused)
     s.n_cargo = 2;
     scene_cargo_init(&s.cargo[1]);
     strcpy(s.cargo[1].id, "cargo");
-    const bf_faults *faults = faults_of(&s);
+    const bf_faults *faults = helper_faults_of(&s);
     assert_int_equal(faults->n, 1);
     assert_string_equal(faults->items[0].pointer, "/cargo/1/id");
 }

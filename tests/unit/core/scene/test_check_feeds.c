@@ -3,6 +3,7 @@
 #include "core/scene/scene.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/core/helper_faults.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
@@ -68,48 +69,19 @@ static void make_scene(scene *s)
     s->feeds[1].line[1] = (vec2){ 0.3, 0.5 };
 }
 
-static const bf_faults *faults_of(scene *s)
-{
-    static bf_faults faults;
-
-    faults = (bf_faults){ 0 };
-    helper_scene_resolve(s);
-    scene_check(s, &faults);
-    scene_fini(s);
-    return &faults;
-}
-
-static void is_in_order(scene *s)
-{
-    const bf_faults *faults = faults_of(s);
-
-    if (faults->n > 0)
-        fail_msg("%s: %s", faults->items[0].pointer, faults->items[0].text);
-}
-
-static void has_one_fault(scene *s, const char *pointer, const char *words)
-{
-    const bf_faults *faults = faults_of(s);
-
-    if (faults->n != 1 || strcmp(faults->items[0].pointer, pointer) != 0 ||
-        strstr(faults->items[0].text, words) == NULL)
-        fail_msg("%zu faults, %s: %s; not %s: %s", faults->n, faults->items[0].pointer,
-                 faults->items[0].text, pointer, words);
-}
-
 static void feeds_in_order_are_accepted(void **unused)
 {
     scene s;
 
     (void)unused;
     make_scene(&s);
-    is_in_order(&s);
+    helper_faults_none(&s);
     make_scene(&s);
     set_profile(&s.feeds[0], 3, three, (double[]){ 0.0, 5.0, 0.0 });
     s.feeds[0].profile.repeat = 2.0;
     set_schedule(&s.feeds[1], 3, (double[]){ 0.0, 1.0, 1.0 });
     s.feeds[1].schedule.places[1] = 1.0;
-    is_in_order(&s);
+    helper_faults_none(&s);
 }
 
 #define SPOIL(name, code)                                                                          \
@@ -162,10 +134,7 @@ SPOIL(nowhere, inside->line[0].x = NAN)
 
 static void what_is_wrong_with_a_feed_is_pointed_at(void **unused)
 {
-    static const struct {
-        void (*spoil)(scene *s);
-        const char *pointer, *words;
-    } bad[] = {
+    static const helper_faults_case bad[] = {
         { bad_id, "/feeds/0/id", "letters" },
         { same_id, "/feeds/1/id", "/feeds/0" },
         { bad_start, "/feeds/0/start_s", "at least 0" },
@@ -207,12 +176,7 @@ static void what_is_wrong_with_a_feed_is_pointed_at(void **unused)
     };
 
     (void)unused;
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        scene s;
-        make_scene(&s);
-        bad[k].spoil(&s);
-        has_one_fault(&s, bad[k].pointer, bad[k].words);
-    }
+    helper_faults_each(make_scene, bad, sizeof bad / sizeof *bad);
 }
 
 static void a_feed_without_an_end_that_is_a_number_is_refused(void **unused)
@@ -222,7 +186,7 @@ static void a_feed_without_an_end_that_is_a_number_is_refused(void **unused)
     (void)unused;
     make_scene(&s);
     endless(&s);
-    const bf_faults *faults = faults_of(&s);
+    const bf_faults *faults = helper_faults_of(&s);
     assert_string_equal(faults->items[0].pointer, "/feeds/0/end_s");
 }
 
@@ -237,11 +201,11 @@ static void belts_must_carry_parts_away(void **unused)
     make_scene(&s);
     s.n_feeds = 1;
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, narrow, 4);
-    has_one_fault(&s, "/feeds/0/y_m", "off every belt at (0, 0.252) m");
+    helper_faults_one(&s, "/feeds/0/y_m", "off every belt at (0, 0.252) m");
     make_scene(&s);
     helper_scene_add_belt(&s, (vec2){ 0.4, 0.0 }, NULL, 0);
     helper_scene_add_belt(&s, (vec2){ -0.4, 0.1 }, left, 4);
-    has_one_fault(&s, "/feeds/0/y_m", "'belt-2' does not move inward at (0, 0.1) m");
+    helper_faults_one(&s, "/feeds/0/y_m", "'belt-2' does not move inward at (0, 0.1) m");
 }
 
 // A plate that stands across a line is a fault, as it stands at t = 0.
@@ -254,14 +218,14 @@ static void lines_keep_clear_of_plates(void **unused)
     (void)unused;
     make_scene(&s);
     helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
-    has_one_fault(&s, "/feeds/1/line_m", "plate of obstacle 'obstacle-1'");
+    helper_faults_one(&s, "/feeds/1/line_m", "plate of obstacle 'obstacle-1'");
 
     make_scene(&s);
     o = helper_scene_add_obstacle(&s, across, 2, SCENE_SEALED);
     o->presence.n_times = o->presence.n_values = 1;
     o->presence.times = numbers(1, (double[]){ 0.0 });
     o->presence.values = numbers(1, (double[]){ 0.0 });
-    is_in_order(&s);
+    helper_faults_none(&s);
 
     // Turned by -90 degrees about its end at (0.35, 0.3) the plate runs from (0.35, 0.43) to the pivot.
     make_scene(&s);
@@ -270,7 +234,7 @@ static void lines_keep_clear_of_plates(void **unused)
     o->turn.n_times = o->turn.n_values = 1;
     o->turn.times = numbers(1, (double[]){ 0.0 });
     o->turn.values = numbers(1, (double[]){ -M_PI / 2.0 });
-    is_in_order(&s);
+    helper_faults_none(&s);
 }
 
 // Parts with a radius of 12 mm between walls at y = 0 and 0.6 m.
@@ -283,17 +247,17 @@ static void every_kind_has_room_between_the_walls(void **unused)
     s.n_feeds = 1;
     s.feeds[0].line[0].y = 0.0;
     s.feeds[0].line[1].y = 0.0121;
-    is_in_order(&s);
+    helper_faults_none(&s);
     make_scene(&s);
     s.n_feeds = 1;
     s.feeds[0].line[0].y = 0.0;
     s.feeds[0].line[1].y = 0.0119;
-    has_one_fault(&s, "/feeds/0/y_m", "no room between the walls for a part of 'cargo'");
+    helper_faults_one(&s, "/feeds/0/y_m", "no room between the walls for a part of 'cargo'");
     make_scene(&s); // along the wall
     s.n_feeds = 2;
     s.feeds[1].line[0] = (vec2){ 0.2, 0.011 };
     s.feeds[1].line[1] = (vec2){ 0.4, 0.011 };
-    has_one_fault(&s, "/feeds/1/line_m", "no room");
+    helper_faults_one(&s, "/feeds/1/line_m", "no room");
 }
 
 // A box of 40 x 10 mm fits across a range of 11 mm at a wall, but not turned anyhow.
@@ -310,9 +274,9 @@ static void room_depends_on_the_heading(void **unused)
         s.cargo[0].shape.length = 0.04;
         s.cargo[0].shape.width = 0.01;
         if (is_random == 1)
-            has_one_fault(&s, "/feeds/0/y_m", "no room");
+            helper_faults_one(&s, "/feeds/0/y_m", "no room");
         else
-            is_in_order(&s);
+            helper_faults_none(&s);
     }
     (void)unused;
 }
@@ -326,20 +290,20 @@ static void feeds_do_not_overlap(void **unused)
     s.feeds[1] = s.feeds[0];
     s.feeds[1].line[0].y = 0.3;
     s.feeds[1].line[1].y = 0.5;
-    is_in_order(&s);
+    helper_faults_none(&s);
     make_scene(&s);
     s.feeds[1] = s.feeds[0];
     s.feeds[1].line[0].y = 0.29;
     s.feeds[1].line[1].y = 0.5;
-    has_one_fault(&s, "/feeds/1/y_m", "overlaps the feed 'feed-1'");
+    helper_faults_one(&s, "/feeds/1/y_m", "overlaps the feed 'feed-1'");
     make_scene(&s);
     s.n_feeds = 3;
     s.feeds[2].line[0] = (vec2){ 0.2, 0.3 };
     s.feeds[2].line[1] = (vec2){ 0.3, 0.3 };
-    has_one_fault(&s, "/feeds/2/line_m", "overlaps the feed 'feed-2'");
+    helper_faults_one(&s, "/feeds/2/line_m", "overlaps the feed 'feed-2'");
     make_scene(&s); // a line that begins on the side, where the other feed is
     s.feeds[1].line[0] = (vec2){ 0.0, 0.2 };
-    has_one_fault(&s, "/feeds/1/line_m", "overlaps the feed 'feed-1'");
+    helper_faults_one(&s, "/feeds/1/line_m", "overlaps the feed 'feed-1'");
 }
 
 static void too_many_feeds_are_a_limit(void **unused)
