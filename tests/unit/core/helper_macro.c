@@ -7,6 +7,14 @@
 
 #include <math.h>
 
+velocity_field *helper_macro_field(const scene *s)
+{
+    velocity_field *f = NULL;
+
+    BF_CHECK(velocity_field_create(s, &f, NULL) == BF_OK);
+    return f;
+}
+
 macro_def helper_macro_def(const scene *s, const velocity_field *f)
 {
     macro_def def = macro_def_default();
@@ -39,11 +47,10 @@ macro_def helper_macro_def(const scene *s, const velocity_field *f)
 
 macro_solver *helper_macro_create(const scene *s, int n_threads)
 {
-    velocity_field *f = NULL;
+    velocity_field *f = helper_macro_field(s);
     macro_solver *solver = NULL;
-
-    BF_CHECK(velocity_field_create(s, &f, NULL) == BF_OK);
     macro_def def = helper_macro_def(s, f);
+
     def.n_threads = n_threads;
     BF_CHECK(macro_create(&def, &solver, NULL) == BF_OK);
     velocity_field_destroy(f);

@@ -6,6 +6,9 @@
 #include "core/macro/velocity_field.h"
 #include "core/scene/scene.h"
 
+/// The field of a resolved scene; velocity_field_destroy().
+velocity_field *helper_macro_field(const scene *s);
+
 /// The definition that a run makes of a resolved scene and its field, for one thread.
 macro_def helper_macro_def(const scene *s, const velocity_field *f);
 

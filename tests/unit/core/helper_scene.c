@@ -119,3 +119,16 @@ void helper_scene_set_vertices(scene *s, scene_shape_type type, const double (*v
     BF_CHECK(s->cargo[0].shape.vertices != NULL);
     memcpy(s->cargo[0].shape.vertices, vertices, n * sizeof *vertices);
 }
+
+double helper_scene_draw(bf_random *random, double low, double high, double cell)
+{
+    double x = low + random_unit(random) * (high - low);
+    switch (random_bits(random) % 4) {
+    case 0:
+        return round(x / cell) * cell; // a face
+    case 1:
+        return (floor(x / cell) + 0.5) * cell; // a centre
+    default:
+        return x;
+    }
+}

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "core/base/random.h"
 #include "core/scene/scene.h"
 
 #include <math.h>
@@ -37,3 +38,6 @@ void helper_scene_set_vertices(scene *s, scene_shape_type type, const double (*v
 /// A series of n times, with copies of both arrays.
 scene_series helper_scene_series(size_t n, const double *times, const double *values,
                                  double repeat);
+
+/// A number from low to high; now and then one of the places of a grid of cells, which are the hard cases.
+double helper_scene_draw(bf_random *random, double low, double high, double cell);

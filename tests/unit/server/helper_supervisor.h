@@ -18,6 +18,10 @@
 
 enum { HELPER_PATH_SIZE = 256 }; ///< bytes of a path with its terminator
 
+/// A scenario that ends soon, with 101 samples and 11 snapshots; a jam before a wall across the whole belt that does not
+/// end, and one that takes about a second.
+extern const char helper_short_belt[], helper_long_jam[], helper_medium_jam[];
+
 /// What a test of the supervisor needs.
 typedef struct helper_world {
     char directory[HELPER_PATH_SIZE]; ///< of the test, removed at the end

@@ -217,7 +217,7 @@ static void a_plate_that_does_not_move_has_the_bits_of_one_that_cannot(void **st
                 set_presence(&w, 2, times, ones);
             }
             micro_solver *s = helper_micro_start(&w.def);
-            helper_micro_advance_to(s, 0.5);
+            helper_micro_advance_to(s, 0.3);
             assert_true(micro_measure(s).largest_overlap > 0.0);
             digests[moves] = micro_digest(s);
             s = micro_destroy(s);
