@@ -13,7 +13,6 @@ const { chromium } = load("playwright-core");
 const { AxeBuilder } = load("@axe-core/playwright");
 
 export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 390, height: 844 } };
-export const schemes = ["light", "dark"];
 
 const pictures = path.join(binaries, "../screenshots");
 mkdirSync(pictures, { recursive: true });
@@ -86,7 +85,8 @@ export async function assertAccessible(page, name) {
 export async function takePicture(page, name, size) {
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });
-  await page.waitForTimeout(150); // the drawings follow the size
+  // The drawings follow the size in the frame after it.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   await page.screenshot({ path: path.join(pictures, `${name}.png`) });
   await page.setViewportSize(sizes[size]);
   const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);

@@ -6,6 +6,7 @@ import test, { after } from "node:test";
 import { closeBrowser, numberIn, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 import { fed } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
 
 after(closeBrowser);
 
@@ -34,11 +35,6 @@ function isDrawn(page, [x, y]) {
     return canvas.getContext("2d").getImageData(px, py, 1, 1).data[3] > 0;
   }, [x / 0.6, y / 0.3, { left: 46, right: 22, top: 12, bottom: 28 }]);
 }
-
-const waitUntil = async (ask) => {
-  const deadline = Date.now() + 10_000;
-  while (!(await ask())) assert.ok(Date.now() < deadline, String(ask));
-};
 
 async function submitBoth(d) {
   const runs = [];
@@ -78,10 +74,10 @@ test("plates stand as at the time shown, by the scenario and by what a photo eye
     await page.waitForFunction(() => performance.getEntriesByName("first-frame").length > 0);
     await pauseAt(page, 0);
     const [raised, stop] = [[0.47, 0.07], [0.5025, 0.25]]; // 0.1 m up the flap at 45 degrees; within the stop
-    await waitUntil(async () => !(await isDrawn(page, raised)) && !(await isDrawn(page, stop)));
+    await until(async () => !(await isDrawn(page, raised)) && !(await isDrawn(page, stop)), "no plate to be drawn");
     // The first parts are at the photo eye after 0.25 m at 0.3 m/s.
     await pauseAt(page, 2);
-    await waitUntil(async () => (await isDrawn(page, raised)) && (await isDrawn(page, stop)));
+    await until(async () => (await isDrawn(page, raised)) && (await isDrawn(page, stop)), "both plates to be drawn");
   }
 });
 
