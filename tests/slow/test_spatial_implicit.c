@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-enum { RUNS = 2 };
+enum { RUNS = 4 };
 
 static void average(micro_integrator integrator, double dt, double *ret_u)
 {
