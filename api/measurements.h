@@ -1,4 +1,4 @@
-/// Measured curves as the services of the API take and return them, and the sizes of what runs and measurements have in
+/// Measurements as the services of the API take and return them, and the sizes of what runs and measurements have in
 /// common.
 
 #pragma once
@@ -17,13 +17,25 @@ enum {
     API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
 };
 
-/// A curve that was measured elsewhere, without its samples.
+/// What a measurement is. The values stand in the store: never renumber.
+typedef enum api_measured {
+    API_MEASURED_CURVE,    ///< samples of a curve, to compare with
+    API_MEASURED_PROFILE,  ///< a feed's rate in time, as CSV
+    API_MEASURED_SCHEDULE, ///< a feed's list of arrivals, as CSV
+    API_MEASURED_COUNT
+} api_measured;
+
+/// Their words, ended by NULL.
+extern const char *const api_measured_words[API_MEASURED_COUNT + 1];
+
+/// What was measured elsewhere, without its samples.
 typedef struct api_measurement {
     char id[API_ID_SIZE];        ///< UUIDv7, unlike those of all runs
+    api_measured kind;           ///< what it is
     char label[API_LABEL_SIZE];  ///< the client's, "" if none
-    char counter[SCENE_ID_SIZE]; ///< what was counted: a column of curves
+    char counter[SCENE_ID_SIZE]; ///< of a curve what was counted: a column of curves; else ""
     int64_t created_ms;          ///< Unix time, ms
-    uint64_t n_samples;          ///< of its curve
+    uint64_t n_samples;          ///< of its curve, or rows of its text
     double t_start;              ///< first time, s
     double t_end;                ///< last time, s
 } api_measurement;

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+const char *const api_measured_words[] = { "curve", "profile", "schedule", NULL };
+
 const char *api_event_word(api_event_type type)
 {
     static const char *const words[] = {

@@ -201,11 +201,12 @@ typedef struct api_services {
     /// Give the events of a run's photo eyes and actions, rising, to take.
     bf_status (*read_changes)(void *context, const char *id, api_event_fn *take, void *take_context,
                               bf_error *err);
-    /// Store a measured curve of one column, with the label, counter and times of *measurement: durable
-    /// when this returns. BF_ECONFLICT: API_MEASUREMENTS_MAX are stored.
+    /// Store a measurement, with the kind, label, counter, times and number of samples of *measurement: durable when
+    /// this returns. It has a curve of one column, or, if it is none, an empty one and a text. BF_ECONFLICT:
+    /// API_MEASUREMENTS_MAX are stored.
     bf_status (*add_measurement)(void *context, const api_measurement *measurement,
-                                 const api_curve *curve, api_measurement *ret_measurement,
-                                 bf_error *err);
+                                 const api_curve *curve, const bf_buffer *csv,
+                                 api_measurement *ret_measurement, bf_error *err);
     bf_status (*find_measurement)(void *context, const char *id, api_measurement *ret_measurement,
                                   bf_error *err);
     bf_status (*list_measurements)(void *context, const api_measurement_query *query,
@@ -213,6 +214,8 @@ typedef struct api_services {
     /// All samples; the column is the counter. *ret_curve is the caller's: api_curve_fini().
     bf_status (*read_measurement)(void *context, const char *id, api_curve *ret_curve,
                                   bf_error *err);
+    /// Append the text of one that is no curve to *out.
+    bf_status (*read_measurement_csv)(void *context, const char *id, bf_buffer *out, bf_error *err);
     bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ESYSTEM store).
     bf_status (*ready)(void *context, bf_error *err);

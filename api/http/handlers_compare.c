@@ -117,6 +117,9 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     if (status == BF_ENOTFOUND)
         return exchange__refuse(x, 404, e->pointer, err, "there is nothing with the id '%s'",
                                 e->id);
+    if (status == BF_OK && !e->is_run && e->measurement.kind != API_MEASURED_CURVE)
+        return exchange__refuse(x, 422, e->pointer, err, "measurement '%s' is a %s, not a curve",
+                                e->id, api_measured_words[e->measurement.kind]);
     if (status == BF_OK && e->is_run && e->run.n_samples == 0)
         return exchange__refuse(x, 409, e->pointer, err, "run '%s' has no samples of its curve yet",
                                 e->id);

@@ -1,4 +1,4 @@
-// Measured curves: store, list, show, remove.
+// Measurements: store, list, show, remove.
 
 #include "api/http/http_priv.h"
 #include "api/json/number.h"
@@ -12,8 +12,21 @@
 // Bytes that hold the members of any measurement as JSON, besides its samples.
 enum { MEMBERS_JSON_MAX = 4096 };
 
+// Bytes of JSON that a byte of a text takes at most: "\\n" of a line's end.
+enum { CSV_JSON_MAX = 2 };
+
 static const char *const body_types[] = { "application/json", "text/csv", NULL };
 enum { BODY_JSON, BODY_CSV };
+
+// Of a word that the route's table has accepted; NULL: a curve.
+static api_measured kind_of(const char *word)
+{
+    api_measured kind = API_MEASURED_CURVE;
+
+    while (word != NULL && strcmp(api_measured_words[kind], word) != 0)
+        kind++;
+    return kind;
+}
 
 static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_error *err)
 {
@@ -21,14 +34,23 @@ static bf_status read_measurement(exchange *x, measurement *ret_measurement, bf_
     const char *body = request->body == NULL ? "" : request->body;
     const char *label = exchange__text(x, "label");
     const char *counter = exchange__text(x, "counter");
+    const char *kind = exchange__text(x, "kind");
     size_t type;
 
     bf_status status = exchange__check_body(x, body_types, &type, err);
     if (status != BF_OK)
         return status;
+    if (type == BODY_CSV && kind_of(kind) != API_MEASURED_CURVE) {
+        if (counter != NULL)
+            return exchange__refuse(x, 422, "/counter", err, "a %s has no counter", kind);
+        return measurement_read_feed(body, request->n_body, kind_of(kind), label, ret_measurement,
+                                     &x->faults, err);
+    }
     if (type == BODY_CSV)
         return measurement_read_csv(body, request->n_body, label, counter, ret_measurement,
                                     &x->faults, err);
+    if (kind_of(kind) != API_MEASURED_CURVE)
+        return exchange__refuse(x, 415, "", err, "a %s is sent as text/csv", kind);
     if (label != NULL || counter != NULL)
         return exchange__refuse(x, 400, "", err, "query parameter '%s': JSON has it in the body",
                                 label != NULL ? "label" : "counter");
@@ -44,16 +66,16 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     if (status != BF_OK)
         return status;
     // Room for the answer comes first: what was stored must not be answered with a failure.
-    size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE;
+    size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE + CSV_JSON_MAX * m.csv.n;
     if (buffer_reserve(&x->response->body, room) == NULL)
         status = bf_fail(err, BF_ENOMEM, "", "out of memory");
     else
-        status =
-            x->services->add_measurement(x->services->context, &m.about, &m.curve, &stored, err);
+        status = x->services->add_measurement(x->services->context, &m.about, &m.curve, &m.csv,
+                                              &stored, err);
     if (status == BF_OK) {
         x->response->status = 201;
         api_response_header(x->response, "Location", "/v1/measurements/%s", stored.id);
-        status = measurement_json(&stored, &m.curve, &x->response->body, err);
+        status = measurement_json(&stored, &m.curve, &m.csv, &x->response->body, err);
     }
     measurement_fini(&m);
     return status;
@@ -100,6 +122,7 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
 {
     bf_buffer *body = &x->response->body;
     api_curve curve = { 0 };
+    bf_buffer csv = { 0 };
     api_measurement about;
 
     bf_status status = find_measurement(x, &about, err);
@@ -109,12 +132,16 @@ bf_status handlers_measurements_show(exchange *x, bf_error *err)
     exchange__cache_revalidate(x);
     if (exchange__is_unchanged(x, "%s-%s", about.id, x->media->word))
         return BF_OK;
-    status = x->services->read_measurement(x->services->context, about.id, &curve, err);
-    if (status != BF_OK)
-        return status;
-    status = x->media->format == MEDIA_CSV ? results_curve_csv(&curve, body, err)
-                                           : measurement_json(&about, &curve, body, err);
+    status = about.kind == API_MEASURED_CURVE
+                 ? x->services->read_measurement(x->services->context, about.id, &curve, err)
+                 : x->services->read_measurement_csv(x->services->context, about.id, &csv, err);
+    if (status == BF_OK && x->media->format != MEDIA_CSV)
+        status = measurement_json(&about, &curve, &csv, body, err);
+    else if (status == BF_OK)
+        status = about.kind == API_MEASURED_CURVE ? results_curve_csv(&curve, body, err)
+                                                  : buffer_append(body, csv.bytes, csv.n);
     api_curve_fini(&curve);
+    buffer_fini(&csv);
     return status;
 }
 

@@ -12,15 +12,39 @@
 
 static const char *const body_types[] = { "application/json", NULL };
 
+// What a feed's profile or schedule names.
+static bf_status read_feed_text(const void *context, const char *id, const char *kind,
+                                bf_buffer *out, bf_error *err)
+{
+    const api_services *services = context;
+    bf_status status = BF_ENOTFOUND;
+    api_measurement about;
+
+    if (param_is_id(id))
+        status = services->find_measurement(services->context, id, &about, err);
+    if (status == BF_OK && strcmp(api_measured_words[about.kind], kind) != 0)
+        return bf_fail(err, BF_EINPUT, "", "the measurement %s is a %s, not a %s", id,
+                       api_measured_words[about.kind], kind);
+    if (status == BF_OK)
+        status = services->read_measurement_csv(services->context, id, out, err);
+    // It may have been removed meanwhile.
+    if (status == BF_ENOTFOUND)
+        return bf_fail(err, BF_EINPUT, "", "there is no measurement '%.64s'", id);
+    return status;
+}
+
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
     const api_request *request = x->request;
     const char *body = request->body == NULL ? "" : request->body;
+    json_in_texts texts = { .context = x->services,
+                            .read = read_feed_text,
+                            .n_left = SUBMISSION_TEXTS_MAX };
     size_t type;
 
     bf_status status = exchange__check_body(x, body_types, &type, err);
     if (status == BF_OK)
-        status = submission_read(body, request->n_body, ret_submission, &x->faults, err);
+        status = submission_read(body, request->n_body, &texts, ret_submission, &x->faults, err);
     return status;
 }
 

@@ -25,6 +25,15 @@ static bool is_model(const char *text)
     return model < RUN_MODEL_COUNT;
 }
 
+static bool is_measured_kind(const char *text)
+{
+    int kind = 0;
+
+    while (kind < API_MEASURED_COUNT && strcmp(api_measured_words[kind], text) != 0)
+        kind++;
+    return kind < API_MEASURED_COUNT;
+}
+
 static bool is_colormap(const char *text)
 {
     return colormap_find(text) != NULL;
@@ -101,6 +110,15 @@ static const param csv_counter = {
     .type = "#CounterId",
     .help = "Of CSV: which column of a curve was measured; the name of its own if missing"
 };
+
+static const param csv_kind = { .name = "kind",
+                                .in = "query",
+                                .kind = &param_word,
+                                .type = "#MeasuredKind",
+                                .is_word = is_measured_kind,
+                                .help =
+                                    "Of CSV: a curve to compare with, or for feeds a profile or "
+                                    "a schedule, their list of arrivals; a curve if missing" };
 
 static const param run_status = { .name = "status",
                                   .in = "query",
@@ -407,14 +425,14 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json csv",
-      .params = PARAMS(&run_id, &format, &if_none_match),
+      .params = PARAMS(&run_id, &format, &if_match, &if_none_match),
       .id = "getPhotoEyes",
       .tag = "Results",
       .summary = "Changes of photo eyes and their actions so far",
       .help = "Both lists by rising time, empty for a run without photo eyes. As CSV the changes "
               "alone, as photo_eyes.csv. A run keeps the first 100,000 of both together; `is_cut` "
               "says when there are so many.",
-      .refusals = "404",
+      .refusals = "404 412",
       .answers = { { 200, "PhotoEyes", CACHED, "The changes and actions" }, UNCHANGED } },
     { .method = "GET",
       .path = "/v1/runs/{id}/key_figures",
@@ -560,13 +578,17 @@ static const route table[] = {
       .cost = API_COST_WORK,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&csv_label, &csv_counter),
+      .params = PARAMS(&csv_label, &csv_counter, &csv_kind),
       .id = "addMeasurement",
       .tag = "Comparison",
-      .summary = "Store a measured curve, JSON or CSV; it is on disk before the answer is sent",
-      .help = "A measured curve can take the place of a run in a comparison. Of CSV the first "
-              "column after `t_s` is read; label and counter then come in the query, with JSON "
-              "they are in the body. It never changes. 409 when there are too many.",
+      .summary = "Store a measured curve, JSON or CSV, or a text for feeds; it is on disk before "
+                 "the answer is sent",
+      .help =
+          "A measured curve can take the place of a run in a comparison. Of CSV the first "
+          "column after `t_s` is read; label and counter then come in the query, with JSON "
+          "they are in the body. With `kind` the CSV is a profile or a list of arrivals that feeds "
+          "of a scenario name by the id of the measurement. It never changes. 409 when there "
+          "are too many.",
       .body = "Measurement",
       .body_formats = "json csv",
       .refusals = "403 409 413 415 422",
@@ -580,10 +602,9 @@ static const route table[] = {
       .params = PARAMS(&measurement_label, &page_limit, &page_cursor, &if_match, &if_none_match),
       .id = "listMeasurements",
       .tag = "Comparison",
-      .summary = "List measured curves, newest first",
-      .help =
-          "The list has all but the samples; the `next` link, where there is one, leads to older "
-          "ones.",
+      .summary = "List measurements, newest first",
+      .help = "The list has all but samples and texts; the `next` link, where there is one, leads "
+              "to older ones.",
       .refusals = "412",
       .answers = { { 200, "MeasurementList", CACHED " Link", "A page of them" }, UNCHANGED } },
     { .method = "GET",
@@ -595,8 +616,9 @@ static const route table[] = {
       .params = PARAMS(&measurement_id, &format, &if_match, &if_none_match),
       .id = "getMeasurement",
       .tag = "Comparison",
-      .summary = "A measured curve with its samples",
-      .help = "As CSV it is a curve with the counter as its column.",
+      .summary = "A measurement with its samples or its text",
+      .help = "As CSV a measured curve is a curve with the counter as its column, a text for feeds "
+              "what was sent.",
       .refusals = "404 412",
       .answers = { { 200, "StoredMeasurement", CACHED, "The measurement" }, UNCHANGED } },
     { .method = "DELETE",
@@ -608,7 +630,7 @@ static const route table[] = {
       .params = PARAMS(&measurement_id, &if_match),
       .id = "deleteMeasurement",
       .tag = "Comparison",
-      .summary = "Remove a measured curve",
+      .summary = "Remove a measurement",
       .help = "This cannot be undone.",
       .refusals = "403 404 412",
       .answers = { { 204, NULL, "Cache-Control", "The measurement was removed" } } },

@@ -37,8 +37,13 @@ json_in json_in_to(bf_faults *faults)
 
 bf_status json_in_status(const json_in *in, bf_error *err)
 {
-    return in->has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                          : faults_status(in->faults, err);
+    const bf_error *failure = in->texts != NULL ? &in->texts->failure : NULL;
+
+    if (!in->has_failed)
+        return faults_status(in->faults, err);
+    if (failure != NULL && failure->code != BF_OK)
+        return bf_fail(err, failure->code, failure->pointer, "%s", failure->text);
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
 static void format_clean(char *text, size_t size, const char *format, va_list args)
@@ -227,6 +232,36 @@ bool json_in_text(json_in *in, const struct json_t *value, size_t least, size_t 
     }
     memcpy(ret_text, json_string_value(value), n + 1);
     return true;
+}
+
+bool json_in_stored_text(json_in *in, const struct json_t *value, const char *kind, bf_buffer *out)
+{
+    const size_t n_before = out->n;
+    bf_error err = { .code = BF_OK };
+
+    if (!json_is_string(value))
+        return refuse_type(in, "an id", value);
+    if (in->texts == NULL) {
+        json_in_fault(in,
+                      "names a stored measurement, which needs a daemon: give the lists or csv");
+        return false;
+    }
+    const bf_status status =
+        in->texts->read(in->texts->context, json_string_value(value), kind, out, &err);
+    if (status == BF_OK && out->n - n_before <= in->texts->n_left) {
+        in->texts->n_left -= out->n - n_before;
+        return true;
+    }
+    if (status == BF_OK) {
+        json_in_fault_limit(in, "has %zu bytes: too many with those of the measurements before it",
+                            out->n - n_before);
+    } else if (status == BF_EINPUT) {
+        json_in_fault(in, "%s", err.text);
+    } else {
+        in->texts->failure = err;
+        in->has_failed = true;
+    }
+    return false;
 }
 
 static void list_words(char *text, size_t size, const char *const *words)

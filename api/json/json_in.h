@@ -6,6 +6,7 @@
 #pragma once
 
 #include "api/json/json_pointer.h"
+#include "core/base/buffer.h"
 #include "core/base/faults.h"
 #include "core/base/status.h"
 
@@ -14,11 +15,23 @@
 
 struct json_t; ///< jansson's; only api/*.c look inside
 
+/// Texts that a document may name by their ids instead of holding them.
+typedef struct json_in_texts {
+    const void *context; ///< first argument of read
+    /// Append the text of an id to *out, which must be of a kind. BF_EINPUT: err->text says why the document cannot
+    /// name it.
+    bf_status (*read)(const void *context, const char *id, const char *kind, bf_buffer *out,
+                      bf_error *err);
+    size_t n_left;    ///< bytes that the document may still ask for
+    bf_error failure; ///< of read, other than BF_EINPUT; code BF_OK: none
+} json_in_texts;
+
 /// The reading of one document. Begin with json_in_to().
 typedef struct json_in {
     bf_faults *faults;    ///< where faults go; the caller's
     json_pointer pointer; ///< of the value that is being read
-    bool has_failed;      ///< out of memory
+    bool has_failed;      ///< out of memory, or a failure of texts
+    json_in_texts *texts; ///< the caller's; NULL: there are none
 } json_in;
 
 /// A reading that notes faults in *faults.
@@ -33,7 +46,7 @@ struct json_t *json_in_parse(json_in *in, const char *json, size_t n);
 /// Free a tree. NULL is fine.
 void json_in_free(struct json_t *root);
 
-/// The status of the reading: BF_ENOMEM, else that of the first fault, else BF_OK.
+/// The status of the reading: BF_ENOMEM or the failure of texts, else that of the first fault, else BF_OK.
 BF_MUST_CHECK bf_status json_in_status(const json_in *in, bf_error *err);
 
 /// Note a fault at the present place; control characters in the text become "?".
@@ -59,6 +72,9 @@ bool json_in_integer(json_in *in, const struct json_t *value, double least, doub
 /// terminator.
 bool json_in_text(json_in *in, const struct json_t *value, size_t least, size_t size,
                   char *ret_text);
+
+/// Append the text of a kind whose id the value is to *out. False: a fault was noted, or has_failed.
+bool json_in_stored_text(json_in *in, const struct json_t *value, const char *kind, bf_buffer *out);
 
 /// Read one of the words of a NULL-terminated list as its index.
 bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,

@@ -82,6 +82,16 @@ void openapi__write_models(json_out *w)
     write_words(w, model_word, RUN_MODEL_COUNT);
 }
 
+static const char *measured_word(int kind)
+{
+    return api_measured_words[kind];
+}
+
+void openapi__write_measured_kinds(json_out *w)
+{
+    write_words(w, measured_word, API_MEASURED_COUNT);
+}
+
 void openapi__write_status_words(json_out *w)
 {
     write_words(w, failure_word, BF_STATUS_COUNT - 1);

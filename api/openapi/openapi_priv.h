@@ -73,6 +73,7 @@ void openapi__write_counter_figures(json_out *w);
 void openapi__write_eye_figures(json_out *w);
 void openapi__write_states(json_out *w);
 void openapi__write_models(json_out *w);
+void openapi__write_measured_kinds(json_out *w);
 void openapi__write_colormaps(json_out *w);
 void openapi__write_status_words(json_out *w);
 void openapi__write_problem_types(json_out *w);

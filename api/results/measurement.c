@@ -2,6 +2,7 @@
 
 #include "api/json/text.h"
 #include "api/results/results.h"
+#include "api/scenario/feed_csv.h"
 #include "core/base/memory.h"
 #include "core/scene/scene.h"
 
@@ -254,6 +255,46 @@ bf_status measurement_read_csv(const char *text, size_t n, const char *label, co
     return status;
 }
 
+bf_status measurement_read_feed(const char *text, size_t n, api_measured kind, const char *label,
+                                measurement *ret_measurement, bf_faults *faults, bf_error *err)
+{
+    measurement made = { .about = { .kind = kind } };
+    json_in in = json_in_to(faults);
+    feed_csv_about about;
+
+    if (label == NULL)
+        label = "";
+    check_label(label, faults);
+    if (strlen(text) != n)
+        faults_add(faults, "", "must not have zero bytes");
+    else if (faults->n == 0 &&
+             (kind == API_MEASURED_PROFILE ? feed_csv_check_profile(&in, text, &about)
+                                           : feed_csv_check_schedule(&in, text, &about)) &&
+             buffer_append(&made.csv, text, n) != BF_OK)
+        in.has_failed = true;
+    const bf_status status = json_in_status(&in, err);
+    if (status != BF_OK) {
+        measurement_fini(&made);
+        return status;
+    }
+    snprintf(made.about.label, sizeof made.about.label, "%s", label);
+    made.about.n_samples = about.n;
+    made.about.t_start = about.t_start;
+    made.about.t_end = about.t_end;
+    *ret_measurement = made;
+    return BF_OK;
+}
+
+static bool is_curve(const void *item)
+{
+    return ((const api_measurement *)item)->kind == API_MEASURED_CURVE;
+}
+
+static bool is_text(const void *item)
+{
+    return !is_curve(item);
+}
+
 #define AT(place) offsetof(api_measurement, place)
 static const member link_members[] = {
     MEMBER("self", link, AT(id), "The resource itself", .path = "/v1/measurements/{id}"),
@@ -262,12 +303,14 @@ const member_table measurement_links = { MEMBER_TABLE("SelfLinks", link_members)
 
 static const member item_members[] = {
     MEMBER("id", text, AT(id), "Identifier of the measurement", .type = "#Id"),
+    MEMBER("kind", enum, AT(kind), "What it is for feeds; missing of a measured curve",
+           .words = api_measured_words, .type = "#MeasuredKind", .applies = is_text),
     MEMBER("label", text, AT(label),
            "The client's own name of the measurement; empty if none was given"),
-    MEMBER("counter", text, AT(counter), "Which column of a curve was measured",
-           .type = "#CounterId"),
+    MEMBER("counter", text, AT(counter), "Of a measured curve: which column of a curve it is",
+           .type = "#CounterId", .applies = is_curve),
     MEMBER("created_at", time, AT(created_ms), "When it was stored"),
-    MEMBER("n_samples", size, AT(n_samples), "Number of samples"),
+    MEMBER("n_samples", size, AT(n_samples), "Number of samples or rows"),
     MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s"),
     MEMBER("t_end_s", number, AT(t_end), "Time of the last sample", .unit = "s"),
     MEMBER("links", object, 0, "Its resource", .table = &measurement_links),
@@ -284,9 +327,10 @@ static const member measurement_list_members[] = {
 const member_table measurement_list = { MEMBER_TABLE("MeasurementList", measurement_list_members) };
 #undef AT
 
-// A measurement with its samples, as it is answered.
+// A measurement with its samples or its text, as it is answered.
 typedef struct stored {
-    api_measurement about;
+    api_measurement about; // first, for its members' rules
+    const char *csv;
     const double *t;
     const double *counts;
     size_t n;
@@ -295,17 +339,20 @@ typedef struct stored {
 #define AT(place) offsetof(stored, place)
 static const member stored_members[] = {
     MEMBER_INLINE(&measurement_item, AT(about)),
-    MEMBER("t_s", numbers, AT(t), "Times of the samples", .unit = "s", .offset_n = AT(n)),
-    MEMBER(COUNT_COLUMN, numbers, AT(counts), "What was counted at each time", .unit = "parts",
-           .offset_n = AT(n)),
+    MEMBER("t_s", numbers, AT(t), "Of a curve: times of the samples", .unit = "s",
+           .offset_n = AT(n), .applies = is_curve),
+    MEMBER(COUNT_COLUMN, numbers, AT(counts), "Of a curve: what was counted at each time",
+           .unit = "parts", .offset_n = AT(n), .applies = is_curve),
+    MEMBER("csv", string, AT(csv), "Its text where it is no curve", .applies = is_text),
 };
 const member_table measurement_stored = { MEMBER_TABLE("StoredMeasurement", stored_members) };
 #undef AT
 
-bf_status measurement_json(const api_measurement *about, const api_curve *curve, bf_buffer *out,
-                           bf_error *err)
+bf_status measurement_json(const api_measurement *about, const api_curve *curve,
+                           const bf_buffer *csv, bf_buffer *out, bf_error *err)
 {
     const stored view = { .about = *about,
+                          .csv = csv->bytes,
                           .t = (const double *)(const void *)curve->t.bytes,
                           .counts = (const double *)(const void *)curve->values.bytes,
                           .n = curve->n };
@@ -320,5 +367,6 @@ void measurement_fini(measurement *m)
     if (m == NULL)
         return;
     api_curve_fini(&m->curve);
+    buffer_fini(&m->csv);
     *m = (measurement){ 0 };
 }

@@ -6,6 +6,7 @@
 #include "core/scene/ranges.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -29,6 +30,37 @@ typedef struct csv {
     csv_field fields[COLUMNS_MAX]; // of a row, by names; without a column: at is NULL
     bool has[COLUMNS_MAX];         // by names: the column is there
 } csv;
+
+// Notes a fault of the present line, or of the text as a whole, which has no line in its text.
+static void note_at(const csv *c, bool is_of_line, const char *text)
+{
+    json_in *in = c->in;
+
+    if (in->pointer.text[0] != '\0') {
+        if (is_of_line)
+            json_in_fault(in, "line %zu: %s", c->line, text);
+        else
+            json_in_fault(in, "%s", text);
+        return;
+    }
+    const size_t mark = json_pointer_enter(&in->pointer, "line", strlen("line"));
+    (void)json_pointer_enter_index(&in->pointer, c->line);
+    json_in_fault(in, "%s", text);
+    json_pointer_leave(&in->pointer, mark);
+}
+
+static void note(const csv *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void note(const csv *c, const char *format, ...)
+{
+    char text[BF_TEXT_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    note_at(c, true, text);
+}
 
 static csv_field next_line(csv *c)
 {
@@ -67,12 +99,11 @@ static bool read_column(csv *c, size_t k, csv_field field)
            (strlen(c->names[which]) != field.n || memcmp(c->names[which], field.at, field.n) != 0))
         which++;
     if (c->names[which] == NULL) {
-        json_in_fault(c->in, "line 1: \"%.*s\" is not a column", (int)fmin((double)field.n, 40.0),
-                      field.at);
+        note(c, "\"%.*s\" is not a column", (int)fmin((double)field.n, 40.0), field.at);
         return false;
     }
     if (c->has[which]) {
-        json_in_fault(c->in, "line 1: %s stands there twice", c->names[which]);
+        note(c, "%s stands there twice", c->names[which]);
         return false;
     }
     c->has[which] = true;
@@ -90,18 +121,18 @@ static size_t begin(csv *c, json_in *in, const char *text, const char *const *na
     c->n = split(next_line(c), fields);
     for (size_t k = 0; k < c->n; k++) {
         if (k == COLUMNS_MAX)
-            json_in_fault(in, "line 1: has %zu columns, the limit is %d", c->n, COLUMNS_MAX);
+            note(c, "has %zu columns, the limit is %d", c->n, COLUMNS_MAX);
         if (k == COLUMNS_MAX || !read_column(c, k, fields[k]))
             return 0;
     }
     if (!c->has[0]) {
-        json_in_fault(in, "line 1: the column %s is missing", names[0]);
+        note(c, "the column %s is missing", names[0]);
         return 0;
     }
     for (const char *at = c->at; *at != '\0'; at += strcspn(at, "\n"), at += *at == '\n')
         n_rows++;
     if (n_rows == 0)
-        json_in_fault(in, "has no rows after its header");
+        note_at(c, false, "has no rows after its header");
     if (n_rows > SCENE_SERIES_MAX) {
         json_in_fault_limit(in, "has %zu rows, the limit is %d", n_rows, SCENE_SERIES_MAX);
         return 0;
@@ -116,7 +147,7 @@ static bool next_row(csv *c)
     const size_t n = split(next_line(c), fields);
 
     if (n != c->n) {
-        json_in_fault(c->in, "line %zu: has %zu fields, the header has %zu", c->line, n, c->n);
+        note(c, "has %zu fields, the header has %zu", n, c->n);
         return false;
     }
     for (size_t k = 0; k < n; k++)
@@ -131,22 +162,21 @@ static bool get_number(const csv *c, size_t which, const bf_range *range, double
     bf_faults faults = { 0 };
 
     if (number_read(field.at, field.n, ret_number) != 0) {
-        json_in_fault(c->in, "line %zu: %s must be a number, not \"%.*s\"", c->line,
-                      c->names[which], (int)fmin((double)field.n, 40.0), field.at);
+        note(c, "%s must be a number, not \"%.*s\"", c->names[which],
+             (int)fmin((double)field.n, 40.0), field.at);
         return false;
     }
     if (range == NULL)
         return true;
     range_check(range, *ret_number, "", &faults);
     if (faults.n > 0)
-        json_in_fault(c->in, "line %zu: %s %s", c->line, c->names[which], faults.items[0].text);
+        note(c, "%s %s", c->names[which], faults.items[0].text);
     return faults.n == 0;
 }
 
 static bool note_order(const csv *c, double t, double before)
 {
-    json_in_fault(c->in, "line %zu: %.15g s do not come after the %.15g s before them", c->line, t,
-                  before);
+    note(c, "%.15g s do not come after the %.15g s before them", t, before);
     return false;
 }
 
@@ -194,23 +224,24 @@ static void make_steps(size_t n, const double *times, const double *counts, scen
     }
 }
 
-static bool check_profile_columns(json_in *in, const csv *c, size_t n_rows)
+static bool check_profile_columns(const csv *c, size_t n_rows)
 {
     if (c->has[PER_S] + c->has[PER_H] + c->has[PER_ROW] != 1)
-        json_in_fault(in, "line 1: must have exactly one of rate_per_s, rate_per_h and count");
+        note(c, "must have exactly one of rate_per_s, rate_per_h and count");
     else if (c->has[PER_ROW] && n_rows < 2)
-        json_in_fault(in, "counts need at least 2 rows");
+        note_at(c, false, "counts need at least 2 rows");
     else
         return true;
     return false;
 }
 
-void feed_csv__read_profile(json_in *in, const char *text, scene_series *profile)
+static void read_profile(json_in *in, const char *text, scene_series *profile,
+                         feed_csv_about *ret_about)
 {
     csv c;
     const size_t n = begin(&c, in, text, profile_names);
 
-    if (n == 0 || !check_profile_columns(in, &c, n))
+    if (n == 0 || !check_profile_columns(&c, n))
         return;
     const size_t n_max = c.has[PER_ROW] ? 2 * n + 2 : n;
     double *rows = memory_alloc(2 * n, sizeof *rows);
@@ -223,8 +254,16 @@ void feed_csv__read_profile(json_in *in, const char *text, scene_series *profile
             make_steps(n, rows, rows + n, profile);
         for (size_t k = 0; k < n && !c.has[PER_ROW]; k++)
             add(profile, rows[k], rows[n + k]);
+        *ret_about = (feed_csv_about){ n, rows[0], rows[n - 1] };
     }
     memory_free(rows);
+}
+
+void feed_csv__read_profile(json_in *in, const char *text, scene_series *profile)
+{
+    feed_csv_about about;
+
+    read_profile(in, text, profile, &about);
 }
 
 // ---- lists of arrivals
@@ -242,7 +281,7 @@ static bool get_count(const csv *c, uint32_t *ret_count)
     if (!get_number(c, COUNT, &range, &count))
         return false;
     if (count != floor(count))
-        json_in_fault(c->in, "line %zu: count must be a whole number, not %.15g", c->line, count);
+        note(c, "count must be a whole number, not %.15g", count);
     *ret_count = (uint32_t)count;
     return count == floor(count);
 }
@@ -254,14 +293,35 @@ static bool get_kind(const csv *c, const scene *s, uint32_t *ret_kind)
 
     snprintf(line, sizeof line, "line %zu: ", c->line);
     snprintf(id, sizeof id, "%.*s", (int)fmin((double)field.n, SCENE_ID_SIZE), field.at);
+    if (s == NULL && !scene_is_id(id))
+        note(c, "kind must be an id, not \"%.40s\"", id);
+    if (s == NULL) {
+        *ret_kind = 0;
+        return scene_is_id(id);
+    }
     return scenario__find_kind(c->in, s, line, id, ret_kind);
 }
 
-// A coordinate as a place on the line of the feed, from 0 to 1; an empty one is none.
-static bool get_place(const csv *c, size_t which, const scene_feed *feed, double *ret_place)
+// The place on the line of the feed, from 0 to 1, of a coordinate.
+static bool place_on(const csv *c, size_t which, const scene_feed *feed, double at,
+                     double *ret_place)
 {
     const double from = which == X ? feed->line[0].x : feed->line[0].y;
     const double to = which == X ? feed->line[1].x : feed->line[1].y;
+
+    // A line across has no other places; rounding must not move an end off it.
+    if (at >= fmin(from, to) - SCENE_TOLERANCE && at <= fmax(from, to) + SCENE_TOLERANCE &&
+        from != to) {
+        *ret_place = fmin(fmax((at - from) / (to - from), 0.0), 1.0);
+        return true;
+    }
+    note(c, "%s %.15g lies off the feed, from %.15g to %.15g m", c->names[which], at, from, to);
+    return false;
+}
+
+// A coordinate as a place on the line of the feed, from 0 to 1; an empty one is none. feed NULL: it is not known yet.
+static bool get_place(const csv *c, size_t which, const scene_feed *feed, double *ret_place)
+{
     double at;
 
     *ret_place = NAN;
@@ -269,18 +329,8 @@ static bool get_place(const csv *c, size_t which, const scene_feed *feed, double
         return true;
     if (!get_number(c, which, NULL, &at))
         return false;
-    *ret_place = (at - from) / (to - from);
-    // A line across has no other places; rounding must not move an end off it.
-    if (at >= fmin(from, to) - SCENE_TOLERANCE && at <= fmax(from, to) + SCENE_TOLERANCE &&
-        from != to) {
-        *ret_place = fmin(fmax(*ret_place, 0.0), 1.0);
-        return true;
-    }
-    json_in_fault(c->in, "line %zu: %s %.15g lies off the feed, from %.15g to %.15g m", c->line,
-                  c->names[which], at, from, to);
-    return false;
+    return feed == NULL || place_on(c, which, feed, at, ret_place);
 }
-
 static bool get_heading(const csv *c, double *ret_heading)
 {
     double degrees;
@@ -304,7 +354,8 @@ static bool read_arrival(csv *c, const scene *s, const scene_feed *feed, size_t 
         return note_order(c, l->times[k], l->times[k - 1]);
     return (l->counts == NULL || get_count(c, &l->counts[k])) &&
            (l->kinds == NULL || get_kind(c, s, &l->kinds[k])) &&
-           (l->places == NULL || get_place(c, c->has[X] ? X : Y, feed, &l->places[k])) &&
+           (l->places == NULL ||
+            get_place(c, c->has[X] ? X : Y, s == NULL ? NULL : feed, &l->places[k])) &&
            (l->headings == NULL || get_heading(c, &l->headings[k]));
 }
 
@@ -326,7 +377,7 @@ void feed_csv__read_schedule(json_in *in, const char *text, const scene *s, scen
     if (n == 0)
         return;
     if (c.has[X] && c.has[Y]) {
-        json_in_fault(in, "line 1: must have one of x_m and y_m");
+        note(&c, "must have one of x_m and y_m");
         return;
     }
     l->n = n;
@@ -339,4 +390,39 @@ void feed_csv__read_schedule(json_in *in, const char *text, const scene *s, scen
         if (!read_arrival(&c, s, feed, k))
             return;
     }
+}
+
+// ---- texts by themselves
+
+// True if nothing was noted and there was memory.
+static bool is_sound(const json_in *in)
+{
+    return !in->has_failed && in->faults->n == 0;
+}
+
+bool feed_csv_check_profile(json_in *in, const char *text, feed_csv_about *ret_about)
+{
+    scene_series profile = { .n_times = 0 };
+
+    read_profile(in, text, &profile, ret_about);
+    memory_free(profile.times);
+    memory_free(profile.values);
+    return is_sound(in);
+}
+
+bool feed_csv_check_schedule(json_in *in, const char *text, feed_csv_about *ret_about)
+{
+    scene_feed feed;
+    scene_arrival_list *l = &feed.schedule;
+
+    scene_feed_init(&feed);
+    feed_csv__read_schedule(in, text, NULL, &feed);
+    if (is_sound(in))
+        *ret_about = (feed_csv_about){ l->n, l->times[0], l->times[l->n - 1] };
+    memory_free(l->times);
+    memory_free(l->counts);
+    memory_free(l->kinds);
+    memory_free(l->places);
+    memory_free(l->headings);
+    return is_sound(in);
 }

@@ -121,64 +121,86 @@ static const member_kind member_heading = { .text = "number or \"random\"",
 
 // ---- how many and when
 
-// CSV as a text; it is read when all members of its object were.
+// CSV as a text, or the id of a stored one; they are read when all members of their object were.
 static const member_kind member_csv = { .text = "string", .type = "string" };
+static const member_kind member_stored = { .text = "id", .type = "#Id" };
 
 static const char *const csv_form[] = { "csv", NULL };
+static const char *const stored_form[] = { "measurement", NULL };
 static const char *const profile_form_lists[] = { "t_s", "rate_per_s", NULL };
-static const char *const *const profile_forms[] = { profile_form_lists, csv_form, NULL };
+static const char *const *const profile_forms[] = { profile_form_lists, csv_form, stored_form,
+                                                    NULL };
 static const char *const schedule_form_lists[] = { "t_s", NULL };
-static const char *const *const schedule_forms[] = { schedule_form_lists, csv_form, NULL };
+static const char *const *const schedule_forms[] = { schedule_form_lists, csv_form, stored_form,
+                                                     NULL };
 
-// True if there is a CSV text alone; else a fault is noted where there are lists beside it, or none.
-static bool check_csv(json_in *in, const json_t *object, const member *members, size_t n)
+static void note_beside(json_in *in, const char *name, const char *text_name)
 {
-    const json_t *csv = json_object_get(object, "csv");
+    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
 
-    if (csv == NULL && json_object_get(object, "t_s") == NULL)
-        json_in_fault(in, "must have t_s or csv");
-    for (size_t k = 0; csv != NULL && k < n; k++) {
-        const char *name = members[k].name;
-        if (members[k].limit == 0 || json_object_get(object, name) == NULL)
-            continue;
-        size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
-        json_in_fault(in, "does not stand beside csv");
-        json_pointer_leave(&in->pointer, mark);
+    json_in_fault(in, "does not stand beside %s", text_name);
+    json_pointer_leave(&in->pointer, mark);
+}
+
+// True if CSV stands there, or the id of a stored text, alone; else a fault is noted where there are lists beside it,
+// or nothing of these.
+static bool has_text_alone(json_in *in, const json_t *object, const member *members, size_t n)
+{
+    const char *text_name = scenario__text_member(object);
+
+    if (text_name == NULL && json_object_get(object, "t_s") == NULL)
+        json_in_fault(in, "must have t_s, csv or measurement");
+    if (text_name == NULL)
         return false;
+    for (size_t k = 0; k < n; k++) {
+        const bool is_list = members[k].limit > 0;
+        const bool is_other = strcmp(members[k].name, "csv") == 0 && strcmp(text_name, "csv") != 0;
+        if ((is_list || is_other) && json_object_get(object, members[k].name) != NULL) {
+            note_beside(in, members[k].name, text_name);
+            return false;
+        }
     }
-    if (csv != NULL && !json_is_string(csv)) {
-        size_t mark = json_pointer_enter(&in->pointer, "csv", strlen("csv"));
-        json_in_fault(in, "must be a string");
-        json_pointer_leave(&in->pointer, mark);
-    }
-    return json_is_string(csv);
+    return true;
 }
 
 #define AT(place) offsetof(scene_series, place)
+#define FROM_TEXT "from csv or measurement"
 static const member profile_members[] = {
     MEMBER("t_s", numbers, AT(times), "times of the rates after start_s, rising", .unit = "s",
            .offset_n = AT(n_times), .range = &scene_range_instant, .least = 1,
-           .limit = SCENE_SERIES_MAX, .default_text = "from csv"),
+           .limit = SCENE_SERIES_MAX, .default_text = FROM_TEXT),
     MEMBER("rate_per_s", numbers, AT(values), "one for each time; linear between", .unit = "1/s",
            .offset_n = AT(n_values), .range = &scene_range_profile, .least = 1,
-           .limit = SCENE_SERIES_MAX, .default_text = "from csv"),
+           .limit = SCENE_SERIES_MAX, .default_text = FROM_TEXT),
     MEMBER("csv", csv, 0, "both as CSV: t_s and one of rate_per_s, rate_per_h, count",
+           .flags = MEMBER_FORM),
+    MEMBER("measurement", stored, 0, "both from a stored measurement of the kind profile",
            .flags = MEMBER_FORM),
     MEMBER("repeat_s", number, AT(repeat), "after which it begins again", .unit = "s",
            .range = &scene_range_time, .flags = MEMBER_OMIT_EMPTY, .default_text = "never"),
 };
-static void read_profile_csv(json_in *in, const struct json_t *object, void *item)
+
+static void read_profile_text(json_in *in, const struct json_t *object, void *item)
 {
-    if (!check_csv(in, object, profile_members, sizeof profile_members / sizeof *profile_members))
+    bf_buffer stored = { 0 };
+
+    if (!has_text_alone(in, object, profile_members,
+                        sizeof profile_members / sizeof *profile_members))
         return;
-    size_t mark = json_pointer_enter(&in->pointer, "csv", strlen("csv"));
-    feed_csv__read_profile(in, json_string_value(json_object_get(object, "csv")), item);
+    const char *name = scenario__text_member(object);
+    const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+    const char *text =
+        scenario__text_of(in, json_object_get(object, name), name, "profile", &stored);
+    if (text != NULL)
+        feed_csv__read_profile(in, text, item);
     json_pointer_leave(&in->pointer, mark);
+    buffer_fini(&stored);
 }
 
 static const member_table profile_table = { MEMBER_TABLE("profile", profile_members),
                                             .size = sizeof(scene_series), .init = init_profile,
-                                            .forms = profile_forms, .post_read = read_profile_csv };
+                                            .forms = profile_forms,
+                                            .post_read = read_profile_text };
 #undef AT
 
 #define AT(place) offsetof(scene_arrival_list, place)
@@ -205,7 +227,7 @@ static bool has_no_headings(const void *item)
 
 static const member schedule_members[] = {
     MEMBER("t_s", numbers, AT(times), "times of the run at which parts arrive, not falling",
-           .unit = "s", .range = &scene_range_instant, .default_text = "from csv", EACH),
+           .unit = "s", .range = &scene_range_instant, .default_text = FROM_TEXT, EACH),
     MEMBER("count", counts, AT(counts), "how many at once, one for each time",
            .range = &scene_range_count, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_counts,
            .default_text = "1 each", EACH),
@@ -220,6 +242,8 @@ static const member schedule_members[] = {
            .default_text = "those of the feed", EACH),
     MEMBER("csv", csv, 0, "all of them as CSV: t_s, count, kind, x_m or y_m, heading_deg",
            .flags = MEMBER_FORM),
+    MEMBER("measurement", stored, 0, "all of them from a stored measurement of the kind schedule",
+           .flags = MEMBER_FORM),
 };
 
 // All lists of a schedule have an item for each time.
@@ -227,7 +251,8 @@ static void check_lengths(json_in *in, const struct json_t *object, void *item)
 {
     scene_arrival_list *list = item;
 
-    if (check_csv(in, object, schedule_members, sizeof schedule_members / sizeof *schedule_members))
+    if (has_text_alone(in, object, schedule_members,
+                       sizeof schedule_members / sizeof *schedule_members))
         return;
     list->n = json_array_size(json_object_get(object, "t_s"));
     for (size_t k = 1; k < sizeof schedule_members / sizeof *schedule_members; k++) {

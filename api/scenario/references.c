@@ -269,18 +269,41 @@ static void look_up_kinds(json_in *in, const json_t *list, const scene *s,
     }
 }
 
+const char *scenario__text_member(const struct json_t *object)
+{
+    if (json_object_get(object, "measurement") != NULL)
+        return "measurement";
+    return json_object_get(object, "csv") != NULL ? "csv" : NULL;
+}
+
+const char *scenario__text_of(json_in *in, const struct json_t *value, const char *member_name,
+                              const char *kind, bf_buffer *stored)
+{
+    if (strcmp(member_name, "measurement") == 0)
+        return json_in_stored_text(in, value, kind, stored) ? stored->bytes : NULL;
+    if (!json_is_string(value))
+        json_in_fault(in, "must be a string");
+    return json_string_value(value);
+}
+
 // A list of arrivals as CSV: its ids are in the text, its places are those of the feed's line.
 static void read_arrivals(json_in *in, const json_t *schedule, const scene *s, scene_feed *feed)
 {
-    const char *csv = json_string_value(json_object_get(schedule, "csv"));
-    const char *name = csv != NULL ? "csv" : "kind";
+    const char *text_name = scenario__text_member(schedule);
+    const char *name = text_name != NULL ? text_name : "kind";
+    const json_t *value = json_object_get(schedule, name);
     const size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+    bf_buffer stored = { 0 };
 
-    if (csv != NULL)
-        feed_csv__read_schedule(in, csv, s, feed);
-    else
-        look_up_kinds(in, json_object_get(schedule, "kind"), s, &feed->schedule);
+    if (text_name == NULL) {
+        look_up_kinds(in, value, s, &feed->schedule);
+    } else {
+        const char *text = scenario__text_of(in, value, name, "schedule", &stored);
+        if (text != NULL)
+            feed_csv__read_schedule(in, text, s, feed);
+    }
     json_pointer_leave(&in->pointer, mark);
+    buffer_fini(&stored);
 }
 
 static void look_up_feed(json_in *in, const json_t *object, scene *s, size_t k)

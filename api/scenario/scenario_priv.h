@@ -47,6 +47,15 @@ void scenario__look_up(json_in *in, const struct json_t *document, scene *s);
 bool scenario__find_kind(json_in *in, const scene *s, const char *where, const char *id,
                          uint32_t *ret_kind);
 
+/// The member of a profile or list of arrivals that has it as CSV, "csv", or names the stored text, "measurement"; NULL:
+/// none does.
+const char *scenario__text_member(const struct json_t *object);
+
+/// The text of this member's value; a stored one, which must be of a kind, is read into the empty *stored. NULL: a fault
+/// was noted, or the reading has failed.
+const char *scenario__text_of(json_in *in, const struct json_t *value, const char *member_name,
+                              const char *kind, bf_buffer *stored);
+
 /// The ways to say where an obstacle is: `path_m`, `from_m` with `to_m`, or `end_m` with `angle_deg` and
 /// `length_m`. All become the path of scene_obstacle.
 ///

@@ -97,13 +97,14 @@ static bf_status make_submission(const body *b, api_submission *ret_submission, 
     return status;
 }
 
-bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
-                          bf_faults *faults, bf_error *err)
+bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
+                          api_submission *ret_submission, bf_faults *faults, bf_error *err)
 {
     json_in in = json_in_to(faults);
     struct json_t *root = json_in_parse(&in, json, n);
     body b;
 
+    in.texts = texts;
     if (root == NULL)
         return json_in_status(&in, err);
     init_body(&b, 0);

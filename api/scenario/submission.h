@@ -16,13 +16,17 @@
 /// The body as a table. Its struct is the reader's own.
 extern const member_table submission_members;
 
+enum { SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024 }; ///< bytes of all texts that a scenario may name
+
 /// Read a body, resolve and check its scenario. All faults that can be found are noted in *faults.
 /// BF_OK: *ret_submission has the resolved document, its identity and the columns of its curve (no
 /// key) and is the caller's, submission_fini(). Else the status of the first fault, or BF_ENOMEM, and
 /// *ret_submission is untouched. Text that is not JSON is one fault with pointer "" and line and
-/// column in its text. *faults must be empty before; the caller limits n.
-BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, api_submission *ret_submission,
-                                        bf_faults *faults, bf_error *err);
+/// column in its text. *faults must be empty before; the caller limits n. What the scenario names by the ids of
+/// measurements is read from texts, whose failure is one of the reading.
+BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
+                                        api_submission *ret_submission, bf_faults *faults,
+                                        bf_error *err);
 
 /// What POST /v1/validate answers to a submission that is valid; the struct is the writer's own.
 extern const member_table submission_validation_members;

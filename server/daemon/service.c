@@ -148,11 +148,11 @@ static bf_status read_changes(void *context, const char *id, api_event_fn *take,
 }
 
 static bf_status add_measurement(void *context, const api_measurement *measurement,
-                                 const api_curve *curve, api_measurement *ret_measurement,
-                                 bf_error *err)
+                                 const api_curve *curve, const bf_buffer *csv,
+                                 api_measurement *ret_measurement, bf_error *err)
 {
-    return store_add_measurement(((service *)context)->store, measurement, curve, ret_measurement,
-                                 err);
+    return store_add_measurement(((service *)context)->store, measurement, curve, csv,
+                                 ret_measurement, err);
 }
 
 static bf_status find_measurement(void *context, const char *id, api_measurement *ret_measurement,
@@ -171,6 +171,11 @@ static bf_status read_measurement(void *context, const char *id, api_curve *ret_
                                   bf_error *err)
 {
     return store_read_measurement(((service *)context)->store, id, ret_curve, err);
+}
+
+static bf_status read_measurement_csv(void *context, const char *id, bf_buffer *out, bf_error *err)
+{
+    return store_read_measurement_csv(((service *)context)->store, id, out, err);
 }
 
 static bf_status remove_measurement(void *context, const char *id, bf_error *err)
@@ -229,6 +234,7 @@ api_services service_table(service *s)
                            .find_measurement = find_measurement,
                            .list_measurements = list_measurements,
                            .read_measurement = read_measurement,
+                           .read_measurement_csv = read_measurement_csv,
                            .remove_measurement = remove_measurement,
                            .ready = ready,
                            .metrics = write_metrics };

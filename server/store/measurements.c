@@ -12,6 +12,7 @@
 typedef struct measure_context {
     api_measurement about;
     const api_curve *curve; // to be inserted
+    const bf_buffer *csv;   // same
 } measure_context;
 
 static bf_status fail_absent(const char *id, bf_error *err)
@@ -52,22 +53,25 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
     store__bind_integer(&q, (int64_t)about->n_samples);
     store__bind_real(&q, about->t_start);
     store__bind_real(&q, about->t_end);
+    store__bind_integer(&q, about->kind);
     store__bind_blob(&q, context->curve->t.bytes, context->curve->t.n);
     store__bind_blob(&q, context->curve->values.bytes, context->curve->values.n);
+    store__bind_text(&q, context->csv->bytes, context->csv->n);
     return store__run(&q, err);
 }
 
 bf_status store_add_measurement(store *s, const api_measurement *measurement,
-                                const api_curve *curve, api_measurement *ret_measurement,
-                                bf_error *err)
+                                const api_curve *curve, const bf_buffer *csv,
+                                api_measurement *ret_measurement, bf_error *err)
 {
-    measure_context context = { .about = *measurement, .curve = curve };
+    measure_context context = { .about = *measurement, .curve = curve, .csv = csv };
 
     bf_status status = run_id_make(context.about.id, err);
     if (status != BF_OK)
         return status;
     context.about.created_ms = clock_unix_ms();
-    context.about.n_samples = curve->n;
+    if (context.about.kind == API_MEASURED_CURVE)
+        context.about.n_samples = curve->n;
     status = store__write(s, apply_add, &context, err);
     if (status == BF_OK)
         *ret_measurement = context.about;
@@ -105,6 +109,7 @@ static void read_about(const store__query *q, api_measurement *ret_about)
     about.n_samples = (uint64_t)sqlite3_column_int64(q->statement, 4);
     about.t_start = store__column_real(q, 5);
     about.t_end = store__column_real(q, 6);
+    about.kind = (api_measured)sqlite3_column_int(q->statement, 7);
     *ret_about = about;
 }
 
@@ -113,9 +118,9 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
 {
     size_t n = (size_t)about->n_samples, n_bytes = n * sizeof(double);
 
-    bf_status status = store__column_bytes(q, 7, &curve->t, err);
+    bf_status status = store__column_bytes(q, 8, &curve->t, err);
     if (status == BF_OK)
-        status = store__column_bytes(q, 8, &curve->values, err);
+        status = store__column_bytes(q, 9, &curve->values, err);
     if (status == BF_OK && (curve->t.n != n_bytes || curve->values.n != n_bytes))
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
     if (status == BF_OK &&
@@ -179,6 +184,31 @@ bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
         *ret_curve = curve;
     else
         api_curve_fini(&curve);
+    return status;
+}
+
+static bf_status read_csv(store__connection *reader, const char *id, bf_buffer *out, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(reader, STORE__SQL_GET_MEASUREMENT_CSV);
+    store__bind_text(&q, id, strlen(id));
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        status = has_row ? store__column_bytes(&q, 0, out, err) : fail_absent(id, err);
+    store__end(&q);
+    return status;
+}
+
+bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_csv(reader, id, out, err);
+    store__release_reader(&s->pool, reader);
     return status;
 }
 

@@ -168,10 +168,32 @@ static const char schema_5[] =
 // Key figures of a run alone, for lists; all of them are a text.
 static const char schema_6[] = "ALTER TABLE runs ADD COLUMN figures TEXT NOT NULL DEFAULT '';";
 
+// Measurements that are texts for feeds: they have no samples, so the tests of their lengths hold for curves alone. Tests of
+// columns cannot be changed in place.
+static const char schema_7[] =
+    "CREATE TABLE all_measurements ("
+    "  id TEXT PRIMARY KEY,"
+    "  kind INTEGER NOT NULL," // an api_measured
+    "  label TEXT NOT NULL,"
+    "  counter TEXT NOT NULL,"
+    "  created_ms INTEGER NOT NULL,"
+    "  n INTEGER NOT NULL CHECK (n > 0),"
+    "  t_start REAL NOT NULL,"
+    "  t_end REAL NOT NULL,"
+    "  t BLOB NOT NULL CHECK (length(t) = 8 * n OR kind > 0),"
+    "  counts BLOB NOT NULL CHECK (length(counts) = 8 * n OR kind > 0),"
+    "  csv TEXT NOT NULL DEFAULT ''"
+    ") STRICT;"
+    "INSERT INTO all_measurements (id, kind, label, counter, created_ms, n, t_start, t_end, t, "
+    "counts)"
+    "  SELECT id, 0, label, counter, created_ms, n, t_start, t_end, t, counts FROM measurements;"
+    "DROP TABLE measurements;"
+    "ALTER TABLE all_measurements RENAME TO measurements;"
+    "CREATE INDEX measurements_by_label ON measurements (label, id);";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = {
-    schema_1, schema_2, schema_3, schema_4, schema_5, schema_6
-};
+const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4,
+                                          schema_5, schema_6, schema_7 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -66,7 +66,7 @@
     "AND " condition " ORDER BY id DESC LIMIT ?2"
 
 /// The columns of a measurement without its samples, in the order in which they are read.
-#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end"
+#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end, kind"
 
 /// X(name, text). Parameters are bound in the order ?1, ?2, ... States of runs and types of events are
 /// those of run_state and api_event_type: from 2 on a run has ended; 2 and 3 are curve and snapshot.
@@ -141,8 +141,10 @@
       "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type IN (6, 7) ORDER BY id") \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
-    X(INSERT_MEASUREMENT, "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts) "  \
-                          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")                           \
+    X(INSERT_MEASUREMENT,                                                                          \
+      "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts, csv) "                 \
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)")                                     \
+    X(GET_MEASUREMENT_CSV, "SELECT csv FROM measurements WHERE id = ?1")                           \
     X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
     X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
     X(FIND_MEASUREMENT,                                                                            \

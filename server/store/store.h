@@ -1,4 +1,4 @@
-/// The store: every run, its scenario, curve, snapshots, events and checkpoint, and measured curves,
+/// The store: every run, its scenario, curve, snapshots, events and checkpoint, and measurements,
 /// in one SQLite file. The supervisor's functions are in work.h.
 ///
 /// Invariants (cited by the tests as I1 ...):
@@ -21,7 +21,7 @@
 ///   I11 The answer to an idempotency key is stored with the run that it describes, in one transaction;
 ///       while it is stored, the key makes no second run.
 ///   I12 What retention removes has ended, and there is no run that ended before it.
-///   I13 A measurement is there with all its samples or not at all, never changes, and lives until
+///   I13 A measurement is there with all its samples or text or not at all, never changes, and lives until
 ///       it is removed itself. There are at most API_MEASUREMENTS_MAX.
 ///   I14 A stop request is on disk before its requester is answered, and goes with the run's end. A run with
 ///       one is never queued again: it is cancelled instead. Only running runs have stop requests and
@@ -120,13 +120,15 @@ BF_MUST_CHECK bf_status store_remove(store *s, const char *id, uint64_t revision
 /// Measurements; see api_services for the meaning of each. store_add_measurement() gives a new id, and
 /// BF_ECONFLICT when I13 allows no further one.
 BF_MUST_CHECK bf_status store_add_measurement(store *s, const api_measurement *measurement,
-                                              const api_curve *curve,
+                                              const api_curve *curve, const bf_buffer *csv,
                                               api_measurement *ret_measurement, bf_error *err);
 BF_MUST_CHECK bf_status store_remove_measurement(store *s, const char *id, bf_error *err);
 BF_MUST_CHECK bf_status store_find_measurement(store *s, const char *id,
                                                api_measurement *ret_measurement, bf_error *err);
 BF_MUST_CHECK bf_status store_list_measurements(store *s, const api_measurement_query *query,
                                                 api_measurement_list *ret_list, bf_error *err);
+BF_MUST_CHECK bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out,
+                                                   bf_error *err);
 BF_MUST_CHECK bf_status store_read_measurement(store *s, const char *id, api_curve *ret_curve,
                                                bf_error *err);
 

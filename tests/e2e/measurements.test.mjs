@@ -8,6 +8,7 @@ import test from "node:test";
 import { daemon } from "./daemon.mjs";
 import { smallJam } from "./micro.mjs";
 import { beltflow } from "./processes.mjs";
+import { fed } from "./scenarios.mjs";
 import { temporaryFolder } from "./setup.mjs";
 
 const csv = { "content-type": "text/csv" };
@@ -172,4 +173,39 @@ test("the command line compares several curves in one table", async (t) => {
   assert.equal(json.entries[2].throughput_per_s, null);
   assert.equal((await beltflow(["compare", ...Array(9).fill(files[0])])).status, 2);
   assert.equal((await beltflow(["compare", files[0]])).status, 2);
+});
+
+test("feeds take their profiles and lists of arrivals from stored measurements", async (t) => {
+  const d = await daemon(t);
+  const profile = (await post(d, "t_s,count\n0,4\n1,8\n2,0\n", "?kind=profile&label=monday"));
+  const schedule = (await post(d, "t_s,kind,y_m\n0.5,tin,0.1\n1,box,0.2\n", "?kind=schedule"));
+  assert.deepEqual([profile.kind, profile.n_samples, schedule.kind, schedule.t_end_s], ["profile", 3, "schedule", 1]);
+  const feeds = (first, second) => [
+    { edge: "west", y_m: [0.05, 0.25], profile: first, seed: 3 },
+    { line_m: [[0.2, 0.05], [0.2, 0.25]], schedule: second }];
+  const scenario = (...demands) => fed({ feeds: feeds(...demands), photo_eyes: [], actions: [],
+    cargo: ["box", "tin"].map((id) => ({ ...fed().cargo, id })) });
+  const named = scenario({ measurement: profile.id }, { measurement: schedule.id });
+  const run = await d.submit(named, { model: "micro" });
+  await d.reached(run.id, "succeeded");
+  const resolved = (await d.get(`/v1/runs/${run.id}/scenario`)).json;
+  assert.deepEqual(resolved.feeds[1].schedule.kind, ["tin", "box"]);
+  assert.ok(!JSON.stringify(resolved).includes("measurement"));
+  // The texts themselves are the same work, also when the measurements are gone.
+  for (const { id } of [profile, schedule]) assert.equal((await d.request("DELETE", `/v1/measurements/${id}`)).status, 204);
+  const inline = scenario({ csv: profile.csv }, { csv: schedule.csv });
+  assert.equal((await d.post("/v1/runs", { scenario: inline, model: "micro" })).json.cached, true);
+  const gone = await d.post("/v1/runs", { scenario: named, model: "micro" });
+  assert.equal(gone.status, 422);
+  assert.deepEqual(gone.json.errors.map(({ pointer }) => pointer),
+    ["/scenario/feeds/0/profile/measurement"]);
+  assert.ok(gone.json.detail.includes(`there is no measurement '${profile.id}'`), gone.text);
+  // Without a daemon there is nothing that an id could name.
+  const file = path.join(temporaryFolder(t), "scenario.json");
+  writeFileSync(file, JSON.stringify(named));
+  for (const command of ["check", "solve"]) {
+    const done = await beltflow([command, file, ...(command === "solve" ? ["--out", temporaryFolder(t)] : [])]);
+    assert.notEqual(done.status, 0);
+    assert.match(done.stderr, /\/feeds\/0\/profile\/measurement.*needs a daemon/);
+  }
 });

@@ -1,4 +1,4 @@
-// The body of POST /v1/measurements: JSON if it begins with '{', else CSV. What is accepted keeps what its header promises.
+// The body of POST /v1/measurements: JSON if it begins with '{', else CSV, of a curve and of both kinds for feeds. What is accepted keeps what its header promises.
 
 #include "tests/fuzz/fuzz.h"
 
@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void require_promises(const measurement *m)
 {
@@ -20,8 +21,26 @@ static void require_promises(const measurement *m)
         fuzz_require(isfinite(t[k]) && (k == 0 || t[k] > t[k - 1]), "times rise");
         fuzz_require(isfinite(counts[k]) && counts[k] >= 0.0, "counts are not negative");
     }
-    fuzz_require(measurement_json(&m->about, c, &out, &err) == BF_OK, "it can be written");
+    fuzz_require(measurement_json(&m->about, c, &m->csv, &out, &err) == BF_OK, "it can be written");
     buffer_fini(&out);
+}
+
+static void read_feed(const char *text, size_t n, api_measured kind)
+{
+    measurement m;
+    bf_buffer out = { 0 };
+    bf_faults faults = { 0 };
+    bf_error err;
+
+    if (measurement_read_feed(text, n, kind, NULL, &m, &faults, &err) != BF_OK)
+        return;
+    fuzz_require(m.about.n_samples >= 1 && m.about.n_samples <= SCENE_SERIES_MAX, "rows");
+    fuzz_require(m.about.t_start >= 0.0 && m.about.t_end >= m.about.t_start, "times do not fall");
+    fuzz_require(m.csv.n == n && memcmp(m.csv.bytes, text, n) == 0, "the text is kept");
+    fuzz_require(measurement_json(&m.about, &m.curve, &m.csv, &out, &err) == BF_OK,
+                 "it can be written");
+    buffer_fini(&out);
+    measurement_fini(&m);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
@@ -37,6 +56,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     if (status == BF_OK) {
         require_promises(&m);
         measurement_fini(&m);
+    }
+    if (text[0] != '{') {
+        read_feed(text, n, API_MEASURED_PROFILE);
+        read_feed(text, n, API_MEASURED_SCHEDULE);
     }
     free(text);
     return 0;

@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     bf_error err;
     char *text = fuzz_text(bytes, n);
 
-    if (submission_read(text, n, &submission, &faults, &err) == BF_OK) {
+    if (submission_read(text, n, NULL, &submission, &faults, &err) == BF_OK) {
         read_back(&submission.scenario);
         submission_fini(&submission);
     }

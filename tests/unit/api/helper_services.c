@@ -290,24 +290,32 @@ static bf_status no_measurement(bf_error *err)
 }
 
 static bf_status do_add_measurement(void *context, const api_measurement *measurement,
-                                    const api_curve *curve, api_measurement *ret_measurement,
-                                    bf_error *err)
+                                    const api_curve *curve, const bf_buffer *csv,
+                                    api_measurement *ret_measurement, bf_error *err)
 {
     helper_daemon *d = context;
 
     if (d->refusal != BF_OK)
         return bf_fail(err, d->refusal, "", "2000 measurements are stored");
-    assert_int_equal(curve->n, measurement->n_samples);
-    assert_int_equal(curve->n_columns, 1);
-    assert_string_equal(curve->columns.bytes, measurement->counter);
     helper_measurement *item = helper_add_measurement(d, measurement->counter);
+    if (measurement->kind == API_MEASURED_CURVE) {
+        assert_int_equal(curve->n, measurement->n_samples);
+        assert_int_equal(curve->n_columns, 1);
+        assert_string_equal(curve->columns.bytes, measurement->counter);
+    } else {
+        assert_true(curve->n == 0 && csv->n < sizeof item->csv);
+        memcpy(item->csv, csv->bytes, csv->n + 1);
+    }
+    item->about.kind = measurement->kind;
     memcpy(item->about.label, measurement->label, sizeof item->about.label);
     item->about.n_samples = measurement->n_samples;
     item->about.t_start = measurement->t_start;
     item->about.t_end = measurement->t_end;
     size_t n_kept = curve->n < 8 ? curve->n : 8;
-    memcpy(item->t, curve->t.bytes, n_kept * sizeof(double));
-    memcpy(item->counts, curve->values.bytes, n_kept * sizeof(double));
+    if (n_kept > 0) {
+        memcpy(item->t, curve->t.bytes, n_kept * sizeof(double));
+        memcpy(item->counts, curve->values.bytes, n_kept * sizeof(double));
+    }
     *ret_measurement = item->about;
     return BF_OK;
 }
@@ -363,6 +371,19 @@ static bf_status do_read_measurement(void *context, const char *id, api_curve *r
     return BF_OK;
 }
 
+static bf_status do_read_measurement_csv(void *context, const char *id, bf_buffer *out,
+                                         bf_error *err)
+{
+    helper_daemon *d = context;
+    const helper_measurement *item = lookup_measurement(d, id);
+
+    if (item == NULL)
+        return no_measurement(err);
+    if (d->refusal != BF_OK)
+        return bf_fail(err, d->refusal, "", "the store failed");
+    return buffer_append(out, item->csv, strlen(item->csv)) == BF_OK ? BF_OK : no_memory(err);
+}
+
 static bf_status do_remove_measurement(void *context, const char *id, bf_error *err)
 {
     helper_measurement *item = lookup_measurement(context, id);
@@ -405,6 +426,7 @@ api_services helper_services(helper_daemon *d)
                            .find_measurement = do_find_measurement,
                            .list_measurements = do_list_measurements,
                            .read_measurement = do_read_measurement,
+                           .read_measurement_csv = do_read_measurement_csv,
                            .remove_measurement = do_remove_measurement,
                            .ready = do_ready,
                            .metrics = do_metrics };

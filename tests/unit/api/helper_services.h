@@ -16,11 +16,12 @@ enum {
     HELPER_MEASUREMENTS_MAX = 8
 };
 
-/// A measured curve.
+/// A measurement.
 typedef struct helper_measurement {
     api_measurement about; ///< id "" once removed
     double t[8];           ///< about.n_samples
     double counts[8];      ///< same
+    char csv[256];         ///< of one that is no curve
 } helper_measurement;
 
 /// A run with its results.

@@ -65,6 +65,51 @@ static void csv_has_its_label_and_counter_in_the_query(void **state)
     assert_int_equal(ask_daemon.n_measurements, 1);
 }
 
+static void texts_for_feeds_are_kept_as_they_came(void **state)
+{
+    static const char profile[] = "t_s,rate_per_h\r\n0,3600\r\n60,7200\r\n";
+
+    (void)state;
+    ask("POST", "/v1/measurements", "kind=profile&label=day", IS_CSV, profile, 201);
+    assert_true(
+        ask_body_has("-000000000001\",\"kind\":\"profile\",\"label\":\"day\",\"created_at\":"));
+    assert_true(ask_body_has("\"n_samples\":2,\"t_start_s\":0,\"t_end_s\":60,"));
+    assert_true(ask_body_has("\"csv\":\"t_s,rate_per_h\\r\\n0,3600\\r\\n60,7200\\r\\n\"}"));
+    assert_false(ask_body_has("counter"));
+    ask_get(MEASURED, "format=csv", NULL, 200);
+    assert_string_equal(ask_response.body.bytes, profile);
+    // Kinds and places are looked up where a scenario reads the list.
+    ask("POST", "/v1/measurements", "kind=schedule", IS_CSV,
+        "t_s,kind,y_m,heading_deg\n0,box,0.1,\n0,tin,,90\n5,box,,\n", 201);
+    assert_true(ask_body_has("\"kind\":\"schedule\",\"label\":\"\",\"created_at\":"));
+    assert_true(ask_body_has("\"n_samples\":3,\"t_start_s\":0,\"t_end_s\":5,"));
+}
+
+static void texts_for_feeds_are_checked(void **state)
+{
+    static const struct {
+        const char *query, *text, *expected;
+    } cases[] = {
+        { "kind=profile", "t_s,rate_per_s\n0,1\n5,2\n5,3\n",
+          "\"pointer\":\"/line/4\",\"detail\":\"5 s do not come after the 5 s before them\"" },
+        { "kind=profile", "t_s,kind\n0,box\n", "\"pointer\":\"/line/1\"" },
+        { "kind=profile", "", "\"pointer\":\"/line/1\"" },
+        { "kind=schedule", "t_s,kind\n0,big box\n", "\"pointer\":\"/line/2\"" },
+        { "kind=schedule", "t_s,y_m\n0,left\n", "\"pointer\":\"/line/2\"" },
+        { "kind=schedule&counter=gate", "t_s\n0\n", "\"pointer\":\"/counter\"" },
+    };
+
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ask("POST", "/v1/measurements", cases[k].query, IS_CSV, cases[k].text, 422);
+        assert_true(ask_body_has(cases[k].expected));
+    }
+    ask("POST", "/v1/measurements", "kind=profile", IS_JSON, GOOD_JSON, 415);
+    ask("POST", "/v1/measurements", "kind=rates", IS_CSV, "t_s,count\n0,5\n1,4\n", 400);
+    ask("POST", "/v1/measurements", "kind=curve", IS_CSV, "t_s,count\n0,5\n1,4\n", 201);
+    assert_int_equal(ask_daemon.n_measurements, 1);
+}
+
 static void faults_come_with_their_places(void **state)
 {
     (void)state;
@@ -141,15 +186,17 @@ static void a_removed_measurement_is_gone(void **state)
 // What was stored is never answered with a failure.
 static void without_memory_nothing_is_stored(void **state)
 {
-    static const char *const types[] = { IS_JSON, IS_CSV };
-    static const char *const bodies[] = { GOOD_JSON, "t_s,count\n0,5\n1,4\n" };
+    static const char *const types[] = { IS_JSON, IS_CSV, IS_CSV };
+    static const char *const queries[] = { NULL, NULL, "kind=profile" };
+    static const char *const bodies[] = { GOOD_JSON, "t_s,count\n0,5\n1,4\n",
+                                          "t_s,count\n0,5\n1,4\n" };
 
     (void)state;
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < 3; k++) {
         for (size_t n = 1; ask_response.status != 201; n++) {
             api_response_fini(&ask_response);
             memory_plan_fault(n, 0);
-            helper_request(&ask_daemon, "POST", "/v1/measurements", NULL, types[k], bodies[k],
+            helper_request(&ask_daemon, "POST", "/v1/measurements", queries[k], types[k], bodies[k],
                            &ask_response);
             memory_plan_fault(0, 0);
             assert_true(ask_response.status == 201 || ask_response.status == 503);
@@ -166,6 +213,8 @@ int main(void)
         ASK_TEST(a_measurement_is_stored_and_comes_back),
         ASK_TEST(what_is_known_already_is_not_sent_again),
         ASK_TEST(csv_has_its_label_and_counter_in_the_query),
+        ASK_TEST(texts_for_feeds_are_kept_as_they_came),
+        ASK_TEST(texts_for_feeds_are_checked),
         ASK_TEST(faults_come_with_their_places),
         ASK_TEST(a_body_of_another_type_is_refused),
         ASK_TEST(too_many_measurements_are_a_conflict),

@@ -228,7 +228,7 @@ static void what_was_read_is_written_back(void **state)
 
     (void)state;
     assert_int_equal(read_csv("t_s,count\n0,3\n0.1,0.25\n", "a\"b", NULL, &m), BF_OK);
-    assert_int_equal(measurement_json(&m.about, &m.curve, &out, NULL), BF_OK);
+    assert_int_equal(measurement_json(&m.about, &m.curve, &m.csv, &out, NULL), BF_OK);
     assert_string_equal(out.bytes,
                         "{\"id\":\"\",\"label\":\"a\\\"b\",\"counter\":\"upstream\","
                         "\"created_at\":null,\"n_samples\":2,\"t_start_s\":0,\"t_end_s\":0.1,"

@@ -24,7 +24,8 @@ static bf_status read_text(const char *text, api_submission *ret_submission, bf_
     bf_buffer document = document_quote(text);
 
     faults.n = 0;
-    bf_status status = submission_read(document.bytes, document.n, ret_submission, &faults, err);
+    bf_status status =
+        submission_read(document.bytes, document.n, NULL, ret_submission, &faults, err);
     buffer_fini(&document);
     return status;
 }
@@ -309,7 +310,7 @@ static void no_memory_is_reported(void **unused)
         api_submission submission;
         faults.n = 0;
         memory_plan_fault(n, 0);
-        status = submission_read(document.bytes, document.n, &submission, &faults, NULL);
+        status = submission_read(document.bytes, document.n, NULL, &submission, &faults, NULL);
         memory_plan_fault(0, 0);
         if (status == BF_OK)
             submission_fini(&submission);

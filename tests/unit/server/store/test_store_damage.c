@@ -176,7 +176,8 @@ static void add_measurement(store *s, char *ret_id)
     note(&curve.t, t, sizeof t);
     note(&curve.values, values, sizeof values);
     about.t_end = 63;
-    assert_int_equal(store_add_measurement(s, &about, &curve, &about, NULL), BF_OK);
+    assert_int_equal(store_add_measurement(s, &about, &curve, &(bf_buffer){ 0 }, &about, NULL),
+                     BF_OK);
     memcpy(ret_id, about.id, API_ID_SIZE);
     api_curve_fini(&curve);
 }

@@ -40,7 +40,7 @@ static bf_status try_add(store *s, const char *label, size_t n, api_measurement 
     api_curve curve = make_curve(n);
     api_measurement about = describe(label, &curve);
 
-    bf_status status = store_add_measurement(s, &about, &curve, ret_added, err);
+    bf_status status = store_add_measurement(s, &about, &curve, &(bf_buffer){ 0 }, ret_added, err);
     api_curve_fini(&curve);
     return status;
 }
@@ -93,6 +93,42 @@ static void a_measurement_comes_back_bit_by_bit_after_a_restart(void **state)
     helper_store_open(h);
     assert_stored(h->store, &small);
     assert_stored(h->store, &large);
+}
+
+// I1, I13
+static void a_text_for_feeds_comes_back_as_it_was(void **state)
+{
+    static const api_measured kinds[] = { API_MEASURED_PROFILE, API_MEASURED_SCHEDULE };
+    static const char text[] = "t_s,count\r\n0,5\r\n1,4\r\n";
+    helper_store *h = *state;
+    api_measurement added[2], found;
+    bf_buffer csv = { 0 }, read = { 0 };
+    api_curve none = { 0 };
+
+    assert_int_equal(buffer_append(&csv, text, sizeof text - 1), BF_OK);
+    for (int k = 0; k < 2; k++) {
+        const api_measurement about = {
+            .kind = kinds[k], .label = "day", .n_samples = 2, .t_end = 1.0
+        };
+        assert_int_equal(store_add_measurement(h->store, &about, &none, &csv, &added[k], NULL),
+                         BF_OK);
+    }
+    helper_store_close(h);
+    helper_store_open(h);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(store_find_measurement(h->store, added[k].id, &found, NULL), BF_OK);
+        assert_int_equal(found.kind, kinds[k]);
+        assert_int_equal(found.n_samples, 2);
+        assert_true(found.t_start == 0.0 && found.t_end == 1.0);
+        read.n = 0;
+        assert_int_equal(store_read_measurement_csv(h->store, added[k].id, &read, NULL), BF_OK);
+        assert_string_equal(read.bytes, text);
+        assert_int_equal(store_remove_measurement(h->store, added[k].id, NULL), BF_OK);
+        assert_int_equal(store_read_measurement_csv(h->store, added[k].id, &read, NULL),
+                         BF_ENOTFOUND);
+    }
+    buffer_fini(&csv);
+    buffer_fini(&read);
 }
 
 static void measurements_are_listed_newest_first(void **state)
@@ -166,8 +202,8 @@ static void there_is_a_limit_to_measurements(void **state)
     helper_store_close(h);
     snprintf(fill, sizeof fill,
              "WITH RECURSIVE k (i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM k WHERE i < %d) "
-             "INSERT INTO measurements SELECT 'copy ' || i, label, counter, created_ms, n, "
-             "t_start, t_end, t, counts FROM measurements, k",
+             "INSERT INTO measurements SELECT 'copy ' || i, kind, label, counter, created_ms, n, "
+             "t_start, t_end, t, counts, csv FROM measurements, k",
              API_MEASUREMENTS_MAX);
     helper_store_sql(h, fill);
     helper_store_open(h);
@@ -186,8 +222,8 @@ static void damage_is_noticed(void **state)
 
     helper_store_close(h);
     helper_store_sql(h, "ALTER TABLE measurements RENAME TO damaged");
-    helper_store_sql(h, "CREATE TABLE measurements AS SELECT id, label, counter, created_ms, n, "
-                        "t_start, t_end, t, x'00' AS counts FROM damaged");
+    helper_store_sql(h, "CREATE TABLE measurements AS SELECT id, kind, label, counter, created_ms, "
+                        "n, t_start, t_end, t, x'00' AS counts, csv FROM damaged");
     helper_store_open(h);
     assert_int_equal(store_read_measurement(h->store, added.id, &curve, NULL), BF_ECORRUPT);
     assert_int_equal(curve.n, 77);
@@ -203,7 +239,7 @@ static bf_status attempt_add(store *s, const api_measurement *m, bf_error *err)
 {
     api_measurement about = *m, added = { .n_samples = 77 };
 
-    bf_status status = store_add_measurement(s, &about, &prepared, &added, err);
+    bf_status status = store_add_measurement(s, &about, &prepared, &(bf_buffer){ 0 }, &added, err);
     assert_int_equal(added.n_samples, status == BF_OK ? 3 : 77);
     return status;
 }
@@ -301,6 +337,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         STORE_TEST(a_measurement_comes_back_bit_by_bit_after_a_restart),
+        STORE_TEST(a_text_for_feeds_comes_back_as_it_was),
         STORE_TEST(measurements_are_listed_newest_first),
         STORE_TEST(a_removed_measurement_is_gone),
         STORE_TEST(removing_runs_leaves_measurements_alone),
