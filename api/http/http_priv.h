@@ -160,3 +160,43 @@ route_handler_fn handlers_meta_readyz;
 route_handler_fn handlers_meta_metrics;
 route_handler_fn handlers_meta_version;
 route_handler_fn handlers_meta_openapi;
+
+/// Parameters of routes (routes_params.c), for their table: in the path,
+extern const param routes__run_id;
+extern const param routes__measurement_id;
+extern const param routes__snapshot_n;
+extern const param routes__example_name;
+
+/// in the query,
+extern const param routes__compared_a;
+extern const param routes__compared_b;
+extern const param routes__compared_runs;
+extern const param routes__reference;
+extern const param routes__column;
+extern const param routes__csv_label;
+extern const param routes__csv_counter;
+extern const param routes__csv_kind;
+extern const param routes__run_status;
+extern const param routes__run_model_word;
+extern const param routes__run_label;
+extern const param routes__measurement_label;
+extern const param routes__page_limit;
+extern const param routes__page_cursor;
+extern const param routes__wait_s;
+extern const param routes__format;
+extern const param routes__picture_width;
+extern const param routes__picture_colormap;
+extern const param routes__picture_max;
+extern const param routes__with_vtk;
+extern const param routes__followed_runs;
+extern const param routes__inline_grids;
+extern const param routes__last_event_id;
+
+/// in the header.
+extern const param routes__idempotency_key;
+extern const param routes__if_match;
+extern const param routes__if_none_match;
+extern const param routes__if_range;
+extern const param routes__last_event_id_header;
+extern const param routes__prefer;
+extern const param routes__range;

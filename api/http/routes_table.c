@@ -1,281 +1,7 @@
-// The table of routes: one row each, with all that is known of it. Parameters that several routes have
-// are written once.
+// The table of routes: one row each, with all that is known of it. Its parameters stand in routes_params.c.
 
 #include "api/http/http_priv.h"
 #include "api/http/routes.h"
-#include "api/results/colormap.h"
-#include "api/results/picture.h"
-
-#include <string.h>
-
-#define TEXT_OF(macro)   TEXT_OF_IT(macro)
-#define TEXT_OF_IT(text) #text
-
-static bool is_state(const char *text)
-{
-    return run_state_find(text) != RUN_STATE_COUNT;
-}
-
-static bool is_model(const char *text)
-{
-    int model = 0;
-
-    while (model < RUN_MODEL_COUNT && strcmp(run_model_words[model], text) != 0)
-        model++;
-    return model < RUN_MODEL_COUNT;
-}
-
-static bool is_measured_kind(const char *text)
-{
-    int kind = 0;
-
-    while (kind < API_MEASURED_COUNT && strcmp(api_measured_words[kind], text) != 0)
-        kind++;
-    return kind < API_MEASURED_COUNT;
-}
-
-static bool is_colormap(const char *text)
-{
-    return colormap_find(text) != NULL;
-}
-
-static const param run_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which run"
-};
-
-static const param measurement_id = {
-    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
-};
-
-static const param snapshot_n = { .name = "n",
-                                  .in = "path",
-                                  .kind = &param_whole,
-                                  .type = "#Count",
-                                  .most = UINT64_MAX,
-                                  .is_required = true,
-                                  .help = "Which snapshot, from 0" };
-
-static const param example_name = { .name = "name",
-                                    .in = "path",
-                                    .kind = &param_text,
-                                    .limits = "\"pattern\":\"^[a-z0-9-]+$\"",
-                                    .is_required = true,
-                                    .help = "Which ready scenario" };
-
-static const param compared_a = {
-    .name = "a",
-    .in = "query",
-    .kind = &param_id,
-    .help = "The first of two runs or measurements, and the reference; with b, without `runs`"
-};
-
-static const param compared_b = {
-    .name = "b", .in = "query", .kind = &param_id, .help = "The second of them"
-};
-
-static const param compared_runs = {
-    .name = "runs",
-    .in = "query",
-    .kind = &param_ids,
-    .least = 2,
-    .most = API_COMPARE_MAX,
-    .help = "Which runs and measurements, with commas between; without a and b"
-};
-
-static const param reference = {
-    .name = "reference",
-    .in = "query",
-    .kind = &param_text,
-    .type = "#Id",
-    .help = "Which of `runs` the others are compared with; the first one if missing"
-};
-
-static const param column = { .name = "column",
-                              .in = "query",
-                              .kind = &param_text,
-                              .type = "#ColumnName",
-                              .help = "Which column of the curves is compared; the first one of "
-                                      "the reference that all have if missing" };
-
-static const param csv_label = { .name = "label",
-                                 .in = "query",
-                                 .kind = &param_member,
-                                 .most = API_LABEL_SIZE - 1,
-                                 .help = "Of CSV: the label of the measurement" };
-
-static const param csv_counter = {
-    .name = "counter",
-    .in = "query",
-    .kind = &param_member,
-    .type = "#CounterId",
-    .help = "Of CSV: which column of a curve was measured; the name of its own if missing"
-};
-
-static const param csv_kind = { .name = "kind",
-                                .in = "query",
-                                .kind = &param_word,
-                                .type = "#MeasuredKind",
-                                .is_word = is_measured_kind,
-                                .help =
-                                    "Of CSV: a curve to compare with, or for feeds a profile or "
-                                    "a schedule, their list of arrivals; a curve if missing" };
-
-static const param run_status = { .name = "status",
-                                  .in = "query",
-                                  .kind = &param_word,
-                                  .type = "#RunStatus",
-                                  .is_word = is_state,
-                                  .help = "Only runs in this state" };
-
-static const param run_model_word = { .name = "model",
-                                      .in = "query",
-                                      .kind = &param_word,
-                                      .type = "#Model",
-                                      .is_word = is_model,
-                                      .help = "Only runs of this model" };
-
-static const param run_label = { .name = "label",
-                                 .in = "query",
-                                 .kind = &param_text,
-                                 .most = API_LABEL_SIZE - 1,
-                                 .help = "Only runs with this label" };
-
-static const param measurement_label = { .name = "label",
-                                         .in = "query",
-                                         .kind = &param_text,
-                                         .most = API_LABEL_SIZE - 1,
-                                         .help = "Only measurements with this label" };
-
-static const param page_limit = { .name = "limit",
-                                  .in = "query",
-                                  .kind = &param_whole,
-                                  .default_text = "50",
-                                  .least = 1,
-                                  .most = API_LIST_MAX,
-                                  .help = "Items on a page" };
-
-static const param page_cursor = { .name = "cursor",
-                                   .in = "query",
-                                   .kind = &param_cursor,
-                                   .help = "Where the page begins; take it from the `next` link" };
-
-static const param wait_s = { .name = "wait",
-                              .in = "query",
-                              .kind = &param_whole,
-                              .default_text = "0",
-                              .most = API_WAIT_MAX_S,
-                              .help = "Answer when the run has ended, or with If-None-Match when "
-                                      "it is another, at the latest after so many seconds [s]" };
-
-static const param format = { .name = "format",
-                              .in = "query",
-                              .kind = &param_format,
-                              .help =
-                                  "The format, in preference to what the Accept header asks for" };
-
-static const param picture_width = { .name = "width",
-                                     .in = "query",
-                                     .kind = &param_whole,
-                                     .least = 1,
-                                     .most = PICTURE_WIDTH_MAX,
-                                     .help = "Of png: its width in pixels; some 1000 if missing" };
-
-static const param picture_colormap = { .name = "colormap",
-                                        .in = "query",
-                                        .kind = &param_word,
-                                        .type = "#Colormap",
-                                        .is_word = is_colormap,
-                                        .list_words = colormap_words,
-                                        .help = "Of png: its colours" };
-
-static const param picture_max = {
-    .name = "max",
-    .in = "query",
-    .kind = &param_real,
-    .default_text = TEXT_OF(PICTURE_TOP),
-    .least_real = 1e-3,
-    .most_real = 1e3,
-    .help = "Of png: the density at the end of the scale; 1 is close packing"
-};
-
-static const param with_vtk = { .name = "vtk",
-                                .in = "query",
-                                .kind = &param_flag,
-                                .default_text = "0",
-                                .most = 1,
-                                .help = "1: with files for ParaView beside the others" };
-
-static const param followed_runs = { .name = "runs",
-                                     .in = "query",
-                                     .kind = &param_ids,
-                                     .least = 1,
-                                     .most = API_STREAM_RUNS_MAX,
-                                     .is_required = true,
-                                     .help = "Which runs, with commas between" };
-
-static const param inline_grids = { .name = "inline",
-                                    .in = "query",
-                                    .kind = &param_flag,
-                                    .default_text = "0",
-                                    .most = 1,
-                                    .help = "1: snapshot events contain the grid, as `data`" };
-
-static const param last_event_id = {
-    .name = "last_event_id",
-    .in = "query",
-    .kind = &param_whole,
-    .type = "#Count",
-    .default_text = "0",
-    .most = UINT64_MAX,
-    .help = "Only events after the one with this id; the header Last-Event-ID counts more"
-};
-
-static const param idempotency_key = {
-    .name = "Idempotency-Key",
-    .in = "header",
-    .kind = &param_text,
-    .limits = "\"minLength\":1",
-    .help = "Any text: a request with the same key and body gets the first answer again"
-};
-
-static const param if_match = { .name = "If-Match",
-                                .in = "header",
-                                .kind = &param_text,
-                                .help = "The ETag that the resource must still have" };
-
-static const param if_none_match = {
-    .name = "If-None-Match",
-    .in = "header",
-    .kind = &param_text,
-    .help = "The ETag of an answer before; 304 if nothing has changed since"
-};
-
-static const param if_range = { .name = "If-Range",
-                                .in = "header",
-                                .kind = &param_text,
-                                .help = "The ETag that the bytes asked for must still belong to" };
-
-static const param last_event_id_header = {
-    .name = "Last-Event-ID",
-    .in = "header",
-    .kind = &param_whole,
-    .type = "#Count",
-    .help = "Only events after the one with this id; browsers send it by themselves"
-};
-
-static const param prefer = {
-    .name = "Prefer",
-    .in = "header",
-    .kind = &param_text,
-    .limits = "\"examples\":[\"wait=30\"]",
-    .help = "`wait=N`: answer when the run has ended, at the latest after N seconds, 60 at most [s]"
-};
-
-static const param range = { .name = "Range",
-                             .in = "header",
-                             .kind = &param_text,
-                             .limits = "\"examples\":[\"bytes=0-1023\"]",
-                             .help = "Which bytes of a binary body" };
 
 #define PARAMS(...)                                                                                \
     (const param *const[])                                                                         \
@@ -308,7 +34,7 @@ static const route table[] = {
       .cost = API_COST_WORK,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&idempotency_key, &prefer),
+      .params = PARAMS(&routes__idempotency_key, &routes__prefer),
       .id = "submitRun",
       .tag = "Runs",
       .summary = "Accept a run; it is on disk before the answer is sent",
@@ -330,8 +56,9 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&run_status, &run_model_word, &run_label, &page_limit, &page_cursor,
-                       &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
+                       &routes__page_limit, &routes__page_cursor, &routes__if_match,
+                       &routes__if_none_match),
       .id = "listRuns",
       .tag = "Runs",
       .summary = "List runs, newest first",
@@ -344,7 +71,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&run_id, &wait_s, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__wait_s, &routes__if_match, &routes__if_none_match),
       .id = "getRun",
       .tag = "Runs",
       .summary = "Show a run: state, progress, times, links",
@@ -358,7 +85,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&run_id, &if_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match),
       .id = "deleteRun",
       .tag = "Runs",
       .summary = "Stop a run if need be and remove it with its results",
@@ -371,7 +98,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&run_id, &if_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match),
       .id = "cancelRun",
       .tag = "Runs",
       .summary = "Stop a run and keep its results so far",
@@ -385,7 +112,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&run_id, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
       .id = "getScenario",
       .tag = "Results",
       .summary = "The resolved scenario, every default filled in",
@@ -398,7 +125,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&run_id, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
       .id = "getSummary",
       .tag = "Results",
       .summary = "The figures of a run that has ended",
@@ -411,7 +138,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json csv",
-      .params = PARAMS(&run_id, &format, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
       .id = "getCurve",
       .tag = "Results",
       .summary = "The outflow curve so far",
@@ -425,7 +152,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json csv",
-      .params = PARAMS(&run_id, &format, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
       .id = "getPhotoEyes",
       .tag = "Results",
       .summary = "Changes of photo eyes and their actions so far",
@@ -440,7 +167,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json csv",
-      .params = PARAMS(&run_id, &format, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__format, &routes__if_match, &routes__if_none_match),
       .id = "getKeyFigures",
       .tag = "Results",
       .summary = "The key figures so far",
@@ -455,7 +182,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&run_id, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
       .id = "listSnapshots",
       .tag = "Results",
       .summary = "List the density snapshots so far",
@@ -469,8 +196,10 @@ static const route table[] = {
       .text_cost = API_COST_WORK,
       .scope = ROUTE_READ,
       .formats = "npy json csv png vti",
-      .params = PARAMS(&run_id, &snapshot_n, &format, &picture_width, &picture_colormap,
-                       &picture_max, &if_match, &if_none_match, &range, &if_range),
+      .params =
+          PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format, &routes__picture_width,
+                 &routes__picture_colormap, &routes__picture_max, &routes__if_match,
+                 &routes__if_none_match, &routes__range, &routes__if_range),
       .id = "getSnapshot",
       .tag = "Results",
       .summary = "One density snapshot",
@@ -487,7 +216,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "pvd",
-      .params = PARAMS(&run_id, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
       .id = "getSnapshotSeries",
       .tag = "Results",
       .summary = "The snapshots of results.zip?vtk=1 in time, for ParaView",
@@ -501,7 +230,8 @@ static const route table[] = {
       .text_cost = API_COST_WORK,
       .scope = ROUTE_READ,
       .formats = "npy json csv vtp",
-      .params = PARAMS(&run_id, &snapshot_n, &format, &if_match, &if_none_match, &range, &if_range),
+      .params = PARAMS(&routes__run_id, &routes__snapshot_n, &routes__format, &routes__if_match,
+                       &routes__if_none_match, &routes__range, &routes__if_range),
       .id = "getParts",
       .tag = "Results",
       .summary = "The parts at the time of a snapshot (micro)",
@@ -518,7 +248,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "pvd",
-      .params = PARAMS(&run_id, &if_match, &if_none_match),
+      .params = PARAMS(&routes__run_id, &routes__if_match, &routes__if_none_match),
       .id = "getPartsSeries",
       .tag = "Results",
       .summary = "The parts of results.zip?vtk=1 in time, for ParaView (micro)",
@@ -531,7 +261,8 @@ static const route table[] = {
       .cost = API_COST_WORK,
       .scope = ROUTE_READ,
       .formats = "zip",
-      .params = PARAMS(&run_id, &with_vtk, &if_match, &if_none_match),
+      .params =
+          PARAMS(&routes__run_id, &routes__with_vtk, &routes__if_match, &routes__if_none_match),
       .id = "getResults",
       .tag = "Results",
       .summary = "All results of a run that has ended",
@@ -545,7 +276,8 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "sse ndjson",
-      .params = PARAMS(&run_id, &format, &inline_grids, &last_event_id, &last_event_id_header),
+      .params = PARAMS(&routes__run_id, &routes__format, &routes__inline_grids,
+                       &routes__last_event_id, &routes__last_event_id_header),
       .id = "followRun",
       .tag = "Events",
       .summary = "Follow a run: its events from the first one on, until it has ended",
@@ -561,8 +293,8 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "sse ndjson",
-      .params =
-          PARAMS(&followed_runs, &format, &inline_grids, &last_event_id, &last_event_id_header),
+      .params = PARAMS(&routes__followed_runs, &routes__format, &routes__inline_grids,
+                       &routes__last_event_id, &routes__last_event_id_header),
       .id = "followRuns",
       .tag = "Events",
       .summary = "Follow several runs in one stream",
@@ -578,7 +310,7 @@ static const route table[] = {
       .cost = API_COST_WORK,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&csv_label, &csv_counter, &csv_kind),
+      .params = PARAMS(&routes__csv_label, &routes__csv_counter, &routes__csv_kind),
       .id = "addMeasurement",
       .tag = "Comparison",
       .summary = "Store a measured curve, JSON or CSV, or a text for feeds; it is on disk before "
@@ -599,7 +331,8 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&measurement_label, &page_limit, &page_cursor, &if_match, &if_none_match),
+      .params = PARAMS(&routes__measurement_label, &routes__page_limit, &routes__page_cursor,
+                       &routes__if_match, &routes__if_none_match),
       .id = "listMeasurements",
       .tag = "Comparison",
       .summary = "List measurements, newest first",
@@ -613,7 +346,8 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_READ,
       .formats = "json csv",
-      .params = PARAMS(&measurement_id, &format, &if_match, &if_none_match),
+      .params = PARAMS(&routes__measurement_id, &routes__format, &routes__if_match,
+                       &routes__if_none_match),
       .id = "getMeasurement",
       .tag = "Comparison",
       .summary = "A measurement with its samples or its text",
@@ -627,7 +361,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_WRITE,
       .formats = "json",
-      .params = PARAMS(&measurement_id, &if_match),
+      .params = PARAMS(&routes__measurement_id, &routes__if_match),
       .id = "deleteMeasurement",
       .tag = "Comparison",
       .summary = "Remove a measurement",
@@ -640,7 +374,8 @@ static const route table[] = {
       .cost = API_COST_WORK,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&compared_a, &compared_b, &compared_runs, &reference, &column),
+      .params = PARAMS(&routes__compared_a, &routes__compared_b, &routes__compared_runs,
+                       &routes__reference, &routes__column),
       .id = "compareRuns",
       .tag = "Comparison",
       .summary = "Measures between the curves and densities of two to eight runs and measurements",
@@ -670,7 +405,7 @@ static const route table[] = {
       .cost = API_COST_NONE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&if_match, &if_none_match),
+      .params = PARAMS(&routes__if_match, &routes__if_none_match),
       .id = "listExamples",
       .tag = "Scenarios",
       .summary = "List the ready scenarios",
@@ -683,7 +418,7 @@ static const route table[] = {
       .cost = API_COST_NONE,
       .scope = ROUTE_READ,
       .formats = "json",
-      .params = PARAMS(&example_name, &if_match, &if_none_match),
+      .params = PARAMS(&routes__example_name, &routes__if_match, &routes__if_none_match),
       .id = "getExample",
       .tag = "Scenarios",
       .summary = "One ready scenario",
@@ -734,7 +469,7 @@ static const route table[] = {
       .cost = API_COST_NONE,
       .scope = ROUTE_OPEN,
       .formats = "json",
-      .params = PARAMS(&if_match, &if_none_match),
+      .params = PARAMS(&routes__if_match, &routes__if_none_match),
       .id = "getVersion",
       .tag = "Service",
       .summary = "Which build this is",
@@ -747,7 +482,7 @@ static const route table[] = {
       .cost = API_COST_STORE,
       .scope = ROUTE_OPEN,
       .formats = "json",
-      .params = PARAMS(&if_match, &if_none_match),
+      .params = PARAMS(&routes__if_match, &routes__if_none_match),
       .id = "getDocument",
       .tag = "Service",
       .summary = "This API as an OpenAPI 3.1 document",

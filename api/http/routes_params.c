@@ -1,0 +1,276 @@
+// The parameters of routes: one row each, also where several routes have it.
+
+#include "api/http/http_priv.h"
+#include "api/results/colormap.h"
+#include "api/results/picture.h"
+
+#include <string.h>
+
+#define TEXT_OF(macro)   TEXT_OF_IT(macro)
+#define TEXT_OF_IT(text) #text
+
+static bool is_state(const char *text)
+{
+    return run_state_find(text) != RUN_STATE_COUNT;
+}
+
+static bool is_model(const char *text)
+{
+    int model = 0;
+
+    while (model < RUN_MODEL_COUNT && strcmp(run_model_words[model], text) != 0)
+        model++;
+    return model < RUN_MODEL_COUNT;
+}
+
+static bool is_measured_kind(const char *text)
+{
+    int kind = 0;
+
+    while (kind < API_MEASURED_COUNT && strcmp(api_measured_words[kind], text) != 0)
+        kind++;
+    return kind < API_MEASURED_COUNT;
+}
+
+static bool is_colormap(const char *text)
+{
+    return colormap_find(text) != NULL;
+}
+
+const param routes__run_id = {
+    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which run"
+};
+
+const param routes__measurement_id = {
+    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
+};
+
+const param routes__snapshot_n = { .name = "n",
+                                   .in = "path",
+                                   .kind = &param_whole,
+                                   .type = "#Count",
+                                   .most = UINT64_MAX,
+                                   .is_required = true,
+                                   .help = "Which snapshot, from 0" };
+
+const param routes__example_name = { .name = "name",
+                                     .in = "path",
+                                     .kind = &param_text,
+                                     .limits = "\"pattern\":\"^[a-z0-9-]+$\"",
+                                     .is_required = true,
+                                     .help = "Which ready scenario" };
+
+const param routes__compared_a = {
+    .name = "a",
+    .in = "query",
+    .kind = &param_id,
+    .help = "The first of two runs or measurements, and the reference; with b, without `runs`"
+};
+
+const param routes__compared_b = {
+    .name = "b", .in = "query", .kind = &param_id, .help = "The second of them"
+};
+
+const param routes__compared_runs = {
+    .name = "runs",
+    .in = "query",
+    .kind = &param_ids,
+    .least = 2,
+    .most = API_COMPARE_MAX,
+    .help = "Which runs and measurements, with commas between; without a and b"
+};
+
+const param routes__reference = {
+    .name = "reference",
+    .in = "query",
+    .kind = &param_text,
+    .type = "#Id",
+    .help = "Which of `runs` the others are compared with; the first one if missing"
+};
+
+const param routes__column = { .name = "column",
+                               .in = "query",
+                               .kind = &param_text,
+                               .type = "#ColumnName",
+                               .help = "Which column of the curves is compared; the first one of "
+                                       "the reference that all have if missing" };
+
+const param routes__csv_label = { .name = "label",
+                                  .in = "query",
+                                  .kind = &param_member,
+                                  .most = API_LABEL_SIZE - 1,
+                                  .help = "Of CSV: the label of the measurement" };
+
+const param routes__csv_counter = {
+    .name = "counter",
+    .in = "query",
+    .kind = &param_member,
+    .type = "#CounterId",
+    .help = "Of CSV: which column of a curve was measured; the name of its own if missing"
+};
+
+const param routes__csv_kind = { .name = "kind",
+                                 .in = "query",
+                                 .kind = &param_word,
+                                 .type = "#MeasuredKind",
+                                 .is_word = is_measured_kind,
+                                 .help =
+                                     "Of CSV: a curve to compare with, or for feeds a profile or "
+                                     "a schedule, their list of arrivals; a curve if missing" };
+
+const param routes__run_status = { .name = "status",
+                                   .in = "query",
+                                   .kind = &param_word,
+                                   .type = "#RunStatus",
+                                   .is_word = is_state,
+                                   .help = "Only runs in this state" };
+
+const param routes__run_model_word = { .name = "model",
+                                       .in = "query",
+                                       .kind = &param_word,
+                                       .type = "#Model",
+                                       .is_word = is_model,
+                                       .help = "Only runs of this model" };
+
+const param routes__run_label = { .name = "label",
+                                  .in = "query",
+                                  .kind = &param_text,
+                                  .most = API_LABEL_SIZE - 1,
+                                  .help = "Only runs with this label" };
+
+const param routes__measurement_label = { .name = "label",
+                                          .in = "query",
+                                          .kind = &param_text,
+                                          .most = API_LABEL_SIZE - 1,
+                                          .help = "Only measurements with this label" };
+
+const param routes__page_limit = { .name = "limit",
+                                   .in = "query",
+                                   .kind = &param_whole,
+                                   .default_text = "50",
+                                   .least = 1,
+                                   .most = API_LIST_MAX,
+                                   .help = "Items on a page" };
+
+const param routes__page_cursor = { .name = "cursor",
+                                    .in = "query",
+                                    .kind = &param_cursor,
+                                    .help = "Where the page begins; take it from the `next` link" };
+
+const param routes__wait_s = { .name = "wait",
+                               .in = "query",
+                               .kind = &param_whole,
+                               .default_text = "0",
+                               .most = API_WAIT_MAX_S,
+                               .help = "Answer when the run has ended, or with If-None-Match when "
+                                       "it is another, at the latest after so many seconds [s]" };
+
+const param routes__format = { .name = "format",
+                               .in = "query",
+                               .kind = &param_format,
+                               .help =
+                                   "The format, in preference to what the Accept header asks for" };
+
+const param routes__picture_width = { .name = "width",
+                                      .in = "query",
+                                      .kind = &param_whole,
+                                      .least = 1,
+                                      .most = PICTURE_WIDTH_MAX,
+                                      .help = "Of png: its width in pixels; some 1000 if missing" };
+
+const param routes__picture_colormap = { .name = "colormap",
+                                         .in = "query",
+                                         .kind = &param_word,
+                                         .type = "#Colormap",
+                                         .is_word = is_colormap,
+                                         .list_words = colormap_words,
+                                         .help = "Of png: its colours" };
+
+const param routes__picture_max = {
+    .name = "max",
+    .in = "query",
+    .kind = &param_real,
+    .default_text = TEXT_OF(PICTURE_TOP),
+    .least_real = 1e-3,
+    .most_real = 1e3,
+    .help = "Of png: the density at the end of the scale; 1 is close packing"
+};
+
+const param routes__with_vtk = { .name = "vtk",
+                                 .in = "query",
+                                 .kind = &param_flag,
+                                 .default_text = "0",
+                                 .most = 1,
+                                 .help = "1: with files for ParaView beside the others" };
+
+const param routes__followed_runs = { .name = "runs",
+                                      .in = "query",
+                                      .kind = &param_ids,
+                                      .least = 1,
+                                      .most = API_STREAM_RUNS_MAX,
+                                      .is_required = true,
+                                      .help = "Which runs, with commas between" };
+
+const param routes__inline_grids = { .name = "inline",
+                                     .in = "query",
+                                     .kind = &param_flag,
+                                     .default_text = "0",
+                                     .most = 1,
+                                     .help = "1: snapshot events contain the grid, as `data`" };
+
+const param routes__last_event_id = {
+    .name = "last_event_id",
+    .in = "query",
+    .kind = &param_whole,
+    .type = "#Count",
+    .default_text = "0",
+    .most = UINT64_MAX,
+    .help = "Only events after the one with this id; the header Last-Event-ID counts more"
+};
+
+const param routes__idempotency_key = {
+    .name = "Idempotency-Key",
+    .in = "header",
+    .kind = &param_text,
+    .limits = "\"minLength\":1",
+    .help = "Any text: a request with the same key and body gets the first answer again"
+};
+
+const param routes__if_match = { .name = "If-Match",
+                                 .in = "header",
+                                 .kind = &param_text,
+                                 .help = "The ETag that the resource must still have" };
+
+const param routes__if_none_match = {
+    .name = "If-None-Match",
+    .in = "header",
+    .kind = &param_text,
+    .help = "The ETag of an answer before; 304 if nothing has changed since"
+};
+
+const param routes__if_range = { .name = "If-Range",
+                                 .in = "header",
+                                 .kind = &param_text,
+                                 .help = "The ETag that the bytes asked for must still belong to" };
+
+const param routes__last_event_id_header = {
+    .name = "Last-Event-ID",
+    .in = "header",
+    .kind = &param_whole,
+    .type = "#Count",
+    .help = "Only events after the one with this id; browsers send it by themselves"
+};
+
+const param routes__prefer = {
+    .name = "Prefer",
+    .in = "header",
+    .kind = &param_text,
+    .limits = "\"examples\":[\"wait=30\"]",
+    .help = "`wait=N`: answer when the run has ended, at the latest after N seconds, 60 at most [s]"
+};
+
+const param routes__range = { .name = "Range",
+                              .in = "header",
+                              .kind = &param_text,
+                              .limits = "\"examples\":[\"bytes=0-1023\"]",
+                              .help = "Which bytes of a binary body" };
