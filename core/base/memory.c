@@ -64,10 +64,10 @@ int memory_reserve(void *items, size_t *capacity, size_t n, size_t size)
 
     if (n <= *capacity)
         return 0;
-    size_t wanted = *capacity < FIRST_CAPACITY ? FIRST_CAPACITY : *capacity;
-    while (wanted < n && wanted <= SIZE_MAX / 2)
-        wanted *= 2;
-    void *grown = wanted < n ? NULL : memory_alloc(wanted, size);
+    size_t wanted = *capacity < FIRST_CAPACITY ? FIRST_CAPACITY : *capacity + *capacity / 4;
+    if (wanted < n)
+        wanted = n;
+    void *grown = memory_alloc(wanted, size);
     if (grown == NULL)
         return -1;
     memcpy(&old, items, sizeof old);
@@ -103,6 +103,57 @@ int memory_resize(const memory_array *arrays, size_t n_arrays)
             memcpy(grown[k], old, arrays[k].n * arrays[k].size);
         memory_free(old);
         memcpy(arrays[k].items, &grown[k], sizeof old);
+    }
+    return 0;
+}
+
+// Bytes of an array in a block; false: too many.
+static bool measure_array(const memory_array *array, size_t *ret_bytes)
+{
+    size_t bytes;
+
+    if (__builtin_mul_overflow(array->n_new, array->size, &bytes) ||
+        bytes > SIZE_MAX - (ALIGNMENT - 1))
+        return false;
+    *ret_bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return true;
+}
+
+// Room for n bytes, where the first n_kept stay. If none does, the old room is freed first.
+static int grow_block(memory_block *block, size_t n, size_t n_kept)
+{
+    if (n <= block->capacity)
+        return 0;
+    if (n_kept == 0) {
+        memory_free(block->bytes);
+        *block = (memory_block){ NULL, 0 };
+    }
+    const size_t wanted = n <= SIZE_MAX / 2 ? n + n / 8 : n;
+    void *grown = memory_alloc(wanted, 1);
+    if (grown == NULL)
+        return -1;
+    if (n_kept > 0)
+        memcpy(grown, block->bytes, n_kept);
+    memory_free(block->bytes);
+    *block = (memory_block){ grown, wanted };
+    return 0;
+}
+
+int memory_lay_out(memory_block *block, const memory_array *arrays, size_t n_arrays)
+{
+    size_t bytes, total = 0;
+
+    for (size_t k = 0; k < n_arrays; k++)
+        if (!measure_array(&arrays[k], &bytes) || __builtin_add_overflow(total, bytes, &total))
+            return -1;
+    if (grow_block(block, total, n_arrays > 0 ? arrays[0].n * arrays[0].size : 0) != 0)
+        return -1;
+    char *at = block->bytes;
+    for (size_t k = 0; k < n_arrays; k++) {
+        void *items = at;
+        memcpy(arrays[k].items, &items, sizeof items);
+        (void)measure_array(&arrays[k], &bytes);
+        at += bytes;
     }
     return 0;
 }

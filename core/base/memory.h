@@ -12,8 +12,8 @@
 /// valid pointer. Free with memory_free().
 void *memory_alloc(size_t n, size_t size);
 
-/// Grow *items (room for *capacity items, NULL when 0) to room for at least n items of size bytes, by
-/// doubling; what was there stays. Returns 0, or -1 with everything left as it was.
+/// Grow *items (room for *capacity items, NULL when 0) to room for at least n items of size bytes, by at least a
+/// quarter; what was there stays. Returns 0, or -1 with everything left as it was.
 /// items points to the caller's array pointer, of any object type.
 int memory_reserve(void *items, size_t *capacity, size_t n, size_t size);
 
@@ -30,6 +30,17 @@ typedef struct memory_array {
 int memory_resize(const memory_array *arrays, size_t n_arrays);
 
 enum { MEMORY_ARRAYS_MAX = 32 }; ///< see memory_resize()
+
+/// Memory that the arrays of one task and those of the next one share. Zero-initialise; memory_free(bytes).
+typedef struct memory_block {
+    void *bytes;     ///< aligned as by memory_alloc(); NULL at first
+    size_t capacity; ///< bytes
+} memory_block;
+
+/// Lay arrays out in a block, each aligned as by memory_alloc(), in place of those of the task before. Their contents
+/// are arbitrary, but for the first n items of the first array, which stay if it was the first one before. Returns 0; or
+/// -1, with everything left as it was, or, if nothing was to stay, with an empty block.
+int memory_lay_out(memory_block *block, const memory_array *arrays, size_t n_arrays);
 
 /// Free memory of memory_alloc(), memory_resize() or memory_reserve(); NULL is fine.
 void memory_free(void *block);

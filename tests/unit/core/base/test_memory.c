@@ -38,7 +38,7 @@ static void freeing_nothing_is_fine(void **state)
     memory_free(NULL);
 }
 
-static void reserved_memory_grows_by_doubling_and_retains_its_content(void **state)
+static void reserved_memory_grows_by_a_quarter_and_retains_its_content(void **state)
 {
     int *items = NULL;
     size_t capacity = 0, n_moves = 0;
@@ -52,9 +52,9 @@ static void reserved_memory_grows_by_doubling_and_retains_its_content(void **sta
     }
     for (int k = 0; k < 1000; k++)
         assert_int_equal(items[k], k);
-    // 16, 32, ..., 1024: seven sizes.
-    assert_int_equal(n_moves, 7);
-    assert_int_equal(capacity, 1024);
+    // 16, 20, 25, 31, ... 828, 1035.
+    assert_int_equal(n_moves, 20);
+    assert_int_equal(capacity, 1035);
     memory_free(items);
 }
 
@@ -75,6 +75,37 @@ static void a_failed_reservation_leaves_everything(void **state)
     assert_int_equal(capacity, 16);
     assert_int_equal(items[4], 'x');
     memory_free(items);
+}
+
+static void arrays_share_a_block_one_task_after_the_other(void **state)
+{
+    memory_block block = { 0 };
+    double *a = NULL;
+    char *b = NULL, *c = NULL;
+    const memory_array first[] = { { &a, sizeof *a, 0, 3 }, { &b, 1, 0, 65 } };
+    const memory_array second[] = { { &a, sizeof *a, 3, 3 }, { &c, 1, 0, 1000 } };
+    const memory_array too_large[] = { { &a, sizeof *a, 3, SIZE_MAX / 2 } };
+
+    (void)state;
+    assert_int_equal(memory_lay_out(&block, first, 2), 0);
+    assert_int_equal((uintptr_t)b % 64, 0);
+    assert_true(b - (char *)a >= 3 * (ptrdiff_t)sizeof *a);
+    for (int k = 0; k < 3; k++)
+        a[k] = k;
+    memset(b, 1, 65);
+    // The second task needs more room: what stays is copied.
+    assert_int_equal(memory_lay_out(&block, second, 2), 0);
+    memset(c, 2, 1000);
+    assert_true(a[0] == 0.0 && a[1] == 1.0 && a[2] == 2.0);
+    memory_plan_fault(1, 0);
+    assert_int_equal(memory_lay_out(&block, too_large, 1), -1);
+    memory_plan_fault(0, 0);
+    assert_true(a[2] == 2.0);
+    // Less room is that of before.
+    const double *before = a;
+    assert_int_equal(memory_lay_out(&block, first, 2), 0);
+    assert_ptr_equal(a, before);
+    memory_free(block.bytes);
 }
 
 /// Whether the next n allocations succeed, as a string of '+' and '-'.
@@ -123,7 +154,8 @@ int main(void)
         cmocka_unit_test(room_is_zeroed_and_aligned_to_cache_lines),
         cmocka_unit_test(a_size_that_overflows_is_no_memory),
         cmocka_unit_test(freeing_nothing_is_fine),
-        cmocka_unit_test(reserved_memory_grows_by_doubling_and_retains_its_content),
+        cmocka_unit_test(reserved_memory_grows_by_a_quarter_and_retains_its_content),
+        cmocka_unit_test(arrays_share_a_block_one_task_after_the_other),
         cmocka_unit_test(a_failed_reservation_leaves_everything),
         cmocka_unit_test(a_planned_fault_strikes_once_or_for_good),
         cmocka_unit_test(plain_memory_is_freed_as_malloc_gave_it),
