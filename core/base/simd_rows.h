@@ -1,7 +1,7 @@
-/// Tables with rows of eight doubles, read and written as lanes: lane k belongs to the row that begins
-/// at[k] doubles, a multiple of SIMD_ROW, into the table.
+/// Tables with rows of four or eight doubles, read and written as lanes: lane k belongs to the row that begins
+/// at[k] doubles into the table, a multiple of the row's length.
 ///
-/// A row is two quads of four columns, columns 0 to 3 and 4 to 7. Whole quads are loaded and transposed
+/// A row is one quad of four columns, or two, columns 0 to 3 and 4 to 7. Whole quads are loaded and transposed
 /// in registers, which costs far less than gathering columns one number at a time. Rows are aligned to
 /// their size.
 
@@ -12,7 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SIMD_ROW = 8 }; ///< doubles in a row
+enum {
+    SIMD_ROW = 8,  ///< doubles in a row
+    SIMD_QUAD = 4, ///< doubles in a row that is one quad
+};
 
 /// Four columns of SIMD_LANES rows.
 typedef struct simd_quad {
@@ -71,8 +74,8 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
     } };
 }
 
-/// Write columns 0 to 3 of SIMD_LANES rows that follow one another.
-static inline void simd_quad_store(double *rows, const simd_quad *quad)
+/// Write columns 0 to 3 of SIMD_LANES rows of a length, doubles, that follow one another.
+static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
 {
     const simd *c = quad->column;
     simd ab0 = __builtin_shufflevector(c[0], c[1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -86,9 +89,9 @@ static inline void simd_quad_store(double *rows, const simd_quad *quad)
         __builtin_shufflevector(ab1, cd1, 4, 5, 12, 13, 6, 7, 14, 15),
     };
     for (int k = 0; k < 4; k++) {
-        double *at = rows + (k / 2 * 4 + k % 2) * SIMD_ROW;
+        double *at = rows + (size_t)(k / 2 * 4 + k % 2) * length;
         simd_row_store(at, __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
-        simd_row_store(at + 2 * SIMD_ROW, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
+        simd_row_store(at + 2 * length, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
     }
 }
 
@@ -115,13 +118,13 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
                             simd_row_load(table + at[2]), simd_row_load(table + at[3]));
 }
 
-static inline void simd_quad_store(double *rows, const simd_quad *quad)
+static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
 {
     const simd *c = quad->column;
     simd_quad turned = simd_quad_turned(c[0], c[1], c[2], c[3]);
 
     for (int k = 0; k < SIMD_LANES; k++)
-        simd_row_store(rows + k * SIMD_ROW, turned.column[k]);
+        simd_row_store(rows + (size_t)k * length, turned.column[k]);
 }
 
 #else
@@ -139,12 +142,12 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
     return quad;
 }
 
-static inline void simd_quad_store(double *rows, const simd_quad *quad)
+static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
 {
     for (int half = 0; half < 2; half++) {
         simd a = quad->column[2 * half], b = quad->column[2 * half + 1];
         simd_store(rows + half * SIMD_LANES, (simd){ a[0], b[0] });
-        simd_store(rows + SIMD_ROW + half * SIMD_LANES, (simd){ a[1], b[1] });
+        simd_store(rows + length + half * SIMD_LANES, (simd){ a[1], b[1] });
     }
 }
 

@@ -57,6 +57,21 @@ BF_MUST_CHECK bf_status neighbours_sort(neighbours_cells *cells, size_t n,
                                         const neighbours_parts *parts, const uint8_t *skip,
                                         double edge, bf_error *err);
 
+/// Let a grid use the caller's memory for order and cell_of, n numbers each, and take it back: for grids whose order is
+/// of no use once parts are sorted by it. Such a grid has no memory of its own for them.
+static inline void neighbours_lend(neighbours_cells *cells, size_t n, uint32_t *order,
+                                   uint32_t *cell_of)
+{
+    cells->order = order;
+    cells->cell_of = cell_of;
+    cells->order_capacity = cells->cell_capacity = n;
+}
+
+static inline void neighbours_end_loan(neighbours_cells *cells)
+{
+    neighbours_lend(cells, 0, NULL, NULL);
+}
+
 /// Free what the grid owns and zero it. NULL is fine.
 void neighbours_cells_fini(neighbours_cells *cells);
 

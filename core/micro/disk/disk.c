@@ -27,7 +27,7 @@ static void destroy(void *state)
     memory_free(s->heading);
     memory_free(s->spin_deceleration);
     memory_free(s->belt_under);
-    memory_free(s->scratch);
+    memory_free(s->scratch.bytes);
     memory_free(s->has_candidates);
     memory_free(s->id_of);
     memory_free(s->slot_of);
@@ -35,8 +35,7 @@ static void destroy(void *state)
     memory_free(s->kinds);
     memory_free(s->kind_of);
     memory_free(s->list.first);
-    memory_free(s->list.neighbour);
-    memory_free(s->list.scratch);
+    memory_free(s->list.rows.bytes);
     memory_free(s->border_parts);
     memory_free(s->extremes);
     neighbours_cells_fini(&s->cells);

@@ -27,6 +27,7 @@
 #pragma once
 
 #include "core/base/checkpoint.h"
+#include "core/base/memory.h"
 #include "core/micro/backend.h"
 #include "core/micro/contact_law.h"
 #include "core/micro/disk/boundary.h"
@@ -101,10 +102,11 @@ typedef struct disk_tiling {
 /// DISK_DOUBLES, which is where they begin; void_slot where a part has fewer. Group g has
 /// first[g + 1] - first[g] rows. Each part's neighbours are sorted by their ids; every pair stands twice.
 typedef struct disk_list {
-    uint32_t *first;      ///< number of a row, by group and one more
-    uint32_t *neighbour;  ///< see above
+    uint32_t *first; ///< number of a row, by group and one more
+    uint32_t
+        *neighbour; ///< see above; with MICRO_IMPLICIT in disk_state.scratch, until a step is made
     size_t rows_capacity; ///< room in neighbour, rows
-    uint32_t *scratch;    ///< by slot
+    memory_block rows;    ///< where neighbour is with MICRO_VERLET
 } disk_list;
 
 /// The planar solver.
@@ -124,11 +126,11 @@ struct disk_state {
     size_t n_padded;                ///< n_live rounded up to a multiple of DISK_GROUP
     uint32_t void_slot;             ///< far away from everything, the last one
     disk *now;                      ///< parts at the present time, by slot
-    disk *next;                     ///< where a step writes (disk__swap() afterwards)
+    disk *next;                     ///< where an explicit step writes (disk__swap() afterwards)
     double *heading;                ///< rad, by slot
     double *spin_deceleration;      ///< A of (8), rad/s2, by slot; NULL if is_uniform
     uint16_t *belt_under;           ///< index of a belt, by slot; NULL if is_uniform
-    double *scratch;                ///< by slot: of a rebuild, or headings before a tile
+    memory_block scratch;           ///< of a rebuild; then of implicit steps
     uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
     uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
     uint32_t *slot_of;              ///< slot of each part
@@ -171,8 +173,8 @@ struct disk_state {
 };
 
 /// Make the list and all that depends on positions from the parts in `now`: sorts them, stores the final state of
-/// those that have left or whose centre is outside, sets displacement_bound = 0. Any slot may change, and now and
-/// next may exchange their storage. BF_ENOMEM: the list is unusable until a call succeeds.
+/// those that have left or whose centre is outside, sets displacement_bound = 0. Any slot may change. BF_ENOMEM: the
+/// list is unusable until a call succeeds.
 BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 
 /// After a step was written into `parts` (and headings): check the border parts first .. last - 1. Parts
@@ -213,6 +215,9 @@ static inline uint32_t disk__neighbour(const disk_state *s, size_t slot, size_t 
     size_t at = (s->list.first[slot / DISK_GROUP] + row) * DISK_GROUP + slot % DISK_GROUP;
     return s->list.neighbour[at] / DISK_DOUBLES;
 }
+
+/// Count a contact, m, of a part with a radius, m, if it is an overlap.
+void disk__count_contact(micro_totals *totals, double overlap, double radius);
 
 /// `next` becomes `now`.
 static inline void disk__swap(disk_state *s)

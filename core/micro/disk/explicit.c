@@ -155,9 +155,9 @@ typedef struct disk_block {
     size_t last_needed; // the last block with neighbours of its parts
 } disk_block;
 
-// A part before a tile's first step; its heading is in disk_state.scratch.
+// A part before a tile's first step.
 typedef struct disk_backup {
-    double x, y, vx, vy, spin;
+    double x, y, vx, vy, spin, heading;
 } disk_backup;
 
 // One step of a tile.
@@ -251,8 +251,8 @@ static void back_up_block(disk_state *s, const disk_block *block)
 
     for (size_t slot = block->group_first * DISK_GROUP; slot < last; slot++) {
         const disk *part = &s->now[slot];
-        s->tiling.backup[slot] = (disk_backup){ part->x, part->y, part->vx, part->vy, part->spin };
-        s->scratch[slot] = s->heading[slot];
+        s->tiling.backup[slot] =
+            (disk_backup){ part->x, part->y, part->vx, part->vy, part->spin, s->heading[slot] };
     }
 }
 
@@ -364,7 +364,7 @@ static void put_back(disk_state *s)
         part->vx = backup->vx;
         part->vy = backup->vy;
         part->spin = backup->spin;
-        s->heading[slot] = s->scratch[slot];
+        s->heading[slot] = backup->heading;
     }
     for (size_t k = 0; k < s->n_border_parts; k++) {
         disk_border_part *w = &s->border_parts[k];

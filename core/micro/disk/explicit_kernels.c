@@ -290,7 +290,7 @@ INLINED void move_lanes(const explicit_step *step, const motion *common, size_t 
     move(&m, &l->own, &l->sum);
     turn(&m, &l->own, &l->sum);
     simd_quad quad = { { l->own.x, l->own.y, l->own.vx, l->own.vy } };
-    simd_quad_store(&step->next[slot].x, &quad);
+    simd_quad_store(&step->next[slot].x, SIMD_ROW, &quad);
     simd_column_store(&step->next[slot].spin, l->own.spin);
     simd_store(step->heading + slot, simd_load(step->heading + slot) + m.dt * l->own.spin);
     simd speed2 = l->own.vx * l->own.vx + l->own.vy * l->own.vy;

@@ -46,17 +46,8 @@ implicit_state *disk_implicit__destroy(implicit_state *z)
 {
     if (!z)
         return NULL;
-    memory_free(z->pairs);
-    memory_free(z->spare);
-    memory_free(z->colour);
-    memory_free(z->next);
-    memory_free(z->head);
-    memory_free(z->first);
-    memory_free(z->used);
     memory_free(z->pieces);
     memory_free(z->blocks);
-    memory_free(z->bodies);
-    memory_free(z->extremes);
     memory_free(z);
     return NULL;
 }
@@ -78,41 +69,12 @@ static int find_iterations(const disk_state *s)
     return iterations;
 }
 
-// Rows of slots and static bodies. The void slot is a static body too; a group has a part once at most.
-static size_t count_rows(size_t capacity)
-{
-    return (size_t)disk__void_slot(capacity) + 1 + capacity / IMPLICIT_PIECE;
-}
-
-size_t disk_implicit__arrays(implicit_state *z, size_t capacity, memory_array *ret_arrays)
-{
-    const size_t n_slots = (size_t)disk__void_slot(capacity) + 1;
-    const memory_array arrays[] = {
-        { &z->head, sizeof *z->head, 0, capacity },
-        { &z->first, sizeof *z->first, 0, capacity + 1 },
-        { &z->used, sizeof *z->used, 0, n_slots },
-        { &z->bodies, sizeof *z->bodies, 0, count_rows(capacity) },
-        { &z->extremes, sizeof *z->extremes, 0, n_slots / IMPLICIT_CHUNK + 1 },
-    };
-
-    memcpy(ret_arrays, arrays, sizeof arrays);
-    return sizeof arrays / sizeof *arrays;
-}
-
-void disk_implicit__set_capacity(implicit_state *z, size_t capacity)
-{
-    z->first_driven = z->bodies_capacity = count_rows(capacity);
-    z->is_chosen = false;
-}
-
 implicit_state *disk_implicit__create(const disk_state *s)
 {
-    memory_array arrays[MEMORY_ARRAYS_MAX];
     implicit_state *z = memory_alloc(1, sizeof *z);
 
-    if (!z || memory_resize(arrays, disk_implicit__arrays(z, s->capacity, arrays)) != 0)
-        return disk_implicit__destroy(z);
-    disk_implicit__set_capacity(z, s->capacity);
+    if (!z)
+        return NULL;
     z->iterations = find_iterations(s);
     z->skin = s->radius_min;
     z->kernels = disk__implicit_kernels(cpu_best());
@@ -125,16 +87,6 @@ implicit_state *disk_implicit__create(const disk_state *s)
 void disk_implicit__forget_choice(implicit_state *z)
 {
     z->is_chosen = false;
-}
-
-void disk_implicit__forget_gone(const disk_state *s, implicit_state *z)
-{
-    for (size_t k = 0; k < z->n_pairs; k++) {
-        implicit_pair *pair = &z->pairs[k];
-        if (s->is_gone[pair->id[0]] != MICRO_HERE ||
-            (!implicit_is_at_boundary(pair) && s->is_gone[pair->id[1]] != MICRO_HERE))
-            pair->normal = pair->sliding = 0.0;
-    }
 }
 
 void disk__implicit_fini(disk_state *s)
@@ -153,7 +105,7 @@ static bool holds(double skin, double displacement_bound, double move)
 static bf_status rebuild(disk_state *s, implicit_state *z, bf_error *err)
 {
     s->skin = z->skin;
-    z->is_current = false;
+    disk_implicit__unlocate(s, z);
     return disk__rebuild(s, err);
 }
 
@@ -166,21 +118,19 @@ static bf_status refresh(void *state, bf_error *err)
     const double move = z->last_bound + disk__plates_travel(s, s->steps);
     bool must_choose = !z->is_chosen || !holds(z->skin, z->displacement_bound, move);
 
-    if (must_choose || !holds(s->skin, s->displacement_bound, move)) {
-        bf_status status = rebuild(s, z, err);
-        if (status == BF_OK && must_choose)
-            status = disk_implicit__choose(s, z, err);
-        if (status != BF_OK)
-            return status;
-    }
-    if (must_choose) {
-        z->is_current = z->is_chosen = true;
+    bf_status status = BF_OK;
+
+    if (must_choose || !holds(s->skin, s->displacement_bound, move))
+        status = rebuild(s, z, err);
+    if (status == BF_OK && must_choose)
+        status = disk_implicit__choose(s, z, err);
+    if (status == BF_OK && !z->is_current)
+        status = disk_implicit__locate(s, z, err);
+    if (status == BF_OK && must_choose) {
+        z->is_chosen = true;
         z->displacement_bound = 0.0;
     }
-    if (!z->is_current)
-        disk_implicit__locate(s, z);
-    z->is_current = true;
-    return BF_OK;
+    return status;
 }
 
 static implicit_state *state_of(const driver_member *m)
@@ -242,7 +192,7 @@ static void predict_chunk(const driver_member *m, size_t chunk)
     const step_numbers *numbers = m->step;
     implicit_state *z = s->implicit;
 
-    z->extremes[chunk] = z->kernels->predict(s, &numbers->step, z->bodies, chunk * IMPLICIT_CHUNK,
+    z->extremes[chunk] = z->kernels->predict(s, &numbers->step, &z->bodies, chunk * IMPLICIT_CHUNK,
                                              end_of_chunk(s, chunk));
 }
 
@@ -252,7 +202,7 @@ static void apply_belt_friction_of_chunk(const driver_member *m, size_t chunk)
     const step_numbers *numbers = m->step;
     implicit_state *z = s->implicit;
 
-    z->kernels->apply_belt_friction(s, &numbers->step, z->bodies, chunk * IMPLICIT_CHUNK,
+    z->kernels->apply_belt_friction(s, &numbers->step, &z->bodies, chunk * IMPLICIT_CHUNK,
                                     end_of_chunk(s, chunk));
 }
 
@@ -262,7 +212,7 @@ static void move_chunk(const driver_member *m, size_t chunk)
     implicit_state *z = s->implicit;
 
     z->extremes[chunk] =
-        z->kernels->move(s, z->bodies, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
+        z->kernels->move(s, z->bodies.rows, chunk * IMPLICIT_CHUNK, end_of_chunk(s, chunk));
 }
 
 static void find_contacts_of_piece(const driver_member *m, size_t piece)
@@ -274,15 +224,7 @@ static void find_contacts_of_piece(const driver_member *m, size_t piece)
 
 static void solve_piece(const driver_member *m, size_t piece)
 {
-    implicit_state *z = state_of(m);
-    const implicit_piece *p = &z->pieces[piece];
-
-    z->kernels->solve(z->bodies, &z->blocks[p->block], p->n_blocks);
-}
-
-static void store_impulses_of_piece(const driver_member *m, size_t piece)
-{
-    disk_implicit__store_impulses(state_of(m), piece);
+    disk_implicit__solve(state_of(m), piece);
 }
 
 static void update_partition(const driver_member *m, size_t k)
@@ -316,7 +258,6 @@ static void make_phases(driver_member *m, double travel)
         }
         split_groups(m, solve_piece);
     }
-    driver_split(m, 0, z->group_piece[IMPLICIT_GROUPS], store_impulses_of_piece);
     driver_split(m, 0, n_chunks, move_chunk);
     driver_wait(m);
     driver_split(m, 0, (size_t)s->n_partitions, update_partition);

@@ -1,248 +1,25 @@
-// Pairs of parts for implicit steps, and their contacts in a step.
+// Contacts of pairs in an implicit step: which pairs are near, where they touch, and the laws of these contacts.
 
-#include "core/base/memory.h"
 #include "core/base/simd_rows.h"
 #include "core/micro/disk/implicit.h"
 
 #include <math.h>
 #include <string.h>
 
-static const uint32_t nothing = UINT32_MAX;
-
-static bf_status fail_for_memory(bf_error *err)
-{
-    return bf_fail(err, BF_ENOMEM, "", "no memory for the pairs of parts");
-}
-
-// Number of pairs at most: candidates, and the list without those that stand there a second time.
-static size_t bound_pairs(const disk_state *s)
-{
-    size_t n_rows = s->list.first[s->n_padded / DISK_GROUP];
-
-    return s->n_candidates + n_rows * DISK_GROUP / 2;
-}
-
-// A colour that neither slot has; without one the pair goes to the last group.
-static uint8_t take_colour(uint32_t *used, uint32_t a, uint32_t b)
-{
-    uint32_t free = ~(used[a] | used[b]) & (UINT32_MAX >> (32 - IMPLICIT_COLOURS));
-
-    if (free == 0)
-        return IMPLICIT_REST;
-    int colour = __builtin_ctz(free);
-    used[a] |= 1U << colour;
-    used[b] |= 1U << colour;
-    return (uint8_t)(IMPLICIT_BOUNDARY + colour);
-}
-
-static void add_pair(implicit_state *z, size_t *n, implicit_pair pair, uint8_t colour)
-{
-    z->colour[*n] = colour;
-    z->spare[(*n)++] = pair;
-}
-
-// The pairs of a part with those of higher ids.
-static void collect_of_part(const disk_state *s, implicit_state *z, uint32_t slot, size_t *n)
-{
-    for (size_t row = 0; row < disk__n_rows(s, slot); row++) {
-        uint32_t other = disk__neighbour(s, slot, row);
-        if (other == s->void_slot || s->id_of[other] < s->id_of[slot])
-            continue;
-        implicit_pair pair = { .id = { s->id_of[slot], s->id_of[other] }, .slot = { slot, other } };
-        add_pair(z, n, pair, take_colour(z->used, slot, other));
-    }
-}
-
-// The candidates, which stand by slot: a part's first one to group 0 and so on.
-static void collect_candidates(const disk_state *s, implicit_state *z, size_t *n)
-{
-    uint8_t group = 0;
-
-    for (size_t k = 0; k < s->n_candidates; k++) {
-        disk_candidate t = s->candidates[k];
-        implicit_pair pair = { .id = { s->id_of[t.slot], IMPLICIT_FEATURE + t.feature },
-                               .slot = { t.slot, s->void_slot } };
-        bool is_another = k > 0 && s->candidates[k - 1].slot == t.slot;
-        group = is_another && group < IMPLICIT_BOUNDARY ? (uint8_t)(group + 1) : group;
-        group = is_another ? group : 0;
-        add_pair(z, n, pair, group < IMPLICIT_BOUNDARY ? group : IMPLICIT_REST);
-    }
-}
-
-// All pairs into spare, those of parts in the order of ids: colours must not depend on the order
-// of slots, which depends on earlier steps. Memory is reserved.
-static size_t collect_pairs(const disk_state *s, implicit_state *z)
-{
-    size_t n = 0;
-
-    memset(z->used, 0, s->n_padded * sizeof *z->used);
-    collect_candidates(s, z, &n);
-    for (size_t id = 0; id < s->n; id++) {
-        z->first[id] = (uint32_t)n;
-        if (s->slot_of[id] < s->n_live)
-            collect_of_part(s, z, s->slot_of[id], &n);
-    }
-    z->first[s->n] = (uint32_t)n;
-    return n;
-}
-
-// Impulses of the pairs in z->pairs go to the same pairs among the n in spare.
-static void warm_start(const disk_state *s, implicit_state *z, size_t n)
-{
-    memset(z->head, 0xff, s->n * sizeof *z->head);
-    for (size_t k = 0; k < z->n_pairs; k++) {
-        const implicit_pair *old = &z->pairs[k];
-        if (old->normal == 0.0 && old->sliding == 0.0)
-            continue;
-        z->next[k] = z->head[old->id[0]];
-        z->head[old->id[0]] = (uint32_t)k;
-    }
-    for (size_t k = 0; k < n; k++) {
-        implicit_pair *pair = &z->spare[k];
-        uint32_t at = z->head[pair->id[0]];
-        while (at != nothing && z->pairs[at].id[1] != pair->id[1])
-            at = z->next[at];
-        if (at == nothing)
-            continue;
-        pair->normal = z->pairs[at].normal;
-        pair->sliding = z->pairs[at].sliding;
-    }
-}
-
-// Where each group begins if the n pairs in spare are sorted by groups.
-static void count_groups(implicit_state *z, size_t n)
-{
-    memset(z->group, 0, sizeof z->group);
-    for (size_t k = 0; k < n; k++)
-        z->group[z->colour[k] + 1]++;
-    for (size_t g = 0; g < IMPLICIT_GROUPS; g++)
-        z->group[g + 1] += z->group[g];
-}
-
-// The n pairs in spare by their groups into z->pairs, whose memory is reserved; coloured ones by slots, so that
-// memory is accessed in order, the others in their present order.
-static void sort_pairs(const disk_state *s, implicit_state *z, size_t n)
-{
-    size_t at[IMPLICIT_GROUPS];
-
-    count_groups(z, n);
-    memcpy(at, z->group, sizeof at);
-    for (size_t slot = 0; slot < s->n_live; slot++) {
-        uint32_t id = s->id_of[slot];
-        for (size_t k = z->first[id]; k < z->first[id + 1]; k++)
-            if (z->colour[k] != IMPLICIT_REST)
-                z->pairs[at[z->colour[k]]++] = z->spare[k];
-    }
-    for (size_t k = 0; k < n; k++)
-        if (z->colour[k] < IMPLICIT_BOUNDARY || z->colour[k] == IMPLICIT_REST)
-            z->pairs[at[z->colour[k]]++] = z->spare[k];
-    z->n_pairs = n;
-}
-
-static int reserve_pairs(implicit_state *z, size_t n)
-{
-    size_t n_pieces = n / IMPLICIT_PIECE + IMPLICIT_GROUPS;
-
-    return memory_reserve(&z->pairs, &z->pairs_capacity, n, sizeof *z->pairs) ||
-           memory_reserve(&z->pieces, &z->pieces_capacity, n_pieces, sizeof *z->pieces);
-}
-
-// Groups into pieces. Returns how many blocks they need.
-static size_t cut_groups(const disk_state *s, implicit_state *z)
-{
-    size_t n = 0, n_blocks = 0;
-
-    for (size_t g = 0; g < IMPLICIT_GROUPS; g++) {
-        const bool is_rest = g == IMPLICIT_REST;
-        const size_t end = z->group[g + 1];
-        z->group_piece[g] = n;
-        for (size_t first = z->group[g]; first < end;) {
-            size_t left = end - first;
-            size_t length = !is_rest && left > IMPLICIT_PIECE ? IMPLICIT_PIECE : left;
-            z->pieces[n] =
-                (implicit_piece){ .first = first,
-                                  .last = first + length,
-                                  .block = n_blocks,
-                                  .static_body = s->void_slot + (uint32_t)(n - z->group_piece[g]),
-                                  .is_rest = is_rest };
-            n_blocks += is_rest ? length : (length + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH;
-            first += length;
-            n++;
-        }
-    }
-    z->group_piece[IMPLICIT_GROUPS] = n;
-    return n_blocks;
-}
-
-// The row of a contact with the boundary where plates move. Such contacts are in the first groups and in the last.
-static size_t row_of_driven(const implicit_state *z, size_t index)
-{
-    const size_t n_first = z->group[IMPLICIT_BOUNDARY];
-
-    return z->first_driven + (index < n_first ? index : n_first + index - z->group[IMPLICIT_REST]);
-}
-
-bf_status disk_implicit__cut(const disk_state *s, implicit_state *z, bf_error *err)
-{
-    size_t n_blocks = cut_groups(s, z);
-
-    if (memory_reserve(&z->blocks, &z->blocks_capacity, n_blocks, sizeof *z->blocks) ||
-        (s->plates.n > 0 && memory_reserve(&z->bodies, &z->bodies_capacity,
-                                           row_of_driven(z, z->n_pairs), sizeof *z->bodies)))
-        return fail_for_memory(err);
-    return BF_OK;
-}
-
-bf_status disk_implicit__reserve(implicit_state *z, size_t n, bf_error *err)
-{
-    return reserve_pairs(z, n) ? fail_for_memory(err) : BF_OK;
-}
-
-bf_status disk_implicit__choose(disk_state *s, implicit_state *z, bf_error *err)
-{
-    size_t bound = bound_pairs(s);
-
-    if (memory_reserve(&z->spare, &z->spare_capacity, bound, sizeof *z->spare) ||
-        memory_reserve(&z->colour, &z->colour_capacity, bound, sizeof *z->colour) ||
-        memory_reserve(&z->next, &z->next_capacity, z->n_pairs, sizeof *z->next) ||
-        reserve_pairs(z, bound))
-        return fail_for_memory(err);
-    size_t n = collect_pairs(s, z);
-    warm_start(s, z, n);
-    sort_pairs(s, z, n);
-    return disk_implicit__cut(s, z, err);
-}
-
-void disk_implicit__locate(const disk_state *s, implicit_state *z)
-{
-    for (size_t k = 0; k < z->n_pairs; k++)
-        for (int end = 0; end < 2; end++) {
-            uint32_t id = z->pairs[k].id[end];
-            bool is_there = id < IMPLICIT_FEATURE && s->is_gone[id] == MICRO_HERE;
-            z->pairs[k].slot[end] = is_there ? s->slot_of[id] : s->void_slot;
-        }
-}
-
-// The geometry and the law of a contact; the normal points from part 0 to part 1.
+// Where the bodies of a pair touch; the normal points from body 0 to body 1.
 typedef struct contact_geometry {
     double nx;        // unit normal
     double ny;        //
     double gap;       // m, negative: overlap
-    double stiffness; // N/m
-    double damping;   // N s/m
-    double friction;  // mu
-    double rate;      // lambda, s/m
     double vx;        // velocity of the boundary in the contact, m/s
     double vy;        //
-    double inv_mass;  // change of the parting speed by a unit impulse along n, 1/kg
     double radius[2]; // m; 0 for the boundary
 } contact_geometry;
 
 // False if the parts do not come nearer than `margin`.
-static bool find_contact_of_parts(const disk_state *s, const implicit_pair *pair, double margin,
+static bool find_contact_of_parts(const disk *a, const disk *b, double margin,
                                   contact_geometry *ret_m)
 {
-    const disk *a = &s->now[pair->slot[0]], *b = &s->now[pair->slot[1]];
     double dx = b->x - a->x, dy = b->y - a->y;
     double range = a->radius + b->radius + margin, square = dx * dx + dy * dy;
 
@@ -252,11 +29,6 @@ static bool find_contact_of_parts(const disk_state *s, const implicit_pair *pair
     *ret_m = (contact_geometry){ .nx = distance > 0.0 ? dx * inverse : 1.0,
                                  .ny = dy * inverse,
                                  .gap = distance - (a->radius + b->radius),
-                                 .stiffness = s->cargo.line / (a->compliance + b->compliance),
-                                 .damping = s->cargo.damping,
-                                 .friction = s->cargo.friction,
-                                 .rate = s->cargo.tanh_linear,
-                                 .inv_mass = a->inv_mass + b->inv_mass,
                                  .radius = { a->radius, b->radius } };
     return true;
 }
@@ -270,7 +42,6 @@ static bool face_near(const disk_face *f, const disk *part, double range, contac
     m->nx = -f->nx;
     m->ny = -f->ny;
     m->gap = off - part->radius;
-    m->friction = f->friction;
     return along >= f->from && along < f->to && off > -f->depth && off < range;
 }
 
@@ -285,7 +56,6 @@ static bool arc_near(const disk_arc *a, const disk *part, double range, contact_
     m->nx = -cx / distance;
     m->ny = -cy / distance;
     m->gap = off - part->radius;
-    m->friction = a->friction;
     return true;
 }
 
@@ -304,17 +74,10 @@ static bool follow_plate(const disk_state *s, const disk *part, size_t feature, 
     return m->gap < margin;
 }
 
-static bool find_contact_with_boundary(const disk_state *s, const implicit_pair *pair,
+static bool find_contact_with_boundary(const disk_state *s, const disk *part, size_t feature,
                                        double margin, contact_geometry *ret_m)
 {
-    const disk *part = &s->now[pair->slot[0]];
-    size_t feature = pair->id[1] - IMPLICIT_FEATURE;
-    contact_geometry m = { .stiffness =
-                               s->handling.line / (part->compliance + s->handling_compliance),
-                           .damping = s->handling.damping,
-                           .rate = s->handling.tanh_linear,
-                           .inv_mass = part->inv_mass,
-                           .radius = { part->radius, 0.0 } };
+    contact_geometry m = { .radius = { part->radius, 0.0 } };
     double range = part->radius + margin;
     bool is_near = feature < s->n_faces ? face_near(&s->faces[feature], part, range, &m)
                                         : arc_near(&s->arcs[feature - s->n_faces], part, range, &m);
@@ -326,94 +89,302 @@ static bool find_contact_with_boundary(const disk_state *s, const implicit_pair 
     return is_near;
 }
 
-// Let a row move with the boundary.
-static void drive(const implicit_state *z, size_t row, const contact_geometry *m)
+// The row of a body of a pair.
+static size_t body_of(const implicit_block *block, int end, size_t lane)
 {
-    z->bodies[row] = (solver_body){ .vx = m->vx, .vy = m->vy };
+    return block->row[end][lane] / SIMD_QUAD;
 }
 
-static void set_lane(const disk_state *s, const implicit_state *z, size_t index,
-                     const contact_geometry *m, implicit_block *block, size_t lane)
+// The contact of a pair; false if it has none. Parts that left before the list was made stand behind the others.
+static bool find_contact(const disk_state *s, const implicit_state *z, const implicit_block *block,
+                         size_t lane, double margin, contact_geometry *ret_m)
 {
-    const implicit_pair *pair = &z->pairs[index];
-    const double h = s->def.dt, overlap = -m->gap, pressed = overlap > 0.0 ? overlap : 0.0;
-    const double joint = h * m->stiffness + m->damping,
-                 scale = 1.0 / (1.0 + h * joint * m->inv_mass);
+    const size_t a = body_of(block, 0, lane), b = body_of(block, 1, lane);
 
-    block->pair[lane] = (uint32_t)index;
-    block->row[0][lane] = pair->slot[0] * SIMD_ROW;
-    if (!implicit_is_at_boundary(pair)) {
-        block->row[1][lane] = pair->slot[1] * SIMD_ROW;
-    } else if (s->plates.n > 0) {
-        const size_t row = row_of_driven(z, index);
-        drive(z, row, m);
-        block->row[1][lane] = (uint32_t)row * SIMD_ROW;
+    if (a >= s->n_live || (b >= s->n_live && b < z->first_feature))
+        return false;
+    return b < s->n_live ? find_contact_of_parts(&s->now[a], &s->now[b], margin, ret_m)
+                         : find_contact_with_boundary(
+                               s, &s->now[a], z->features[b - z->first_feature], margin, ret_m);
+}
+
+// The numbers of a law.
+typedef struct pair_law {
+    double stiffness;   // N/m
+    double damping;     // N s/m
+    double friction;    // mu
+    double rate;        // lambda, s/m
+    double lower_bound; // of J
+    double radius[2];   // m
+    double inv_mass[2]; // 1/kg
+} pair_law;
+
+static pair_law law_of_parts(const disk_state *s, const disk *a, const disk *b)
+{
+    return (pair_law){ .stiffness = s->cargo.line / (a->compliance + b->compliance),
+                       .damping = s->cargo.damping,
+                       .friction = s->cargo.friction,
+                       .rate = s->cargo.tanh_linear,
+                       .radius = { a->radius, b->radius },
+                       .inv_mass = { a->inv_mass, b->inv_mass } };
+}
+
+static pair_law law_with_boundary(const disk_state *s, const disk *part, size_t feature)
+{
+    return (pair_law){ .stiffness = s->handling.line / (part->compliance + s->handling_compliance),
+                       .damping = s->handling.damping,
+                       .friction = feature < s->n_faces ? s->faces[feature].friction
+                                                        : s->arcs[feature - s->n_faces].friction,
+                       .rate = s->handling.tanh_linear,
+                       .radius = { part->radius, 0.0 },
+                       .inv_mass = { part->inv_mass, 0.0 } };
+}
+
+static void set_law(implicit_law *law, size_t lane, const pair_law *of, double h)
+{
+    const double joint = h * of->stiffness + of->damping;
+    const double scale = 1.0 / (1.0 + h * joint * (of->inv_mass[0] + of->inv_mass[1]));
+
+    law->joint[lane] = joint;
+    law->damping[lane] = of->damping;
+    law->scale[lane] = scale;
+    law->gain[lane] = h * joint * scale;
+    law->lower_bound[lane] = of->lower_bound;
+    law->friction[lane] = of->friction;
+    law->rate[lane] = of->rate;
+    for (int end = 0; end < 2; end++) {
+        law->radius[end][lane] = of->radius[end];
+        law->inv_mass[end][lane] = of->inv_mass[end];
     }
-    block->nx[lane] = m->nx;
-    block->ny[lane] = m->ny;
-    block->bias[lane] = (joint * overlap - m->damping * pressed) * scale;
-    block->gain[lane] = h * joint * scale;
-    block->lower_bound[lane] = s->def.tension && overlap > 0.0 ? -HUGE_VAL : 0.0;
-    block->friction[lane] = m->friction;
-    block->rate[lane] = m->rate;
-    block->lever[0][lane] = m->radius[0] - 0.5 * overlap;
-    block->lever[1][lane] = m->radius[1] - 0.5 * overlap;
-    block->normal[lane] = pair->normal;
-    block->sliding[lane] = pair->sliding;
 }
 
-static void clear_block(implicit_block *block, uint32_t static_body)
+void disk_implicit__set_common_law(const disk_state *s, implicit_state *z)
 {
-    memset(block, 0, sizeof *block);
-    for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++) {
-        block->row[0][lane] = block->row[1][lane] = static_body * SIMD_ROW;
-        block->pair[lane] = UINT32_MAX;
-    }
+    const disk *part = &s->kinds[0].part;
+    const pair_law law = law_of_parts(s, part, part);
+
+    for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
+        set_law(&z->laws[0], lane, &law, s->def.dt);
 }
 
-static void raise_overlap(implicit_piece *p, const contact_geometry *m)
+// The law of the contact of a pair with a gap, m.
+static void set_own_law(const disk_state *s, const implicit_state *z, const implicit_block *block,
+                        size_t lane, double gap, implicit_law *law)
 {
-    double small = m->radius[1] > 0.0 && m->radius[1] < m->radius[0] ? m->radius[1] : m->radius[0];
+    const disk *part = &s->now[body_of(block, 0, lane)];
+    const size_t b = body_of(block, 1, lane);
+    pair_law own = b < z->first_feature
+                       ? law_of_parts(s, part, &s->now[b])
+                       : law_with_boundary(s, part, z->features[b - z->first_feature]);
 
+    own.lower_bound = s->def.tension && gap < 0.0 ? -HUGE_VAL : 0.0;
+    set_law(law, lane, &own, s->def.dt);
+}
+
+// Blocks of a piece with its contacts.
+static implicit_blocks blocks_of(const implicit_state *z, const implicit_piece *p)
+{
+    return (implicit_blocks){ .n = (p->n_front + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH,
+                              .pairs = &z->blocks[p->block],
+                              .contacts = &z->contacts[p->block],
+                              .laws = &z->laws[p->law],
+                              .is_one_law = p->is_one_law };
+}
+
+// Contact k at the front of a piece. The boundary has a body of its own for it.
+static void set_contact(const disk_state *s, implicit_state *z, implicit_piece *p, size_t k,
+                        const contact_geometry *m)
+{
+    const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+    const implicit_block *block = &z->blocks[p->block + at];
+    implicit_contacts *contacts = &z->contacts[p->block + at];
+    const size_t b = body_of(block, 1, lane);
+    const double small =
+        m->radius[1] > 0.0 && m->radius[1] < m->radius[0] ? m->radius[1] : m->radius[0];
+
+    contacts->nx[lane] = m->nx;
+    contacts->ny[lane] = m->ny;
+    contacts->overlap[lane] = -m->gap;
+    if (!p->is_one_law)
+        set_own_law(s, z, block, lane, m->gap, &z->laws[p->law + at]);
+    if (b >= z->first_feature)
+        z->bodies.rows[b] = (solver_body){ .vx = m->vx, .vy = m->vy };
     p->overlap = -m->gap > p->overlap ? -m->gap : p->overlap;
     p->overlap_share = -m->gap > p->overlap_share * small ? -m->gap / small : p->overlap_share;
+}
+
+// Set n doubles of a lane to zero: those of an implicit_contacts or of an implicit_law.
+static void clear_lane(double *block, size_t n, size_t lane)
+{
+    for (size_t k = 0; k < n; k++)
+        block[k * IMPLICIT_WIDTH + lane] = 0.0;
+}
+
+static void copy_pair(implicit_block *blocks, size_t to, size_t from)
+{
+    const size_t lane = from % IMPLICIT_WIDTH, to_lane = to % IMPLICIT_WIDTH;
+    const implicit_block *of = &blocks[from / IMPLICIT_WIDTH];
+    implicit_block *block = &blocks[to / IMPLICIT_WIDTH];
+
+    block->row[0][to_lane] = of->row[0][lane];
+    block->row[1][to_lane] = of->row[1][lane];
+    block->normal[to_lane] = of->normal[lane];
+    block->sliding[to_lane] = of->sliding[lane];
+}
+
+// Pairs that are near come from the end of a piece to its front.
+static void bring_near(const disk_state *s, const implicit_state *z, implicit_piece *p,
+                       double margin)
+{
+    implicit_block *blocks = &z->blocks[p->block];
+    const size_t end = p->n_blocks * IMPLICIT_WIDTH;
+    size_t first = end - (p->n - p->n_front);
+    contact_geometry m;
+
+    for (size_t at = first; at < end; at++)
+        if (find_contact(s, z, &blocks[at / IMPLICIT_WIDTH], at % IMPLICIT_WIDTH, margin, &m)) {
+            copy_pair(blocks, p->n_front++, at);
+            copy_pair(blocks, at, first++);
+        }
+}
+
+// A pair at the front goes to the end, without impulses, and the last one of the front takes its place.
+static void send_away(const implicit_state *z, implicit_piece *p, size_t k)
+{
+    implicit_block *blocks = &z->blocks[p->block];
+    const size_t end = p->n_blocks * IMPLICIT_WIDTH - (p->n - p->n_front) - 1;
+
+    blocks[k / IMPLICIT_WIDTH].normal[k % IMPLICIT_WIDTH] = 0.0;
+    blocks[k / IMPLICIT_WIDTH].sliding[k % IMPLICIT_WIDTH] = 0.0;
+    copy_pair(blocks, end, k);
+    copy_pair(blocks, k, --p->n_front);
+}
+
+// Let the lanes behind the last contact of a piece have none.
+static void clear_rest(const implicit_state *z, const implicit_piece *p)
+{
+    for (size_t k = p->n_front; k % IMPLICIT_WIDTH != 0; k++) {
+        const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+        implicit_block *block = &z->blocks[p->block + at];
+        block->row[0][lane] = block->row[1][lane] = p->static_body * SIMD_QUAD;
+        block->normal[lane] = block->sliding[lane] = 0.0;
+        clear_lane(z->contacts[p->block + at].nx, sizeof *z->contacts / sizeof z->contacts->nx,
+                   lane);
+        if (!p->is_one_law)
+            clear_lane(z->laws[p->law + at].joint, sizeof *z->laws / sizeof z->laws->joint, lane);
+    }
+}
+
+static void find_contacts(const disk_state *s, implicit_state *z, implicit_piece *p, double margin)
+{
+    contact_geometry m;
+
+    bring_near(s, z, p, margin);
+    for (size_t k = 0; k < p->n_front;) {
+        if (find_contact(s, z, &z->blocks[p->block + k / IMPLICIT_WIDTH], k % IMPLICIT_WIDTH,
+                         margin, &m))
+            set_contact(s, z, p, k++, &m);
+        else
+            send_away(z, p, k);
+    }
+    clear_rest(z, p);
+}
+
+// The pairs of the last group stay in their order; those without a contact have an infinite gap.
+static void find_contacts_in_order(const disk_state *s, implicit_state *z, implicit_piece *p,
+                                   double margin)
+{
+    contact_geometry m;
+
+    for (size_t k = 0; k < p->n; k++) {
+        const size_t at = p->block + k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+        if (find_contact(s, z, &z->blocks[at], lane, margin, &m)) {
+            set_contact(s, z, p, k, &m);
+            continue;
+        }
+        z->contacts[at].overlap[lane] = -HUGE_VAL;
+        z->blocks[at].normal[lane] = z->blocks[at].sliding[lane] = 0.0;
+    }
+}
+
+typedef void kernel(solver_body *bodies, const implicit_blocks *blocks);
+
+// Copy n doubles of a lane to lane 0, as clear_lane().
+static void take_lane(double *to, const double *from, size_t n, size_t lane)
+{
+    for (size_t k = 0; k < n; k++)
+        to[k * IMPLICIT_WIDTH] = from[k * IMPLICIT_WIDTH + lane];
+}
+
+// Let a kernel work on each contact of the last group in a block of its own.
+static void work_in_order(implicit_state *z, const implicit_piece *p, kernel *work)
+{
+    _Alignas(64) implicit_block pair = { .normal = { 0.0 } };
+    _Alignas(64) implicit_contacts contact = { .nx = { 0.0 } };
+    _Alignas(64) implicit_law law = { .joint = { 0.0 } };
+    const implicit_blocks one = { 1, &pair, &contact, &law, true };
+
+    for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
+        pair.row[0][lane] = pair.row[1][lane] = p->static_body * SIMD_QUAD;
+    for (size_t k = 0; k < p->n; k++) {
+        const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
+        implicit_block *block = &z->blocks[p->block + at];
+        const implicit_contacts *contacts = &z->contacts[p->block + at];
+        if (contacts->overlap[lane] == -HUGE_VAL)
+            continue;
+        pair.row[0][0] = block->row[0][lane];
+        pair.row[1][0] = block->row[1][lane];
+        pair.normal[0] = block->normal[lane];
+        pair.sliding[0] = block->sliding[lane];
+        take_lane(contact.nx, contacts->nx, sizeof contact / sizeof contact.nx, lane);
+        take_lane(law.joint, z->laws[p->law + at].joint, sizeof law / sizeof law.joint, lane);
+        work(z->bodies.rows, &one);
+        block->normal[lane] = pair.normal[0];
+        block->sliding[lane] = pair.sliding[0];
+    }
+}
+
+static void work_on(implicit_state *z, const implicit_piece *p, kernel *work)
+{
+    const implicit_blocks blocks = blocks_of(z, p);
+
+    if (p->is_rest)
+        work_in_order(z, p, work);
+    else
+        work(z->bodies.rows, &blocks);
 }
 
 void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t piece,
                                   double margin)
 {
     implicit_piece *p = &z->pieces[piece];
-    const size_t width = p->is_rest ? 1 : IMPLICIT_WIDTH;
-    size_t n = 0;
 
     p->overlap = p->overlap_share = 0.0;
-    for (size_t k = p->first; k < p->last; k++) {
-        implicit_pair *pair = &z->pairs[k];
-        contact_geometry m = { 0 };
-        if (!(implicit_is_at_boundary(pair) ? find_contact_with_boundary(s, pair, margin, &m)
-                                            : find_contact_of_parts(s, pair, margin, &m))) {
-            pair->normal = pair->sliding = 0.0;
-            continue;
-        }
-        implicit_block *block = &z->blocks[p->block + n / width];
-        if (n % width == 0)
-            clear_block(block, p->static_body);
-        set_lane(s, z, k, &m, block, n++ % width);
-        raise_overlap(p, &m);
-    }
-    p->n_blocks = (n + width - 1) / width;
-    z->kernels->warm_start(z->bodies, &z->blocks[p->block], p->n_blocks);
+    z->bodies.rows[p->static_body] = (solver_body){ .vx = 0.0 };
+    if (p->is_rest)
+        find_contacts_in_order(s, z, p, margin);
+    else
+        find_contacts(s, z, p, margin);
+    work_on(z, p, z->kernels->warm_start);
 }
 
-void disk_implicit__store_impulses(implicit_state *z, size_t piece)
+void disk_implicit__solve(implicit_state *z, size_t piece)
 {
-    const implicit_piece *p = &z->pieces[piece];
+    work_on(z, &z->pieces[piece], z->kernels->solve);
+}
 
-    for (size_t k = p->block; k < p->block + p->n_blocks; k++) {
-        const implicit_block *b = &z->blocks[k];
-        for (size_t lane = 0; lane < IMPLICIT_WIDTH && b->pair[lane] != UINT32_MAX; lane++) {
-            z->pairs[b->pair[lane]].normal = b->normal[lane];
-            z->pairs[b->pair[lane]].sliding = b->sliding[lane];
+void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals)
+{
+    for (size_t piece = 0; piece < z->group_piece[IMPLICIT_GROUPS]; piece++) {
+        const implicit_piece *p = &z->pieces[piece];
+        for (size_t k = 0; k < p->n; k++) {
+            size_t lane;
+            const implicit_block *block = implicit_lane(z, p, k, &lane);
+            const size_t a = body_of(block, 0, lane), b = body_of(block, 1, lane);
+            contact_geometry m;
+            if (a < s->n_live && b < s->n_live &&
+                find_contact_of_parts(&s->now[a], &s->now[b], s->radius_min, &m))
+                disk__count_contact(totals, -m.gap, fmin(m.radius[0], m.radius[1]));
         }
     }
 }

@@ -10,27 +10,42 @@ static inline simd size_of(simd x)
     return simd_max(x, -x);
 }
 
-// The first quad of rows at arbitrary places; a row that occurs twice must have the same values.
+// Rows at arbitrary places; a row that occurs twice must have the same values.
 static inline void scatter(solver_body *bodies, const uint32_t *at, const simd_quad *quad)
 {
-    _Alignas(64) double rows[SIMD_LANES * SIMD_ROW];
+    _Alignas(64) double rows[SIMD_LANES * SIMD_QUAD];
 
-    simd_quad_store(rows, quad);
+    simd_quad_store(rows, SIMD_QUAD, quad);
     for (int k = 0; k < SIMD_LANES; k++)
-        memcpy(&bodies->vx + at[k], &rows[k * SIMD_ROW], 4 * sizeof(double));
+        memcpy(&bodies->vx + at[k], &rows[k * SIMD_QUAD], sizeof *bodies);
 }
 
-// SIMD_LANES contacts of a block and the motion of both ends: vx, vy, spin and inv_mass of both ends.
+// SIMD_LANES contacts: both bodies (vx, vy, spin, inv_inertia), the normal, the levers from the centres to the contact
+// and the changes of both spins by a unit sliding impulse, 1/(kg m).
 typedef struct ends {
     simd_quad a, b;
-    simd nx, ny;
+    simd nx, ny, overlap;
+    simd lever[2], inv_mass[2], turn[2];
 } ends;
 
-static inline ends load_ends(const solver_body *bodies, const implicit_block *block, size_t lane)
+static inline ends load_ends(const solver_body *bodies, const implicit_block *block,
+                             const implicit_contacts *contacts, const implicit_law *law,
+                             size_t lane)
 {
-    return (ends){ simd_quad_load(&bodies->vx, block->row[0] + lane),
-                   simd_quad_load(&bodies->vx, block->row[1] + lane), simd_load(block->nx + lane),
-                   simd_load(block->ny + lane) };
+    ends e = { .a = simd_quad_load(&bodies->vx, block->row[0] + lane),
+               .b = simd_quad_load(&bodies->vx, block->row[1] + lane),
+               .nx = simd_load(contacts->nx + lane),
+               .ny = simd_load(contacts->ny + lane),
+               .overlap = simd_load(contacts->overlap + lane),
+               .inv_mass = { simd_load(law->inv_mass[0] + lane),
+                             simd_load(law->inv_mass[1] + lane) } };
+    const simd half = 0.5 * e.overlap;
+
+    e.lever[0] = simd_load(law->radius[0] + lane) - half;
+    e.lever[1] = simd_load(law->radius[1] + lane) - half;
+    e.turn[0] = e.lever[0] * e.a.column[3];
+    e.turn[1] = e.lever[1] * e.b.column[3];
+    return e;
 }
 
 // Apply impulses, or their changes, to both ends.
@@ -40,77 +55,82 @@ static inline void apply_impulse(solver_body *bodies, const implicit_block *bloc
     simd x = normal * e->nx - sliding * e->ny, y = normal * e->ny + sliding * e->nx;
     simd *a = e->a.column, *b = e->b.column;
 
-    a[0] -= x * a[3];
-    a[1] -= y * a[3];
-    a[2] -= sliding * simd_load(block->spin_change[0] + lane);
-    b[0] += x * b[3];
-    b[1] += y * b[3];
-    b[2] -= sliding * simd_load(block->spin_change[1] + lane);
+    a[0] -= x * e->inv_mass[0];
+    a[1] -= y * e->inv_mass[0];
+    a[2] -= sliding * e->turn[0];
+    b[0] += x * e->inv_mass[1];
+    b[1] += y * e->inv_mass[1];
+    b[2] -= sliding * e->turn[1];
     scatter(bodies, block->row[0] + lane, &e->a);
     scatter(bodies, block->row[1] + lane, &e->b);
 }
 
-static inline void warm_start_lanes(solver_body *bodies, implicit_block *block, size_t lane)
+static inline const implicit_law *law_of(const implicit_blocks *blocks, size_t k)
 {
-    ends e = load_ends(bodies, block, lane);
-    simd lever0 = simd_load(block->lever[0] + lane), lever1 = simd_load(block->lever[1] + lane);
-    simd_quad a = simd_quad_load(&bodies->inv_inertia, block->row[0] + lane);
-    simd_quad b = simd_quad_load(&bodies->inv_inertia, block->row[1] + lane);
-    simd turn0 = lever0 * a.column[0], turn1 = lever1 * b.column[0];
-
-    simd_store(block->spin_change[0] + lane, turn0);
-    simd_store(block->spin_change[1] + lane, turn1);
-    simd_store(block->inv_slip_mass + lane,
-               e.a.column[3] + e.b.column[3] + lever0 * turn0 + lever1 * turn1);
-    apply_impulse(bodies, block, lane, &e, simd_load(block->normal + lane),
-                  simd_load(block->sliding + lane));
+    return &blocks->laws[blocks->is_one_law ? 0 : k];
 }
 
-static void warm_start(solver_body *bodies, implicit_block *blocks, size_t n)
+static void warm_start(solver_body *bodies, const implicit_blocks *blocks)
 {
-    for (size_t k = 0; k < n; k++)
-        for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += SIMD_LANES)
-            warm_start_lanes(bodies, &blocks[k], lane);
+    for (size_t k = 0; k < blocks->n; k++) {
+        const implicit_block *block = &blocks->pairs[k];
+        for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += SIMD_LANES) {
+            ends e = load_ends(bodies, block, &blocks->contacts[k], law_of(blocks, k), lane);
+            apply_impulse(bodies, block, lane, &e, simd_load(block->normal + lane),
+                          simd_load(block->sliding + lane));
+        }
+    }
+}
+
+// Normal impulse, with the present speed at which the bodies part without it.
+static inline simd normal_impulse(const ends *e, const implicit_law *law, size_t lane, simd parting)
+{
+    simd bias = (simd_load(law->joint + lane) * e->overlap -
+                 simd_load(law->damping + lane) * simd_positive(e->overlap)) *
+                simd_load(law->scale + lane);
+
+    return simd_max(bias - simd_load(law->gain + lane) * parting,
+                    simd_load(law->lower_bound + lane));
 }
 
 // Sliding impulse, with the secant at the present slip.
-static inline simd friction_impulse(const implicit_block *block, size_t lane, simd normal,
-                                    simd slip)
+static inline simd friction_impulse(const ends *e, const implicit_law *law, size_t lane,
+                                    simd normal, simd sliding, simd slip)
 {
-    simd inv_mass = simd_load(block->inv_slip_mass + lane);
-    simd most = normal * simd_load(block->friction + lane), rate = simd_load(block->rate + lane);
+    simd inv_mass =
+        e->inv_mass[0] + e->inv_mass[1] + e->lever[0] * e->turn[0] + e->lever[1] * e->turn[1];
+    simd most = normal * simd_load(law->friction + lane), rate = simd_load(law->rate + lane);
     friction_quotient theta = friction_theta_quick(rate * size_of(slip));
     simd secant = most * rate * theta.up;
-    simd free_slip = slip - inv_mass * simd_load(block->sliding + lane);
+    simd free_slip = slip - inv_mass * sliding;
 
     return simd_min(simd_max(-secant * free_slip / (theta.down + secant * inv_mass), -most), most);
 }
 
 // Each contact is solved for its impulses while all others are fixed.
-static inline void solve_lanes(solver_body *bodies, implicit_block *block, size_t lane)
+static inline void solve_lanes(solver_body *bodies, implicit_block *block,
+                               const implicit_contacts *contacts, const implicit_law *law,
+                               size_t lane)
 {
-    ends e = load_ends(bodies, block, lane);
+    ends e = load_ends(bodies, block, contacts, law, lane);
     const simd *a = e.a.column, *b = e.b.column;
     simd vx = b[0] - a[0], vy = b[1] - a[1];
     simd normal = simd_load(block->normal + lane), sliding = simd_load(block->sliding + lane);
-    simd parting = vx * e.nx + vy * e.ny - (a[3] + b[3]) * normal;
-    simd slip = vy * e.nx - vx * e.ny - a[2] * simd_load(block->lever[0] + lane) -
-                b[2] * simd_load(block->lever[1] + lane);
-    simd new_normal =
-        simd_max(simd_load(block->bias + lane) - simd_load(block->gain + lane) * parting,
-                 simd_load(block->lower_bound + lane));
-    simd new_sliding = friction_impulse(block, lane, size_of(new_normal), slip);
+    simd parting = vx * e.nx + vy * e.ny - (e.inv_mass[0] + e.inv_mass[1]) * normal;
+    simd slip = vy * e.nx - vx * e.ny - a[2] * e.lever[0] - b[2] * e.lever[1];
+    simd new_normal = normal_impulse(&e, law, lane, parting);
+    simd new_sliding = friction_impulse(&e, law, lane, size_of(new_normal), sliding, slip);
 
     apply_impulse(bodies, block, lane, &e, new_normal - normal, new_sliding - sliding);
     simd_store(block->normal + lane, new_normal);
     simd_store(block->sliding + lane, new_sliding);
 }
 
-static void solve(solver_body *bodies, implicit_block *blocks, size_t n)
+static void solve(solver_body *bodies, const implicit_blocks *blocks)
 {
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < blocks->n; k++)
         for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += SIMD_LANES)
-            solve_lanes(bodies, &blocks[k], lane);
+            solve_lanes(bodies, &blocks->pairs[k], &blocks->contacts[k], law_of(blocks, k), lane);
 }
 
 // Belts under SIMD_LANES parts.
@@ -132,42 +152,43 @@ static inline belt_lanes load_belts(const disk_state *s, const disk_belt *belts,
     return g;
 }
 
-// Velocities of SIMD_LANES bodies with the friction of the belts: quads of a solver_body.
+// Velocities v of SIMD_LANES bodies with the friction of the belts; dvx and dvy are its changes of them.
 static inline void belt_friction_lanes(const disk_state *s, double belt_secant, const belt_lanes *g,
-                                       simd_quad *low, simd_quad *high)
+                                       simd *v, simd *dvx, simd *dvy)
 {
-    simd *v = low->column, *belt_dv = high->column + 1;
     simd ux = v[0] - g->vx, uy = v[1] - g->vy;
     friction_quotient theta =
         friction_theta_quick(s->belt.tanh_linear * simd_sqrt(ux * ux + uy * uy));
     simd secant = g->on_belt * belt_secant * theta.up, ratio = secant / (theta.down + secant);
-    simd belt_dvx = ratio * (belt_dv[0] - ux), belt_dvy = ratio * (belt_dv[1] - uy);
+    simd new_dvx = ratio * (*dvx - ux), new_dvy = ratio * (*dvy - uy);
 
-    v[0] += belt_dvx - belt_dv[0];
-    v[1] += belt_dvy - belt_dv[1];
-    belt_dv[0] = belt_dvx;
-    belt_dv[1] = belt_dvy;
+    v[0] += new_dvx - *dvx;
+    v[1] += new_dvy - *dvy;
+    *dvx = new_dvx;
+    *dvy = new_dvy;
 }
 
-static inline void index_rows(size_t slot, uint32_t *ret_at)
+// Rows of consecutive slots in a table whose rows have a length, doubles.
+static inline void index_rows(size_t slot, size_t length, uint32_t *ret_at)
 {
     for (size_t k = 0; k < SIMD_LANES; k++)
-        ret_at[k] = (uint32_t)(slot + k) * SIMD_ROW;
+        ret_at[k] = (uint32_t)((slot + k) * length);
 }
 
-static void apply_belt_friction(const disk_state *s, const implicit_step *step, solver_body *bodies,
-                                size_t first, size_t last)
+static void apply_belt_friction(const disk_state *s, const implicit_step *step,
+                                const implicit_bodies *bodies, size_t first, size_t last)
 {
     uint32_t at[SIMD_LANES];
 
     for (size_t slot = first; slot < last; slot += SIMD_LANES) {
         belt_lanes g = load_belts(s, step->belts, slot);
-        index_rows(slot, at);
-        simd_quad low = simd_quad_load(&bodies->vx, at);
-        simd_quad high = simd_quad_load(&bodies->inv_inertia, at);
-        belt_friction_lanes(s, step->belt_secant, &g, &low, &high);
-        simd_quad_store(&bodies[slot].vx, &low);
-        simd_quad_store(&bodies[slot].inv_inertia, &high);
+        index_rows(slot, SIMD_QUAD, at);
+        simd_quad body = simd_quad_load(&bodies->rows->vx, at);
+        simd dvx = simd_load(bodies->belt_dvx + slot), dvy = simd_load(bodies->belt_dvy + slot);
+        belt_friction_lanes(s, step->belt_secant, &g, body.column, &dvx, &dvy);
+        simd_quad_store(&bodies->rows[slot].vx, SIMD_QUAD, &body);
+        simd_store(bodies->belt_dvx + slot, dvx);
+        simd_store(bodies->belt_dvy + slot, dvy);
     }
 }
 
@@ -201,8 +222,8 @@ static simd load_decelerations(const disk_state *s, size_t slot)
                          : simd_load(s->spin_deceleration + slot);
 }
 
-static driver_extremes predict(const disk_state *s, const implicit_step *step, solver_body *bodies,
-                               size_t first, size_t last)
+static driver_extremes predict(const disk_state *s, const implicit_step *step,
+                               const implicit_bodies *bodies, size_t first, size_t last)
 {
     const simd zero = simd_all(0.0), rate = simd_all(s->belt.tanh_spin * s->def.dt);
     greatest all = { zero, zero };
@@ -210,20 +231,21 @@ static driver_extremes predict(const disk_state *s, const implicit_step *step, s
 
     for (size_t slot = first; slot < last; slot += SIMD_LANES) {
         belt_lanes g = load_belts(s, step->belts, slot);
-        index_rows(slot, at);
+        index_rows(slot, SIMD_ROW, at);
         simd_quad row = simd_quad_load(&s->now->x, at), more = simd_quad_load(&s->now->spin, at);
         simd *x = row.column, spin = more.column[0], r = more.column[1], inv_mass = more.column[3];
         friction_quotient theta = friction_theta_quick(s->belt.tanh_spin * size_of(spin));
         simd loose =
             theta.down / (theta.down + rate * g.on_belt * load_decelerations(s, slot) * theta.up);
-        simd_quad low = { { step->damping_factor * x[2], step->damping_factor * x[3],
-                            s->spin_damping * spin * loose, inv_mass } };
-        simd_quad high = { { 2.0 * inv_mass / (r * r) * loose, zero, zero, zero } };
-        belt_friction_lanes(s, step->belt_secant, &g, &low, &high);
-        simd_quad_store(&bodies[slot].vx, &low);
-        simd_quad_store(&bodies[slot].inv_inertia, &high);
+        simd_quad body = { { step->damping_factor * x[2], step->damping_factor * x[3],
+                             s->spin_damping * spin * loose, 2.0 * inv_mass / (r * r) * loose } };
+        simd dvx = zero, dvy = zero;
+        belt_friction_lanes(s, step->belt_secant, &g, body.column, &dvx, &dvy);
+        simd_quad_store(&bodies->rows[slot].vx, SIMD_QUAD, &body);
+        simd_store(bodies->belt_dvx + slot, dvx);
+        simd_store(bodies->belt_dvy + slot, dvy);
         note_speeds(&all, x[0], x[1], x[2], x[3], spin);
-        note_speeds(&all, x[0], x[1], low.column[0], low.column[1], low.column[2]);
+        note_speeds(&all, x[0], x[1], body.column[0], body.column[1], body.column[2]);
     }
     return fold(&all);
 }
@@ -232,17 +254,18 @@ static driver_extremes move(disk_state *s, const solver_body *bodies, size_t fir
 {
     const simd zero = simd_all(0.0), h = simd_all(s->def.dt);
     greatest all = { zero, zero };
-    uint32_t at[SIMD_LANES];
+    uint32_t at[SIMD_LANES], body_at[SIMD_LANES];
 
     for (size_t slot = first; slot < last; slot += SIMD_LANES) {
-        index_rows(slot, at);
-        simd_quad row = simd_quad_load(&s->now->x, at), low = simd_quad_load(&bodies->vx, at);
-        simd *x = row.column, *v = low.column;
+        index_rows(slot, SIMD_ROW, at);
+        index_rows(slot, SIMD_QUAD, body_at);
+        simd_quad row = simd_quad_load(&s->now->x, at), body = simd_quad_load(&bodies->vx, body_at);
+        simd *x = row.column, *v = body.column;
         x[0] += h * v[0];
         x[1] += h * v[1];
         x[2] = v[0];
         x[3] = v[1];
-        simd_quad_store(&s->now[slot].x, &row);
+        simd_quad_store(&s->now[slot].x, SIMD_ROW, &row);
         simd_column_store(&s->now[slot].spin, v[2]);
         simd_store(s->heading + slot, simd_load(s->heading + slot) + h * v[2]);
         note_speeds(&all, x[0], x[1], v[0], v[1], v[2]);

@@ -2,7 +2,7 @@
 ///
 /// explicit_kernels.c and implicit_kernels.c are compiled once per instruction set (core/CMakeLists.txt). All
 /// builds give the same bits, see core/base/simd.h. Tables that are read in lanes have rows of
-/// SIMD_ROW doubles (core/base/simd_rows.h), aligned to their size.
+/// SIMD_ROW or SIMD_QUAD doubles (core/base/simd_rows.h), aligned to their size.
 
 #pragma once
 
@@ -10,13 +10,14 @@
 #include "core/micro/driver.h"
 #include "core/scene/limits.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
     DISK_GROUP = 8,     ///< slots that are handled together
-    DISK_DOUBLES = 8,   ///< doubles in a disk, a face, an arc and a solver_body
-    IMPLICIT_WIDTH = 8, ///< contacts in a block
+    DISK_DOUBLES = 8,   ///< doubles in a disk, a face and an arc
+    IMPLICIT_WIDTH = 8, ///< pairs in a block
 };
 
 /// Coordinate of padding, m: beyond what a scene may hold.
@@ -124,39 +125,61 @@ typedef struct explicit_kernels {
 /// The build for an instruction set.
 const explicit_kernels *disk__explicit_kernels(cpu_level level);
 
-/// Contacts of pairs that are near enough in this step. Normals point from parts 0 to parts 1, impulses are
-/// those on parts 1. Lanes without a pair have a static body at both ends and zeros.
+/// Pairs of bodies that may touch, and their impulses, which outlive a step. Normals point from bodies 0 to bodies 1,
+/// impulses are those on bodies 1. Lanes without a pair have a static body at both ends and no impulses.
 typedef struct implicit_block {
-    uint32_t row[2][IMPLICIT_WIDTH];  ///< rows of bodies for core/base/simd_rows.h: doubles
-    uint32_t pair[IMPLICIT_WIDTH];    ///< indices of pairs; UINT32_MAX: none
-    uint32_t padding[IMPLICIT_WIDTH]; ///< to a cache line
-    double nx[IMPLICIT_WIDTH];        ///< unit normal
-    double ny[IMPLICIT_WIDTH];        ///< same
-    double
-        bias[IMPLICIT_WIDTH]; ///< J = max(lower_bound, bias - gain v), v = parting speed without J
-    double gain[IMPLICIT_WIDTH];           ///< N s per m/s
-    double lower_bound[IMPLICIT_WIDTH];    ///< 0, or -infinity where contacts may pull
-    double friction[IMPLICIT_WIDTH];       ///< mu
-    double rate[IMPLICIT_WIDTH];           ///< lambda, s/m
-    double lever[2][IMPLICIT_WIDTH];       ///< from the centres to the contact, m
-    double spin_change[2][IMPLICIT_WIDTH]; ///< of both parts by a sliding impulse, 1/(kg m)
-    double inv_slip_mass[IMPLICIT_WIDTH];  ///< change of the slip by a unit sliding impulse, 1/kg
-    double normal[IMPLICIT_WIDTH];         ///< J so far, N s
-    double sliding[IMPLICIT_WIDTH];        ///< sliding impulse so far, N s
+    uint32_t row
+        [2]
+        [IMPLICIT_WIDTH]; ///< where bodies begin in their table, doubles; see implicit_state.is_current
+    double normal[IMPLICIT_WIDTH];  ///< J of the last step, or so far, N s
+    double sliding[IMPLICIT_WIDTH]; ///< same along the tangent, the normal turned left
 } implicit_block;
 
-/// Velocity of a part within a step, and how impulses change it. The rows of slots are followed by those of
-/// static bodies.
+/// Where the bodies of a block touch in this step; zeros in lanes without a pair.
+typedef struct implicit_contacts {
+    double nx[IMPLICIT_WIDTH];      ///< unit normal
+    double ny[IMPLICIT_WIDTH];      ///< same
+    double overlap[IMPLICIT_WIDTH]; ///< m; negative: a gap
+} implicit_contacts;
+
+/// What the contacts of a block have from the kinds of their bodies, h the step:
+/// J = max(lower_bound, scale (joint overlap - damping max(overlap, 0)) - gain v), v = parting speed without J.
+typedef struct implicit_law {
+    double joint[IMPLICIT_WIDTH];       ///< E = h k + d, N s/m
+    double damping[IMPLICIT_WIDTH];     ///< d, N s/m
+    double scale[IMPLICIT_WIDTH];       ///< 1/(1 + h E (sum of inv_mass))
+    double gain[IMPLICIT_WIDTH];        ///< h E scale, N s per m/s
+    double lower_bound[IMPLICIT_WIDTH]; ///< 0, or -infinity where contacts may pull
+    double friction[IMPLICIT_WIDTH];    ///< mu
+    double rate[IMPLICIT_WIDTH];        ///< lambda, s/m
+    double radius[2][IMPLICIT_WIDTH];   ///< m; 0 for the boundary
+    double inv_mass[2][IMPLICIT_WIDTH]; ///< 1/kg; 0 for the boundary
+} implicit_law;
+
+/// Blocks that follow one another.
+typedef struct implicit_blocks {
+    size_t n;                          ///< see there
+    implicit_block *pairs;             ///< n
+    const implicit_contacts *contacts; ///< n
+    const implicit_law *laws;          ///< n, or one for all of them
+    bool is_one_law;                   ///< see there
+} implicit_blocks;
+
+/// Velocity of a body within a step, and how impulses turn it. The rows of slots are followed by those of static
+/// bodies and of the boundary.
 typedef struct solver_body {
     double vx;          ///< m/s
     double vy;          ///< same
     double spin;        ///< rad/s
-    double inv_mass;    ///< 1/kg
     double inv_inertia; ///< inverse of the effective inertia for an impulse, 1/(kg m2)
-    double belt_dvx;    ///< change of the velocity by the belt in this step, m/s
-    double belt_dvy;    ///< same
-    double padding;     ///< to a cache line
 } solver_body;
+
+/// The bodies, and by slot the changes of their velocities by the belt in this step.
+typedef struct implicit_bodies {
+    solver_body *rows; ///< see there
+    double *belt_dvx;  ///< m/s
+    double *belt_dvy;  ///< same
+} implicit_bodies;
 
 /// The numbers of an implicit step.
 typedef struct implicit_step {
@@ -167,20 +190,20 @@ typedef struct implicit_step {
 
 /// Implicit steps for one instruction set.
 typedef struct implicit_kernels {
-    /// Complete the blocks' contacts by the terms that depend on spins, and apply their impulses to the bodies.
-    void (*warm_start)(solver_body *bodies, implicit_block *blocks, size_t n);
+    /// Apply the impulses of the blocks to their bodies.
+    void (*warm_start)(solver_body *bodies, const implicit_blocks *blocks);
 
     /// One iteration over the blocks.
-    void (*solve)(solver_body *bodies, implicit_block *blocks, size_t n);
+    void (*solve)(solver_body *bodies, const implicit_blocks *blocks);
 
     /// Bodies of the slots first .. last - 1, both multiples of IMPLICIT_WIDTH, as they would move in a
     /// step without contacts. Returns their extremes, before and after.
-    driver_extremes (*predict)(const disk_state *s, const implicit_step *step, solver_body *bodies,
-                               size_t first, size_t last);
+    driver_extremes (*predict)(const disk_state *s, const implicit_step *step,
+                               const implicit_bodies *bodies, size_t first, size_t last);
 
     /// Update the friction of the belts to the current velocities.
-    void (*apply_belt_friction)(const disk_state *s, const implicit_step *step, solver_body *bodies,
-                                size_t first, size_t last);
+    void (*apply_belt_friction)(const disk_state *s, const implicit_step *step,
+                                const implicit_bodies *bodies, size_t first, size_t last);
 
     /// Parts and headings at the end of the step. Returns their extremes.
     driver_extremes (*move)(disk_state *s, const solver_body *bodies, size_t first, size_t last);

@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum {
-    ROWS_AT_FIRST = 7,       // a group, guessed for the first list
+    ROWS_AT_FIRST = 7,       // a group, guessed
     GROUPS_A_PARTITION = 64, // least work of a thread
 };
 
@@ -32,33 +32,55 @@ static void find_gone(disk_state *s)
             s->is_gone[s->id_of[slot]] = MICRO_LEFT;
 }
 
-// Copies a slot into a new one: rows to next, id and heading to scratch.
-static void move_part(disk_state *s, size_t from, size_t to)
+// Parts in their new order, and which slots of the old one are not among the live ones; in scratch.
+typedef struct new_order {
+    disk *parts;
+    double *heading;
+    uint32_t *id;
+    uint8_t *skip;
+} new_order;
+
+static bf_status reserve_order(disk_state *s, new_order *ret_sorted)
 {
-    s->next[to] = s->now[from];
-    s->scratch[to] = s->heading[from];
-    s->list.scratch[to] = s->id_of[from];
+    const size_t n = s->void_slot + 1;
+    uint32_t *order, *cell_of;
+    const memory_array arrays[] = {
+        { &ret_sorted->heading, sizeof *ret_sorted->heading, 0, n },
+        { &ret_sorted->id, sizeof *ret_sorted->id, 0, n },
+        { &ret_sorted->skip, sizeof *ret_sorted->skip, 0, n },
+        { &order, sizeof *order, 0, n },
+        { &cell_of, sizeof *cell_of, 0, n },
+        { &ret_sorted->parts, sizeof *ret_sorted->parts, 0, s->next == NULL ? n : 0 },
+    };
+
+    if (memory_lay_out(&s->scratch, arrays, sizeof arrays / sizeof *arrays) != 0)
+        return BF_ENOMEM;
+    if (s->next != NULL)
+        ret_sorted->parts = s->next;
+    neighbours_lend(&s->cells, n, order, cell_of);
+    return BF_OK;
 }
 
-static void fill_pad(disk_state *s, size_t to)
+static void move_part(const disk_state *s, size_t from, const new_order *sorted, size_t to)
 {
-    s->next[to] = disk__pad(s, to);
-    s->scratch[to] = 0.0;
-    s->list.scratch[to] = UINT32_MAX;
+    sorted->parts[to] = s->now[from];
+    sorted->heading[to] = s->heading[from];
+    sorted->id[to] = s->id_of[from];
 }
 
-// The copies of move_part() become the state.
-static void take_moved(disk_state *s)
+static void fill_pad(const disk_state *s, const new_order *sorted, size_t to)
 {
-    uint32_t *ids = s->id_of;
-    double *headings = s->heading;
+    sorted->parts[to] = disk__pad(s, to);
+    sorted->heading[to] = 0.0;
+    sorted->id[to] = UINT32_MAX;
+}
 
-    disk__swap(s);
-    s->id_of = s->list.scratch;
-    s->list.scratch = ids;
-    s->heading = s->scratch;
-    s->scratch = headings;
-    memcpy(s->next, s->now, (s->void_slot + 1) * sizeof *s->now);
+// The parts in their new order become the state. Rows of `next` have what steps do not write.
+static void take_sorted(disk_state *s, const new_order *sorted)
+{
+    memcpy(s->now, sorted->parts, s->void_slot * sizeof *s->now);
+    memcpy(s->heading, sorted->heading, s->void_slot * sizeof *s->heading);
+    memcpy(s->id_of, sorted->id, s->void_slot * sizeof *s->id_of);
     for (size_t slot = 0; slot < s->void_slot; slot++) {
         const uint32_t id = s->id_of[slot];
         if (id != UINT32_MAX)
@@ -80,34 +102,45 @@ static neighbours_parts parts_of(const disk_state *s)
                                .id = s->id_of };
 }
 
+// Writes the new order: live parts by cell, padding, those that left, padding.
+static void order_parts(disk_state *s, const new_order *sorted, size_t end)
+{
+    size_t to = 0;
+
+    for (; to < s->cells.n_live; to++)
+        move_part(s, s->cells.order[to], sorted, to);
+    for (; to % DISK_GROUP != 0; to++)
+        fill_pad(s, sorted, to);
+    s->n_padded = to;
+    for (size_t slot = 0; slot < end; slot++)
+        if (s->cells.cell_of[slot] == UINT32_MAX && s->id_of[slot] != UINT32_MAX)
+            move_part(s, slot, sorted, to++);
+    for (; to < s->void_slot; to++)
+        fill_pad(s, sorted, to);
+    sorted->parts[s->void_slot] = s->now[s->void_slot];
+    s->n_live = s->cells.n_live;
+}
+
 // Sorts live parts by cell to the front, those that left behind the padding.
 static bf_status sort_parts(disk_state *s, bf_error *err)
 {
     const neighbours_parts parts = parts_of(s);
     const size_t end = s->n_padded + (s->n - s->n_live);
-    uint8_t *skip = (uint8_t *)s->list.scratch;
-    size_t to = 0;
+    new_order sorted;
 
+    if (reserve_order(s, &sorted) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for sorting %zu parts", s->n);
     for (size_t slot = 0; slot < end; slot++)
-        skip[slot] = s->id_of[slot] == UINT32_MAX || s->is_gone[s->id_of[slot]] != MICRO_HERE;
+        sorted.skip[slot] =
+            s->id_of[slot] == UINT32_MAX || s->is_gone[s->id_of[slot]] != MICRO_HERE;
     bf_status status =
-        neighbours_sort(&s->cells, end, &parts, skip, 2.0 * s->radius_max + s->skin, err);
-    if (status != BF_OK)
-        return status;
-    for (; to < s->cells.n_live; to++)
-        move_part(s, s->cells.order[to], to);
-    for (; to % DISK_GROUP != 0; to++)
-        fill_pad(s, to);
-    s->n_padded = to;
-    for (size_t slot = 0; slot < end; slot++)
-        if (s->cells.cell_of[slot] == UINT32_MAX && s->id_of[slot] != UINT32_MAX)
-            move_part(s, slot, to++);
-    for (; to < s->void_slot; to++)
-        fill_pad(s, to);
-    s->next[s->void_slot] = s->now[s->void_slot];
-    s->n_live = s->cells.n_live;
-    take_moved(s);
-    return BF_OK;
+        neighbours_sort(&s->cells, end, &parts, sorted.skip, 2.0 * s->radius_max + s->skin, err);
+    if (status == BF_OK) {
+        order_parts(s, &sorted, end);
+        take_sorted(s, &sorted);
+    }
+    neighbours_end_loan(&s->cells);
+    return status;
 }
 
 // Consecutive groups whose list one thread makes, in its own rows.
@@ -181,16 +214,19 @@ static void cut_pieces(making *m)
     }
 }
 
-static bf_status grow(disk_list *list, size_t n_rows)
+// Room for n rows or more, without those that there are.
+static bf_status reserve_rows(disk_state *s, size_t n)
 {
-    if (n_rows > UINT32_MAX)
+    const size_t size = DISK_GROUP * sizeof *s->list.neighbour;
+    memory_block *block = s->def.integrator == MICRO_IMPLICIT ? &s->scratch : &s->list.rows;
+    const size_t n_present = block->capacity / (2 * size) * 2; // arrays take whole cache lines
+
+    n = n > n_present ? n : n_present;
+    s->list.rows_capacity = 0;
+    if (n > UINT32_MAX ||
+        memory_lay_out(block, &(memory_array){ &s->list.neighbour, size, 0, n }, 1) != 0)
         return BF_ENOMEM;
-    memory_free(list->neighbour);
-    list->rows_capacity = 0;
-    list->neighbour = memory_alloc(n_rows, DISK_GROUP * sizeof *list->neighbour);
-    if (list->neighbour == NULL)
-        return BF_ENOMEM;
-    list->rows_capacity = n_rows;
+    s->list.rows_capacity = n;
     return BF_OK;
 }
 
@@ -224,15 +260,14 @@ static bf_status list_neighbours(disk_state *s)
     const size_t n_groups = s->n_padded / DISK_GROUP;
     making m = { .s = s };
 
-    if (s->list.rows_capacity == 0 &&
-        grow(&s->list, (n_groups + 1) * ROWS_AT_FIRST + DISK_GROUP) != BF_OK)
+    if (reserve_rows(s, (n_groups + 1) * ROWS_AT_FIRST + DISK_GROUP) != BF_OK)
         return BF_ENOMEM;
     for (;;) {
         cut_pieces(&m);
         team_for((int)m.n_pieces, m.n_pieces, list_piece, &m);
         if (!is_short(&m))
             break;
-        if (grow(&s->list, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
+        if (reserve_rows(s, s->list.rows_capacity + s->list.rows_capacity / 4) != BF_OK)
             return BF_ENOMEM;
     }
     join_pieces(&m);

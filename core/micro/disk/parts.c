@@ -22,27 +22,23 @@ static sizes sizes_of(size_t capacity)
 static bf_status resize_arrays(disk_state *s, const sizes *old, const sizes *new)
 {
     const size_t n_own = s->is_uniform ? 0 : new->slots, n_kinds = s->n_kinds > 1 ? new->parts : 0;
+    const size_t n_next = s->def.integrator == MICRO_VERLET ? new->slots : 0;
     const size_t slots = s->now != NULL ? old->slots : 0, parts = s->now != NULL ? old->parts : 0;
-    memory_array arrays[MEMORY_ARRAYS_MAX] = {
+    const memory_array arrays[] = {
         { &s->now, sizeof *s->now, slots, new->slots },
-        { &s->next, sizeof *s->next, 0, new->slots },
+        { &s->next, sizeof *s->next, 0, n_next },
         { &s->heading, sizeof *s->heading, slots, new->slots },
         { &s->spin_deceleration, sizeof *s->spin_deceleration, 0, n_own },
         { &s->belt_under, sizeof *s->belt_under, 0, n_own },
-        { &s->scratch, sizeof *s->scratch, 0, new->slots },
         { &s->has_candidates, sizeof *s->has_candidates, 0, new->groups },
         { &s->id_of, sizeof *s->id_of, slots, new->slots },
         { &s->slot_of, sizeof *s->slot_of, parts, new->parts },
         { &s->is_gone, sizeof *s->is_gone, parts, new->parts },
         { &s->kind_of, sizeof *s->kind_of, s->kind_of != NULL ? parts : 0, n_kinds },
         { &s->list.first, sizeof *s->list.first, s->now != NULL ? old->groups : 0, new->groups },
-        { &s->list.scratch, sizeof *s->list.scratch, 0, new->slots },
     };
-    size_t n = 13;
 
-    if (s->implicit != NULL)
-        n += disk_implicit__arrays(s->implicit, new->parts, &arrays[n]);
-    return memory_resize(arrays, n) == 0 ? BF_OK : BF_ENOMEM;
+    return memory_resize(arrays, sizeof arrays / sizeof *arrays) == 0 ? BF_OK : BF_ENOMEM;
 }
 
 bf_status disk__resize(disk_state *s, size_t capacity)
@@ -52,7 +48,7 @@ bf_status disk__resize(disk_state *s, size_t capacity)
     if (resize_arrays(s, &old, &new) != BF_OK)
         return BF_ENOMEM;
     if (s->implicit != NULL)
-        disk_implicit__set_capacity(s->implicit, capacity);
+        disk_implicit__forget_choice(s->implicit);
     s->capacity = capacity;
     s->void_slot = disk__void_slot(capacity);
     s->now[s->void_slot] = disk__pad(s, s->void_slot);
@@ -78,10 +74,11 @@ static uint32_t find_slot(disk_state *s, size_t id)
 bf_status disk__admit(void *state, size_t k, const micro_arrival *arrival, bf_error *err)
 {
     disk_state *s = state;
-    const size_t doubled = 2 * s->capacity > ROOM_AT_FIRST ? 2 * s->capacity : ROOM_AT_FIRST;
+    const size_t more = s->capacity + s->capacity / 4;
+    const size_t capacity = more > ROOM_AT_FIRST ? more : ROOM_AT_FIRST;
 
-    if (k == s->capacity && disk__resize(s, doubled) != BF_OK)
-        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", doubled);
+    if (k == s->capacity && disk__resize(s, capacity) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for %zu parts", capacity);
     const uint32_t slot = find_slot(s, k);
     s->n += k == s->n;
     s->slot_of[k] = slot;

@@ -75,7 +75,7 @@ micro_part disk__part(const void *state, size_t k)
                          .is_gone = p.is_gone != MICRO_HERE };
 }
 
-static void count_contact(micro_totals *totals, double overlap, double radius)
+void disk__count_contact(micro_totals *totals, double overlap, double radius)
 {
     if (overlap <= 0.0)
         return;
@@ -93,14 +93,15 @@ static void count_contacts_of(const disk_state *s, size_t slot, micro_totals *to
         const disk *with = &s->now[other];
         double dx = with->x - part->x, dy = with->y - part->y;
         if (other > slot && other < s->n_live)
-            count_contact(totals, part->radius + with->radius - sqrt(dx * dx + dy * dy),
-                          fmin(part->radius, with->radius));
+            disk__count_contact(totals, part->radius + with->radius - sqrt(dx * dx + dy * dy),
+                                fmin(part->radius, with->radius));
     }
 }
 
 micro_totals disk__measure(const void *state)
 {
     const disk_state *s = state;
+    const implicit_state *pairs = s->implicit;
     micro_totals totals = { .largest_overlap = s->largest_overlap,
                             .overlap_share = s->overlap_share };
 
@@ -115,14 +116,17 @@ micro_totals disk__measure(const void *state)
     }
     if (s->displacement_bound == INFINITY)
         return totals;
-    for (size_t slot = 0; slot < s->n_live; slot++)
-        count_contacts_of(s, slot, &totals);
+    if (pairs != NULL && pairs->is_current)
+        disk_implicit__measure(s, pairs, &totals);
+    else
+        for (size_t slot = 0; slot < s->n_live; slot++)
+            count_contacts_of(s, slot, &totals);
     for (size_t k = 0; k < s->n_candidates; k++) {
         const disk *part = &s->now[s->candidates[k].slot];
         bool counts;
         double overlap = disk__overlap(s, part, s->candidates[k].feature, &counts);
         if (counts)
-            count_contact(&totals, overlap, part->radius);
+            disk__count_contact(&totals, overlap, part->radius);
     }
     return totals;
 }
@@ -136,17 +140,10 @@ typedef struct state_header {
     uint64_t group[IMPLICIT_GROUPS + 1];
 } state_header;
 
-// A pair without its slots.
-typedef struct state_pair {
-    uint32_t id[2];
-    double normal;
-    double sliding;
-} state_pair;
-
 static state_header header_of(const implicit_state *z)
 {
     state_header header = { .is_chosen = z->is_chosen,
-                            .n_pairs = z->n_pairs,
+                            .n_pairs = z->group[IMPLICIT_GROUPS],
                             .displacement_bound = z->displacement_bound,
                             .last_bound = z->last_bound };
 
@@ -163,11 +160,11 @@ void disk_implicit__save(const disk_state *s, checkpoint_writer *w)
         return;
     const state_header header = header_of(z);
     checkpoint_write(w, &header, sizeof header);
-    for (size_t k = 0; k < z->n_pairs; k++) {
-        const implicit_pair *p = &z->pairs[k];
-        const state_pair pair = { { p->id[0], p->id[1] }, p->normal, p->sliding };
-        checkpoint_write(w, &pair, sizeof pair);
-    }
+    for (size_t piece = 0; piece < z->group_piece[IMPLICIT_GROUPS]; piece++)
+        for (size_t k = 0; k < z->pieces[piece].n; k++) {
+            const implicit_pair pair = disk_implicit__pair(s, z, &z->pieces[piece], k);
+            checkpoint_write(w, &pair, sizeof pair);
+        }
 }
 
 static bool is_header_sound(const state_header *h)
@@ -182,11 +179,10 @@ static bool is_header_sound(const state_header *h)
 }
 
 // Contacts with the boundary and pairs of parts must be in their groups, and no part twice in any but the last:
-// registers and threads rely on it.
-static bool is_pair_sound(const disk_state *s, size_t n, const implicit_state *z, size_t k,
-                          uint32_t group)
+// registers and threads rely on it. last_group has, by id, the last group that a part was found in.
+static bool is_pair_sound(const disk_state *s, size_t n, const implicit_pair *p, uint32_t group,
+                          uint32_t *last_group)
 {
-    const implicit_pair *p = &z->pairs[k];
     size_t n_features = s->n_faces + s->n_arcs;
     bool is_boundary = implicit_is_at_boundary(p);
 
@@ -198,47 +194,46 @@ static bool is_pair_sound(const disk_state *s, size_t n, const implicit_state *z
     if (group != IMPLICIT_REST && is_boundary != (group < IMPLICIT_BOUNDARY))
         return false;
     for (int end = 0; group != IMPLICIT_REST && end < (is_boundary ? 1 : 2); end++) {
-        if (z->head[p->id[end]] == group)
+        if (last_group[p->id[end]] == group)
             return false;
-        z->head[p->id[end]] = group;
+        last_group[p->id[end]] = group;
     }
     return true;
 }
 
-static bool take_pairs(const disk_state *s, size_t n, implicit_state *z, const char *bytes)
+// The pairs, group by group; last_group as above.
+static bool take_pairs(const disk_state *s, size_t n, implicit_state *z, const char *bytes,
+                       uint32_t *last_group)
 {
-    uint32_t group = 0;
-
-    memset(z->head, 0xff, n * sizeof *z->head);
-    for (size_t k = 0; k < z->n_pairs; k++) {
-        state_pair pair;
-        memcpy(&pair, bytes + k * sizeof pair, sizeof pair);
-        z->pairs[k] = (implicit_pair){ .id = { pair.id[0], pair.id[1] },
-                                       .slot = { s->void_slot, s->void_slot },
-                                       .normal = pair.normal,
-                                       .sliding = pair.sliding };
-        while (z->group[group + 1] <= k)
-            group++;
-        if (!is_pair_sound(s, n, z, k, group))
-            return false;
-    }
+    memset(last_group, 0xff, n * sizeof *last_group);
+    for (uint32_t group = 0; group < IMPLICIT_GROUPS; group++)
+        for (size_t piece = z->group_piece[group]; piece < z->group_piece[group + 1]; piece++)
+            for (size_t k = 0; k < z->pieces[piece].n; k++, bytes += sizeof(implicit_pair)) {
+                implicit_pair pair;
+                memcpy(&pair, bytes, sizeof pair);
+                if (!is_pair_sound(s, n, &pair, group, last_group))
+                    return false;
+                disk_implicit__set_pair(z, &z->pieces[piece], k, &pair);
+            }
     return true;
 }
 
 static bf_status take_state(const disk_state *s, size_t n, implicit_state *z,
                             const state_header *header, const char *bytes, bf_error *err)
 {
+    size_t group[IMPLICIT_GROUPS + 1];
+    uint32_t *last_group = memory_alloc(n, sizeof *last_group);
+
     z->is_chosen = header->is_chosen != 0;
-    z->n_pairs = header->n_pairs;
     z->displacement_bound = header->displacement_bound;
     z->last_bound = header->last_bound;
     for (size_t g = 0; g <= IMPLICIT_GROUPS; g++)
-        z->group[g] = header->group[g];
-    bf_status status = disk_implicit__reserve(z, z->n_pairs, err);
-    if (status == BF_OK)
-        status = disk_implicit__cut(s, z, err);
-    if (status == BF_OK && !take_pairs(s, n, z, bytes))
+        group[g] = header->group[g];
+    bf_status status = last_group != NULL ? disk_implicit__cut(s, z, group, err)
+                                          : bf_fail(err, BF_ENOMEM, "", "no memory for pairs");
+    if (status == BF_OK && !take_pairs(s, n, z, bytes, last_group))
         status = bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are not of these parts");
+    memory_free(last_group);
     return status;
 }
 
@@ -251,7 +246,7 @@ bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r, bf_
     if (r->n_left > 0) {
         const char *pairs = NULL;
         if (checkpoint_read(r, &header, sizeof header) && is_header_sound(&header))
-            pairs = checkpoint_read_items(r, header.n_pairs, sizeof(state_pair));
+            pairs = checkpoint_read_items(r, header.n_pairs, sizeof(implicit_pair));
         if (pairs == NULL || r->n_left > 0)
             return bf_fail(err, BF_ECORRUPT, "", "the saved pairs of parts are damaged");
         z = disk_implicit__create(s);

@@ -220,17 +220,20 @@ static disk_state make_bare_state(void)
 // Part 0 touches feature 0, parts 0 and 1 and parts 2 and 3 are of one colour.
 static bf_buffer save_sound(disk_state *s)
 {
+    const implicit_pair pairs[] = { { .id = { 0, IMPLICIT_FEATURE }, .normal = 1.0 },
+                                    { .id = { 0, 1 }, .normal = 2.0, .sliding = -1.0 },
+                                    { .id = { 2, 3 } } };
+    size_t group[IMPLICIT_GROUPS + 1] = { 0 };
     implicit_state *z = s->implicit;
     bf_buffer bytes = { 0 };
 
-    assert_int_equal(disk_implicit__reserve(z, 3, NULL), BF_OK);
-    z->pairs[0] = (implicit_pair){ .id = { 0, IMPLICIT_FEATURE }, .normal = 1.0 };
-    z->pairs[1] = (implicit_pair){ .id = { 0, 1 }, .normal = 2.0, .sliding = -1.0 };
-    z->pairs[2] = (implicit_pair){ .id = { 2, 3 } };
-    z->n_pairs = 3;
-    z->is_chosen = true;
     for (size_t g = 1; g <= IMPLICIT_GROUPS; g++)
-        z->group[g] = g <= IMPLICIT_BOUNDARY ? 1 : 3;
+        group[g] = g <= IMPLICIT_BOUNDARY ? 1 : 3;
+    assert_int_equal(disk_implicit__cut(s, z, group, NULL), BF_OK);
+    disk_implicit__set_pair(z, &z->pieces[0], 0, &pairs[0]);
+    disk_implicit__set_pair(z, &z->pieces[1], 0, &pairs[1]);
+    disk_implicit__set_pair(z, &z->pieces[1], 1, &pairs[2]);
+    z->is_chosen = true;
     checkpoint_writer w = { .out = &bytes };
     disk_implicit__save(s, &w);
     assert_false(w.has_failed);
@@ -277,8 +280,9 @@ static void pairs_that_cannot_be_are_refused(void **state)
     }
     assert_int_equal(load(&s, sound.bytes, sound.n), BF_OK);
     const implicit_state *z = s.implicit;
-    assert_int_equal(z->n_pairs, 3);
-    assert_true(z->pairs[1].normal == 2.0 && z->pairs[1].sliding == -1.0);
+    assert_int_equal(z->group[IMPLICIT_GROUPS], 3);
+    const implicit_pair pair = disk_implicit__pair(&s, z, &z->pieces[1], 0);
+    assert_true(pair.normal == 2.0 && pair.sliding == -1.0);
     disk__implicit_fini(&s);
     buffer_fini(&sound);
 }
@@ -298,54 +302,58 @@ static void bytes_of_another_length_are_refused(void **state)
     buffer_fini(&sound);
 }
 
-// Blocks and bodies of no particular meaning, but of plausible magnitudes.
-static void fill_block(implicit_block *block, solver_body *bodies)
+// One block, its contacts and its bodies.
+typedef struct block_case {
+    _Alignas(64) implicit_block block;
+    _Alignas(64) implicit_contacts contacts;
+    _Alignas(64) implicit_law law;
+    _Alignas(64) solver_body bodies[2 * IMPLICIT_WIDTH];
+} block_case;
+
+// Of no particular meaning, but of plausible magnitudes.
+static void fill_case(block_case *c)
 {
     for (uint32_t k = 0; k < 2 * IMPLICIT_WIDTH; k++)
-        bodies[k] = (solver_body){ .vx = sin(k),
-                                   .vy = cos(3 * k),
-                                   .spin = sin(5 * k),
-                                   .inv_mass = 30.0 + k,
-                                   .inv_inertia = 2e5 + 1e4 * k };
+        c->bodies[k] = (solver_body){ sin(k), cos(3 * k), sin(5 * k), 2e5 + 1e4 * k };
     for (uint32_t k = 0; k < IMPLICIT_WIDTH; k++) {
-        block->row[0][k] = 8 * k;
-        block->row[1][k] = 8 * (2 * IMPLICIT_WIDTH - 1 - k);
-        block->nx[k] = cos(k);
-        block->ny[k] = sin(k);
-        block->bias[k] = 1e-3 * sin(7 * k);
-        block->gain[k] = 0.01 + 1e-3 * k;
-        block->lower_bound[k] = k == 3 ? -HUGE_VAL : 0.0;
-        block->friction[k] = 0.1 + 0.01 * k;
-        block->rate[k] = 10.0;
-        block->lever[0][k] = 0.012;
-        block->lever[1][k] = 0.011;
-        block->normal[k] = 1e-3 * k;
-        block->sliding[k] = 1e-4 * k;
+        c->block.row[0][k] = 4 * k;
+        c->block.row[1][k] = 4 * (2 * IMPLICIT_WIDTH - 1 - k);
+        c->block.normal[k] = 1e-3 * k;
+        c->block.sliding[k] = 1e-4 * k;
+        c->contacts.nx[k] = cos(k);
+        c->contacts.ny[k] = sin(k);
+        c->contacts.overlap[k] = 1e-3 * sin(7 * k);
+        c->law.joint[k] = 2.0 + 0.1 * k;
+        c->law.damping[k] = 1.0;
+        c->law.scale[k] = 0.5;
+        c->law.gain[k] = 0.01 + 1e-3 * k;
+        c->law.lower_bound[k] = k == 3 ? -HUGE_VAL : 0.0;
+        c->law.friction[k] = 0.1 + 0.01 * k;
+        c->law.rate[k] = 10.0;
+        c->law.radius[0][k] = 0.012;
+        c->law.radius[1][k] = 0.011;
+        c->law.inv_mass[0][k] = 30.0 + k;
+        c->law.inv_mass[1][k] = 40.0 + k;
     }
 }
 
 static void all_instruction_sets_give_the_same_bits(void **state)
 {
-    solver_body *bodies = memory_alloc(4 * IMPLICIT_WIDTH, sizeof *bodies);
-    implicit_block *blocks = memory_alloc(2, sizeof *blocks);
+    block_case *cases = memory_alloc(2, sizeof *cases);
 
     (void)state;
-    assert_non_null(bodies);
-    assert_non_null(blocks);
+    assert_non_null(cases);
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
         const implicit_kernels *kernels = disk__implicit_kernels(level);
-        size_t set = level == CPU_BASE ? 0 : 1;
-        solver_body *of = bodies + set * 2 * IMPLICIT_WIDTH;
-        memset(&blocks[set], 0, sizeof *blocks);
-        fill_block(&blocks[set], of);
-        kernels->warm_start(of, &blocks[set], 1);
+        block_case *c = &cases[level == CPU_BASE ? 0 : 1];
+        const implicit_blocks one = { 1, &c->block, &c->contacts, &c->law, false };
+        fill_case(c);
+        kernels->warm_start(c->bodies, &one);
         for (int iteration = 0; iteration < 3; iteration++)
-            kernels->solve(of, &blocks[set], 1);
-        assert_memory_equal(of, bodies, 2 * IMPLICIT_WIDTH * sizeof *bodies);
-        assert_memory_equal(&blocks[set], blocks, sizeof *blocks);
+            kernels->solve(c->bodies, &one);
+        assert_memory_equal(c, cases, sizeof *c);
     }
-    memory_free(bodies);
-    memory_free(blocks);
+    memory_free(cases);
 }
 
 int main(void)

@@ -210,11 +210,12 @@ static void impulses_of_parts_that_left_are_erased(void **state)
 
     (void)state;
     leave_in_contact(&w, &micro__disk, 1, &own);
-    const implicit_state *pairs = ((disk_state *)own)->implicit;
-    assert_int_equal(pairs->n_pairs, 1);
-    assert_true(pairs->pairs[0].normal > 0.0);
+    const implicit_state *z = ((disk_state *)own)->implicit;
+    assert_int_equal(z->group[IMPLICIT_GROUPS], 1);
+    assert_true(disk_implicit__pair(own, z, &z->pieces[0], 0).normal > 0.0);
     micro__disk.forget_gone(own);
-    assert_true(pairs->pairs[0].normal == 0.0 && pairs->pairs[0].sliding == 0.0);
+    const implicit_pair pair = disk_implicit__pair(own, z, &z->pieces[0], 0);
+    assert_true(pair.normal == 0.0 && pair.sliding == 0.0);
     micro__disk.destroy(own);
 
     leave_in_contact(&w, &micro__body, 3, &own);
