@@ -83,9 +83,8 @@ typedef struct macro_band {
     uint64_t *near;       ///< at j + S: blocks that the rows within S of row j expect
     macro_ring_row *ring; ///< n_ring places; row r is at place r mod n_ring
     ptrdiff_t ring_end;   ///< rows below have been through the ring
-    const double *
-        *gradient_ring; ///< gradient1 of all places of the ring, twice over, so that any window
-                        ///< of consecutive rows stands together
+    const double **gradient_ring; ///< gradient1 of all places of the ring, twice over: any window
+                                  ///< of consecutive rows stands together
     const double **integral_ring; ///< same for integral1
     const double **gradient_rows; ///< scratch: such a window where rows are mirrored or missing
     const double **integral_rows; ///< same

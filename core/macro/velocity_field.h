@@ -31,17 +31,17 @@
 
 /// Carrying velocity and closed faces on a grid; layout of faces as in grid.h. Owned.
 typedef struct velocity_field {
-    bf_grid grid;     ///< the cells between the faces
-    double *v1;       ///< x1 velocity on the (n1 + 1) * n2 x1-faces, m/s; 0 on closed ones
-    double *v2;       ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
-    uint8_t *closed1; ///< nonzero: nothing crosses this x1-face
-    uint8_t *closed2; ///< same for the x2-faces
-    uint16_t *belt1;  ///< index of the belt of this x1-face, n_belts of the scene off every belt;
-                      ///< NULL if the speeds of all belts are constant
-    uint16_t *belt2;  ///< same for the x2-faces
-    double *
-        aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the congested closure
-    double *aperture2;                      ///< same for the x2-faces
+    bf_grid grid;      ///< the cells between the faces
+    double *v1;        ///< x1 velocity on the (n1 + 1) * n2 x1-faces, m/s; 0 on closed ones
+    double *v2;        ///< x2 velocity on the n1 * (n2 + 1) x2-faces, m/s; 0 on closed ones
+    uint8_t *closed1;  ///< nonzero: nothing crosses this x1-face
+    uint8_t *closed2;  ///< same for the x2-faces
+    uint16_t *belt1;   ///< index of the belt of this x1-face, n_belts of the scene off every belt;
+                       ///< NULL if the speeds of all belts are constant
+    uint16_t *belt2;   ///< same for the x2-faces
+    double *aperture1; ///< of the x1-faces, 0 closed to 1 open; these four and the belts for the
+                       ///< congested closure
+    double *aperture2; ///< same for the x2-faces
     double *transverse1;                    ///< the x2 velocity on the x1-faces, m/s
     double *transverse2;                    ///< the x1 velocity on the x2-faces, m/s
     struct velocity_field_sampler *sampler; ///< scratch of velocity_field_update()

@@ -99,13 +99,12 @@ typedef struct micro_solver micro_solver;
 
 /// The state of a part.
 typedef struct micro_part {
-    double x[3]; ///< centre of mass, m; x[2] is half its height for one that lies flat
-    double q[4]; ///< orientation, unit quaternion w, x, y, z
-    double v[3]; ///< velocity, m/s
-    double w[3]; ///< angular velocity, rad/s
-    double
-        heading; ///< rad, planar path: the angle itself, not reduced; spatial: of the body's x axis
-    bool is_gone; ///< left the domain
+    double x[3];    ///< centre of mass, m; x[2] is half its height for one that lies flat
+    double q[4];    ///< orientation, unit quaternion w, x, y, z
+    double v[3];    ///< velocity, m/s
+    double w[3];    ///< angular velocity, rad/s
+    double heading; ///< rad, planar: the angle, not reduced; spatial: of the body's x axis
+    bool is_gone;   ///< left the domain
 } micro_part;
 
 /// A part that enters: it lies flat.
@@ -126,9 +125,8 @@ typedef struct micro_departure {
 
 /// Where a part is on the belt, seen from above.
 typedef struct micro_place {
-    uint32_t kind; ///< see there
-    bool
-        is_flat; ///< it stands or lies as at its start, so that its footprint is that of its kind at pose
+    uint32_t kind;   ///< see there
+    bool is_flat;    ///< as at its start: its footprint is that of its kind at pose
     scene_pose pose; ///< of the origin of its footprint; of its centre of mass if not is_flat
     double radius;   ///< of the disk around pose that holds it, m
 } micro_place;

@@ -107,11 +107,10 @@ enum {
 /// are rows of the parts in the domain, by their ids: unique numbers from 0, in the order of entering. Kinds are
 /// indices into the kinds of cargo.
 typedef struct frame_parts {
-    uint64_t index;   ///< of the snapshot
-    double t;         ///< s
-    uint64_t n_parts; ///< rows
-    uint32_t
-        n_values; ///< FRAME_VALUES_PLANAR or FRAME_VALUES_SPATIAL, with feeds FRAME_VALUES_FED more
+    uint64_t index;     ///< of the snapshot
+    double t;           ///< s
+    uint64_t n_parts;   ///< rows
+    uint32_t n_values;  ///< FRAME_VALUES_PLANAR or _SPATIAL, with feeds FRAME_VALUES_FED more
     const double *rows; ///< n_parts rows of n_values
 } frame_parts;
 

@@ -14,12 +14,10 @@
 typedef struct scene_photo_eye {
     char id[SCENE_ID_SIZE]; ///< unique among photo eyes (default "eye-<n>", n from 1)
     vec2 line[2];           ///< ends of the beam, m
-    double
-        block_time; ///< how long the beam is broken before the state is blocked, s, >= 0 (default 0)
-    double clear_time; ///< how long it is free before the state is clear, s, >= 0 (default 0)
-    double
-        density_ratio; ///< macroscopic: the beam is broken where the largest density on it is at least this,
-                       ///< in (0, 1] (default 0.8)
+    double block_time; ///< s, >= 0, for which the beam is broken before it is blocked (default 0)
+    double clear_time; ///< s, >= 0, for which it is free before it is clear (default 0)
+    double density_ratio; ///< macroscopic: the beam is broken where the largest density on it
+                          ///< is at least this, in (0, 1] (default 0.8)
 } scene_photo_eye;
 
 /// What an action acts on.
@@ -38,8 +36,7 @@ typedef struct scene_action {
     double delay;           ///< s after that, >= 0 (default 0)
     scene_action_type type; ///< see there
     size_t target;          ///< index of the belt, obstacle or feed
-    double
-        value; ///< of a belt its factor, >= 0; of a turn the angle, rad; of a presence 1 or 0; of a feed 1: it is
-    ///< held, 0: it is not
-    double over; ///< of a turn: how long it takes, s, > 0 (default 0.5)
+    double value; ///< of a belt its factor, >= 0; of a turn the angle, rad; of a presence 1 or 0;
+                  ///< of a feed 1: it is held, 0: it is not
+    double over;  ///< of a turn: how long it takes, s, > 0 (default 0.5)
 } scene_action;

@@ -66,20 +66,17 @@ typedef struct scene_feed {
     char id[SCENE_ID_SIZE]; ///< unique among feeds (default "feed-<n>", n from 1)
     bool is_edge;           ///< it lies on a side of the domain: nothing leaves over this side
     scene_side edge;        ///< is_edge: which side (no default)
-    vec2
-        line[2]; ///< ends of the line that centres enter on, m (default of an edge: the whole side)
+    vec2 line[2]; ///< on which centres enter: its ends, m (default of an edge: the whole side)
     double start; ///< first time of its Lambda, s, >= 0 (default 0)
     double end;   ///< last, s, > start (default INFINITY)
     double count; ///< most parts, a whole number >= 1 (default INFINITY)
-    scene_arrivals
-        arrivals;        ///< (default SCENE_ARRIVALS_REGULAR); without effect on a list of arrivals
-    uint32_t shape;      ///< of SCENE_ARRIVALS_ERLANG, >= 1 (default 2)
-    uint32_t batch_size; ///< b of SCENE_ARRIVALS_BATCH, >= 1 (default 10)
-    scene_demand demand; ///< which of the next three counts (no default)
-    double rate;         ///< parts/s, > 0
-    scene_series
-        profile; ///< parts/s, >= 0, linear between its times, constant outside; its times, and
-                 ///< repeat, count from the feed's start
+    scene_arrivals arrivals; ///< (default SCENE_ARRIVALS_REGULAR); not of a list of arrivals
+    uint32_t shape;          ///< of SCENE_ARRIVALS_ERLANG, >= 1 (default 2)
+    uint32_t batch_size;     ///< b of SCENE_ARRIVALS_BATCH, >= 1 (default 10)
+    scene_demand demand;     ///< which of the next three counts (no default)
+    double rate;             ///< parts/s, > 0
+    scene_series profile; ///< parts/s, >= 0, linear between its times, constant outside; its times,
+                          ///< and repeat, count from the feed's start
     scene_arrival_list schedule; ///< see there; times are those of the run
     bool has_random_heading;     ///< headings are drawn, uniformly
     double heading;              ///< else that of every part, rad (default 0)

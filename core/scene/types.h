@@ -68,16 +68,14 @@ typedef struct scene_obstacle {
     double thickness;          ///< of the plate, downstream of the line, m, > 0 (default 0.005)
     scene_treatment treatment; ///< (default SCENE_SEALED)
     double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
-    double slide_width; ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
-                        ///< SCENE_FIELD and SCENE_WALL)
-    vec2 pivot;         ///< about which it turns, m (default the start of its path)
-    scene_series
-        turn; ///< by which angle its path is turned, counter-clockwise, rad: linear between the times,
-              ///< constant outside
-    scene_series
-        presence; ///< 1: it stands there, 0: it does not; from each time to the next, 1 before the first
-    bool
-        is_commanded; ///< there is an action that turns it or lets it come and go; set by scene_resolve()
+    double slide_width;    ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for
+                           ///< SCENE_FIELD and SCENE_WALL)
+    vec2 pivot;            ///< about which it turns, m (default the start of its path)
+    scene_series turn;     ///< angle by which its path is turned, counter-clockwise, rad: linear
+                           ///< between the times, constant outside
+    scene_series presence; ///< 1: it stands there, 0: it does not; from each time to the next,
+                           ///< 1 before the first
+    bool is_commanded;     ///< an action turns it or lets it come and go; set by scene_resolve()
 } scene_obstacle;
 
 /// Shapes of cargo.
@@ -199,18 +197,16 @@ typedef struct scene {
     scene_initial initial;              ///< see there
     size_t n_feeds;                     ///< (default none)
     scene_feed *feeds;                  ///< see there
-    uint64_t
-        substream; ///< of the draws of all feeds, < 2^53 (default 0); replications differ in it
-    size_t n_eyes; ///< (default none)
-    scene_photo_eye *eyes; ///< see there
-    size_t n_actions;      ///< (default none)
-    scene_action *actions; ///< see there
-    double warmup;         ///< s that key figures leave out, >= 0 (default 0)
-    double jam_time;       ///< s without an exit that count as a jam, > 0 (default 5)
-    scene_until until;     ///< (default SCENE_UNTIL_DURATION)
-    double
-        steady_precision; ///< SCENE_UNTIL_STEADY: half width of the confidence interval of the throughput,
-                          ///< relative to it, > 0 (default 0.05)
+    uint64_t substream;      ///< of all feeds' draws, < 2^53 (default 0); replications differ in it
+    size_t n_eyes;           ///< (default none)
+    scene_photo_eye *eyes;   ///< see there
+    size_t n_actions;        ///< (default none)
+    scene_action *actions;   ///< see there
+    double warmup;           ///< s that key figures leave out, >= 0 (default 0)
+    double jam_time;         ///< s without an exit that count as a jam, > 0 (default 5)
+    scene_until until;       ///< (default SCENE_UNTIL_DURATION)
+    double steady_precision; ///< SCENE_UNTIL_STEADY: half width of the throughput's confidence
+                             ///< interval, relative to the throughput, > 0 (default 0.05)
     scene_placement placement; ///< of initial; filled in by scene_check()
     size_t n_counters;         ///< (default one)
     scene_counter *counters;   ///< (default "upstream": the domain)

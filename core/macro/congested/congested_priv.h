@@ -80,11 +80,10 @@ typedef struct congested_rows {
 
 /// A stage of the transport by the scheme muscl, as one thread makes it.
 typedef struct congested_stage {
-    const macro_state *from; ///< density that it reads
-    macro_state *to;         ///< density that it writes
-    const macro_state
-        *begin; ///< that at the beginning of the step: the mean with it is taken; NULL: none
-    congested_rows *rows; ///< the thread's
+    const macro_state *from;  ///< density that it reads
+    macro_state *to;          ///< density that it writes
+    const macro_state *begin; ///< that before the step, to take the mean with it; NULL: none
+    congested_rows *rows;     ///< the thread's
 } congested_stage;
 
 /// One build of the loops for an instruction set.
@@ -132,9 +131,8 @@ struct congested {
     uint8_t closed_edge[4]; ///< west, east, south, north: nothing is corrected across it
     ptrdiff_t half_stride;  ///< floats from half row to half row
     float *storage;         ///< of all half rows
-    float
-        *pressure[2]; ///< p/dx of the red and of the black cells, m/s: a difference is the gradient
-    float *excess[2]; ///< rho* - C of them
+    float *pressure[2];     ///< p/dx of red and black cells, m/s: a difference is the gradient
+    float *excess[2];       ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_range *range;             ///< per row: the active cells of this step
     congested_range *found;             ///< per row: those that the row itself asks for

@@ -102,9 +102,8 @@ typedef struct disk_tiling {
 /// DISK_DOUBLES, which is where they begin; void_slot where a part has fewer. Group g has
 /// first[g + 1] - first[g] rows. Each part's neighbours are sorted by their ids; every pair stands twice.
 typedef struct disk_list {
-    uint32_t *first; ///< number of a row, by group and one more
-    uint32_t
-        *neighbour; ///< see above; with MICRO_IMPLICIT in disk_state.scratch, until a step is made
+    uint32_t *first;      ///< number of a row, by group and one more
+    uint32_t *neighbour;  ///< see above; implicit: in disk_state.scratch, until a step is made
     size_t rows_capacity; ///< room in neighbour, rows
     memory_block rows;    ///< where neighbour is with MICRO_VERLET
 } disk_list;

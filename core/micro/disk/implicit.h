@@ -43,9 +43,8 @@ static inline bool implicit_is_at_boundary(const implicit_pair *pair)
 
 /// Pairs of one group.
 typedef struct implicit_piece {
-    size_t block; ///< first block
-    size_t
-        n_blocks; ///< with room for the pairs and, but in the last group, for as many again as a block has
+    size_t block;         ///< first block
+    size_t n_blocks;      ///< for its pairs and, but in the last group, one more
     size_t n;             ///< pairs
     size_t n_front;       ///< pairs at the front, those in contact; the others stand at the end
     size_t law;           ///< of the first block
