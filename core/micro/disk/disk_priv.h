@@ -176,6 +176,10 @@ struct disk_state {
 /// list is unusable until a call succeeds.
 BF_MUST_CHECK bf_status disk__rebuild(disk_state *s, bf_error *err);
 
+/// The candidates and the border parts, with the belts under all parts, of the present cells. BF_ENOMEM: incomplete.
+BF_MUST_CHECK bf_status disk__find_candidates(disk_state *s);
+BF_MUST_CHECK bf_status disk__find_border_parts(disk_state *s);
+
 /// After a step was written into `parts` (and headings): check the border parts first .. last - 1. Parts
 /// that left are frozen in their disk_border_part, which then says `left`, and moved far away and to rest in
 /// `parts`; those at the border of a belt get the belt that is now under them. Does not modify other parts.

@@ -1,0 +1,177 @@
+// Parts near what is not a part: the faces and arcs that they may touch, open edges and borders of belts.
+
+#include "core/base/memory.h"
+#include "core/micro/disk/disk_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A box that contains all relevant centres; sides may be infinite.
+typedef struct box {
+    double x_min, x_max, y_min, y_max;
+} box;
+
+static void add_point(box *b, double x, double y)
+{
+    b->x_min = fmin(b->x_min, x);
+    b->x_max = fmax(b->x_max, x);
+    b->y_min = fmin(b->y_min, y);
+    b->y_max = fmax(b->y_max, y);
+}
+
+// a times b, where 0 times infinity is 0.
+static double times(double a, double b)
+{
+    return a == 0.0 || b == 0.0 ? 0.0 : a * b;
+}
+
+static box bound_face(const disk_face *f, double radius, double margin)
+{
+    const double along[2] = { f->from - margin, f->to + margin };
+    const double height[2] = { -f->depth - margin, radius + margin };
+    box b = { INFINITY, -INFINITY, INFINITY, -INFINITY };
+
+    for (int k = 0; k < 4; k++) {
+        double a = along[k / 2], h = height[k % 2];
+        add_point(&b, f->px + times(a, f->ny) + times(h, f->nx),
+                  f->py - times(a, f->nx) + times(h, f->ny));
+    }
+    return b;
+}
+
+static box bound_arc(const disk_arc *a, double radius, double margin)
+{
+    double r = a->radius + radius + margin;
+
+    return (box){ a->px - r, a->px + r, a->py - r, a->py + r };
+}
+
+static bool is_near_face(const disk_face *f, const disk *part, double margin)
+{
+    double rx = part->x - f->px, ry = part->y - f->py;
+    double along = rx * f->ny - ry * f->nx, height = rx * f->nx + ry * f->ny;
+
+    return along >= f->from - margin && along <= f->to + margin && height >= -f->depth - margin &&
+           height <= part->radius + margin;
+}
+
+static bool is_near_arc(const disk_arc *a, const disk *part, double margin)
+{
+    double rx = part->x - a->px, ry = part->y - a->py, r = a->radius + part->radius + margin;
+
+    return rx * rx + ry * ry <= r * r && rx * a->ex + ry * a->ey >= -margin &&
+           rx * a->fx + ry * a->fy >= -margin;
+}
+
+static bool is_near(const disk_state *s, uint32_t feature, size_t slot, double margin)
+{
+    return feature < s->n_faces
+               ? is_near_face(&s->faces[feature], &s->now[slot], margin)
+               : is_near_arc(&s->arcs[feature - s->n_faces], &s->now[slot], margin);
+}
+
+static bf_status add_candidates(disk_state *s, uint32_t feature, size_t cell, double margin)
+{
+    const uint32_t *first = s->cells.first;
+
+    for (uint32_t slot = first[cell]; slot < first[cell + 1]; slot++) {
+        if (!is_near(s, feature, slot, margin))
+            continue;
+        if (memory_reserve(&s->candidates, &s->candidates_capacity, s->n_candidates + 1,
+                           sizeof *s->candidates) != 0)
+            return BF_ENOMEM;
+        s->candidates[s->n_candidates++] = (disk_candidate){ slot, feature };
+    }
+    return BF_OK;
+}
+
+static bf_status search_box(disk_state *s, uint32_t feature, const box *b, double margin)
+{
+    const neighbours_cells *c = &s->cells;
+    size_t i_max = neighbours_column(c, b->x_max), j_max = neighbours_row(c, b->y_max);
+
+    for (size_t i = neighbours_column(c, b->x_min); i <= i_max; i++)
+        for (size_t j = neighbours_row(c, b->y_min); j <= j_max; j++)
+            if (add_candidates(s, feature, neighbours_cell(c, i, j), margin) != BF_OK)
+                return BF_ENOMEM;
+    return BF_OK;
+}
+
+static int compare_candidates(const void *left, const void *right)
+{
+    const disk_candidate *a = left, *b = right;
+
+    if (a->slot != b->slot)
+        return a->slot < b->slot ? -1 : 1;
+    return (a->feature > b->feature) - (a->feature < b->feature);
+}
+
+bf_status disk__find_candidates(disk_state *s)
+{
+    const double margin = 0.5 * s->skin;
+
+    s->n_candidates = 0;
+    for (size_t k = 0; k < s->n_faces + s->n_arcs; k++) {
+        box b = k < s->n_faces ? bound_face(&s->faces[k], s->radius_max, margin)
+                               : bound_arc(&s->arcs[k - s->n_faces], s->radius_max, margin);
+        if (search_box(s, (uint32_t)k, &b, margin) != BF_OK)
+            return BF_ENOMEM;
+    }
+    if (s->n_candidates > 0)
+        qsort(s->candidates, s->n_candidates, sizeof *s->candidates, compare_candidates);
+    memset(s->has_candidates, 0, s->n_padded / DISK_GROUP);
+    for (size_t k = 0; k < s->n_candidates; k++)
+        s->has_candidates[s->candidates[k].slot / DISK_GROUP] = 1;
+    return BF_OK;
+}
+
+static bool is_near_open_edge(const disk_state *s, const disk *part, double margin)
+{
+    return surroundings_is_outside(&s->around, (vec2){ part->x - margin, part->y - margin }) ||
+           surroundings_is_outside(&s->around, (vec2){ part->x + margin, part->y + margin });
+}
+
+static bool is_near_border(const disk_state *s, const disk *part, double margin)
+{
+    return surroundings_border_distance(&s->around, (vec2){ part->x, part->y }) <=
+           margin + SCENE_TOLERANCE;
+}
+
+bf_status disk__find_border_parts(disk_state *s)
+{
+    const double margin = 0.5 * s->skin;
+
+    s->n_border_parts = 0;
+    for (size_t slot = 0; slot < s->n_live; slot++) {
+        const disk *part = &s->now[slot];
+        if (!s->is_uniform)
+            s->belt_under[slot] = disk__belt_at(s, part->x, part->y);
+        if (!is_near_open_edge(s, part, margin) &&
+            (s->is_uniform || !is_near_border(s, part, margin)))
+            continue;
+        if (memory_reserve(&s->border_parts, &s->border_parts_capacity, s->n_border_parts + 1,
+                           sizeof *s->border_parts) != 0)
+            return BF_ENOMEM;
+        s->border_parts[s->n_border_parts++] = (disk_border_part){ .slot = (uint32_t)slot };
+    }
+    return BF_OK;
+}
+
+void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, size_t border_last,
+                               disk_presence left)
+{
+    for (size_t k = border_first; k < border_last; k++) {
+        disk_border_part *w = &s->border_parts[k];
+        disk *part = &rows[w->slot];
+        if (w->gone != DISK_HERE)
+            continue;
+        if (surroundings_is_outside(&s->around, (vec2){ part->x, part->y })) {
+            *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
+            s->is_gone[s->id_of[w->slot]] = MICRO_LEFT;
+            *part = disk__pad(s, w->slot);
+        } else if (!s->is_uniform) {
+            s->belt_under[w->slot] = disk__belt_at(s, part->x, part->y);
+        }
+    }
+}
