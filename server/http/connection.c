@@ -10,6 +10,9 @@
 // MHD reads the bytes and waits for another event, which never comes. The same thread looks for such
 // sockets: disconnected, nothing left to be read, and a request still incomplete, at two looks in a row.
 //
+// Connections that say nothing must not shut others out: when few are left, the thread closes those that have
+// been idle for longest.
+//
 // A socket of the list is open: MHD reports a connection's end before it closes the socket, and
 // the list is only looked at under http.lock.
 //
@@ -33,11 +36,35 @@
 enum {
     WATCH_TICK_MS = 100,         // between two looks while there are connections
     WATCH_TICK_LINGER_MS = 10,   // while sockets linger
+    IDLE_LEAST_MS = 200,         // before a connection is closed to make room
     WATCH_DISCONNECTED_MS = 500, // between two looks for disconnected clients
     WATCH_DRAIN_READS = 8,       // reads of one lingering socket at one look
     RESERVE_MAX = 16,            // connections kept for the daemon's health
     LINGER_MS = 2000,            // for which a refused connection is drained
 };
+
+static unsigned reserve_of(const http *h)
+{
+    unsigned limit = h->options.connection_limit;
+
+    return limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
+}
+
+static void link_first(http *h, http_connection *c)
+{
+    lock_assert_held(&h->lock);
+    c->previous = NULL;
+    c->next = h->connections;
+    *(c->next == NULL ? &h->last_connection : &c->next->previous) = c;
+    h->connections = c;
+}
+
+static void unlink_connection(http *h, http_connection *c)
+{
+    lock_assert_held(&h->lock);
+    *(c->previous == NULL ? &h->connections : &c->previous->next) = c->next;
+    *(c->next == NULL ? &h->last_connection : &c->next->previous) = c->previous;
+}
 
 http_connection *http__connection_open(http *h, int fd)
 {
@@ -50,10 +77,8 @@ http_connection *http__connection_open(http *h, int fd)
     c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
     metrics_add(METRICS_CONNECTIONS, 0, 1);
     lock_acquire(&h->lock);
-    c->next = h->connections;
-    if (c->next != NULL)
-        c->next->previous = c;
-    h->connections = c;
+    c->idle_since_ms = clock_monotonic_ms();
+    link_first(h, c);
     if (h->n_connections++ == 0)
         lock_wake_all(&h->changed);
     lock_release(&h->lock);
@@ -80,18 +105,27 @@ void http__connection_close(http_connection *c)
     http *h = c->server;
 
     lock_acquire(&h->lock);
-    if (c->previous != NULL)
-        c->previous->next = c->next;
-    else
-        h->connections = c->next;
-    if (c->next != NULL)
-        c->next->previous = c->previous;
+    unlink_connection(h, c);
     h->n_connections--;
     if (c->lingers)
         start_lingering(h, c->fd);
     lock_release(&h->lock);
     metrics_add(METRICS_CONNECTIONS, 0, -1);
     memory_free(c);
+}
+
+void http__connection_occupy(http_connection *c, bool has_request)
+{
+    http *h = c->server;
+
+    lock_acquire(&h->lock);
+    c->has_request = has_request;
+    if (!has_request) {
+        c->idle_since_ms = clock_monotonic_ms();
+        unlink_connection(h, c);
+        link_first(h, c);
+    }
+    lock_release(&h->lock);
 }
 
 void http__connection_deadline(http_connection *c, int64_t ms)
@@ -104,11 +138,9 @@ void http__connection_deadline(http_connection *c, int64_t ms)
 bool http__connection_is_reserved(const http_connection *c)
 {
     http *h = c->server;
-    unsigned limit = h->options.connection_limit;
-    unsigned reserve = limit / 8 < RESERVE_MAX ? limit / 8 : RESERVE_MAX;
 
     lock_acquire(&h->lock);
-    bool is_reserved = h->n_connections > limit - reserve;
+    bool is_reserved = h->n_connections > h->options.connection_limit - reserve_of(h);
     lock_release(&h->lock);
     return is_reserved;
 }
@@ -141,12 +173,17 @@ bool http__connection_has_hung_up(int fd)
     return has_event(fd, POLLRDHUP | POLLHUP | POLLERR);
 }
 
-// It hung up, and nothing of it is left to be read.
-static bool is_disconnected(int fd)
+static bool has_unread(int fd)
 {
     int n_unread = 0;
 
-    return http__connection_has_hung_up(fd) && ioctl(fd, FIONREAD, &n_unread) == 0 && n_unread == 0;
+    return ioctl(fd, FIONREAD, &n_unread) != 0 || n_unread > 0;
+}
+
+// It hung up, and nothing of it is left to be read.
+static bool is_disconnected(int fd)
+{
+    return http__connection_has_hung_up(fd) && !has_unread(fd);
 }
 
 static void cut_off_disconnected(http *h)
@@ -157,6 +194,27 @@ static void cut_off_disconnected(http *h)
         if (is_gone && c->seems_disconnected)
             (void)shutdown(c->fd, SHUT_RDWR);
         c->seems_disconnected = is_gone;
+    }
+}
+
+// When connections are few, those that have been idle for longest go until a quarter is free. MHD accepts
+// nothing while its limit is reached, so idle ones must not hold all.
+static void make_room(http *h, int64_t now_ms)
+{
+    unsigned limit = h->options.connection_limit;
+    unsigned n_left = h->n_connections;
+
+    lock_assert_held(&h->lock);
+    if (n_left + 2 * reserve_of(h) < limit)
+        return;
+    for (http_connection *c = h->last_connection; c != NULL && n_left > limit - limit / 4;
+         c = c->previous) {
+        if (c->has_request || c->deadline_ms < 0 || now_ms < c->idle_since_ms + IDLE_LEAST_MS ||
+            has_unread(c->fd))
+            continue;
+        c->deadline_ms = -1;
+        (void)shutdown(c->fd, SHUT_RDWR);
+        n_left--;
     }
 }
 
@@ -198,6 +256,7 @@ static int64_t look(http *h, int64_t now_ms)
 
     lock_assert_held(&h->lock);
     cut_off_late(h, now_ms);
+    make_room(h, now_ms);
     if (looks_for_disconnected) {
         h->looked_ms = now_ms;
         cut_off_disconnected(h);

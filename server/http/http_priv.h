@@ -21,6 +21,7 @@
 #include "server/base/metrics.h"
 #include "server/http/client.h"
 #include "server/http/http.h"
+#include "server/http/lengths.h"
 #include "server/http/limit.h"
 #include "server/http/listen.h"
 #include "server/http/page.h"
@@ -51,6 +52,8 @@ typedef struct http_connection {
     http *server;                     ///< whose
     int fd;                           ///< MHD's socket; valid while in the list
     int64_t deadline_ms;              ///< shut down then (clock_monotonic_ms()); -1: never
+    int64_t idle_since_ms;            ///< it came, or its last request ended, clock_monotonic_ms()
+    bool has_request;                 ///< a header is complete, and its answer is not
     bool lingers;                     ///< was refused while its client may still be sending
     bool seems_disconnected;          ///< its client had hung up at the last look
 } http_connection;
@@ -117,9 +120,11 @@ struct http {
     _Atomic int64_t warned_ms;         ///< when a proxy was last warned of, clock_monotonic_ms()
     http_proxies proxies;              ///< whose X-Forwarded-For is trusted
     http_limit *limit;                 ///< rates of clients
+    http_lengths lengths;              ///< of what clients may have
     lock lock;                         ///< guards all that follows
     lock_condition changed;            ///< a connection came, a request went, or is_stopping
-    http_connection *connections;      ///< open ones
+    http_connection *connections;      ///< open ones, those that became idle last before the others
+    http_connection *last_connection;  ///< idle for longest, or has a request
     unsigned n_connections;            ///< how many
     http_request *pulls;               ///< requests with a pull under way
     unsigned n_pulls[HTTP_PULL_KINDS]; ///< how many of each kind
@@ -143,6 +148,9 @@ http_connection *http__connection_open(http *h, int fd);
 
 /// Take a connection out of the list and free it; its socket is still open. NULL is fine.
 void http__connection_close(http_connection *c);
+
+/// The connection has a request with a complete header from now on, or is idle again.
+void http__connection_occupy(http_connection *c, bool has_request);
 
 /// Shut the connection down in ms from now, unless called again; -1: never.
 void http__connection_deadline(http_connection *c, int64_t ms);

@@ -249,6 +249,7 @@ static bool begin(http_request *r, const char *method, const char *version)
 
     r->begun_ns = clock_monotonic_ns();
     count(r, 1);
+    http__connection_occupy(r->connection, true);
     check_header(r, method, version);
     identify(r);
     if (r->refusal == 0)
@@ -482,6 +483,7 @@ void http__request_close(http_request *r)
         log_request(r);
         measure_request(r);
         count(r, -1);
+        http__connection_occupy(r->connection, false);
     }
     if (r->file.fd >= 0)
         (void)close(r->file.fd);

@@ -167,6 +167,19 @@ static void choose_form(http_request *r)
         cut(r);
 }
 
+static bool has_source(const http_request *r)
+{
+    return r->response.source.next_chunk != NULL;
+}
+
+static void remember_length(http_request *r)
+{
+    const char *tag = api_response_find(&r->response, "ETag");
+
+    if (r->response.status == 200 && tag != NULL && !has_source(r) && r->file.fd < 0)
+        http_lengths_remember(&r->server->lengths, r->path, r->query, tag, r->response.body.n);
+}
+
 void http__finalize_response(http_request *r)
 {
     api_response *response = &r->response;
@@ -189,11 +202,7 @@ void http__finalize_response(http_request *r)
                      http_cors_resource_policy(r->server->cors_origins));
     if (r->refusal != 0)
         api_response_header(response, "Connection", "close");
-}
-
-static bool has_source(const http_request *r)
-{
-    return r->response.source.next_chunk != NULL;
+    remember_length(r);
 }
 
 static bool is_pulled(const http_request *r)
@@ -201,10 +210,9 @@ static bool is_pulled(const http_request *r)
     return has_source(r) && strcmp(r->method, "HEAD") != 0;
 }
 
-static struct MHD_Response *make_reader(http_request *r)
+static struct MHD_Response *make_reader(http_request *r, uint64_t n)
 {
-    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, READER_BLOCK, http__pull_read, r,
-                                             NULL);
+    return MHD_create_response_from_callback(n, READER_BLOCK, http__pull_read, r, NULL);
 }
 
 // An answer without a body whose length, if it had one, is not known: HEAD of such a body, and a 304,
@@ -212,11 +220,22 @@ static struct MHD_Response *make_reader(http_request *r)
 // unless it may not use chunks; then the connection closes.
 static struct MHD_Response *make_without_length(http_request *r)
 {
-    struct MHD_Response *response = make_reader(r);
+    struct MHD_Response *response = make_reader(r, MHD_SIZE_UNKNOWN);
 
     if (response != NULL)
         (void)MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
     return response;
+}
+
+// A 304 without the body that its 200 has: nothing is read of it.
+static struct MHD_Response *make_unchanged(http_request *r)
+{
+    const char *tag = api_response_find(&r->response, "ETag");
+    uint64_t n;
+
+    if (tag == NULL || !http_lengths_find(&r->server->lengths, r->path, r->query, tag, &n))
+        return make_without_length(r);
+    return make_reader(r, n);
 }
 
 static struct MHD_Response *make_response(http_request *r)
@@ -224,9 +243,9 @@ static struct MHD_Response *make_response(http_request *r)
     bf_buffer *body = &r->response.body;
 
     if (has_source(r))
-        return is_pulled(r) ? make_reader(r) : make_without_length(r);
+        return is_pulled(r) ? make_reader(r, MHD_SIZE_UNKNOWN) : make_without_length(r);
     if (r->response.status == 304 && r->file.fd < 0 && body->n == 0)
-        return make_without_length(r);
+        return make_unchanged(r);
     if (r->file.fd >= 0)
         return MHD_create_response_from_fd_at_offset64(r->is_cut ? r->n_sent : r->file.n,
                                                        r->file.fd, r->is_cut ? r->first : 0);

@@ -98,10 +98,10 @@ test("metrics tell of the queue, of what is being solved, and of open streams", 
 
 test("health and metrics are answered when all connections but the reserve are taken", async (t) => {
   const d = await daemon(t, { connections: 16, http_threads: 1 });
-  const crowd = Array.from({ length: 15 }, () => net.connect(d.port, "127.0.0.1"));
-  t.after(() => crowd.forEach((socket) => socket.destroy()));
-  await Promise.all(crowd.map((socket) => once(socket, "connect")));
-  await metricsWith(d, { beltflow_http_connections: 16 });
+  const run = await d.submit(endless());
+  const crowd = await Promise.all(Array.from({ length: 14 }, () => d.events(run.id)));
+  t.after(() => crowd.forEach((stream) => stream.request.destroy()));
+  await metricsWith(d, { beltflow_http_connections: 15 });
   assert.equal((await d.get("/livez")).status, 200);
   assert.equal((await d.get("/version")).status, 503);
 });

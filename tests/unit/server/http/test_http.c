@@ -32,6 +32,34 @@ static void an_answer_carries_the_standard_headers(void **state)
     buffer_fini(&answer);
 }
 
+// RFC 9110, 8.6: the length of a 304 is that of the 200.
+static void a_304_leaves_the_connection_open(void **state)
+{
+#define SCENARIO "GET /v1/runs/" FAKE_RUN "/scenario HTTP/1.1\r\n" HOST
+    bf_buffer rest = { 0 }, answer = { 0 };
+    char again[512];
+
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, SCENARIO "\r\n"));
+    assert_true(client_read_response(fd, &rest, true, &answer));
+    server_assert_holds(&answer, "\r\nContent-Length: 2\r\n");
+    (void)snprintf(again, sizeof again, SCENARIO "If-None-Match: \"%s-scenario\"\r\n\r\n",
+                   FAKE_RUN);
+    for (int i = 0; i < 2; i++) {
+        assert_true(client_send(fd, again));
+        assert_true(client_read_response(fd, &rest, true, &answer));
+        assert_int_equal(client_status(&answer), 304);
+        server_assert_holds(&answer, "\r\nContent-Length: 2\r\n");
+        assert_null(strstr(answer.bytes, "\r\nConnection: close\r\n"));
+    }
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+#undef SCENARIO
+}
+
 static void head_is_answered_without_a_body(void **state)
 {
     bf_buffer get = { 0 }, head = { 0 };
@@ -337,6 +365,7 @@ int main(void)
 #define CASE(name) cmocka_unit_test_setup_teardown(name, server_set_up, server_tear_down)
     const struct CMUnitTest tests[] = {
         CASE(an_answer_carries_the_standard_headers),
+        CASE(a_304_leaves_the_connection_open),
         CASE(head_is_answered_without_a_body),
         CASE(a_connection_serves_one_request_after_the_other),
         CASE(requests_sent_at_once_are_answered_in_order),

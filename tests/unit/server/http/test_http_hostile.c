@@ -195,6 +195,52 @@ static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **sta
     assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
 }
 
+// Sockets that say nothing take every place, and go on coming; their deadline is ten seconds away.
+static void a_crowd_that_says_nothing_does_not_shut_others_out(void **state)
+{
+    enum { CROWD = 40 };
+    int64_t start_ms = clock_monotonic_ms();
+    int fds[CROWD];
+
+    (void)state;
+    server = fake_serve(&server_services, sixteen_connections);
+    for (int i = 0; i < CROWD; i++)
+        fds[i] = client_connect(http_port(server));
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(
+            client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+    assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
+    for (int i = 0; i < CROWD; i++)
+        assert_int_equal(close(fds[i]), 0);
+}
+
+// A connection with a request is not closed to make room.
+static void a_request_that_is_handled_outlives_the_crowd(void **state)
+{
+    enum { CROWD = 40 };
+    bf_buffer rest = { 0 }, answer = { 0 };
+    int fds[CROWD];
+
+    (void)state;
+    server = fake_serve(&server_services, sixteen_connections);
+    fake_hold(&server_services, FAKE_HELD_LIST);
+    int fd = client_connect(http_port(server));
+    assert_true(client_send(fd, "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
+    assert_true(fake_wait_for_held(&server_services, 1));
+    for (int i = 0; i < CROWD; i++)
+        fds[i] = client_connect(http_port(server));
+    assert_int_equal(
+        client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
+    fake_hold(&server_services, FAKE_HELD_NONE);
+    assert_true(client_read_response(fd, &rest, true, &answer));
+    assert_int_equal(client_status(&answer), 200);
+    for (int i = 0; i < CROWD; i++)
+        assert_int_equal(close(fds[i]), 0);
+    assert_int_equal(close(fd), 0);
+    buffer_fini(&rest);
+    buffer_fini(&answer);
+}
+
 static void deadlines_do_not_hit_a_request_that_is_being_handled(void **state)
 {
     bf_buffer rest = { 0 }, answer = { 0 };
@@ -331,6 +377,8 @@ int main(void)
         CASE(a_client_that_drips_its_header_is_cut_off),
         CASE(a_client_that_drips_its_body_is_cut_off),
         CASE(clients_that_send_a_little_and_hang_up_hold_no_connection),
+        CASE(a_crowd_that_says_nothing_does_not_shut_others_out),
+        CASE(a_request_that_is_handled_outlives_the_crowd),
         CASE(deadlines_do_not_hit_a_request_that_is_being_handled),
         CASE(a_body_that_is_announced_too_long_is_refused_at_once),
         CASE(a_client_that_sends_its_long_body_anyway_reads_the_refusal),
