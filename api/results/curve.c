@@ -164,10 +164,25 @@ static bf_status fail_line(bf_error *err, size_t line, const char *text)
     return bf_fail(err, BF_EINPUT, pointer, "%s", text);
 }
 
-static bf_status read_row(piece row, size_t column, size_t line, bf_buffer *t, bf_buffer *parts,
-                          bf_error *err)
+static size_t count_cells(piece row)
 {
-    char text[64];
+    size_t n = 1;
+
+    for (size_t k = 0; k < row.n; k++)
+        n += row.from[k] == ',';
+    return n;
+}
+
+// column is that of the counts, among n_columns.
+static bf_status read_row(piece row, size_t column, size_t n_columns, size_t line, bf_buffer *t,
+                          bf_buffer *parts, bf_error *err)
+{
+    char text[80];
+    size_t n_cells = count_cells(row);
+
+    snprintf(text, sizeof text, "has %zu fields, the header has %zu", n_cells, n_columns);
+    if (n_cells != n_columns)
+        return fail_line(err, line, text);
     piece cell = trim(take_until(&row, ','));
     double time;
     double count;
@@ -227,14 +242,15 @@ bf_status results_read_curve_csv(const char *text, size_t n, const char *id, bf_
 
     snprintf(wanted, sizeof wanted, "must be \"t_s,%.*s\" or have more columns", SCENE_ID_SIZE,
              id == NULL ? "<id>" : id);
-    size_t column = find_column(trim(take_until(&rest, '\n')), id);
+    piece header = trim(take_until(&rest, '\n'));
+    size_t column = find_column(header, id), n_columns = count_cells(header);
     if (column == 0)
         return fail_line(err, 1, wanted);
     for (size_t line = 2; rest.n > 0 && status == BF_OK; line++) {
         piece row = trim(take_until(&rest, '\n'));
         if (row.n == 0)
             continue;
-        status = read_row(row, column, line, t, parts, err);
+        status = read_row(row, column, n_columns, line, t, parts, err);
         if (status == BF_OK)
             status = note_line(lines, line, err);
     }

@@ -61,8 +61,7 @@ static void a_written_curve_reads_back_to_the_same_bits(void **unused)
 
 static void curves_of_others_are_read_too(void **unused)
 {
-    static const char text[] =
-        "\xef\xbb\xbft_s , count\r\n 0 , 5\r\n\r\n1e-1,+4.5e0 \r\n2,3,extra\n\n";
+    static const char text[] = "\xef\xbb\xbft_s , count\r\n 0 , 5\r\n\r\n1e-1,+4.5e0 \r\n2,3\n\n";
     bf_buffer t = { 0 };
     bf_buffer parts = { 0 };
     bf_buffer lines = { 0 };
@@ -104,7 +103,9 @@ static void bad_curves_are_refused_with_their_line(void **unused)
         { "t_s,a\n0,nan\n", NULL, "/line/2", "" },
         { "t_s,a\n0,1e999\n", NULL, "/line/2", "" },
         { "t_s,a\n0,0x10\n", NULL, "/line/2", "" },
-        { "t_s,a,b\n0,1\n", "b", "/line/2", "column 3" },
+        { "t_s,a,b\n0,1\n", "b", "/line/2", "has 2 fields, the header has 3" },
+        { "t_s,a\n0,1\n1,2,3\n", "a", "/line/3", "has 3 fields, the header has 2" },
+        { "t_s,a\n0,1,\n", NULL, "/line/2", "has 3 fields, the header has 2" },
         { "t_s,a\n0,1111111111111111111111111111111111111111111111111111111111111111111111\n", NULL,
           "/line/2", "" },
     };
