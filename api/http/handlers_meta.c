@@ -1,6 +1,7 @@
 // The service itself: examples, liveness, readiness, metrics, version, the OpenAPI document.
 
 #include "api/http/http_priv.h"
+#include "api/http/problem.h"
 #include "api/json/json_out.h"
 #include "api/openapi/openapi.h"
 #include "api/results/service_json.h"
@@ -22,6 +23,12 @@ bf_status handlers_meta_example(exchange *x, bf_error *err)
     json_out w = json_out_to(&x->response->body);
     json_out_raw(&w, item->document, item->n);
     return json_out_status(&w, err);
+}
+
+bf_status handlers_meta_problem(exchange *x, bf_error *err)
+{
+    exchange__cache_revalidate(x);
+    return problem_describe(x->params.values[0], &x->response->body, err);
 }
 
 bf_status handlers_meta_livez(exchange *x, bf_error *err)

@@ -159,6 +159,7 @@ route_handler_fn handlers_meta_livez;
 route_handler_fn handlers_meta_readyz;
 route_handler_fn handlers_meta_metrics;
 route_handler_fn handlers_meta_version;
+route_handler_fn handlers_meta_problem;
 route_handler_fn handlers_meta_openapi;
 
 /// Parameters of routes (routes_params.c), for their table: in the path,
@@ -166,6 +167,7 @@ extern const param routes__run_id;
 extern const param routes__measurement_id;
 extern const param routes__snapshot_n;
 extern const param routes__example_name;
+extern const param routes__problem_word;
 
 /// in the query,
 extern const param routes__compared_a;

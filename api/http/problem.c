@@ -66,6 +66,39 @@ const member_table problem_error_members = { MEMBER_TABLE("ProblemError", error_
                                              .size = sizeof(bf_error) };
 #undef AT
 
+// What the description of a kind is written from.
+typedef struct description {
+    char type[64];
+    const char *title;
+    int status;
+    const char *when;
+} description;
+
+#define AT(place) offsetof(description, place)
+static const member kind_members[] = {
+    MEMBER("type", text, AT(type), "The kind of problem", .type = "#ProblemType"),
+    MEMBER("title", string, AT(title), "The kind of problem, for people"),
+    MEMBER("status", int, AT(status), "The HTTP status"),
+    MEMBER("description", string, AT(when), "When a request meets it"),
+};
+const member_table problem_kind_members = { MEMBER_TABLE("ProblemKind", kind_members) };
+#undef AT
+
+bf_status problem_describe(const char *word, bf_buffer *out, bf_error *err)
+{
+    size_t i = 0;
+
+    while (i < N_KINDS && strcmp(kinds[i].word, word) != 0)
+        i++;
+    if (i == N_KINDS)
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no problem '%s'", word);
+    description d = { .title = kinds[i].title, .status = kinds[i].status, .when = kinds[i].when };
+    snprintf(d.type, sizeof d.type, "/problems/%s", word);
+    json_out w = json_out_to(out);
+    members_write(&w, &problem_kind_members, &d);
+    return json_out_status(&w, err);
+}
+
 // What a problem is written from.
 typedef struct problem {
     char type[64];

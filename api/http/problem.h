@@ -58,6 +58,12 @@ typedef struct problem_kind {
 /// The table; *ret_n is how many rows.
 const problem_kind *problem_kinds(size_t *ret_n);
 
+/// What GET of a problem's type answers.
+extern const member_table problem_kind_members;
+
+/// Append the description of the kind with this word. BF_ENOTFOUND: there is none.
+BF_MUST_CHECK bf_status problem_describe(const char *word, bf_buffer *out, bf_error *err);
+
 /// The HTTP status of a failure.
 int problem_status(bf_status code);
 

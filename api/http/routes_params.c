@@ -60,6 +60,13 @@ const param routes__example_name = { .name = "name",
                                      .is_required = true,
                                      .help = "Which ready scenario" };
 
+const param routes__problem_word = { .name = "kind",
+                                     .in = "path",
+                                     .kind = &param_text,
+                                     .limits = "\"pattern\":\"^[a-z-]+$\"",
+                                     .is_required = true,
+                                     .help = "The last segment of a problem's type" };
+
 const param routes__compared_a = {
     .name = "a",
     .in = "query",

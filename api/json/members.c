@@ -250,9 +250,8 @@ static void append_value(const member *m, const void *item, bf_buffer *out, bool
     }
 }
 
-// Appends what init gives to the member: one value if it is the same at every place. False: there
-// are several, or it is not one JSON value.
-static bool append_init(const member_table *table, const member *m, bf_buffer *out,
+// Appends what init gives to the member: one value if it is the same at every place.
+static void append_init(const member_table *table, const member *m, bf_buffer *out,
                         bool *has_failed)
 {
     alignas(max_align_t) char item[ITEM_SIZE];
@@ -275,10 +274,9 @@ static bool append_init(const member_table *table, const member *m, bf_buffer *o
     if (!*has_failed && are_equal)
         buffer_truncate(out, first.n);
     buffer_fini(&first);
-    return are_equal && m->table == NULL;
 }
 
-void members_default_text(const member_table *table, const member *m, char *ret_text)
+bool members_default_text(const member_table *table, const member *m, char *ret_text)
 {
     bf_buffer text = { 0 };
     bool has_failed = false;
@@ -287,7 +285,7 @@ void members_default_text(const member_table *table, const member *m, char *ret_
     if (m->default_text != NULL)
         snprintf(ret_text, MEMBER_TEXT_SIZE, "%s", m->default_text);
     if (m->default_text != NULL || (m->flags & MEMBER_INIT) == 0)
-        return;
+        return true;
     append_init(table, m, &text, &has_failed);
     if (!has_failed && strcmp(text.bytes, "\"\"") == 0)
         snprintf(ret_text, MEMBER_TEXT_SIZE, "empty");
@@ -296,32 +294,7 @@ void members_default_text(const member_table *table, const member *m, char *ret_
     else if (!has_failed)
         snprintf(ret_text, MEMBER_TEXT_SIZE, "%s", text.bytes);
     buffer_fini(&text);
-}
-
-static bool write_init(json_out *w, const member_table *table, const member *m)
-{
-    bf_buffer text = { 0 };
-
-    bool is_value = append_init(table, m, &text, &w->has_failed);
-    if (is_value && !w->has_failed) {
-        json_out_key(w, "default");
-        json_out_raw(w, text.bytes, text.n);
-    }
-    buffer_fini(&text);
-    return is_value;
-}
-
-bool members_write_default(json_out *w, const member_table *table, const member *m)
-{
-    const char *text = m->default_text;
-
-    if (text == NULL)
-        return write_init(w, table, m);
-    if (*text != '[' && *text != '{')
-        return false;
-    json_out_key(w, "default");
-    json_out_raw(w, text, strlen(text));
-    return true;
+    return !has_failed;
 }
 
 // ---- writing

@@ -178,13 +178,9 @@ void members_write_into(json_out *w, const member_table *table, const void *item
 bool members_has_default(const member *m);
 
 /// The default for people ("0.005", "inflow"), "" if there is none, and the range ("> 0"), "" if it
-/// is any, in MEMBER_TEXT_SIZE bytes.
-void members_default_text(const member_table *table, const member *m, char *ret_text);
+/// is any, in MEMBER_TEXT_SIZE bytes. False: there is no memory, and the text is "".
+bool members_default_text(const member_table *table, const member *m, char *ret_text);
 void members_range_text(const bf_range *range, char *ret_text);
-
-/// Write the default as a JSON value under the key "default". False: it is a text for people only,
-/// and nothing is written.
-bool members_write_default(json_out *w, const member_table *table, const member *m);
 
 /// Write the reference to the schema of a table's object.
 void members_write_ref(json_out *w, const member_table *table, member_view view);

@@ -173,6 +173,7 @@ static const openapi_schema table[] = {
     OBJECT(service_json_ready_members, "Runs are accepted"),
     OBJECT(service_json_version_members, "Version of the service"),
     { .help = "An OpenAPI document", .table = &document, .others = "" },
+    OBJECT(problem_kind_members, "What a kind of problem means"),
     OBJECT(problem_members, "Why a request was refused (RFC 9457)"),
     OBJECT(problem_error_members, "A fault of a document"),
     TYPE("Csv", "string", NULL, "One line of names, then a line for each row; `nan`: not known"),

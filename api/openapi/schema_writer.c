@@ -54,7 +54,7 @@ static void write_help(json_out *w, const member_table *table, const member *m, 
     snprintf(size, sizeof size, "%zu bytes of UTF-8", m->limit - 1);
     append(text, "; at most ", m->kind == &member_text && m->limit > 0 ? size : NULL);
     append(text, "; null: ", m->null);
-    members_default_text(table, m, standard);
+    w->has_failed |= !members_default_text(table, m, standard);
     append(text, ". Default: ", tells_default ? standard : NULL);
     json_out_key_string(w, "description", text);
 }
@@ -96,7 +96,8 @@ static void write_member(json_out *w, const member_table *table, const member *m
     } else {
         write_type(w, m, f->view);
     }
-    write_help(w, table, m, has_default && !members_write_default(w, table, m));
+    // Generators of clients take a member with the keyword `default` for one that is always there.
+    write_help(w, table, m, has_default);
     json_out_object_end(w);
 }
 
@@ -118,7 +119,7 @@ static bool belongs(const member_table *table, const member *m, const form *f)
     return table->choice != MEMBER_TAGGED || m->tags == 0 || (m->tags >> f->choice & 1U) != 0;
 }
 
-static bool is_required(const member_table *table, const member *m, const form *f)
+static bool is_required(json_out *w, const member_table *table, const member *m, const form *f)
 {
     char standard[MEMBER_TEXT_SIZE];
 
@@ -129,7 +130,7 @@ static bool is_required(const member_table *table, const member *m, const form *
         return true;
     // Without its tag an object is of the kind that is the tag's default.
     if (table->choice == MEMBER_TAGGED && m == table->members) {
-        members_default_text(table, m, standard);
+        w->has_failed |= !members_default_text(table, m, standard);
         return strcmp(standard, m->words[f->choice]) != 0;
     }
     return !members_has_default(m) || table->choice == MEMBER_ONE_OF;
@@ -155,7 +156,7 @@ static void write_required(json_out *w, const member_table *table, const form *f
             write_required(w, m->table, f, is_open);
             continue;
         }
-        if (!belongs(table, m, f) || !is_required(table, m, f))
+        if (!belongs(table, m, f) || !is_required(w, table, m, f))
             continue;
         if (!*is_open) {
             json_out_key(w, "required");

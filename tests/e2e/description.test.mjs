@@ -42,7 +42,7 @@ async function makeValues(d) {
   const [a, b] = runs.map(({ id }) => id);
   const measured = await d.post("/v1/measurements", { t_s: [0, 1], count: [20, 0] });
   return {
-    id: b, n: "0", name: "example-1", runs: `${a},${b}`,
+    id: b, n: "0", name: "example-1", kind: "not-found", runs: `${a},${b}`,
     "/v1/measurements/{id}": measured.headers.location,
     "/v1/compare": `/v1/compare?a=${a}&b=${b}`,
   };

@@ -125,6 +125,22 @@ static void conditions_hold_for_reading_and_removing(void **state)
     ask("DELETE", RUN_1, NULL, "If-None-Match: \"r41\"\n", NULL, 204);
 }
 
+// RFC 9457, 3.1.1: the type of a problem should lead to its description.
+static void the_type_of_a_problem_leads_to_what_it_means(void **state)
+{
+    char type[128];
+
+    (void)state;
+    ask_get("/nowhere", NULL, NULL, 404);
+    const char *from = strstr(ask_response.body.bytes, "/problems/");
+    assert_non_null(from);
+    snprintf(type, sizeof type, "%.*s", (int)strcspn(from, "\""), from);
+    ask_get(type, NULL, NULL, 200);
+    assert_true(
+        ask_body_has("\"type\":\"/problems/not-found\",\"title\":\"Not Found\",\"status\":404"));
+    ask_get("/problems/nothing", NULL, NULL, 404);
+}
+
 static void a_problem_can_be_given_the_id_of_its_request(void **state)
 {
     (void)state;
@@ -362,6 +378,7 @@ int main(void)
         ASK_TEST(documents_are_known_by_their_bytes),
         ASK_TEST(a_run_is_changed_only_in_the_state_that_the_client_means),
         ASK_TEST(conditions_hold_for_reading_and_removing),
+        ASK_TEST(the_type_of_a_problem_leads_to_what_it_means),
         ASK_TEST(a_problem_can_be_given_the_id_of_its_request),
         ASK_TEST(a_full_share_of_the_queue_is_a_429),
         ASK_TEST(what_depends_on_accept_says_so),
