@@ -78,6 +78,7 @@ static void on_message(void *context, const char *format, va_list arguments)
     (void)context;
     (void)vsnprintf(text, sizeof text, format, arguments);
     log_event(LOG_LEVEL_DEBUG, "http", "text=%s", log_quote(text, quoted));
+    http__request_refuse_length();
 }
 
 // Request threads may be using the descriptor of the directory, so a new directory takes over its number.

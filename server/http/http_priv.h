@@ -205,6 +205,10 @@ http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char
 bool http__request_advance(http_request *r, const char *method, const char *version,
                            const char *bytes, size_t *n);
 
+/// MHD refuses a Content-Length that is no number before it asks us, with two heads; but it logs that before.
+/// To be called then, on its thread: answers the request, and ends what is sent on its connection.
+void http__request_refuse_length(void);
+
 /// On a request thread: handle the request. False: it is parked, and this thread must not access it
 /// any more.
 bool http__request_work(http_request *r);
@@ -214,6 +218,17 @@ void http__request_close(http_request *r);
 
 /// A request header's value by its name, or NULL; context is the http_request.
 const char *http__request_header(void *context, const char *name);
+
+// request_check.c
+
+/// Set the refusal of a request: HTTP status and text.
+void http__request_refuse(http_request *r, int status, bf_status code, const char *text);
+
+/// Find out what identifies the request, and who sent it.
+void http__request_identify(http_request *r);
+
+/// Check the complete header; sets r->refusal if the request must not be used.
+void http__request_check(http_request *r, const char *method, const char *version);
 
 // response.c
 

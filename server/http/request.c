@@ -3,23 +3,16 @@
 #include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/http/cors.h"
 #include "server/http/guard.h"
 
+#include <errno.h>
 #include <microhttpd.h>
-#include <netinet/in.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum {
-    ID_LENGTH = API_ID_SIZE - 1,
-    HOST_SIZE = 300,    // of a host with its port
-    WARNING_MS = 60000, // between two warnings of the same
-};
+enum { ID_LENGTH = API_ID_SIZE - 1 };
 
 static http_connection *connection_of(struct MHD_Connection *mhd)
 {
@@ -27,6 +20,9 @@ static http_connection *connection_of(struct MHD_Connection *mhd)
         MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info == NULL ? NULL : info->socket_context;
 }
+
+// The request whose line was the last one to be parsed on this thread, until its header is complete.
+static _Thread_local http_request *opened;
 
 http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target)
 {
@@ -42,6 +38,7 @@ http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char
     r->target = target;
     r->target_end = target + strlen(target);
     r->refusal = http_guard_target(target, r->path, r->query, &r->fault);
+    opened = r;
     return r;
 }
 
@@ -51,151 +48,10 @@ const char *http__request_header(void *context, const char *name)
     return MHD_lookup_connection_value(r->mhd, MHD_HEADER_KIND, name);
 }
 
-static enum MHD_Result show_header(void *context, enum MHD_ValueKind kind, const char *name,
-                                   size_t n_name, const char *value, size_t n_value)
-{
-    (void)kind;
-    http_guard_header(context, name, n_name, value, n_value);
-    return MHD_YES;
-}
-
-static void refuse(http_request *r, int status, bf_status code, const char *text)
-{
-    r->refusal = status;
-    (void)bf_fail(&r->fault, code, "", "%s", text);
-}
-
-// True if method, target and version stand one behind the other: else there was a zero byte in the
-// request line, which ends their texts early.
-static bool is_line_whole(const http_request *r, const char *method, const char *version)
-{
-    return r->target == method + strlen(method) + 1 && version == r->target_end + 1;
-}
-
-// The guard: sets r->refusal if the request must not be used.
-static void check_header(http_request *r, const char *method, const char *version)
-{
-    http_guard guard = { .next = version + strlen(version) + 2 };
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE);
-
-    if (strlen(method) >= sizeof r->method) {
-        refuse(r, 501, BF_EINPUT, "there is no such method");
-        return;
-    }
-    memcpy(r->method, method, strlen(method) + 1);
-    if (!is_line_whole(r, method, version)) {
-        refuse(r, 400, BF_EINPUT, "the request line is not three words with one space between");
-        return;
-    }
-    if (r->refusal != 0)
-        return;
-    if (strcmp(r->path, "*") == 0 && strcmp(method, "OPTIONS") != 0) {
-        refuse(r, 400, BF_EINPUT, "only OPTIONS has the target *");
-        return;
-    }
-    (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, show_header, &guard);
-    if (info != NULL)
-        http_guard_end(&guard, method + info->header_size);
-    r->refusal = http_guard_verdict(&guard, method, version, &r->fault);
-}
-
 static void check_reserve(http_request *r)
 {
     if (http__connection_is_reserved(r->connection) && r->cost != API_COST_HEALTH)
-        refuse(r, 503, BF_EBUSY, "too many connections are open");
-}
-
-// One value of X-Forwarded-For is added behind those before; context is a bf_buffer.
-static enum MHD_Result gather_forwarded(void *context, enum MHD_ValueKind kind, const char *name,
-                                        size_t n_name, const char *value, size_t n_value)
-{
-    static const char wanted[] = "X-Forwarded-For";
-
-    (void)kind;
-    (void)n_value;
-    if (n_name != sizeof wanted - 1 || strncasecmp(name, wanted, n_name) != 0)
-        return MHD_YES;
-    return buffer_printf(context, ",%s", value) == BF_OK ? MHD_YES : MHD_NO;
-}
-
-// All clients of the proxy then share one client's limit. Warn at most once a minute.
-static void warn_of_proxy(http_request *r)
-{
-    int64_t now_ms = clock_monotonic_ms();
-    int64_t before_ms = atomic_load(&r->server->warned_ms);
-
-    if ((before_ms != 0 && now_ms - before_ms < WARNING_MS) ||
-        !atomic_compare_exchange_strong(&r->server->warned_ms, &before_ms, now_ms))
-        return;
-    log_event(LOG_LEVEL_WARN, "proxy_not_trusted",
-              "address=%s error=\"a proxy forwards requests, but is not in trusted_proxies: all "
-              "its clients "
-              "count as one\"",
-              r->client.text);
-}
-
-static void identify(http_request *r)
-{
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(r->mhd, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-    bf_buffer forwarded = { 0 };
-    bool is_forwarded_otherwise = http__request_header(r, "Forwarded") != NULL;
-
-    r->trace = http_trace_read(http__request_header(r, "X-Request-Id"),
-                               http__request_header(r, "traceparent"));
-    (void)MHD_get_connection_values_n(r->mhd, MHD_HEADER_KIND, gather_forwarded, &forwarded);
-    r->client = http_client_find(info->client_addr, forwarded.bytes, is_forwarded_otherwise,
-                                 &r->server->proxies);
-    r->is_of_network =
-        info->client_addr->sa_family == AF_INET || info->client_addr->sa_family == AF_INET6;
-    buffer_fini(&forwarded);
-    if (r->client.is_unknown_proxy)
-        warn_of_proxy(r);
-}
-
-// The requested host: the target's if it has one, else that of the Host header.
-static http_host_verdict classify_host(const http_request *r, const char *host)
-{
-    char name[HOST_SIZE];
-    size_t n = 0;
-    const char *authority = http_guard_authority(r->target, &n);
-    http_host_verdict verdict = http_host_classify(&r->server->hosts, host);
-
-    if (authority == NULL || verdict == HTTP_HOST_MALFORMED)
-        return verdict;
-    if (n >= sizeof name)
-        return HTTP_HOST_MALFORMED;
-    memcpy(name, authority, n);
-    name[n] = '\0';
-    return http_host_classify(&r->server->hosts, name);
-}
-
-// Exempt are requests without Host (HTTP/1.0) and those over other sockets: no browser sends them.
-static void check_host(http_request *r)
-{
-    const char *host = http__request_header(r, "Host");
-
-    if (host == NULL || !r->is_of_network)
-        return;
-    switch (classify_host(r, host)) {
-    case HTTP_HOST_OURS:
-        return;
-    case HTTP_HOST_MALFORMED:
-        refuse(r, 400, BF_EINPUT, "the Host header is not a host with or without a port");
-        return;
-    case HTTP_HOST_FOREIGN:
-        refuse(r, 421, BF_EINPUT,
-               "the service does not answer under this host; the setting hosts adds names to it");
-    }
-}
-
-static void check_origin(http_request *r)
-{
-    if (http_cors_is_forged(r->server->cors_origins, r->method, http__request_header(r, "Origin"),
-                            http__request_header(r, "Sec-Fetch-Site")))
-        refuse(r, 403, BF_EINPUT,
-               "a page of another site sent this; the setting cors_origins allows pages");
+        http__request_refuse(r, 503, BF_EBUSY, "too many connections are open");
 }
 
 static void refuse_body(http_request *r)
@@ -243,19 +99,45 @@ static api_request view(http_request *r)
                           .client = r->client.is_local ? NULL : r->client.text };
 }
 
+static bool is_length(const char *text)
+{
+    size_t n = strspn(text, "0123456789");
+
+    errno = 0;
+    (void)strtoull(text, NULL, 10);
+    return n > 0 && text[n] == '\0' && errno == 0;
+}
+
+void http__request_refuse_length(void)
+{
+    http_request *r = opened;
+    const char *length = r == NULL ? NULL : http__request_header(r, "Content-Length");
+
+    if (length == NULL || http__request_header(r, "Transfer-Encoding") != NULL || is_length(length))
+        return;
+    opened = NULL;
+    r->begun_ns = clock_monotonic_ns();
+    count(r, 1);
+    http__request_identify(r);
+    if (length[strspn(length, "0123456789")] == '\0' && *length != '\0')
+        refuse_body(r);
+    else
+        http__request_refuse(r, 400, BF_EINPUT, "Content-Length is not a number");
+    r->connection->lingers = true;
+    http__respond_refuse(r, r->refusal, &r->fault);
+    http__respond_past_body(r);
+    (void)shutdown(r->connection->fd, SHUT_WR);
+}
+
 static bool begin(http_request *r, const char *method, const char *version)
 {
     bool has_body = false;
 
+    opened = NULL;
     r->begun_ns = clock_monotonic_ns();
     count(r, 1);
     http__connection_occupy(r->connection, true);
-    check_header(r, method, version);
-    identify(r);
-    if (r->refusal == 0)
-        check_host(r);
-    if (r->refusal == 0)
-        check_origin(r);
+    http__request_check(r, method, version);
     if (r->refusal == 0) {
         const api_request request = view(r);
         r->cost = api_request_cost(&request);
@@ -279,7 +161,7 @@ static bool take_body(http_request *r, const char *bytes, size_t *n)
     if (r->body.n + *n > r->server->options.body_limit)
         refuse_body(r);
     else if (buffer_append(&r->body, bytes, *n) != BF_OK)
-        refuse(r, 503, BF_ENOMEM, "there is no memory for the body");
+        http__request_refuse(r, 503, BF_ENOMEM, "there is no memory for the body");
     *n = 0;
     if (r->refusal == 0)
         return true;
@@ -476,6 +358,8 @@ void http__request_close(http_request *r)
 {
     if (r == NULL)
         return;
+    if (opened == r)
+        opened = NULL;
     http__pull_end(r);
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);

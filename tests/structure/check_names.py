@@ -22,6 +22,7 @@ AMBIGUOUS = {
 ALLOWED = {
     "floor": ("libm's function", r".*"),
     "SHUT_RDWR": ("POSIX", r"server/http/.*"),
+    "SHUT_WR": ("POSIX", r"server/http/.*"),
     "overlap_share": ("largest overlap by a radius, `largest_overlap_share` of a summary", r".*"),
     "share": ("`share` of a kind in a mix, a member of scenarios", r"((core|api)/scen|core/feed/).*"),
     "scene_range_share": ("the same", r"(core|api)/scen.*"),
