@@ -2,7 +2,8 @@
 ///
 /// With it the whole API can be called without sockets, store or threads (the tests do).
 /// All functions are thread-safe. Those that write return when their change is on disk. Common errors:
-/// BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_EBUSY too many read it at once; BF_ENOMEM.
+/// BF_ENOTFOUND no such run; BF_ESYSTEM the store failed; BF_ENOSPACE the disk is full; BF_EBUSY too many
+/// read it at once; BF_ENOMEM.
 
 #pragma once
 
@@ -164,7 +165,8 @@ typedef struct api_services {
     void *context; ///< first argument of every function
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
-    /// with it is under way; BF_ELIMIT: the client's quota is used up; BF_EBUSY: the queue is full.
+    /// with it is under way; BF_ENOSPACE: the disk is nearly full; BF_ELIMIT: the client's quota
+    /// is used up; BF_EBUSY: the queue is full.
     bf_status (*submit)(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
@@ -217,7 +219,7 @@ typedef struct api_services {
     /// Append the text of one that is no curve to *out.
     bf_status (*read_measurement_csv)(void *context, const char *id, bf_buffer *out, bf_error *err);
     bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
-    /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ESYSTEM store).
+    /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
     bf_status (*ready)(void *context, bf_error *err);
     /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.
     bf_status (*metrics)(void *context, bf_buffer *out, bf_error *err);

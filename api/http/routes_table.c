@@ -44,9 +44,10 @@ static const route table[] = {
               "has ended. If the same scenario was solved before, the run ends at once with those "
               "results (`cached`), unless `fresh` is given. With Idempotency-Key a request can be "
               "repeated safely: the same key with another body is a 422. 429 means that the "
-              "client's quota of queued runs is used up, 503 that the queue is full.",
+              "client's quota of queued runs is used up, 503 that the queue is full, 507 that the "
+              "disk has too little room.",
       .body = "Submission",
-      .refusals = "403 409 413 415 422",
+      .refusals = "403 409 413 415 422 507",
       .answers = { { 201, "Run",
                      "Location ETag Cache-Control Preference-Applied Idempotent-Replayed",
                      "The run was accepted" } } },
@@ -90,7 +91,7 @@ static const route table[] = {
       .tag = "Runs",
       .summary = "Stop a run if need be and remove it with its results",
       .help = "A run that is being solved is stopped first. This cannot be undone.",
-      .refusals = "403 404 412",
+      .refusals = "403 404 412 507",
       .answers = { { 204, NULL, "Cache-Control", "The run was removed" } } },
     { .method = "POST",
       .path = "/v1/runs/{id}/cancel",
@@ -103,7 +104,7 @@ static const route table[] = {
       .tag = "Runs",
       .summary = "Stop a run and keep its results so far",
       .help = "The results so far are kept and can be read.",
-      .refusals = "403 404 409 412",
+      .refusals = "403 404 409 412 507",
       .answers = { { 200, "Run", "Cache-Control", "The run had not started and is cancelled" },
                    { 202, "Run", "Cache-Control", "The run will stop shortly" } } },
     { .method = "GET",
@@ -323,7 +324,7 @@ static const route table[] = {
           "are too many.",
       .body = "Measurement",
       .body_formats = "json csv",
-      .refusals = "403 409 413 415 422",
+      .refusals = "403 409 413 415 422 507",
       .answers = { { 201, "StoredMeasurement", "Location Cache-Control", "It was stored" } } },
     { .method = "GET",
       .path = "/v1/measurements",
@@ -366,7 +367,7 @@ static const route table[] = {
       .tag = "Comparison",
       .summary = "Remove a measurement",
       .help = "This cannot be undone.",
-      .refusals = "403 404 412",
+      .refusals = "403 404 412 507",
       .answers = { { 204, NULL, "Cache-Control", "The measurement was removed" } } },
     { .method = "GET",
       .path = "/v1/compare",

@@ -19,7 +19,8 @@
     X(BF_ESYSTEM, "system")       /* the operating system refused */                               \
     X(BF_ENOTFOUND, "not-found")  /* the requested item does not exist */                          \
     X(BF_ECONFLICT, "conflict")   /* the request does not fit the present state */                 \
-    X(BF_EBUSY, "busy")           /* full at the moment; a later attempt may succeed */
+    X(BF_EBUSY, "busy")           /* full at the moment; a later attempt may succeed */            \
+    X(BF_ENOSPACE, "no-space")    /* the disk is full, or nearly */
 
 typedef enum bf_status {
 #define X(code, word) code,

@@ -246,8 +246,10 @@ void supervisor__finish_batch(supervisor__task *task)
 {
     free_batch(task);
     task->moved_ms += clock_monotonic_ms() - task->write.begin_ms; // the job may have waited
-    if (task->write.status != BF_OK)
-        supervisor__fail(task, &task->write.error);
+    if (task->write.status == BF_OK)
+        return;
+    task->is_trouble = !task->failed && supervisor__may_work_later(task->write.status);
+    supervisor__fail(task, &task->write.error);
 }
 
 static bf_status take_begin(supervisor__task *task, const frame_begin *begin, bf_error *err)

@@ -59,7 +59,7 @@ bf_status supervisor_ready(supervisor *s, bf_error *err)
 
 bool supervisor__may_work_later(bf_status code)
 {
-    return code == BF_EBUSY || code == BF_ENOMEM || code == BF_ESYSTEM;
+    return code == BF_EBUSY || code == BF_ENOMEM || code == BF_ESYSTEM || code == BF_ENOSPACE;
 }
 
 // Each pending update is of a run that was a task, and no task is made while there are any, so there is
@@ -166,7 +166,6 @@ void supervisor__finish_claim(supervisor__task *task)
     supervisor *s = task->supervisor;
     const bf_error err = task->write.error;
     bf_status status = task->write.status;
-    char quoted[LOG_QUOTED_SIZE];
 
     if (status == BF_OK) {
         start_claimed(task);
@@ -177,10 +176,11 @@ void supervisor__finish_claim(supervisor__task *task)
         return;
     }
     supervisor__task_destroy(task);
-    if (status == BF_ENOTFOUND)
+    if (status == BF_ENOTFOUND) {
+        supervisor__forget_trouble(s); // no run waits
         return;
-    log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
-    supervisor__backoff(s);
+    }
+    supervisor__note_trouble(s, &err);
 }
 
 bool supervisor_still_runs(void *context, const store_running *running)

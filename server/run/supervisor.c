@@ -85,9 +85,9 @@ static void finish_end(supervisor *s, supervisor__task *task)
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
                           task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
-    else if (is_back_unasked && task->exit.cause == EXECUTOR_UNSTARTED)
-        supervisor__note_trouble(s, &task->exit.error);
     // Trouble of the store or of the executor would make the next run end the same way.
+    else if (is_back_unasked && task->ending.error.code != BF_OK)
+        supervisor__note_trouble(s, &task->ending.error);
     else if (is_back_unasked || (task->failed && task->error.code == BF_ESYSTEM))
         supervisor__backoff(s);
     supervisor__task_destroy(task);

@@ -95,6 +95,7 @@ struct supervisor__task {
     bool has_begun;          ///< FRAME_BEGIN came
     bool has_ended;          ///< FRAME_END came
     bool failed;             ///< it fails with error, regardless of later frames
+    bool is_trouble;         ///< the error is the store's, not the run's: it is queued again
     bool timed_out;          ///< it was stopped by force because a time was over
     int64_t moved_ms;        ///< when it was last seen to go on, clock_monotonic_ms()
     frame_begin begin;       ///< valid if has_begun
@@ -184,7 +185,7 @@ void supervisor__task_destroy(supervisor__task *task);
 /// fails the task and stops its job by force.
 void supervisor__read_frames(supervisor__task *task);
 
-/// Discard the batch that has been stored; fail the task if it could not be stored.
+/// Discard the batch that has been stored; end the task if it could not be stored.
 void supervisor__finish_batch(supervisor__task *task);
 
 /// The task fails with this error: discard what was sent and stop the job by force.
@@ -203,9 +204,9 @@ store_ending supervisor__classify_exit(const supervisor__task *task);
 /// Why the job ended, for the metrics.
 metrics_reason supervisor__exit_reason(const supervisor__task *task);
 
-/// Write task->ending, with the summary, into the store and the log. What the store refuses is tried once
-/// more as a failure, then as going back to the queue: task->ending is what was written. An error means
-/// that even that was refused. On a writing thread.
+/// Write task->ending, with the summary, into the store and the log. What cannot be written of it is a failure of
+/// the run, or if the store is at fault the run goes back to the queue: task->ending is what was written. An error
+/// means that even that was refused. On a writing thread.
 BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_error *err);
 
 /// The newest key figures of a run that sent some.
@@ -232,7 +233,7 @@ void supervisor__defer(supervisor *s, const char *run_id, run_state state);
 /// Runs cannot be started: claim nothing for a while, be not ready, and log it once a minute.
 void supervisor__note_trouble(supervisor *s, const bf_error *err);
 
-/// A run has begun: there is no trouble any more.
+/// A run has begun, or none waits: there is no trouble any more.
 void supervisor__forget_trouble(supervisor *s);
 
 /// True if the failure is of the executor or the store, not of the run, so that it may not come again.

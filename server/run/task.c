@@ -102,6 +102,23 @@ static run_state state_for(supervisor__stop requested)
     return requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED;
 }
 
+// The executor or the store is at fault, not the run.
+static store_ending end_elsewhere(const supervisor__task *task, const bf_error *err)
+{
+    return (store_ending){ .run_id = task->claimed.run.id,
+                           .state = state_for(task->requested),
+                           .error = *err };
+}
+
+static store_ending end_failed(const supervisor__task *task)
+{
+    const store_ending failure = { .run_id = task->claimed.run.id,
+                                   .state = RUN_FAILED,
+                                   .error = task->error };
+
+    return task->is_trouble ? end_elsewhere(task, &task->error) : failure;
+}
+
 store_ending supervisor__classify_exit(const supervisor__task *task)
 {
     store_ending ending = { .run_id = task->claimed.run.id, .state = RUN_FAILED };
@@ -112,7 +129,7 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
     if (task->requested == SUPERVISOR_STOP_KILL)
         ending.state = RUN_CANCELLED;
     else if (task->failed)
-        ending.error = task->error;
+        ending = end_failed(task);
     else if (task->has_ended && !task->end.stopped)
         ending.state = RUN_SUCCEEDED;
     else if (task->has_ended && (is_requested || has_moved))
@@ -121,9 +138,10 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
         (void)bf_fail(&ending.error, BF_ESYSTEM, "", "the solver stopped without being asked to");
     else if (task->state == EXECUTOR_LOST)
         ending.state = state_for(task->requested);
-    else if (cause == EXECUTOR_STOPPED || cause == EXECUTOR_UNSTARTED ||
-             (cause == EXECUTOR_KILLED && is_requested))
+    else if (cause == EXECUTOR_STOPPED || (cause == EXECUTOR_KILLED && is_requested))
         ending.state = state_for(task->requested); // it could not answer the stop, or did not
+    else if (cause == EXECUTOR_UNSTARTED)
+        ending = end_elsewhere(task, &task->exit.error);
     else if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
         (void)bf_fail(&ending.error, BF_ECORRUPT, "", "the solver's output ends inside a frame");
     else
@@ -195,12 +213,12 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
     ending->n_summary = summary.n;
     if (status == BF_OK)
         status = store_finish(s, ending, &after, err);
-    if (status != BF_OK) {
+    if (status != BF_OK && !supervisor__may_work_later(status)) {
         *ending = (store_ending){ .run_id = ending->run_id, .state = RUN_FAILED, .error = *err };
         status = store_finish(s, ending, &after, err);
     }
     if (status != BF_OK) {
-        *ending = (store_ending){ .run_id = ending->run_id, .state = RUN_QUEUED };
+        *ending = (store_ending){ .run_id = ending->run_id, .state = RUN_QUEUED, .error = *err };
         status = store_finish(s, ending, &after, err);
     }
     buffer_fini(&summary);

@@ -111,6 +111,8 @@ bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
     do {
         store_job_fini(&job);
         status = peek_next(s, &job, err);
+        if (status == BF_OK)
+            status = store__check_room(s, err);
         if (status != BF_OK)
             break;
         status = store__write(s, apply_claim, &job, err);
@@ -260,7 +262,7 @@ bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, b
 {
     change_context context = { .id = ending->run_id, .ending = ending };
 
-    bf_status status = store__write(s, apply_finish, &context, err);
+    bf_status status = store__write_freeing(s, apply_finish, &context, err);
     if (status == BF_OK)
         *ret_run = context.row.run;
     return status;
@@ -300,7 +302,7 @@ bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret
 {
     change_context context = { .id = id, .revision = revision };
 
-    bf_status status = store__write(s, apply_cancel, &context, err);
+    bf_status status = store__write_freeing(s, apply_cancel, &context, err);
     if (status == BF_OK)
         *ret_run = context.row.run;
     return status;
@@ -345,11 +347,11 @@ bf_status store_remove(store *s, const char *id, uint64_t revision, bf_error *er
 {
     remove_context context = { .id = id, .revision = revision };
 
-    bf_status status = store__write(s, apply_remove, &context, err);
+    bf_status status = store__write_freeing(s, apply_remove, &context, err);
     if (status == BF_OK && context.is_running)
         return bf_fail(err, BF_ECONFLICT, "", "the run is running: it has been asked to stop");
     // The first step removes the run. What a failure leaves is deleted by later collection.
     for (bf_status collected = status; collected == BF_OK && !context.is_over;)
-        collected = store__write(s, apply_collect, &context, NULL);
+        collected = store__write_freeing(s, apply_collect, &context, NULL);
     return status;
 }

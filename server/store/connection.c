@@ -12,6 +12,7 @@
 #include "core/base/check.h"
 #include "server/base/clock.h"
 
+#include <errno.h>
 #include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -43,6 +44,15 @@ static const int open_flags[] = {
     [STORE__READ_ONLY] = SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
 };
 
+// SQLite names a full disk where a file grows by a write, but not for its shared memory, nor a quota.
+static bool is_full(struct sqlite3 *db, int code)
+{
+    int cause = db == NULL ? 0 : sqlite3_system_errno(db);
+
+    return (code & 0xff) == SQLITE_FULL ||
+           ((code & 0xff) == SQLITE_IOERR && (cause == EDQUOT || cause == ENOSPC));
+}
+
 // The operating system's error; SQLite does not always report it.
 static const char *name_cause(struct sqlite3 *db)
 {
@@ -54,12 +64,12 @@ bf_status store__fail(struct sqlite3 *db, int code, bf_error *err)
 {
     const char *text = db == NULL ? sqlite3_errstr(code) : sqlite3_errmsg(db);
 
+    if (is_full(db, code))
+        return bf_fail(err, BF_ENOSPACE, "", "the store cannot write: the disk is full (%s)", text);
     // A page whose sum does not fit is damage, too.
     switch (code == SQLITE_IOERR_DATA ? SQLITE_CORRUPT : code & 0xff) {
     case SQLITE_NOMEM:
         return bf_fail(err, BF_ENOMEM, "", "the store has no memory");
-    case SQLITE_FULL:
-        return bf_fail(err, BF_ESYSTEM, "", "the store cannot write: the disk is full (%s)", text);
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
         return bf_fail(err, BF_ESYSTEM, "",
@@ -205,6 +215,19 @@ bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err)
 {
     store__query q = store__begin(c, sql);
     return store__run(&q, err);
+}
+
+bf_status store__read_number(store__connection *c, store__sql sql, int64_t *ret_number,
+                             bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, sql);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_number = has_row ? sqlite3_column_int64(q.statement, 0) : 0;
+    store__end(&q);
+    return status;
 }
 
 double store__column_real(const store__query *q, int column)

@@ -83,6 +83,10 @@ BF_MUST_CHECK bf_status store__run(store__query *q, bf_error *err);
 /// Run a statement that has neither parameters nor rows.
 BF_MUST_CHECK bf_status store__run_plain(store__connection *c, store__sql sql, bf_error *err);
 
+/// The number that a statement without parameters gives in its first row; 0: no row.
+BF_MUST_CHECK bf_status store__read_number(store__connection *c, store__sql sql,
+                                           int64_t *ret_number, bf_error *err);
+
 /// A column of the present row; a NULL is NAN.
 double store__column_real(const store__query *q, int column);
 /// Copy a text column of the present row; NULL is "", too long a text is cut.

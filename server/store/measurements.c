@@ -69,6 +69,9 @@ bf_status store_add_measurement(store *s, const api_measurement *measurement,
     bf_status status = run_id_make(context.about.id, err);
     if (status != BF_OK)
         return status;
+    status = store__check_room(s, err);
+    if (status != BF_OK)
+        return status;
     context.about.created_ms = clock_unix_ms();
     if (context.about.kind == API_MEASURED_CURVE)
         context.about.n_samples = curve->n;
@@ -96,7 +99,7 @@ bf_status store_remove_measurement(store *s, const char *id, bf_error *err)
     measure_context context = { .curve = NULL };
 
     snprintf(context.about.id, sizeof context.about.id, "%s", id);
-    return store__write(s, apply_remove, &context, err);
+    return store__write_freeing(s, apply_remove, &context, err);
 }
 
 static void read_about(const store__query *q, api_measurement *ret_about)

@@ -25,29 +25,16 @@ typedef struct step {
     bool is_last;               ///< nothing is left to be done in this turn
 } step;
 
-static bf_status read_number(store__connection *c, store__sql sql, int64_t *ret_number,
-                             bf_error *err)
-{
-    bool has_row = false;
-
-    store__query q = store__begin(c, sql);
-    bf_status status = store__next(&q, &has_row, err);
-    if (status == BF_OK)
-        *ret_number = has_row ? sqlite3_column_int64(q.statement, 0) : 0;
-    store__end(&q);
-    return status;
-}
-
 // Free pages do not count: they are used before the file grows.
 static bf_status count_bytes(store__connection *c, int64_t *ret_bytes, bf_error *err)
 {
     int64_t n_pages = 0, n_free = 0, page_size = 0;
 
-    bf_status status = read_number(c, STORE__SQL_COUNT_PAGES, &n_pages, err);
+    bf_status status = store__read_number(c, STORE__SQL_COUNT_PAGES, &n_pages, err);
     if (status == BF_OK)
-        status = read_number(c, STORE__SQL_COUNT_FREE_PAGES, &n_free, err);
+        status = store__read_number(c, STORE__SQL_COUNT_FREE_PAGES, &n_free, err);
     if (status == BF_OK)
-        status = read_number(c, STORE__SQL_PAGE_SIZE, &page_size, err);
+        status = store__read_number(c, STORE__SQL_PAGE_SIZE, &page_size, err);
     *ret_bytes = (n_pages - n_free) * page_size;
     return status;
 }
@@ -61,7 +48,7 @@ static bf_status find_rule(const step *st, const store__row *oldest, const char 
     bf_status status = BF_OK;
 
     if (limits->n_runs > 0)
-        status = read_number(st->writer, STORE__SQL_COUNT_ENDED, &n_runs, err);
+        status = store__read_number(st->writer, STORE__SQL_COUNT_ENDED, &n_runs, err);
     if (status == BF_OK && limits->n_bytes > 0)
         status = count_bytes(st->writer, &n_bytes, err);
     if (status != BF_OK)
@@ -110,7 +97,7 @@ static bf_status do_step(step *st, bf_error *err)
     int64_t orphaned = 0;
     store__row oldest;
 
-    bf_status status = read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err);
+    bf_status status = store__read_number(st->writer, STORE__SQL_FIND_ORPHANED, &orphaned, err);
     if (status == BF_OK && orphaned != 0)
         return store__collect_results(st->writer, orphaned, &is_over, err);
     if (status == BF_OK)
@@ -153,6 +140,9 @@ void store__apply_retention(store *s)
                 .turn = s->turn };
     lock_release(&s->lock);
     bf_status status = run_step(&st, &err);
+    if (status == BF_ENOSPACE && store__spend_reserve(s))
+        status = run_step(&st, &err);
+    s->space.next_ms = 0;
     if (status == BF_OK)
         notify(s, &st);
     else

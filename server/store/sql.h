@@ -164,5 +164,6 @@
     X(COUNT_ENDED, "SELECT count(*) FROM runs WHERE state >= 2")                                   \
     X(PAGE_SIZE, "PRAGMA page_size")                                                               \
     X(COUNT_PAGES, "PRAGMA page_count")                                                            \
+    X(SHRINK_FILE, "PRAGMA incremental_vacuum(512)")                                               \
     X(COUNT_FREE_PAGES, "PRAGMA freelist_count")                                                   \
     X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")

@@ -5,17 +5,11 @@
 
 #include "server/base/clock.h"
 
-#include <errno.h>
 #include <sqlite3.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 
-enum {
-    READY_MS = 1000,            // how long a write test counts
-    FREE_MIN = 64 * 1024 * 1024 // bytes that must be free on the disk to be ready
-};
+enum { READY_MS = 1000 }; // how long a write test counts
 
 static bf_status count_states(store__connection *writer, store_stats *stats, bf_error *err)
 {
@@ -104,29 +98,11 @@ static bf_status apply_probe(store__connection *writer, store__operation *operat
     return store__run(&q, err);
 }
 
-static bf_status find_free_bytes(const store *s, uint64_t *ret_bytes, bf_error *err)
-{
-    struct statvfs disk;
-
-    if (statvfs(s->directory, &disk) != 0)
-        return bf_fail(err, BF_ESYSTEM, "", "cannot ask for the free space of %s: %s", s->directory,
-                       strerror(errno));
-    *ret_bytes = (uint64_t)disk.f_bavail * disk.f_frsize;
-    return BF_OK;
-}
-
 static bf_status probe(store *s, bf_error *err)
 {
-    uint64_t n_free = 0;
+    bf_status status = store__check_room(s, err);
 
-    bf_status status = find_free_bytes(s, &n_free, err);
-    if (status != BF_OK)
-        return status;
-    if (n_free < FREE_MIN)
-        return bf_fail(err, BF_ESYSTEM, "",
-                       "the disk of %.150s has %llu MiB left, fewer than the %d that are needed",
-                       s->directory, (unsigned long long)(n_free >> 20), FREE_MIN >> 20);
-    return store__write(s, apply_probe, NULL, err);
+    return status == BF_OK ? store__write(s, apply_probe, NULL, err) : status;
 }
 
 bf_status store_ready(store *s, bf_error *err)

@@ -88,7 +88,9 @@ static bf_status take_lock_file(store *s, bf_error *err)
     if (flock(file, LOCK_EX | LOCK_NB) != 0)
         status =
             errno == EWOULDBLOCK ? fail_held(s, file, err) : fail_errno("cannot lock", path, err);
-    else if (!write_holder(file))
+    else
+        store__make_room_to_open(s);
+    if (status == BF_OK && !write_holder(file))
         status = fail_errno("cannot write", path, err);
     if (status != BF_OK)
         close(file);

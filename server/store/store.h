@@ -31,7 +31,9 @@
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.
-/// Errors   BF_ENOTFOUND, BF_ECONFLICT where named; BF_ESYSTEM with SQLite's text; BF_ENOMEM.
+/// Errors   BF_ENOTFOUND, BF_ECONFLICT where named; BF_ESYSTEM with SQLite's text; BF_ENOSPACE; BF_ENOMEM.
+/// Room     new runs and measurements are refused (BF_ENOSPACE) before the disk is full; what removes, cancels or
+///          ends something may use a reserve that is kept for it.
 
 #pragma once
 
@@ -99,7 +101,7 @@ store *store_close(store *s);
 
 /// Accept a run: a new id, state queued, its first status event; where the results are known and the
 /// submission does not want them fresh, state succeeded with all that it has. In one transaction and in
-/// this order: the answer to its key, known results, the client's quota, the queue's limit; so that a
+/// this order: the answer to its key, room on the disk, known results, the client's quota, the queue's limit; so that a
 /// replay always gets its first answer. See api_services.submit.
 BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
                                      api_acceptance *ret_acceptance, bf_error *err);

@@ -5,6 +5,7 @@
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/store/connection.h"
+#include "server/store/space.h"
 #include "server/store/work.h"
 
 #include <stdbool.h>
@@ -57,6 +58,7 @@ struct store__operation {
     store__prepare *prepare;   ///< what to do before; NULL: nothing
     store__finish *finish;     ///< how it ends; NULL: its caller waits for is_done
     void *context;             ///< for these
+    bool may_use_reserve;      ///< it frees or ends something
     char changed[API_ID_SIZE]; ///< set by apply: the run that it changed; "" none
     bf_status status;          ///< result, once it is done
     bf_error error;            ///< of a status that is not BF_OK
@@ -73,13 +75,6 @@ typedef struct store__queue {
     store__operation *first; ///< that waits
     store__operation *last;  ///< NULL if there are none
 } store__queue;
-
-/// When retention works next.
-typedef struct store__retention_turn {
-    int64_t every_ms; ///< between two turns
-    int64_t next_ms;  ///< monotonic; nothing is done before
-    bool has_warned;  ///< of a limit that cannot be reached
-} store__retention_turn;
 
 /// What a write test found; under the store's lock.
 typedef struct store__write_test {
@@ -107,6 +102,7 @@ struct store {
     store__key *keys;                 ///< of the submissions under way
     store_retention retention;        ///< see store_options
     store__retention_turn turn;       ///< the store's thread's
+    store__space space;               ///< the store's thread's
     store_stats stats;                ///< as counted last
     bool has_new_stats;               ///< something has changed since then
     int64_t count_at_ms;              ///< monotonic; they are not counted again before
@@ -137,6 +133,10 @@ void store__stop_threads(store *s);
 
 /// Let the store's thread do an operation and wait until it is on disk.
 BF_MUST_CHECK bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err);
+
+/// The same for what frees or ends something: on a full disk it is done once more with the reserve.
+BF_MUST_CHECK bf_status store__write_freeing(store *s, store__apply *apply, void *context,
+                                             bf_error *err);
 
 /// Let the store's threads prepare, do and finish an operation, without waiting for it. Operations that are
 /// begun one after the other are applied in that order.
@@ -242,9 +242,6 @@ BF_MUST_CHECK bf_status store__expire_keys(store__connection *writer, int64_t be
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
                                              uint64_t index, api_snapshot *ret_snapshot,
                                              bf_error *err);
-
-/// Under the store's lock, which is given meanwhile: do one step of the store's own work, if it is time.
-void store__apply_retention(store *s);
 
 /// Count the runs by the writer's connection, and look at the files.
 BF_MUST_CHECK bf_status store__count_stats(store *s, store_stats *ret_stats, bf_error *err);

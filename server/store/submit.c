@@ -283,7 +283,9 @@ static bf_status apply_submit(store__connection *writer, store__operation *opera
     bf_status status = find_answer(writer, &context->key, since_ms, &context->accepted, err);
     if (status != BF_OK || context->accepted.is_replay)
         return status;
-    status = accept(writer, context, err);
+    status = store__check_room(context->store, err);
+    if (status == BF_OK)
+        status = accept(writer, context, err);
     memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
     return status;
 }

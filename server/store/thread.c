@@ -1,7 +1,7 @@
 // The store's thread. It takes all operations that wait, does them in one transaction, each inside
 // a savepoint of its own, and releases their callers after the commit (I1). While it syncs, the next ones
 // gather: the busier the store, the larger the groups. Between two groups it does a step of retention
-// (retention.c), when it is time.
+// (retention.c) and looks after the room on the disk (space.c), when it is time.
 //
 // Operations without a waiting caller pass the preparing thread first, which compresses while the store's
 // thread writes and syncs.
@@ -76,6 +76,34 @@ static void apply_group(store__connection *writer, store__operation *first)
     if (status != BF_OK)
         fail_group(first, status, &error);
     observe_group(first, status, begin_ns);
+}
+
+// What frees or ends something is done once more, each alone, with the room of the reserve.
+static void retry_with_reserve(store *s, store__operation *first)
+{
+    bool has_room = false;
+
+    for (store__operation *o = first; o != NULL; o = o->next) {
+        if (!o->may_use_reserve || o->status != BF_ENOSPACE)
+            continue;
+        has_room = has_room || store__spend_reserve(s);
+        if (!has_room)
+            return;
+        store__operation *next = o->next;
+        o->next = NULL;
+        o->status = BF_OK;
+        o->error = (bf_error){ .code = BF_OK };
+        o->changed[0] = '\0';
+        apply_group(&s->writer, o);
+        o->next = next;
+    }
+}
+
+static bool frees_something(const store__operation *first)
+{
+    while (first != NULL && !first->may_use_reserve)
+        first = first->next;
+    return first != NULL;
 }
 
 static bool is_notified_before(const store__operation *first, const store__operation *operation)
@@ -160,8 +188,9 @@ static void count_if_due(store *s)
 
 static int64_t due_ms(const store *s)
 {
-    bool counts_first = s->has_new_stats && s->count_at_ms < s->turn.next_ms;
-    return counts_first ? s->count_at_ms : s->turn.next_ms;
+    int64_t due = s->turn.next_ms < s->space.next_ms ? s->turn.next_ms : s->space.next_ms;
+
+    return s->has_new_stats && s->count_at_ms < due ? s->count_at_ms : due;
 }
 
 // Sleep until there are operations, the end, a question of liveness, or something is due.
@@ -181,6 +210,9 @@ static void do_group(store *s, store__operation *first)
 {
     lock_release(&s->lock);
     apply_group(&s->writer, first);
+    retry_with_reserve(s, first);
+    if (frees_something(first))
+        s->space.next_ms = 0;
     notify_listener(s, first);
     finish_group(s, first);
     s->has_new_stats = true;
@@ -197,6 +229,7 @@ static void *write_groups(void *context)
         if (first != NULL)
             do_group(s, first);
         store__apply_retention(s);
+        store__tend_space(s);
         count_if_due(s);
     }
     lock_release(&s->lock);
@@ -278,16 +311,29 @@ void store__begin_write(store *s, store__operation *operation)
     lock_release(&s->lock);
 }
 
+static bf_status write_and_wait(store *s, store__operation *operation, bf_error *err)
+{
+
+    lock_acquire(&s->lock);
+    enqueue(s, &s->writing, operation);
+    while (!operation->is_done)
+        lock_wait(&s->done, &s->lock, -1);
+    lock_release(&s->lock);
+    if (operation->status != BF_OK && err != NULL)
+        *err = operation->error;
+    return operation->status;
+}
+
 bf_status store__write(store *s, store__apply *apply, void *context, bf_error *err)
 {
     store__operation operation = { .apply = apply, .context = context };
 
-    lock_acquire(&s->lock);
-    enqueue(s, &s->writing, &operation);
-    while (!operation.is_done)
-        lock_wait(&s->done, &s->lock, -1);
-    lock_release(&s->lock);
-    if (operation.status != BF_OK && err != NULL)
-        *err = operation.error;
-    return operation.status;
+    return write_and_wait(s, &operation, err);
+}
+
+bf_status store__write_freeing(store *s, store__apply *apply, void *context, bf_error *err)
+{
+    store__operation operation = { .apply = apply, .context = context, .may_use_reserve = true };
+
+    return write_and_wait(s, &operation, err);
 }

@@ -16,7 +16,7 @@ typedef struct store_job {
 } store_job;
 
 /// Take the next queued run (highest priority, then oldest) and make it running. BF_ENOTFOUND:
-/// none is queued.
+/// none is queued; BF_ENOSPACE: the disk has no room for what it would send.
 BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
 
 /// Read a run that is running already, as store_claim() returned it but without its checkpoint: for a
@@ -76,9 +76,9 @@ BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
 
 /// How a run ends or goes back to the queue.
 typedef struct store_ending {
-    const char *run_id;  ///< whose
-    run_state state;     ///< an end, or RUN_QUEUED to hand it back
-    bf_error error;      ///< of RUN_FAILED
+    const char *run_id; ///< whose
+    run_state state;    ///< an end, or RUN_QUEUED to hand it back
+    bf_error error; ///< of RUN_FAILED; of another state why the store took no other, for the log
     const char *summary; ///< summary.json, n_summary bytes; NULL: none
     size_t n_summary;    ///< bytes
 } store_ending;

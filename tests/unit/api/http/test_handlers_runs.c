@@ -91,6 +91,15 @@ static void a_full_queue_asks_to_come_back(void **state)
     assert_true(ask_body_has("the queue is full"));
 }
 
+static void a_full_disk_asks_to_come_back(void **state)
+{
+    (void)state;
+    ask_daemon.refusal = BF_ENOSPACE;
+    ask("POST", "/v1/runs", NULL, IS_JSON, BODY, 507);
+    assert_non_null(helper_header(&ask_response, "Retry-After"));
+    assert_true(ask_body_has("/problems/insufficient-storage"));
+}
+
 static void a_key_comes_to_the_daemon_with_the_body(void **state)
 {
     (void)state;
@@ -298,6 +307,7 @@ int main(void)
         ASK_TEST(several_faults_are_told_together),
         ASK_TEST(only_json_is_taken),
         ASK_TEST(a_full_queue_asks_to_come_back),
+        ASK_TEST(a_full_disk_asks_to_come_back),
         ASK_TEST(a_key_comes_to_the_daemon_with_the_body),
         ASK_TEST(an_answer_that_is_given_again_says_so),
         ASK_TEST(a_key_that_is_none_is_a_bad_request),

@@ -1,18 +1,15 @@
-// Unit tests of the store: no memory, no room on the disk. I1 ... I15 are the invariants of
+// Unit tests of the store: no memory, writes that fail. I1 ... I15 are the invariants of
 // server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
 #include "core/base/memory.h"
 
-#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 /// A call of the store with its outputs, and what must hold when it failed.
@@ -251,57 +248,6 @@ static void a_write_that_finds_no_room_fails_alone(void **state)
     assert_int_equal(record.n_snapshots, 1);
 }
 
-enum { NOT_POSSIBLE = 77 }; // exit code of a child that may not mount
-
-// On a disk of 4 MiB: fill it with snapshots, remove a run, go on. Returns what went wrong, or 0.
-static int live_on_a_small_disk(const char *directory)
-{
-    helper_store h = { 0 };
-    bf_error err = { 0 };
-    store_item item;
-    uint64_t n = 0;
-
-    if (unshare(CLONE_NEWNS) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0)
-        return NOT_POSSIBLE;
-    if (mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) != 0 ||
-        mount("none", directory, "tmpfs", 0, "size=4m") != 0)
-        return NOT_POSSIBLE;
-    snprintf(h.directory, sizeof h.directory, "%s", directory);
-    helper_store_open(&h);
-    api_run record = helper_start(h.store);
-    do
-        helper_snapshot_item(record.id, n++, &item);
-    while (helper_append(h.store, record.id, &item, &err) == BF_OK);
-    if (strstr(err.text, "disk is full") == NULL)
-        return 1;
-    // Fewer than 64 MiB are free in any case.
-    if (store_ready(h.store, &err) != BF_ESYSTEM || strstr(err.text, "MiB left") == NULL)
-        return 2;
-    if (helper_find(h.store, record.id).n_snapshots != n - 1)
-        return 3;
-    helper_store_close(&h);
-    helper_store_open(&h);
-    return helper_find(h.store, record.id).n_snapshots == n - 1 ? 0 : 4;
-}
-
-// Where the system lets us have a small disk of our own.
-static void a_full_disk_is_called_by_its_name(void **state)
-{
-    helper_store *h = *state;
-    int status = 0;
-
-    helper_store_close(h);
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0)
-        _exit(live_on_a_small_disk(h->directory));
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    if (WEXITSTATUS(status) == NOT_POSSIBLE)
-        skip();
-    assert_int_equal(WEXITSTATUS(status), 0);
-}
-
 static void a_store_that_cannot_write_is_not_ready(void **state)
 {
     helper_store *h = *state;
@@ -326,7 +272,6 @@ int main(void)
         STORE_TEST(without_memory_every_call_fails_and_changes_nothing),
         STORE_TEST(without_memory_a_store_does_not_open),
         STORE_TEST(a_write_that_finds_no_room_fails_alone),
-        STORE_TEST(a_full_disk_is_called_by_its_name),
         STORE_TEST(a_store_that_cannot_write_is_not_ready),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -76,6 +76,8 @@ static void what_the_store_creates_is_private(void **state)
     store_close(s);
     remove_file(inner, "beltflow.db");
     remove_file(inner, "beltflow.lock");
+    assert_int_equal(mode_of(inner, "beltflow.reserve"), 0600);
+    remove_file(inner, "beltflow.reserve");
     assert_int_equal(rmdir(inner), 0);
 }
 
