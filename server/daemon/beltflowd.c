@@ -176,6 +176,7 @@ static bf_status start_store(parts *p, bf_error *err)
                                     .listener_context = p,
                                     .still_runs = supervisor_still_runs,
                                     .still_runs_context = p->executor,
+                                    .attempts_max = c->run_attempts,
                                     .idempotency_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
     return store_open(&options, &p->service.store, err);

@@ -312,6 +312,14 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     return status;
 }
 
+// Whether the batch brought the run further than any attempt before.
+static bool has_grown(const store__row *row, const store__row *before)
+{
+    return row->run.n_samples > before->run.n_samples ||
+           row->run.n_snapshots > before->run.n_snapshots ||
+           row->checkpoint_step > before->checkpoint_step;
+}
+
 static void note_progress(const store_batch *batch, store__row *row)
 {
     if (isfinite(batch->progress))
@@ -334,12 +342,15 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
                        run_state_word(row->run.state));
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    const store__row before = *row;
     status = note_sizes(row, batch->grid, &batch->parts, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
     note_progress(batch, row);
+    if (has_grown(row, &before))
+        row->attempts = 0;
     return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 

@@ -93,6 +93,7 @@ static bf_status apply_claim(store__connection *writer, store__operation *operat
     store__row row;
 
     bf_status status = store__find_row(writer, job->run.id, &row, err);
+    row.attempts++;
     if (status == BF_OK)
         status = store__transition(writer, &row, RUN_RUNNING, err);
     if (status != BF_OK)
@@ -252,6 +253,8 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
     if (row->run.state != RUN_RUNNING)
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
                        run_state_word(row->run.state));
+    if (context->ending->state == RUN_QUEUED && row->attempts > 0)
+        row->attempts--;
     if (context->ending->state == RUN_FAILED)
         row->run.error = context->ending->error;
     status = put_summary(writer, context->ending, row, err);

@@ -191,9 +191,12 @@ static const char schema_7[] =
     "ALTER TABLE all_measurements RENAME TO measurements;"
     "CREATE INDEX measurements_by_label ON measurements (label, id);";
 
+// Attempts at a run that ended with the daemon, since the run last went on.
+static const char schema_8[] = "ALTER TABLE runs ADD COLUMN attempts INTEGER NOT NULL DEFAULT 0;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4,
-                                          schema_5, schema_6, schema_7 };
+                                          schema_5, schema_6, schema_7, schema_8 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -43,6 +43,7 @@
     X(INTEGER, n_parts, parts.n_parts)                                                             \
     X(INTEGER, n_values, parts.n_values)                                                           \
     X(INTEGER, stop_request, stop_request)                                                         \
+    X(INTEGER, attempts, attempts)                                                                 \
     X(TEXT, external_id, external_id)                                                              \
     X(TEXT, figures, run.figures)
 

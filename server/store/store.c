@@ -175,6 +175,29 @@ static bool still_runs(const store_options *options, const store__row *row)
     return options->still_runs(options->still_runs_context, &running);
 }
 
+// The run may be what ended the daemon.
+static bf_status fail_after_attempts(store__connection *writer, store__row *row, bf_error *err)
+{
+    (void)bf_fail(
+        &row->run.error, BF_ELIMIT, "",
+        "the daemon ended during %llu attempts at this run, one after the other, the limit "
+        "(run_attempts)",
+        (unsigned long long)row->attempts);
+    log_event(LOG_LEVEL_WARN, "run_given_up", "run=%s attempts=%llu", row->run.id,
+              (unsigned long long)row->attempts);
+    return store__transition(writer, row, RUN_FAILED, err);
+}
+
+static bf_status requeue(store__connection *writer, const store_options *options, store__row *row,
+                         bf_error *err)
+{
+    const bool is_last = options->attempts_max > 0 && row->attempts >= options->attempts_max;
+
+    return is_last && row->stop_request == STORE_STOP_NONE
+               ? fail_after_attempts(writer, row, err)
+               : store__transition(writer, row, RUN_QUEUED, err);
+}
+
 // What the daemon before was running and the executor does not have any more is queued again (I8).
 static bf_status requeue_all(store__connection *writer, const store_options *options, int *ret_n,
                              bf_error *err)
@@ -191,8 +214,8 @@ static bf_status requeue_all(store__connection *writer, const store_options *opt
             break;
         if (still_runs(options, &row))
             continue;
-        status = store__transition(writer, &row, RUN_QUEUED, err);
-        n++;
+        status = requeue(writer, options, &row, err);
+        n += row.run.state == RUN_QUEUED;
     }
     *ret_n = n;
     return status;

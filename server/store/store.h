@@ -13,7 +13,7 @@
 ///   I6  Event ids rise strictly over the store's life, also after runs were removed.
 ///   I7  An event becomes visible in the same transaction as what it reports.
 ///   I8  After store_open() only those runs are `running` that the executor still has; the others of the
-///       daemon before are queued again.
+///       daemon before are queued again, or have failed after attempts_max of them.
 ///   I9  A removed run leaves no row behind. Results that several runs have go with the last of them,
 ///       large ones step by step: what a crash leaves of them is deleted after the next start.
 ///   I10 Samples, snapshots and their grids belong to sets of results. Each run has one set; a set that
@@ -84,8 +84,11 @@ typedef struct store_options {
     size_t client_quota;      ///< most of them of one client, beyond it BF_ELIMIT; 0: no quota
     store_listener *listener; ///< NULL: none
     void *listener_context;   ///< given to it
-    store_still_runs *still_runs;  ///< called for each run left running (I8); NULL: none still is
-    void *still_runs_context;      ///< given to it
+    store_still_runs *still_runs; ///< called for each run left running (I8); NULL: none still is
+    void *still_runs_context;     ///< given to it
+    uint64_t
+        attempts_max; ///< at a run that may end with the daemon, one after the other and none further than
+                      ///< the one before; 0: any number
     int64_t idempotency_ms;        ///< how long answers to idempotency keys are stored; 0: a day
     store_retention retention;     ///< limits of automatic removal
     int64_t retention_interval_ms; ///< between looks at what is to be removed; 0: a minute

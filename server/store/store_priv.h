@@ -119,9 +119,10 @@ typedef struct store__row {
     bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
     api_parts parts;          ///< of the snapshots; n_values = 0: none
     int64_t results; ///< key of samples, snapshots and chunks, which other runs may have, too
-    char client[API_CLIENT_SIZE];             ///< who submitted it; "": no quota counts it
-    char parent[API_ID_SIZE];                 ///< the run that it was made for; "": none
-    store_stop stop_request;                  ///< of a running run
+    char client[API_CLIENT_SIZE]; ///< who submitted it; "": no quota counts it
+    char parent[API_ID_SIZE];     ///< the run that it was made for; "": none
+    uint64_t attempts;       ///< that were begun since the run last went on, and not handed back
+    store_stop stop_request; ///< of a running run
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none
 } store__row;
 

@@ -1,5 +1,5 @@
 // Unit tests of the store: what the supervisor stores of running runs, and what is asked of them. I1 ...
-// I14 are the invariants of server/store/store.h.
+// I15 are the invariants of server/store/store.h.
 
 #include "tests/unit/server/helper_store.h"
 
@@ -151,6 +151,76 @@ static void what_the_executor_still_has_stays_running(void **state)
     assert_int_equal(list(h->store, runs), 0);
 }
 
+enum { ATTEMPTS = 3 };
+
+// As if the daemon had been killed: what is running has no executor any more.
+static api_run die(helper_store *h, const char *id)
+{
+    const store_options options = { .directory = h->directory,
+                                    .queue_limit = 10,
+                                    .attempts_max = ATTEMPTS };
+
+    helper_store_close(h);
+    assert_int_equal(store_open(&options, &h->store, NULL), BF_OK);
+    return helper_find(h->store, id);
+}
+
+static void expect_failure_at_last(helper_store *h, const char *id)
+{
+    for (int i = 1; i < ATTEMPTS; i++) {
+        helper_claim(h->store);
+        assert_int_equal(die(h, id).state, RUN_QUEUED);
+    }
+    helper_claim(h->store);
+    const api_run record = die(h, id);
+    assert_int_equal(record.state, RUN_FAILED);
+    assert_int_equal(record.error.code, BF_ELIMIT);
+    assert_non_null(strstr(record.error.text, "ended during 3 attempts"));
+    helper_events events = helper_read_events(h->store, id, 0);
+    assert_int_equal(events.type, API_EVENT_END);
+    buffer_fini(&events.data);
+}
+
+// I8
+static void a_run_that_ends_the_daemon_each_time_fails(void **state)
+{
+    helper_store *h = *state;
+
+    expect_failure_at_last(h, helper_submit(h->store, "", 0).id);
+}
+
+// Neither an attempt that brought something new, nor one that was handed back.
+static void only_attempts_in_vain_count(void **state)
+{
+    helper_store *h = *state;
+    const api_run record = helper_submit(h->store, "", 0);
+
+    for (uint64_t i = 0; i < 2 * ATTEMPTS; i++) {
+        helper_claim(h->store);
+        helper_append_samples(h->store, record.id, i, 1);
+        assert_int_equal(die(h, record.id).state, RUN_QUEUED);
+    }
+    for (int i = 0; i < 2 * ATTEMPTS; i++) {
+        helper_claim(h->store);
+        helper_finish(h->store, record.id, RUN_QUEUED);
+    }
+    expect_failure_at_last(h, record.id);
+}
+
+static void a_run_that_is_to_be_stopped_is_cancelled_after_its_last_attempt(void **state)
+{
+    helper_store *h = *state;
+    api_run record = helper_submit(h->store, "", 0);
+
+    for (int i = 1; i < ATTEMPTS; i++) {
+        helper_claim(h->store);
+        die(h, record.id);
+    }
+    helper_claim(h->store);
+    assert_int_equal(store_cancel(h->store, record.id, API_ANY_REVISION, &record, NULL), BF_OK);
+    assert_int_equal(die(h, record.id).state, RUN_CANCELLED);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -163,6 +233,9 @@ int main(void)
         STORE_TEST(a_run_that_is_asked_to_stop_is_not_queued_again),
         STORE_TEST(a_run_that_ends_by_itself_ends_as_it_did),
         STORE_TEST(what_the_executor_still_has_stays_running),
+        STORE_TEST(a_run_that_ends_the_daemon_each_time_fails),
+        STORE_TEST(only_attempts_in_vain_count),
+        STORE_TEST(a_run_that_is_to_be_stopped_is_cancelled_after_its_last_attempt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
