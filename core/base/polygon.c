@@ -187,15 +187,24 @@ size_t polygon_convex_hull(vec2 *points, size_t n, vec2 *ret_hull)
     return n_hull;
 }
 
+/// True if all of b lies beyond the side of a from start to end.
+static bool is_beyond(vec2 start, vec2 end, const vec2 *b, size_t n_b, double tolerance)
+{
+    const vec2 along = vec2_sub(end, start);
+    const double length = vec2_length(along);
+    bool is_beyond = true;
+
+    for (size_t m = 0; m < n_b && is_beyond && length > 0.0; m++)
+        is_beyond = vec2_cross(along, vec2_sub(b[m], start)) / length <= tolerance;
+    return is_beyond;
+}
+
 /// True if some side of a has all of b beyond it.
 static bool has_separating_side(const vec2 *a, size_t n_a, const vec2 *b, size_t n_b,
                                 double tolerance)
 {
     for (size_t k = 0, last = n_a - 1; k < n_a; last = k++) {
-        double deepest = -INFINITY;
-        for (size_t m = 0; m < n_b; m++)
-            deepest = fmax(deepest, measure_side(b[m], a[last], a[k]));
-        if (deepest <= tolerance)
+        if (is_beyond(a[last], a[k], b, n_b, tolerance))
             return true;
     }
     return false;

@@ -37,6 +37,7 @@ static bf_status review_rate(const scene *s, size_t k, bf_faults *warnings, bf_e
 typedef struct standing {
     const scene *s;
     bool stands[SCENE_BELTS_MAX];
+    bool stands_under[SCENE_EYES_MAX]; ///< nothing under the beam moves
     bool crosses[SCENE_EYES_MAX][SCENE_BELTS_MAX];
 } standing;
 
@@ -56,24 +57,23 @@ static void find_crossed(standing *c)
     }
 }
 
-/// True if nothing under the beam moves.
-static bool stands_under(const standing *c, size_t eye)
+static void find_standing(standing *c)
 {
-    bool is_any = false;
-
-    for (size_t k = 0; k < c->s->n_belts; k++) {
-        if (c->crosses[eye][k] && !c->stands[k])
-            return false;
-        is_any = is_any || c->crosses[eye][k];
+    for (size_t e = 0; e < c->s->n_eyes; e++) {
+        bool is_any = false, all_stand = true;
+        for (size_t k = 0; k < c->s->n_belts; k++) {
+            is_any = is_any || c->crosses[e][k];
+            all_stand = all_stand && (!c->crosses[e][k] || c->stands[k]);
+        }
+        c->stands_under[e] = is_any && all_stand;
     }
-    return is_any;
 }
 
 /// True if the action stops a belt by cargo that then stands in the beam.
 static bool stops_itself(const standing *c, const scene_action *a)
 {
     return a->type == SCENE_ACTION_BELT && a->when_blocked && a->value == 0.0 &&
-           c->crosses[a->eye][a->target] && stands_under(c, a->eye);
+           c->crosses[a->eye][a->target] && c->stands_under[a->eye];
 }
 
 /// True if a belt that stands stays so: an action stops it by its own cargo, and those that start it wait for
@@ -86,7 +86,7 @@ static bool stays(const standing *c, size_t belt)
         const scene_action *a = &c->s->actions[k];
         if (a->type != SCENE_ACTION_BELT || a->target != belt)
             continue;
-        if (a->value > 0.0 && !stands_under(c, a->eye))
+        if (a->value > 0.0 && !c->stands_under[a->eye])
             return false;
         is_stopped = is_stopped || stops_itself(c, a);
     }
@@ -99,13 +99,16 @@ static void review_actions(const scene *s, bf_faults *warnings)
 {
     standing c = { .s = s };
     char pointer[BF_POINTER_SIZE];
-    bool changes = s->n_actions > 0;
+    bool changes = true;
 
+    if (s->n_actions == 0)
+        return;
     find_crossed(&c);
     for (size_t k = 0; k < s->n_belts; k++)
         c.stands[k] = true;
     while (changes) {
         changes = false;
+        find_standing(&c);
         for (size_t k = 0; k < s->n_belts; k++) {
             if (!c.stands[k] || stays(&c, k))
                 continue;

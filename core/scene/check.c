@@ -3,6 +3,7 @@
 
 #include "core/scene/scene.h"
 
+#include "core/scene/check_work.h"
 #include "core/scene/placement.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
@@ -299,7 +300,7 @@ static void check_limit(double figure, double limit, const char *what, const cha
         faults_add_limit(faults, pointer, "%.10g %s, the limit is %.10g", figure, what, limit);
 }
 
-static void check_work(const scene *s, double n_cells, bf_faults *faults)
+static void check_density_work(const scene *s, double n_cells, bf_faults *faults)
 {
     // A part counts to where its Gaussian has fallen to 2^-53, see density.h.
     double reached =
@@ -340,7 +341,7 @@ static void check_sizes(const scene *s, bf_faults *faults)
         return;
     check_limit(n_snapshots * n1 * n2 * (double)sizeof(float), SCENE_SNAPSHOT_BYTES_MAX,
                 "bytes of snapshots", "/output/snapshot_every_s", faults);
-    check_work(s, n1 * n2, faults);
+    check_density_work(s, n1 * n2, faults);
 }
 
 static void check_count(double n, const char *pointer, bf_faults *faults)
@@ -431,7 +432,7 @@ static void check_placement(scene *s, bf_faults *faults)
     scene_placement p;
     bf_error err;
 
-    if (placement_make(s, &p, &err) != BF_OK) {
+    if (placement_make_within(s, SCENE_PLACEMENT_STEPS_MAX, &p, &err) != BF_OK) {
         faults_add_error(faults, &err);
         return;
     }
@@ -458,6 +459,8 @@ void scene_check(scene *s, bf_faults *faults)
     size_t n_before = faults->n;
 
     placement_fini(&s->placement);
+    if (!check_work(s, faults))
+        return;
     check_domain(s, faults);
     size_t n_domain = faults->n;
     scene__check_numbers(s, "", number_rules, sizeof number_rules / sizeof *number_rules, faults);

@@ -16,6 +16,9 @@ enum {
 /// rounded.
 #define GUIDE_SINE 1.745e-3
 
+/// Most steps, of a few nanoseconds each, in which belts are looked for between bodies.
+#define STEPS_MAX 1e8
+
 /// Directions whose cosine with another is within this are at right angles to it.
 #define RIGHT_ANGLE 1e-6
 
@@ -39,7 +42,9 @@ typedef struct measuring {
     size_t n;          ///< pieces
     piece *pieces;     ///< n of them
     size_t *groups;    ///< of the pieces and then the sides: another of the same body, or itself
-    layout_figure opening; ///< the narrowest found so far
+    layout_figure opening;  ///< the narrowest found so far
+    double steps_of_lookup; ///< to find the belt under a point
+    double steps;           ///< that samples of links took
 } measuring;
 
 /// The velocity of the belt under a point; zero off every belt.
@@ -204,7 +209,7 @@ static bool is_in_domain(const measuring *m, vec2 at)
 
 /// True if some of the way from a to b lies on a moving belt, and, between two guides, not along it: the
 /// joint between two rails is no opening.
-static bool is_passage(const measuring *m, vec2 a, vec2 b, bool are_guides)
+static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
 {
     const vec2 to = vec2_sub(b, a);
 
@@ -212,6 +217,7 @@ static bool is_passage(const measuring *m, vec2 a, vec2 b, bool are_guides)
         const vec2 at = vec2_add(a, vec2_scale(to, (k + 0.5) / LINK_SAMPLES));
         const vec2 belt = belt_under(m, at);
         const double speed = vec2_length(belt);
+        m->steps += m->steps_of_lookup;
         if (is_in_domain(m, at) && speed > 0.0 &&
             !(are_guides && fabs(vec2_cross(to, belt)) <= GUIDE_SINE * speed * vec2_length(to)))
             return true;
@@ -222,7 +228,7 @@ static bool is_passage(const measuring *m, vec2 a, vec2 b, bool are_guides)
 static void consider_opening(measuring *m, const piece *p, vec2 a, vec2 b, double width,
                              bool are_guides)
 {
-    if (width < m->opening.value && is_passage(m, a, b, are_guides))
+    if (width < m->opening.value && m->steps <= STEPS_MAX && is_passage(m, a, b, are_guides))
         m->opening = (layout_figure){ width, p->obstacle };
 }
 
@@ -394,6 +400,8 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
 
     for (size_t k = 0; k < s->n_obstacles; k++)
         out.n_pieces += s->obstacles[k].n_points - 1;
+    for (size_t k = 0; k < s->n_belts; k++)
+        m.steps_of_lookup += 1.0 + (double)s->belts[k].n_points;
     out.opening = m.opening;
     out.is_measured = out.n_pieces <= LAYOUT_PIECES_MAX;
     if (!out.is_measured) {
@@ -410,6 +418,7 @@ bf_status layout_measure(const scene *s, layout *ret_layout, bf_error *err)
         measure_bends(&m, &out);
         measure_plates(&m, &out);
         measure_walls(&m, &out);
+        out.is_measured = m.steps <= STEPS_MAX;
         *ret_layout = out;
     }
     const bool has_memory = m.pieces != NULL && m.groups != NULL;

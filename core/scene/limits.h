@@ -49,6 +49,11 @@ enum {
 /// The same for the density of the parts in all snapshots of a microscopic run.
 #define SCENE_DENSITY_WORK_MAX 1e13
 
+/// Most steps, of a few nanoseconds each, of the search for free places and overlaps of the parts at the start; of
+/// looking for parts in plates; of all other checks together (check_work.h). So a check takes less than a second.
+#define SCENE_PLACEMENT_STEPS_MAX 70000000
+#define SCENE_CHECK_STEPS_MAX     1e8
+
 /// Numbers of the defaults that follow from other members (scene_resolve); documents name them. Density of
 /// steel, kg/m3; widths of the outward field and of the slide zone times sqrt(sigma); width of the slide
 /// zone of obstacles that are not sealed, m; steps of the paper's two models, s.

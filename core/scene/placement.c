@@ -4,11 +4,10 @@
 #include "core/base/random.h"
 #include "core/scene/mix.h"
 #include "core/scene/overlap_grid.h"
-#include "core/scene/plate_pieces.h"
+#include "core/scene/scene_priv.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 size_t scene_parts(const scene *s)
@@ -59,16 +58,16 @@ static const shape_footprint *footprint_of(const overlap_grid *c, size_t k)
     return &c->footprints[mix_kind(c->kinds, k)];
 }
 
-static bool has_room(const scene *s, const overlap_grid *c, size_t k, scene_pose pose)
+static bool is_inside(const surroundings *around, const shape_footprint *footprint, scene_pose pose)
 {
-    const surroundings around = surroundings_of(s);
-    size_t other;
+    const double clear = -(1.0 + 1e-9) * footprint->bounding_radius;
 
     for (scene_side side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (placement_excess(&around, footprint_of(c, k), pose, side) > 0.0)
+        if (surroundings_excess(around, side, (vec2){ pose.x, pose.y }) > clear &&
+            placement_excess(around, footprint, pose, side) > 0.0)
             return false;
     }
-    return !overlap_grid_overlaps(c, k, pose, &other);
+    return true;
 }
 
 static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random *random)
@@ -82,18 +81,21 @@ static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random 
     return pose;
 }
 
-/// Place parts at random until all fit, or too many places were tried. Returns how many.
-static size_t fill_region(const scene *s, overlap_grid *c, scene_pose *ret_poses)
+/// Place parts at random until all fit, too many places were tried, or that took more than so many steps. Returns how
+/// many.
+static size_t fill_region(const scene *s, uint64_t steps_max, overlap_grid *c,
+                          scene_pose *ret_poses)
 {
-    size_t n = 0;
+    const surroundings around = surroundings_of(s);
+    size_t n = 0, other;
     bf_random random;
 
     random_init(&random, s->initial.seed);
-    for (size_t left = limit_attempts(s->initial.n_random); left > 0 && n < s->initial.n_random;
-         left--) {
-        bool is_turned = footprint_of(c, n)->n_corners > 0;
-        scene_pose pose = draw_pose(&s->initial.region, is_turned, &random);
-        if (has_room(s, c, n, pose)) {
+    for (size_t left = limit_attempts(s->initial.n_random);
+         left > 0 && n < s->initial.n_random && c->steps <= steps_max; left--) {
+        const shape_footprint *footprint = footprint_of(c, n);
+        scene_pose pose = draw_pose(&s->initial.region, footprint->n_corners > 0, &random);
+        if (is_inside(&around, footprint, pose) && !overlap_grid_overlaps(c, n, pose, &other)) {
             ret_poses[n] = pose;
             overlap_grid_add(c, n++);
         }
@@ -108,51 +110,98 @@ static double limit_cover(size_t n)
     return n < 10000 ? 1.0 : 0.6;
 }
 
-/// Fraction of the region, with the margin that parts may extend over its border, that the parts cover.
-static double measure_cover(const scene *s, const shape_footprint *footprints)
+/// What random parts would do to their region, by means over their kinds.
+typedef struct crowding {
+    double
+        cover; ///< fraction of the region, with the margin that parts may extend over its border, that they cover
+    double attempts; ///< places to try until all have found room, at least
+} crowding;
+
+static double perimeter_of(const shape_footprint *footprint)
+{
+    double sum = 0.0;
+
+    if (footprint->n_corners == 0)
+        return 2.0 * M_PI * footprint->bounding_radius;
+    for (size_t k = 0, last = footprint->n_corners - 1; k < footprint->n_corners; last = k++)
+        sum += vec2_length(vec2_sub(footprint->corners[k], footprint->corners[last]));
+    return sum;
+}
+
+/// A part keeps the centres of others out of the area A + A + P P/(2 pi) in the mean over their headings, with the areas
+/// A and perimeters P of two convex outlines (Santalo, Integral Geometry and Geometric Probability, 1976, I.6.5). If k
+/// parts leave exp(-k E/R) of the region R, which is more than is left where excluded areas overlap less, n take
+/// n (e^X - 1)/X attempts, X = n E/R.
+static crowding predict_crowding(const scene *s, const shape_footprint *footprints)
 {
     const scene_rect *region = &s->initial.region;
+    const double n = s->initial.n_random;
     size_t counts[SCENE_KINDS_MAX];
-    double margin = 0.0, area = 0.0;
+    double margin = 0.0, area = 0.0, perimeter = 0.0;
 
     mix_count(s, s->initial.n_random, counts);
     for (size_t k = 0; k < s->n_cargo; k++) {
         margin = fmax(margin, 2.0 * footprints[k].bounding_radius);
         area += (double)counts[k] * footprints[k].area;
+        perimeter += (double)counts[k] / n * perimeter_of(&footprints[k]);
     }
-    return area /
-           ((region->x_max - region->x_min + margin) * (region->y_max - region->y_min + margin));
+    const double room =
+        (region->x_max - region->x_min + margin) * (region->y_max - region->y_min + margin);
+    const double excluded = 2.0 * area / n + perimeter * perimeter / (2.0 * M_PI);
+    const double x = n * excluded / room;
+    return (crowding){ .cover = area / room, .attempts = n * expm1(x) / x };
 }
 
-static bf_status place_random(const scene *s, const uint32_t *kinds, scene_pose *ret_poses,
-                              bf_error *err)
+/// Predictions err: places that are this many times too many are not tried.
+#define HOPELESS 100.0
+
+static bf_status check_crowding(size_t n, const crowding *of, bf_error *err)
+{
+    if (of->cover > limit_cover(n))
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "%zu parts would cover %.0f %% of the region, and random places without "
+                       "overlap fill about half of it",
+                       n, 100.0 * of->cover);
+    if (of->attempts > HOPELESS * (double)limit_attempts(n))
+        return bf_fail(err, BF_EINPUT, "/initial/random",
+                       "%zu parts of this shape would find room without overlap in some %.1g "
+                       "attempts, the limit is %zu",
+                       n, of->attempts, limit_attempts(n));
+    return BF_OK;
+}
+
+static bf_status place_random(const scene *s, const uint32_t *kinds, uint64_t steps_max,
+                              scene_pose *ret_poses, bf_error *err)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
     size_t wanted = s->initial.n_random;
     overlap_grid c;
 
     mix_footprints(s, footprints);
-    double cover = measure_cover(s, footprints);
-
-    if (cover > limit_cover(wanted))
-        return bf_fail(err, BF_EINPUT, "/initial/random",
-                       "%zu parts would cover %.0f %% of the region, and random places without "
-                       "overlap fill about half of it",
-                       wanted, 100.0 * cover);
-    bf_status status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
+    const crowding predicted = predict_crowding(s, footprints);
+    bf_status status = check_crowding(wanted, &predicted, err);
+    if (status == BF_OK)
+        status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
-    size_t n = fill_region(s, &c, ret_poses);
+    const size_t n = fill_region(s, steps_max, &c, ret_poses);
+    const bool is_cut = c.steps > steps_max;
     overlap_grid_fini(&c);
-    if (n < wanted)
-        return bf_fail(err, BF_EINPUT, "/initial/random",
-                       "only %zu of %zu parts found room without overlap in %zu attempts; all "
-                       "would cover %.0f %% of the region, and random places fill about half of it",
-                       n, wanted, limit_attempts(wanted), 100.0 * cover);
-    return BF_OK;
+    if (n == wanted)
+        return BF_OK;
+    if (is_cut)
+        return bf_fail(err, BF_ELIMIT, "/initial/random",
+                       "only %zu of %zu parts found room without overlap in %.3g steps of the "
+                       "search, which is the limit; fewer parts, or a larger region, take less",
+                       n, wanted, (double)steps_max);
+    return bf_fail(err, BF_EINPUT, "/initial/random",
+                   "only %zu of %zu parts found room without overlap in %zu attempts; all "
+                   "would cover %.0f %% of the region, and random places fill about half of it",
+                   n, wanted, limit_attempts(wanted), 100.0 * predicted.cover);
 }
 
-bf_status placement_make(const scene *s, scene_placement *ret_placement, bf_error *err)
+bf_status placement_make_within(const scene *s, uint64_t steps_max, scene_placement *ret_placement,
+                                bf_error *err)
 {
     scene_placement p = { .n = scene_parts(s) };
 
@@ -169,13 +218,18 @@ bf_status placement_make(const scene *s, scene_placement *ret_placement, bf_erro
     else if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
         place_hexagonal(&s->initial, p.poses);
     else if (s->initial.type == SCENE_INITIAL_RANDOM)
-        status = place_random(s, p.kinds, p.poses, err);
+        status = place_random(s, p.kinds, steps_max, p.poses, err);
     if (status != BF_OK) {
         placement_fini(&p);
         return status;
     }
     *ret_placement = p;
     return BF_OK;
+}
+
+bf_status placement_make(const scene *s, scene_placement *ret_placement, bf_error *err)
+{
+    return placement_make_within(s, UINT64_MAX, ret_placement, err);
 }
 
 bf_status placement_of(const scene *s, scene_placement *ret_placement, bf_error *err)
@@ -198,8 +252,6 @@ void placement_fini(scene_placement *p)
     *p = (scene_placement){ .n = 0 };
 }
 
-enum { REPORTED_MAX = 4 }; ///< faults of one kind that are reported
-
 /// The state of the check.
 typedef struct overlap_findings {
     const scene *s;
@@ -210,8 +262,7 @@ typedef struct overlap_findings {
     size_t n_overlaps;
 } overlap_findings;
 
-/// Number of faults of one kind after which a check ends: 1 for a pattern, which is reported as a whole.
-static size_t limit_reported(const scene *s)
+size_t placement__reported_max(const scene *s)
 {
     return s->initial.type == SCENE_INITIAL_POSITIONS ? REPORTED_MAX : 1;
 }
@@ -221,8 +272,7 @@ static const shape_footprint *footprint_in(const overlap_findings *f, size_t k)
     return &f->footprints[mix_kind(f->p->kinds, k)];
 }
 
-/// The pointer of part k, in room of BF_POINTER_SIZE bytes where it must be made.
-static const char *point_at(const scene *s, size_t k, char *room)
+const char *placement__point_at(const scene *s, size_t k, char *room)
 {
     if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
         return "/initial/hexagonal";
@@ -246,11 +296,11 @@ static bool check_inside(overlap_findings *f, size_t k)
             continue;
         f->n_outside++;
         if (f->s->edges[side] == SCENE_EDGE_WALL)
-            faults_add(f->faults, point_at(f->s, k, room),
+            faults_add(f->faults, placement__point_at(f->s, k, room),
                        "part %zu at (%g, %g) m reaches %g m over the %s wall", k, at.x, at.y,
                        excess, words[side]);
         else
-            faults_add(f->faults, point_at(f->s, k, room),
+            faults_add(f->faults, placement__point_at(f->s, k, room),
                        "part %zu at (%g, %g) m lies %g m outside the domain in the %s", k, at.x,
                        at.y, excess, words[side]);
         return false;
@@ -259,7 +309,7 @@ static bool check_inside(overlap_findings *f, size_t k)
 }
 
 /// Note an overlap of part k with another. Returns true if there is none.
-static bool check_free(overlap_findings *f, const overlap_grid *c, size_t k)
+static bool check_free(overlap_findings *f, overlap_grid *c, size_t k)
 {
     scene_pose at = f->p->poses[k];
     char room[BF_POINTER_SIZE];
@@ -269,7 +319,7 @@ static bool check_free(overlap_findings *f, const overlap_grid *c, size_t k)
         return true;
     scene_pose with = f->p->poses[other];
     double distance = vec2_length((vec2){ at.x - with.x, at.y - with.y });
-    const char *pointer = point_at(f->s, k, room);
+    const char *pointer = placement__point_at(f->s, k, room);
     f->n_overlaps++;
     const shape_footprint *own = footprint_in(f, k), *its = footprint_in(f, other);
     if (own->n_corners == 0 && its->n_corners == 0)
@@ -286,113 +336,28 @@ static bool check_free(overlap_findings *f, const overlap_grid *c, size_t k)
 bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *faults)
 {
     overlap_findings f = { .s = s, .p = p, .faults = faults };
-    size_t limit = limit_reported(s);
+    size_t limit = placement__reported_max(s);
     overlap_grid c;
 
+    if (s->initial.type == SCENE_INITIAL_RANDOM)
+        return BF_OK; // placed where they are inside and overlap none
     mix_footprints(s, f.footprints);
     bf_status status =
         overlap_grid_init(&c, f.footprints, s->n_cargo, p->kinds, p->poses, p->n, NULL);
     if (status != BF_OK)
         return status;
-    for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit; k++) {
+    for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit &&
+                       c.steps <= SCENE_PLACEMENT_STEPS_MAX;
+         k++) {
         if (check_inside(&f, k) && check_free(&f, &c, k))
             overlap_grid_add(&c, k);
     }
+    if (c.steps > SCENE_PLACEMENT_STEPS_MAX)
+        faults_add_limit(
+            faults, "/initial",
+            "%zu parts that lie so near to each other take more than %.3g steps to look "
+            "for overlaps, which is the limit",
+            p->n, (double)SCENE_PLACEMENT_STEPS_MAX);
     overlap_grid_fini(&c);
-    return BF_OK;
-}
-
-/// A part by its place along x.
-typedef struct place {
-    double x;
-    uint32_t part;
-} place;
-
-/// The data of the check.
-typedef struct plate_findings {
-    const scene *s;
-    const scene_placement *p;
-    shape_footprint footprints[SCENE_KINDS_MAX];
-    double bounding_radius; ///< of the largest part, m
-    place *places;
-    bf_faults *faults;
-    size_t n_reported;
-} plate_findings;
-
-static int compare_places(const void *a, const void *b)
-{
-    const place *of_a = a, *of_b = b;
-    if (of_a->x != of_b->x)
-        return of_a->x < of_b->x ? -1 : 1;
-    return of_a->part < of_b->part ? -1 : of_a->part > of_b->part;
-}
-
-/// The first place at or beyond x.
-static size_t find_first(const plate_findings *f, double x)
-{
-    size_t low = 0, high = f->p->n;
-
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (f->places[middle].x < x)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static void check_piece(plate_findings *f, const scene_obstacle *obstacle, const vec2 plate[4])
-{
-    scene_rect box = { INFINITY, -INFINITY, INFINITY, -INFINITY };
-    size_t limit = limit_reported(f->s);
-    char room[BF_POINTER_SIZE];
-
-    for (int k = 0; k < 4; k++) {
-        box.x_min = fmin(box.x_min, plate[k].x - f->bounding_radius);
-        box.x_max = fmax(box.x_max, plate[k].x + f->bounding_radius);
-        box.y_min = fmin(box.y_min, plate[k].y - f->bounding_radius);
-        box.y_max = fmax(box.y_max, plate[k].y + f->bounding_radius);
-    }
-    for (size_t i = find_first(f, box.x_min);
-         i < f->p->n && f->places[i].x <= box.x_max && f->n_reported < limit; i++) {
-        size_t k = f->places[i].part;
-        scene_pose at = f->p->poses[k];
-        if (at.y < box.y_min || at.y > box.y_max ||
-            !shape_overlaps_polygon(&f->footprints[mix_kind(f->p->kinds, k)], at, plate, 4))
-            continue;
-        f->n_reported++;
-        faults_add(f->faults, point_at(f->s, k, room),
-                   "part %zu at (%g, %g) m overlaps the plate of obstacle '%s', %g m thick", k,
-                   at.x, at.y, obstacle->id, obstacle->thickness);
-    }
-}
-
-bf_status placement_check_plates(const scene *s, const scene_placement *p, bf_faults *faults)
-{
-    plate_findings f = { .s = s, .p = p, .faults = faults };
-    plate_pieces pieces;
-    vec2 plate[4];
-
-    bf_status status = plate_pieces_init(&pieces, s, NULL);
-    f.places = status == BF_OK ? memory_alloc(p->n, sizeof *f.places) : NULL;
-    if (f.places == NULL) {
-        plate_pieces_fini(&pieces);
-        return BF_ENOMEM;
-    }
-    mix_footprints(s, f.footprints);
-    for (size_t k = 0; k < s->n_cargo; k++)
-        f.bounding_radius = fmax(f.bounding_radius, f.footprints[k].bounding_radius);
-    for (uint32_t k = 0; k < p->n; k++)
-        f.places[k] = (place){ p->poses[k].x, k };
-    qsort(f.places, p->n, sizeof *f.places, compare_places);
-    for (size_t k = 0; k < s->n_obstacles; k++) {
-        for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
-            if (plate_pieces_get(&pieces, k, m, plate))
-                check_piece(&f, &s->obstacles[k], plate);
-        }
-    }
-    memory_free(f.places);
-    plate_pieces_fini(&pieces);
     return BF_OK;
 }

@@ -9,9 +9,13 @@
 /// Place the parts of a scenario. Random places are drawn by random.h from
 /// initial.seed, so the same scenario gives the same places on every machine.
 /// The caller owns *ret_placement: placement_fini().
-/// BF_ENOMEM; BF_EINPUT: that many random parts do not fit without overlap.
+/// BF_ENOMEM; BF_EINPUT: that many random parts do not fit without overlap, which is predicted where it is clear.
 BF_MUST_CHECK bf_status placement_make(const scene *s, scene_placement *ret_placement,
                                        bf_error *err);
+
+/// The same within so many steps of the search for free places (overlap_grid.h). BF_ELIMIT: there were more.
+BF_MUST_CHECK bf_status placement_make_within(const scene *s, uint64_t steps_max,
+                                              scene_placement *ret_placement, bf_error *err);
 
 /// The places that scene_check() left in the scene, borrowed from it, or placement_make() where it was
 /// not checked: in either case placement_fini().
@@ -21,8 +25,8 @@ BF_MUST_CHECK bf_status placement_of(const scene *s, scene_placement *ret_placem
 void placement_fini(scene_placement *p);
 
 /// Note parts that extend outside the domain (over a wall) or have their centre outside (over an
-/// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part.
-/// O(n) by a cell grid. BF_ENOMEM.
+/// open edge), or overlap another part by more than SCENE_TOLERANCE, with the pointer of the part; or that this
+/// takes more than SCENE_PLACEMENT_STEPS_MAX steps. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check(const scene *s, const scene_placement *p,
                                         bf_faults *faults);
 
@@ -32,6 +36,6 @@ double placement_excess(const surroundings *around, const shape_footprint *footp
                         scene_pose pose, scene_side side);
 
 /// Note parts that overlap the plate of an obstacle, as it stands at t = 0, by more than SCENE_TOLERANCE, for the microscopic
-/// model, where a plate is solid. BF_ENOMEM.
+/// model, where a plate is solid; or that this takes more than SCENE_PLACEMENT_STEPS_MAX steps. BF_ENOMEM.
 BF_MUST_CHECK bf_status placement_check_plates(const scene *s, const scene_placement *p,
                                                bf_faults *faults);

@@ -224,7 +224,8 @@ static void resolve_cargo(scene *s)
         scene_cargo *kind = &s->cargo[k];
         bool has_shape = is_sound(kind);
         are_sound = are_sound && has_shape;
-        fill_in(&kind->mass, has_shape ? SCENE_STEEL_DENSITY * shape_volume(&kind->shape) : 1.0);
+        if (isnan(kind->mass))
+            kind->mass = has_shape ? SCENE_STEEL_DENSITY * shape_volume(&kind->shape) : 1.0;
         if (s->micro.spin_friction_radius >= 0.0)
             fill_in(&kind->spin_friction_radius, s->micro.spin_friction_radius);
         fill_in(&kind->spin_friction_radius, has_shape ? spin_radius_of(&kind->shape) : 0.0);

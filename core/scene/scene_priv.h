@@ -64,3 +64,9 @@ void scene__check_feeds(const scene *s, bf_faults *faults);
 /// Where feeds lie: on belts that carry their parts away, clear of plates and of each other, and with room for every
 /// kind. Needs a scene without a fault. BF_ENOMEM.
 BF_MUST_CHECK bf_status scene__check_feed_lines(const scene *s, bf_faults *faults);
+
+/// How many faults of one kind about places are reported: 1 for a pattern, which is reported as a whole.
+size_t placement__reported_max(const scene *s);
+
+/// The pointer of part k, in room of BF_POINTER_SIZE bytes where it must be made.
+const char *placement__point_at(const scene *s, size_t k, char *room);

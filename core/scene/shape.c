@@ -130,13 +130,16 @@ static bool is_facet(const scene_shape *shape, const size_t corner[3], double to
     for (size_t m = 0; m < shape->n_vertices; m++) {
         vector to = vector_between(at[corner[0]], at[m]);
         double height = vector_dot(normal, to);
-        vector aside = vector_cross(along, to);
-        bool is_off_line = sqrt(vector_dot(aside, aside)) > tolerance;
         ret_is_in_plane[m] = fabs(height) <= tolerance;
         has_above |= height > tolerance;
         has_below |= height < -tolerance;
-        if (ret_is_in_plane[m] &&
-            (m < corner[0] || (m < corner[1] && m != corner[0]) || (m < corner[2] && is_off_line)))
+        if (has_above && has_below)
+            return false;
+        if (!ret_is_in_plane[m])
+            continue;
+        vector aside = vector_cross(along, to);
+        bool is_off_line = sqrt(vector_dot(aside, aside)) > tolerance;
+        if (m < corner[0] || (m < corner[1] && m != corner[0]) || (m < corner[2] && is_off_line))
             return false;
     }
     *ret_normal = normal;
@@ -333,17 +336,26 @@ void shape_check(const scene_shape *shape, const char *pointer, bf_faults *fault
         check_footprint(&c);
 }
 
-void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners)
+vec2 shape_direction(double heading)
 {
-    vec2 u = { cos(pose.heading), sin(pose.heading) };
-    vec2 v = vec2_turn_left(u);
-    vec2 centre = { pose.x, pose.y };
+    return (vec2){ cos(heading), sin(heading) };
+}
+
+void shape_place_along(const shape_footprint *footprint, vec2 centre, vec2 u, vec2 *ret_corners)
+{
+    const vec2 v = vec2_turn_left(u);
 
     for (size_t k = 0; k < footprint->n_corners; k++) {
         vec2 corner = footprint->corners[k];
         ret_corners[k] =
             vec2_add(centre, vec2_add(vec2_scale(u, corner.x), vec2_scale(v, corner.y)));
     }
+}
+
+void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners)
+{
+    shape_place_along(footprint, (vec2){ pose.x, pose.y }, shape_direction(pose.heading),
+                      ret_corners);
 }
 
 bool shape_overlaps_polygon(const shape_footprint *footprint, scene_pose pose, const vec2 *corners,

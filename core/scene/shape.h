@@ -37,5 +37,11 @@ bool shape_overlaps_polygon(const shape_footprint *footprint, scene_pose pose, c
 /// How far a footprint at a heading, rad, extends from its origin in a direction of length 1, m.
 double shape_extent(const shape_footprint *footprint, double heading, vec2 direction);
 
-/// Corners of the footprint of a part in its place, into ret_corners.
+/// The direction of a part's own x axis at a heading, rad.
+vec2 shape_direction(double heading);
+
+/// Corners of the footprint of a part in its place, into ret_corners; with the direction of its heading the same
+/// without a sine.
+void shape_place_along(const shape_footprint *footprint, vec2 centre, vec2 direction,
+                       vec2 *ret_corners);
 void shape_place(const shape_footprint *footprint, scene_pose pose, vec2 *ret_corners);
