@@ -40,6 +40,7 @@ typedef enum api_cost {
     API_COST_HEALTH, ///< at most one short write of the store; it must not wait behind other requests
     API_COST_STORE, ///< waits for the disk
     API_COST_WORK,  ///< and computes for long, or makes the daemon do so: limited by the work quota
+    API_COST_CHECK, ///< and before that checks a scenario, up to a second: limited by the work quota, too
 } api_cost;
 
 /// A request. Everything is borrowed.

@@ -213,6 +213,9 @@ void http__request_refuse_length(void);
 /// any more.
 bool http__request_work(http_request *r);
 
+/// Instead of handling a queued request: refuse it because the server stops.
+void http__request_refuse_late(http_request *r);
+
 /// The request is over, answered or not: log and free it. NULL is fine.
 void http__request_close(http_request *r);
 

@@ -2,19 +2,20 @@
 // threads never block. The pool has exclusive access to a queued request: its connection is suspended, so MHD calls
 // nothing for it until MHD_resume_connection(), after which the pool does not touch it any more.
 //
-// Three lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request
-// threads that were asked for, n + 2 are started:
+// Four lanes, each a queue, so that one kind of work does not stand in the way of another. Of n request
+// threads that were asked for, 2 n + 2 are started:
 //
 //     health     1 at a time      GET /readyz
+//     checks     n at a time      requests with a scenario to check, which computes up to a second
 //     requests   n at a time      every other request
 //     chunks     n at a time      what is pulled (pull.c); requests and chunks together: n + 1
 //
 // So n long requests leave a thread to the streams, and n reads of a store that stalls leave one to
-// requests, and neither delays the answer whether the daemon is ready. Requests and chunks that wait take
-// turns.
+// requests, and neither delays the answer whether the daemon is ready; scenarios delay none of these. Requests and
+// chunks that wait take turns.
 //
 // The queues of new requests are bounded: what does not fit is refused at once. Chunks are bounded by the
-// limits of their kinds.
+// limits of their kinds. When the pool ends, the checks that wait are refused, so that it ends within a second.
 
 #include "server/http/http_priv.h"
 
@@ -25,7 +26,7 @@
 
 enum { QUEUE_PER_THREAD = 16 }; // requests that may wait for a request thread
 
-typedef enum pool_lane { LANE_HEALTH, LANE_REQUESTS, LANE_CHUNKS, N_LANES } pool_lane;
+typedef enum pool_lane { LANE_HEALTH, LANE_CHECKS, LANE_REQUESTS, LANE_CHUNKS, N_LANES } pool_lane;
 
 struct http_pool {
     lock lock;                    // guards all but the threads
@@ -38,6 +39,7 @@ struct http_pool {
     bool is_turn_of_chunks;       // if requests and chunks wait
     bool is_stopping;             // nothing more is queued
     liveness liveness;            // of those that handle requests: one must live
+    liveness liveness_of_checks;  // of those that check scenarios: the same
     unsigned n_threads;           // started
     pthread_t threads[];          // they
 };
@@ -46,6 +48,8 @@ static pool_lane lane_of(const http_request *r)
 {
     if (r->stage != HTTP_STAGE_WORKING)
         return LANE_CHUNKS;
+    if (r->cost == API_COST_CHECK)
+        return LANE_CHECKS;
     return r->cost == API_COST_HEALTH ? LANE_HEALTH : LANE_REQUESTS;
 }
 
@@ -54,6 +58,8 @@ static bool is_open(const http_pool *p, pool_lane lane)
 {
     if (lane == LANE_HEALTH)
         return p->n_busy[lane] == 0;
+    if (lane == LANE_CHECKS)
+        return p->n_busy[lane] < p->n;
     return p->n_busy[lane] < p->n && p->n_busy[LANE_REQUESTS] + p->n_busy[LANE_CHUNKS] < p->n + 1;
 }
 
@@ -67,6 +73,8 @@ static pool_lane choose_lane(const http_pool *p)
         can[lane] = p->first[lane] != NULL && is_open(p, lane);
     if (can[LANE_HEALTH])
         return LANE_HEALTH;
+    if (can[LANE_CHECKS])
+        return LANE_CHECKS;
     if (can[LANE_CHUNKS] && (p->is_turn_of_chunks || !can[LANE_REQUESTS]))
         return LANE_CHUNKS;
     return can[LANE_REQUESTS] ? LANE_REQUESTS : N_LANES;
@@ -74,21 +82,27 @@ static pool_lane choose_lane(const http_pool *p)
 
 static bool is_empty(const http_pool *p)
 {
-    return p->first[LANE_HEALTH] == NULL && p->first[LANE_REQUESTS] == NULL &&
-           p->first[LANE_CHUNKS] == NULL;
+    bool is = true;
+
+    for (pool_lane lane = LANE_HEALTH; lane < N_LANES; lane++)
+        is = is && p->first[lane] == NULL;
+    return is;
 }
 
-// All request threads hang if none of those that handle requests comes by.
+// Request threads hang if none of those that handle requests, or of those that check scenarios, comes by: for that
+// it need not be free, but end something.
 static void answer_liveness(http_pool *p)
 {
     lock_assert_held(&p->lock);
     if (p->n_busy[LANE_REQUESTS] < p->n)
         liveness_answer(&p->liveness);
+    if (p->n_busy[LANE_CHECKS] < p->n)
+        liveness_answer(&p->liveness_of_checks);
 }
 
 // The next request, waiting for one. *lane is that of the request that is done (N_LANES: none), then
-// that of the next. NULL: the pool ends and the queues are empty.
-static http_request *take(http_pool *p, pool_lane *lane)
+// that of the next; *ret_is_late: it shall not be begun any more. NULL: the pool ends and the queues are empty.
+static http_request *take(http_pool *p, pool_lane *lane, bool *ret_is_late)
 {
     http_request *r = NULL;
 
@@ -107,6 +121,7 @@ static http_request *take(http_pool *p, pool_lane *lane)
         p->n_busy[*lane]++;
         p->is_turn_of_chunks = *lane == LANE_REQUESTS;
     }
+    *ret_is_late = p->is_stopping && *lane == LANE_CHECKS;
     if (p->is_stopping)
         lock_wake_all(&p->changed);
     lock_release(&p->lock);
@@ -118,10 +133,13 @@ static void *work(void *context)
     http_pool *p = context;
     pool_lane lane = N_LANES;
     http_request *r;
+    bool is_late;
 
-    while ((r = take(p, &lane)) != NULL) {
+    while ((r = take(p, &lane, &is_late)) != NULL) {
         struct MHD_Connection *mhd = r->mhd;
-        if (http__request_work(r))
+        if (is_late)
+            http__request_refuse_late(r);
+        if (is_late || http__request_work(r))
             MHD_resume_connection(mhd);
     }
     return NULL;
@@ -129,7 +147,7 @@ static void *work(void *context)
 
 bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err)
 {
-    unsigned n_threads = n + 2;
+    unsigned n_threads = 2 * n + 2;
     http_pool *p = memory_alloc(1, sizeof *p + n_threads * sizeof p->threads[0]);
 
     if (p == NULL)
@@ -193,10 +211,11 @@ void http__pool_enqueue(http_pool *p, http_request *r)
 
 bool http__pool_is_alive(http_pool *p)
 {
-    bool is_alive = !liveness_is_asked(&p->liveness);
+    bool is_alive = !liveness_is_asked(&p->liveness) && !liveness_is_asked(&p->liveness_of_checks);
 
     lock_acquire(&p->lock);
     liveness_ask(&p->liveness);
+    liveness_ask(&p->liveness_of_checks);
     lock_wake_all(&p->changed);
     lock_release(&p->lock);
     return is_alive;

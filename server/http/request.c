@@ -223,6 +223,15 @@ static void end_long_poll(http_request *r)
         api_handle_again(&r->server->services, &request, &r->response);
 }
 
+void http__request_refuse_late(http_request *r)
+{
+    bf_error err = { 0 };
+
+    (void)bf_fail(&err, BF_EBUSY, "", "the service is stopping");
+    http__respond_refuse(r, 503, &err);
+    r->stage = HTTP_STAGE_READY;
+}
+
 bool http__request_work(http_request *r)
 {
     if (r->stage == HTTP_STAGE_SENT)
@@ -249,7 +258,7 @@ static bool check_rate(http_request *r)
 
     if (r->client.is_local || r->cost == API_COST_HEALTH)
         return true;
-    r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost == API_COST_WORK,
+    r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
                                  clock_monotonic_ms());
     if (!r->verdict.is_refused)
         return true;

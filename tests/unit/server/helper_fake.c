@@ -206,8 +206,8 @@ static bf_status list(void *context, const api_list_query *query, api_run_list *
 static bf_status submit(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
-    (void)context;
     (void)submission;
+    wait_while_held(context, FAKE_HELD_SUBMIT);
     memcpy(ret_acceptance->id, FAKE_RUN, API_ID_SIZE);
     return buffer_printf(&ret_acceptance->answer, "{\"id\":\"%s\"}", FAKE_RUN) == BF_OK
                ? BF_OK

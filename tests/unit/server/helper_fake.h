@@ -19,6 +19,7 @@ typedef enum fake_held {
     FAKE_HELD_NONE,
     FAKE_HELD_READY,
     FAKE_HELD_LIST,
+    FAKE_HELD_SUBMIT,
     FAKE_HELD_EVENTS
 } fake_held;
 
@@ -28,7 +29,7 @@ typedef struct fake {
     lock_condition changed; ///< of n_waiting or held
     uint64_t n_events;      ///< events of the log, ids from 1
     bool has_ended;         ///< the last of them is `end`
-    fake_held held;         ///< this one waits: ready(), list() or read_events()
+    fake_held held;         ///< this one waits: ready(), list(), submit() or read_events()
     bool is_broken;         ///< read_events() and read_snapshot() fail
     unsigned n_waiting;     ///< calls that wait because they are held
     unsigned n_finds;       ///< calls of find()

@@ -118,8 +118,8 @@ static api_cost cost_of(const char *method, const char *path, const char *asked,
 static void the_cost_of_a_request_is_told_before(void **state)
 {
     (void)state;
-    assert_int_equal(cost_of("POST", "/v1/runs", "", NULL), API_COST_WORK);
-    assert_int_equal(cost_of("POST", "/v1/validate", "", NULL), API_COST_WORK);
+    assert_int_equal(cost_of("POST", "/v1/runs", "", NULL), API_COST_CHECK);
+    assert_int_equal(cost_of("POST", "/v1/validate", "", NULL), API_COST_CHECK);
     assert_int_equal(cost_of("POST", "/v1/runs/abc/cancel", "", NULL), API_COST_STORE);
     assert_int_equal(cost_of("HEAD", "/v1/runs/abc/curve", "", NULL), API_COST_STORE);
     assert_int_equal(cost_of("GET", "/v1/examples", "", NULL), API_COST_NONE);
