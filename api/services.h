@@ -27,6 +27,12 @@ enum {
     API_ANY_REVISION = 0,     ///< whatever the revision is
 };
 
+/// The rows of parts that come with each snapshot of a run; see frame_parts.
+typedef struct api_parts {
+    uint64_t n_parts;  ///< rows; of a whole run with feeds 0: each snapshot has its own number
+    uint32_t n_values; ///< doubles of a row; 0: the model has no parts
+} api_parts;
+
 /// A run as the store knows it.
 typedef struct api_run {
     char id[API_ID_SIZE];           ///< UUIDv7: sorts by time of creation
@@ -44,6 +50,8 @@ typedef struct api_run {
     uint64_t n_samples;             ///< stored samples of the curve
     uint64_t n_snapshots;           ///< stored snapshots
     uint64_t last_event;            ///< id of the newest event of the run; 0: none
+    bf_grid grid;                   ///< of its snapshots; n1 = 0: not known yet
+    api_parts parts;                ///< of its snapshots; n_values = 0: none
     bool has_summary;               ///< summary.json is there
     bool is_cached;                 ///< its results are those of a run before it
     char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
@@ -113,12 +121,6 @@ typedef struct api_snapshot {
     double peak;    ///< largest density
     double mass;    ///< parts in the domain
 } api_snapshot;
-
-/// The rows of parts that come with each snapshot of a run; see frame_parts.
-typedef struct api_parts {
-    uint64_t n_parts;  ///< rows; of a whole run with feeds 0: each snapshot has its own number
-    uint32_t n_values; ///< doubles of a row; 0: the model has no parts
-} api_parts;
 
 /// The stored snapshots of a run. Zero-initialise; free with buffer_fini(&items).
 typedef struct api_snapshot_list {

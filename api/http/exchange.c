@@ -186,6 +186,15 @@ void api_handle_again(const api_services *services, const api_request *request,
         *response = late;
 }
 
+bf_status exchange__reserve(const exchange *x, double n, bf_error *err)
+{
+    const api_request *request = x->request;
+
+    if (request->reserve == NULL || request->reserve(request->header_context, (uint64_t)n))
+        return BF_OK;
+    return bf_fail(err, BF_EBUSY, "", "answers to others take the memory that this one needs");
+}
+
 bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
 {
     const char *id = x->params.values[0];

@@ -14,6 +14,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum {
     API_HEADERS_MAX = 24,  ///< headers of a response
@@ -50,7 +51,9 @@ typedef struct api_request {
     const char *query;  ///< after the '?', still encoded; "" if none
     /// Value of a header by its case-insensitive name, or NULL. It lives as long as the request.
     const char *(*header)(void *header_context, const char *name);
-    void *header_context; ///< given to header
+    /// Take n bytes of the memory for answers, until the answer is sent. False: too much is taken. NULL: no limit.
+    bool (*reserve)(void *header_context, uint64_t n);
+    void *header_context; ///< given to both
     const char *body;     ///< n_body bytes; may be NULL when 0
     size_t n_body;        ///< bytes
     const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none

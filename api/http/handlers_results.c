@@ -200,6 +200,14 @@ static bf_status write_text(exchange *x, const api_snapshot *snapshot, const bf_
                                          : results_snapshot_json(rho, grid, snapshot, body, err);
 }
 
+// What an answer takes while it is made: the numbers as they are stored, and their form.
+static bf_status reserve(const exchange *x, double n_bytes, bf_error *err)
+{
+    const bool is_text = x->media->format == MEDIA_CSV || x->media->format == MEDIA_JSON;
+
+    return exchange__reserve(x, n_bytes * (is_text ? 6.0 : 2.0), err);
+}
+
 // Reads the grid and writes it in the format that was chosen.
 static bf_status write_snapshot(exchange *x, const char *id, uint64_t index,
                                 const picture_query *wanted, bf_error *err)
@@ -243,7 +251,8 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
     if (has_it_already(x, record.id, index, &wanted))
         return BF_OK;
     exchange__name_snapshot(x, index);
-    return write_snapshot(x, record.id, index, &wanted, err);
+    status = reserve(x, (double)grid_cells(&record.grid) * sizeof(float), err);
+    return status == BF_OK ? write_snapshot(x, record.id, index, &wanted, err) : status;
 }
 
 static bf_status write_rows(exchange *x, const api_parts *parts, const api_snapshot *snapshot,
@@ -275,6 +284,9 @@ bf_status handlers_results_parts(exchange *x, bf_error *err)
     bf_status status = exchange__find_run(x, &record, err);
     if (status == BF_OK)
         status = exchange__find_snapshot(x, &record, &index, err);
+    if (status == BF_OK)
+        status =
+            reserve(x, (double)record.parts.n_parts * record.parts.n_values * sizeof(double), err);
     if (status == BF_OK)
         status = x->services->read_parts(x->services->context, record.id, index, &snapshot, &parts,
                                          &rows, err);

@@ -33,6 +33,9 @@ struct exchange {
 bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf_error *err,
                            const char *format, ...) __attribute__((format(printf, 5, 6)));
 
+/// Take room for an answer of some n bytes before it is made. BF_EBUSY: too much is taken by others.
+BF_MUST_CHECK bf_status exchange__reserve(const exchange *x, double n, bf_error *err);
+
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
 

@@ -154,6 +154,7 @@ static http_options options_of_http(const config *c)
                            .download_limit = (unsigned)c->downloads,
                            .wait_limit = (unsigned)c->waits,
                            .body_limit = c->body_bytes,
+                           .answer_limit = c->answers_bytes,
                            .header_deadline_ms = (int64_t)c->header_deadline_ms,
                            .body_deadline_ms = (int64_t)c->body_deadline_ms,
                            .heartbeat_ms = (int64_t)c->heartbeat_ms };

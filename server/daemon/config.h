@@ -60,6 +60,8 @@
     X(cors_origins, TEXT, "", 0, 0, RESTART,                                                       \
       "pages elsewhere that may read answers: origins, or *")                                      \
     X(body_bytes, NUMBER, "1048576", 1024, 1073741824, RELOAD, "largest body of a request")        \
+    X(answers_bytes, NUMBER, "1073741824", 1048576, 1e15, RELOAD,                                  \
+      "memory of all answers together")                                                            \
     X(header_deadline_ms, NUMBER, "5000", 100, 600000, RELOAD, "for a complete request header")    \
     X(body_deadline_ms, NUMBER, "20000", 100, 600000, RELOAD, "for a complete request body")       \
     X(heartbeat_ms, NUMBER, "15000", 100, 600000, RELOAD, "between comments on idle streams")      \

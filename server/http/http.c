@@ -245,6 +245,7 @@ bf_status http_reconfigure(http *h, const http_options *options, bf_error *err)
     h->options.download_limit = options->download_limit;
     h->options.wait_limit = options->wait_limit;
     h->options.body_limit = options->body_limit;
+    h->options.answer_limit = options->answer_limit;
     h->options.header_deadline_ms = options->header_deadline_ms;
     h->options.body_deadline_ms = options->body_deadline_ms;
     h->options.heartbeat_ms = options->heartbeat_ms;

@@ -36,6 +36,7 @@ typedef struct http_options {
     _Atomic unsigned download_limit;    ///< bodies that are made while they are sent, at once
     _Atomic unsigned wait_limit;        ///< requests whose answers wait for a run at once
     _Atomic uint64_t body_limit;        ///< bytes of a request's body
+    _Atomic uint64_t answer_limit;      ///< bytes of memory that all answers together may take
     _Atomic int64_t header_deadline_ms; ///< for a complete request header
     _Atomic int64_t body_deadline_ms;   ///< for a complete body, after the header
     _Atomic int64_t heartbeat_ms;       ///< between comments on idle streams

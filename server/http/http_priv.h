@@ -98,6 +98,7 @@ struct http_request {
     bool is_counted;               ///< in http.n_requests
     bool has_waited;               ///< its answer was a long poll's
     http_pull pull;                ///< of its long poll, then of its response's body
+    uint64_t n_answer_bytes;       ///< counted in http.n_answer_bytes; under http.lock
     int64_t begun_ns;              ///< when its header was complete, clock_monotonic_ns()
 };
 
@@ -129,6 +130,7 @@ struct http {
     http_request *pulls;               ///< requests with a pull under way
     unsigned n_pulls[HTTP_PULL_KINDS]; ///< how many of each kind
     unsigned n_requests;               ///< requests past their header
+    uint64_t n_answer_bytes;           ///< of memory that answers take, or will
     bool is_stopping;                  ///< pulls end, nothing suspends any more
     bool has_watch;                    ///< watch runs
     bool watch_ends;                   ///< it shall not
@@ -172,6 +174,17 @@ void http__watch_stop(http *h);
 
 /// Close what the last probes have left open.
 void http__probe_end(http *h);
+
+// answer_memory.c
+
+/// Count n bytes for the answer to a request, which is made now. False: with those of others they are too many.
+bool http__answer_reserve(void *request, uint64_t n);
+
+/// Count what the answer, which was made, takes; beyond the limit it becomes a 503.
+void http__answer_settle(http_request *r);
+
+/// Count nothing for the request any more.
+void http__answer_release(http_request *r);
 
 // pool.c
 

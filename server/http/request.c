@@ -93,6 +93,7 @@ static api_request view(http_request *r)
                           .path = r->path,
                           .query = r->query,
                           .header = http__request_header,
+                          .reserve = http__answer_reserve,
                           .header_context = r,
                           .body = r->body.bytes,
                           .n_body = r->body.n,
@@ -246,6 +247,7 @@ bool http__request_work(http_request *r)
             return false;
         end_long_poll(r);
     }
+    http__answer_settle(r);
     http__finalize_response(r);
     r->stage = HTTP_STAGE_READY;
     return true;
@@ -382,5 +384,6 @@ void http__request_close(http_request *r)
         (void)close(r->file.fd);
     buffer_fini(&r->body);
     api_response_fini(&r->response);
+    http__answer_release(r);
     memory_free(r);
 }

@@ -71,16 +71,16 @@ static bf_status note_sizes(store__row *row, const bf_grid *grid, const api_part
     if (grid == NULL)
         return BF_OK;
     if (row->run.n_snapshots > 0 &&
-        (parts->n_parts != row->parts.n_parts || parts->n_values != row->parts.n_values))
+        (parts->n_parts != row->run.parts.n_parts || parts->n_values != row->run.parts.n_values))
         return bf_fail(err, BF_ECORRUPT, "", "the run's parts changed from %llu x %u to %llu x %u",
-                       (unsigned long long)row->parts.n_parts, row->parts.n_values,
+                       (unsigned long long)row->run.parts.n_parts, row->run.parts.n_values,
                        (unsigned long long)parts->n_parts, parts->n_values);
-    if (row->run.n_snapshots > 0 && (grid->n1 != row->grid.n1 || grid->n2 != row->grid.n2))
+    if (row->run.n_snapshots > 0 && (grid->n1 != row->run.grid.n1 || grid->n2 != row->run.grid.n2))
         return bf_fail(err, BF_ECORRUPT, "",
-                       "the run's grid changed from %zu x %zu to %zu x %zu cells", row->grid.n1,
-                       row->grid.n2, grid->n1, grid->n2);
-    row->grid = *grid;
-    row->parts = *parts;
+                       "the run's grid changed from %zu x %zu to %zu x %zu cells", row->run.grid.n1,
+                       row->run.grid.n2, grid->n1, grid->n2);
+    row->run.grid = *grid;
+    row->run.parts = *parts;
     return BF_OK;
 }
 
@@ -191,11 +191,11 @@ static bf_status check_snapshot(const store__row *row, const store_item *item, b
         return bf_fail(
             err, BF_ECORRUPT, "", "the snapshots have a gap: number %llu came after %llu snapshots",
             (unsigned long long)item->snapshot.index, (unsigned long long)row->run.n_snapshots);
-    if (__builtin_mul_overflow(row->grid.n1, row->grid.n2, &cells) ||
+    if (__builtin_mul_overflow(row->run.grid.n1, row->run.grid.n2, &cells) ||
         __builtin_mul_overflow(cells, sizeof(float), &bytes) || bytes != item->rho.n)
         return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %zu bytes",
-                       row->grid.n1, row->grid.n2, item->rho.n);
-    return check_parts(&row->parts, item, err);
+                       row->run.grid.n1, row->run.grid.n2, item->rho.n);
+    return check_parts(&row->run.parts, item, err);
 }
 
 static bf_status insert_snapshot(store__connection *writer, int64_t results,

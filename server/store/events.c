@@ -114,10 +114,10 @@ static bf_status describe_snapshot(store__connection *reader, const store__row *
         .t = found.t,
         .peak = found.peak,
         .mass = found.mass,
-        .n1 = (uint32_t)row->grid.n1,
-        .n2 = (uint32_t)row->grid.n2,
+        .n1 = (uint32_t)row->run.grid.n1,
+        .n2 = (uint32_t)row->run.grid.n2,
     };
-    return events_snapshot(row->run.id, &about, row->parts.n_values > 0, out, err);
+    return events_snapshot(row->run.id, &about, row->run.parts.n_values > 0, out, err);
 }
 
 static bf_status describe_reused(store__connection *reader, const store__row *row,

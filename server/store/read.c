@@ -258,8 +258,8 @@ static bf_status read_snapshot_list(store__connection *reader, const char *id,
     bf_status status = store__find_row(reader, id, &row, err);
     if (status != BF_OK)
         return status;
-    list->grid = row.grid;
-    list->parts = row.parts;
+    list->grid = row.run.grid;
+    list->parts = row.run.parts;
     return read_items(reader, row.results, list, err);
 }
 
@@ -311,7 +311,7 @@ static bf_status read_compressed(store__connection *reader, const char *id, read
                                  bf_error *err)
 {
     bf_status status = store__find_row(reader, id, &r->row, err);
-    if (status == BF_OK && r->kind == STORE__BLOB_PARTS && r->row.parts.n_values == 0)
+    if (status == BF_OK && r->kind == STORE__BLOB_PARTS && r->row.run.parts.n_values == 0)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
                        run_model_words[r->row.run.model]);
     if (status == BF_OK)
@@ -324,10 +324,11 @@ static bf_status read_compressed(store__connection *reader, const char *id, read
 // Append the blob, which should have its size, and note of parts how many there are.
 static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
 {
-    const size_t row = r->row.parts.n_values * sizeof(double);
+    const size_t row = r->row.run.parts.n_values * sizeof(double);
     const bool is_parts = r->kind == STORE__BLOB_PARTS;
-    const bool is_fed = is_parts && frame_has_ids(r->row.parts.n_values);
-    size_t n = is_parts ? r->row.parts.n_parts * row : grid_cells(&r->row.grid) * sizeof(float);
+    const bool is_fed = is_parts && frame_has_ids(r->row.run.parts.n_values);
+    size_t n =
+        is_parts ? r->row.run.parts.n_parts * row : grid_cells(&r->row.run.grid) * sizeof(float);
     size_t before = out->n;
 
     // No rows are no blob.
@@ -335,8 +336,8 @@ static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
     if (r->compressed.n > 0 || !is_fed)
         status = store__unpack(&r->compressed, out, err);
     if (is_fed) {
-        r->row.parts.n_parts = (out->n - before) / row;
-        n = r->row.parts.n_parts * row;
+        r->row.run.parts.n_parts = (out->n - before) / row;
+        n = r->row.run.parts.n_parts * row;
     }
     if (status == BF_OK && out->n - before != n) {
         out->n = before;
@@ -369,7 +370,7 @@ bf_status store_read_snapshot(store *s, const char *id, uint64_t index, api_snap
     bf_status status = read_blob(s, id, &r, out, err);
     if (status == BF_OK) {
         *ret_snapshot = r.snapshot;
-        *ret_grid = r.row.grid;
+        *ret_grid = r.row.run.grid;
     }
     return status;
 }
@@ -382,7 +383,7 @@ bf_status store_read_parts(store *s, const char *id, uint64_t index, api_snapsho
     bf_status status = read_blob(s, id, &r, out, err);
     if (status == BF_OK) {
         *ret_snapshot = r.snapshot;
-        *ret_parts = r.row.parts;
+        *ret_parts = r.row.run.parts;
     }
     return status;
 }

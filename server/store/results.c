@@ -240,8 +240,8 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
                                bf_error *err)
 {
     row->results = solved->results;
-    row->grid = solved->grid;
-    row->parts = solved->parts;
+    row->run.grid = solved->run.grid;
+    row->run.parts = solved->run.parts;
     row->run.state = RUN_SUCCEEDED;
     row->run.is_cached = true;
     row->run.progress = 1.0;

@@ -34,14 +34,14 @@
     X(TEXT, error_pointer, run.error.pointer)                                                      \
     X(TEXT, error_text, run.error.text)                                                            \
     X(INTEGER, checkpoint_step, checkpoint_step)                                                   \
-    X(INTEGER, n1, grid.n1)                                                                        \
-    X(INTEGER, n2, grid.n2)                                                                        \
-    X(REAL, lower1, grid.lower1)                                                                   \
-    X(REAL, lower2, grid.lower2)                                                                   \
-    X(REAL, d1, grid.d1)                                                                           \
-    X(REAL, d2, grid.d2)                                                                           \
-    X(INTEGER, n_parts, parts.n_parts)                                                             \
-    X(INTEGER, n_values, parts.n_values)                                                           \
+    X(INTEGER, n1, run.grid.n1)                                                                    \
+    X(INTEGER, n2, run.grid.n2)                                                                    \
+    X(REAL, lower1, run.grid.lower1)                                                               \
+    X(REAL, lower2, run.grid.lower2)                                                               \
+    X(REAL, d1, run.grid.d1)                                                                       \
+    X(REAL, d2, run.grid.d2)                                                                       \
+    X(INTEGER, n_parts, run.parts.n_parts)                                                         \
+    X(INTEGER, n_values, run.parts.n_values)                                                       \
     X(INTEGER, stop_request, stop_request)                                                         \
     X(INTEGER, attempts, attempts)                                                                 \
     X(TEXT, external_id, external_id)                                                              \

@@ -116,8 +116,6 @@ typedef struct store__row {
     api_run run;              ///< what others see of it
     double wall_s;            ///< solving time of all attempts, s
     uint64_t checkpoint_step; ///< 0 if there is none
-    bf_grid grid;             ///< of the snapshots; n1 = 0: not known yet
-    api_parts parts;          ///< of the snapshots; n_values = 0: none
     int64_t results; ///< key of samples, snapshots and chunks, which other runs may have, too
     char client[API_CLIENT_SIZE]; ///< who submitted it; "": no quota counts it
     char parent[API_ID_SIZE];     ///< the run that it was made for; "": none

@@ -73,6 +73,7 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     lock_acquire(&f->lock);
     ret_run->last_event = ret_run->revision = f->n_events;
     ret_run->n_snapshots = f->n_snapshots;
+    ret_run->grid = (bf_grid){ .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 };
     f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
     void (*after_look)(void) = f->after_look;
@@ -165,6 +166,7 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
     uint32_t x = (uint32_t)index;
 
     (void)id;
+    wait_while_held(f, FAKE_HELD_SNAPSHOT);
     lock_acquire(&f->lock);
     bool is_broken = f->is_broken;
     f->n_reads++;
@@ -242,6 +244,7 @@ http *fake_serve(fake *f, void (*change)(http_options *options))
                              .download_limit = 16,
                              .wait_limit = 500,
                              .body_limit = 100000,
+                             .answer_limit = 100000000,
                              .header_deadline_ms = 10000,
                              .body_deadline_ms = 10000,
                              .heartbeat_ms = 600000 };

@@ -20,6 +20,7 @@ typedef enum fake_held {
     FAKE_HELD_READY,
     FAKE_HELD_LIST,
     FAKE_HELD_SUBMIT,
+    FAKE_HELD_SNAPSHOT,
     FAKE_HELD_EVENTS
 } fake_held;
 
@@ -29,12 +30,12 @@ typedef struct fake {
     lock_condition changed; ///< of n_waiting or held
     uint64_t n_events;      ///< events of the log, ids from 1
     bool has_ended;         ///< the last of them is `end`
-    fake_held held;         ///< this one waits: ready(), list(), submit() or read_events()
-    bool is_broken;         ///< read_events() and read_snapshot() fail
-    unsigned n_waiting;     ///< calls that wait because they are held
-    unsigned n_finds;       ///< calls of find()
-    unsigned n_reads;       ///< calls of read_events() and read_snapshot()
-    uint64_t n_snapshots;   ///< of every run, of FAKE_CELLS noisy cells each
+    fake_held held; ///< this one waits: ready(), list(), submit(), read_snapshot() or read_events()
+    bool is_broken; ///< read_events() and read_snapshot() fail
+    unsigned n_waiting;   ///< calls that wait because they are held
+    unsigned n_finds;     ///< calls of find()
+    unsigned n_reads;     ///< calls of read_events() and read_snapshot()
+    uint64_t n_snapshots; ///< of every run, of FAKE_CELLS noisy cells each
     void (*after_look)(
         void); ///< called by find() and read_events() when they have their answer; NULL: nothing
 } fake;
