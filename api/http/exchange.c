@@ -142,7 +142,10 @@ static bool answer_options(const api_request *request, api_response *response)
 
 void api_handle(const api_services *services, const api_request *request, api_response *response)
 {
-    exchange x = { .services = services, .request = request, .response = response };
+    exchange x = { .services = services,
+                   .request = request,
+                   .response = response,
+                   .faults = { .is_cancelled = request->is_cancelled } };
     bf_error error = { 0 };
 
     *response = (api_response){ 0 };

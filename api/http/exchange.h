@@ -54,8 +54,10 @@ typedef struct api_request {
     /// Take n bytes of the memory for answers, until the answer is sent. False: too much is taken. NULL: no limit.
     bool (*reserve)(void *header_context, uint64_t n);
     void *header_context; ///< given to both
-    const char *body;     ///< n_body bytes; may be NULL when 0
-    size_t n_body;        ///< bytes
+    const _Atomic bool
+        *is_cancelled;  ///< set when nobody waits for the answer any more; NULL: never
+    const char *body;   ///< n_body bytes; may be NULL when 0
+    size_t n_body;      ///< bytes
     const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
     const api_long_poll *polled; ///< what the first answer waited for; NULL: this is the first
 } api_request;

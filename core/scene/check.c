@@ -432,13 +432,16 @@ static void check_placement(scene *s, bf_faults *faults)
     scene_placement p;
     bf_error err;
 
-    if (placement_make_within(s, SCENE_PLACEMENT_STEPS_MAX, &p, &err) != BF_OK) {
+    if (placement_make_within(s, SCENE_PLACEMENT_STEPS_MAX, faults, &p, &err) != BF_OK) {
         faults_add_error(faults, &err);
         return;
     }
     s->placement = p;
     bf_status status = placement_check(s, &p, faults);
-    if (status != BF_OK) {
+    if (status == BF_EBUSY) {
+        (void)bf_fail(&err, status, "", "the check was cancelled, as the service is stopping");
+        faults_add_error(faults, &err);
+    } else if (status != BF_OK) {
         (void)bf_fail(&err, status, "/initial", "no memory for %zu parts", p.n);
         faults_add_error(faults, &err);
     }

@@ -34,9 +34,8 @@ typedef struct layout_figure {
 
 /// Figures of a layout. Those of plates are only valid if n_plates > 0.
 typedef struct layout {
-    size_t n_pieces; ///< straight pieces of all plates
-    bool
-        is_measured; ///< within LAYOUT_PIECES_MAX and the limit of steps; else nothing below is known
+    size_t n_pieces;          ///< straight pieces of all plates
+    bool is_measured;         ///< pieces and steps are within limits; else nothing below is known
     size_t n_plates;          ///< obstacles with a piece that deflects cargo
     layout_figure least;      ///< smallest angle of such a piece; index of the obstacle
     layout_figure greatest;   ///< largest angle of such a piece; index of the obstacle

@@ -81,10 +81,10 @@ static scene_pose draw_pose(const scene_rect *region, bool is_turned, bf_random 
     return pose;
 }
 
-/// Place parts at random until all fit, too many places were tried, or that took more than so many steps. Returns how
-/// many.
-static size_t fill_region(const scene *s, uint64_t steps_max, overlap_grid *c,
-                          scene_pose *ret_poses)
+/// Place parts at random until all fit, too many places were tried, that took more than so many steps or was cancelled.
+/// Returns how many.
+static size_t fill_region(const scene *s, uint64_t steps_max, const bf_faults *check,
+                          overlap_grid *c, scene_pose *ret_poses)
 {
     const surroundings around = surroundings_of(s);
     size_t n = 0, other;
@@ -92,7 +92,9 @@ static size_t fill_region(const scene *s, uint64_t steps_max, overlap_grid *c,
 
     random_init(&random, s->initial.seed);
     for (size_t left = limit_attempts(s->initial.n_random);
-         left > 0 && n < s->initial.n_random && c->steps <= steps_max; left--) {
+         left > 0 && n < s->initial.n_random && c->steps <= steps_max &&
+         !faults_are_cancelled(check);
+         left--) {
         const shape_footprint *footprint = footprint_of(c, n);
         scene_pose pose = draw_pose(&s->initial.region, footprint->n_corners > 0, &random);
         if (is_inside(&around, footprint, pose) && !overlap_grid_overlaps(c, n, pose, &other)) {
@@ -170,8 +172,13 @@ static bf_status check_crowding(size_t n, const crowding *of, bf_error *err)
     return BF_OK;
 }
 
+static bf_status fail_cancelled(bf_error *err)
+{
+    return bf_fail(err, BF_EBUSY, "", "the check was cancelled, as the service is stopping");
+}
+
 static bf_status place_random(const scene *s, const uint32_t *kinds, uint64_t steps_max,
-                              scene_pose *ret_poses, bf_error *err)
+                              const bf_faults *check, scene_pose *ret_poses, bf_error *err)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
     size_t wanted = s->initial.n_random;
@@ -184,11 +191,13 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, uint64_t st
         status = overlap_grid_init(&c, footprints, s->n_cargo, kinds, ret_poses, wanted, err);
     if (status != BF_OK)
         return status;
-    const size_t n = fill_region(s, steps_max, &c, ret_poses);
+    const size_t n = fill_region(s, steps_max, check, &c, ret_poses);
     const bool is_cut = c.steps > steps_max;
     overlap_grid_fini(&c);
     if (n == wanted)
         return BF_OK;
+    if (faults_are_cancelled(check))
+        return fail_cancelled(err);
     if (is_cut)
         return bf_fail(err, BF_ELIMIT, "/initial/random",
                        "only %zu of %zu parts found room without overlap in %.3g steps of the "
@@ -200,8 +209,8 @@ static bf_status place_random(const scene *s, const uint32_t *kinds, uint64_t st
                    n, wanted, limit_attempts(wanted), 100.0 * predicted.cover);
 }
 
-bf_status placement_make_within(const scene *s, uint64_t steps_max, scene_placement *ret_placement,
-                                bf_error *err)
+bf_status placement_make_within(const scene *s, uint64_t steps_max, const bf_faults *check,
+                                scene_placement *ret_placement, bf_error *err)
 {
     scene_placement p = { .n = scene_parts(s) };
 
@@ -218,7 +227,7 @@ bf_status placement_make_within(const scene *s, uint64_t steps_max, scene_placem
     else if (s->initial.type == SCENE_INITIAL_HEXAGONAL)
         place_hexagonal(&s->initial, p.poses);
     else if (s->initial.type == SCENE_INITIAL_RANDOM)
-        status = place_random(s, p.kinds, steps_max, p.poses, err);
+        status = place_random(s, p.kinds, steps_max, check, p.poses, err);
     if (status != BF_OK) {
         placement_fini(&p);
         return status;
@@ -229,7 +238,9 @@ bf_status placement_make_within(const scene *s, uint64_t steps_max, scene_placem
 
 bf_status placement_make(const scene *s, scene_placement *ret_placement, bf_error *err)
 {
-    return placement_make_within(s, UINT64_MAX, ret_placement, err);
+    const bf_faults never = { .is_cancelled = NULL };
+
+    return placement_make_within(s, UINT64_MAX, &never, ret_placement, err);
 }
 
 bf_status placement_of(const scene *s, scene_placement *ret_placement, bf_error *err)
@@ -347,7 +358,7 @@ bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *f
     if (status != BF_OK)
         return status;
     for (size_t k = 0; k < p->n && f.n_outside < limit && f.n_overlaps < limit &&
-                       c.steps <= SCENE_PLACEMENT_STEPS_MAX;
+                       c.steps <= SCENE_PLACEMENT_STEPS_MAX && !faults_are_cancelled(faults);
          k++) {
         if (check_inside(&f, k) && check_free(&f, &c, k))
             overlap_grid_add(&c, k);
@@ -359,5 +370,5 @@ bf_status placement_check(const scene *s, const scene_placement *p, bf_faults *f
             "for overlaps, which is the limit",
             p->n, (double)SCENE_PLACEMENT_STEPS_MAX);
     overlap_grid_fini(&c);
-    return BF_OK;
+    return faults_are_cancelled(faults) ? fail_cancelled(NULL) : BF_OK;
 }

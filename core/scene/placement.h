@@ -13,8 +13,10 @@
 BF_MUST_CHECK bf_status placement_make(const scene *s, scene_placement *ret_placement,
                                        bf_error *err);
 
-/// The same within so many steps of the search for free places (overlap_grid.h). BF_ELIMIT: there were more.
+/// The same for a check: within so many steps of the search for free places (overlap_grid.h), and until the check is
+/// cancelled. BF_ELIMIT: there were more steps; BF_EBUSY: it was cancelled.
 BF_MUST_CHECK bf_status placement_make_within(const scene *s, uint64_t steps_max,
+                                              const bf_faults *check,
                                               scene_placement *ret_placement, bf_error *err);
 
 /// The places that scene_check() left in the scene, borrowed from it, or placement_make() where it was

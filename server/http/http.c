@@ -274,6 +274,7 @@ http *http_stop(http *h)
         return NULL;
     if (h->daemon != NULL)
         (void)MHD_quiesce_daemon(h->daemon);
+    atomic_store(&h->is_ending, true);
     http__pull_stop_all(h);
     http__pool_end(h->pool);
     if (h->daemon != NULL)

@@ -112,6 +112,7 @@ struct http {
     int listen_fd;                     ///< listening socket; -1: none
     _Atomic int web_fd;                ///< directory of the page; -1: none
     unsigned port;                     ///< listened on
+    _Atomic bool is_ending;            ///< checks that are under way are cancelled
     struct MHD_Daemon *daemon;         ///< NULL until it runs
     http_pool *pool;                   ///< request threads
     char *cors_origins;                ///< as given; "": none

@@ -15,7 +15,8 @@
 // chunks that wait take turns.
 //
 // The queues of new requests are bounded: what does not fit is refused at once. Chunks are bounded by the
-// limits of their kinds. When the pool ends, the checks that wait are refused, so that it ends within a second.
+// limits of their kinds. When the pool ends, the checks that wait are refused, so that it ends within a second (those under
+// way are cancelled)
 
 #include "server/http/http_priv.h"
 
@@ -39,7 +40,6 @@ struct http_pool {
     bool is_turn_of_chunks;       // if requests and chunks wait
     bool is_stopping;             // nothing more is queued
     liveness liveness;            // of those that handle requests: one must live
-    liveness liveness_of_checks;  // of those that check scenarios: the same
     unsigned n_threads;           // started
     pthread_t threads[];          // they
 };
@@ -89,15 +89,13 @@ static bool is_empty(const http_pool *p)
     return is;
 }
 
-// Request threads hang if none of those that handle requests, or of those that check scenarios, comes by: for that
-// it need not be free, but end something.
+// Request threads hang if none of those that handle requests comes by: for that it need not be free, but end something.
+// Those that check scenarios wait for nothing but the store, which is asked by itself.
 static void answer_liveness(http_pool *p)
 {
     lock_assert_held(&p->lock);
     if (p->n_busy[LANE_REQUESTS] < p->n)
         liveness_answer(&p->liveness);
-    if (p->n_busy[LANE_CHECKS] < p->n)
-        liveness_answer(&p->liveness_of_checks);
 }
 
 // The next request, waiting for one. *lane is that of the request that is done (N_LANES: none), then
@@ -211,11 +209,10 @@ void http__pool_enqueue(http_pool *p, http_request *r)
 
 bool http__pool_is_alive(http_pool *p)
 {
-    bool is_alive = !liveness_is_asked(&p->liveness) && !liveness_is_asked(&p->liveness_of_checks);
+    bool is_alive = !liveness_is_asked(&p->liveness);
 
     lock_acquire(&p->lock);
     liveness_ask(&p->liveness);
-    liveness_ask(&p->liveness_of_checks);
     lock_wake_all(&p->changed);
     lock_release(&p->lock);
     return is_alive;

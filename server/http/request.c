@@ -94,6 +94,7 @@ static api_request view(http_request *r)
                           .query = r->query,
                           .header = http__request_header,
                           .reserve = http__answer_reserve,
+                          .is_cancelled = &r->server->is_ending,
                           .header_context = r,
                           .body = r->body.bytes,
                           .n_body = r->body.n,

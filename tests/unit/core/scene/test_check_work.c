@@ -48,6 +48,7 @@ static void assert_limit(const bf_faults *faults, const char *pointer)
 // Boxes of 0.1 x 0.001 m exclude 2 A + P^2/(2 pi) = 0.0067 m2 each, 200,000 of them 16 times the region.
 static void needles_that_cannot_find_room_are_refused_before_places_are_tried(void **state)
 {
+    const bf_faults check_of = { .n = 0 };
     bf_error err = { 0 };
     scene_placement p;
     scene s;
@@ -56,7 +57,7 @@ static void needles_that_cannot_find_room_are_refused_before_places_are_tried(vo
     lay_out_random(&s, 200000);
     turn_into_boxes(&s, 0.1, 0.001);
     helper_scene_resolve(&s);
-    assert_int_equal(placement_make_within(&s, 0, &p, &err), BF_EINPUT);
+    assert_int_equal(placement_make_within(&s, 0, &check_of, &p, &err), BF_EINPUT);
     assert_string_equal(err.pointer, "/initial/random");
     assert_non_null(strstr(err.text, "attempts, the limit is 4100000"));
     scene_fini(&s);
@@ -64,6 +65,7 @@ static void needles_that_cannot_find_room_are_refused_before_places_are_tried(vo
 
 static void random_places_are_looked_for_within_a_number_of_steps(void **state)
 {
+    const bf_faults check_of = { .n = 0 };
     scene_placement all, within;
     bf_error err = { 0 };
     scene s;
@@ -71,9 +73,9 @@ static void random_places_are_looked_for_within_a_number_of_steps(void **state)
     (void)state;
     lay_out_random(&s, 1000);
     helper_scene_resolve(&s);
-    assert_int_equal(placement_make_within(&s, 1000, &within, &err), BF_ELIMIT);
+    assert_int_equal(placement_make_within(&s, 1000, &check_of, &within, &err), BF_ELIMIT);
     assert_string_equal(err.pointer, "/initial/random");
-    assert_int_equal(placement_make_within(&s, 1000000, &within, &err), BF_OK);
+    assert_int_equal(placement_make_within(&s, 1000000, &check_of, &within, &err), BF_OK);
     assert_int_equal(placement_make(&s, &all, &err), BF_OK);
     assert_memory_equal(all.poses, within.poses, 1000 * sizeof *all.poses);
     placement_fini(&all);
@@ -100,6 +102,29 @@ static void parts_that_lie_too_near_are_refused(void **state)
     assert_limit(&faults, "/initial");
     scene_fini(&s);
     memory_free(poses);
+}
+
+static void a_cancelled_check_ends(void **state)
+{
+    static const _Atomic bool is_cancelled = true;
+    static const scene_pose pose = { 1.0, 1.0, 0.0 };
+    bf_faults faults = { .is_cancelled = &is_cancelled };
+    scene s;
+
+    (void)state;
+    lay_out_random(&s, 1000);
+    helper_scene_resolve(&s);
+    scene_check(&s, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_int_equal(faults.items[0].code, BF_EBUSY);
+    scene_fini(&s);
+    helper_scene_belt(&s, 9.0, 9.0, 0.05, &pose, 1);
+    helper_scene_resolve(&s);
+    faults.n = 0;
+    scene_check(&s, &faults);
+    assert_int_equal(faults.n, 1);
+    assert_int_equal(faults.items[0].code, BF_EBUSY);
+    scene_fini(&s);
 }
 
 static void set_disk(shape_footprint *footprint, double radius)
@@ -220,6 +245,7 @@ int main(void)
         cmocka_unit_test(needles_that_cannot_find_room_are_refused_before_places_are_tried),
         cmocka_unit_test(random_places_are_looked_for_within_a_number_of_steps),
         cmocka_unit_test(parts_that_lie_too_near_are_refused),
+        cmocka_unit_test(a_cancelled_check_ends),
         cmocka_unit_test(a_large_part_does_not_slow_down_the_search_among_small_ones),
         cmocka_unit_test(outlines_with_too_many_points_are_refused),
         cmocka_unit_test(plates_below_too_many_belts_are_refused),
