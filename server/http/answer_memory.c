@@ -2,7 +2,7 @@
 // neither many that are made at once nor many that nobody reads can take all memory. Small ones are not counted: they
 // are limited with the connections, and shall be sent when large ones take all.
 
-#include "server/http/http_priv.h"
+#include "server/http/answer_memory.h"
 
 enum { SMALL = 65536 }; // bytes of an answer up to which it is not counted
 

@@ -176,38 +176,6 @@ void http__watch_stop(http *h);
 /// Close what the last probes have left open.
 void http__probe_end(http *h);
 
-// answer_memory.c
-
-/// Count n bytes for the answer to a request, which is made now. False: with those of others they are too many.
-bool http__answer_reserve(void *request, uint64_t n);
-
-/// Count what the answer, which was made, takes; beyond the limit it becomes a 503.
-void http__answer_settle(http_request *r);
-
-/// Count nothing for the request any more.
-void http__answer_release(http_request *r);
-
-// pool.c
-
-/// Start the threads that handle n requests at a time.
-BF_MUST_CHECK bf_status http__pool_start(unsigned n, http_pool **ret_pool, bf_error *err);
-
-/// Suspend the request's connection and queue it to be handled. False: the queue is full or the pool
-/// has ended; nothing was done.
-bool http__pool_suspend(http_pool *p, http_request *r);
-
-/// Queue a suspended request to continue its pull. Under http.lock, and before http__pool_end().
-void http__pool_enqueue(http_pool *p, http_request *r);
-
-/// Handle all queued requests and end the threads. NULL is fine.
-void http__pool_end(http_pool *p);
-
-/// Free a pool that has ended. NULL is fine. Always returns NULL.
-http_pool *http__pool_free(http_pool *p);
-
-/// Probe a group of threads; true if one of them has answered the previous probe.
-bool http__pool_is_alive(http_pool *p);
-
 // request.c: what MHD's callbacks for requests call
 
 /// A new request, from the target of its request line, which is followed by the version in the same

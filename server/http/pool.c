@@ -18,7 +18,7 @@
 // limits of their kinds. When the pool ends, the checks that wait are refused, so that it ends within a second (those under
 // way are cancelled)
 
-#include "server/http/http_priv.h"
+#include "server/http/pool.h"
 
 #include "core/base/check.h"
 #include "core/base/memory.h"

@@ -8,6 +8,7 @@
 // MHD gives a connection to the thread whose number is the descriptor's, modulo their number.
 
 #include "server/http/http_priv.h"
+#include "server/http/pool.h"
 
 #include <fcntl.h>
 #include <microhttpd.h>

@@ -45,6 +45,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/http/http_priv.h"
+#include "server/http/pool.h"
 
 #include <microhttpd.h>
 #include <netinet/in.h>

@@ -1,4 +1,6 @@
+#include "server/http/answer_memory.h"
 #include "server/http/http_priv.h"
+#include "server/http/pool.h"
 
 #include "core/base/memory.h"
 #include "server/base/clock.h"
