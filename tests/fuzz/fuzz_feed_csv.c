@@ -8,32 +8,41 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const member[] = { "profile", "schedule" };
+#define BEFORE                                                                                     \
+    "{\"duration_s\":60,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"                               \
+    "\"cargo\":[{\"id\":\"box\",\"shape\":{\"type\":\"cylinder\",\"radius_m\":0.012,"              \
+    "\"height_m\":0.008},\"mass_kg\":0.03}],\"feeds\":[{\"id\":\"in\",\"edge\":\"west\","
 
-static json_t *scenario_with(const char *word, const char *csv, size_t n)
-{
-    return json_pack("{s:f, s:{s:[ff], s:[ff]}, s:{s:s}, s:[{s:s, s:{s:{s:s, s:f, s:f}, s:f}}],"
-                     " s:[{s:s, s:s, s:s%}]}",
-                     "duration_s", 60.0, "domain", "x_m", 0.0, 1.0, "y_m", 0.0, 0.6, "edges",
-                     "west", "inflow", "cargo", "id", "box", "shape", "type", "cylinder",
-                     "radius_m", 0.012, "height_m", 0.008, "mass_kg", 0.03, "feeds", "id", "in",
-                     "edge", "west", word, csv, n);
-}
+static const char *const members[] = { "profile", "schedule" };
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
+static void read_scenario(const char *member, const char *csv)
 {
     scene s;
     bf_faults faults = { 0 };
     bf_error err;
+    bf_buffer text = { 0 };
 
-    if (n == 0)
-        return 0;
-    // NULL where the CSV is no UTF-8: then there is no such document.
-    json_t *scenario = scenario_with(member[bytes[0] % 2], (const char *)bytes + 1, n - 1);
-    char *text = scenario == NULL ? NULL : json_dumps(scenario, 0);
-    json_decref(scenario);
-    if (text != NULL && scenario_read(text, strlen(text), &s, &faults, &err) == BF_OK)
+    const bf_status written = buffer_printf(&text, BEFORE "\"%s\":{\"csv\":%s}}]}", member, csv);
+    fuzz_require(written == BF_OK, "memory for a scenario");
+    if (scenario_read(text.bytes, text.n, &s, &faults, &err) == BF_OK)
         scene_fini(&s);
-    free(text);
+    else
+        fuzz_require(faults_kept(&faults) > 0 && strncmp(faults.items[0].pointer, "/feeds", 6) == 0,
+                     "what is at fault is the feed");
+    buffer_fini(&text);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
+{
+    // No document has a zero byte in a text.
+    if (n == 0 || memchr(bytes + 1, '\0', n - 1) != NULL)
+        return 0;
+    // NULL where the CSV is no UTF-8: then there is no such document either.
+    json_t *csv = json_stringn((const char *)bytes + 1, n - 1);
+    char *quoted = csv == NULL ? NULL : json_dumps(csv, JSON_ENCODE_ANY);
+    json_decref(csv);
+    if (quoted != NULL)
+        read_scenario(members[bytes[0] % 2], quoted);
+    free(quoted);
     return 0;
 }
