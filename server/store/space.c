@@ -79,12 +79,13 @@ void store__make_room_to_open(store *s)
 }
 
 // A file of the daemon before counts, too.
-static void take_reserve(store *s, uint64_t n_free)
+void store__take_reserve(store *s)
 {
     char path[STORE__PATH_SIZE + 32];
     struct stat info;
+    uint64_t n_free = 0;
 
-    if (s->space.has_reserve)
+    if (s->space.has_reserve || find_free_bytes(s, &n_free, NULL) != BF_OK)
         return;
     int file = open(name_reserve(s, path), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (file < 0)
@@ -138,8 +139,7 @@ static bool tend(store *s)
     if (find_free_bytes(s, &n_free, NULL) != BF_OK)
         return false;
     bool goes_on = n_free < ROOM_LOW && shrink_some(s);
-    if (find_free_bytes(s, &n_free, NULL) == BF_OK)
-        take_reserve(s, n_free);
+    store__take_reserve(s);
     return goes_on;
 }
 

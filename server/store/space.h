@@ -26,6 +26,9 @@ BF_MUST_CHECK bf_status store__check_room(const store *s, bf_error *err);
 /// Let go of the reserve of the daemon before if a store could not even be opened on the disk.
 void store__make_room_to_open(store *s);
 
+/// Take the reserve, if there is none and room for it; before the store's thread starts, or on it.
+void store__take_reserve(store *s);
+
 /// Let go of the reserve, for what frees something on a full disk. False: there is none.
 bool store__spend_reserve(store *s);
 

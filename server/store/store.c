@@ -291,8 +291,10 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
         status = recover(&s->writer, options, err);
     if (status == BF_OK)
         status = store__count_stats(s, &s->stats, err);
-    if (status == BF_OK)
+    if (status == BF_OK) {
+        store__take_reserve(s);
         status = store__start_threads(s, err);
+    }
     if (status == BF_OK)
         *ret_store = s;
     else
