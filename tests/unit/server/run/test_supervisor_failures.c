@@ -264,9 +264,14 @@ static void outlast_backoff(void)
     usleep(3500000);
 }
 
-static void make_program(helper_world *w)
+// Put a program that solves into the place that the supervisor has been told, complete and with its mode at once.
+static void make_program(helper_world *w, mode_t mode)
 {
-    helper_world_fake(w, "exec '" PROGRAM_DIR "/beltflow' \"$@\"");
+    static const char text[] = "#!/bin/sh\nexec '" PROGRAM_DIR "/beltflow' \"$@\"\n";
+    const char *path = helper_world_file(w, "made", text, strlen(text));
+
+    assert_int_equal(chmod(path, mode), 0);
+    assert_int_equal(rename(path, w->program), 0);
 }
 
 // A program that is missing, and then one that may not be executed: runs are not even claimed.
@@ -284,8 +289,7 @@ static void runs_wait_for_a_program_that_cannot_be_started(void **state)
     assert_int_equal(supervisor_ready(w->supervisor, &err), BF_ESYSTEM);
     assert_says(&err, BF_ESYSTEM, "fake cannot be started: No such file");
     outlast_backoff();
-    make_program(w);
-    assert_int_equal(chmod(w->program, 0600), 0);
+    make_program(w, 0600);
     assert_int_equal(supervisor_ready(w->supervisor, &err), BF_ESYSTEM);
     // Once a minute.
     assert_int_equal(metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR), n_errors + 1);
@@ -314,7 +318,7 @@ static void runs_wait_for_a_program_that_lacks_something(void **state)
     assert_int_equal(supervisor_ready(w->supervisor, &err), BF_ESYSTEM);
     assert_says(&err, BF_ESYSTEM, "cannot be executed (exit code 127)");
     assert_int_equal(metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR), n_errors + 1);
-    make_program(w);
+    make_program(w, 0700);
     helper_await_state(w, record.id, RUN_SUCCEEDED);
     assert_int_equal(supervisor_ready(w->supervisor, &err), BF_OK);
 }
