@@ -51,16 +51,21 @@ static void assert_answered(int fd, int status)
     buffer_fini(&answer);
 }
 
+static void assert_runs_are_listed(void)
+{
+    assert_int_equal(client_ask(http_port(server),
+                                "GET /v1/runs HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n",
+                                NULL),
+                     200);
+}
+
 static void other_requests_are_answered_while_scenarios_are_checked(void **state)
 {
     int fds[N_SUBMISSIONS];
 
     (void)state;
     keep_busy(fds);
-    assert_int_equal(client_ask(http_port(server),
-                                "GET /v1/runs HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n",
-                                NULL),
-                     200);
+    assert_runs_are_listed();
     fake_hold(&server_services, FAKE_HELD_NONE);
     for (int i = 0; i < N_SUBMISSIONS; i++)
         assert_answered(fds[i], 201);
@@ -82,10 +87,7 @@ static void scenarios_that_wait_are_refused_when_the_server_stops(void **state)
     (void)state;
     keep_busy(fds);
     // All have arrived when a later request was answered on their way.
-    assert_int_equal(client_ask(http_port(server),
-                                "GET /v1/runs HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n",
-                                NULL),
-                     200);
+    assert_runs_are_listed();
     assert_int_equal(usleep(300000), 0);
     assert_int_equal(pthread_create(&stopper, NULL, stop, NULL), 0);
     assert_int_equal(usleep(300000), 0);

@@ -91,6 +91,19 @@ static size_t encode_to_file(const helper_world *w, const frame *frames, size_t 
     return n_bytes;
 }
 
+// Run a program that sends n frames and exits with 1; the run, which has failed.
+static api_run fail_after(helper_world *w, const frame *frames, size_t n)
+{
+    char path[HELPER_PATH_SIZE], lines[1024];
+
+    encode_to_file(w, frames, n, path);
+    snprintf(lines, sizeof lines, "cat '%s'; exit 1", path);
+    helper_world_fake(w, lines);
+    helper_supervise(w);
+    api_run record = helper_world_submit(w, helper_short_belt);
+    return helper_await_state(w, record.id, RUN_FAILED);
+}
+
 static const frame begin_frame = {
     .type = FRAME_BEGIN,
     .begin = { .n_columns = 2, .n_steps = 10, .grid = { .n1 = 4, .n2 = 2, .d1 = 1, .d2 = 1 } },
@@ -213,15 +226,8 @@ static void a_snapshot_without_its_parts_is_not_kept(void **state)
         { .type = FRAME_ERROR,
           .error = { .error = { .code = BF_ENUMERIC, .text = "part 3 flew off" } } },
     };
-    helper_world *w = *state;
-    char path[HELPER_PATH_SIZE], lines[1024];
 
-    encode_to_file(w, frames, 5, path);
-    snprintf(lines, sizeof lines, "cat '%s'; exit 1", path);
-    helper_world_fake(w, lines);
-    helper_supervise(w);
-    api_run record = helper_world_submit(w, helper_short_belt);
-    record = helper_await_state(w, record.id, RUN_FAILED);
+    const api_run record = fail_after(*state, frames, 5);
     assert_says(&record.error, BF_ENUMERIC, "part 3 flew off");
     assert_int_equal(record.n_snapshots, 1);
 }
@@ -235,15 +241,8 @@ static void what_came_before_the_solver_failed_is_kept(void **state)
         { .type = FRAME_ERROR,
           .error = { .error = { .code = BF_ENUMERIC, .text = "cell 3 is not finite" } } },
     };
-    helper_world *w = *state;
-    char path[HELPER_PATH_SIZE], lines[1024];
 
-    encode_to_file(w, frames, 3, path);
-    snprintf(lines, sizeof lines, "cat '%s'; exit 1", path);
-    helper_world_fake(w, lines);
-    helper_supervise(w);
-    api_run record = helper_world_submit(w, helper_short_belt);
-    record = helper_await_state(w, record.id, RUN_FAILED);
+    const api_run record = fail_after(*state, frames, 3);
     assert_says(&record.error, BF_ENUMERIC, "cell 3 is not finite");
     assert_int_equal(record.n_samples, 2);
 }
