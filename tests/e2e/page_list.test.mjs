@@ -6,7 +6,8 @@ import test, { after } from "node:test";
 
 import { closeBrowser, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
-import { endless, interruptible, tiny } from "./scenarios.mjs";
+import { endless, jam, tiny } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
 
 after(closeBrowser);
 
@@ -77,22 +78,41 @@ test("filters stand in the address, and pages follow the cursor there and back",
 test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
   const page = await openPage(t, d);
-  await visit(page, "#/"); // so that only the view is to come while the run goes on
-  const run = await d.submit({ ...interruptible(), name: "interrupted" });
-  await page.goto(`/#/runs/${run.id}`);
+  const run = await d.submit({ ...jam(200_000, { curve_every_s: 1, snapshot_every_s: 20 }), name: "interrupted" });
+  const pictures = () => page.locator(".transport input").evaluate((slider) => Number(slider.max));
+  await visit(page, `#/runs/${run.id}`);
   await page.locator(".pill", { hasText: "running" }).waitFor();
   await page.waitForFunction(() => Number(document.querySelector(".transport input").value) > 0);
 
   await d.kill();
   await page.getByText("The daemon does not answer. Trying again").waitFor();
+  const before = await pictures();
   d.settings.listen = `127.0.0.1:${d.port}`;
   await d.start();
   await page.getByText("The daemon is back.").waitFor();
-  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  await until(async () => (await pictures()) > before, "more pictures");
   assert.equal(await page.locator("#connection").innerText(), "");
+  await d.post(`/v1/runs/${run.id}/cancel`, "");
+  await page.locator(".pill", { hasText: "cancelled" }).waitFor();
   await page.getByText("Parts at start").waitFor();
   const { length } = (await d.get(`/v1/runs/${run.id}/snapshots`)).json.snapshots;
   await page.keyboard.press("End");
   const text = await page.locator(".clock").innerText();
   assert.match(text, /^(\S+) \/ \1 s$/, `${text} of ${length} snapshots`);
+});
+
+test("a run that ended while the daemon was away is shown with its results", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  const run = await d.submit(endless());
+  await visit(page, `#/runs/${run.id}`);
+  await page.locator(".pill", { hasText: "running" }).waitFor();
+
+  await page.context().setOffline(true);
+  await d.post(`/v1/runs/${run.id}/cancel`, "");
+  await d.reached(run.id, "cancelled");
+  await page.getByText("The daemon does not answer. Trying again").waitFor();
+  await page.context().setOffline(false);
+  await page.locator(".pill", { hasText: "cancelled" }).waitFor();
+  await page.getByText("Parts at start").waitFor();
 });

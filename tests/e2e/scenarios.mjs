@@ -37,7 +37,7 @@ export function jam(duration_s, output) {
 
 // Solved in two or three seconds: long enough to be interrupted, with 200 samples and 50 snapshots.
 export function interruptible() {
-  const duration = isSanitized ? 10 : 80;
+  const duration = isSanitized ? 10 : 200;
   return jam(duration, { curve_every_s: duration / 200, snapshot_every_s: duration / 50 });
 }
 

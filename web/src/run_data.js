@@ -57,13 +57,13 @@ export class RunData {
     await this.loadSummary();
   }
 
-  // A run that failed or never began has none.
+  // A run that failed or never began has none; when no answer comes, refresh() asks again.
   async loadSummary() {
     try {
       this.summary = await getJson(paths.of(this.id, "summary"));
       this.figures = this.summary.key_figures ?? this.figures;
     } catch (error) {
-      if (error.status !== 404 && error.status !== 409) throw error;
+      if (![0, 404, 409].includes(error.status)) throw error;
     }
     this.onChange("summary");
   }
@@ -96,8 +96,19 @@ export class RunData {
     if (kind === "snapshot") await this.takeSnapshot(event);
     if (kind === "figures") this.figures = event.key_figures;
     if (kind === "gap") await this.loadResults();
-    if (kind === "end") await this.loadSummary();
     this.onChange({ curve: "curve", snapshot: "snapshots", figures: "figures" }[kind] ?? "run");
+    if (kind === "end") await this.loadSummary();
+  }
+
+  // After a lost connection: the run may have ended, or be waiting again. Events bring the rest.
+  async refresh() {
+    try {
+      Object.assign(this.run, await getJson(paths.run(this.id)));
+      this.onChange("run");
+      if (isOver(this.run)) await this.loadResults();
+    } catch (error) {
+      if (error.status !== 0) throw error; // away again
+    }
   }
 
   // The columns of parts come with the list, which is asked for once.

@@ -140,12 +140,8 @@ export class RunView {
   goLive() {
     const { data } = this;
     this.stopEvents = follow([data.id], (kind, event) => data.take(kind, event));
-    this.stopConnection = onConnection(async (isAway) => {
-      if (isAway || this.isGone) return;
-      const fresh = new RunData(data.id);
-      await fresh.load();
-      Object.assign(data.run, fresh.run);
-      this.change("run");
+    this.stopConnection = onConnection((isAway) => {
+      if (!isAway && !this.isGone) data.refresh();
     });
   }
 
