@@ -74,6 +74,11 @@ http_connection *http__connection_open(http *h, int fd)
         return NULL;
     c->server = h;
     c->fd = fd;
+    c->framing.body_limit = h->options.body_limit;
+    if (!http__recv_begin(c)) {
+        memory_free(c);
+        return NULL;
+    }
     c->deadline_ms = clock_monotonic_ms() + h->options.header_deadline_ms;
     metrics_add(METRICS_CONNECTIONS, 0, 1);
     lock_acquire(&h->lock);
@@ -104,6 +109,7 @@ void http__connection_close(http_connection *c)
         return;
     http *h = c->server;
 
+    http__recv_end(c);
     lock_acquire(&h->lock);
     unlink_connection(h, c);
     h->n_connections--;

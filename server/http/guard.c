@@ -6,11 +6,24 @@
 #include <string.h>
 #include <strings.h>
 
+bool http_guard_is_token(char c)
+{
+    unsigned char u = (unsigned char)c;
+
+    return u < 0x80 && (isalnum(u) || (u != '\0' && strchr("!#$%&'*+-.^_`|~", u) != NULL));
+}
+
+bool http_guard_is_control(char c)
+{
+    unsigned char u = (unsigned char)c;
+
+    return (u < 0x20 && u != '\t') || u == 0x7f;
+}
+
 static bool is_token(const char *text, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char)text[i];
-        if (c >= 0x80 || (!isalnum(c) && (c == '\0' || strchr("!#$%&'*+-.^_`|~", c) == NULL)))
+        if (!http_guard_is_token(text[i]))
             return false;
     }
     return n > 0;
@@ -19,8 +32,7 @@ static bool is_token(const char *text, size_t n)
 static bool has_control_byte(const char *text, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char)text[i];
-        if ((c < 0x20 && c != '\t') || c == 0x7f)
+        if (http_guard_is_control(text[i]))
             return true;
     }
     return false;

@@ -20,6 +20,7 @@
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
 #include "server/http/client.h"
+#include "server/http/framing.h"
 #include "server/http/http.h"
 #include "server/http/lengths.h"
 #include "server/http/limit.h"
@@ -51,11 +52,14 @@ typedef struct http_connection {
     struct http_connection *next;     ///< in http.connections
     http *server;                     ///< whose
     int fd;                           ///< MHD's socket; valid while in the list
-    int64_t deadline_ms;              ///< shut down then (clock_monotonic_ms()); -1: never
-    int64_t idle_since_ms;            ///< it came, or its last request ended, clock_monotonic_ms()
-    bool has_request;                 ///< a header is complete, and its answer is not
-    bool lingers;                     ///< was refused while its client may still be sending
-    bool seems_disconnected;          ///< its client had hung up at the last look
+    http_framing framing;             ///< of what is received, by the thread that receives it
+    http_request *request;   ///< its header is complete, and it has not ended; by that thread
+    unsigned n_begun;        ///< headers that MHD read; by that thread
+    int64_t deadline_ms;     ///< shut down then (clock_monotonic_ms()); -1: never
+    int64_t idle_since_ms;   ///< it came, or its last request ended, clock_monotonic_ms()
+    bool has_request;        ///< a header is complete, and its answer is not
+    bool lingers;            ///< was refused while its client may still be sending
+    bool seems_disconnected; ///< its client had hung up at the last look
 } http_connection;
 
 /// Where a request is in its life.
@@ -144,9 +148,15 @@ struct http {
     int64_t linger_until[HTTP_LINGER_MAX]; ///< closed then
 };
 
+// recv.c
+
+/// From now on what the connection receives is followed. False: its descriptor is too high.
+bool http__recv_begin(http_connection *c);
+void http__recv_end(const http_connection *c);
+
 // connection.c
 
-/// A new connection (NULL: no memory), in the list, with the deadline for its first header.
+/// A new connection (NULL: no memory, or too many descriptors), in the list, with the deadline for its first header.
 http_connection *http__connection_open(http *h, int fd);
 
 /// Take a connection out of the list and free it; its socket is still open. NULL is fine.
@@ -190,6 +200,11 @@ bool http__request_advance(http_request *r, const char *method, const char *vers
 /// MHD refuses a Content-Length that is no number before it asks us, with two heads; but it logs that before.
 /// To be called then, on its thread: answers the request, and ends what is sent on its connection.
 void http__request_refuse_length(void);
+
+/// The framing of what the connection receives is at fault (c->framing.refusal). True if that is the request
+/// whose body is being received: then it is answered, and the connection must not be read any more. Else
+/// the refusal waits for its header.
+bool http__request_refuse_framing(http_connection *c);
 
 /// On a request thread: handle the request. False: it is parked, and this thread must not access it
 /// any more.

@@ -56,6 +56,14 @@ static void check_reserve(http_request *r)
         http__request_refuse(r, 503, BF_EBUSY, "too many connections are open");
 }
 
+// Answers a request whose body is not, or not wholly, received.
+static void answer_refused_body(http_request *r)
+{
+    r->connection->lingers = true;
+    http__respond_refuse(r, r->refusal, &r->fault);
+    http__respond_past_body(r);
+}
+
 static void refuse_body(http_request *r)
 {
     r->refusal = 413;
@@ -127,10 +135,29 @@ void http__request_refuse_length(void)
         refuse_body(r);
     else
         http__request_refuse(r, 400, BF_EINPUT, "Content-Length is not a number");
-    r->connection->lingers = true;
-    http__respond_refuse(r, r->refusal, &r->fault);
-    http__respond_past_body(r);
+    answer_refused_body(r);
     (void)shutdown(r->connection->fd, SHUT_WR);
+}
+
+// True if the framing of this request's body is at fault, as far as it was received.
+static bool is_misframed(http_request *r)
+{
+    const http_framing *f = &r->connection->framing;
+
+    if (f->refusal == 0 || f->n_messages != r->connection->n_begun)
+        return false;
+    http__request_refuse(r, f->refusal, f->refusal == 413 ? BF_ELIMIT : BF_EINPUT, f->fault);
+    return true;
+}
+
+bool http__request_refuse_framing(http_connection *c)
+{
+    http_request *r = c->request;
+
+    if (r == NULL || r->stage != HTTP_STAGE_BODY || !is_misframed(r))
+        return false;
+    answer_refused_body(r);
+    return true;
 }
 
 static bool begin(http_request *r, const char *method, const char *version)
@@ -141,8 +168,10 @@ static bool begin(http_request *r, const char *method, const char *version)
     r->begun_ns = clock_monotonic_ns();
     count(r, 1);
     http__connection_occupy(r->connection, true);
+    r->connection->request = r;
+    r->connection->n_begun++;
     http__request_check(r, method, version);
-    if (r->refusal == 0) {
+    if (r->refusal == 0 && !is_misframed(r)) {
         const api_request request = view(r);
         r->cost = api_request_cost(&request);
         check_reserve(r);
@@ -169,9 +198,7 @@ static bool take_body(http_request *r, const char *bytes, size_t *n)
     *n = 0;
     if (r->refusal == 0)
         return true;
-    r->connection->lingers = true;
-    http__respond_refuse(r, r->refusal, &r->fault);
-    http__respond_past_body(r);
+    answer_refused_body(r);
     return false;
 }
 
@@ -374,6 +401,8 @@ void http__request_close(http_request *r)
         return;
     if (opened == r)
         opened = NULL;
+    if (r->connection->request == r)
+        r->connection->request = NULL;
     http__pull_end(r);
     http__connection_deadline(r->connection,
                               HTTP_IDLE_S * 1000 + r->server->options.header_deadline_ms);
