@@ -48,6 +48,7 @@ enum {
     X(METRICS__BY_MODEL, "model", RUN_MODEL_COUNT)                                                 \
     X(METRICS__BY_FRAME, "kind", API_EVENT_TYPE_COUNT)                                             \
     X(METRICS__BY_REASON, "reason", METRICS_EXIT_COUNT)                                            \
+    X(METRICS__BY_LAYER, "layer", METRICS_LAYER_COUNT)                                             \
     X(METRICS__BY_LEVEL, "level", LOG_LEVEL_COUNT)                                                 \
     X(METRICS__BY_VERSION, "version", 1)                                                           \
     X(METRICS__BY_COMPILER, "compiler", 1)
@@ -77,6 +78,7 @@ enum {
     X(MODEL, MODEL, NOTHING, NOTHING)                                                              \
     X(FRAME, FRAME, NOTHING, NOTHING)                                                              \
     X(REASON, REASON, NOTHING, NOTHING)                                                            \
+    X(LAYER, LAYER, NOTHING, NOTHING)                                                              \
     X(LEVEL, LEVEL, NOTHING, NOTHING)                                                              \
     X(BUILD, VERSION, COMPILER, NOTHING)
 

@@ -116,6 +116,16 @@ static const char *reason_word(size_t value)
     return words[value];
 }
 
+static const char *layer_word(size_t value)
+{
+    static const char *const words[] = {
+#define X(layer, word) word,
+        METRICS_LAYER_LIST(X)
+#undef X
+    };
+    return words[value];
+}
+
 // Of the events only these are frames of a run.
 static const char *frame_word(api_event_type type)
 {
@@ -140,6 +150,8 @@ const char *metrics__word(metrics__dimension dimension, size_t value)
         return frame_word((api_event_type)value);
     case METRICS__BY_REASON:
         return reason_word(value);
+    case METRICS__BY_LAYER:
+        return layer_word(value);
     case METRICS__BY_LEVEL:
         return log_level_word((log_level)value);
     case METRICS__BY_VERSION:

@@ -48,6 +48,8 @@
     X(COMMIT_FAILURES, COUNTER, "beltflow_store_commit_failures_total", "", NONE,                  \
       "Transactions that failed as a whole")                                                       \
     X(CHILD_EXITS, COUNTER, "beltflow_child_exits_total", "", REASON, "Ends of solver processes")  \
+    X(CONFINEMENT, GAUGE, "beltflow_solver_confinement", "", LAYER,                                \
+      "1: the kernel keeps solvers from these; 0: it cannot")                                      \
     X(LOG_LINES, COUNTER, "beltflow_log_lines_total", "", LEVEL, "Lines written to the log")       \
     X(RELOAD_GOOD, GAUGE, "beltflow_config_last_reload_successful", "", NONE,                      \
       "1 unless the settings' file was found at fault when it was last read")                      \
@@ -79,6 +81,21 @@ typedef enum metrics_reason {
 #undef X
         METRICS_EXIT_COUNT
 } metrics_reason;
+
+/// What solvers are kept from, X(symbol, word); server/run/confinement.h says how.
+#define METRICS_LAYER_LIST(X)                                                                      \
+    X(METRICS_LAYER_FILES, "files")                                                                \
+    X(METRICS_LAYER_TCP, "tcp")                                                                    \
+    X(METRICS_LAYER_SIGNALS, "signals")                                                            \
+    X(METRICS_LAYER_CALLS, "system_calls")
+
+/// The layers of confinement.
+typedef enum metrics_layer {
+#define X(layer, word) layer,
+    METRICS_LAYER_LIST(X)
+#undef X
+        METRICS_LAYER_COUNT
+} metrics_layer;
 
 /// The metrics.
 typedef enum metrics_id {

@@ -4,6 +4,7 @@
 #include "core/run/frame.h"
 #include "core/run/run.h"
 #include "server/base/file_io.h"
+#include "server/run/confinement.h"
 #include "server/run/run_control.h"
 
 #include <argp.h>
@@ -141,6 +142,8 @@ static bf_status work(working *w, bf_error *err)
 
     bf_status status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, &in, err);
     if (status == BF_OK)
+        status = confinement_enter(err);
+    if (status == BF_OK)
         status = next_frame(&in, FRAME_JOB, &f, &used, err);
     if (status == BF_OK)
         status = scenario_read(f.job.document, f.job.n_document, &s, &faults, err);
@@ -177,6 +180,9 @@ static void prefer_for_memory_killer(void)
 // Tie this process to its parent and limit what it may use. False: the parent has already exited.
 static bool limit_process(const worker_arguments *a)
 {
+    prefer_for_memory_killer();
+    if (!confinement_leave_root())
+        fputs("the solver keeps the privileges of root\n", stderr);
     if (a->parent != 0 &&
         (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || (uint64_t)getppid() != a->parent))
         return false;
@@ -185,7 +191,6 @@ static bool limit_process(const worker_arguments *a)
     if (a->cpu_s != 0)
         set_limit(RLIMIT_CPU, a->cpu_s, a->cpu_s + CPU_GRACE_S);
     set_limit(RLIMIT_CORE, 0, 0);
-    prefer_for_memory_killer();
     signal(SIGPIPE, SIG_IGN);
     run_control_catch(SIGTERM, RUN_CONTROL_CATCH_ALL);
     return true;

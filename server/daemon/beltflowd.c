@@ -17,6 +17,7 @@
 #include "server/daemon/notify.h"
 #include "server/daemon/service.h"
 #include "server/http/http.h"
+#include "server/run/confinement.h"
 #include "server/run/local_executor.h"
 
 #include <errno.h>
@@ -207,6 +208,7 @@ static bf_status start_http(parts *p, bf_error *err)
 
 static bf_status start(parts *p, bf_error *err)
 {
+    confinement_report();
     bf_status status = local_executor_create(p->settings.program, &p->executor, err);
 
     if (status == BF_OK)

@@ -3,7 +3,8 @@
 /// output, and what it writes to stderr goes to the log (`run_said`).
 ///
 /// Safety   a child is started by posix_spawn with every descriptor but its three pipes closed and no signal
-///          blocked or ignored; it limits its own address space and CPU time before it reads anything. A
+///          blocked or ignored; it limits its own address space and CPU time before it reads anything, and
+///          confines itself (server/run/confinement.h) before it looks at what it has read. A
 ///          graceful stop is SIGTERM, a stop by force SIGKILL to its whole group. Its pid cannot be of
 ///          another process before it is reaped.
 /// Restart  a child is killed by the kernel when the thread that started it ends (PR_SET_PDEATHSIG). So none

@@ -73,6 +73,8 @@ ONLY_IN = {
     "systemd/sd-journal.h": r"server/base/log_journal\.c|tests/unit/server/base/test_log\.c",
     "cmocka.h": r"tests/.+",
     # Processes are the local executor's; the supervisor knows only jobs.
+    "seccomp.h": r"server/run/confinement\.c|tests/unit/server/run/test_confinement\.c",
+    "linux/landlock.h": r"server/run/confinement\.c",
     "spawn.h": r"server/run/local_executor\.c",
     "sys/pidfd.h": r"server/run/local_executor\.c",
     "sys/wait.h": r"server/run/local_executor\.c|tests/.+",
