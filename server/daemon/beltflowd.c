@@ -133,6 +133,7 @@ static supervisor_options options_of_supervisor(const parts *p)
                                  .n_threads = (unsigned)c->threads,
                                  .memory_bytes = c->run_memory_bytes,
                                  .cpu_s = c->run_cpu_s,
+                                 .output_bytes = c->run_output_bytes,
                                  .stall_s = c->run_stall_s,
                                  .wall_s = c->run_wall_s,
                                  .checkpoint_ms = (int64_t)c->checkpoint_ms };

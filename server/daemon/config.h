@@ -24,6 +24,8 @@
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
       "address space of a run; 0: unlimited")                                                      \
     X(run_cpu_s, NUMBER, "86400", 0, 1e9, RELOAD, "CPU seconds of a run; 0: unlimited")            \
+    X(run_output_bytes, NUMBER, "34359738368", 0, 1e15, RELOAD,                                    \
+      "of results that a run may send; 0: unlimited")                                              \
     X(run_stall_s, NUMBER, "900", 0, 1e9, RELOAD,                                                  \
       "seconds without a step after which a run fails; 0: unlimited")                              \
     X(run_wall_s, NUMBER, "604800", 0, 1e9, RELOAD,                                                \

@@ -344,7 +344,9 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
             task->has_frames = false;
             break;
         }
-        status = take_frame(task, &f, err);
+        status = supervisor__count_output(task, f.type, used, err);
+        if (status == BF_OK)
+            status = take_frame(task, &f, err);
         task->n_decoded += used; // a multiple of 8, so the next one is aligned
     }
     return status != BF_OK || task->write.is_pending ? status : begin_batch(task, NULL, err);

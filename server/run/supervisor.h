@@ -26,6 +26,8 @@ typedef struct supervisor_options {
     unsigned n_threads;    ///< threads of each run, >= 1
     uint64_t memory_bytes; ///< address space of a job; 0: unlimited
     uint64_t cpu_s;        ///< CPU seconds of a job; 0: unlimited
+    uint64_t
+        output_bytes; ///< of samples, snapshots, parts and changes that a job may send; 0: unlimited
     uint64_t stall_s;      ///< seconds without a further step until a run fails; 0: unlimited
     uint64_t wall_s;       ///< seconds of solving, all attempts together; 0: unlimited
     int64_t checkpoint_ms; ///< between checkpoints of a run

@@ -112,6 +112,7 @@ struct supervisor__task {
     uint64_t rate_step;      ///< the step then
     bf_buffer output;        ///< bytes that came
     size_t n_decoded;        ///< of them, at the start: decoded, to be dropped before the next read
+    uint64_t n_sent;         ///< bytes of frames that are kept, see supervisor_options.output_bytes
     bool has_frames;         ///< whole frames may be left in output
     store_item *items;       ///< what is not stored yet
     size_t n_items;          ///< of them
@@ -187,6 +188,10 @@ void supervisor__read_frames(supervisor__task *task);
 
 /// Discard the batch that has been stored; end the task if it could not be stored.
 void supervisor__finish_batch(supervisor__task *task);
+
+/// Count a frame of n bytes that the job has sent. BF_ELIMIT: it has sent more than output_bytes.
+BF_MUST_CHECK bf_status supervisor__count_output(supervisor__task *task, frame_type type, size_t n,
+                                                 bf_error *err);
 
 /// The task fails with this error: discard what was sent and stop the job by force.
 void supervisor__fail(supervisor__task *task, const bf_error *err);

@@ -6,6 +6,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 
 supervisor__task *supervisor__task_create(supervisor *s)
@@ -95,6 +96,21 @@ void supervisor__fail(supervisor__task *task, const bf_error *err)
     task->has_frames = false;
     supervisor__free_items(task);
     e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
+}
+
+// Checkpoints, progress and key figures take each other's place; the other results stay.
+bf_status supervisor__count_output(supervisor__task *task, frame_type type, size_t n, bf_error *err)
+{
+    const uint64_t limit = task->supervisor->options.output_bytes;
+    const bool is_kept = type == FRAME_CURVE || type == FRAME_SNAPSHOT || type == FRAME_PARTS ||
+                         type == FRAME_CHANGE;
+
+    task->n_sent += is_kept ? n : 0;
+    if (limit == 0 || task->n_sent <= limit)
+        return BF_OK;
+    return bf_fail(
+        err, BF_ELIMIT, "",
+        "the run's results have more than %" PRIu64 " bytes, its limit (run_output_bytes)", limit);
 }
 
 static run_state state_for(supervisor__stop requested)

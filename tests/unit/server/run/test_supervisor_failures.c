@@ -348,6 +348,22 @@ static void a_run_beyond_its_processor_time_fails_alone(void **state)
     assert_says(&record.error, BF_ELIMIT, "limit of 1 CPU seconds");
 }
 
+// What came before the limit stays, as in runs that fail for other reasons.
+static void a_run_beyond_its_output_fails_alone(void **state)
+{
+    helper_world *w = *state;
+
+    w->options.output_bytes = 100 * 1024;
+    helper_supervise(w);
+    api_run record = helper_world_submit(w, helper_long_jam);
+    record = helper_await_state(w, record.id, RUN_FAILED);
+    assert_says(&record.error, BF_ELIMIT, "more than 102400 bytes, its limit (run_output_bytes)");
+    assert_true(record.n_samples + record.n_snapshots > 0);
+    assert_true(helper_is_childless());
+    record = helper_world_submit(w, helper_short_belt);
+    helper_await_state(w, record.id, RUN_SUCCEEDED);
+}
+
 // Its first act is to look for its parent: one that was lost in between is noticed, too.
 static void a_worker_without_its_parent_ends_at_once(void **state)
 {
@@ -431,6 +447,7 @@ int main(void)
         TEST(runs_wait_for_a_program_that_cannot_be_started),
         TEST(runs_wait_for_a_program_that_lacks_something),
         TEST(a_run_beyond_its_memory_fails_alone),
+        TEST(a_run_beyond_its_output_fails_alone),
         TEST(a_run_beyond_its_processor_time_fails_alone),
         TEST(a_worker_without_its_parent_ends_at_once),
         TEST(a_full_disk_hands_the_run_back_and_hangs_nothing),
