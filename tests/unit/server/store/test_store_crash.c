@@ -1,9 +1,11 @@
-// A store whose process is killed at any moment. I1 ... I15 are the invariants of server/store/store.h.
+// A store whose process is killed, or whose machine loses power, at any moment. I1 ... I15 are the invariants of
+// server/store/store.h.
 //
 // A child submits, claims, appends and finishes in a loop and writes to a pipe what the store has
-// acknowledged. It is killed at a random moment; then everything that was acknowledged must be there.
+// acknowledged. It ends at a random moment; then everything that was acknowledged must be there.
 
 #include "tests/unit/server/helper_store.h"
+#include "tests/unit/server/helper_store_power.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -16,6 +18,8 @@
 
 enum {
     N_LIVES = 25,            // of the child
+    N_POWER_CUTS = 60,       // of the machine
+    POWER_CHANGES_MAX = 400, // of files, until one
     LIFE_MS_MAX = 60,        // after its first acknowledgement
     N_RUNS_MAX = 20000,      // that are tracked
     N_STEPS = 4,             // batches of a run
@@ -131,8 +135,19 @@ static void take_promises(int in, promise *all, size_t *n)
         *find_promise(all, n, p.id) = p;
 }
 
-// Start a child, let it work for a while, kill it and read its acknowledgements.
-static void spend_life(helper_store *h, promise *all, size_t *n)
+// Kill a child after a while.
+static void kill_child(pid_t child, int in)
+{
+    struct pollfd ready = { .fd = in, .events = POLLIN };
+
+    assert_int_equal(poll(&ready, 1, FIRST_PROMISE_MS), 1);
+    usleep((useconds_t)(rand() % (LIFE_MS_MAX * 1000)));
+    assert_int_equal(kill(child, SIGKILL), 0);
+}
+
+// Start a child, let it work until it is killed or (n_changes > 0) its machine loses power, and read its
+// acknowledgements.
+static void spend_life(helper_store *h, unsigned n_changes, promise *all, size_t *n)
 {
     int ends[2];
     int status = 0;
@@ -142,17 +157,17 @@ static void spend_life(helper_store *h, promise *all, size_t *n)
     assert_true(child >= 0);
     if (child == 0) {
         close(ends[0]);
+        helper_store_power_fail_at(n_changes, n_changes);
         live(h, ends[1]);
     }
     close(ends[1]);
-    struct pollfd ready = { .fd = ends[0], .events = POLLIN };
-    assert_int_equal(poll(&ready, 1, FIRST_PROMISE_MS), 1);
-    usleep((useconds_t)(rand() % (LIFE_MS_MAX * 1000)));
-    assert_int_equal(kill(child, SIGKILL), 0);
+    if (n_changes == 0)
+        kill_child(child, ends[0]);
     take_promises(ends[0], all, n);
     close(ends[0]);
     assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFSIGNALED(status));
+    assert_true(n_changes == 0 ? WIFSIGNALED(status) : WIFEXITED(status));
+    assert_true(n_changes == 0 || WEXITSTATUS(status) == 0);
 }
 
 static void check_results(store *s, const api_run *record)
@@ -217,6 +232,22 @@ static void check_queue(helper_store *h)
     }
 }
 
+// Everything that was acknowledged in the life before, and what it may have taken up, is there, and the file is sound.
+static void check_store(helper_store *h, bool with_queue, const promise *all, size_t n_before,
+                        size_t n)
+{
+    helper_store_open(h);
+    // A child takes up at most the runs that its predecessors left, so these are checked again.
+    for (size_t i = n_before > 30 ? n_before - 30 : 0; i < n; i++)
+        check_promise(h->store, &all[i]);
+    if (with_queue)
+        check_queue(h);
+    helper_store_close(h);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM pragma_integrity_check "
+                                         "WHERE integrity_check <> 'ok'"),
+                     0);
+}
+
 static void what_was_acknowledged_survives_kill_9(void **state)
 {
     helper_store *h = *state;
@@ -228,22 +259,32 @@ static void what_was_acknowledged_survives_kill_9(void **state)
     helper_store_close(h);
     for (int life = 0; life < N_LIVES; life++) {
         size_t n_before = n;
-        spend_life(h, all, &n);
+        spend_life(h, 0, all, &n);
         assert_true(n > n_before || n_before > 0);
-        helper_store_open(h);
-        // A child takes up at most the runs that its predecessors left, so these are checked again.
-        for (size_t i = n_before > 30 ? n_before - 30 : 0; i < n; i++)
-            check_promise(h->store, &all[i]);
-        if (life % 5 == 0)
-            check_queue(h);
-        helper_store_close(h);
-        assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM pragma_integrity_check "
-                                             "WHERE integrity_check <> 'ok'"),
-                         0);
+        check_store(h, life % 5 == 0, all, n_before, n);
     }
+    check_store(h, false, all, 0, n);
     helper_store_open(h);
-    for (size_t i = 0; i < n; i++)
-        check_promise(h->store, &all[i]);
+    free(all);
+}
+
+static void what_was_acknowledged_survives_a_loss_of_power(void **state)
+{
+    helper_store *h = *state;
+    promise *all = calloc(N_RUNS_MAX, sizeof *all);
+    size_t n = 0;
+
+    assert_non_null(all);
+    srand(2);
+    helper_store_close(h);
+    for (int life = 0; life < N_POWER_CUTS; life++) {
+        size_t n_before = n;
+        spend_life(h, 1 + (unsigned)rand() % POWER_CHANGES_MAX, all, &n);
+        check_store(h, life % 5 == 0, all, n_before, n);
+    }
+    assert_true(n > N_POWER_CUTS / 4);
+    check_store(h, false, all, 0, n);
+    helper_store_open(h);
     free(all);
 }
 
@@ -252,6 +293,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_was_acknowledged_survives_kill_9, helper_store_setup,
                                         helper_store_teardown),
+        cmocka_unit_test_setup_teardown(what_was_acknowledged_survives_a_loss_of_power,
+                                        helper_store_setup, helper_store_teardown),
     };
+    helper_store_power_install();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
