@@ -258,6 +258,26 @@ static void arrivals_that_cannot_be_are_refused(void **state)
     }
 }
 
+static void there_is_a_limit_to_the_parts_at_a_time(void **state)
+{
+    const micro_arrival arrival = { 0, { 0.05, 0.05, 0.0 }, { speed, 0.0 } };
+    helper_fed_belt w;
+    size_t part = SIZE_MAX;
+    bf_error err;
+
+    (void)state;
+    helper_fed_belt_init(&w, 0);
+    micro_solver *s = helper_fed_belt_start(&w);
+    for (size_t k = 0; k < SCENE_PARTS_MAX; k++)
+        assert_int_equal(micro_admit(s, &arrival, &part, NULL), BF_OK);
+    assert_int_equal(part, SCENE_PARTS_MAX - 1);
+    assert_int_equal(micro_admit(s, &arrival, &part, &err), BF_ELIMIT);
+    assert_non_null(strstr(err.text, "1000000 parts at a time"));
+    assert_int_equal(part, SCENE_PARTS_MAX - 1);
+    assert_int_equal(micro_parts(s), SCENE_PARTS_MAX);
+    micro_destroy(s);
+}
+
 enum { ROWS = 10 }; // of a square of parts, more than there is room for at first
 
 // Admits a square of parts and lets them move a little. Every failure is BF_ENOMEM and changes nothing. Returns
@@ -386,6 +406,7 @@ int main(void)
         cmocka_unit_test(a_handle_can_be_used_again_at_once),
         cmocka_unit_test(impulses_of_parts_that_left_are_erased),
         cmocka_unit_test(arrivals_that_cannot_be_are_refused),
+        cmocka_unit_test(there_is_a_limit_to_the_parts_at_a_time),
         cmocka_unit_test(without_memory_nobody_enters_and_nothing_is_lost),
         cmocka_unit_test(forged_handles_and_ids_are_refused),
     };
