@@ -121,6 +121,8 @@ const limits = [
       macro: { cell_m: 0.005 },
     }),
     "/macro/cell_m", "16777216"],
+  ["per m2 of a mollifier, which reaches over 64 cells", 39.0625, 39, // 4/(sqrt(39.0625) 0.01) = 64
+    (s, mollifier) => (s.macro.mollifier_per_m2 = mollifier), "/macro/mollifier_per_m2", "64"],
   ["samples", 1_000_000, 1_000_001, (s, n) => (lasting(s, n).output.snapshot_every_s = 1000),
     "/output/curve_every_s", "1000000"],
   ["snapshots", 20_000, 20_001, lasting, "/output/snapshot_every_s", "20000"],
@@ -168,6 +170,22 @@ test("a scenario may go as far as each limit and no further", async (t) => {
       const fault = refused.json.errors.find((error) => error.pointer === `/scenario${pointer}`);
       assert.match(fault?.detail ?? "", new RegExp(`\\b${limit}\\b`), refused.text.slice(0, 2000));
     });
+  }
+});
+
+test("what stands beside a scenario has limits, too", async (t) => {
+  const d = await daemon(t);
+  for (const [member, last, next] of [
+    ["label", "x".repeat(100), "x".repeat(101)],
+    ["priority", 100, 101],
+    ["priority", -100, -101],
+  ]) {
+    const validate = (value) => d.post("/v1/validate", { scenario: goodScenario(), [member]: value });
+    const accepted = await validate(last);
+    assert.equal(accepted.status, 200, accepted.text);
+    const refused = await validate(next);
+    assert.equal(refused.status, 422);
+    assert.deepEqual(refused.json.errors.map((error) => error.pointer), [`/${member}`]);
   }
 });
 

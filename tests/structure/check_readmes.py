@@ -1,11 +1,12 @@
-"""Paths that a README names exist, every folder is named and explained, and the diagram of a run's
-states is the table of api/run_state.h."""
+"""Paths that a README names exist, every folder is named and explained, the diagram of a run's
+states is the table of api/run_state.h, and each limit names the tests that go beyond it."""
 
 import re
 
 import tree
 
 ENDINGS = ("c", "h", "md", "json", "py", "mjs", "js", "css", "html", "txt", "cmake")
+TEST = re.compile(r"tests/(?:[\w-]+/)+(?:test_\w+\.c|\w+\.test\.mjs)")
 PATH = re.compile(r"[\w.*-]+(?:/[\w.*-]+)*/?")
 
 
@@ -71,10 +72,25 @@ def state_faults(root):
     return found if table else ["api/run_state.h: no table of states found"]
 
 
+def limit_faults(root):
+    """Each row of the tables of limits names tests that exist, in its last cell."""
+    text = (root / "README.md").read_text(encoding="utf-8")
+    section = re.search(r"^## Limits\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    for table in re.findall(r"(?:^\|.*\n?)+", section.group(1) if section else "", re.MULTILINE):
+        for row in table.splitlines()[2:]:
+            what, *_, tests = [cell.strip() for cell in row.strip("|").split("|")]
+            named = re.findall(r"`([^`]+)`", tests)
+            if not named:
+                yield f"README.md: the limit of '{what}' names no test"
+            for name in named:
+                if not (TEST.fullmatch(name) and (root / name).is_file()):
+                    yield f"README.md: the limit of '{what}' names `{name}`, which is no test"
+
+
 def check(root):
     found = [fault for path in tree.files(root, "README.md", "*/README.md", "deploy/*.md")
              for fault in path_faults(root, path)]
-    return found + list(folder_faults(root)) + state_faults(root)
+    return found + list(folder_faults(root)) + state_faults(root) + list(limit_faults(root))
 
 
 if __name__ == "__main__":

@@ -117,6 +117,25 @@ class Checks(unittest.TestCase):
                  .replace("`core/`", ""))
         self.assertEqual(len(check_readmes.check(self.root)), 2)
 
+    def test_a_limit_without_a_test_is_found(self):
+        self.put("api/run_state.h", STATES)
+        self.put("api/README.md", "")
+        self.put("core/README.md", "")
+        self.put("tests/README.md", "")
+        self.put("tests/unit/test_a.c", "")
+        self.put("tests/unit/helper.c", "")
+        table = ("`tests/`\n## Limits\n| what | limit | tests |\n|---|---|---|\n"
+                 "| belts | 256 | `tests/unit/test_a.c` |\n| kinds | 32 | %s |\n\n"
+                 "## Else\n| a | b |\n|---|---|\n| c | d |\n")
+        self.put("README.md", README + table % "`tests/unit/test_a.c`")
+        self.assertEqual(check_readmes.check(self.root), [])
+        self.put("README.md", README + table % "")
+        self.assertEqual(check_readmes.check(self.root),
+                         ["README.md: the limit of 'kinds' names no test"])
+        self.put("README.md", README + table % "`tests/unit/helper.c`")
+        self.assertEqual(check_readmes.check(self.root), ["README.md: the limit of 'kinds' names "
+                                                          "`tests/unit/helper.c`, which is no test"])
+
     def test_a_name_with_a_word_of_several_meanings_is_found(self):
         self.put("core/base/a.c", "// keep\nint n = floor(x);\nconst char *a = \"keep\";\n")
         self.put("server/http/a.c", "int how = SHUT_RDWR;\n")
