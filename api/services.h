@@ -7,6 +7,7 @@
 
 #pragma once
 
+#include "api/access.h"
 #include "api/measurements.h"
 #include "api/run_state.h"
 #include "core/base/buffer.h"
@@ -165,6 +166,9 @@ typedef bf_status api_event_fn(void *context, const api_event *event, bf_error *
 /// The table. context is given to every function.
 typedef struct api_services {
     void *context; ///< first argument of every function
+    /// What becomes of a token (NULL: the request has none), and of a valid one who has it. Does not wait for
+    /// the disk beyond a short read. NULL instead of a function: there are no tokens.
+    api_credential (*identify)(void *context, const char *token, api_identity *ret_who);
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
     /// with it is under way; BF_ENOSPACE: the disk is nearly full; BF_ELIMIT: the client's quota

@@ -3,6 +3,7 @@
 
 #include "api/http/exchange.h"
 
+#include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/problem.h"
@@ -71,6 +72,8 @@ static bf_status dispatch(exchange *x, bf_error *err)
     bf_status status = find_route(x, err);
 
     if (status == BF_OK)
+        status = access_check(x, err);
+    if (status == BF_OK)
         status = query_parse(x->request->query, &x->query, err);
     if (status == BF_OK)
         status = query_check(&x->query, x->route->params, err);
@@ -115,6 +118,7 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
     problem_write(x->response, status, x->request->path, error, &x->faults);
     if (status == 405 && routes_allow(x->request->path, allow))
         api_response_header(x->response, "Allow", "%s", allow);
+    access_challenge(x, status);
     if (status == 415)
         api_response_header(x->response, "Accept", "%s", x->accepts);
 }
@@ -123,6 +127,8 @@ static void vary(exchange *x)
 {
     if (x->route != NULL && strchr(x->route->formats, ' ') != NULL)
         api_response_vary(x->response, "Accept");
+    if (x->credential != API_CREDENTIAL_UNUSED && x->route->scope != API_SCOPE_NONE)
+        api_response_vary(x->response, "Authorization");
 }
 
 // OPTIONS of a path that exists, or of the service as a whole ("*"). False: it is neither.
@@ -158,6 +164,7 @@ void api_handle(const api_services *services, const api_request *request, api_re
         vary(&x);
     }
     response->route = x.route == NULL ? NULL : x.route->path;
+    response->who = x.who;
     api_response_header(response, "X-Content-Type-Options", "nosniff");
 }
 

@@ -72,6 +72,7 @@ typedef struct api_header {
 typedef struct api_response {
     int status;        ///< HTTP status code
     const char *route; ///< template of the route that it is of; NULL: none; static
+    api_identity who;  ///< who asked for it
     size_t n_headers;  ///< headers in use
     api_header headers[API_HEADERS_MAX]; ///< Content-Type among them where there is a body
     bf_buffer body;     ///< the body, unless there is a source; of a 304 perhaps what a 200 had

@@ -23,6 +23,8 @@ struct exchange {
     const media *media;           ///< the representation that was chosen
     bf_faults faults;             ///< of the request's document, for `errors` of a problem
     bool is_unmatched;            ///< If-Match of a GET names other states than the present one
+    api_identity who;             ///< who sent it
+    api_credential credential;    ///< what became of its token
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
     char accepts[64];             ///< media types of bodies, for a 415
 };

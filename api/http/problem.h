@@ -11,8 +11,11 @@
 #define PROBLEM_LIST(X)                                                                            \
     X(400, "bad-request", "Bad Request", "", PROBLEM_OF(BF_EINPUT) | PROBLEM_OF(BF_ELIMIT),        \
       "The request is not well formed, or has a parameter that is not known")                      \
+    X(401, "unauthorized", "Unauthorized", "WWW-Authenticate", 0,                                  \
+      "The service wants an access token, and the request has none that is valid")                 \
     X(403, "forbidden", "Forbidden", "", 0,                                                        \
-      "A browser sent the request for a page of another site, which the service does not allow")   \
+      "A browser sent the request for a page of another site, which the service does not allow, "  \
+      "or the access token lacks the scope that this needs")                                       \
     X(404, "not-found", "Not Found", "", PROBLEM_OF(BF_ENOTFOUND), "There is no such resource")    \
     X(405, "method-not-allowed", "Method Not Allowed", "Allow", 0,                                 \
       "The path does not know this method")                                                        \

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "api/access.h"
 #include "api/http/exchange.h"
 #include "api/http/param.h"
 #include "core/base/status.h"
@@ -23,13 +24,6 @@ typedef struct exchange exchange;
 /// Handle an exchange: fill its response. On failure the response becomes a problem document.
 typedef bf_status route_handler_fn(exchange *x, bf_error *err);
 
-/// What a client has to be allowed to do.
-typedef enum route_scope {
-    ROUTE_OPEN,  ///< nothing: the answer is the same for everyone
-    ROUTE_READ,  ///< read runs and results
-    ROUTE_WRITE, ///< submit, change and remove them
-} route_scope;
-
 /// An answer that is not a problem document.
 typedef struct route_answer {
     int status;          ///< HTTP status; 0: no answer
@@ -46,7 +40,7 @@ typedef struct route {
     route_handler_fn *handle; ///< what answers
     api_cost cost;            ///< what an answer takes,
     api_cost text_cost;       ///< or of one as JSON or CSV, if that is more
-    route_scope scope;        ///< what it is for
+    api_scope scope;          ///< what a token must allow; API_SCOPE_NONE: it is for everyone
     const char *formats; ///< formats that it answers in, words of MEDIA_LIST, the default first
     const param *const *params; ///< of path, query and header, ended by NULL
     const char *id;             ///< operationId, for programs that are made from the document
@@ -59,8 +53,9 @@ typedef struct route {
     route_answer answers[ROUTES_ANSWERS_MAX]; ///< the others
 } route;
 
-/// HTTP statuses of the refusals that any request can meet, and the headers of every answer: words.
+/// HTTP statuses of the refusals that any request can meet, those of what needs a token, and the headers of every answer: words.
 #define ROUTES_COMMON_REFUSALS "400 405 406 414 421 429 500 501 503"
+#define ROUTES_TOKEN_REFUSALS  "401 403"
 #define ROUTES_COMMON_HEADERS  "Vary X-Request-Id RateLimit-Policy RateLimit"
 
 /// Values of the parameters of a path, in the order of the template.

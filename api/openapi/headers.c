@@ -24,6 +24,8 @@ static const openapi_header table[] = {
       "The client's quotas (draft-ietf-httpapi-ratelimit-headers)" },
     { "Retry-After", "#Count", false, "Seconds after which another try can help [s]" },
     { "Vary", "string", true, "The request headers that the answer depends on" },
+    { "WWW-Authenticate", "string", false,
+      "That a Bearer token is wanted, and what is wrong with the one sent" },
     { "X-Accel-Buffering", "=no", false, "Tells a proxy not to buffer the stream" },
     { "X-Request-Id", "string", false,
       "The id of the request, as it was sent or a new one; logs contain it" },

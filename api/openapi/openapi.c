@@ -22,8 +22,8 @@ static const char description[] =
     "the same bits; what is not known is null.\n\n"
     "HEAD is answered wherever GET is, and OPTIONS on every path with `Allow`. A format is chosen "
     "by `?format=`, else by `Accept`; text is compressed for clients that accept it. Errors are "
-    "problem documents (RFC 9457). There is no authentication: where others can reach the daemon, "
-    "it belongs behind a proxy.";
+    "problem documents (RFC 9457). Where the service has access tokens, a request needs one that "
+    "has the operation's scope.";
 
 static const struct {
     const char *name;
@@ -124,7 +124,7 @@ static void write_info(json_out *w)
     json_out_object_end(w);
 }
 
-// The service that the document came from; there is no authentication.
+// The service that the document came from. Operations that want a token say so themselves.
 static void write_servers(json_out *w)
 {
     json_out_key(w, "servers");
@@ -188,10 +188,52 @@ static void write_examples(json_out *w)
     json_out_object_end(w);
 }
 
+static bool is_needed(api_scope scope)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    for (size_t i = 0; i < n; i++) {
+        if (table[i].scope == scope)
+            return true;
+    }
+    return false;
+}
+
+static void write_security_scheme(json_out *w, api_scope scope)
+{
+    char help[160];
+
+    if (!is_needed(scope))
+        return;
+    snprintf(help, sizeof help,
+             "An access token with the scope `%s` or `admin`, if the service has tokens; "
+             "`beltflowd token add` makes one.",
+             api_access_word(scope));
+    json_out_key(w, api_access_word(scope));
+    json_out_object(w);
+    json_out_key_string(w, "type", "http");
+    json_out_key_string(w, "scheme", "bearer");
+    json_out_key_string(w, "description", help);
+    json_out_object_end(w);
+}
+
+// One for each scope that an operation needs: HTTP schemes have no scopes of their own.
+static void write_security_schemes(json_out *w)
+{
+    json_out_key(w, "securitySchemes");
+    json_out_object(w);
+#define X(scope, flag, word) write_security_scheme(w, scope);
+    API_SCOPE_LIST(X)
+#undef X
+    json_out_object_end(w);
+}
+
 static void write_components(json_out *w)
 {
     json_out_key(w, "components");
     json_out_object(w);
+    write_security_schemes(w);
     json_out_key(w, "schemas");
     json_out_object(w);
     openapi__write_input_schemas(w);

@@ -186,6 +186,23 @@ static void write_answer(json_out *w, const route *r, const route_answer *answer
     json_out_object_end(w);
 }
 
+// Without tokens in the service nobody needs one: {} allows that.
+static void write_security(json_out *w, const route *r)
+{
+    if (r->scope == API_SCOPE_NONE)
+        return;
+    json_out_key(w, "security");
+    json_out_array(w);
+    json_out_object(w);
+    json_out_key(w, api_access_word(r->scope));
+    json_out_array(w);
+    json_out_array_end(w);
+    json_out_object_end(w);
+    json_out_object(w);
+    json_out_object_end(w);
+    json_out_array_end(w);
+}
+
 static void write_operation(json_out *w, const route *r)
 {
     char method[8] = "";
@@ -202,6 +219,7 @@ static void write_operation(json_out *w, const route *r)
     json_out_array(w);
     json_out_string(w, r->tag);
     json_out_array_end(w);
+    write_security(w, r);
     write_parameters(w, r, false);
     write_body(w, r);
     json_out_key(w, "responses");

@@ -20,7 +20,8 @@ static bool has_status(const char *words, int status)
 
 static bool can_refuse(const route *r, int status)
 {
-    return has_status(ROUTES_COMMON_REFUSALS, status) || has_status(r->refusals, status);
+    return has_status(ROUTES_COMMON_REFUSALS, status) || has_status(r->refusals, status) ||
+           (r->scope != API_SCOPE_NONE && has_status(ROUTES_TOKEN_REFUSALS, status));
 }
 
 // "Not Found" is NotFound.

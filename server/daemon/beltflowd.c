@@ -6,7 +6,7 @@
 //          `commit_listener`, because they start after the store and stop before it.
 // Watchdog main probes every part at half the service manager's watchdog interval, and notifies the
 //          manager only if all parts have answered the previous probe. Without
-//          a watchdog main sleeps until a signal comes.
+//          a watchdog main sleeps until a signal comes, or it is time to write down the last uses of tokens.
 
 #include "server/base/clock.h"
 #include "server/base/lock.h"
@@ -30,7 +30,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { EXIT_SETTINGS = 2, STATUS_SIZE = 200, HOUR_MS = 3600 * 1000, DAY_MS = 24 * HOUR_MS };
+enum {
+    EXIT_SETTINGS = 2,
+    STATUS_SIZE = 200,
+    SAVE_MS = 60000,
+    HOUR_MS = 3600 * 1000,
+    DAY_MS = 24 * HOUR_MS
+};
 
 const char *argp_program_version = "beltflowd " BELTFLOW_VERSION;
 
@@ -142,6 +148,7 @@ static supervisor_options options_of_supervisor(const parts *p)
 static http_options options_of_http(const config *c)
 {
     return (http_options){ .listen = c->listen,
+                           .plaintext = c->plaintext,
                            .web_directory = c->web[0] == '\0' ? NULL : c->web,
                            .n_threads = (unsigned)c->http_threads,
                            .n_request_threads = (unsigned)c->request_threads,
@@ -185,6 +192,11 @@ static bf_status start_store(parts *p, bf_error *err)
     return store_open(&options, &p->service.store, err);
 }
 
+static bf_status start_tokens(parts *p, bf_error *err)
+{
+    return tokens_open(p->settings.data, &p->service.tokens, err);
+}
+
 static bf_status start_supervisor(parts *p, bf_error *err)
 {
     const supervisor_options options = options_of_supervisor(p);
@@ -201,6 +213,7 @@ static bf_status start_http(parts *p, bf_error *err)
     http_options options = options_of_http(&p->settings);
 
     options.services = &services;
+    options.has_tokens = tokens_exist(p->service.tokens);
     bf_status status = http_start(&options, &p->http, err);
     if (status == BF_OK)
         set_commit_listener(&p->commit_listener, p->service.supervisor, p->http);
@@ -214,6 +227,8 @@ static bf_status start(parts *p, bf_error *err)
 
     if (status == BF_OK)
         status = start_store(p, err);
+    if (status == BF_OK)
+        status = start_tokens(p, err);
     if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)
@@ -231,6 +246,7 @@ static void stop(parts *p)
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
     p->executor = local_executor_destroy(p->executor);
+    p->service.tokens = tokens_close(p->service.tokens);
     p->service.store = store_close(p->service.store);
 }
 
@@ -345,13 +361,18 @@ static int attend(parts *p, const sigset_t *signals)
 {
     int64_t interval_ms = notify_watchdog_ms() / 2;
     int64_t beat_ms = interval_ms == 0 ? -1 : clock_monotonic_ms() + interval_ms;
+    int64_t save_ms = clock_monotonic_ms() + SAVE_MS;
 
     for (;;) {
-        int taken = await_signal(signals, beat_ms);
+        int taken = await_signal(signals, beat_ms >= 0 && beat_ms < save_ms ? beat_ms : save_ms);
         if (taken == SIGTERM || taken == SIGINT)
             return taken;
         if (taken == SIGHUP)
             reload(p);
+        if (clock_monotonic_ms() >= save_ms) {
+            tokens_save_uses(p->service.tokens);
+            save_ms = clock_monotonic_ms() + SAVE_MS;
+        }
         if (beat_ms < 0 || clock_monotonic_ms() < beat_ms)
             continue;
         beat(p);
@@ -378,8 +399,23 @@ static bf_status serve(parts *p, const sigset_t *signals, bf_error *err)
     return status;
 }
 
+static int maintain_token(const config_flags *flags, const config *c)
+{
+    const maintenance_token wanted = { .name = flags->subject,
+                                       .owner = flags->owner,
+                                       .scopes = flags->scopes,
+                                       .expires = flags->expires };
+
+    if (strcmp(flags->action, "add") == 0)
+        return maintenance_token_add(c->data, &wanted);
+    return strcmp(flags->action, "list") == 0 ? maintenance_token_list(c->data)
+                                              : maintenance_token_revoke(c->data, flags->subject);
+}
+
 static int maintain(const config_flags *flags, const config *c)
 {
+    if (flags->command == CONFIG_TOKEN)
+        return maintain_token(flags, c);
     return flags->command == CONFIG_BACKUP ? maintenance_backup(c->data, flags->subject)
                                            : maintenance_verify(c->data, flags->subject);
 }

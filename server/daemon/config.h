@@ -16,6 +16,8 @@
 /// settings are reloaded (RELOAD, by SIGHUP), or only after a RESTART.
 #define CONFIG_LIST(X)                                                                             \
     X(listen, TEXT, "127.0.0.1:8080", 0, 0, RESTART, "address and port; port 0 picks a free one")  \
+    X(plaintext, TEXT, "loopback", 0, 0, RESTART,                                                  \
+      "loopback, proxy or open: who may reach the address to listen on without TLS")               \
     X(data, TEXT, "beltflow-data", 0, 0, RESTART, "directory of the store, created if missing")    \
     X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
     X(program, TEXT, "", 0, 0, RESTART, "the beltflow program; empty: beside beltflowd")           \
@@ -147,6 +149,7 @@ typedef enum config_command {
     CONFIG_SERVE,  ///< no word
     CONFIG_BACKUP, ///< backup FILE
     CONFIG_VERIFY, ///< verify [FILE], or --verify
+    CONFIG_TOKEN,  ///< token add NAME, token list, token revoke ID
 } config_command;
 
 /// What the command line of the daemon says. Its texts are argv's.
@@ -156,7 +159,11 @@ typedef struct config_flags {
     bool is_print;          ///< --print-config
     bool is_sample;         ///< --sample-config
     config_command command; ///< what to do
-    const char *subject;    ///< its FILE; NULL: none
+    const char *action;     ///< of a token: add, list or revoke; NULL: none
+    const char *subject;    ///< its FILE, NAME or ID; NULL: none
+    const char *owner;      ///< --owner of a new token; NULL: none
+    const char *scopes;     ///< --scopes of it; NULL: none
+    const char *expires;    ///< --expires of it; NULL: never
     const char
         *values[CONFIG_COUNT]; ///< of the settings, in the order of the table; NULL: not given
 } config_flags;

@@ -17,20 +17,49 @@ enum {
     KEY_PRINT,
     KEY_SAMPLE,
     KEY_VERIFY,
+    KEY_OWNER,
+    KEY_SCOPES,
+    KEY_EXPIRES,
     KEY_ROWS,
-    N_OTHERS = 5 // flags that are no settings
+    N_OTHERS = 8 // flags that are no settings
 };
 
 static void take_word(config_flags *f, const char *word, const struct argp_state *state)
 {
-    if (f->command != CONFIG_SERVE && f->subject == NULL)
+    if (f->command == CONFIG_TOKEN && f->action == NULL)
+        f->action = word;
+    else if (f->command != CONFIG_SERVE && f->subject == NULL)
         f->subject = word;
     else if (f->command == CONFIG_SERVE && strcmp(word, "backup") == 0)
         f->command = CONFIG_BACKUP;
     else if (f->command == CONFIG_SERVE && strcmp(word, "verify") == 0)
         f->command = CONFIG_VERIFY;
+    else if (f->command == CONFIG_SERVE && strcmp(word, "token") == 0)
+        f->command = CONFIG_TOKEN;
     else
         argp_error(state, "this is no command, and nothing else fits here: '%s'", word);
+}
+
+// What is wrong with the words all together; NULL: nothing.
+static const char *find_fault(const config_flags *f)
+{
+    bool is_token = f->command == CONFIG_TOKEN, is_add = false;
+
+    if (f->command == CONFIG_BACKUP && f->subject == NULL)
+        return "backup wants the name of a new file";
+    if (is_token) {
+        const char *action = f->action == NULL ? "" : f->action;
+        is_add = strcmp(action, "add") == 0;
+        bool has_subject = is_add || strcmp(action, "revoke") == 0;
+        if (!has_subject && strcmp(action, "list") != 0)
+            return "token wants add NAME, list or revoke ID";
+        if (has_subject != (f->subject != NULL))
+            return has_subject ? "token add wants a NAME, and token revoke an ID"
+                               : "token list wants nothing else";
+    }
+    if (!is_add && (f->owner != NULL || f->scopes != NULL || f->expires != NULL))
+        return "--owner, --scopes and --expires are for token add";
+    return NULL;
 }
 
 static error_t take_flag(int key, char *value, struct argp_state *state)
@@ -51,8 +80,14 @@ static error_t take_flag(int key, char *value, struct argp_state *state)
         f->command = CONFIG_VERIFY;
     else if (key == ARGP_KEY_ARG)
         take_word(f, value, state);
-    else if (key == ARGP_KEY_END && f->command == CONFIG_BACKUP && f->subject == NULL)
-        argp_error(state, "backup wants the name of a new file");
+    else if (key == KEY_OWNER)
+        f->owner = value;
+    else if (key == KEY_SCOPES)
+        f->scopes = value;
+    else if (key == KEY_EXPIRES)
+        f->expires = value;
+    else if (key == ARGP_KEY_END && find_fault(f) != NULL)
+        argp_error(state, "%s", find_fault(f));
     else
         return ARGP_ERR_UNKNOWN;
     return 0;
@@ -94,15 +129,21 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
           0 },
         { "sample-config", KEY_SAMPLE, NULL, 0, "print a sample of FILE and leave", 0 },
         { "verify", KEY_VERIFY, NULL, 0, "the same as the command verify", 0 },
+        { "owner", KEY_OWNER, "OWNER", 0, "whose the new token is (default: its NAME)", 0 },
+        { "scopes", KEY_SCOPES, "LIST", 0,
+          "what it allows, of read,submit,work,admin (default: read,submit)", 0 },
+        { "expires", KEY_EXPIRES, "TIME", 0, "when it ends, such as 90d or 12h (default: never)",
+          0 },
     };
     const struct argp argp = {
         .options = options,
         .parser = take_flag,
-        .args_doc = "\nbackup FILE\nverify [FILE]",
+        .args_doc = "\nbackup FILE\nverify [FILE]\ntoken add NAME\ntoken list\ntoken revoke ID",
         .doc =
             "Solves material flow on conveyor belts and offers it over HTTP. With backup, copies "
             "the store to a new FILE, also while it is in use; with verify, checks the store, or a "
-            "copy of it."
+            "copy of it; with token, adds, lists or revokes access tokens, also while the daemon "
+            "runs."
             "\vA flag goes before the environment (BELTFLOW_<NAME>), and that before FILE. SIGHUP "
             "lets the daemon read its settings again, SIGTERM and SIGINT stop it.",
     };
@@ -158,6 +199,7 @@ static bf_status check_texts(const config *c, bf_error *err)
         bf_status (*check)(const char *text, bf_error *err);
     } texts[] = {
         { CONFIG_listen, c->listen, http_check_address },
+        { CONFIG_plaintext, c->plaintext, http_check_plaintext },
         { CONFIG_cors_origins, c->cors_origins, http_cors_check },
         { CONFIG_hosts, c->hosts, http_host_check },
         { CONFIG_trusted_proxies, c->trusted_proxies, check_proxies },

@@ -19,6 +19,11 @@ static bf_status refuse_draining(bf_error *err)
     return bf_fail(err, BF_EBUSY, "", "the daemon is stopping");
 }
 
+static api_credential identify(void *context, const char *token, api_identity *ret_who)
+{
+    return tokens_identify(((service *)context)->tokens, token, ret_who);
+}
+
 static bf_status submit(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
@@ -218,6 +223,7 @@ static bf_status write_metrics(void *context, bf_buffer *out, bf_error *err)
 api_services service_table(service *s)
 {
     return (api_services){ .context = s,
+                           .identify = identify,
                            .submit = submit,
                            .find = find,
                            .list = list,

@@ -4,9 +4,10 @@
 #include <strings.h>
 
 // The headers that a page may send beyond those that are always allowed, and those that it may read.
-static const char request_headers[] = "Content-Type, Idempotency-Key, If-Match, If-None-Match, "
-                                      "If-Range, Last-Event-ID, Prefer, Range, "
-                                      "X-Request-Id, traceparent";
+static const char request_headers[] =
+    "Authorization, Content-Type, Idempotency-Key, If-Match, If-None-Match, "
+    "If-Range, Last-Event-ID, Prefer, Range, "
+    "X-Request-Id, traceparent";
 static const char response_headers[] =
     "Allow, Accept-Ranges, Content-Disposition, Content-Encoding, Content-Range, ETag, "
     "Idempotent-Replayed, Link, Location, Preference-Applied, RateLimit, RateLimit-Policy, "

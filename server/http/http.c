@@ -160,11 +160,15 @@ static bf_status start_listening(http *h, bf_error *err)
     if (getsockname(h->listen_fd, (struct sockaddr *)&listened, &n) != 0)
         return bf_fail(err, BF_ESYSTEM, "", "the address of the listening socket is not known");
     h->hosts = http_host_list(h->host_names, h->listened, (const struct sockaddr *)&listened);
-    if (!h->hosts.is_loopback)
+    if (h->hosts.is_loopback)
+        return BF_OK;
+    const char *plaintext = h->options.plaintext == NULL ? "loopback" : h->options.plaintext;
+    status = http_allow_plaintext(plaintext, h->options.has_tokens, address, err);
+    if (status == BF_OK && !h->options.has_tokens)
         log_event(LOG_LEVEL_WARN, "listens_to_the_network",
                   "address=%s error=\"whoever reaches this address may submit, read and remove\"",
                   h->listened);
-    return BF_OK;
+    return status;
 }
 
 static void add_option(struct MHD_OptionItem *items, enum MHD_OPTION option, uint64_t value)

@@ -20,6 +20,8 @@
 /// How to serve.
 typedef struct http_options {
     const char *listen;           ///< "127.0.0.1:8080", "[::1]:0"; port 0 picks a free one
+    const char *plaintext;        ///< what may be listened on, see listen.h; NULL: "loopback"
+    bool has_tokens;              ///< requests need an access token
     const api_services *services; ///< services of the API
     const char *web_directory;    ///< files of the page; NULL: none
     unsigned n_threads;           ///< epoll threads, >= 1
@@ -46,7 +48,7 @@ typedef struct http_options {
 typedef struct http http;
 
 /// Listen and serve. BF_ESYSTEM: the address cannot be used; the text says why in plain words
-/// ("port 8080 of 127.0.0.1 is taken by another program").
+/// ("port 8080 of 127.0.0.1 is taken by another program"). BF_EINPUT: plaintext does not allow it.
 BF_MUST_CHECK bf_status http_start(const http_options *options, http **ret_http, bf_error *err);
 
 /// BF_EINPUT: text is not an address to listen on, such as "127.0.0.1:8080".

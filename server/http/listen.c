@@ -113,6 +113,32 @@ bf_status http_check_address(const char *text, bf_error *err)
     return split_address(text, &parts, err);
 }
 
+bf_status http_check_plaintext(const char *text, bf_error *err)
+{
+    if (strcmp(text, "loopback") == 0 || strcmp(text, "proxy") == 0 || strcmp(text, "open") == 0)
+        return BF_OK;
+    return bf_fail(err, BF_EINPUT, "", "plaintext must be loopback, proxy or open, not '%.40s'",
+                   text);
+}
+
+bf_status http_allow_plaintext(const char *plaintext, bool has_tokens, const char *address,
+                               bf_error *err)
+{
+    if (strcmp(plaintext, "open") == 0 || (strcmp(plaintext, "proxy") == 0 && has_tokens))
+        return BF_OK;
+    if (strcmp(plaintext, "proxy") == 0)
+        return bf_fail(err, BF_EINPUT, "",
+                       "%s can be reached from other machines, and there is no access token: add "
+                       "one (beltflowd token add NAME), or set plaintext = open to let everybody "
+                       "submit, read and remove",
+                       address);
+    return bf_fail(err, BF_EINPUT, "",
+                   "%s can be reached from other machines without TLS: set plaintext = proxy if a "
+                   "proxy or a private network stands before it (and add a token: beltflowd token "
+                   "add NAME), or plaintext = open to let everybody submit, read and remove",
+                   address);
+}
+
 bf_status http_listen(const char *address, int *ret_fd, unsigned *ret_port, bf_error *err)
 {
     const struct addrinfo hints = { .ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM };

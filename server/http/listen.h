@@ -19,6 +19,15 @@
 BF_MUST_CHECK bf_status http_listen(const char *address, int *ret_fd, unsigned *ret_port,
                                     bf_error *err);
 
+/// BF_EINPUT: text is not a word of the setting plaintext: "loopback", "proxy" or "open".
+BF_MUST_CHECK bf_status http_check_plaintext(const char *text, bf_error *err);
+
+/// Decide whether an address beyond loopback may be listened on without TLS. With "proxy" the operator says that a
+/// proxy or a private network stands before it, and requests must need a token; with "open" that everybody may
+/// come. BF_EINPUT: not so.
+BF_MUST_CHECK bf_status http_allow_plaintext(const char *plaintext, bool has_tokens,
+                                             const char *address, bf_error *err);
+
 enum { HTTP_HOST_ADDRESS_SIZE = 16 }; ///< bytes of an address, IPv6 or IPv4 mapped into it
 
 /// The hosts that are accepted.

@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <microhttpd.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -369,16 +370,28 @@ static const char *run_of(const http_request *r, char *storage)
     return storage;
 }
 
+// With tokens in use, who changed something: " token=3 owner=alice".
+static const char *write_who(const api_identity *who, char *storage, size_t size)
+{
+    storage[0] = '\0';
+    if (who->token != 0)
+        (void)snprintf(storage, size, " token=%llu owner=%s", (unsigned long long)who->token,
+                       who->owner);
+    return storage;
+}
+
 static void log_request(const http_request *r)
 {
+    char who[API_OWNER_SIZE + 48];
     char method[LOG_QUOTED_SIZE], path[LOG_QUOTED_SIZE], id[API_ID_SIZE];
     bool is_write = strcmp(r->method, "POST") == 0 || strcmp(r->method, "DELETE") == 0;
 
     log_event(is_write ? LOG_LEVEL_INFO : LOG_LEVEL_DEBUG, "request",
-              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s",
+              "method=%s path=%s status=%d ms=%lld run=%s request_id=%s trace=%s%s",
               log_quote(r->method, method), log_quote(r->path, path), r->response.status,
               (long long)((clock_monotonic_ns() - r->begun_ns) / 1000000), run_of(r, id),
-              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent);
+              r->trace.id, r->trace.parent[0] == '\0' ? "-" : r->trace.parent,
+              write_who(&r->response.who, who, sizeof who));
 }
 
 // A wait that the client asked for is no measure of the service's latency.

@@ -39,7 +39,7 @@ typedef struct store__connection {
 
 /// What a connection may do.
 typedef enum store__access {
-    STORE__READ_WRITE, ///< the writer's; there is one (I2)
+    STORE__READ_WRITE, ///< the writer's; of the store there is one (I2)
     STORE__READ_ONLY,  ///< a reader's
 } store__access;
 

@@ -71,7 +71,7 @@
 
 /// X(name, text). Parameters are bound in the order ?1, ?2, ... States of runs and types of events are
 /// those of run_state and api_event_type: from 2 on a run has ended; 2 and 3 are curve and snapshot.
-/// States of results are those of store__results.
+/// States of results are those of store__results. The table tokens is in the database of tokens.h.
 #define STORE__SQL_LIST(X)                                                                         \
     X(BEGIN_WRITE, "BEGIN IMMEDIATE")                                                              \
     X(BEGIN_READ, "BEGIN")                                                                         \
@@ -160,6 +160,23 @@
                   "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")                                           \
     X(EXPIRE_KEYS, "DELETE FROM answers WHERE at_ms < ?1")                                         \
     X(TRIM_KEYS, "DELETE FROM answers WHERE number <= ?1")                                         \
+    X(HAS_TOKENS, "SELECT count(*) FROM sqlite_schema WHERE name = 'tokens'")                      \
+    X(CREATE_TOKENS,                                                                               \
+      "CREATE TABLE IF NOT EXISTS tokens (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT "    \
+      "NULL, "                                                                                     \
+      "owner TEXT NOT NULL, hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), "                 \
+      "scopes TEXT NOT NULL, created_ms INTEGER NOT NULL, expires_ms INTEGER NOT NULL, "           \
+      "used_ms INTEGER NOT NULL DEFAULT 0, revoked_ms INTEGER NOT NULL DEFAULT 0) STRICT")         \
+    X(INSERT_TOKEN, "INSERT INTO tokens (name, owner, hash, scopes, created_ms, expires_ms) "      \
+                    "VALUES (?1, ?2, ?3, ?4, ?5, ?6)")                                             \
+    X(LIST_TOKENS, "SELECT id, name, owner, hash, scopes, created_ms, expires_ms, used_ms, "       \
+                   "revoked_ms FROM tokens ORDER BY id")                                           \
+    X(COUNT_TOKENS, "SELECT count(*) FROM tokens")                                                 \
+    X(FORGET_TOKEN,                                                                                \
+      "DELETE FROM tokens WHERE id = (SELECT id FROM tokens WHERE revoked_ms > 0 OR "              \
+      "(expires_ms > 0 AND expires_ms <= ?1) ORDER BY id LIMIT 1)")                                \
+    X(REVOKE_TOKEN, "UPDATE tokens SET revoked_ms = ?2 WHERE id = ?1 AND revoked_ms = 0")          \
+    X(USE_TOKEN, "UPDATE tokens SET used_ms = max(used_ms, ?2) WHERE id = ?1")                     \
     X(OLDEST_ENDED, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                    \
                     "ORDER BY finished_ms, id LIMIT 1")                                            \
     X(COUNT_ENDED, "SELECT count(*) FROM runs WHERE state >= 2")                                   \

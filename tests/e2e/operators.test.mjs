@@ -49,7 +49,7 @@ test("promtool finds no fault with the metrics of a daemon that has worked", asy
 });
 
 test("a daemon that others can reach says so in its log", async (t) => {
-  const reachable = await daemon(t, { listen: "0.0.0.0:0" });
+  const reachable = await daemon(t, { listen: "0.0.0.0:0", plaintext: "open" });
   await until(() => /level=warn event=listens_to_the_network address=0\.0\.0\.0 /.test(reachable.log), "a warning");
   const local = await daemon(t);
   assert.equal((await local.get("/livez")).status, 200);

@@ -203,8 +203,8 @@ static void scopes_follow_from_methods(void **state)
     for (size_t i = 0; i < n; i++) {
         bool is_get = strcmp(table[i].method, "GET") == 0;
         bool is_validation = strcmp(table[i].path, "/v1/validate") == 0;
-        assert_int_equal(table[i].scope == ROUTE_WRITE, !is_get && !is_validation);
-        if (table[i].scope == ROUTE_OPEN)
+        assert_int_equal(table[i].scope == API_SCOPE_SUBMIT, !is_get && !is_validation);
+        if (table[i].scope == API_SCOPE_NONE)
             assert_memory_not_equal(table[i].path, "/v1/", 4);
     }
 }

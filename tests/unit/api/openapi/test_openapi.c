@@ -101,6 +101,25 @@ static void every_format_has_a_schema(void **unused)
 #undef X
 }
 
+// Notes the schemes that an operation's `security` refers to by their names.
+static void check_schemes(json_t *requirements, json_t *used)
+{
+    json_t *requirement, *roles;
+    const char *name;
+    size_t index;
+
+    json_array_foreach(requirements, index, requirement)
+    {
+        json_object_foreach(requirement, name, roles)
+        {
+            char place[100];
+            snprintf(place, sizeof place, "#/components/securitySchemes/%s", name);
+            assert_non_null(find(place));
+            json_object_set_new(used, place, json_true());
+        }
+    }
+}
+
 // Checks the references below a value, and notes those to components in *used.
 static void check_references(json_t *value, json_t *used)
 {
@@ -115,6 +134,8 @@ static void check_references(json_t *value, json_t *used)
                 fail_msg("there is no %s", json_string_value(item));
             json_object_set_new(used, json_string_value(item), json_true());
         }
+        if (strcmp(key, "security") == 0)
+            check_schemes(item, used);
         check_references(item, used);
     }
     json_array_foreach(value, index, item) check_references(item, used);

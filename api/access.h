@@ -1,0 +1,56 @@
+/// Who sent a request and what they may do: scopes of access tokens, and what became of the token that came with
+/// a request. Tokens themselves are the server's.
+
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    API_OWNER_SIZE = 65,  ///< bytes of an owner's name with its terminator
+    API_SCOPES_SIZE = 32, ///< bytes of a list of all scopes with its terminator
+};
+
+/// What a token allows, X(scope, flag, word). API_SCOPE_ADMIN includes all others.
+#define API_SCOPE_LIST(X)                                                                          \
+    X(API_SCOPE_READ, 1, "read")                                                                   \
+    X(API_SCOPE_SUBMIT, 2, "submit")                                                               \
+    X(API_SCOPE_WORK, 4, "work")                                                                   \
+    X(API_SCOPE_ADMIN, 8, "admin")
+
+/// The scopes, as flags.
+typedef enum api_scope {
+    API_SCOPE_NONE = 0, ///< needs no token
+#define X(scope, flag, word) scope = flag,
+    API_SCOPE_LIST(X)
+#undef X
+} api_scope;
+
+/// What became of the token of a request.
+typedef enum api_credential {
+    API_CREDENTIAL_UNUSED,  ///< there are no tokens: everybody may do everything
+    API_CREDENTIAL_MISSING, ///< there are tokens, but the request has none
+    API_CREDENTIAL_UNKNOWN, ///< it is no token of this service
+    API_CREDENTIAL_EXPIRED, ///< its time is over
+    API_CREDENTIAL_REVOKED, ///< it was revoked
+    API_CREDENTIAL_VALID,   ///< it counts
+} api_credential;
+
+/// Whose token it is.
+typedef struct api_identity {
+    uint64_t token;             ///< its number; 0: there is none
+    char owner[API_OWNER_SIZE]; ///< whose it is; "": nobody's
+    unsigned scopes;            ///< flags of api_scope
+} api_identity;
+
+/// The word of one scope. Never NULL.
+const char *api_access_word(api_scope scope);
+
+/// Read a list of words with commas, "read,submit". False: empty, or a word is unknown.
+bool api_access_read_scopes(const char *text, unsigned *ret_scopes);
+
+/// Write scopes as such a list into API_SCOPES_SIZE bytes. Returns ret_text.
+const char *api_access_write_scopes(unsigned scopes, char *ret_text);
+
+/// True if these scopes allow what needs this one.
+bool api_access_includes(unsigned scopes, api_scope needed);

@@ -1,0 +1,74 @@
+#include "api/http/access.h"
+
+#include "api/http/http_priv.h"
+
+#include <string.h>
+#include <strings.h>
+
+int access_decide(const route *r, api_credential credential, unsigned scopes)
+{
+    if (r->scope == API_SCOPE_NONE || credential == API_CREDENTIAL_UNUSED)
+        return 0;
+    if (credential != API_CREDENTIAL_VALID)
+        return 401;
+    return api_access_includes(scopes, r->scope) ? 0 : 403;
+}
+
+// The token of `Authorization: Bearer TOKEN`; NULL: the request has none.
+static const char *find_token(const exchange *x)
+{
+    static const char scheme[] = "Bearer ";
+    const char *value = exchange__header(x, "Authorization");
+
+    if (value == NULL || strncasecmp(value, scheme, sizeof scheme - 1) != 0)
+        return NULL;
+    value += sizeof scheme - 1;
+    return value + strspn(value, " ");
+}
+
+static const char *explain(api_credential credential)
+{
+    switch (credential) {
+    case API_CREDENTIAL_EXPIRED:
+        return "the access token has expired";
+    case API_CREDENTIAL_REVOKED:
+        return "the access token was revoked";
+    case API_CREDENTIAL_UNKNOWN:
+        return "this is no access token of this service";
+    case API_CREDENTIAL_MISSING:
+    case API_CREDENTIAL_UNUSED:
+    case API_CREDENTIAL_VALID:
+        break;
+    }
+    return "this needs an access token, sent as Authorization: Bearer TOKEN";
+}
+
+bf_status access_check(exchange *x, bf_error *err)
+{
+    const api_services *services = x->services;
+
+    if (services->identify == NULL)
+        return BF_OK;
+    x->credential = services->identify(services->context, find_token(x), &x->who);
+    int status = access_decide(x->route, x->credential, x->who.scopes);
+    if (status == 401)
+        return exchange__refuse(x, 401, "", err, "%s", explain(x->credential));
+    if (status == 403)
+        return exchange__refuse(x, 403, "", err, "the access token lacks the scope %s",
+                                api_access_word(x->route->scope));
+    return BF_OK;
+}
+
+void access_challenge(exchange *x, int status)
+{
+    bool is_told = x->credential != API_CREDENTIAL_UNUSED;
+
+    if (status == 401)
+        api_response_header(x->response, "WWW-Authenticate", "Bearer realm=\"beltflow\"%s",
+                            x->credential == API_CREDENTIAL_MISSING ? ""
+                                                                    : ", error=\"invalid_token\"");
+    else if (status == 403 && is_told)
+        api_response_header(x->response, "WWW-Authenticate",
+                            "Bearer realm=\"beltflow\", error=\"insufficient_scope\", scope=\"%s\"",
+                            api_access_word(x->route->scope));
+}

@@ -1,0 +1,74 @@
+/// Access tokens: who may use the daemon from elsewhere, and for what.
+///
+/// They are in a database of their own, access.db beside the store, with a rollback journal instead of a WAL: so
+/// `beltflowd token` may write to it beside a running daemon, and the store keeps its one writer (I2 of store.h).
+///
+/// Secret  a token is `bft_` and 32 random bytes in URL-safe base64, shown once. Stored is its BLAKE2b-256: of so
+///         many random bits no slow hash is needed. A token that is presented is compared with all of them in
+///         constant time.
+/// Once there is a token, also an expired or revoked one, requests need one: nobody opens a daemon to everybody by
+/// revoking the last one.
+/// Threads  all functions may be called from any thread.
+/// Errors   BF_ESYSTEM the file cannot be used; BF_ENOSPACE; BF_ENOMEM.
+
+#pragma once
+
+#include "api/access.h"
+#include "core/base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    TOKENS_MAX = 1000,      ///< that are stored
+    TOKENS_NAME_SIZE = 65,  ///< bytes of a name with its terminator
+    TOKENS_TEXT_SIZE = 48,  ///< bytes of a token with its terminator
+    TOKENS_FRESH_MS = 1000, ///< a change by others counts after so long at the latest
+};
+
+/// A stored token, without its secret.
+typedef struct tokens_record {
+    uint64_t id;                 ///< from 1, never used again
+    char name[TOKENS_NAME_SIZE]; ///< what it is for
+    char owner[API_OWNER_SIZE];  ///< whose it is
+    unsigned scopes;             ///< flags of api_scope
+    int64_t created_ms;          ///< Unix time, ms
+    int64_t expires_ms;          ///< from then on it does not count; 0: never
+    int64_t used_ms;             ///< last use, to a minute; 0: never
+    int64_t revoked_ms;          ///< 0: it was not
+} tokens_record;
+
+/// The tokens as a daemon knows them; opaque.
+typedef struct tokens tokens;
+
+/// Read the tokens in the data directory; the file is created if missing.
+BF_MUST_CHECK bf_status tokens_open(const char *directory, tokens **ret_tokens, bf_error *err);
+
+/// Note the last uses and close. NULL is fine. Always returns NULL.
+tokens *tokens_close(tokens *t);
+
+/// True if there are tokens, so that requests need one.
+bool tokens_exist(tokens *t);
+
+/// What becomes of a token that a request came with (NULL: none); *ret_who, unless it is valid, stays as it was.
+/// Changes by others are logged when they are found, and looked for at most once in TOKENS_FRESH_MS.
+api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_who);
+
+/// Write down when tokens were last used. Waits for the disk: not for the way of a request.
+void tokens_save_uses(tokens *t);
+
+/// Add a token to a data directory with name, owner, scopes and expires_ms of *token; id and created_ms follow.
+/// ret_text (TOKENS_TEXT_SIZE bytes) is the token itself. BF_EINPUT: name or owner is none; BF_ELIMIT:
+/// TOKENS_MAX are stored, and none of them has expired or was revoked.
+BF_MUST_CHECK bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text,
+                                   bf_error *err);
+
+/// Revoke a token. BF_ENOTFOUND: there is none of this id that was not revoked.
+BF_MUST_CHECK bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err);
+
+/// Take one token.
+typedef void tokens_take_fn(void *context, const tokens_record *token);
+
+/// Give all tokens, by rising id, to take.
+BF_MUST_CHECK bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context,
+                                    bf_error *err);

@@ -1,0 +1,194 @@
+// Unit tests of the decision about access, and of what requests with and without a token are answered.
+
+#include "api/http/access.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static const unsigned all_scopes[] = { API_SCOPE_NONE, API_SCOPE_READ, API_SCOPE_SUBMIT,
+                                       API_SCOPE_WORK, API_SCOPE_ADMIN };
+
+enum { N_SCOPES = sizeof all_scopes / sizeof *all_scopes };
+
+// The methods and paths that everybody may use; all others want a token.
+static const char *const public_paths[] = { "/livez", "/readyz", "/version", "/problems/{kind}",
+                                            "/openapi.json" };
+
+static bool is_public(const route *r)
+{
+    for (size_t i = 0; i < sizeof public_paths / sizeof *public_paths; i++) {
+        if (strcmp(r->path, public_paths[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+// What a route needs, from its method alone: validation is a POST that stores nothing.
+static unsigned needed_by(const route *r)
+{
+    bool reads = strcmp(r->method, "GET") == 0 || strcmp(r->path, "/v1/validate") == 0;
+    return reads ? API_SCOPE_READ : API_SCOPE_SUBMIT;
+}
+
+static void every_route_is_decided_for_every_scope(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < N_SCOPES; k++) {
+            bool may = is_public(&table[i]) || all_scopes[k] == needed_by(&table[i]) ||
+                       all_scopes[k] == API_SCOPE_ADMIN;
+            int status = access_decide(&table[i], API_CREDENTIAL_VALID, all_scopes[k]);
+            if (status != (may ? 0 : 403))
+                fail_msg("%s %s with scopes %u: %d", table[i].method, table[i].path, all_scopes[k],
+                         status);
+        }
+    }
+}
+
+static void scopes_of_a_token_that_does_not_count_are_worth_nothing(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        const int wanted = is_public(&table[i]) ? 0 : 401;
+        for (int c = API_CREDENTIAL_MISSING; c < API_CREDENTIAL_VALID; c++)
+            assert_int_equal(access_decide(&table[i], (api_credential)c, API_SCOPE_ADMIN), wanted);
+        assert_int_equal(access_decide(&table[i], API_CREDENTIAL_UNUSED, API_SCOPE_NONE), 0);
+    }
+}
+
+static void scopes_are_read_as_they_are_written(void **state)
+{
+    char text[API_SCOPES_SIZE];
+    unsigned scopes = 77;
+
+    (void)state;
+    for (unsigned flags = 1; flags < 16; flags++) {
+        assert_true(api_access_read_scopes(api_access_write_scopes(flags, text), &scopes));
+        assert_int_equal(scopes, flags);
+    }
+    assert_string_equal(api_access_write_scopes(15, text), "read,submit,work,admin");
+    assert_string_equal(api_access_write_scopes(0, text), "");
+    static const char *const bad[] = { "",    ",",     "read,",       ",read",
+                                       "rea", "reads", "read submit", "READ" };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(api_access_read_scopes(bad[i], &scopes));
+    assert_int_equal(scopes, 15);
+}
+
+// A service with three tokens: "reads", "submits" and "old".
+static api_credential identify(void *context, const char *token, api_identity *ret_who)
+{
+    (void)context;
+    if (token == NULL)
+        return API_CREDENTIAL_MISSING;
+    if (strcmp(token, "old") == 0)
+        return API_CREDENTIAL_EXPIRED;
+    bool submits = strcmp(token, "submits") == 0;
+    if (!submits && strcmp(token, "reads") != 0)
+        return API_CREDENTIAL_UNKNOWN;
+    *ret_who = (api_identity){ .token = submits ? 2 : 1,
+                               .owner = "alice",
+                               .scopes = submits ? API_SCOPE_SUBMIT : API_SCOPE_READ };
+    return API_CREDENTIAL_VALID;
+}
+
+static const char *find_header(void *context, const char *name)
+{
+    return strcasecmp(name, "Authorization") == 0 ? context : NULL;
+}
+
+static void ask_for(const char *method, const char *path, const char *query,
+                    const char *authorization, api_response *response)
+{
+    const api_services services = { .identify = identify };
+    char header[80];
+
+    (void)snprintf(header, sizeof header, "%s", authorization == NULL ? "" : authorization);
+    const api_request request = { .method = method,
+                                  .path = path,
+                                  .query = query,
+                                  .header = find_header,
+                                  .header_context = authorization == NULL ? NULL : header };
+    api_handle(&services, &request, response);
+}
+
+static void a_refusal_says_what_is_wanted(void **state)
+{
+    static const struct {
+        const char *method, *path, *query, *authorization;
+        int status;
+        const char *challenge;
+    } cases[] = {
+        { "GET", "/v1/examples", "", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "GET", "/v1/examples", "access_token=reads", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "GET", "/v1/examples", "access_token=reads", "Bearer reads", 400, NULL },
+        { "GET", "/v1/examples", "", "Basic cmVhZHM6", 401, "Bearer realm=\"beltflow\"" },
+        { "GET", "/v1/examples", "", "reads", 401, "Bearer realm=\"beltflow\"" },
+        { "GET", "/v1/examples", "", "Bearer nonsense", 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "", "Bearer old", 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "", "Bearer submits", 403,
+          "Bearer realm=\"beltflow\", error=\"insufficient_scope\", scope=\"read\"" },
+        { "POST", "/v1/runs", "", "Bearer reads", 403,
+          "Bearer realm=\"beltflow\", error=\"insufficient_scope\", scope=\"submit\"" },
+        { "GET", "/v1/examples", "", "Bearer reads", 200, NULL },
+        { "HEAD", "/v1/examples", "", "bearer  reads", 200, NULL },
+        { "HEAD", "/v1/examples", "", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "OPTIONS", "/v1/examples", "", NULL, 204, NULL },
+        { "GET", "/version", "", "Bearer nonsense", 200, NULL },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        api_response response;
+        ask_for(cases[i].method, cases[i].path, cases[i].query, cases[i].authorization, &response);
+        const char *challenge = api_response_find(&response, "WWW-Authenticate");
+        if (response.status != cases[i].status ||
+            (challenge == NULL) != (cases[i].challenge == NULL))
+            fail_msg("case %zu: %d, %s", i, response.status, challenge == NULL ? "-" : challenge);
+        if (challenge != NULL)
+            assert_string_equal(challenge, cases[i].challenge);
+        api_response_fini(&response);
+    }
+}
+
+static void an_answer_says_whose_it_is_and_that_caches_must_not_share_it(void **state)
+{
+    api_response response;
+
+    (void)state;
+    ask_for("GET", "/v1/examples", "", "Bearer reads", &response);
+    assert_int_equal(response.who.token, 1);
+    assert_string_equal(response.who.owner, "alice");
+    assert_string_equal(api_response_find(&response, "Vary"), "Authorization");
+    api_response_fini(&response);
+    ask_for("GET", "/version", "", "Bearer reads", &response);
+    assert_null(api_response_find(&response, "Vary"));
+    api_response_fini(&response);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_route_is_decided_for_every_scope),
+        cmocka_unit_test(scopes_of_a_token_that_does_not_count_are_worth_nothing),
+        cmocka_unit_test(scopes_are_read_as_they_are_written),
+        cmocka_unit_test(a_refusal_says_what_is_wanted),
+        cmocka_unit_test(an_answer_says_whose_it_is_and_that_caches_must_not_share_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,288 @@
+// Unit tests of access tokens: what is stored of them, what counts, and that changes beside a daemon are seen.
+
+#include "server/base/clock.h"
+#include "server/store/tokens.h"
+#include "tests/unit/server/helper_store.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char directory[64];
+
+static int set_up(void **state)
+{
+    (void)state;
+    (void)snprintf(directory, sizeof directory, "/tmp/beltflow-tokens-XXXXXX");
+    return mkdtemp(directory) == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    helper_store_remove_directory(directory);
+    return 0;
+}
+
+static tokens_record add(const char *name, unsigned scopes, int64_t expires_ms, char *ret_text)
+{
+    tokens_record token = { .scopes = scopes, .expires_ms = expires_ms };
+    bf_error err = { 0 };
+
+    (void)snprintf(token.name, sizeof token.name, "%s", name);
+    (void)snprintf(token.owner, sizeof token.owner, "%s", name);
+    if (tokens_add(directory, &token, ret_text, &err) != BF_OK)
+        fail_msg("%s", err.text);
+    return token;
+}
+
+static tokens *open_tokens(void)
+{
+    tokens *t = NULL;
+    bf_error err = { 0 };
+
+    if (tokens_open(directory, &t, &err) != BF_OK)
+        fail_msg("%s", err.text);
+    return t;
+}
+
+// Wait until a token is judged so, for as long as a change may take to count and a good deal longer.
+static void await(tokens *t, const char *text, api_credential wanted)
+{
+    int64_t deadline_ms = clock_monotonic_ms() + 60000;
+    api_identity who;
+
+    while (tokens_identify(t, text, &who) != wanted) {
+        assert_true(clock_monotonic_ms() < deadline_ms);
+        (void)usleep(10000);
+    }
+}
+
+static void run_sql(const char *sql)
+{
+    char path[80];
+    sqlite3 *db = NULL;
+
+    (void)snprintf(path, sizeof path, "%s/access.db", directory);
+    assert_int_equal(sqlite3_open_v2(path, &db, SQLITE_OPEN_READWRITE, "beltflow-sums"), SQLITE_OK);
+    assert_int_equal(sqlite3_busy_timeout(db, 5000), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void without_tokens_nobody_needs_one(void **state)
+{
+    tokens *t = open_tokens();
+    api_identity who = { .token = 7 };
+
+    (void)state;
+    assert_false(tokens_exist(t));
+    assert_int_equal(tokens_identify(t, NULL, &who), API_CREDENTIAL_UNUSED);
+    assert_int_equal(tokens_identify(t, "bft_x", &who), API_CREDENTIAL_UNUSED);
+    assert_int_equal(who.token, 7);
+    assert_null(tokens_close(t));
+}
+
+static void a_token_tells_who_has_it(void **state)
+{
+    char first[TOKENS_TEXT_SIZE], second[TOKENS_TEXT_SIZE], other[TOKENS_TEXT_SIZE];
+    api_identity who = { 0 };
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ | API_SCOPE_SUBMIT, 0, first);
+    (void)add("bob", API_SCOPE_ADMIN, 0, second);
+    assert_int_equal(strlen(first), TOKENS_TEXT_SIZE - 1);
+    assert_memory_equal(first, "bft_", 4);
+    assert_string_not_equal(first, second);
+    tokens *t = open_tokens();
+    assert_true(tokens_exist(t));
+    assert_int_equal(tokens_identify(t, NULL, &who), API_CREDENTIAL_MISSING);
+    assert_int_equal(tokens_identify(t, second, &who), API_CREDENTIAL_VALID);
+    assert_string_equal(who.owner, "bob");
+    assert_int_equal(who.token, 2);
+    assert_int_equal(who.scopes, API_SCOPE_ADMIN);
+    assert_int_equal(tokens_identify(t, first, &who), API_CREDENTIAL_VALID);
+    assert_string_equal(who.owner, "alice");
+    // Each character counts, and so does the length.
+    for (size_t i = 0; i < sizeof first - 1; i++) {
+        memcpy(other, first, sizeof other);
+        other[i] = other[i] == 'A' ? 'B' : 'A';
+        assert_int_equal(tokens_identify(t, other, &who), API_CREDENTIAL_UNKNOWN);
+    }
+    other[10] = '\0';
+    assert_int_equal(tokens_identify(t, other, &who), API_CREDENTIAL_UNKNOWN);
+    assert_int_equal(tokens_identify(t, "", &who), API_CREDENTIAL_UNKNOWN);
+    assert_null(tokens_close(t));
+}
+
+static void the_file_has_no_token_and_is_for_its_owner_alone(void **state)
+{
+    char text[TOKENS_TEXT_SIZE], path[80], bytes[65536];
+    struct stat info;
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ, 0, text);
+    (void)snprintf(path, sizeof path, "%s/access.db", directory);
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0600);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t n = fread(bytes, 1, sizeof bytes, file);
+    assert_int_equal(fclose(file), 0);
+    assert_true(n > 0 && n < sizeof bytes);
+    assert_non_null(memmem(bytes, n, "alice", 5));
+    assert_null(memmem(bytes, n, text + 4, 8));
+}
+
+static void what_is_expired_or_revoked_does_not_count(void **state)
+{
+    char old[TOKENS_TEXT_SIZE], later[TOKENS_TEXT_SIZE], revoked[TOKENS_TEXT_SIZE];
+    int64_t now_ms = clock_unix_ms();
+    api_identity who = { 0 };
+
+    (void)state;
+    (void)add("old", API_SCOPE_READ, now_ms - 1, old);
+    (void)add("later", API_SCOPE_READ, now_ms + 3600000, later);
+    const tokens_record gone = add("gone", API_SCOPE_READ, 0, revoked);
+    assert_int_equal(tokens_revoke(directory, gone.id, NULL), BF_OK);
+    assert_int_equal(tokens_revoke(directory, gone.id, NULL), BF_ENOTFOUND);
+    assert_int_equal(tokens_revoke(directory, 99, NULL), BF_ENOTFOUND);
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_identify(t, old, &who), API_CREDENTIAL_EXPIRED);
+    assert_int_equal(tokens_identify(t, revoked, &who), API_CREDENTIAL_REVOKED);
+    assert_int_equal(who.token, 0);
+    assert_int_equal(tokens_identify(t, later, &who), API_CREDENTIAL_VALID);
+    assert_null(tokens_close(t));
+    // None that counts is left, and still requests need one.
+    assert_int_equal(tokens_revoke(directory, 2, NULL), BF_OK);
+    t = open_tokens();
+    assert_true(tokens_exist(t));
+    assert_int_equal(tokens_identify(t, NULL, &who), API_CREDENTIAL_MISSING);
+    assert_null(tokens_close(t));
+}
+
+static void a_daemon_sees_what_is_changed_beside_it(void **state)
+{
+    char text[TOKENS_TEXT_SIZE];
+    tokens *t = open_tokens();
+
+    (void)state;
+    const tokens_record token = add("alice", API_SCOPE_READ, 0, text);
+    await(t, text, API_CREDENTIAL_VALID);
+    assert_int_equal(tokens_revoke(directory, token.id, NULL), BF_OK);
+    await(t, text, API_CREDENTIAL_REVOKED);
+    assert_null(tokens_close(t));
+}
+
+// Take the first token, and that there is one.
+static void take_first(void *context, const tokens_record *token)
+{
+    tokens_record *first = context;
+
+    if (first->id == 0)
+        *first = *token;
+}
+
+static void the_last_use_is_written_down_later(void **state)
+{
+    char text[TOKENS_TEXT_SIZE];
+    tokens_record before = { .id = 0 }, after = { .id = 0 };
+    api_identity who;
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ, 0, text);
+    tokens *t = open_tokens();
+    int64_t used_ms = clock_unix_ms();
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(tokens_list(directory, take_first, &before, NULL), BF_OK);
+    assert_int_equal(before.used_ms, 0);
+    tokens_save_uses(t);
+    assert_int_equal(tokens_list(directory, take_first, &after, NULL), BF_OK);
+    assert_true(after.used_ms >= used_ms);
+    // A second use in the same minute is none.
+    run_sql("UPDATE tokens SET used_ms = 1");
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_VALID);
+    assert_null(tokens_close(t));
+    after.id = 0;
+    assert_int_equal(tokens_list(directory, take_first, &after, NULL), BF_OK);
+    assert_int_equal(after.used_ms, 1);
+}
+
+static void a_scope_of_a_later_version_allows_nothing(void **state)
+{
+    char text[TOKENS_TEXT_SIZE];
+    api_identity who;
+
+    (void)state;
+    (void)add("alice", API_SCOPE_ADMIN, 0, text);
+    run_sql("UPDATE tokens SET scopes = 'read,fly'");
+    tokens *t = open_tokens();
+    assert_int_equal(tokens_identify(t, text, &who), API_CREDENTIAL_VALID);
+    assert_int_equal(who.scopes, 0);
+    assert_null(tokens_close(t));
+}
+
+static void names_and_their_number_have_limits(void **state)
+{
+    static const char *const bad[] = { "", "a b", "a\nb", "a=b", "\"", "ä" };
+    char text[TOKENS_TEXT_SIZE];
+    bf_error err = { 0 };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        tokens_record token = { .name = "x", .scopes = API_SCOPE_READ };
+        (void)snprintf(token.owner, sizeof token.owner, "%s", bad[i]);
+        assert_int_equal(tokens_add(directory, &token, text, NULL), BF_EINPUT);
+    }
+    assert_int_equal(tokens_list(directory, take_first, NULL, &err), BF_EINPUT);
+    (void)add("first", API_SCOPE_READ, 0, text);
+    run_sql("WITH RECURSIVE k(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM k WHERE i < 1000) "
+            "INSERT INTO tokens (name, owner, hash, scopes, created_ms, expires_ms) "
+            "SELECT 'n', 'o', randomblob(32), 'read', 1, 0 FROM k");
+    tokens_record one_more = { .name = "more", .owner = "more", .scopes = API_SCOPE_READ };
+    assert_int_equal(tokens_add(directory, &one_more, text, &err), BF_ELIMIT);
+    // One that does not count any more makes room; ids are not used again.
+    assert_int_equal(tokens_revoke(directory, 500, NULL), BF_OK);
+    assert_int_equal(tokens_add(directory, &one_more, text, &err), BF_OK);
+    assert_int_equal(one_more.id, 1001);
+    assert_int_equal(tokens_revoke(directory, 500, NULL), BF_ENOTFOUND);
+}
+
+static void damage_is_no_open_door(void **state)
+{
+    char text[TOKENS_TEXT_SIZE], path[80];
+    tokens *t = NULL;
+    bf_error err = { 0 };
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ, 0, text);
+    (void)snprintf(path, sizeof path, "%s/access.db", directory);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 4096 + 200, SEEK_SET), 0);
+    assert_int_equal(fputc(0x55, file), 0x55);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(tokens_open(directory, &t, &err), BF_ESYSTEM);
+    assert_null(t);
+}
+
+#define TOKENS_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TOKENS_TEST(without_tokens_nobody_needs_one),
+        TOKENS_TEST(a_token_tells_who_has_it),
+        TOKENS_TEST(the_file_has_no_token_and_is_for_its_owner_alone),
+        TOKENS_TEST(what_is_expired_or_revoked_does_not_count),
+        TOKENS_TEST(a_daemon_sees_what_is_changed_beside_it),
+        TOKENS_TEST(the_last_use_is_written_down_later),
+        TOKENS_TEST(a_scope_of_a_later_version_allows_nothing),
+        TOKENS_TEST(names_and_their_number_have_limits),
+        TOKENS_TEST(damage_is_no_open_door),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
