@@ -131,6 +131,15 @@ typedef struct api_snapshot_list {
     bf_buffer items; ///< n api_snapshot
 } api_snapshot_list;
 
+/// A stored array of numbers that is read piece by piece, with api_services.read_slice(). Between two reads nothing
+/// of the store is held. Zero-initialise; api_slices_fini().
+typedef struct api_slices {
+    uint64_t n;                   ///< bytes of the array
+    size_t n_held;                ///< bytes of memory that it may take between two reads
+    void *state;                  ///< of the service, owned
+    void (*destroy)(void *state); ///< frees state
+} api_slices;
+
 /// Kinds of events with their words in streams.
 #define API_EVENT_LIST(X)                                                                          \
     X(API_EVENT_STATUS, "status")                                                                  \
@@ -201,6 +210,18 @@ typedef struct api_services {
     bf_status (*read_parts)(void *context, const char *id, uint64_t index,
                             api_snapshot *ret_snapshot, api_parts *ret_parts, bf_buffer *out,
                             bf_error *err);
+    /// Begin to read what read_snapshot() or read_parts() would append, piece by piece. *ret_slices is the caller's.
+    bf_status (*open_snapshot)(void *context, const char *id, uint64_t index,
+                               api_snapshot *ret_snapshot, bf_grid *ret_grid,
+                               api_slices *ret_slices, bf_error *err);
+    bf_status (*open_parts)(void *context, const char *id, uint64_t index,
+                            api_snapshot *ret_snapshot, api_parts *ret_parts,
+                            api_slices *ret_slices, bf_error *err);
+    /// Append bytes of an array from number `at` on to *out, limit_bytes at most, and at least one unless `at` is its
+    /// end. It is fast where `at` is the end of the read before. On failure *out is as before. BF_ENOTFOUND: the run
+    /// was removed meanwhile; BF_ECORRUPT: damaged.
+    bf_status (*read_slice)(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
+                            bf_buffer *out, bf_error *err);
     /// Give events of the runs with id > after, rising, to take: all there are, or as many as reach
     /// limit_bytes of data.
     bf_status (*read_events)(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
@@ -243,3 +264,6 @@ bool api_take_column(const char **columns, char *ret_name);
 
 /// Free what the curve owns and zero it. NULL is fine.
 void api_curve_fini(api_curve *curve);
+
+/// End the reading and zero *slices.
+void api_slices_fini(api_slices *slices);

@@ -138,6 +138,28 @@ static bf_status read_parts(void *context, const char *id, uint64_t index,
                             err);
 }
 
+static bf_status open_snapshot(void *context, const char *id, uint64_t index,
+                               api_snapshot *ret_snapshot, bf_grid *ret_grid,
+                               api_slices *ret_slices, bf_error *err)
+{
+    return store_open_snapshot(((service *)context)->store, id, index, ret_snapshot, ret_grid,
+                               ret_slices, err);
+}
+
+static bf_status open_parts(void *context, const char *id, uint64_t index,
+                            api_snapshot *ret_snapshot, api_parts *ret_parts,
+                            api_slices *ret_slices, bf_error *err)
+{
+    return store_open_parts(((service *)context)->store, id, index, ret_snapshot, ret_parts,
+                            ret_slices, err);
+}
+
+static bf_status read_slice(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
+                            bf_buffer *out, bf_error *err)
+{
+    return store_read_slice(((service *)context)->store, slices, at, limit_bytes, out, err);
+}
+
 static bf_status read_events(void *context, const char (*runs)[API_ID_SIZE], size_t n_runs,
                              uint64_t after, size_t limit_bytes, api_event_fn *take,
                              void *take_context, bf_error *err)
@@ -234,6 +256,9 @@ api_services service_table(service *s)
                            .list_snapshots = list_snapshots,
                            .read_snapshot = read_snapshot,
                            .read_parts = read_parts,
+                           .open_snapshot = open_snapshot,
+                           .open_parts = open_parts,
+                           .read_slice = read_slice,
                            .read_events = read_events,
                            .read_changes = read_changes,
                            .add_measurement = add_measurement,

@@ -8,6 +8,7 @@
 
 #include "server/store/store_priv.h"
 
+#include "core/base/check.h"
 #include "core/run/frame.h"
 
 #include <sodium.h>
@@ -18,9 +19,8 @@
 #include <zstd_errors.h>
 
 enum {
-    LEVEL = 1,                // of compression
-    CHUNK_BYTES = 256 * 1024, // of a blob that is stored in one row
-    COLLECT_CHUNKS = 64,      // that are deleted in one transaction
+    LEVEL = 1,           // of compression
+    COLLECT_CHUNKS = 64, // that are deleted in one transaction
 };
 
 static bf_status fail_memory(bf_error *err)
@@ -28,7 +28,7 @@ static bf_status fail_memory(bf_error *err)
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
 }
 
-static bf_status fail_zstd(size_t code, bf_status otherwise, bf_error *err)
+bf_status store__fail_zstd(size_t code, bf_status otherwise, bf_error *err)
 {
     if (ZSTD_getErrorCode(code) == ZSTD_error_memory_allocation)
         return fail_memory(err);
@@ -36,45 +36,78 @@ static bf_status fail_zstd(size_t code, bf_status otherwise, bf_error *err)
                    ZSTD_getErrorName(code));
 }
 
-static size_t compress(ZSTD_CCtx *context, char *to, size_t room, const void *bytes, size_t n)
-{
-    size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
-    // The checksum detects damage of the file after the solver wrote it.
-    if (!ZSTD_isError(code))
-        code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
-    return ZSTD_isError(code) ? code : ZSTD_compress2(context, to, room, bytes, n);
-}
-
-bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
+static bf_status compress(ZSTD_CCtx *context, const char *bytes, size_t n, bf_buffer *out,
+                          bf_error *err)
 {
     size_t room = ZSTD_compressBound(n);
     char *to = buffer_reserve(out, room);
-    ZSTD_CCtx *context = to == NULL ? NULL : ZSTD_createCCtx();
 
-    if (context == NULL)
+    if (to == NULL)
         return fail_memory(err);
-    size_t compressed = compress(context, to, room, bytes, n);
-    ZSTD_freeCCtx(context);
+    size_t compressed = ZSTD_compress2(context, to, room, bytes, n);
     if (ZSTD_isError(compressed))
-        return fail_zstd(compressed, BF_ESYSTEM, err);
+        return store__fail_zstd(compressed, BF_ESYSTEM, err);
     out->n += compressed;
     out->bytes[out->n] = '\0';
     return BF_OK;
 }
 
+bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
+{
+    ZSTD_CCtx *context = ZSTD_createCCtx();
+    bf_status status = BF_OK;
+
+    if (context == NULL)
+        return fail_memory(err);
+    size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
+    // The checksum detects damage of the file after the solver wrote it.
+    if (!ZSTD_isError(code))
+        code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+    if (ZSTD_isError(code))
+        status = store__fail_zstd(code, BF_ESYSTEM, err);
+    size_t at = 0;
+    do {
+        size_t n_slice = n - at < STORE__SLICE_BYTES ? n - at : STORE__SLICE_BYTES;
+        if (status == BF_OK)
+            status = compress(context, (const char *)bytes + at, n_slice, out, err);
+        at += n_slice;
+    } while (status == BF_OK && at < n);
+    ZSTD_freeCCtx(context);
+    return status;
+}
+
+// The size of what is in the frames; UINT64_MAX: they are damaged.
+static uint64_t unpacked_size(const bf_buffer *compressed)
+{
+    uint64_t n = 0;
+    size_t at = 0;
+
+    do {
+        const char *from = compressed->bytes + at;
+        size_t left = compressed->n - at;
+        unsigned long long size = ZSTD_getFrameContentSize(from, left);
+        size_t used = ZSTD_findFrameCompressedSize(from, left);
+        // Nothing larger comes from a run; the two marks of an unknown size are larger, too.
+        if (size > FRAME_PAYLOAD_MAX - n || ZSTD_isError(used))
+            return UINT64_MAX;
+        n += size;
+        at += used;
+    } while (at < compressed->n);
+    return n;
+}
+
 bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err)
 {
-    unsigned long long n = ZSTD_getFrameContentSize(compressed->bytes, compressed->n);
+    const uint64_t n = unpacked_size(compressed);
 
-    // Nothing larger comes from a run; the two marks of an unknown size are larger, too.
-    if (n > FRAME_PAYLOAD_MAX)
+    if (n == UINT64_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "compressed bytes of the store are damaged");
     char *to = buffer_reserve(out, n);
     if (to == NULL)
         return fail_memory(err);
     size_t got = ZSTD_decompress(to, n, compressed->bytes, compressed->n);
     if (ZSTD_isError(got))
-        return fail_zstd(got, BF_ECORRUPT, err);
+        return store__fail_zstd(got, BF_ECORRUPT, err);
     out->n += got;
     out->bytes[out->n] = '\0';
     return BF_OK;
@@ -96,10 +129,10 @@ bf_status store__insert_chunks(store__connection *writer, int64_t results, store
     int64_t key[4] = { results, kind, (int64_t)item, 0 };
     bf_status status = BF_OK;
 
-    for (size_t at = 0; at < compressed->n && status == BF_OK; at += CHUNK_BYTES, key[3]++) {
-        size_t left = compressed->n - at;
-        status = insert_chunk(writer, key, compressed->bytes + at,
-                              left < CHUNK_BYTES ? left : CHUNK_BYTES, err);
+    for (size_t at = 0, n = 0; at < compressed->n && status == BF_OK; at += n, key[3]++) {
+        n = ZSTD_findFrameCompressedSize(compressed->bytes + at, compressed->n - at);
+        BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
+        status = insert_chunk(writer, key, compressed->bytes + at, n, err);
     }
     return status;
 }
@@ -126,6 +159,35 @@ bf_status store__get_chunks(store__connection *c, int64_t results, store__blob k
         if (status == BF_OK && has_row)
             status = store__column_bytes(&q, 0, out, err);
     }
+    store__end(&q);
+    return status;
+}
+
+bf_status store__get_chunk(store__connection *c, int64_t results, store__blob kind, uint64_t item,
+                           uint64_t part, bf_buffer *out, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = begin_blob(c, STORE__SQL_GET_CHUNK, results, kind, item);
+    store__bind_integer(&q, (int64_t)part);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 0, out, err);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ECORRUPT, "", "a part of a stored snapshot is missing");
+    return status;
+}
+
+bf_status store__count_chunks(store__connection *c, int64_t results, store__blob kind,
+                              uint64_t item, uint64_t *ret_n, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = begin_blob(c, STORE__SQL_COUNT_CHUNKS, results, kind, item);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_n = (uint64_t)sqlite3_column_int64(q.statement, 0);
     store__end(&q);
     return status;
 }

@@ -120,6 +120,10 @@
                     "VALUES (?1, ?2, ?3, ?4, ?5)")                                                 \
     X(LIST_CHUNKS, "SELECT data FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3 "       \
                    "ORDER BY part")                                                                \
+    X(GET_CHUNK, "SELECT data FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3 "         \
+                 "AND part = ?4")                                                                  \
+    X(COUNT_CHUNKS, "SELECT coalesce(max(part) + 1, 0) FROM chunks WHERE results = ?1 "            \
+                    "AND kind = ?2 AND item = ?3")                                                 \
     X(DELETE_CHUNKS, "DELETE FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3")          \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \

@@ -153,6 +153,14 @@ BF_MUST_CHECK bf_status store_read_snapshot(store *s, const char *id, uint64_t i
 BF_MUST_CHECK bf_status store_read_parts(store *s, const char *id, uint64_t index,
                                          api_snapshot *ret_snapshot, api_parts *ret_parts,
                                          bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status store_open_snapshot(store *s, const char *id, uint64_t index,
+                                            api_snapshot *ret_snapshot, bf_grid *ret_grid,
+                                            api_slices *ret_slices, bf_error *err);
+BF_MUST_CHECK bf_status store_open_parts(store *s, const char *id, uint64_t index,
+                                         api_snapshot *ret_snapshot, api_parts *ret_parts,
+                                         api_slices *ret_slices, bf_error *err);
+BF_MUST_CHECK bf_status store_read_slice(store *s, api_slices *slices, uint64_t at,
+                                         size_t limit_bytes, bf_buffer *out, bf_error *err);
 /// A run that was removed has no events any more; that is no failure. No reader is held while take
 /// runs, so it may call the store.
 BF_MUST_CHECK bf_status store_read_changes(store *s, const char *id, api_event_fn *take,
