@@ -1,5 +1,5 @@
 /// A response body that is pulled: it is made chunk by chunk while it is sent, so that only a chunk of
-/// it is in memory however long it is. Archives and event streams are such bodies.
+/// it is in memory however long it is. Large arrays, archives and event streams are such bodies.
 ///
 /// A handler that answers with one first makes all checks that can fail, then gives the
 /// response a body_source and returns. The transport asks for the next chunk when the client has taken
@@ -14,6 +14,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// What follows a chunk.
 typedef enum body_state {
@@ -34,7 +35,11 @@ typedef struct body_source {
     void *state;                    ///< of the body, owned
     body_next_chunk_fn *next_chunk; ///< makes the next chunk; NULL: there is no such body
     void (*destroy)(void *state);   ///< frees state, at the end or before it
-    bool is_stream;                 ///< it lasts as long as its runs: an event stream
+    /// Continue with byte `at`; before the first chunk. NULL: the body's length is not known before its end.
+    void (*seek)(void *state, uint64_t at);
+    uint64_t n;            ///< of a body with seek: bytes in all
+    size_t n_held;         ///< bytes of memory that its state takes between two chunks, if many
+    bool is_stream;        ///< it lasts as long as its runs: an event stream
     const char *heartbeat; ///< of a stream: bytes that keep an idle connection open; static
     size_t n_runs;         ///< runs whose changes BODY_WAIT waits for
     const char (*runs)[API_ID_SIZE]; ///< their ids, n_runs of them; in state

@@ -48,10 +48,3 @@ void api_curve_fini(api_curve *curve)
     buffer_fini(&curve->values);
     *curve = (api_curve){ 0 };
 }
-
-void api_slices_fini(api_slices *slices)
-{
-    if (slices->destroy != NULL)
-        slices->destroy(slices->state);
-    *slices = (api_slices){ .n = 0 };
-}

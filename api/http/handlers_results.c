@@ -2,7 +2,9 @@
 // the stream of its events.
 
 #include "api/http/http_priv.h"
+#include "api/http/negotiation.h"
 #include "api/http/stream.h"
+#include "api/results/array_file.h"
 #include "api/results/picture.h"
 #include "api/results/results.h"
 #include "api/results/results_archive.h"
@@ -10,6 +12,9 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+
+// Files from so many bytes on are sent piece by piece; smaller ones are sent faster as a whole.
+#define WHOLE_BYTES_MAX 131072
 
 // Largest tables that are written as text: cells of a grid, values of parts.
 #define TEXT_CELLS_MAX  4000000
@@ -208,6 +213,40 @@ static bf_status reserve(const exchange *x, double n_bytes, bf_error *err)
     return exchange__reserve(x, n_bytes * (is_text ? 6.0 : 2.0), err);
 }
 
+// True if an answer of so many bytes of numbers is sent piece by piece. What a client wants encoded is sent whole.
+static bool is_sent_in_pieces(const exchange *x, uint64_t n_bytes)
+{
+    const bool is_array = x->media->format == MEDIA_NPY || x->media->format == MEDIA_VTI;
+    const char *accepted = exchange__header(x, "Accept-Encoding");
+
+    return is_array && n_bytes > WHOLE_BYTES_MAX &&
+           negotiation_coding_quality(accepted, CODING_IDENTITY) > 0;
+}
+
+// Sends the file, which it takes over. Of parts with feeds the number is not known before, so it may be a small one.
+static bf_status send_array(exchange *x, array_file *file, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    if (array_file_size(file) > WHOLE_BYTES_MAX)
+        return array_file_send(file, &x->response->source, err);
+    while (status == BF_OK && x->response->body.n < array_file_size(file))
+        status = array_file_read(file, x->services, x->response->body.n, WHOLE_BYTES_MAX,
+                                 &x->response->body, err);
+    array_file_fini(file);
+    return status;
+}
+
+static bf_status send_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
+{
+    array_file file = { .item_size = 0 };
+
+    bf_status status = x->media->format == MEDIA_NPY
+                           ? array_file_open_npy(x->services, id, index, &file, err)
+                           : array_file_open_vti(x->services, id, index, &file, err);
+    return status == BF_OK ? send_array(x, &file, err) : status;
+}
+
 // Reads the grid and writes it in the format that was chosen.
 static bf_status write_snapshot(exchange *x, const char *id, uint64_t index,
                                 const picture_query *wanted, bf_error *err)
@@ -251,6 +290,8 @@ bf_status handlers_results_snapshot(exchange *x, bf_error *err)
     if (has_it_already(x, record.id, index, &wanted))
         return BF_OK;
     exchange__name_snapshot(x, index);
+    if (is_sent_in_pieces(x, grid_cells(&record.grid) * sizeof(float)))
+        return send_snapshot(x, record.id, index, err);
     status = reserve(x, (double)grid_cells(&record.grid) * sizeof(float), err);
     return status == BF_OK ? write_snapshot(x, record.id, index, &wanted, err) : status;
 }
@@ -273,32 +314,57 @@ static bf_status write_rows(exchange *x, const api_parts *parts, const api_snaps
                                          : results_parts_json(rows, parts, snapshot, body, err);
 }
 
-bf_status handlers_results_parts(exchange *x, bf_error *err)
+// Whether the client has the parts already; if not, the answer is one of them.
+static bool has_parts_already(exchange *x, const char *id, uint64_t index)
+{
+    exchange__cache_immutable(x);
+    if (exchange__is_unchanged(x, "%s-parts-%" PRIu64 "-%s", id, index, x->media->word))
+        return true;
+    exchange__name_snapshot(x, index);
+    return false;
+}
+
+static bf_status send_parts(exchange *x, const char *id, uint64_t index, bf_error *err)
+{
+    array_file file = { .item_size = 0 };
+
+    bf_status status = array_file_open_parts_npy(x->services, id, index, &file, err);
+    if (status == BF_OK && !has_parts_already(x, id, index))
+        status = send_array(x, &file, err);
+    array_file_fini(&file);
+    return status;
+}
+
+static bf_status write_parts(exchange *x, const char *id, uint64_t index, bf_error *err)
 {
     bf_buffer rows = { 0 };
-    uint64_t index = 0;
     api_snapshot snapshot;
     api_parts parts;
+
+    bf_status status =
+        x->services->read_parts(x->services->context, id, index, &snapshot, &parts, &rows, err);
+    if (status == BF_OK && !has_parts_already(x, id, index))
+        status = write_rows(x, &parts, &snapshot, (const double *)(const void *)rows.bytes, err);
+    buffer_fini(&rows);
+    return status;
+}
+
+bf_status handlers_results_parts(exchange *x, bf_error *err)
+{
+    uint64_t index = 0;
     api_run record;
 
     bf_status status = exchange__find_run(x, &record, err);
     if (status == BF_OK)
         status = exchange__find_snapshot(x, &record, &index, err);
-    if (status == BF_OK)
-        status =
-            reserve(x, (double)record.parts.n_parts * record.parts.n_values * sizeof(double), err);
-    if (status == BF_OK)
-        status = x->services->read_parts(x->services->context, record.id, index, &snapshot, &parts,
-                                         &rows, err);
     if (status != BF_OK)
         return status;
-    exchange__cache_immutable(x);
-    if (!exchange__is_unchanged(x, "%s-parts-%" PRIu64 "-%s", record.id, index, x->media->word)) {
-        exchange__name_snapshot(x, index);
-        status = write_rows(x, &parts, &snapshot, (const double *)(const void *)rows.bytes, err);
-    }
-    buffer_fini(&rows);
-    return status;
+    const bool has_ids = frame_has_ids(record.parts.n_values);
+    const uint64_t n = record.parts.n_parts * record.parts.n_values * sizeof(double);
+    if (is_sent_in_pieces(x, has_ids ? UINT64_MAX : n))
+        return send_parts(x, record.id, index, err);
+    status = reserve(x, (double)n, err);
+    return status == BF_OK ? write_parts(x, record.id, index, err) : status;
 }
 
 bf_status handlers_results_parts_series(exchange *x, bf_error *err)

@@ -8,7 +8,7 @@
 
 // Magic and version, length of the rest of the header, and the description that ends in a newline
 // and pads all of it to a multiple of 64 bytes (NumPy's format 1.0).
-static bf_status append_header(const char *type, size_t n1, size_t n2, bf_buffer *out)
+bf_status results__npy_head(const char *type, size_t n1, size_t n2, bf_buffer *out)
 {
     enum { START = 10, MULTIPLE = 64 };
     char description[160];
@@ -28,7 +28,6 @@ static bf_status append_header(const char *type, size_t n1, size_t n2, bf_buffer
     return status;
 }
 
-// On a machine of the other byte order.
 static void reverse_each(char *bytes, size_t n, size_t size)
 {
     for (size_t k = 0; k < n; k++, bytes += size) {
@@ -40,13 +39,19 @@ static void reverse_each(char *bytes, size_t n, size_t size)
     }
 }
 
+void results__order_bytes(char *bytes, size_t n, size_t size)
+{
+    if (BYTE_ORDER == BIG_ENDIAN)
+        reverse_each(bytes, n, size);
+}
+
 bf_status results__append_values(const void *values, size_t n, size_t size, bf_buffer *out)
 {
     size_t n_before = out->n;
 
     bf_status status = buffer_append(out, values, n * size);
-    if (status == BF_OK && BYTE_ORDER == BIG_ENDIAN)
-        reverse_each(out->bytes + n_before, n, size);
+    if (status == BF_OK)
+        results__order_bytes(out->bytes + n_before, n, size);
     return status;
 }
 
@@ -54,7 +59,7 @@ bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out, bf
 {
     size_t n_before = out->n;
 
-    bf_status status = append_header("<f4", n1, n2, out);
+    bf_status status = results__npy_head("<f4", n1, n2, out);
     if (status == BF_OK)
         status = results__append_values(rho, n1 * n2, sizeof *rho, out);
     return results__finish(status, out, n_before, err);
@@ -66,7 +71,7 @@ bf_status results_parts_npy(const double *rows, const api_parts *parts, bf_buffe
     size_t n_before = out->n;
     size_t n = (size_t)parts->n_parts * parts->n_values;
 
-    bf_status status = append_header("<f8", parts->n_values, (size_t)parts->n_parts, out);
+    bf_status status = results__npy_head("<f8", parts->n_values, (size_t)parts->n_parts, out);
     if (status == BF_OK)
         status = results__append_values(rows, n, sizeof *rows, out);
     return results__finish(status, out, n_before, err);

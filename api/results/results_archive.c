@@ -1,5 +1,6 @@
 #include "api/results/results_archive.h"
 
+#include "api/results/array_file.h"
 #include "api/results/results.h"
 #include "api/results/zip_out.h"
 #include "core/base/check.h"
@@ -8,8 +9,9 @@
 #include <string.h>
 
 enum {
-    SLICE_BYTES = 64 * 1024,      // deflated per call
+    SLICE_BYTES = 128 * 1024,     // deflated per call
     TURN_BYTES = 4 * 1024 * 1024, // of files read for one chunk: empty belts deflate to nothing
+    ZIP_BYTES = 300 * 1024,       // that zip_out takes
 };
 
 // The body's state.
@@ -20,38 +22,20 @@ typedef struct archive {
     api_snapshot_list list;
     bf_buffer eyes; // photo_eyes.csv; empty: there is none
     zip_out *zip;
-    size_t kind;       // of the next file, in kinds
-    uint64_t index;    // of the next file of that kind
-    bf_buffer content; // of the current file
-    size_t n_appended; // bytes of it that were deflated
+    size_t kind;         // of the next file, in kinds
+    uint64_t index;      // of the next file of that kind
+    array_file array;    // the current file, if it is one; else item_size is 0
+    bf_buffer content;   // of the current file; of an array the piece that is being deflated
+    uint64_t n_content;  // bytes of the current file
+    uint64_t n_appended; // of them that were deflated
     bool is_over;
 } archive;
 
 typedef bf_status content_writer(const archive *a, const api_services *services, uint64_t index,
                                  bf_buffer *out, bf_error *err);
 
-// One snapshot as the services return it.
-typedef struct grid_content {
-    api_snapshot snapshot;
-    bf_grid grid;
-    bf_buffer bytes;
-} grid_content;
-
-typedef struct parts_content {
-    api_snapshot snapshot;
-    api_parts parts;
-    bf_buffer bytes;
-} parts_content;
-
-static const float *floats_of(const grid_content *c)
-{
-    return (const float *)(const void *)c->bytes.bytes;
-}
-
-static const double *doubles_of(const parts_content *c)
-{
-    return (const double *)(const void *)c->bytes.bytes;
-}
+typedef bf_status array_opener(const api_services *services, const char *id, uint64_t index,
+                               array_file *ret_file, bf_error *err);
 
 static bf_status write_scenario(const archive *a, const api_services *services, uint64_t index,
                                 bf_buffer *out, bf_error *err)
@@ -115,65 +99,19 @@ static bf_status write_parts_series(const archive *a, const api_services *servic
     return results_series_pvd(&a->list, RESULTS_FILES_PARTS_VTK, out, err);
 }
 
-static bf_status read_grid(const archive *a, const api_services *services, uint64_t index,
-                           grid_content *c, bf_error *err)
-{
-    return services->read_snapshot(services->context, a->id, index, &c->snapshot, &c->grid,
-                                   &c->bytes, err);
-}
-
-static bf_status write_snapshot(const archive *a, const api_services *services, uint64_t index,
-                                bf_buffer *out, bf_error *err)
-{
-    grid_content c = { .bytes = { 0 } };
-
-    bf_status status = read_grid(a, services, index, &c, err);
-    if (status == BF_OK)
-        status = results_npy(floats_of(&c), c.grid.n1, c.grid.n2, out, err);
-    buffer_fini(&c.bytes);
-    return status;
-}
-
-static bf_status write_snapshot_vtk(const archive *a, const api_services *services, uint64_t index,
-                                    bf_buffer *out, bf_error *err)
-{
-    grid_content c = { .bytes = { 0 } };
-
-    bf_status status = read_grid(a, services, index, &c, err);
-    if (status == BF_OK)
-        status = results_snapshot_vti(floats_of(&c), &c.grid, c.snapshot.t, out, err);
-    buffer_fini(&c.bytes);
-    return status;
-}
-
-static bf_status read_parts(const archive *a, const api_services *services, uint64_t index,
-                            parts_content *c, bf_error *err)
-{
-    return services->read_parts(services->context, a->id, index, &c->snapshot, &c->parts, &c->bytes,
-                                err);
-}
-
-static bf_status write_parts(const archive *a, const api_services *services, uint64_t index,
-                             bf_buffer *out, bf_error *err)
-{
-    parts_content c = { .bytes = { 0 } };
-
-    bf_status status = read_parts(a, services, index, &c, err);
-    if (status == BF_OK)
-        status = results_parts_npy(doubles_of(&c), &c.parts, out, err);
-    buffer_fini(&c.bytes);
-    return status;
-}
-
 static bf_status write_parts_vtk(const archive *a, const api_services *services, uint64_t index,
                                  bf_buffer *out, bf_error *err)
 {
-    parts_content c = { .bytes = { 0 } };
+    api_snapshot snapshot;
+    api_parts parts;
+    bf_buffer rows = { 0 };
 
-    bf_status status = read_parts(a, services, index, &c, err);
+    bf_status status =
+        services->read_parts(services->context, a->id, index, &snapshot, &parts, &rows, err);
     if (status == BF_OK)
-        status = results_parts_vtp(doubles_of(&c), &c.parts, c.snapshot.t, out, err);
-    buffer_fini(&c.bytes);
+        status = results_parts_vtp((const double *)(const void *)rows.bytes, &parts, snapshot.t,
+                                   out, err);
+    buffer_fini(&rows);
     return status;
 }
 
@@ -187,18 +125,19 @@ static const struct {
     number_of number;
     int needs;
     content_writer *write;
+    array_opener *open; // of an array, which has no writer
 } kinds[] = {
-    { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario },
-    { RESULTS_FILES_CURVE, ONE, 0, write_curve },
-    { RESULTS_FILES_PHOTO_EYES, ONE, NEEDS_EYES, write_photo_eyes },
-    { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list },
-    { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, write_snapshot },
-    { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, write_parts },
-    { RESULTS_FILES_SNAPSHOTS_SERIES, ONE, NEEDS_VTK, write_snapshots_series },
-    { RESULTS_FILES_SNAPSHOT_VTK, ONE_A_SNAPSHOT, NEEDS_VTK, write_snapshot_vtk },
-    { RESULTS_FILES_PARTS_SERIES, ONE, NEEDS_VTK | NEEDS_PARTS, write_parts_series },
-    { RESULTS_FILES_PARTS_VTK, ONE_A_SNAPSHOT, NEEDS_VTK | NEEDS_PARTS, write_parts_vtk },
-    { RESULTS_FILES_SUMMARY, ONE, NEEDS_SUMMARY, write_summary },
+    { RESULTS_FILES_SCENARIO, ONE, 0, write_scenario, NULL },
+    { RESULTS_FILES_CURVE, ONE, 0, write_curve, NULL },
+    { RESULTS_FILES_PHOTO_EYES, ONE, NEEDS_EYES, write_photo_eyes, NULL },
+    { RESULTS_FILES_SNAPSHOTS, ONE, 0, write_list, NULL },
+    { RESULTS_FILES_SNAPSHOT, ONE_A_SNAPSHOT, 0, NULL, array_file_open_npy },
+    { RESULTS_FILES_PARTS, ONE_A_SNAPSHOT, NEEDS_PARTS, NULL, array_file_open_parts_npy },
+    { RESULTS_FILES_SNAPSHOTS_SERIES, ONE, NEEDS_VTK, write_snapshots_series, NULL },
+    { RESULTS_FILES_SNAPSHOT_VTK, ONE_A_SNAPSHOT, NEEDS_VTK, NULL, array_file_open_vti },
+    { RESULTS_FILES_PARTS_SERIES, ONE, NEEDS_VTK | NEEDS_PARTS, write_parts_series, NULL },
+    { RESULTS_FILES_PARTS_VTK, ONE_A_SNAPSHOT, NEEDS_VTK | NEEDS_PARTS, write_parts_vtk, NULL },
+    { RESULTS_FILES_SUMMARY, ONE, NEEDS_SUMMARY, write_summary, NULL },
 };
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
@@ -229,19 +168,39 @@ static bool find_file(archive *a)
 static bf_status begin_file(archive *a, const api_services *services, bf_buffer *out, bf_error *err)
 {
     char name[RESULTS_FILES_NAME_SIZE];
+    array_opener *begin = kinds[a->kind].open;
 
-    a->content.n = a->n_appended = 0;
-    bf_status status = kinds[a->kind].write(a, services, a->index, &a->content, err);
+    array_file_fini(&a->array);
+    a->content.n = 0;
+    a->n_appended = 0;
+    bf_status status = begin != NULL
+                           ? begin(services, a->id, a->index, &a->array, err)
+                           : kinds[a->kind].write(a, services, a->index, &a->content, err);
     if (status != BF_OK)
         return status;
+    a->n_content = begin != NULL ? array_file_size(&a->array) : a->content.n;
     (void)results_files_name(kinds[a->kind].file, a->index++, name);
-    return zip_out_file(a->zip, name, a->content.n, out, err);
+    return zip_out_file(a->zip, name, (size_t)a->n_content, out, err);
 }
 
-static bf_status append_slice(archive *a, bf_buffer *out, bf_error *err)
+static bf_status append_array(archive *a, const api_services *services, bf_buffer *out,
+                              bf_error *err)
 {
-    size_t n = a->content.n - a->n_appended;
+    a->content.n = 0;
+    bf_status status =
+        array_file_read(&a->array, services, a->n_appended, SLICE_BYTES, &a->content, err);
+    a->n_appended += a->content.n;
+    return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
+                           : status;
+}
 
+static bf_status append_slice(archive *a, const api_services *services, bf_buffer *out,
+                              bf_error *err)
+{
+    size_t n = (size_t)(a->n_content - a->n_appended);
+
+    if (a->array.item_size > 0)
+        return append_array(a, services, out, err);
     n = n < SLICE_BYTES ? n : SLICE_BYTES;
     bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_appended, n, out, err);
     a->n_appended += n;
@@ -258,8 +217,8 @@ static bf_status next_chunk(void *state, const api_services *services, size_t li
     for (size_t n_read = 0;
          status == BF_OK && !a->is_over && n_read < TURN_BYTES && out->n - start < limit_bytes;
          n_read += SLICE_BYTES) {
-        if (a->n_appended < a->content.n) {
-            status = append_slice(a, out, err);
+        if (a->n_appended < a->n_content) {
+            status = append_slice(a, services, out, err);
         } else if (find_file(a)) {
             status = begin_file(a, services, out, err);
         } else {
@@ -282,6 +241,7 @@ static void destroy(void *state)
     buffer_fini(&a->list.items);
     buffer_fini(&a->eyes);
     buffer_fini(&a->content);
+    array_file_fini(&a->array);
     memory_free(a);
 }
 
@@ -300,6 +260,14 @@ static bf_status read_photo_eyes(archive *a, const api_run *of, const api_servic
     results_changes_fini(&changes);
     api_curve_fini(&curve);
     return status;
+}
+
+// What an archive takes of memory: VTK files of parts are made as a whole, from their rows.
+static size_t count_held(const archive *a)
+{
+    const size_t n_rows = a->list.parts.n_parts * a->list.parts.n_values * sizeof(double);
+
+    return ZIP_BYTES + SLICE_BYTES + (a->has_vtk ? 2 * n_rows : 0);
 }
 
 bf_status results_archive_open(const api_run *of, results_archive_kind kind,
@@ -322,6 +290,8 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
         destroy(a);
         return status;
     }
-    *ret_source = (body_source){ .state = a, .next_chunk = next_chunk, .destroy = destroy };
+    *ret_source = (body_source){
+        .state = a, .next_chunk = next_chunk, .destroy = destroy, .n_held = count_held(a)
+    };
     return BF_OK;
 }

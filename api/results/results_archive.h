@@ -2,7 +2,8 @@
 ///
 /// It holds what `beltflow solve --out` leaves, under the same names (results_files.h), and with VTK
 /// files also an image of each snapshot, the parts of each, and a ParaView collection of either. A
-/// summary is there if the run has one, and it is the last file. At most one file is in memory.
+/// summary is there if the run has one, and it is the last file. At most one file is in memory; of
+/// snapshots, and of parts as NumPy files, a piece.
 
 #pragma once
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/buffer.h"
+#include "core/base/grid.h"
 #include "core/base/status.h"
 
 #include <stddef.h>
@@ -16,3 +17,13 @@ char *results__put_number(char *text, double value, char separator);
 /// Append n numbers of size bytes each, little-endian. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status results__append_values(const void *values, size_t n, size_t size,
                                                bf_buffer *out);
+
+/// Bring n numbers of size bytes each to little-endian order.
+void results__order_bytes(char *bytes, size_t n, size_t size);
+
+/// Append the head of a NumPy file of n2 rows of n1 numbers of a type ("<f4"): what stands before them. BF_ENOMEM.
+BF_MUST_CHECK bf_status results__npy_head(const char *type, size_t n1, size_t n2, bf_buffer *out);
+
+/// Append what stands before and behind the numbers of a VTK image. BF_ENOMEM.
+BF_MUST_CHECK bf_status results__vti_head(const bf_grid *grid, double t, bf_buffer *out);
+BF_MUST_CHECK bf_status results__vti_tail(bf_buffer *out);

@@ -68,20 +68,29 @@ static bf_status append_image_header(const bf_grid *grid, double t, bf_buffer *o
                          grid->n1, grid->n2);
 }
 
-bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t, bf_buffer *out,
-                               bf_error *err)
+bf_status results__vti_head(const bf_grid *grid, double t, bf_buffer *out)
 {
-    size_t n_before = out->n, n = grid_cells(grid);
-
     bf_status status = append_image_header(grid, t, out);
     if (status == BF_OK)
         status = append_text(data_start, out);
+    return status == BF_OK ? append_length(grid_cells(grid) * sizeof(float), out) : status;
+}
+
+bf_status results__vti_tail(bf_buffer *out)
+{
+    return append_text(data_end, out);
+}
+
+bf_status results_snapshot_vti(const float *rho, const bf_grid *grid, double t, bf_buffer *out,
+                               bf_error *err)
+{
+    size_t n_before = out->n;
+
+    bf_status status = results__vti_head(grid, t, out);
     if (status == BF_OK)
-        status = append_length(n * sizeof *rho, out);
+        status = results__append_values(rho, grid_cells(grid), sizeof *rho, out);
     if (status == BF_OK)
-        status = results__append_values(rho, n, sizeof *rho, out);
-    if (status == BF_OK)
-        status = append_text(data_end, out);
+        status = results__vti_tail(out);
     return results__finish(status, out, n_before, err);
 }
 

@@ -34,7 +34,9 @@ bool http__answer_reserve(void *request, uint64_t n)
 void http__answer_settle(http_request *r)
 {
     bf_error err = { 0 };
-    const size_t n = r->response.body.n;
+    const body_source *source = &r->response.source;
+    const size_t n =
+        source->next_chunk == NULL ? r->response.body.n : source->n_held + http__pull_chunk(source);
 
     if (change(r, n > SMALL ? n : 0))
         return;

@@ -47,6 +47,7 @@
 #include "server/http/http_priv.h"
 #include "server/http/pool.h"
 
+#include <limits.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -55,6 +56,7 @@
 
 enum {
     STREAM_CHUNK = 64 * 1024,    // bytes of events that are read from the store at once
+    ARRAY_CHUNK = 128 * 1024,    // bytes of an array that are read at once
     DOWNLOAD_CHUNK = 256 * 1024, // bytes of a download that are made at once
     STREAM_IDLE_S = 60,         // a connection whose client takes none of its stream is closed then
     STREAM_ACK_MS = 30000,      // and one whose client acknowledges nothing
@@ -70,6 +72,8 @@ static unsigned limit_of(const http *h, http_pull_kind kind)
         return h->options.stream_limit;
     case HTTP_PULL_DOWNLOAD:
         return h->options.download_limit;
+    case HTTP_PULL_ARRAY:
+        return UINT_MAX; // limited with the connections, and in memory
     case HTTP_PULL_LONG_POLL:
     case HTTP_PULL_KINDS:
         break;
@@ -103,12 +107,28 @@ static bool begin(http_request *r, http_pull_kind kind)
     return is_admitted;
 }
 
+static http_pull_kind kind_of(const body_source *source)
+{
+    if (source->is_stream)
+        return HTTP_PULL_STREAM;
+    return source->seek != NULL ? HTTP_PULL_ARRAY : HTTP_PULL_DOWNLOAD;
+}
+
+size_t http__pull_chunk(const body_source *source)
+{
+    static const size_t chunks[HTTP_PULL_KINDS] = { [HTTP_PULL_STREAM] = STREAM_CHUNK,
+                                                    [HTTP_PULL_ARRAY] = ARRAY_CHUNK,
+                                                    [HTTP_PULL_DOWNLOAD] = DOWNLOAD_CHUNK };
+
+    return chunks[kind_of(source)];
+}
+
 bool http__pull_begin_body(http_request *r)
 {
     unsigned ack_ms = STREAM_ACK_MS;
 
     r->pull = (http_pull){ .source = r->response.source, .deadline_ms = NEVER };
-    if (!begin(r, r->pull.source.is_stream ? HTTP_PULL_STREAM : HTTP_PULL_DOWNLOAD))
+    if (!begin(r, kind_of(&r->pull.source)))
         return false;
     if (!r->pull.source.is_stream)
         return true;
@@ -268,7 +288,8 @@ static bool look(http_request *r, bool *ret_is_heartbeat_due)
     bool is_stopping = h->is_stopping;
     bool is_disconnected = p->is_disconnected;
     lock_release(&h->lock);
-    p->has_failed = is_disconnected || (is_stopping && p->kind == HTTP_PULL_DOWNLOAD);
+    const bool has_end = p->kind == HTTP_PULL_ARRAY || p->kind == HTTP_PULL_DOWNLOAD;
+    p->has_failed = is_disconnected || (is_stopping && has_end);
     if (is_stopping || clock_monotonic_ms() >= p->deadline_ms)
         p->state = BODY_DONE;
     return !p->has_failed && p->state != BODY_DONE;
@@ -284,8 +305,7 @@ static void make_chunk(http_request *r, bool is_heartbeat_due)
 
     p->n_taken = p->chunk.n = 0;
     bf_status status = source->next_chunk(source->state, &r->server->services,
-                                          source->is_stream ? STREAM_CHUNK : DOWNLOAD_CHUNK,
-                                          &p->chunk, &p->state, &err);
+                                          http__pull_chunk(source), &p->chunk, &p->state, &err);
     if (status == BF_OK && is_heartbeat_due && p->chunk.n == 0 && p->state == BODY_WAIT)
         status = buffer_append(&p->chunk, source->heartbeat, strlen(source->heartbeat));
     if (status == BF_OK)

@@ -18,6 +18,7 @@ typedef struct http_request http_request;
 /// What is pulled (pull.c). Each kind has its own limit.
 typedef enum http_pull_kind {
     HTTP_PULL_STREAM,    ///< an event stream
+    HTTP_PULL_ARRAY,     ///< a body of a known length: it takes little memory
     HTTP_PULL_DOWNLOAD,  ///< another body that is made while it is sent
     HTTP_PULL_LONG_POLL, ///< the end of a wait, before the answer
     HTTP_PULL_KINDS      ///< how many kinds
@@ -47,6 +48,9 @@ typedef struct http_pull {
     int64_t looked_ms;    ///< http.lock: when it was parked
     int64_t due_ms;       ///< http.lock: when it is looked at again, without a wake-up
 } http_pull;
+
+/// Bytes that a pull of the body takes in a chunk.
+size_t http__pull_chunk(const body_source *source);
 
 /// Begin to pull the body of the response. False: there are too many of its kind.
 bool http__pull_begin_body(http_request *r);

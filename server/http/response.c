@@ -13,7 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { READER_BLOCK = 4096 }; // MHD's room for what a reader gives, where it does not use chunks
+// MHD's room for what a reader gives, where it does not use chunks.
+enum { READER_BLOCK = 4096, LONG_READER_BLOCK = 32768 };
 
 void http__respond_refuse(http_request *r, int status, const bf_error *err)
 {
@@ -119,12 +120,30 @@ static void refuse_range(http_request *r, uint64_t n)
     api_response_header(&r->response, "Content-Range", "bytes */%" PRIu64, n);
 }
 
+static bool has_source(const http_request *r)
+{
+    return r->response.source.next_chunk != NULL;
+}
+
+// True if the body is made while it is sent, and its length is known before.
+static bool has_long_body(const http_request *r)
+{
+    return r->response.source.seek != NULL;
+}
+
+static uint64_t length_of(const http_request *r)
+{
+    if (has_long_body(r))
+        return r->response.source.n;
+    return r->file.fd >= 0 ? r->file.n : r->response.body.n;
+}
+
 // Cuts the answer to the range that was asked for.
 static void cut(http_request *r)
 {
     const char *etag = api_response_find(&r->response, "ETag");
     const char *asked = is_get(r) ? http__request_header(r, "Range") : NULL;
-    uint64_t n_all = r->file.fd >= 0 ? r->file.n : r->response.body.n;
+    uint64_t n_all = length_of(r);
     uint64_t first = 0, n = n_all;
 
     api_response_header(&r->response, "Accept-Ranges", "bytes");
@@ -140,6 +159,8 @@ static void cut(http_request *r)
     r->is_cut = true;
     r->first = first;
     r->n_sent = n;
+    if (has_long_body(r))
+        r->response.source.seek(r->response.source.state, first);
     api_response_header(&r->response, "Content-Range", "bytes %" PRIu64 "-%" PRIu64 "/%" PRIu64,
                         first, first + n - 1, n_all);
 }
@@ -150,7 +171,7 @@ static void choose_form(http_request *r)
 {
     const char *type = api_response_find(&r->response, "Content-Type");
     bool is_done = api_response_find(&r->response, "Content-Encoding") != NULL;
-    bool has_content = type != NULL && (r->file.fd >= 0 || r->response.body.n > 0);
+    bool has_content = type != NULL && (r->file.fd >= 0 || length_of(r) > 0);
 
     if (r->response.status == 204)
         return;
@@ -167,17 +188,14 @@ static void choose_form(http_request *r)
         cut(r);
 }
 
-static bool has_source(const http_request *r)
-{
-    return r->response.source.next_chunk != NULL;
-}
-
 static void remember_length(http_request *r)
 {
     const char *tag = api_response_find(&r->response, "ETag");
 
-    if (r->response.status == 200 && tag != NULL && !has_source(r) && r->file.fd < 0)
-        http_lengths_remember(&r->server->lengths, r->path, r->query, tag, r->response.body.n);
+    const bool has_length = has_long_body(r) || !has_source(r);
+
+    if (r->response.status == 200 && tag != NULL && has_length && r->file.fd < 0)
+        http_lengths_remember(&r->server->lengths, r->path, r->query, tag, length_of(r));
 }
 
 void http__finalize_response(http_request *r)
@@ -212,7 +230,8 @@ static bool is_pulled(const http_request *r)
 
 static struct MHD_Response *make_reader(http_request *r, uint64_t n)
 {
-    return MHD_create_response_from_callback(n, READER_BLOCK, http__pull_read, r, NULL);
+    return MHD_create_response_from_callback(n, has_long_body(r) ? LONG_READER_BLOCK : READER_BLOCK,
+                                             http__pull_read, r, NULL);
 }
 
 // An answer without a body whose length, if it had one, is not known: HEAD of such a body, and a 304,
@@ -242,6 +261,8 @@ static struct MHD_Response *make_response(http_request *r)
 {
     bf_buffer *body = &r->response.body;
 
+    if (has_long_body(r))
+        return make_reader(r, r->is_cut ? r->n_sent : r->response.source.n);
     if (has_source(r))
         return is_pulled(r) ? make_reader(r, MHD_SIZE_UNKNOWN) : make_without_length(r);
     if (r->response.status == 304 && r->file.fd < 0 && body->n == 0)

@@ -4,6 +4,7 @@
 
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
+#include "server/store/chunks.h"
 #include "server/store/connection.h"
 #include "server/store/space.h"
 #include "server/store/work.h"
@@ -24,13 +25,6 @@ typedef enum store__text {
     STORE__TEXT_COLUMNS,  ///< of the curve
     STORE__TEXT_FIGURES,  ///< key figures so far
 } store__text;
-
-/// Kinds of chunked blobs. The values stand in the store: never renumber.
-typedef enum store__blob {
-    STORE__BLOB_SNAPSHOT,   ///< item: index of the snapshot
-    STORE__BLOB_CHECKPOINT, ///< item: 0
-    STORE__BLOB_PARTS,      ///< item: index of the snapshot that they belong to
-} store__blob;
 
 /// Where a set of results is in its life. The values stand in the store: never renumber.
 typedef enum store__results {
@@ -181,41 +175,6 @@ BF_MUST_CHECK bf_status store__put_text(store__connection *writer, int64_t rowid
 /// Append a text of a run to *out. BF_ENOTFOUND: there is none.
 BF_MUST_CHECK bf_status store__get_text(store__connection *c, int64_t rowid, store__text kind,
                                         bf_buffer *out, bf_error *err);
-
-/// Bytes of a blob that are compressed alone, as a frame of zstd in a row of its own, so that they can be read alone.
-/// Blobs of stores before this are one frame, cut into rows.
-#define STORE__SLICE_BYTES 131072
-
-/// Append bytes, compressed, to *out: one frame for each slice of them.
-BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
-
-/// Append what was compressed to *out. BF_ECORRUPT: damaged.
-BF_MUST_CHECK bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err);
-
-/// Insert a compressed blob, each frame as a chunk.
-BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t results,
-                                             store__blob kind, uint64_t item,
-                                             const bf_buffer *compressed, bf_error *err);
-
-/// Append the chunks of a compressed blob to *out; nothing if there is none.
-BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind,
-                                          uint64_t item, bf_buffer *out, bf_error *err);
-
-/// Append one chunk of a blob to *out. BF_ECORRUPT: there is none.
-BF_MUST_CHECK bf_status store__get_chunk(store__connection *c, int64_t results, store__blob kind,
-                                         uint64_t item, uint64_t part, bf_buffer *out,
-                                         bf_error *err);
-
-/// How many chunks a blob has: one more than the number of the last one.
-BF_MUST_CHECK bf_status store__count_chunks(store__connection *c, int64_t results, store__blob kind,
-                                            uint64_t item, uint64_t *ret_n, bf_error *err);
-
-/// Turn a failure of zstd into an error: BF_ENOMEM, or `otherwise`.
-bf_status store__fail_zstd(size_t code, bf_status otherwise, bf_error *err);
-
-/// Delete a compressed blob.
-BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t results,
-                                             store__blob kind, uint64_t item, bf_error *err);
 
 /// Insert an empty set of results for a run that will be solved; row->results follows. digest NULL:
 /// no other run will use it.

@@ -1,0 +1,170 @@
+#include "api/results/array_file.h"
+
+#include "api/results/results.h"
+#include "api/results/results_priv.h"
+#include "core/base/memory.h"
+
+#include <string.h>
+
+static bf_status finish(bf_status status, array_file *file, array_file *ret_file, bf_error *err)
+{
+    if (status == BF_OK)
+        *ret_file = *file;
+    else
+        array_file_fini(file);
+    // What is appended to buffers says no more than that there is no memory.
+    return status == BF_ENOMEM ? bf_fail(err, BF_ENOMEM, "", "out of memory") : status;
+}
+
+bf_status array_file_open_npy(const api_services *services, const char *id, uint64_t index,
+                              array_file *ret_file, bf_error *err)
+{
+    array_file file = { .item_size = sizeof(float) };
+    api_snapshot snapshot;
+    bf_grid grid;
+
+    bf_status status =
+        services->open_snapshot(services->context, id, index, &snapshot, &grid, &file.slices, err);
+    if (status == BF_OK)
+        status = results__npy_head("<f4", grid.n1, grid.n2, &file.head);
+    return finish(status, &file, ret_file, err);
+}
+
+bf_status array_file_open_vti(const api_services *services, const char *id, uint64_t index,
+                              array_file *ret_file, bf_error *err)
+{
+    array_file file = { .item_size = sizeof(float) };
+    api_snapshot snapshot;
+    bf_grid grid;
+
+    bf_status status =
+        services->open_snapshot(services->context, id, index, &snapshot, &grid, &file.slices, err);
+    if (status == BF_OK)
+        status = results__vti_head(&grid, snapshot.t, &file.head);
+    if (status == BF_OK)
+        status = results__vti_tail(&file.tail);
+    return finish(status, &file, ret_file, err);
+}
+
+bf_status array_file_open_parts_npy(const api_services *services, const char *id, uint64_t index,
+                                    array_file *ret_file, bf_error *err)
+{
+    array_file file = { .item_size = sizeof(double) };
+    api_snapshot snapshot;
+    api_parts parts;
+
+    bf_status status =
+        services->open_parts(services->context, id, index, &snapshot, &parts, &file.slices, err);
+    if (status == BF_OK)
+        status = results__npy_head("<f8", parts.n_values, (size_t)parts.n_parts, &file.head);
+    return finish(status, &file, ret_file, err);
+}
+
+uint64_t array_file_size(const array_file *file)
+{
+    return file->head.n + file->slices.n + file->tail.n;
+}
+
+// From byte `at` of a text on.
+static bf_status read_text(const bf_buffer *text, uint64_t at, size_t limit, bf_buffer *out,
+                           bf_error *err)
+{
+    const size_t left = text->n - (size_t)at;
+
+    if (buffer_append(out, text->bytes + at, left < limit ? left : limit) == BF_OK)
+        return BF_OK;
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+// From byte `at` of the numbers on. Whole numbers are read, so that their byte order can be changed.
+static bf_status read_numbers(array_file *file, const api_services *services, uint64_t at,
+                              size_t limit, bf_buffer *out, bf_error *err)
+{
+    const size_t size = file->item_size, n_before = out->n, n_extra = (size_t)(at % size);
+    const size_t n_wanted = (limit + n_extra + size - 1) / size * size;
+
+    bf_status status =
+        services->read_slice(services->context, &file->slices, at - n_extra, n_wanted, out, err);
+    if (status != BF_OK)
+        return status;
+    results__order_bytes(out->bytes + n_before, (out->n - n_before) / size, size);
+    size_t n = out->n - n_before - n_extra;
+    n = n < limit ? n : limit;
+    memmove(out->bytes + n_before, out->bytes + n_before + n_extra, n);
+    buffer_truncate(out, n_before + n);
+    return BF_OK;
+}
+
+bf_status array_file_read(array_file *file, const api_services *services, uint64_t at,
+                          size_t limit_bytes, bf_buffer *out, bf_error *err)
+{
+    const uint64_t n_before_tail = file->head.n + file->slices.n;
+
+    if (at < file->head.n)
+        return read_text(&file->head, at, limit_bytes, out, err);
+    if (at < n_before_tail)
+        return read_numbers(file, services, at - file->head.n, limit_bytes, out, err);
+    if (at < n_before_tail + file->tail.n)
+        return read_text(&file->tail, at - n_before_tail, limit_bytes, out, err);
+    return BF_OK;
+}
+
+void array_file_fini(array_file *file)
+{
+    buffer_fini(&file->head);
+    buffer_fini(&file->tail);
+    api_slices_fini(&file->slices);
+    *file = (array_file){ .item_size = 0 };
+}
+
+// The body's state.
+typedef struct sent_file {
+    array_file file;
+    uint64_t at;
+} sent_file;
+
+static bf_status next_chunk(void *state, const api_services *services, size_t limit_bytes,
+                            bf_buffer *out, body_state *ret_state, bf_error *err)
+{
+    sent_file *sent = state;
+    const size_t n_before = out->n;
+
+    bf_status status = array_file_read(&sent->file, services, sent->at, limit_bytes, out, err);
+    if (status != BF_OK)
+        return status;
+    sent->at += out->n - n_before;
+    *ret_state = sent->at < array_file_size(&sent->file) ? BODY_MORE : BODY_DONE;
+    return BF_OK;
+}
+
+static void seek(void *state, uint64_t at)
+{
+    ((sent_file *)state)->at = at;
+}
+
+static void destroy(void *state)
+{
+    sent_file *sent = state;
+
+    array_file_fini(&sent->file);
+    memory_free(sent);
+}
+
+bf_status array_file_send(array_file *file, body_source *ret_source, bf_error *err)
+{
+    sent_file *sent = memory_alloc(1, sizeof *sent);
+
+    if (sent == NULL) {
+        array_file_fini(file);
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    }
+    sent->file = *file;
+    *file = (array_file){ .item_size = 0 };
+    *ret_source = (body_source){ .state = sent,
+                                 .next_chunk = next_chunk,
+                                 .destroy = destroy,
+                                 .seek = seek,
+                                 .n = array_file_size(&sent->file),
+                                 .n_held = sizeof *sent + sent->file.slices.n_held };
+    return BF_OK;
+}

@@ -1,0 +1,186 @@
+#include "server/store/chunks.h"
+
+#include "core/base/check.h"
+#include "core/run/frame.h"
+
+#include <sqlite3.h>
+#include <zstd.h>
+#include <zstd_errors.h>
+
+enum { LEVEL = 1 }; // of compression
+
+static bf_status fail_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+bf_status store__fail_zstd(size_t code, bf_status otherwise, bf_error *err)
+{
+    if (ZSTD_getErrorCode(code) == ZSTD_error_memory_allocation)
+        return fail_memory(err);
+    return bf_fail(err, otherwise, "", "compressed bytes of the store: %s",
+                   ZSTD_getErrorName(code));
+}
+
+static bf_status compress(ZSTD_CCtx *context, const char *bytes, size_t n, bf_buffer *out,
+                          bf_error *err)
+{
+    size_t room = ZSTD_compressBound(n);
+    char *to = buffer_reserve(out, room);
+
+    if (to == NULL)
+        return fail_memory(err);
+    size_t compressed = ZSTD_compress2(context, to, room, bytes, n);
+    if (ZSTD_isError(compressed))
+        return store__fail_zstd(compressed, BF_ESYSTEM, err);
+    out->n += compressed;
+    out->bytes[out->n] = '\0';
+    return BF_OK;
+}
+
+bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
+{
+    ZSTD_CCtx *context = ZSTD_createCCtx();
+    bf_status status = BF_OK;
+
+    if (context == NULL)
+        return fail_memory(err);
+    size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
+    // The checksum detects damage of the file after the solver wrote it.
+    if (!ZSTD_isError(code))
+        code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+    if (ZSTD_isError(code))
+        status = store__fail_zstd(code, BF_ESYSTEM, err);
+    size_t at = 0;
+    do {
+        size_t n_slice = n - at < STORE__SLICE_BYTES ? n - at : STORE__SLICE_BYTES;
+        if (status == BF_OK)
+            status = compress(context, (const char *)bytes + at, n_slice, out, err);
+        at += n_slice;
+    } while (status == BF_OK && at < n);
+    ZSTD_freeCCtx(context);
+    return status;
+}
+
+// The size of what is in the frames; UINT64_MAX: they are damaged.
+static uint64_t unpacked_size(const bf_buffer *compressed)
+{
+    uint64_t n = 0;
+    size_t at = 0;
+
+    do {
+        const char *from = compressed->bytes + at;
+        size_t left = compressed->n - at;
+        unsigned long long size = ZSTD_getFrameContentSize(from, left);
+        size_t used = ZSTD_findFrameCompressedSize(from, left);
+        // Nothing larger comes from a run; the two marks of an unknown size are larger, too.
+        if (size > FRAME_PAYLOAD_MAX - n || ZSTD_isError(used))
+            return UINT64_MAX;
+        n += size;
+        at += used;
+    } while (at < compressed->n);
+    return n;
+}
+
+bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err)
+{
+    const uint64_t n = unpacked_size(compressed);
+
+    if (n == UINT64_MAX)
+        return bf_fail(err, BF_ECORRUPT, "", "compressed bytes of the store are damaged");
+    char *to = buffer_reserve(out, n);
+    if (to == NULL)
+        return fail_memory(err);
+    size_t got = ZSTD_decompress(to, n, compressed->bytes, compressed->n);
+    if (ZSTD_isError(got))
+        return store__fail_zstd(got, BF_ECORRUPT, err);
+    out->n += got;
+    out->bytes[out->n] = '\0';
+    return BF_OK;
+}
+
+static bf_status insert_chunk(store__connection *writer, const int64_t key[4], const char *bytes,
+                              size_t n, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_INSERT_CHUNK);
+    for (int i = 0; i < 4; i++)
+        store__bind_integer(&q, key[i]);
+    store__bind_blob(&q, bytes, n);
+    return store__run(&q, err);
+}
+
+bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
+                               uint64_t item, const bf_buffer *compressed, bf_error *err)
+{
+    int64_t key[4] = { results, kind, (int64_t)item, 0 };
+    bf_status status = BF_OK;
+
+    for (size_t at = 0, n = 0; at < compressed->n && status == BF_OK; at += n, key[3]++) {
+        n = ZSTD_findFrameCompressedSize(compressed->bytes + at, compressed->n - at);
+        BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
+        status = insert_chunk(writer, key, compressed->bytes + at, n, err);
+    }
+    return status;
+}
+
+static store__query begin_blob(store__connection *c, store__sql sql, int64_t results,
+                               store__blob kind, uint64_t item)
+{
+    store__query q = store__begin(c, sql);
+    store__bind_integer(&q, results);
+    store__bind_integer(&q, kind);
+    store__bind_integer(&q, (int64_t)item);
+    return q;
+}
+
+bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
+                            bf_buffer *out, bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+
+    store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, results, kind, item);
+    while (status == BF_OK && has_row) {
+        status = store__next(&q, &has_row, err);
+        if (status == BF_OK && has_row)
+            status = store__column_bytes(&q, 0, out, err);
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store__get_chunk(store__connection *c, int64_t results, store__blob kind, uint64_t item,
+                           uint64_t part, bf_buffer *out, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = begin_blob(c, STORE__SQL_GET_CHUNK, results, kind, item);
+    store__bind_integer(&q, (int64_t)part);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 0, out, err);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ECORRUPT, "", "a part of a stored snapshot is missing");
+    return status;
+}
+
+bf_status store__count_chunks(store__connection *c, int64_t results, store__blob kind,
+                              uint64_t item, uint64_t *ret_n, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = begin_blob(c, STORE__SQL_COUNT_CHUNKS, results, kind, item);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_n = (uint64_t)sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    return status;
+}
+
+bf_status store__delete_chunks(store__connection *writer, int64_t results, store__blob kind,
+                               uint64_t item, bf_error *err)
+{
+    store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, results, kind, item);
+    return store__run(&q, err);
+}
