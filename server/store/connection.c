@@ -256,12 +256,22 @@ bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
     return BF_OK;
 }
 
+bf_status store__begin_transaction(store__connection *c, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    // The rollback of the one before may have failed, for want of memory.
+    if (sqlite3_get_autocommit(c->db) == 0)
+        status = store__run_plain(c, STORE__SQL_ROLLBACK, err);
+    return status == BF_OK ? store__run_plain(c, STORE__SQL_BEGIN_WRITE, err) : status;
+}
+
 bf_status store__end_transaction(store__connection *c, bf_status status, bf_error *err)
 {
     if (status == BF_OK)
         status = store__run_plain(c, STORE__SQL_COMMIT, err);
-    // After some failures SQLite has already rolled the transaction back. Nothing is left to be done about a
-    // rollback that fails: the next transaction will not begin, and say so.
+    // After some failures SQLite has already rolled the transaction back. A rollback that fails is made up for
+    // when the next transaction begins.
     if (status != BF_OK && sqlite3_get_autocommit(c->db) == 0) {
         bf_status undone = store__run_plain(c, STORE__SQL_ROLLBACK, NULL);
         (void)undone;

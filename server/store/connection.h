@@ -96,6 +96,9 @@ void store__column_text(const store__query *q, int column, char *ret_text, size_
 BF_MUST_CHECK bf_status store__column_bytes(const store__query *q, int column, bf_buffer *out,
                                             bf_error *err);
 
+/// Begin a transaction of the writer.
+BF_MUST_CHECK bf_status store__begin_transaction(store__connection *c, bf_error *err);
+
 /// End the open transaction: commit if status is BF_OK, else, or if that fails, undo it all.
 /// Returns status, or the failure of the commit.
 BF_MUST_CHECK bf_status store__end_transaction(store__connection *c, bf_status status,

@@ -112,7 +112,7 @@ static bf_status do_step(step *st, bf_error *err)
 
 static bf_status run_step(step *st, bf_error *err)
 {
-    bf_status status = store__run_plain(st->writer, STORE__SQL_BEGIN_WRITE, err);
+    bf_status status = store__begin_transaction(st->writer, err);
 
     return status == BF_OK ? store__end_transaction(st->writer, do_step(st, err), err) : status;
 }

@@ -298,7 +298,7 @@ bf_status store__migrate(store__connection *writer, const char *path, bf_error *
         status = switch_to_wal(writer->db, err);
     if (status != BF_OK || version == VERSION)
         return status;
-    status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
+    status = store__begin_transaction(writer, err);
     if (status == BF_OK)
         status = store__end_transaction(writer, upgrade(writer->db, version, err), err);
     return status;

@@ -233,7 +233,7 @@ static bf_status recover(store__connection *writer, const store_options *options
 {
     int n = 0;
 
-    bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, err);
+    bf_status status = store__begin_transaction(writer, err);
     if (status == BF_OK)
         status = store__end_transaction(writer, recover_rows(writer, options, &n, err), err);
     if (status == BF_OK && n > 0)

@@ -69,7 +69,7 @@ static void apply_group(store__connection *writer, store__operation *first)
     bf_error error = { 0 };
     int64_t begin_ns = clock_monotonic_ns();
 
-    bf_status status = store__run_plain(writer, STORE__SQL_BEGIN_WRITE, &error);
+    bf_status status = store__begin_transaction(writer, &error);
     for (store__operation *o = first; o != NULL && status == BF_OK; o = o->next)
         status = apply_alone(writer, o, &error);
     status = store__end_transaction(writer, status, &error);
