@@ -173,6 +173,9 @@ static bf_status copy_event(const store__query *q, int first, event_merge *merge
         .at = merge->data.n,
     };
 
+    if ((unsigned)copied.type >= API_EVENT_TYPE_COUNT)
+        return bf_fail(err, BF_ECORRUPT, "", "event %llu is damaged",
+                       (unsigned long long)copied.id);
     bf_status status = store__column_bytes(q, first + 2, &merge->data, err);
     if (status == BF_OK && merge->data.n == copied.at)
         status = describe_reused(q->connection, &merge->rows[which], copied.type, copied.snapshot,

@@ -102,7 +102,7 @@ bf_status store_remove_measurement(store *s, const char *id, bf_error *err)
     return store__write_freeing(s, apply_remove, &context, err);
 }
 
-static void read_about(const store__query *q, api_measurement *ret_about)
+static bf_status read_about(const store__query *q, api_measurement *ret_about, bf_error *err)
 {
     api_measurement about = { .created_ms = sqlite3_column_int64(q->statement, 3) };
 
@@ -113,7 +113,10 @@ static void read_about(const store__query *q, api_measurement *ret_about)
     about.t_start = store__column_real(q, 5);
     about.t_end = store__column_real(q, 6);
     about.kind = (api_measured)sqlite3_column_int(q->statement, 7);
+    if ((unsigned)about.kind >= API_MEASURED_COUNT)
+        return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about.id);
     *ret_about = about;
+    return BF_OK;
 }
 
 static bf_status read_samples(const store__query *q, const api_measurement *about, api_curve *curve,
@@ -146,7 +149,7 @@ static bf_status read_measurement(store__connection *reader, const char *id, api
     if (status == BF_OK && !has_row)
         status = fail_absent(id, err);
     if (status == BF_OK)
-        read_about(&q, ret_about);
+        status = read_about(&q, ret_about, err);
     if (status == BF_OK && curve != NULL)
         status = read_samples(&q, ret_about, curve, err);
     store__end(&q);
@@ -235,7 +238,7 @@ static bf_status read_list(store__connection *reader, const api_measurement_quer
             break;
         list->has_more = list->n == query->limit;
         if (!list->has_more)
-            read_about(&q, &list->items[list->n++]);
+            status = read_about(&q, &list->items[list->n++], err);
     }
     store__end(&q);
     return status;

@@ -81,7 +81,9 @@ static bf_status read_list(store__connection *reader, const api_list_query *quer
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
-        store__read_row(&q, &row);
+        status = store__read_row(&q, &row, err);
+        if (status != BF_OK)
+            break;
         list->has_more = list->n == query->limit;
         if (!list->has_more)
             list->runs[list->n++] = row.run;

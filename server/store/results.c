@@ -68,7 +68,7 @@ bf_status store__find_solved(store__connection *c, const unsigned char digest[ST
     store__bind_text(&q, solver, strlen(solver));
     bf_status status = store__next(&q, ret_is_solved, err);
     if (status == BF_OK && *ret_is_solved)
-        store__read_row(&q, ret_row);
+        status = store__read_row(&q, ret_row, err);
     store__end(&q);
     return status;
 }

@@ -19,10 +19,12 @@ static bf_status find_code(const char *word)
 #define READ_INTEGER(member) member = (__typeof__(member))sqlite3_column_int64(q->statement, i)
 #define READ_REAL(member)    member = store__column_real(q, i)
 #define READ_TEXT(member)    store__column_text(q, i, member, sizeof member)
+#define READ_ID(member)      is_whole = read_id(q, i, member)
 #define READ_CODE(member)    member = read_code(q, i)
 #define BIND_INTEGER(member) store__bind_integer(q, (int64_t)member)
 #define BIND_REAL(member)    store__bind_real(q, member)
 #define BIND_TEXT(member)    store__bind_text(q, member, strlen(member))
+#define BIND_ID(member)      BIND_TEXT(member)
 #define BIND_CODE(member)    bind_code(q, member)
 
 static bf_status read_code(const store__query *q, int column)
@@ -33,6 +35,14 @@ static bf_status read_code(const store__query *q, int column)
     return find_code(word);
 }
 
+// False: it is longer or shorter than an id.
+static bool read_id(const store__query *q, int column, char ret_id[API_ID_SIZE])
+{
+    store__column_text(q, column, ret_id, API_ID_SIZE);
+    return strlen(ret_id) == API_ID_SIZE - 1 &&
+           sqlite3_column_bytes(q->statement, column) == API_ID_SIZE - 1;
+}
+
 static void bind_code(store__query *q, bf_status code)
 {
     const char *word = code == BF_OK ? "" : bf_status_word(code);
@@ -40,9 +50,19 @@ static void bind_code(store__query *q, bf_status code)
     store__bind_text(q, word, strlen(word));
 }
 
-void store__read_row(const store__query *q, store__row *ret_row)
+// Pages of an old store have no sums, and another program may have written a row. A number that stands for nothing, and
+// an id by which the run is not found again, must not get any further.
+static bool is_possible(const store__row *row)
+{
+    return (unsigned)row->run.state < RUN_STATE_COUNT &&
+           (unsigned)row->run.model < RUN_MODEL_COUNT &&
+           (unsigned)row->stop_request <= STORE_STOP_KILL;
+}
+
+bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err)
 {
     store__row row = { .rowid = sqlite3_column_int64(q->statement, 0) };
+    bool is_whole = false;
     int i = 0;
 
 #define X(kind, column, member)                                                                    \
@@ -50,7 +70,10 @@ void store__read_row(const store__query *q, store__row *ret_row)
     READ_##kind(row.member);
     STORE__RUN_LIST(X)
 #undef X
+    if (!is_whole || !is_possible(&row))
+        return bf_fail(err, BF_ECORRUPT, "", "the row of the run %.40s is damaged", row.run.id);
     *ret_row = row;
+    return BF_OK;
 }
 
 bf_status store__find_first(store__connection *c, store__sql sql, const char *text,
@@ -61,7 +84,7 @@ bf_status store__find_first(store__connection *c, store__sql sql, const char *te
         store__bind_text(&q, text, strlen(text));
     bf_status status = store__next(&q, ret_has_row, err);
     if (status == BF_OK && *ret_has_row)
-        store__read_row(&q, ret_row);
+        status = store__read_row(&q, ret_row, err);
     store__end(&q);
     return status;
 }

@@ -7,7 +7,7 @@
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
 /// terminator) or CODE (bf_status by its word). Those that only an insert sets:
 #define STORE__RUN_FIXED(X)                                                                        \
-    X(TEXT, id, run.id)                                                                            \
+    X(ID, id, run.id)                                                                              \
     X(INTEGER, model, run.model)                                                                   \
     X(INTEGER, priority, run.priority)                                                             \
     X(TEXT, label, run.label)                                                                      \

@@ -135,8 +135,9 @@ BF_MUST_CHECK bf_status store__write_freeing(store *s, store__apply *apply, void
 /// begun one after the other are applied in that order.
 void store__begin_write(store *s, store__operation *operation);
 
-/// Read the run of the present row, selected as STORE__RUN_COLUMNS.
-void store__read_row(const store__query *q, store__row *ret_row);
+/// Read the run of the present row, selected as STORE__RUN_COLUMNS. BF_ECORRUPT: no run can be like this; *ret_row is as
+/// before.
+BF_MUST_CHECK bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err);
 
 /// Read the first run of a statement, selected as STORE__RUN_COLUMNS, whose only parameter is this text, or
 /// which has none (NULL).

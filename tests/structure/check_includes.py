@@ -64,7 +64,7 @@ ONLY_IN = {
     "archive.h": r"api/results/zip_out\.c|tests/.+",
     "archive_entry.h": r"api/results/zip_out\.c|tests/.+",
     "microhttpd.h": r"server/http/.+",
-    "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c",
+    "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c|tests/fuzz/fuzz_row\.c",
     "sodium.h": r"server/store/\w+\.c",
     "zstd.h": r"server/(store/\w+|http/representation)\.c|tests/unit/server/(http|store)/test_\w+\.c",
     "zlib.h": r"server/http/representation\.c|tests/unit/server/.+\.c",
