@@ -75,8 +75,8 @@ ONLY_IN = {
     # Processes are the local executor's; the supervisor knows only jobs.
     "seccomp.h": r"server/run/confinement\.c|tests/unit/server/run/test_confinement\.c",
     "linux/landlock.h": r"server/run/confinement\.c",
-    "spawn.h": r"server/run/local_executor\.c",
-    "sys/pidfd.h": r"server/run/local_executor\.c",
+    "spawn.h": r"server/run/local_executor\.c|tests/unit/server/run/test_executor_faults\.c",
+    "sys/pidfd.h": r"server/run/local_executor\.c|tests/unit/server/run/test_executor_faults\.c",
     "sys/wait.h": r"server/run/local_executor\.c|tests/.+",
 }
 

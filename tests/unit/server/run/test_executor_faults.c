@@ -1,0 +1,236 @@
+// Unit tests of the local executor in a system that fails: the n-th call that starting a child needs, and the n-th
+// allocation, for n = 1, 2, ... until a start needs no n-th. A start that fails leaves neither descriptor nor child.
+
+#include "core/base/memory.h"
+#include "server/run/local_executor.h"
+#include "tests/unit/server/helper_supervisor.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <poll.h>
+#include <spawn.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/pidfd.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+// ------------------------------------------------------------------------ what fails
+
+static atomic_size_t fault_at; // 0: none is planned
+static atomic_size_t n_calls;  // since the plan
+static atomic_int fault_errno; // of the call that fails
+
+static bool is_due(void)
+{
+    const size_t call = atomic_fetch_add(&n_calls, 1) + 1;
+    return fault_at != 0 && call == fault_at;
+}
+
+// What the C library has under this name.
+static void find_next(const char *name, void *ret_function)
+{
+    void *const function = dlsym(RTLD_NEXT, name);
+
+    assert_non_null(function);
+    memcpy(ret_function, &function, sizeof function);
+}
+
+// The functions below take the place of the C library's.
+
+static int fail_call(void)
+{
+    errno = fault_errno;
+    return -1;
+}
+
+int pipe2(int fds[2], int flags)
+{
+    int (*next)(int *, int);
+
+    find_next("pipe2", &next);
+    return is_due() ? fail_call() : next(fds, flags);
+}
+
+int pidfd_open(pid_t pid, unsigned flags)
+{
+    int (*next)(pid_t, unsigned);
+
+    find_next("pidfd_open", &next);
+    return is_due() ? fail_call() : next(pid, flags);
+}
+
+int epoll_create1(int flags)
+{
+    int (*next)(int);
+
+    find_next("epoll_create1", &next);
+    return is_due() ? fail_call() : next(flags);
+}
+
+int epoll_ctl(int epoll, int what, int fd, struct epoll_event *event)
+{
+    int (*next)(int, int, int, struct epoll_event *);
+
+    find_next("epoll_ctl", &next);
+    return is_due() ? fail_call() : next(epoll, what, fd, event);
+}
+
+int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *actions,
+                const posix_spawnattr_t *attributes, char *const *argv, char *const *environment)
+{
+    int (*next)(pid_t *, const char *, const posix_spawn_file_actions_t *,
+                const posix_spawnattr_t *, char *const *, char *const *);
+
+    find_next("posix_spawn", &next);
+    return is_due() ? fault_errno : next(pid, path, actions, attributes, argv, environment);
+}
+
+// ------------------------------------------------------------------------ starts
+
+static size_t count_descriptors(void)
+{
+    DIR *folder = opendir("/proc/self/fd");
+    size_t n = 0;
+
+    assert_non_null(folder);
+    while (readdir(folder) != NULL)
+        n++;
+    closedir(folder);
+    return n;
+}
+
+static void run_to_its_end(executor *e, executor_job *job)
+{
+    char bytes[4096];
+    executor_end end;
+    size_t n;
+
+    for (;;) {
+        struct pollfd wake = { .fd = e->wake_fd, .events = POLLIN };
+        const executor_state state = e->functions->poll(e, job, bytes, sizeof bytes, &n, &end);
+        if (state == EXECUTOR_ENDED)
+            break;
+        assert_int_equal(state, EXECUTOR_RUNNING);
+        if (n == 0) {
+            assert_true(poll(&wake, 1, 60000) == 1);
+            e->functions->update(e);
+        }
+    }
+    assert_int_equal(end.cause, EXECUTOR_EXITED);
+}
+
+// Create an executor, solve a run with it, and destroy it.
+static bf_status solve(bf_error *err)
+{
+    bf_buffer scenario = { 0 }, checkpoint = { 0 };
+    executor *e = NULL;
+    executor_job *job = NULL;
+
+    scenario.bytes = (char *)(uintptr_t)helper_short_belt;
+    scenario.n = strlen(helper_short_belt);
+    const executor_work work = { .run_id = "a run",
+                                 .model = RUN_MACRO,
+                                 .n_threads = 1,
+                                 .scenario = &scenario,
+                                 .checkpoint = &checkpoint };
+    bf_status status = local_executor_create(PROGRAM_DIR "/beltflow", &e, err);
+    if (status != BF_OK)
+        return status;
+    status = e->functions->start(e, &work, &job, err);
+    if (status == BF_OK) {
+        run_to_its_end(e, job);
+        e->functions->release(e, job);
+    } else {
+        assert_null(job);
+    }
+    (void)local_executor_destroy(e);
+    return status;
+}
+
+static bool is_from_outside(bf_status status)
+{
+    return status == BF_EBUSY || status == BF_ESYSTEM || status == BF_ENOMEM;
+}
+
+static void check_start(bf_status status, const bf_error *err, bool has_failed, size_t n_before)
+{
+    assert_true(has_failed ? is_from_outside(status) : status == BF_OK);
+    assert_true(status == BF_OK || err->text[0] != '\0');
+    assert_int_equal(count_descriptors(), n_before);
+    assert_true(helper_is_childless());
+}
+
+static size_t start_with(int error)
+{
+    const size_t n_before = count_descriptors();
+
+    for (size_t n = 1;; n++) {
+        bf_error err = { 0 };
+        fault_errno = error;
+        n_calls = 0;
+        fault_at = n;
+        const bf_status status = solve(&err);
+        const bool has_failed = n_calls >= n;
+        fault_at = 0;
+        check_start(status, &err, has_failed, n_before);
+        if (!has_failed)
+            return n - 1;
+    }
+}
+
+// An executor, three pipes, a child, its descriptor, and four descriptors that are watched.
+static void any_call_may_fail(void **state)
+{
+    (void)state;
+    assert_int_equal(start_with(EMFILE), 10);
+    assert_int_equal(start_with(EAGAIN), 10);
+    assert_int_equal(start_with(EPERM), 10);
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    const size_t n_before = count_descriptors();
+    size_t n_faults = 1, n_allocations = 0;
+
+    (void)state;
+    for (size_t n = 1; n_faults > 0; n++) {
+        bf_error err = { 0 };
+        memory_plan_fault(n, 0);
+        const bf_status status = solve(&err);
+        n_faults = memory_faults();
+        memory_plan_fault(0, 0);
+        check_start(status, &err, n_faults > 0, n_before);
+        n_allocations += n_faults;
+    }
+    assert_true(n_allocations > 0);
+}
+
+// The supervisor puts off what cannot be started now.
+static void a_run_is_solved_when_children_can_be_started_again(void **state)
+{
+    helper_world *w = *state;
+
+    helper_supervise(w);
+    fault_errno = EAGAIN;
+    n_calls = 0;
+    fault_at = 4; // the child, behind the pipes
+    const api_run record = helper_world_submit(w, helper_short_belt);
+    (void)helper_await_state(w, record.id, RUN_SUCCEEDED);
+    assert_true(n_calls > fault_at);
+    fault_at = 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_call_may_fail),
+        cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test_setup_teardown(a_run_is_solved_when_children_can_be_started_again,
+                                        helper_world_setup, helper_world_teardown),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
