@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "api/access.h"
 #include "core/scene/limits.h"
 
 #include <stdbool.h>
@@ -38,10 +39,12 @@ typedef struct api_measurement {
     uint64_t n_samples;          ///< of its curve, or rows of its text
     double t_start;              ///< first time, s
     double t_end;                ///< last time, s
+    char owner[API_OWNER_SIZE];  ///< whose it is; "": nobody's
 } api_measurement;
 
 /// Which measurements a list shows; newest first.
 typedef struct api_measurement_query {
+    char owner[API_OWNER_SIZE]; ///< "": everybody's
     char label[API_LABEL_SIZE]; ///< "": any
     char before[API_ID_SIZE];   ///< only those older than this id; "": from the newest
     size_t limit;               ///< 1 .. API_LIST_MAX

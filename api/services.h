@@ -49,6 +49,7 @@ typedef struct api_run {
     bf_grid grid;                   ///< of its snapshots; n1 = 0: not known yet
     api_parts parts;                ///< of its snapshots; n_values = 0: none
     bool has_summary;               ///< summary.json is there
+    char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
     bool is_cached;                 ///< its results are those of a run before it
     char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
     bf_error error;                 ///< code BF_OK: none
@@ -62,10 +63,11 @@ typedef struct api_submission {
     char name[SCENE_NAME_SIZE];   ///< of the scenario
     bf_buffer scenario;           ///< the resolved document
     bf_buffer columns;            ///< of the curve, from scenario_columns()
+    char owner[API_OWNER_SIZE];   ///< whose it will be, "" if nobody's
     char client[API_CLIENT_SIZE]; ///< who submits it, "" if no limit holds for them
     bool is_fresh;                ///< to be solved even if the results are known
     bf_buffer identity;           ///< the resolved document without its name; "": never cached
-    char key[API_KEY_SIZE];       ///< the client's idempotency key, "" if none
+    char key[API_KEY_SIZE];       ///< the client's idempotency key, one of its owner's; "" if none
     const char *body; ///< with a key: what else must be the same, n_body bytes; borrowed
     size_t n_body;    ///< bytes
 } api_submission;
@@ -82,6 +84,7 @@ typedef struct api_acceptance {
 typedef struct api_list_query {
     int state;                  ///< run_state, or -1: any
     int model;                  ///< run_model, or -1: any
+    char owner[API_OWNER_SIZE]; ///< "": everybody's
     char label[API_LABEL_SIZE]; ///< "": any
     char before[API_ID_SIZE];   ///< only runs older than this id; "": from the newest
     size_t limit;               ///< 1 .. API_LIST_MAX

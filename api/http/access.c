@@ -59,6 +59,41 @@ bf_status access_check(exchange *x, bf_error *err)
     return BF_OK;
 }
 
+const char *access_list_owner(const exchange *x)
+{
+    bool sees_all = x->credential == API_CREDENTIAL_UNUSED ||
+                    api_access_includes(x->who.scopes, API_SCOPE_ADMIN);
+
+    return sees_all ? "" : x->who.owner;
+}
+
+static bool may_see(const exchange *x, const char *owner)
+{
+    const char *only = access_list_owner(x);
+
+    return only[0] == '\0' || strcmp(only, owner) == 0;
+}
+
+bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, bf_error *err)
+{
+    bf_status status = x->services->find(x->services->context, id, ret_run, err);
+
+    if (status == BF_OK && !may_see(x, ret_run->owner))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no run %.40s", id);
+    return status;
+}
+
+bf_status access_find_measurement(const exchange *x, const char *id,
+                                  api_measurement *ret_measurement, bf_error *err)
+{
+    bf_status status =
+        x->services->find_measurement(x->services->context, id, ret_measurement, err);
+
+    if (status == BF_OK && !may_see(x, ret_measurement->owner))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement %.40s", id);
+    return status;
+}
+
 void access_challenge(exchange *x, int status)
 {
     bool is_told = x->credential != API_CREDENTIAL_UNUSED;

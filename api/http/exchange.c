@@ -212,7 +212,7 @@ bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
     BF_CHECK(x->params.n > 0);
     if (!param_is_id(id))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no run '%s'", id);
-    return x->services->find(x->services->context, id, ret_run, err);
+    return access_find_run(x, id, ret_run, err);
 }
 
 const char *exchange__text(const exchange *x, const char *name)

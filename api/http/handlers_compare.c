@@ -2,6 +2,7 @@
 //
 // Memory  two curves, then two snapshots, are held at a time, however many are compared.
 
+#include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/json/json_out.h"
 #include "api/results/compare_json.h"
@@ -110,10 +111,10 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     const api_services *services = x->services;
     api_curve curve = { 0 };
 
-    bf_status status = services->find(services->context, e->id, &e->run, err);
+    bf_status status = access_find_run(x, e->id, &e->run, err);
     e->is_run = status == BF_OK;
     if (status == BF_ENOTFOUND)
-        status = services->find_measurement(services->context, e->id, &e->measurement, err);
+        status = access_find_measurement(x, e->id, &e->measurement, err);
     if (status == BF_ENOTFOUND)
         return exchange__refuse(x, 404, e->pointer, err, "there is nothing with the id '%s'",
                                 e->id);

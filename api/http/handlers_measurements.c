@@ -1,5 +1,6 @@
 // Measurements: store, list, show, remove.
 
+#include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/json/number.h"
 #include "api/results/measurement.h"
@@ -65,6 +66,7 @@ bf_status handlers_measurements_add(exchange *x, bf_error *err)
     bf_status status = read_measurement(x, &m, err);
     if (status != BF_OK)
         return status;
+    memcpy(m.about.owner, x->who.owner, sizeof m.about.owner);
     // Room for the answer comes first: what was stored must not be answered with a failure.
     size_t room = MEMBERS_JSON_MAX + 2 * m.curve.n * NUMBER_SIZE + CSV_JSON_MAX * m.csv.n;
     if (buffer_reserve(&x->response->body, room) == NULL)
@@ -94,6 +96,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
     const exchange_page page = exchange__page(x);
     api_measurement_query wanted = { .limit = page.limit };
 
+    snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
     memcpy(wanted.label, page.label, sizeof wanted.label);
     memcpy(wanted.before, page.before, sizeof wanted.before);
     api_measurement_list *list = memory_alloc(1, sizeof *list);
@@ -115,7 +118,7 @@ static bf_status find_measurement(exchange *x, api_measurement *ret_measurement,
 
     if (!param_is_id(id))
         return bf_fail(err, BF_ENOTFOUND, "", "there is no measurement '%s'", id);
-    return x->services->find_measurement(x->services->context, id, ret_measurement, err);
+    return access_find_measurement(x, id, ret_measurement, err);
 }
 
 bf_status handlers_measurements_show(exchange *x, bf_error *err)

@@ -1,6 +1,7 @@
 // The results of a run so far: scenario, summary, curve, snapshots, parts, all of them in one archive, and
 // the stream of its events.
 
+#include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/http/stream.h"
@@ -460,6 +461,10 @@ bf_status handlers_results_events_of_runs(exchange *x, bf_error *err)
 {
     char runs[API_STREAM_RUNS_MAX][API_ID_SIZE];
     size_t n = exchange__ids(x, "runs", runs);
+    bf_status status = BF_OK;
+    api_run record;
 
-    return begin_stream(x, runs, n, err);
+    for (size_t i = 0; status == BF_OK && i < n; i++)
+        status = access_find_run(x, runs[i], &record, err);
+    return status == BF_OK ? begin_stream(x, runs, n, err) : status;
 }

@@ -1,5 +1,6 @@
 // Runs: accept or validate a submission, list, show, cancel, remove.
 
+#include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
 #include "api/results/run_json.h"
@@ -16,12 +17,13 @@ static const char *const body_types[] = { "application/json", NULL };
 static bf_status read_feed_text(const void *context, const char *id, const char *kind,
                                 bf_buffer *out, bf_error *err)
 {
-    const api_services *services = context;
+    const exchange *x = context;
+    const api_services *services = x->services;
     bf_status status = BF_ENOTFOUND;
     api_measurement about;
 
     if (param_is_id(id))
-        status = services->find_measurement(services->context, id, &about, err);
+        status = access_find_measurement(x, id, &about, err);
     if (status == BF_OK && strcmp(api_measured_words[about.kind], kind) != 0)
         return bf_fail(err, BF_EINPUT, "", "the measurement %s is a %s, not a %s", id,
                        api_measured_words[about.kind], kind);
@@ -37,9 +39,7 @@ static bf_status read_submission(exchange *x, api_submission *ret_submission, bf
 {
     const api_request *request = x->request;
     const char *body = request->body == NULL ? "" : request->body;
-    json_in_texts texts = { .context = x->services,
-                            .read = read_feed_text,
-                            .n_left = SUBMISSION_TEXTS_MAX };
+    json_in_texts texts = { .context = x, .read = read_feed_text, .n_left = SUBMISSION_TEXTS_MAX };
     size_t type;
 
     bf_status status = exchange__check_body(x, body_types, &type, err);
@@ -69,7 +69,7 @@ static bool answer_now(exchange *x, const char *id)
 {
     api_run record;
 
-    if (x->services->find(x->services->context, id, &record, NULL) != BF_OK ||
+    if (access_find_run(x, id, &record, NULL) != BF_OK ||
         run_json_write(&record, &x->response->body, NULL) != BF_OK)
         return false;
     answer_head(x, id, record.revision);
@@ -126,6 +126,7 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
     bf_status status = read_submission(x, &submission, err);
     if (status == BF_OK)
         status = read_key(x, &submission, err);
+    memcpy(submission.owner, x->who.owner, sizeof submission.owner);
     if (x->request->client != NULL)
         snprintf(submission.client, sizeof submission.client, "%s", x->request->client);
     if (status == BF_OK)
@@ -152,6 +153,7 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     const char *model = exchange__text(x, "model");
     api_list_query list = { .state = -1, .model = -1, .limit = page->limit };
 
+    snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
     memcpy(list.before, page->before, sizeof list.before);
     if (state != NULL)

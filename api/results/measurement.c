@@ -295,6 +295,13 @@ static bool is_text(const void *item)
     return !is_curve(item);
 }
 
+static bool has_owner(const void *item)
+{
+    const api_measurement *about = item;
+
+    return about->owner[0] != '\0';
+}
+
 #define AT(place) offsetof(api_measurement, place)
 static const member link_members[] = {
     MEMBER("self", link, AT(id), "The resource itself", .path = "/v1/measurements/{id}"),
@@ -310,6 +317,8 @@ static const member item_members[] = {
     MEMBER("counter", text, AT(counter), "Of a measured curve: which column of a curve it is",
            .type = "#CounterId", .applies = is_curve),
     MEMBER("created_at", time, AT(created_ms), "When it was stored"),
+    MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
+           .applies = has_owner),
     MEMBER("n_samples", size, AT(n_samples), "Number of samples or rows"),
     MEMBER("t_start_s", number, AT(t_start), "Time of the first sample", .unit = "s"),
     MEMBER("t_end_s", number, AT(t_end), "Time of the last sample", .unit = "s"),

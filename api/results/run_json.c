@@ -68,6 +68,13 @@ static bool has_parts(const void *item)
     return record->model == RUN_MICRO;
 }
 
+static bool has_owner(const void *item)
+{
+    const api_run *record = item;
+
+    return record->owner[0] != '\0';
+}
+
 #define AT(place) offsetof(api_run, place)
 #define LINK(name, path_, ...)                                                                     \
     MEMBER(name, link, AT(id), __VA_ARGS__, .path = "/v1/runs/{id}" path_)
@@ -101,6 +108,8 @@ static const member run_members[] = {
     MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),
     MEMBER("eta_s", number, AT(eta_s), "Remaining wall time", .unit = "s", .null = "not known"),
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
+    MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
+           .applies = has_owner),
     MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
     MEMBER("key_figures", figures, 0,
            "Its key figures so far, without those of feeds, counters and photo eyes",

@@ -54,6 +54,7 @@ static bf_status apply_add(store__connection *writer, store__operation *operatio
     store__bind_real(&q, about->t_start);
     store__bind_real(&q, about->t_end);
     store__bind_integer(&q, about->kind);
+    store__bind_text(&q, about->owner, strlen(about->owner));
     store__bind_blob(&q, context->curve->t.bytes, context->curve->t.n);
     store__bind_blob(&q, context->curve->values.bytes, context->curve->values.n);
     store__bind_text(&q, context->csv->bytes, context->csv->n);
@@ -113,6 +114,7 @@ static bf_status read_about(const store__query *q, api_measurement *ret_about, b
     about.t_start = store__column_real(q, 5);
     about.t_end = store__column_real(q, 6);
     about.kind = (api_measured)sqlite3_column_int(q->statement, 7);
+    store__column_text(q, 8, about.owner, sizeof about.owner);
     if ((unsigned)about.kind >= API_MEASURED_COUNT)
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about.id);
     *ret_about = about;
@@ -124,9 +126,9 @@ static bf_status read_samples(const store__query *q, const api_measurement *abou
 {
     size_t n = (size_t)about->n_samples, n_bytes = n * sizeof(double);
 
-    bf_status status = store__column_bytes(q, 8, &curve->t, err);
+    bf_status status = store__column_bytes(q, 9, &curve->t, err);
     if (status == BF_OK)
-        status = store__column_bytes(q, 9, &curve->values, err);
+        status = store__column_bytes(q, 10, &curve->values, err);
     if (status == BF_OK && (curve->t.n != n_bytes || curve->values.n != n_bytes))
         return bf_fail(err, BF_ECORRUPT, "", "the stored measurement %s is damaged", about->id);
     if (status == BF_OK &&
@@ -230,8 +232,8 @@ static bf_status read_list(store__connection *reader, const api_measurement_quer
                                                     : STORE__SQL_LIST_MEASUREMENTS);
     store__bind_text(&q, before, strlen(before));
     store__bind_integer(&q, (int64_t)query->limit + 1);
-    if (has_label)
-        store__bind_text(&q, query->label, strlen(query->label));
+    store__bind_text(&q, query->label, strlen(query->label));
+    store__bind_text(&q, query->owner, strlen(query->owner));
     while (status == BF_OK && has_row && !list->has_more) {
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)

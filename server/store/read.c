@@ -55,7 +55,9 @@ static store__query begin_list(store__connection *reader, const api_list_query *
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     store__sql sql = STORE__SQL_LIST_ALL;
 
-    if (query->label[0] != '\0')
+    if (query->owner[0] != '\0')
+        sql = STORE__SQL_LIST_OWNER;
+    else if (query->label[0] != '\0')
         sql = STORE__SQL_LIST_LABEL;
     else if (query->state >= 0)
         sql = STORE__SQL_LIST_STATE;
@@ -65,6 +67,7 @@ static store__query begin_list(store__connection *reader, const api_list_query *
     store__bind_integer(&q, query->model);
     store__bind_integer(&q, query->state);
     store__bind_text(&q, query->label, strlen(query->label));
+    store__bind_text(&q, query->owner, strlen(query->owner));
     return q;
 }
 

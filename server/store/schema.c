@@ -194,9 +194,15 @@ static const char schema_7[] =
 // Attempts at a run that ended with the daemon, since the run last went on.
 static const char schema_8[] = "ALTER TABLE runs ADD COLUMN attempts INTEGER NOT NULL DEFAULT 0;";
 
+// Whose runs and measurements are; '' is nobody's: from before, or of a service without tokens.
+static const char schema_9[] =
+    "ALTER TABLE runs ADD COLUMN owner TEXT NOT NULL DEFAULT '';"
+    "CREATE INDEX runs_by_owner ON runs (owner, id);"
+    "ALTER TABLE measurements ADD COLUMN owner TEXT NOT NULL DEFAULT '';";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4,
-                                          schema_5, schema_6, schema_7, schema_8 };
+const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4, schema_5,
+                                          schema_6, schema_7, schema_8, schema_9 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -16,7 +16,8 @@
     X(INTEGER, results, results)                                                                   \
     X(INTEGER, is_cached, run.is_cached)                                                           \
     X(TEXT, client, client)                                                                        \
-    X(TEXT, parent, parent)
+    X(TEXT, parent, parent)                                                                        \
+    X(TEXT, owner, run.owner)
 
 /// Those that every update writes, next to `state`.
 #define STORE__RUN_CHANGING(X)                                                                     \
@@ -61,13 +62,14 @@
 /// What store__read_row() reads.
 #define STORE__RUN_COLUMNS "number" STORE__RUN_LIST(STORE__NAME)
 
-/// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1.
+/// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1,
+/// ?4 state or -1, ?5 label or '', ?6 owner or ''.
 #define STORE__LIST(condition)                                                                     \
     "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id < ?1 AND (?3 < 0 OR model = ?3) "            \
     "AND " condition " ORDER BY id DESC LIMIT ?2"
 
 /// The columns of a measurement without its samples, in the order in which they are read.
-#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end, kind"
+#define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end, kind, owner"
 
 /// X(name, text). Parameters are bound in the order ?1, ?2, ... States of runs and types of events are
 /// those of run_state and api_event_type: from 2 on a run has ended; 2 and 3 are curve and snapshot.
@@ -100,9 +102,11 @@
     X(NEXT_QUEUED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_queue WHERE state = 0 "             \
       "ORDER BY priority DESC, id LIMIT 1")                                                        \
-    X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = ''"))                                                 \
-    X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = ''"))                                           \
-    X(LIST_LABEL, STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5"))                            \
+    X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = '' AND ?6 = ''"))                                     \
+    X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = '' AND ?6 = ''"))                               \
+    X(LIST_OWNER,                                                                                  \
+      STORE__LIST("owner = ?6 AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5)"))            \
+    X(LIST_LABEL, STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5 AND ?6 = ''"))                \
     X(PUT_TEXT, "INSERT OR REPLACE INTO texts (run, kind, data) VALUES (?1, ?2, ?3)")              \
     X(GET_TEXT, "SELECT data FROM texts WHERE run = ?1 AND kind = ?2")                             \
     X(INSERT_SAMPLES,                                                                              \
@@ -148,16 +152,17 @@
     X(GET_EVENT, "SELECT type, snapshot, data FROM events WHERE id = ?1")                          \
     X(INSERT_MEASUREMENT,                                                                          \
       "INSERT INTO measurements (" STORE__MEASUREMENT_COLUMNS ", t, counts, csv) "                 \
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)")                                     \
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)")                                \
     X(GET_MEASUREMENT_CSV, "SELECT csv FROM measurements WHERE id = ?1")                           \
     X(DELETE_MEASUREMENT, "DELETE FROM measurements WHERE id = ?1")                                \
     X(COUNT_MEASUREMENTS, "SELECT count(*) FROM measurements")                                     \
     X(FIND_MEASUREMENT,                                                                            \
       "SELECT " STORE__MEASUREMENT_COLUMNS ", t, counts FROM measurements WHERE id = ?1")          \
     X(LIST_MEASUREMENTS, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements WHERE id < ?1 "  \
-                         "ORDER BY id DESC LIMIT ?2")                                              \
+                         "AND (?4 = '' OR owner = ?4) AND ?3 = '' ORDER BY id DESC LIMIT ?2")      \
     X(LIST_MEASUREMENTS_LABEL, "SELECT " STORE__MEASUREMENT_COLUMNS " FROM measurements "          \
-                               "WHERE id < ?1 AND label = ?3 ORDER BY id DESC LIMIT ?2")           \
+                               "WHERE id < ?1 AND label = ?3 AND (?4 = '' OR owner = ?4) "         \
+                               "ORDER BY id DESC LIMIT ?2")                                        \
     X(FIND_KEY, "SELECT digest, id, revision, data FROM answers "                                  \
                 "WHERE route = ?1 AND key = ?2")                                                   \
     X(INSERT_KEY, "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "           \

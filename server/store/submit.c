@@ -20,11 +20,15 @@
 #include <stdio.h>
 #include <string.h>
 
+// Keys of different routes and owners are different keys; those of nobody are the route's alone.
+#define ROUTE "POST /v1/runs"
+
+enum { ROUTE_SIZE = sizeof ROUTE + API_OWNER_SIZE };
 enum { KEYS_MAX = 100000 }; // answers that are stored for requests that come again
 
 /// A key that a request uses at the moment; on its caller's stack.
 struct store__key {
-    const char *route;                        ///< keys of different routes are different keys
+    char route[ROUTE_SIZE];                   ///< and after a space the owner, if there is one
     const char *text;                         ///< the key; "": none
     unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
     store__key *next;                         ///< in the store's list
@@ -309,6 +313,7 @@ static void fill_row(const api_submission *submission, store__row *row)
     api_run *record = &row->run;
 
     snprintf(row->client, sizeof row->client, "%s", submission->client);
+    snprintf(record->owner, sizeof record->owner, "%s", submission->owner);
     record->model = submission->model;
     record->priority = submission->priority;
     snprintf(record->label, sizeof record->label, "%s", submission->label);
@@ -322,8 +327,10 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
 {
     submit_context context = { .submission = submission,
                                .store = s,
-                               .key = { .route = "POST /v1/runs", .text = submission->key } };
+                               .key = { .text = submission->key } };
 
+    (void)snprintf(context.key.route, sizeof context.key.route, "%s%s%s", ROUTE,
+                   submission->owner[0] == '\0' ? "" : " ", submission->owner);
     bf_status status = run_id_make(context.row.run.id, err);
     if (status == BF_OK)
         status = use_key(s, &context.key, submission->body, submission->n_body, err);

@@ -6,7 +6,7 @@ import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { tiny } from "./scenarios.mjs";
+import { fed, tiny } from "./scenarios.mjs";
 import { binaries, temporaryFolder, until } from "./setup.mjs";
 
 // Run beltflowd for a data directory; { status, stdout, stderr }.
@@ -130,4 +130,112 @@ test("the words of the command are checked", (t) => {
   }
   addToken(data, "x", "--scopes", "read,admin", "--expires", "90d");
   assert.equal(beltflowd(data, "token", "revoke", "2").status, 1);
+});
+
+// Alice, bob and root with a daemon; alice has a run that has succeeded, and a measurement.
+async function neighbours(t) {
+  const data = path.join(temporaryFolder(t), "data");
+  const [alice, bob] = ["alice", "bob"].map((name) => addToken(data, name));
+  const root = addToken(data, "root", "--scopes", "admin");
+  const d = await daemon(t, { data });
+  const submit = async (who, more = {}) => {
+    const answer = await d.post("/v1/runs", { scenario: tiny() }, { ...who, ...more });
+    assert.equal(answer.status, 201, answer.text);
+    await until(async () => (await d.get(`/v1/runs/${answer.json.id}`, root)).json.status === "succeeded", "its end");
+    return answer.json;
+  };
+  const run = await submit(alice, { "idempotency-key": '"same"' });
+  const csv = (await d.get(`/v1/runs/${run.id}/curve?format=csv`, alice)).text;
+  const added = await d.request("POST", "/v1/measurements?counter=upstream", {
+    headers: { ...alice, "content-type": "text/csv", "content-length": Buffer.byteLength(csv) },
+    body: csv,
+  });
+  assert.equal(added.status, 201, added.text);
+  return { d, alice, bob, root, submit, run, measurement: added.json };
+}
+
+test("what is somebody else's looks as if it were not there", async (t) => {
+  const { d, alice, bob, root, submit, run, measurement } = await neighbours(t);
+  const own = await submit(bob);
+  const nothing = "01234567-89ab-7cde-8f01-23456789abcd";
+  const resources = ["", "/scenario", "/summary", "/curve", "/photo_eyes", "/key_figures", "/snapshots", "/snapshots/0",
+    "/snapshots.pvd", "/results.zip", "/events"];
+  const targets = [
+    ...resources.map((end) => ["GET", `/v1/runs/ID${end}`]),
+    ["POST", "/v1/runs/ID/cancel"], ["DELETE", "/v1/runs/ID"], ["GET", "/v1/events?runs=ID"],
+    ["GET", `/v1/events?runs=${own.id},ID`], ["GET", `/v1/compare?a=${own.id}&b=ID`], ["GET", `/v1/compare?runs=ID,${own.id}`],
+  ];
+  const withoutId = (text, id) => text.replaceAll(id, "ID").replace(/"request_id": *"[^"]*"/, "");
+  for (const [method, target] of targets) {
+    const [others, absent] = await Promise.all([run.id, nothing].map(async (id) => {
+      const { status, text } = await d.request(method, target.replace("ID", id), { headers: bob });
+      return { status, text: withoutId(text, id) };
+    }));
+    assert.equal(others.status, 404, `${method} ${target}: ${others.text}`);
+    assert.deepEqual(others, absent, `${method} ${target}`);
+  }
+  for (const method of ["GET", "DELETE"]) {
+    const target = `/v1/measurements/${measurement.id}`;
+    assert.equal((await d.request(method, target, { headers: bob })).status, 404);
+  }
+  assert.equal((await d.get(`/v1/compare?a=${own.id}&b=${measurement.id}`, bob)).status, 404);
+  assert.equal((await d.get(`/v1/compare?a=${run.id}&b=${measurement.id}`, alice)).status, 200);
+  assert.equal((await d.get(`/v1/compare?a=${run.id}&b=${own.id}`, root)).status, 200);
+});
+
+test("lists show what is one's own, and an administrator everything", async (t) => {
+  const { d, alice, bob, root, submit, run, measurement } = await neighbours(t);
+  const own = await submit(bob);
+  const listed = async (who, query = "") => (await d.get(`/v1/runs${query}`, who)).json.runs.map(({ id }) => id);
+  assert.deepEqual(await listed(alice), [run.id]);
+  assert.deepEqual(await listed(bob), [own.id]);
+  assert.deepEqual(await listed(bob, "?status=succeeded&limit=1"), [own.id]);
+  assert.deepEqual(await listed(bob, "?status=failed"), []);
+  assert.deepEqual(await listed(bob, `?label=${encodeURIComponent("nobody's")}`), []);
+  assert.deepEqual(await listed(root), [own.id, run.id]);
+  const measured = async (who) => (await d.get("/v1/measurements", who)).json.measurements.map(({ id }) => id);
+  assert.deepEqual([await measured(alice), await measured(bob), await measured(root)],
+    [[measurement.id], [], [measurement.id]]);
+  assert.deepEqual([run.owner, own.owner, measurement.owner], ["alice", "bob", "alice"]);
+});
+
+test("a key is its owner's, and results that were known do not tell whose they are", async (t) => {
+  const { d, bob, submit, run, alice } = await neighbours(t);
+  const own = await submit(bob, { "idempotency-key": '"same"' });
+  assert.notEqual(own.id, run.id);
+  assert.equal(own.cached, true);
+  assert.equal((await submit(alice, { "idempotency-key": '"same"' })).id, run.id);
+  const texts = await Promise.all(["", "/scenario", "/summary", "/curve", "/key_figures", "/snapshots", "/events"]
+    .map(async (end) => (await d.get(`/v1/runs/${own.id}${end}`, bob)).text));
+  for (const text of texts) {
+    assert.ok(!text.includes(run.id) && !text.includes("alice"), text);
+  }
+});
+
+test("a scenario cannot name somebody else's measurement", async (t) => {
+  const { d, alice, bob } = await neighbours(t);
+  const csv = "t_s,count\n0,4\n1,8\n2,0\n";
+  const added = await d.request("POST", "/v1/measurements?kind=profile", {
+    headers: { ...alice, "content-type": "text/csv", "content-length": Buffer.byteLength(csv) },
+    body: csv,
+  });
+  assert.equal(added.status, 201, added.text);
+  const scenario = fed({ feeds: [{ edge: "west", y_m: [0.05, 0.25], profile: { measurement: added.json.id } }],
+    photo_eyes: [], actions: [] });
+  const [mine, others] = await Promise.all([alice, bob].map((who) => d.post("/v1/validate", { scenario }, who)));
+  const said = (answer) => answer.json.errors?.map(({ detail }) => detail).join() ?? "";
+  assert.equal(mine.status, 200, mine.text);
+  assert.equal(others.status, 422);
+  assert.match(said(others), new RegExp(`there is no measurement '${added.json.id}'`));
+});
+
+test("what was there before the first token is the administrator's", async (t) => {
+  const d = await daemon(t);
+  const before = await d.submit(tiny());
+  const [alice, root] = [addToken(d.data, "alice"), addToken(d.data, "root", "--scopes", "admin")];
+  await until(async () => (await d.get("/v1/runs")).status === 401, "the daemon to see the tokens");
+  assert.deepEqual((await d.get("/v1/runs", alice)).json.runs, []);
+  assert.equal((await d.get(`/v1/runs/${before.id}`, alice)).status, 404);
+  const { status, json } = await d.get(`/v1/runs/${before.id}`, root);
+  assert.deepEqual([status, json.owner], [200, undefined]);
 });

