@@ -6,6 +6,9 @@ import test from "node:test";
 
 import { goodScenario } from "./bad_scenarios.mjs";
 import { daemon } from "./daemon.mjs";
+import * as prism from "./prism.mjs";
+import { tiny } from "./scenarios.mjs";
+import { isSanitized } from "./setup.mjs";
 
 const list = (n, item) => Array.from({ length: n }, (_, k) => item(k));
 const circle = (n, [x, y], radius) => list(n, (k) => [
@@ -216,4 +219,20 @@ test("the texts that a scenario names may have 2 MiB together", async (t) => {
   const refused = await validate(long, long, await store(100));
   assert.equal(refused.status, 422);
   assert.deepEqual(refused.json.errors.map((error) => error.pointer), ["/scenario/feeds/2/profile/measurement"]);
+});
+
+const isSlow = isSanitized || prism.isWanted;
+test("beyond 20 million cells every second snapshot is compared", { skip: isSlow }, async (t) => {
+  const d = await daemon(t);
+  const every = 1 / 2048;
+  const { id } = await d.submit(tiny({ // 11 snapshots of 2 million cells
+    duration_s: 10 * every,
+    domain: { x_m: [0, 2], y_m: [0, 1] },
+    output: { curve_every_s: every, snapshot_every_s: every },
+    macro: { cell_m: 0.001, step_s: every, mollifier_per_m2: 1e6 },
+  }));
+  await d.reached(id, "succeeded");
+  const { density } = (await d.get(`/v1/compare?a=${id}&b=${id}`)).json;
+  assert.equal(density.n_common, 11);
+  assert.deepEqual(density.snapshots.map((pair) => pair.a), [0, 2, 4, 6, 8, 10]);
 });
