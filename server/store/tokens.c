@@ -95,8 +95,9 @@ static bf_status connect_to(const char *directory, bool is_new, store__connectio
     return status;
 }
 
-static void read_entry(const store__query *q, entry *ret_entry)
+static bf_status read_entry(const store__query *q, entry *ret_entry, bf_error *err)
 {
+    const void *hash = sqlite3_column_blob(q->statement, 3);
     char scopes[API_SCOPES_SIZE];
     entry e = { .about = { .id = (uint64_t)sqlite3_column_int64(q->statement, 0),
                            .created_ms = sqlite3_column_int64(q->statement, 5),
@@ -110,8 +111,12 @@ static void read_entry(const store__query *q, entry *ret_entry)
     // A word that this version does not know allows nothing.
     if (!api_access_read_scopes(scopes, &e.about.scopes))
         e.about.scopes = 0;
-    memcpy(e.hash, sqlite3_column_blob(q->statement, 3), HASH_BYTES); // of this length by its CHECK
+    // NULL is also what SQLite gives when it has no memory.
+    if (hash == NULL || sqlite3_column_bytes(q->statement, 3) != HASH_BYTES)
+        return bf_fail(err, BF_ESYSTEM, "", "token %" PRIu64 " cannot be read", e.about.id);
+    memcpy(e.hash, hash, HASH_BYTES);
     *ret_entry = e;
+    return BF_OK;
 }
 
 static bf_status read_all(store__connection *c, entry *ret_entries, size_t *ret_n, bf_error *err)
@@ -125,7 +130,8 @@ static bf_status read_all(store__connection *c, entry *ret_entries, size_t *ret_
         status = store__next(&q, &has_row, err);
         if (status != BF_OK || !has_row)
             break;
-        read_entry(&q, &ret_entries[n++]);
+        status = read_entry(&q, &ret_entries[n], err);
+        n += status == BF_OK;
     }
     store__end(&q);
     *ret_n = n;

@@ -225,6 +225,17 @@ static void a_scope_of_a_later_version_allows_nothing(void **state)
     assert_null(tokens_close(t));
 }
 
+static void a_row_without_a_hash_is_no_token(void **state)
+{
+    char text[TOKENS_TEXT_SIZE];
+    tokens *t = NULL;
+
+    (void)state;
+    (void)add("alice", API_SCOPE_READ, 0, text);
+    run_sql("PRAGMA ignore_check_constraints = ON; UPDATE tokens SET hash = x'00'");
+    assert_int_equal(tokens_open(directory, &t, NULL), BF_ESYSTEM);
+}
+
 static void names_and_their_number_have_limits(void **state)
 {
     static const char *const bad[] = { "", "a b", "a\nb", "a=b", "\"", "ä" };
@@ -281,6 +292,7 @@ int main(void)
         TOKENS_TEST(a_daemon_sees_what_is_changed_beside_it),
         TOKENS_TEST(the_last_use_is_written_down_later),
         TOKENS_TEST(a_scope_of_a_later_version_allows_nothing),
+        TOKENS_TEST(a_row_without_a_hash_is_no_token),
         TOKENS_TEST(names_and_their_number_have_limits),
         TOKENS_TEST(damage_is_no_open_door),
     };
