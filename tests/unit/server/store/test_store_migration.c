@@ -80,9 +80,12 @@ static void make_old(helper_store *h, int version)
     assert_int_equal(unlink(path), 0);
     assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
     execute(db, "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
-    for (int i = 0; i < version; i++)
+    // The rows are of versions 1 and 2; a later version has them as its migration made them.
+    for (int i = 0; i < version; i++) {
         execute(db, store__migrations[i]);
-    insert_rows(db);
+        if (i == (version < 2 ? version : 2) - 1)
+            insert_rows(db);
+    }
     snprintf(mark, sizeof mark, "PRAGMA application_id = %d; PRAGMA user_version = %d", 0x42464c57,
              version);
     execute(db, mark);
@@ -121,7 +124,7 @@ static void an_older_store_is_brought_up_to_date_with_all_it_has(void **state)
 {
     helper_store *h = *state;
 
-    for (int version = 1; version <= 2; version++) {
+    for (int version = 1; version < store__version; version++) {
         make_old(h, version);
         helper_store_open(h);
         check_soundness(h);
