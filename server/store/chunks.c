@@ -68,6 +68,8 @@ static uint64_t unpacked_size(const bf_buffer *compressed)
     uint64_t n = 0;
     size_t at = 0;
 
+    if (compressed->n == 0)
+        return UINT64_MAX; // no chunk was found
     do {
         const char *from = compressed->bytes + at;
         size_t left = compressed->n - at;

@@ -56,7 +56,7 @@ static bool is_possible(const store__row *row)
 {
     return (unsigned)row->run.state < RUN_STATE_COUNT &&
            (unsigned)row->run.model < RUN_MODEL_COUNT &&
-           (unsigned)row->stop_request <= STORE_STOP_KILL;
+           (unsigned)row->stop_request <= STORE_STOP_KILL && row->run.finished_ms >= 0;
 }
 
 bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err)
