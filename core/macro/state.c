@@ -265,8 +265,14 @@ uint64_t macro__digest_definition(const macro_def *def)
 
 bf_status macro_save(const macro_solver *s, bf_buffer *out, bf_error *err)
 {
+    enum { SMALL_STATE_BYTES = 65536 }; // of all else
+    const size_t n_arrays = grid_cells(&s->def.grid) * sizeof(double) +
+                            (s->congested != NULL ? congested_state_size(s) : 0);
     checkpoint_writer w;
 
+    // Room for the large arrays at once, so that they are not moved while they are written. If there is none, a write
+    // fails.
+    (void)buffer_reserve(out, n_arrays + SMALL_STATE_BYTES);
     checkpoint_begin(&w, out, CHECKPOINT_MACRO, s->definition);
     checkpoint_write(&w, &s->steps, sizeof s->steps);
     for (size_t j = 0; j < s->def.grid.n2; j++)

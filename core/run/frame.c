@@ -171,6 +171,23 @@ static bf_status put_field(const frame *f, const field *k, bf_buffer *out)
     return buffer_append(out, items, count_of(f, &k->n) * count_of(f, &k->m) * item_size);
 }
 
+static uint64_t size_of_field(const frame *f, const field *k)
+{
+    if (k->kind != FIELD_ARRAY && k->kind != FIELD_REST)
+        return k->at.size;
+    return count_of(f, &k->n) * count_of(f, &k->m) * (k->kind == FIELD_REST ? 1 : k->item_size);
+}
+
+// Room for the whole frame, so that a large one is not moved while it is written.
+static bf_status reserve_frame(const frame *f, bf_buffer *out)
+{
+    uint64_t n = HEADER_BYTES + ALIGNMENT + DIGEST_BYTES;
+
+    for (const field *k = fields_of[f->type]; k->kind != FIELD_END; k++)
+        n += size_of_field(f, k);
+    return buffer_reserve(out, n) == NULL ? BF_ENOMEM : BF_OK;
+}
+
 bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)
 {
     static const char padding[ALIGNMENT] = { 0 };
@@ -178,7 +195,9 @@ bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err)
     const size_t start = out->n;
 
     BF_CHECK(f->type >= FRAME_JOB && f->type < FRAME_TYPE_COUNT);
-    bf_status status = buffer_append(out, head, sizeof head);
+    bf_status status = reserve_frame(f, out);
+    if (status == BF_OK)
+        status = buffer_append(out, head, sizeof head);
     for (const field *k = fields_of[f->type]; status == BF_OK && k->kind != FIELD_END; k++)
         status = put_field(f, k, out);
     if (status == BF_OK) {
@@ -263,6 +282,16 @@ static bf_status read_header(const char *bytes, frame_type *ret_type, uint64_t *
     *ret_n_payload = n;
     *ret_length = HEADER_BYTES + (n + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + DIGEST_BYTES;
     return BF_OK;
+}
+
+uint64_t frame_length(const void *bytes, size_t n)
+{
+    uint64_t n_payload, length = 0;
+    frame_type type;
+
+    if (n < HEADER_BYTES || read_header(bytes, &type, &n_payload, &length, NULL) != BF_OK)
+        return 0;
+    return length;
 }
 
 static bf_status read_payload(const char *bytes, uint64_t n, frame *f, bf_error *err)

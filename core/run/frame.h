@@ -218,6 +218,9 @@ typedef struct frame {
 /// Append the bytes of a frame to *out. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
 
+/// Bytes of the whole frame that the n bytes begin with, as its header says; 0: the header is not complete, or of no frame.
+uint64_t frame_length(const void *bytes, size_t n);
+
 /// Decode the frame at the start of the n bytes. *ret_used = 0: they end inside the frame, more
 /// are needed; else its length. Pointers in *ret_frame point into bytes, which must be aligned to 8.
 /// BF_ECORRUPT: not a frame, or damaged; BF_ELIMIT: longer than FRAME_PAYLOAD_MAX.

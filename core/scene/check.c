@@ -321,7 +321,11 @@ static bool check_grid(const scene *s, double n1, double n2, bf_faults *faults)
 
     check_whole(s->domain.x_max - s->domain.x_min, s->macro.cell, "x", faults);
     check_whole(s->domain.y_max - s->domain.y_min, s->macro.cell, "y", faults);
-    check_limit(n1 * n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
+    if (s->macro.closure == SCENE_CONGESTED)
+        check_limit(n1 * n2, SCENE_CONGESTED_CELLS_MAX, "cells with the congested closure",
+                    "/macro/cell_m", faults);
+    else
+        check_limit(n1 * n2, SCENE_CELLS_MAX, "cells", "/macro/cell_m", faults);
     check_limit(fmax(n1, n2), SCENE_CELLS_SIDE_MAX, "cells in a row", "/macro/cell_m", faults);
     return faults->n == n_before;
 }

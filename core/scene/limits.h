@@ -3,23 +3,25 @@
 #pragma once
 
 enum {
-    SCENE_NAME_SIZE = 201,          ///< bytes of a scenario's name with its terminator
-    SCENE_ID_SIZE = 65,             ///< bytes of an id with its terminator
-    SCENE_BELTS_MAX = 256,          ///< belts in a scenario
-    SCENE_SPEEDS_MAX = 10000,       ///< times of a belt's speed schedule
-    SCENE_SERIES_MAX = 100000,      ///< times of a profile, a list of arrivals, a motion
-    SCENE_FEEDS_MAX = 64,           ///< feeds in a scenario
-    SCENE_EYES_MAX = 64,            ///< photo eyes in a scenario
-    SCENE_STAGES_MAX = 1000,        ///< stages of a gap of Erlang arrivals
-    SCENE_ACTIONS_MAX = 256,        ///< actions in a scenario
-    SCENE_WINDOWS_MAX = 256,        ///< output windows in a scenario
-    SCENE_OBSTACLES_MAX = 256,      ///< obstacles in a scenario
-    SCENE_POINTS_MAX = 1024,        ///< points of a polygon or a path
-    SCENE_VERTICES_MAX = 64,        ///< vertices of a cargo shape
-    SCENE_KINDS_MAX = 32,           ///< kinds of cargo in a scenario
-    SCENE_COUNTERS_MAX = 32,        ///< counters in a scenario
-    SCENE_PARTS_MAX = 1000000,      ///< parts in a scenario
-    SCENE_CELLS_MAX = 100000000,    ///< cells of the macroscopic grid
+    SCENE_NAME_SIZE = 201,       ///< bytes of a scenario's name with its terminator
+    SCENE_ID_SIZE = 65,          ///< bytes of an id with its terminator
+    SCENE_BELTS_MAX = 256,       ///< belts in a scenario
+    SCENE_SPEEDS_MAX = 10000,    ///< times of a belt's speed schedule
+    SCENE_SERIES_MAX = 100000,   ///< times of a profile, a list of arrivals, a motion
+    SCENE_FEEDS_MAX = 64,        ///< feeds in a scenario
+    SCENE_EYES_MAX = 64,         ///< photo eyes in a scenario
+    SCENE_STAGES_MAX = 1000,     ///< stages of a gap of Erlang arrivals
+    SCENE_ACTIONS_MAX = 256,     ///< actions in a scenario
+    SCENE_WINDOWS_MAX = 256,     ///< output windows in a scenario
+    SCENE_OBSTACLES_MAX = 256,   ///< obstacles in a scenario
+    SCENE_POINTS_MAX = 1024,     ///< points of a polygon or a path
+    SCENE_VERTICES_MAX = 64,     ///< vertices of a cargo shape
+    SCENE_KINDS_MAX = 32,        ///< kinds of cargo in a scenario
+    SCENE_COUNTERS_MAX = 32,     ///< counters in a scenario
+    SCENE_PARTS_MAX = 1000000,   ///< parts in a scenario
+    SCENE_CELLS_MAX = 100000000, ///< cells of the macroscopic grid: at most some 80 bytes each
+    SCENE_CONGESTED_CELLS_MAX =
+        30000000,                   ///< the same with SCENE_CONGESTED: at most some 265 bytes each
     SCENE_CELLS_SIDE_MAX = 1 << 24, ///< cells of it along one side
     SCENE_SAMPLES_MAX = 1000000,    ///< samples of the outflow curve
     SCENE_SNAPSHOTS_MAX = 20000,    ///< density snapshots of a run

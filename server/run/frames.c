@@ -23,7 +23,8 @@ static void free_item(store_item *item)
     buffer_fini(&item->event);
     buffer_fini(&item->t);
     buffer_fini(&item->values);
-    buffer_fini(&item->rho);
+    if (!item->is_borrowed)
+        buffer_fini(&item->rho);
     buffer_fini(&item->parts);
     buffer_fini(&item->figures);
 }
@@ -88,6 +89,21 @@ static bf_status add_waiting(supervisor__task *task, bf_error *err)
     return BF_OK;
 }
 
+// A grid that is stored before the next read stays in the output, like a checkpoint; one that waits for its parts, after
+// which more may be read, is copied.
+static bf_status take_grid(store_item *item, const frame_snapshot *s, bool is_borrowed,
+                           bf_error *err)
+{
+    const size_t n = (size_t)s->n1 * s->n2 * sizeof *s->rho;
+
+    item->is_borrowed = is_borrowed;
+    if (is_borrowed)
+        item->rho = (bf_buffer){ .bytes = (char *)(uintptr_t)s->rho, .n = n };
+    else if (buffer_append(&item->rho, s->rho, n) != BF_OK)
+        return fail_memory(err);
+    return BF_OK;
+}
+
 // A snapshot and its parts are one item, so that they are stored and published together.
 static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
 {
@@ -100,9 +116,10 @@ static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, b
     item->snapshot =
         (api_snapshot){ .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
     task->has_snapshot = true;
-    if (buffer_append(&item->rho, s->rho, (size_t)s->n1 * s->n2 * sizeof *s->rho) != BF_OK)
-        return fail_memory(err);
-    bf_status status = events_snapshot(task->claimed.run.id, s, has_parts, &item->event, err);
+    bf_status status = take_grid(item, s, !has_parts, err);
+    if (status != BF_OK)
+        return status;
+    status = events_snapshot(task->claimed.run.id, s, has_parts, &item->event, err);
     return status == BF_OK && !has_parts ? add_waiting(task, err) : status;
 }
 
@@ -352,12 +369,26 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
     return status != BF_OK || task->write.is_pending ? status : begin_batch(task, NULL, err);
 }
 
+// Room for the whole of a large frame that has begun, so that it is not moved while it comes.
+static bf_status reserve_rest(supervisor__task *task, bf_error *err)
+{
+    bf_buffer *output = &task->output;
+    const uint64_t length = output->n == 0 ? 0 : frame_length(output->bytes, output->n);
+
+    if (length > output->n && buffer_reserve(output, length - output->n + READ_CHUNK) == NULL)
+        return fail_memory(err);
+    return BF_OK;
+}
+
 // Take what the job has sent, about SUPERVISOR_READ_BYTES at most.
 static bf_status read_output(supervisor__task *task, bf_error *err)
 {
     executor *e = task->supervisor->executor;
     size_t n = 0, n_total = 0;
 
+    bf_status status = reserve_rest(task, err);
+    if (status != BF_OK)
+        return status;
     do {
         char *end = buffer_reserve(&task->output, READ_CHUNK);
         if (end == NULL)

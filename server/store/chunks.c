@@ -38,9 +38,18 @@ static bf_status compress(ZSTD_CCtx *context, const char *bytes, size_t n, bf_bu
     return BF_OK;
 }
 
+// Room for all slices at once, so that they are not moved; what is not needed of it is never touched.
+static bool reserve_slices(size_t n, bf_buffer *out)
+{
+    const size_t room = n / STORE__SLICE_BYTES * ZSTD_compressBound(STORE__SLICE_BYTES) +
+                        ZSTD_compressBound(n % STORE__SLICE_BYTES);
+
+    return buffer_reserve(out, room) != NULL;
+}
+
 bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
 {
-    ZSTD_CCtx *context = ZSTD_createCCtx();
+    ZSTD_CCtx *context = reserve_slices(n, out) ? ZSTD_createCCtx() : NULL;
     bf_status status = BF_OK;
 
     if (context == NULL)

@@ -36,8 +36,9 @@ typedef struct store_item {
     bf_buffer values;      ///< curve: n rows of doubles
     api_snapshot snapshot; ///< snapshot
     bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
-    bf_buffer parts;       ///< snapshot: rows of doubles, uncompressed; empty if there are none
-    bf_buffer figures;     ///< figures: all of them as an object
+    bool is_borrowed;  ///< rho is in the memory of another, which the item's owner does not free
+    bf_buffer parts;   ///< snapshot: rows of doubles, uncompressed; empty if there are none
+    bf_buffer figures; ///< figures: all of them as an object
     char run_figures[API_FIGURES_SIZE]; ///< figures: those of the run alone
 } store_item;
 

@@ -116,6 +116,12 @@ const limits = [
       macro: { cell_m: 0.001, step_s: "auto", mollifier_per_m2: 1e6 },
     }),
     "/macro/cell_m", "100000000"],
+  ["cells with the congested closure", 6_000 * 5_000, 6_001 * 5_000,
+    (s, n) => Object.assign(s, {
+      domain: { x_m: [0, n / 5_000 / 1000], y_m: [0, 5] },
+      macro: { cell_m: 0.001, closure: "congested" },
+    }),
+    "/macro/cell_m", "30000000"],
   ["cells of a row", 2 ** 24, 2 ** 24 + 1,
     (s, n) => Object.assign(s, {
       domain: { x_m: [0, n * 0.005], y_m: [0, 0.025] },

@@ -81,6 +81,9 @@ static void every_frame_comes_back_as_it_was(void **state)
     for (size_t k = 0; k < n; k++) {
         assert_int_equal(frame_decode(bytes.bytes + at, bytes.n - at, &f, &used, NULL), BF_OK);
         assert_int_equal(used % 8, 0);
+        assert_int_equal(frame_length(bytes.bytes + at, 16), used);
+        assert_int_equal(frame_length(bytes.bytes + at, 15), 0);
+        assert_int_equal(frame_length(bytes.bytes + at + 8, 16), 0);
         assert_same(&f, &frames[k]);
         at += used;
     }

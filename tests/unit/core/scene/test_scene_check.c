@@ -451,6 +451,17 @@ static void sizes_beyond_the_limits_are_refused_with_figure_and_limit(void **sta
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.macro.cell = 1e-6;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/macro/cell_m", "6e+11 cells, the limit is 1000000"));
+    // 10,000 x 6,000 cells: the congested closure has a limit of its own.
+    helper_scene_example(&s, 60.0, SCENE_SEALED);
+    s.domain = (scene_rect){ 0.0, 10.0, 0.0, 6.0 };
+    s.macro.cell = 0.001;
+    s.macro.step = 1e-5;
+    s.macro.closure = SCENE_CONGESTED;
+    s.output.snapshot_every = 1.0;
+    assert_true(has_fault(faults_of(&s), BF_ELIMIT, "/macro/cell_m",
+                          "60000000 cells with the congested closure, the limit is 30000000"));
+    s.macro.closure = SCENE_DISPERSIVE;
+    assert_false(has_fault(faults_of(&s), BF_ELIMIT, "/macro/cell_m", "cells"));
     helper_scene_example(&s, 60.0, SCENE_SEALED);
     s.output.curve_every = 1e-6;
     assert_true(is_only_fault(&s, BF_ELIMIT, "/output/curve_every_s", "samples"));
