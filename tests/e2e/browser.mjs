@@ -73,9 +73,10 @@ export async function visit(page, address) {
   await page.goto(`/${address}`);
 }
 
-// No violation that axe finds, of any of its rules.
-export async function assertAccessible(page, name) {
-  const { violations } = await new AxeBuilder({ page }).analyze();
+// No violation that axe finds, of any of its rules, or of those with these tags.
+export async function assertAccessible(page, name, tags) {
+  const axe = new AxeBuilder({ page });
+  const { violations } = await (tags ? axe.withTags(tags) : axe).analyze();
   const found = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ html, any }) =>
     `${html.slice(0, 160)} ${any.map(({ message }) => message).join("; ")}`).join("\n    ")}`);
   assert.deepEqual(found, [], name);

@@ -56,10 +56,14 @@ for (const file of readdirSync(scenarios).sort()) {
     const name = `${path.basename(file, ".json")}/${model}`;
     test(`the results of ${name} are the known bytes`, { skip: isSanitized }, async (t) => {
       const solve = (tunables) => digestOfResults(t, path.join(scenarios, file), model, tunables);
-      const none = await solve(withoutFma);
-      const fma = hasFma ? await solve() : known.get(name)?.fma;
-      if (process.env.BELTFLOW_GOLDEN === "write") known.set(name, { fma, none });
-      else assert.deepEqual({ fma, none }, known.get(name));
+      const isWriting = process.env.BELTFLOW_GOLDEN === "write";
+      const wanted = known.get(name);
+      const fma = hasFma ? await solve() : wanted?.fma;
+      // Where both are the same digest, the processor at hand is asked alone: half the time.
+      const isOne = hasFma && !isWriting && wanted?.fma === wanted?.none;
+      const none = isOne ? fma : await solve(withoutFma);
+      if (isWriting) known.set(name, { fma, none });
+      else assert.deepEqual({ fma, none }, wanted);
     });
   }
 }
