@@ -88,8 +88,9 @@ test("the page says when the daemon is away, finds it again, and the run goes on
   await page.getByText("The daemon does not answer. Trying again").waitFor();
   const before = await pictures();
   d.settings.listen = `127.0.0.1:${d.port}`;
+  const back = page.getByText("The daemon is back.").waitFor(); // shown for some seconds only
   await d.start();
-  await page.getByText("The daemon is back.").waitFor();
+  await back;
   await until(async () => (await pictures()) > before, "more pictures");
   assert.equal(await page.locator("#connection").innerText(), "");
   await d.post(`/v1/runs/${run.id}/cancel`, "");
