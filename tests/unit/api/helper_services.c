@@ -1,6 +1,7 @@
 #include "tests/unit/api/helper_services.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_slices.h"
 
 #include "api/results/run_json.h"
 
@@ -235,22 +236,6 @@ static bf_status do_read_parts(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-// Arrays that are read piece by piece are kept whole here.
-static void free_array(void *state)
-{
-    buffer_fini(state);
-    memory_free(state);
-}
-
-static bf_status keep_array(bf_status status, bf_buffer *bytes, api_slices *ret_slices)
-{
-    if (status == BF_OK)
-        *ret_slices = (api_slices){ .n = bytes->n, .state = bytes, .destroy = free_array };
-    else
-        free_array(bytes);
-    return status;
-}
-
 static bf_status do_open_snapshot(void *context, const char *id, uint64_t index,
                                   api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                   api_slices *ret_slices, bf_error *err)
@@ -259,8 +244,9 @@ static bf_status do_open_snapshot(void *context, const char *id, uint64_t index,
 
     if (bytes == NULL)
         return no_memory(err);
-    return keep_array(do_read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err),
-                      bytes, ret_slices);
+    return helper_slices_open(
+        do_read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err), bytes,
+        ret_slices);
 }
 
 static bf_status do_open_parts(void *context, const char *id, uint64_t index,
@@ -271,20 +257,8 @@ static bf_status do_open_parts(void *context, const char *id, uint64_t index,
 
     if (bytes == NULL)
         return no_memory(err);
-    return keep_array(do_read_parts(context, id, index, ret_snapshot, ret_parts, bytes, err), bytes,
-                      ret_slices);
-}
-
-static bf_status do_read_slice(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
-                               bf_buffer *out, bf_error *err)
-{
-    const bf_buffer *bytes = slices->state;
-    const size_t left = bytes->n - (size_t)at;
-
-    (void)context;
-    if (buffer_append(out, bytes->bytes + at, left < limit_bytes ? left : limit_bytes) == BF_OK)
-        return BF_OK;
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return helper_slices_open(
+        do_read_parts(context, id, index, ret_snapshot, ret_parts, bytes, err), bytes, ret_slices);
 }
 
 static bool follows(const char (*runs)[API_ID_SIZE], size_t n_runs, const char *id)
@@ -476,7 +450,7 @@ api_services helper_services(helper_daemon *d)
                            .read_parts = do_read_parts,
                            .open_snapshot = do_open_snapshot,
                            .open_parts = do_open_parts,
-                           .read_slice = do_read_slice,
+                           .read_slice = helper_slices_read,
                            .read_events = do_read_events,
                            .read_changes = do_read_changes,
                            .add_measurement = do_add_measurement,

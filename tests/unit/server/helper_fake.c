@@ -1,6 +1,7 @@
 #include "tests/unit/server/helper_fake.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/helper_slices.h"
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
@@ -183,22 +184,6 @@ static bf_status read_snapshot(void *context, const char *id, uint64_t index,
     return BF_OK;
 }
 
-// Arrays that are read piece by piece are kept whole here.
-static void free_array(void *state)
-{
-    buffer_fini(state);
-    memory_free(state);
-}
-
-static bf_status keep_array(bf_status status, bf_buffer *bytes, api_slices *ret_slices)
-{
-    if (status == BF_OK)
-        *ret_slices = (api_slices){ .n = bytes->n, .state = bytes, .destroy = free_array };
-    else
-        free_array(bytes);
-    return status;
-}
-
 static bf_status open_snapshot(void *context, const char *id, uint64_t index,
                                api_snapshot *ret_snapshot, bf_grid *ret_grid,
                                api_slices *ret_slices, bf_error *err)
@@ -206,20 +191,8 @@ static bf_status open_snapshot(void *context, const char *id, uint64_t index,
     bf_buffer *bytes = memory_alloc(1, sizeof *bytes);
 
     assert_non_null(bytes);
-    return keep_array(read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err), bytes,
-                      ret_slices);
-}
-
-static bf_status read_slice(void *context, api_slices *slices, uint64_t at, size_t limit_bytes,
-                            bf_buffer *out, bf_error *err)
-{
-    const bf_buffer *bytes = slices->state;
-    const size_t left = bytes->n - (size_t)at;
-
-    (void)context;
-    if (buffer_append(out, bytes->bytes + at, left < limit_bytes ? left : limit_bytes) == BF_OK)
-        return BF_OK;
-    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    return helper_slices_open(read_snapshot(context, id, index, ret_snapshot, ret_grid, bytes, err),
+                              bytes, ret_slices);
 }
 
 static bf_status metrics(void *context, bf_buffer *out, bf_error *err)
@@ -267,7 +240,7 @@ api_services fake_services(fake *f)
                            .list_snapshots = list_snapshots,
                            .read_snapshot = read_snapshot,
                            .open_snapshot = open_snapshot,
-                           .read_slice = read_slice,
+                           .read_slice = helper_slices_read,
                            .read_events = read_events,
                            .ready = ready,
                            .submit = submit,
