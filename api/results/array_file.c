@@ -16,8 +16,23 @@ static bf_status finish(bf_status status, array_file *file, array_file *ret_file
     return status == BF_ENOMEM ? bf_fail(err, BF_ENOMEM, "", "out of memory") : status;
 }
 
-bf_status array_file_open_npy(const api_services *services, const char *id, uint64_t index,
-                              array_file *ret_file, bf_error *err)
+typedef bf_status enclose_fn(const api_snapshot *snapshot, const bf_grid *grid, array_file *file);
+
+static bf_status enclose_as_npy(const api_snapshot *snapshot, const bf_grid *grid, array_file *file)
+{
+    (void)snapshot;
+    return results__npy_head("<f4", grid->n1, grid->n2, &file->head);
+}
+
+static bf_status enclose_as_vti(const api_snapshot *snapshot, const bf_grid *grid, array_file *file)
+{
+    bf_status status = results__vti_head(grid, snapshot->t, &file->head);
+    return status == BF_OK ? results__vti_tail(&file->tail) : status;
+}
+
+// A density with what its format has before and behind it.
+static bf_status open_density(const api_services *services, const char *id, uint64_t index,
+                              enclose_fn *enclose, array_file *ret_file, bf_error *err)
 {
     array_file file = { .item_size = sizeof(float) };
     api_snapshot snapshot;
@@ -26,24 +41,20 @@ bf_status array_file_open_npy(const api_services *services, const char *id, uint
     bf_status status =
         services->open_snapshot(services->context, id, index, &snapshot, &grid, &file.slices, err);
     if (status == BF_OK)
-        status = results__npy_head("<f4", grid.n1, grid.n2, &file.head);
+        status = enclose(&snapshot, &grid, &file);
     return finish(status, &file, ret_file, err);
+}
+
+bf_status array_file_open_npy(const api_services *services, const char *id, uint64_t index,
+                              array_file *ret_file, bf_error *err)
+{
+    return open_density(services, id, index, enclose_as_npy, ret_file, err);
 }
 
 bf_status array_file_open_vti(const api_services *services, const char *id, uint64_t index,
                               array_file *ret_file, bf_error *err)
 {
-    array_file file = { .item_size = sizeof(float) };
-    api_snapshot snapshot;
-    bf_grid grid;
-
-    bf_status status =
-        services->open_snapshot(services->context, id, index, &snapshot, &grid, &file.slices, err);
-    if (status == BF_OK)
-        status = results__vti_head(&grid, snapshot.t, &file.head);
-    if (status == BF_OK)
-        status = results__vti_tail(&file.tail);
-    return finish(status, &file, ret_file, err);
+    return open_density(services, id, index, enclose_as_vti, ret_file, err);
 }
 
 bf_status array_file_open_parts_npy(const api_services *services, const char *id, uint64_t index,
