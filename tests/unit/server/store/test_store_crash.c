@@ -248,44 +248,35 @@ static void check_store(helper_store *h, bool with_queue, const promise *all, si
                      0);
 }
 
-static void what_was_acknowledged_survives_kill_9(void **state)
+// n_changes_max > 0: each life ends by a loss of power after at most so many changes of files, else by a signal.
+static void survive(helper_store *h, int n_lives, unsigned n_changes_max)
 {
-    helper_store *h = *state;
     promise *all = calloc(N_RUNS_MAX, sizeof *all);
     size_t n = 0;
 
     assert_non_null(all);
     srand(1);
     helper_store_close(h);
-    for (int life = 0; life < N_LIVES; life++) {
+    for (int life = 0; life < n_lives; life++) {
         size_t n_before = n;
-        spend_life(h, 0, all, &n);
-        assert_true(n > n_before || n_before > 0);
+        unsigned n_changes = n_changes_max == 0 ? 0 : 1 + (unsigned)rand() % n_changes_max;
+        spend_life(h, n_changes, all, &n);
         check_store(h, life % 5 == 0, all, n_before, n);
     }
+    assert_true(n > (size_t)n_lives / 4);
     check_store(h, false, all, 0, n);
     helper_store_open(h);
     free(all);
 }
 
+static void what_was_acknowledged_survives_kill_9(void **state)
+{
+    survive(*state, N_LIVES, 0);
+}
+
 static void what_was_acknowledged_survives_a_loss_of_power(void **state)
 {
-    helper_store *h = *state;
-    promise *all = calloc(N_RUNS_MAX, sizeof *all);
-    size_t n = 0;
-
-    assert_non_null(all);
-    srand(2);
-    helper_store_close(h);
-    for (int life = 0; life < N_POWER_CUTS; life++) {
-        size_t n_before = n;
-        spend_life(h, 1 + (unsigned)rand() % POWER_CHANGES_MAX, all, &n);
-        check_store(h, life % 5 == 0, all, n_before, n);
-    }
-    assert_true(n > N_POWER_CUTS / 4);
-    check_store(h, false, all, 0, n);
-    helper_store_open(h);
-    free(all);
+    survive(*state, N_POWER_CUTS, POWER_CHANGES_MAX);
 }
 
 int main(void)

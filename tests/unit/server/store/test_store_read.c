@@ -45,15 +45,20 @@ static void a_list_goes_from_the_newest_to_the_oldest_in_pages(void **state)
     free(list);
 }
 
+static size_t count_listed(store *s, const api_list_query *query)
+{
+    api_run_list *list = list_runs(s, query);
+    size_t n = list->n;
+    free(list);
+    return n;
+}
+
 static size_t count_runs(store *s, int state, int model, const char *label)
 {
     api_list_query query = { .state = state, .model = model, .limit = API_LIST_MAX };
 
     snprintf(query.label, sizeof query.label, "%s", label);
-    api_run_list *list = list_runs(s, &query);
-    size_t n = list->n;
-    free(list);
-    return n;
+    return count_listed(s, &query);
 }
 
 static void a_list_can_be_narrowed(void **state)
@@ -91,10 +96,7 @@ static size_t count_runs_of(store *s, const char *owner, int state, const char *
 
     snprintf(query.owner, sizeof query.owner, "%s", owner);
     snprintf(query.label, sizeof query.label, "%s", label);
-    api_run_list *list = list_runs(s, &query);
-    size_t n = list->n;
-    free(list);
-    return n;
+    return count_listed(s, &query);
 }
 
 static void a_list_can_be_narrowed_to_an_owner(void **state)
