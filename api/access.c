@@ -21,7 +21,7 @@ const char *api_access_word(api_scope scope)
         if (rows[i].scope == scope)
             return rows[i].word;
     }
-    return "none";
+    return scope == API_SCOPE_ANY ? "any" : "none";
 }
 
 static unsigned find_scope(const char *word, size_t n)

@@ -1,5 +1,5 @@
-/// Who sent a request and what they may do: scopes of access tokens, and what became of the token that came with
-/// a request. Tokens themselves are the server's.
+/// Who sent a request and what they may do: scopes of access tokens, and what became of the token or ticket that came
+/// with a request. Tokens and tickets themselves are the server's.
 
 #pragma once
 
@@ -9,6 +9,7 @@
 enum {
     API_OWNER_SIZE = 65,  ///< bytes of an owner's name with its terminator
     API_SCOPES_SIZE = 32, ///< bytes of a list of all scopes with its terminator
+    API_TICKET_SIZE = 65, ///< bytes of a ticket with its terminator
 };
 
 /// What a token allows, X(scope, flag, word). API_SCOPE_ADMIN includes all others.
@@ -24,13 +25,16 @@ typedef enum api_scope {
 #define X(scope, flag, word) scope = flag,
     API_SCOPE_LIST(X)
 #undef X
+#define X(scope, flag, word) | flag
+        API_SCOPE_ANY = 0 API_SCOPE_LIST(X), ///< needs a token, whatever it allows
+#undef X
 } api_scope;
 
-/// What became of the token of a request.
+/// What became of the token or ticket of a request.
 typedef enum api_credential {
     API_CREDENTIAL_UNUSED,  ///< there are no tokens: everybody may do everything
     API_CREDENTIAL_MISSING, ///< there are tokens, but the request has none
-    API_CREDENTIAL_UNKNOWN, ///< it is no token of this service
+    API_CREDENTIAL_UNKNOWN, ///< it is none of this service
     API_CREDENTIAL_EXPIRED, ///< its time is over
     API_CREDENTIAL_REVOKED, ///< it was revoked
     API_CREDENTIAL_VALID,   ///< it counts
@@ -43,7 +47,13 @@ typedef struct api_identity {
     unsigned scopes;            ///< flags of api_scope
 } api_identity;
 
-/// The word of one scope. Never NULL.
+/// What stands for a token in the query of a GET for a short time, where no header can be sent.
+typedef struct api_ticket {
+    char text[API_TICKET_SIZE]; ///< letters, digits, '-' and '_'
+    int64_t expires_ms;         ///< Unix time, ms: from then on it does not count
+} api_ticket;
+
+/// The word of one scope, "any" for API_SCOPE_ANY. Never NULL.
 const char *api_access_word(api_scope scope);
 
 /// Read a list of words with commas, "read,submit". False: empty, or a word is unknown.

@@ -151,6 +151,11 @@ typedef struct api_services {
     /// What becomes of a token (NULL: the request has none), and of a valid one who has it. Does not wait for
     /// the disk beyond a short read. NULL instead of a function: there are no tokens.
     api_credential (*identify)(void *context, const char *token, api_identity *ret_who);
+    /// The same of a token that was valid, by its number.
+    api_credential (*recall)(void *context, uint64_t token, api_identity *ret_who);
+    /// Make a ticket that stands for a token; and read one, which leaves open whether its token still counts.
+    void (*make_ticket)(void *context, uint64_t token, api_ticket *ret_ticket);
+    api_credential (*read_ticket)(void *context, const char *ticket, uint64_t *ret_token);
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
     /// with it is under way; BF_ENOSPACE: the disk is nearly full; BF_ELIMIT: the client's quota

@@ -26,15 +26,42 @@ static const char *find_token(const exchange *x)
     return value + strspn(value, " ");
 }
 
+bool access_takes_ticket(const route *r)
+{
+    return r->scope != API_SCOPE_NONE && strcmp(r->method, "GET") == 0;
+}
+
+static api_credential identify_ticket(exchange *x, const char *ticket)
+{
+    const api_services *services = x->services;
+    uint64_t token = 0;
+
+    api_credential credential = services->read_ticket(services->context, ticket, &token);
+    return credential == API_CREDENTIAL_VALID ? services->recall(services->context, token, &x->who)
+                                              : credential;
+}
+
+// A request that waited for a run is still its sender's when its ticket has expired meanwhile.
+static api_credential identify(exchange *x, const char *ticket)
+{
+    const api_services *services = x->services;
+
+    if (x->request->token != 0)
+        return services->recall(services->context, x->request->token, &x->who);
+    api_credential credential = services->identify(services->context, find_token(x), &x->who);
+    return credential == API_CREDENTIAL_MISSING && ticket != NULL ? identify_ticket(x, ticket)
+                                                                  : credential;
+}
+
 static const char *explain(api_credential credential)
 {
     switch (credential) {
     case API_CREDENTIAL_EXPIRED:
-        return "the access token has expired";
+        return "the access token or ticket has expired";
     case API_CREDENTIAL_REVOKED:
         return "the access token was revoked";
     case API_CREDENTIAL_UNKNOWN:
-        return "this is no access token of this service";
+        return "this is no access token or ticket of this service";
     case API_CREDENTIAL_MISSING:
     case API_CREDENTIAL_UNUSED:
     case API_CREDENTIAL_VALID:
@@ -45,11 +72,11 @@ static const char *explain(api_credential credential)
 
 bf_status access_check(exchange *x, bf_error *err)
 {
-    const api_services *services = x->services;
+    const char *ticket = access_takes_ticket(x->route) ? query_take(&x->query, "ticket") : NULL;
 
-    if (services->identify == NULL)
+    if (x->services->identify == NULL)
         return BF_OK;
-    x->credential = services->identify(services->context, find_token(x), &x->who);
+    x->credential = identify(x, ticket);
     int status = access_decide(x->route, x->credential, x->who.scopes);
     if (status == 401)
         return exchange__refuse(x, 401, "", err, "%s", explain(x->credential));

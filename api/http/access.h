@@ -2,6 +2,8 @@
 /// that came with the request and the owners of runs and measurements.
 ///
 /// A token comes in `Authorization: Bearer` alone (RFC 6750, 2.1), never in the URL, where logs and histories keep it.
+/// For what a browser fetches by itself (EventSource, downloads, images) a ticket stands for it: `?ticket=` of a GET or
+/// HEAD without that header. It is taken out of the query, so that nothing behind this place can write it anywhere.
 
 #pragma once
 
@@ -11,6 +13,9 @@
 
 /// The HTTP status of the refusal: 401 without a valid token, 403 with one that lacks the route's scope; 0: go on.
 int access_decide(const route *r, api_credential credential, unsigned scopes);
+
+/// True if a ticket may stand for the token: the route reads, and needs a token.
+bool access_takes_ticket(const route *r);
 
 /// Identify who sent the request (exchange.who) and decide. BF_EINPUT as a 401 or 403.
 BF_MUST_CHECK bf_status access_check(exchange *x, bf_error *err);

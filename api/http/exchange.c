@@ -72,9 +72,9 @@ static bf_status dispatch(exchange *x, bf_error *err)
     bf_status status = find_route(x, err);
 
     if (status == BF_OK)
-        status = access_check(x, err);
-    if (status == BF_OK)
         status = query_parse(x->request->query, &x->query, err);
+    if (status == BF_OK)
+        status = access_check(x, err);
     if (status == BF_OK)
         status = query_check(&x->query, x->route->params, err);
     if (status == BF_OK)
@@ -186,6 +186,7 @@ void api_handle_again(const api_services *services, const api_request *request,
     api_response late;
 
     again.polled = &polled;
+    again.token = response->who.token;
     response->long_poll.seconds = 0;
     api_handle(services, &again, &late);
     // The run was accepted (201), even if it has been removed since or cannot be read.

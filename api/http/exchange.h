@@ -60,6 +60,7 @@ typedef struct api_request {
     size_t n_body;      ///< bytes
     const char *client; ///< address that limits hold for, shorter than API_CLIENT_SIZE; NULL: none
     const api_long_poll *polled; ///< what the first answer waited for; NULL: this is the first
+    uint64_t token;              ///< number of the token that the first answer was for; 0: none
 } api_request;
 
 /// A response header.

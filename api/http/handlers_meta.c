@@ -47,6 +47,14 @@ bf_status handlers_meta_readyz(exchange *x, bf_error *err)
     return service_json_ready(&x->response->body, err);
 }
 
+bf_status handlers_meta_ticket(exchange *x, bf_error *err)
+{
+    api_ticket ticket;
+
+    x->services->make_ticket(x->services->context, x->who.token, &ticket);
+    return service_json_ticket(&ticket, &x->response->body, err);
+}
+
 bf_status handlers_meta_metrics(exchange *x, bf_error *err)
 {
     return x->services->metrics(x->services->context, &x->response->body, err);

@@ -160,6 +160,7 @@ route_handler_fn handlers_compare_runs;
 /// The service itself.
 route_handler_fn handlers_meta_examples;
 route_handler_fn handlers_meta_example;
+route_handler_fn handlers_meta_ticket;
 route_handler_fn handlers_meta_livez;
 route_handler_fn handlers_meta_readyz;
 route_handler_fn handlers_meta_metrics;

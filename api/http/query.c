@@ -111,6 +111,19 @@ const char *query_value(const query *q, const char *name)
     return NULL;
 }
 
+const char *query_take(query *q, const char *name)
+{
+    for (size_t i = 0; i < q->n; i++) {
+        if (strcmp(q->text + q->params[i].name, name) != 0)
+            continue;
+        const char *value = q->text + q->params[i].value;
+        q->n--;
+        memmove(&q->params[i], &q->params[i + 1], (q->n - i) * sizeof *q->params);
+        return value;
+    }
+    return NULL;
+}
+
 // The row of a parameter that a query can have, or NULL.
 static const param *find_row(const param *const *params, const char *name)
 {

@@ -36,6 +36,9 @@ BF_MUST_CHECK bf_status query_parse(const char *text, query *ret_query, bf_error
 /// The value of a parameter, or NULL if it was not given.
 const char *query_value(const query *q, const char *name);
 
+/// The same, and the query does not have it any more. The text stays as long as *q.
+const char *query_take(query *q, const char *name);
+
 /// Check a query against the parameters that a route has (ended by NULL): it has no other
 /// one, each value is one of its kind, and what is required is there. Errors as of param_kind.
 BF_MUST_CHECK bf_status query_check(const query *q, const param *const *params, bf_error *err);

@@ -426,6 +426,22 @@ static const route table[] = {
       .help = "It can be submitted as it is, as `scenario` of a submission.",
       .refusals = "404 412",
       .answers = { { 200, "Scenario", CACHED, "The scenario" }, UNCHANGED } },
+    { .method = "POST",
+      .path = "/v1/tickets",
+      .handle = handlers_meta_ticket,
+      .cost = API_COST_NONE,
+      .scope = API_SCOPE_ANY,
+      .formats = "json",
+      .params = NO_PARAMS,
+      .id = "makeTicket",
+      .tag = "Service",
+      .summary = "A ticket that stands for the access token in a URL for a minute",
+      .help = "For what a browser fetches by itself and so without a header: event streams, "
+              "downloads, images. As `ticket` in the query of a GET or HEAD it allows what the "
+              "token allows, as often as wanted; a stream that it began goes on. It does not "
+              "count any more when the token is revoked or the daemon is started again.",
+      .refusals = "403",
+      .answers = { { 200, "Ticket", "Cache-Control", "The ticket" } } },
     { .method = "GET",
       .path = "/livez",
       .handle = handlers_meta_livez,

@@ -202,19 +202,33 @@ static bool is_needed(api_scope scope)
 
 static void write_security_scheme(json_out *w, api_scope scope)
 {
-    char help[160];
+    const char *word = api_access_word(scope);
+    char which[64] = "any scope", help[160];
 
     if (!is_needed(scope))
         return;
+    if (scope != API_SCOPE_ANY)
+        snprintf(which, sizeof which, "the scope `%s` or `admin`", word);
     snprintf(help, sizeof help,
-             "An access token with the scope `%s` or `admin`, if the service has tokens; "
-             "`beltflowd token add` makes one.",
-             api_access_word(scope));
-    json_out_key(w, api_access_word(scope));
+             "An access token with %s, if the service has tokens; `beltflowd token add` makes one.",
+             which);
+    json_out_key(w, word);
     json_out_object(w);
     json_out_key_string(w, "type", "http");
     json_out_key_string(w, "scheme", "bearer");
     json_out_key_string(w, "description", help);
+    json_out_object_end(w);
+}
+
+static void write_ticket_scheme(json_out *w)
+{
+    json_out_key(w, "ticket");
+    json_out_object(w);
+    json_out_key_string(w, "type", "apiKey");
+    json_out_key_string(w, "in", "query");
+    json_out_key_string(w, "name", "ticket");
+    json_out_key_string(w, "description",
+                        "What POST /v1/tickets answers, where no header can be sent.");
     json_out_object_end(w);
 }
 
@@ -226,6 +240,8 @@ static void write_security_schemes(json_out *w)
 #define X(scope, flag, word) write_security_scheme(w, scope);
     API_SCOPE_LIST(X)
 #undef X
+    write_security_scheme(w, API_SCOPE_ANY);
+    write_ticket_scheme(w);
     json_out_object_end(w);
 }
 

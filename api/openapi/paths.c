@@ -2,6 +2,7 @@
 
 #include "api/openapi/openapi_priv.h"
 
+#include "api/http/access.h"
 #include "api/scenario/examples.h"
 #include "core/base/check.h"
 
@@ -186,6 +187,15 @@ static void write_answer(json_out *w, const route *r, const route_answer *answer
     json_out_object_end(w);
 }
 
+static void write_requirement(json_out *w, const char *scheme)
+{
+    json_out_object(w);
+    json_out_key(w, scheme);
+    json_out_array(w);
+    json_out_array_end(w);
+    json_out_object_end(w);
+}
+
 // Without tokens in the service nobody needs one: {} allows that.
 static void write_security(json_out *w, const route *r)
 {
@@ -193,11 +203,9 @@ static void write_security(json_out *w, const route *r)
         return;
     json_out_key(w, "security");
     json_out_array(w);
-    json_out_object(w);
-    json_out_key(w, api_access_word(r->scope));
-    json_out_array(w);
-    json_out_array_end(w);
-    json_out_object_end(w);
+    write_requirement(w, api_access_word(r->scope));
+    if (access_takes_ticket(r))
+        write_requirement(w, "ticket");
     json_out_object(w);
     json_out_object_end(w);
     json_out_array_end(w);

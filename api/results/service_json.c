@@ -32,6 +32,12 @@ static const member version_members[] = {
 };
 const member_table service_json_version_members = { MEMBER_TABLE("Version", version_members) };
 
+static const member ticket_members[] = {
+    MEMBER("ticket", text, offsetof(api_ticket, text), "For `?ticket=` of a GET or HEAD"),
+    MEMBER("expires_at", time, offsetof(api_ticket, expires_ms), "From then on it does not count"),
+};
+const member_table service_json_ticket_members = { MEMBER_TABLE("Ticket", ticket_members) };
+
 static bf_status write(const member_table *table, const void *item, bf_buffer *out, bf_error *err)
 {
     json_out w = json_out_to(out);
@@ -55,4 +61,9 @@ bf_status service_json_version(bf_buffer *out, bf_error *err)
     const version view = { .version = BELTFLOW_VERSION, .compiler = __VERSION__ };
 
     return write(&service_json_version_members, &view, out, err);
+}
+
+bf_status service_json_ticket(const api_ticket *ticket, bf_buffer *out, bf_error *err)
+{
+    return write(&service_json_ticket_members, ticket, out, err);
 }

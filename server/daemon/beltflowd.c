@@ -194,7 +194,9 @@ static bf_status start_store(parts *p, bf_error *err)
 
 static bf_status start_tokens(parts *p, bf_error *err)
 {
-    return tokens_open(p->settings.data, &p->service.tokens, err);
+    bf_status status = tickets_draw(&p->service.tickets, err);
+
+    return status == BF_OK ? tokens_open(p->settings.data, &p->service.tokens, err) : status;
 }
 
 static bf_status start_supervisor(parts *p, bf_error *err)

@@ -24,6 +24,21 @@ static api_credential identify(void *context, const char *token, api_identity *r
     return tokens_identify(((service *)context)->tokens, token, ret_who);
 }
 
+static api_credential recall(void *context, uint64_t token, api_identity *ret_who)
+{
+    return tokens_recall(((service *)context)->tokens, token, ret_who);
+}
+
+static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
+{
+    tickets_make(&((service *)context)->tickets, token, clock_monotonic_ms(), ret_ticket);
+}
+
+static api_credential read_ticket(void *context, const char *ticket, uint64_t *ret_token)
+{
+    return tickets_read(&((service *)context)->tickets, ticket, clock_monotonic_ms(), ret_token);
+}
+
 static bf_status submit(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err)
 {
@@ -246,6 +261,9 @@ api_services service_table(service *s)
 {
     return (api_services){ .context = s,
                            .identify = identify,
+                           .recall = recall,
+                           .make_ticket = make_ticket,
+                           .read_ticket = read_ticket,
                            .submit = submit,
                            .find = find,
                            .list = list,

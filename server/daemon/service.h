@@ -8,6 +8,7 @@
 #include "server/base/lock.h"
 #include "server/run/supervisor.h"
 #include "server/store/store.h"
+#include "server/store/tickets.h"
 #include "server/store/tokens.h"
 
 #include <stdatomic.h>
@@ -20,6 +21,7 @@ typedef struct service {
     store *store;             ///< open
     supervisor *supervisor;   ///< running
     tokens *tokens;           ///< open
+    tickets tickets;          ///< drawn
     atomic_bool is_draining;  ///< the daemon stops: nothing new is accepted
     lock lock;                ///< guards waiters
     lock_condition committed; ///< a waiter was notified

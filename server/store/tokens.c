@@ -293,6 +293,21 @@ api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_wh
     return credential;
 }
 
+api_credential tokens_recall(tokens *t, uint64_t id, api_identity *ret_who)
+{
+    api_credential credential = API_CREDENTIAL_UNUSED;
+
+    lock_acquire(&t->lock);
+    refresh(t);
+    if (t->n > 0) {
+        entry *found = find_id(t->all, t->n, id);
+        credential =
+            found == NULL ? API_CREDENTIAL_UNKNOWN : judge(found, clock_unix_ms(), ret_who);
+    }
+    lock_release(&t->lock);
+    return credential;
+}
+
 // The id and time of a use that is to be written down, which then counts as written. 0: there is none.
 static uint64_t take_unsaved(tokens *t, int64_t *ret_used_ms)
 {

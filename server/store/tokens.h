@@ -54,6 +54,9 @@ bool tokens_exist(tokens *t);
 /// Changes by others are logged when they are found, and looked for at most once in TOKENS_FRESH_MS.
 api_credential tokens_identify(tokens *t, const char *text, api_identity *ret_who);
 
+/// The same of a token by its number.
+api_credential tokens_recall(tokens *t, uint64_t id, api_identity *ret_who);
+
 /// Write down when tokens were last used. Waits for the disk: not for the way of a request.
 void tokens_save_uses(tokens *t);
 

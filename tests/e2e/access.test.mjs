@@ -1,31 +1,13 @@
 // Access by tokens: a real daemon with tokens that `beltflowd token` made, and what it answers to whom.
 
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
 import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { fed, tiny } from "./scenarios.mjs";
-import { binaries, temporaryFolder, until } from "./setup.mjs";
-
-// Run beltflowd for a data directory; { status, stdout, stderr }.
-function beltflowd(data, ...words) {
-  const { status, stdout, stderr, error } = spawnSync(path.join(binaries, "beltflowd"), ["--data", data, ...words], {
-    encoding: "utf8",
-  });
-  assert.equal(error, undefined);
-  return { status, stdout, stderr };
-}
-
-// Make a token beside the daemon; the header that presents it.
-function addToken(data, ...words) {
-  const { status, stdout, stderr } = beltflowd(data, "token", "add", ...words);
-  assert.equal(status, 0, stderr);
-  const token = stdout.trim();
-  assert.match(token, /^bft_[\w-]{43}$/);
-  return { authorization: `Bearer ${token}` };
-}
+import { temporaryFolder, until } from "./setup.mjs";
+import { addToken, beltflowd } from "./tokens.mjs";
 
 const submission = () => ({ scenario: tiny(), fresh: true });
 
@@ -52,7 +34,8 @@ test("a token that is wrong, expired, revoked or in the URL opens nothing", asyn
   const secret = alice.authorization.slice("Bearer ".length);
   assert.equal((await d.get("/v1/runs", alice)).status, 200);
   assert.equal((await d.get("/v1/runs", bob)).status, 200);
-  for (const name of ["access_token", "token", "ticket"]) {
+  assert.equal((await d.get(`/v1/runs?ticket=${secret}`)).status, 401);
+  for (const name of ["access_token", "token"]) {
     assert.equal((await d.get(`/v1/runs?${name}=${secret}`)).status, 401, name);
     assert.equal((await d.get(`/v1/runs?${name}=${secret}`, alice)).status, 400, name);
   }
@@ -238,4 +221,66 @@ test("what was there before the first token is the administrator's", async (t) =
   assert.equal((await d.get(`/v1/runs/${before.id}`, alice)).status, 404);
   const { status, json } = await d.get(`/v1/runs/${before.id}`, root);
   assert.deepEqual([status, json.owner], [200, undefined]);
+});
+
+// A ticket for the sender of headers, as part of a query.
+async function ticketOf(d, headers) {
+  const { status, json, text } = await d.request("POST", "/v1/tickets", { headers });
+  assert.equal(status, 200, text);
+  assert.match(json.ticket, /^[\w-]{64}$/);
+  const left = Date.parse(json.expires_at) - Date.now();
+  assert.ok(left > 0 && left <= 60_000, json.expires_at);
+  return `ticket=${json.ticket}`;
+}
+
+test("a ticket stands for the token where something is read, and nowhere else", async (t) => {
+  const { d, alice, bob, run } = await neighbours(t);
+  const [ticket, others] = await Promise.all([ticketOf(d, alice), ticketOf(d, bob)]);
+  for (const target of ["", "/snapshots/0?format=png", "/results.zip", "/events"]) {
+    const query = `${target.includes("?") ? "&" : "?"}${ticket}`;
+    const answer = await d.get(`/v1/runs/${run.id}${target}${query}`);
+    assert.equal(answer.status, 200, `${target}: ${answer.text}`);
+  }
+  assert.equal((await d.request("HEAD", `/v1/runs/${run.id}?${ticket}`)).status, 200);
+  assert.equal((await d.get(`/v1/runs/${run.id}?${others}`)).status, 404);
+  const refused = await d.get(`/v1/runs/${run.id}?${ticket.slice(0, -1)}`);
+  assert.equal(refused.status, 401);
+  assert.match(refused.headers["www-authenticate"], /error="invalid_token"/);
+  for (const [method, target, body] of [["POST", "/v1/runs", submission()], ["POST", "/v1/tickets"],
+    ["POST", `/v1/runs/${run.id}/cancel`], ["DELETE", `/v1/runs/${run.id}`]]) {
+    const answer = body ? await d.post(`${target}?${ticket}`, body) : await d.request(method, `${target}?${ticket}`);
+    assert.equal(answer.status, 401, `${method} ${target}`);
+  }
+  assert.equal((await d.get(`/v1/runs/${run.id}`, alice)).status, 200);
+});
+
+test("a ticket ends with its token, and is written nowhere", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const alice = addToken(data, "alice");
+  const d = await daemon(t, { data, log_level: "debug" });
+  const runs = await Promise.all([1, 2].map(() => d.post("/v1/runs", submission(), alice)));
+  assert.deepEqual(runs.map(({ status }) => status), [201, 201]);
+  const ticket = await ticketOf(d, alice);
+  const page = await d.get(`/v1/runs?limit=1&${ticket}`);
+  assert.equal(page.json.runs.length, 1);
+  assert.match(page.headers.link, /rel="next"/);
+  const id = page.json.runs[0].id;
+  const answers = [page, await d.get(`/v1/runs/${id}?${ticket}`), await d.get(`/v1/runs/none?${ticket}`),
+    await d.get(`/v1/runs?limit=0&${ticket}`), await d.get(`/v1/runs/${id}/curve?colour=red&${ticket}`)];
+  assert.deepEqual(answers.map(({ status }) => status), [200, 200, 404, 400, 400]);
+  for (const { headers, text } of answers) assert.ok(!(JSON.stringify(headers) + text).includes(ticket.slice(7)), text);
+  assert.equal(beltflowd(data, "token", "revoke", "1").status, 0);
+  await until(async () => (await d.get(`/v1/runs?${ticket}`)).status === 401, "the revocation to count");
+  await d.stop();
+  assert.ok(!d.log.includes(ticket.slice(7)), d.log);
+});
+
+test("without tokens a ticket is made and not asked for", async (t) => {
+  const d = await daemon(t);
+  const ticket = await ticketOf(d, {});
+  assert.equal((await d.get(`/v1/runs?${ticket}`)).status, 200);
+  assert.equal((await d.get("/v1/runs?ticket=whatever")).status, 200);
+  addToken(d.data, "alice");
+  await until(async () => (await d.get("/v1/runs")).status === 401, "the daemon to see the token");
+  assert.equal((await d.get(`/v1/runs?${ticket}`)).status, 401);
 });

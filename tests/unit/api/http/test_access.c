@@ -30,9 +30,11 @@ static bool is_public(const route *r)
     return false;
 }
 
-// What a route needs, from its method alone: validation is a POST that stores nothing.
+// The scopes of which a route needs one, from its method alone: validation is a POST that stores nothing.
 static unsigned needed_by(const route *r)
 {
+    if (strcmp(r->path, "/v1/tickets") == 0)
+        return API_SCOPE_READ | API_SCOPE_SUBMIT | API_SCOPE_WORK;
     bool reads = strcmp(r->method, "GET") == 0 || strcmp(r->path, "/v1/validate") == 0;
     return reads ? API_SCOPE_READ : API_SCOPE_SUBMIT;
 }
@@ -45,7 +47,7 @@ static void every_route_is_decided_for_every_scope(void **state)
     (void)state;
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < N_SCOPES; k++) {
-            bool may = is_public(&table[i]) || all_scopes[k] == needed_by(&table[i]) ||
+            bool may = is_public(&table[i]) || (all_scopes[k] & needed_by(&table[i])) != 0 ||
                        all_scopes[k] == API_SCOPE_ADMIN;
             int status = access_decide(&table[i], API_CREDENTIAL_VALID, all_scopes[k]);
             if (status != (may ? 0 : 403))
@@ -67,6 +69,17 @@ static void scopes_of_a_token_that_does_not_count_are_worth_nothing(void **state
             assert_int_equal(access_decide(&table[i], (api_credential)c, API_SCOPE_ADMIN), wanted);
         assert_int_equal(access_decide(&table[i], API_CREDENTIAL_UNUSED, API_SCOPE_NONE), 0);
     }
+}
+
+static void tickets_are_for_what_reads_and_needs_a_token(void **state)
+{
+    size_t n = 0;
+    const route *table = routes_list(&n);
+
+    (void)state;
+    for (size_t i = 0; i < n; i++)
+        assert_int_equal(access_takes_ticket(&table[i]),
+                         strcmp(table[i].method, "GET") == 0 && !is_public(&table[i]));
 }
 
 static void scopes_are_read_as_they_are_written(void **state)
@@ -105,6 +118,42 @@ static api_credential identify(void *context, const char *token, api_identity *r
     return API_CREDENTIAL_VALID;
 }
 
+// Tokens by their numbers: 1 and 2 as above, 3 was revoked.
+static api_credential recall(void *context, uint64_t token, api_identity *ret_who)
+{
+    if (token == 3)
+        return API_CREDENTIAL_REVOKED;
+    return identify(context, token == 2 ? "submits" : "reads", ret_who);
+}
+
+// Tickets: "good", "sent" and "gone" of tokens 1 to 3, and "late".
+static api_credential read_ticket(void *context, const char *ticket, uint64_t *ret_token)
+{
+    static const char *const known[] = { "good", "sent", "gone" };
+
+    (void)context;
+    if (strcmp(ticket, "late") == 0)
+        return API_CREDENTIAL_EXPIRED;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (strcmp(ticket, known[i]) != 0)
+            continue;
+        *ret_token = i + 1;
+        return API_CREDENTIAL_VALID;
+    }
+    return API_CREDENTIAL_UNKNOWN;
+}
+
+static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
+{
+    (void)context;
+    *ret_ticket = (api_ticket){ .expires_ms = 1767225600000 }; // 2026-01-01
+    (void)snprintf(ret_ticket->text, sizeof ret_ticket->text, "ticket-%u", (unsigned)token);
+}
+
+static const api_services services = {
+    .identify = identify, .recall = recall, .read_ticket = read_ticket, .make_ticket = make_ticket
+};
+
 static const char *find_header(void *context, const char *name)
 {
     return strcasecmp(name, "Authorization") == 0 ? context : NULL;
@@ -113,7 +162,6 @@ static const char *find_header(void *context, const char *name)
 static void ask_for(const char *method, const char *path, const char *query,
                     const char *authorization, api_response *response)
 {
-    const api_services services = { .identify = identify };
     char header[80];
 
     (void)snprintf(header, sizeof header, "%s", authorization == NULL ? "" : authorization);
@@ -150,6 +198,31 @@ static void a_refusal_says_what_is_wanted(void **state)
         { "HEAD", "/v1/examples", "", NULL, 401, "Bearer realm=\"beltflow\"" },
         { "OPTIONS", "/v1/examples", "", NULL, 204, NULL },
         { "GET", "/version", "", "Bearer nonsense", 200, NULL },
+        { "GET", "/v1/examples", "ticket=good", NULL, 200, NULL },
+        { "HEAD", "/v1/examples", "ticket=good", NULL, 200, NULL },
+        { "GET", "/v1/examples", "ticket=good", "Basic cmVhZHM6", 200, NULL },
+        { "GET", "/v1/examples", "ticket=good", "Bearer reads", 200, NULL },
+        { "GET", "/v1/examples", "ticket=late", "Bearer reads", 200, NULL },
+        { "GET", "/v1/examples", "ticket=good&colour=red", NULL, 400, NULL },
+        { "GET", "/v1/examples", "ticket=good&ticket=good", NULL, 400, NULL },
+        { "GET", "/v1/examples", "ticket=good", "Bearer nonsense", 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "ticket=late", NULL, 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "ticket=gone", NULL, 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "ticket=reads", NULL, 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "ticket", NULL, 401,
+          "Bearer realm=\"beltflow\", error=\"invalid_token\"" },
+        { "GET", "/v1/examples", "ticket=sent", NULL, 403,
+          "Bearer realm=\"beltflow\", error=\"insufficient_scope\", scope=\"read\"" },
+        { "POST", "/v1/runs", "ticket=sent", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "POST", "/v1/runs", "ticket=sent", "Bearer submits", 400, NULL },
+        { "DELETE", "/v1/runs/1", "ticket=sent", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "POST", "/v1/tickets", "ticket=good", NULL, 401, "Bearer realm=\"beltflow\"" },
+        { "POST", "/v1/tickets", "", "Bearer reads", 200, NULL },
+        { "POST", "/v1/tickets", "", "Bearer submits", 200, NULL },
     };
 
     (void)state;
@@ -181,14 +254,48 @@ static void an_answer_says_whose_it_is_and_that_caches_must_not_share_it(void **
     api_response_fini(&response);
 }
 
+static void a_ticket_is_answered_with_its_end_and_not_kept(void **state)
+{
+    api_response response;
+
+    (void)state;
+    ask_for("POST", "/v1/tickets", "", "Bearer submits", &response);
+    assert_string_equal(response.body.bytes,
+                        "{\"ticket\":\"ticket-2\",\"expires_at\":\"2026-01-01T00:00:00.000Z\"}");
+    assert_string_equal(api_response_find(&response, "Cache-Control"), "no-store");
+    api_response_fini(&response);
+}
+
+static void after_a_wait_the_token_has_to_count_and_the_ticket_need_not(void **state)
+{
+    const api_request request = {
+        .method = "GET", .path = "/v1/examples", .query = "ticket=late", .header = find_header
+    };
+    api_response response;
+
+    (void)state;
+    ask_for("GET", "/v1/examples", "ticket=good", NULL, &response);
+    assert_int_equal(response.who.token, 1);
+    api_handle_again(&services, &request, &response);
+    assert_int_equal(response.status, 200);
+    assert_int_equal(response.who.token, 1);
+    response.who.token = 3;
+    api_handle_again(&services, &request, &response);
+    assert_int_equal(response.status, 401);
+    api_response_fini(&response);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_route_is_decided_for_every_scope),
         cmocka_unit_test(scopes_of_a_token_that_does_not_count_are_worth_nothing),
+        cmocka_unit_test(tickets_are_for_what_reads_and_needs_a_token),
         cmocka_unit_test(scopes_are_read_as_they_are_written),
         cmocka_unit_test(a_refusal_says_what_is_wanted),
         cmocka_unit_test(an_answer_says_whose_it_is_and_that_caches_must_not_share_it),
+        cmocka_unit_test(a_ticket_is_answered_with_its_end_and_not_kept),
+        cmocka_unit_test(after_a_wait_the_token_has_to_count_and_the_ticket_need_not),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
