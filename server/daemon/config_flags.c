@@ -214,6 +214,16 @@ static bf_status check_texts(const config *c, bf_error *err)
     return BF_OK;
 }
 
+static bf_status check_pairs(const config *c, bf_error *err)
+{
+    bf_error found = { 0 };
+
+    bf_status status = http_check_listen(c->listen, c->plaintext, &found);
+    return status == BF_OK
+               ? BF_OK
+               : bf_fail(err, status, "", "%s: %s", c->origins[CONFIG_listen], found.text);
+}
+
 bf_status config_read(const config_flags *flags, config *ret_config, bf_error *err)
 {
     config c;
@@ -226,6 +236,8 @@ bf_status config_read(const config_flags *flags, config *ret_config, bf_error *e
         status = apply_flags(flags, &c, err);
     if (status == BF_OK)
         status = check_texts(&c, err);
+    if (status == BF_OK && flags->command == CONFIG_SERVE)
+        status = check_pairs(&c, err);
     if (status == BF_OK)
         status = locate(&c, err);
     if (status == BF_OK)

@@ -305,6 +305,21 @@ http_hosts http_host_list(const char *names, const char *listened, const struct 
     return hosts;
 }
 
+bf_status http_check_listen(const char *address, const char *plaintext, bf_error *err)
+{
+    const struct addrinfo hints = { .ai_flags = AI_PASSIVE | AI_NUMERICHOST,
+                                    .ai_socktype = SOCK_STREAM };
+    struct addrinfo *found = NULL;
+    listen_parts parts;
+
+    bf_status status = split_address(address, &parts, err);
+    if (status != BF_OK || getaddrinfo(parts.host, parts.port, &hints, &found) != 0)
+        return status;
+    bool is_loopback = http_host_list("", parts.host, found->ai_addr).is_loopback;
+    freeaddrinfo(found);
+    return is_loopback ? BF_OK : http_allow_plaintext(plaintext, true, address, err);
+}
+
 static bool is_same(const host_text *host, const char *name, size_t n)
 {
     if (host->is_bracketed && n > 2 && name[0] == '[') {

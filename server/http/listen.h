@@ -28,6 +28,11 @@ BF_MUST_CHECK bf_status http_check_plaintext(const char *text, bf_error *err);
 BF_MUST_CHECK bf_status http_allow_plaintext(const char *plaintext, bool has_tokens,
                                              const char *address, bf_error *err);
 
+/// The same of settings, before anything is started: tokens are not asked for, and an address that is a name is left to
+/// the start.
+BF_MUST_CHECK bf_status http_check_listen(const char *address, const char *plaintext,
+                                          bf_error *err);
+
 enum { HTTP_HOST_ADDRESS_SIZE = 16 }; ///< bytes of an address, IPv6 or IPv4 mapped into it
 
 /// The hosts that are accepted.

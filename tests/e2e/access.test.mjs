@@ -91,6 +91,13 @@ test("beyond this machine a daemon wants a word of its operator, and a token", (
   assert.equal(lonely.status, 2);
   assert.match(lonely.stderr, /no access token/);
   assert.equal(start("--plaintext", "closed").status, 2);
+  const check = (...words) => beltflowd(data, "--check-config", ...words);
+  const checked = check("--listen", "[::]:8080");
+  assert.equal(checked.status, 2);
+  assert.match(checked.stderr, /^--listen: \[::\]:8080 can be reached .* plaintext = proxy/);
+  for (const words of [["--listen", "[::]:8080", "--plaintext", "proxy"], ["--listen", "[::1]:8080"], ["--listen", "127.0.0.2:8080"]]) {
+    assert.deepEqual(check(...words), { status: 0, stdout: "", stderr: "" });
+  }
 });
 
 test("with both it listens, and without a warning that everybody may come", async (t) => {

@@ -419,7 +419,8 @@ static void a_flag_goes_before_the_environment_and_that_before_the_file(void **s
 static void a_text_at_fault_is_told_with_its_origin(void **state)
 {
     static const char *const lines[] = { "listen = nowhere", "cors_origins = nonsense",
-                                         "trusted_proxies = nobody", "plaintext = closed" };
+                                         "trusted_proxies = nobody", "plaintext = closed",
+                                         "listen = 0.0.0.0:80" };
     char path[256], text[128], expected[300];
 
     (void)state;
