@@ -242,6 +242,17 @@ static void look_for_client(http_request *r)
     p->is_half_closed = has_hung_up;
 }
 
+// False: the token that a stream was asked for with does not count any more. Other bodies end by themselves.
+static bool is_welcome(const http_request *r)
+{
+    const api_services *services = &r->server->services;
+    uint64_t token = r->response.who.token;
+    api_identity who;
+
+    return r->pull.kind != HTTP_PULL_STREAM || token == 0 ||
+           services->recall(services->context, token, &who) == API_CREDENTIAL_VALID;
+}
+
 int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
 {
     int64_t next_ms = NEVER;
@@ -255,7 +266,8 @@ int64_t http__pull_watch(http *h, int64_t now_ms, bool looks_for_disconnected)
             look_for_client(r);
         if (p->source.heartbeat != NULL && now_ms - p->sent_ms >= h->options.heartbeat_ms)
             p->is_heartbeat_due = true;
-        if (p->is_disconnected || p->is_heartbeat_due || now_ms >= p->due_ms)
+        if (p->is_disconnected || p->is_heartbeat_due || now_ms >= p->due_ms ||
+            (looks_for_disconnected && !is_welcome(r)))
             queue(h, r);
         else if (p->due_ms < next_ms)
             next_ms = p->due_ms;
@@ -290,7 +302,7 @@ static bool look(http_request *r, bool *ret_is_heartbeat_due)
     lock_release(&h->lock);
     const bool has_end = p->kind == HTTP_PULL_ARRAY || p->kind == HTTP_PULL_DOWNLOAD;
     p->has_failed = is_disconnected || (is_stopping && has_end);
-    if (is_stopping || clock_monotonic_ms() >= p->deadline_ms)
+    if (is_stopping || clock_monotonic_ms() >= p->deadline_ms || !is_welcome(r))
         p->state = BODY_DONE;
     return !p->has_failed && p->state != BODY_DONE;
 }

@@ -5,8 +5,8 @@ import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
-import { fed, tiny } from "./scenarios.mjs";
-import { temporaryFolder, until } from "./setup.mjs";
+import { endless, fed, tiny } from "./scenarios.mjs";
+import { temporaryFolder, until, within } from "./setup.mjs";
 import { addToken, beltflowd } from "./tokens.mjs";
 
 const submission = () => ({ scenario: tiny(), fresh: true });
@@ -290,4 +290,25 @@ test("without tokens a ticket is made and not asked for", async (t) => {
   addToken(d.data, "alice");
   await until(async () => (await d.get("/v1/runs")).status === 401, "the daemon to see the token");
   assert.equal((await d.get(`/v1/runs?${ticket}`)).status, 401);
+});
+
+test("a stream ends when its token is revoked, also one that waits, and no other", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const [alice, root] = [addToken(data, "alice"), addToken(data, "root", "--scopes", "admin")];
+  const d = await daemon(t, { data });
+  const submit = async () => (await d.post("/v1/runs", { scenario: endless(), fresh: true }, alice)).json.id;
+  const running = await submit();
+  await until(async () => (await d.get(`/v1/runs/${running}`, alice)).json.status === "running", "it to run");
+  const queued = await submit();
+  const ticket = await ticketOf(d, alice);
+  const hers = await Promise.all([d.events(running, alice), d.events(`/v1/runs/${queued}/events?${ticket}`)]);
+  const other = await d.events(queued, root);
+  for (const stream of [...hers, other]) assert.equal((await stream.next()).event, "status");
+  assert.equal(beltflowd(data, "token", "revoke", "1").status, 0);
+  for (const stream of hers) {
+    await within(stream.rest(), "the end of a stream");
+    assert.ok(!stream.isTorn);
+  }
+  assert.equal((await d.request("POST", `/v1/runs/${queued}/cancel`, { headers: root })).status, 200);
+  assert.equal((await within(other.until("end"), "the end of the run")).data.status, "cancelled");
 });
