@@ -1,5 +1,6 @@
 // Requests to the daemon. Addresses are relative to the page's, so a proxy may put both below a path.
 
+import { authorized, currentToken, signIn } from "./access.js";
 import { report } from "./connection.js";
 
 // What a problem document (RFC 9457) says; status 0: no answer came.
@@ -25,19 +26,33 @@ async function problemOf(response) {
   }
 }
 
-// The response, or a Problem. An aborted request stays an AbortError.
+// The response, or a Problem. An aborted request stays an AbortError. Where a token is wanted, it is asked for, and the
+// request sent again.
 export async function ask(target, options = {}) {
+  const token = currentToken();
   let response;
   try {
-    response = await fetch(local(target), options);
+    response = await fetch(local(target), authorized(options));
   } catch (error) {
     if (error.name === "AbortError") throw error;
     report(false);
     throw new Problem(0, "The daemon does not answer.");
   }
   report(response.status !== 502 && response.status !== 504);
-  if (!response.ok) throw await problemOf(response);
-  return response;
+  if (response.ok) return response;
+  const problem = await problemOf(response);
+  const isForToken = response.status === 401 && /^Bearer\b/i.test(response.headers.get("www-authenticate") ?? "");
+  if (!isForToken) throw problem;
+  await signIn(token, problem.message);
+  return ask(target, options);
+}
+
+// An address for what the browser fetches by itself, without our headers: with a ticket that counts for a minute, where
+// somebody is signed in.
+export async function ticketed(target) {
+  if (currentToken() === null) return target;
+  const { ticket } = await (await ask("v1/tickets", { method: "POST" })).json();
+  return `${target}${target.includes("?") ? "&" : "?"}ticket=${ticket}`;
 }
 
 export async function getJson(target, options) {

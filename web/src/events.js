@@ -2,7 +2,7 @@
 // changes, and by itself when the connection is lost, after the last event that was seen.
 
 import { onConnection, report, isDaemonAway } from "./connection.js";
-import { ended } from "./api.js";
+import { ended, ticketed } from "./api.js";
 
 const KINDS = ["status", "progress", "curve", "snapshot", "figures", "action", "end", "gap"];
 const RETRY_MS = 2000;
@@ -11,9 +11,11 @@ const RUNS_MAX = 32; // that one stream follows
 let source = null;
 let following = null; // { ids, onEvent, open, last }
 let timer = 0;
+let attempts = 0; // to connect; each one and each end makes those before it void
 
 function close() {
   clearTimeout(timer);
+  attempts++;
   source?.close();
   source = null;
 }
@@ -28,12 +30,26 @@ function take(kind, message) {
   if (open.size === 0) close();
 }
 
-function connect() {
+// The address of the stream; null: it cannot be had, or another attempt has begun.
+async function addressOf(query) {
+  const mine = attempts;
+  try {
+    const target = await ticketed(`v1/events?${query}`);
+    return mine === attempts ? target : null;
+  } catch {
+    if (mine === attempts) timer = setTimeout(connect, RETRY_MS);
+    return null;
+  }
+}
+
+async function connect() {
   close();
   if (following === null || following.open.size === 0) return;
   const query = new URLSearchParams({ runs: following.ids.join(",") });
   if (following.last) query.set("last_event_id", following.last);
-  source = new EventSource(`v1/events?${query}`);
+  const target = await addressOf(query);
+  if (target === null) return;
+  source = new EventSource(target);
   for (const kind of KINDS) source.addEventListener(kind, (message) => take(kind, message));
   source.addEventListener("open", () => report(true));
   source.addEventListener("error", lose);

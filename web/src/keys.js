@@ -13,7 +13,7 @@ const keys = [
 ];
 
 export function showKeys() {
-  const dialog = h("dialog", { class: "card keys-dialog", "aria-labelledby": "keys-title",
+  const dialog = h("dialog", { class: "card dialog keys-dialog", "aria-labelledby": "keys-title",
     on: { close: () => dialog.remove(), click: (event) => event.target === dialog && dialog.close() } },
   h("h2", { id: "keys-title" }, "Keyboard"),
   h("dl", { class: "facts" }, keys.map(([key, what]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, what)))),

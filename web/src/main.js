@@ -7,6 +7,7 @@ import "../style/runs.css";
 import "../style/watch.css";
 import "../style/new.css";
 
+import { onAccess, signOut } from "./access.js";
 import { getJson } from "./api.js";
 import { CompareView } from "./compare_view.js";
 import { onConnection } from "./connection.js";
@@ -88,6 +89,11 @@ document.querySelector(".skip").addEventListener("click", (event) => {
 document.getElementById("keys").addEventListener("click", showKeys);
 document.addEventListener("keydown", (event) => {
   if (event.key === "?" && !event.target.closest?.("input, textarea, select")) showKeys();
+});
+const signOutButton = document.getElementById("sign-out");
+signOutButton.addEventListener("click", signOut);
+onAccess((isSignedIn) => {
+  signOutButton.hidden = !isSignedIn;
 });
 onConnection(showConnection);
 showVersion().catch(() => {});

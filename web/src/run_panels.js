@@ -1,9 +1,12 @@
 // Below a run's animation: its figures, warnings, scenario and downloads.
 
+import { currentToken } from "./access.js";
+import { ticketed } from "./api.js";
 import { h, iconButton, link } from "./dom.js";
 import { fixed, models, moment, number, percent, quantity, span } from "./format.js";
 import { formatJson } from "./json_text.js";
 import { copy } from "./run_actions.js";
+import { tellFault } from "./toast.js";
 
 function facts(rows) {
   return h("dl", { class: "facts" }, rows.filter(Boolean).map(([name, value]) =>
@@ -122,7 +125,7 @@ export class DownloadsPanel {
       this.showCurl();
     };
     this.links = items.map(([what, format], k) => link("#", format, { "aria-label": `${what}, ${format}`,
-      on: { focus: () => show(k), pointerenter: () => show(k) } }));
+      on: { focus: () => show(k), pointerenter: () => show(k), click: (event) => this.save(event) } }));
     const groups = new Map();
     items.forEach(([what], k) => groups.set(what, [...(groups.get(what) ?? []), this.links[k]]));
     this.list.append(
@@ -139,9 +142,21 @@ export class DownloadsPanel {
   }
 
   showCurl() {
-    const chosen = this.links[this.chosen];
-    const { href } = chosen;
-    this.curl.textContent = `curl -sS -o ${chosen.dataset.file} '${href}'`;
+    const { href, dataset } = this.links[this.chosen];
+    const header = currentToken() === null ? "" : " -H \"Authorization: Bearer $TOKEN\"";
+    this.curl.textContent = `curl -sS${header} -o ${dataset.file} '${href}'`;
+  }
+
+  // A link that is clicked is fetched without our headers, so with a token by an address that has a ticket.
+  async save(event) {
+    if (currentToken() === null) return;
+    event.preventDefault();
+    const chosen = event.currentTarget;
+    try {
+      link(await ticketed(chosen.getAttribute("href")), "", { download: chosen.dataset.file }).click();
+    } catch (error) {
+      tellFault(error);
+    }
   }
 
   async savePicture() {
