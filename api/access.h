@@ -8,7 +8,7 @@
 
 enum {
     API_OWNER_SIZE = 65,  ///< bytes of an owner's name with its terminator
-    API_SCOPES_SIZE = 32, ///< bytes of a list of all scopes with its terminator
+    API_SCOPES_SIZE = 40, ///< bytes of a list of all scopes with its terminator
     API_TICKET_SIZE = 65, ///< bytes of a ticket with its terminator
 };
 
@@ -17,7 +17,8 @@ enum {
     X(API_SCOPE_READ, 1, "read")                                                                   \
     X(API_SCOPE_SUBMIT, 2, "submit")                                                               \
     X(API_SCOPE_WORK, 4, "work")                                                                   \
-    X(API_SCOPE_ADMIN, 8, "admin")
+    X(API_SCOPE_ADMIN, 8, "admin")                                                                 \
+    X(API_SCOPE_PRIORITY, 16, "priority")
 
 /// The scopes, as flags.
 typedef enum api_scope {

@@ -70,6 +70,13 @@ static const char *explain(api_credential credential)
     return "this needs an access token, sent as Authorization: Bearer TOKEN";
 }
 
+static bf_status refuse_scope(exchange *x, api_scope lacked, const char *pointer, bf_error *err)
+{
+    x->lacked = lacked;
+    return exchange__refuse(x, 403, pointer, err, "the access token lacks the scope %s",
+                            api_access_word(lacked));
+}
+
 bf_status access_check(exchange *x, bf_error *err)
 {
     const char *ticket = access_takes_ticket(x->route) ? query_take(&x->query, "ticket") : NULL;
@@ -80,10 +87,15 @@ bf_status access_check(exchange *x, bf_error *err)
     int status = access_decide(x->route, x->credential, x->who.scopes);
     if (status == 401)
         return exchange__refuse(x, 401, "", err, "%s", explain(x->credential));
-    if (status == 403)
-        return exchange__refuse(x, 403, "", err, "the access token lacks the scope %s",
-                                api_access_word(x->route->scope));
-    return BF_OK;
+    return status == 403 ? refuse_scope(x, x->route->scope, "", err) : BF_OK;
+}
+
+bf_status access_check_priority(exchange *x, int priority, bf_error *err)
+{
+    if (priority <= 0 || x->credential == API_CREDENTIAL_UNUSED ||
+        api_access_includes(x->who.scopes, API_SCOPE_PRIORITY))
+        return BF_OK;
+    return refuse_scope(x, API_SCOPE_PRIORITY, "/priority", err);
 }
 
 const char *access_list_owner(const exchange *x)
@@ -123,14 +135,12 @@ bf_status access_find_measurement(const exchange *x, const char *id,
 
 void access_challenge(exchange *x, int status)
 {
-    bool is_told = x->credential != API_CREDENTIAL_UNUSED;
-
     if (status == 401)
         api_response_header(x->response, "WWW-Authenticate", "Bearer realm=\"beltflow\"%s",
                             x->credential == API_CREDENTIAL_MISSING ? ""
                                                                     : ", error=\"invalid_token\"");
-    else if (status == 403 && is_told)
+    else if (status == 403 && x->lacked != API_SCOPE_NONE)
         api_response_header(x->response, "WWW-Authenticate",
                             "Bearer realm=\"beltflow\", error=\"insufficient_scope\", scope=\"%s\"",
-                            api_access_word(x->route->scope));
+                            api_access_word(x->lacked));
 }

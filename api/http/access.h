@@ -20,6 +20,9 @@ bool access_takes_ticket(const route *r);
 /// Identify who sent the request (exchange.who) and decide. BF_EINPUT as a 401 or 403.
 BF_MUST_CHECK bf_status access_check(exchange *x, bf_error *err);
 
+/// Refuse a priority above 0 to a token without the scope for it, as a 403 at /priority: it would overtake others.
+BF_MUST_CHECK bf_status access_check_priority(exchange *x, int priority, bf_error *err);
+
 /// What a list that the sender asks for is narrowed to: the sender's name; "": everybody's.
 const char *access_list_owner(const exchange *x);
 

@@ -45,6 +45,11 @@ static bf_status read_submission(exchange *x, api_submission *ret_submission, bf
     bf_status status = exchange__check_body(x, body_types, &type, err);
     if (status == BF_OK)
         status = submission_read(body, request->n_body, &texts, ret_submission, &x->faults, err);
+    if (status != BF_OK)
+        return status;
+    status = access_check_priority(x, ret_submission->priority, err);
+    if (status != BF_OK)
+        submission_fini(ret_submission);
     return status;
 }
 

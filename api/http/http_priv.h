@@ -25,6 +25,7 @@ struct exchange {
     bool is_unmatched;            ///< If-Match of a GET names other states than the present one
     api_identity who;             ///< who sent it
     api_credential credential;    ///< what became of its token
+    api_scope lacked;             ///< the scope that the token lacks, of a refusal for it
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
     char accepts[64];             ///< media types of bodies, for a 415
 };

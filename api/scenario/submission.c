@@ -28,8 +28,10 @@ static const member members[] = {
            .flags = MEMBER_INIT),
     MEMBER("label", text, AT(label), "the client's own name of the run", .limit = API_LABEL_SIZE,
            .flags = MEMBER_INIT),
-    MEMBER("priority", int, AT(priority), "higher ones first", .range = &priorities,
-           .flags = MEMBER_INIT),
+    MEMBER(
+        "priority", int, AT(priority),
+        "higher ones first; above 0 wants a token with the scope priority, where there are tokens",
+        .range = &priorities, .flags = MEMBER_INIT),
     MEMBER("fresh", bool, AT(is_fresh), "solve it even if the results are known",
            .flags = MEMBER_INIT),
 };

@@ -96,7 +96,8 @@ static bf_status read_wanted(const maintenance_token *wanted, tokens_record *tok
 
     if (!api_access_read_scopes(scopes, &token->scopes))
         return bf_fail(err, BF_EINPUT, "",
-                       "--scopes wants words of read,submit,work,admin, not '%.40s'", scopes);
+                       "--scopes wants words of read,submit,work,admin,priority, not '%.40s'",
+                       scopes);
     bf_status status = copy_name(wanted->name, token->name, sizeof token->name, err);
     if (status == BF_OK)
         status = copy_name(owner, token->owner, sizeof token->owner, err);

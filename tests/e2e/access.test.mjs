@@ -67,6 +67,26 @@ test("a scope is needed for what a request does", async (t) => {
   assert.equal((await d.request("DELETE", `/v1/runs/${run.id}`, { headers: admin })).status, 204);
 });
 
+test("a priority above 0 is for tokens that may, and for everybody without tokens", async (t) => {
+  const data = path.join(temporaryFolder(t), "data");
+  const d = await daemon(t, { data });
+  const ask = (who, priority, target = "/v1/runs") => d.post(target, { ...submission(), priority }, who);
+  assert.equal((await ask({}, 100)).status, 201);
+  const alice = addToken(data, "alice");
+  const urgent = addToken(data, "urgent", "--scopes", "read,submit,priority");
+  const root = addToken(data, "root", "--scopes", "admin");
+  await until(async () => (await d.get("/v1/runs")).status === 401, "the daemon to see the tokens");
+  for (const target of ["/v1/runs", "/v1/validate"]) {
+    const refused = await ask(alice, 1, target);
+    assert.equal(refused.status, 403, target);
+    assert.deepEqual(refused.json.errors.map(({ pointer }) => pointer), ["/priority"]);
+    assert.match(refused.headers["www-authenticate"], /error="insufficient_scope", scope="priority"$/);
+  }
+  const asked = [[alice, 0], [alice, -5], [urgent, 100], [root, 1]];
+  assert.deepEqual(await Promise.all(asked.map(async ([who, priority]) => (await ask(who, priority)).status)),
+    [201, 201, 201, 201]);
+});
+
 test("a change is logged with who made it, and no token ever is", async (t) => {
   const data = path.join(temporaryFolder(t), "data");
   const alice = addToken(data, "laptop", "--owner", "alice");

@@ -12,8 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-static const unsigned all_scopes[] = { API_SCOPE_NONE, API_SCOPE_READ, API_SCOPE_SUBMIT,
-                                       API_SCOPE_WORK, API_SCOPE_ADMIN };
+static const unsigned all_scopes[] = { API_SCOPE_NONE, API_SCOPE_READ,  API_SCOPE_SUBMIT,
+                                       API_SCOPE_WORK, API_SCOPE_ADMIN, API_SCOPE_PRIORITY };
 
 enum { N_SCOPES = sizeof all_scopes / sizeof *all_scopes };
 
@@ -34,7 +34,7 @@ static bool is_public(const route *r)
 static unsigned needed_by(const route *r)
 {
     if (strcmp(r->path, "/v1/tickets") == 0)
-        return API_SCOPE_READ | API_SCOPE_SUBMIT | API_SCOPE_WORK;
+        return API_SCOPE_READ | API_SCOPE_SUBMIT | API_SCOPE_WORK | API_SCOPE_PRIORITY;
     bool reads = strcmp(r->method, "GET") == 0 || strcmp(r->path, "/v1/validate") == 0;
     return reads ? API_SCOPE_READ : API_SCOPE_SUBMIT;
 }
@@ -88,17 +88,17 @@ static void scopes_are_read_as_they_are_written(void **state)
     unsigned scopes = 77;
 
     (void)state;
-    for (unsigned flags = 1; flags < 16; flags++) {
+    for (unsigned flags = 1; flags < 32; flags++) {
         assert_true(api_access_read_scopes(api_access_write_scopes(flags, text), &scopes));
         assert_int_equal(scopes, flags);
     }
-    assert_string_equal(api_access_write_scopes(15, text), "read,submit,work,admin");
+    assert_string_equal(api_access_write_scopes(31, text), "read,submit,work,admin,priority");
     assert_string_equal(api_access_write_scopes(0, text), "");
     static const char *const bad[] = { "",    ",",     "read,",       ",read",
                                        "rea", "reads", "read submit", "READ" };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(api_access_read_scopes(bad[i], &scopes));
-    assert_int_equal(scopes, 15);
+    assert_int_equal(scopes, 31);
 }
 
 // A service with three tokens: "reads", "submits" and "old".
