@@ -21,7 +21,8 @@ async function problemOf(response) {
   try {
     const value = await response.json();
     return new Problem(response.status, value.detail ?? response.statusText, value.errors ?? []);
-  } catch {
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
     return new Problem(response.status, `${response.status} ${response.statusText}`);
   }
 }
