@@ -49,9 +49,6 @@ static void end_field(http_framing *f)
     bool is_encoding = is_text(f->name, f->n_name, "Transfer-Encoding");
 
     f->stage = HTTP_FRAMING_NAME;
-    while (f->n_value > 0 && f->n_value <= sizeof f->value &&
-           strchr(" \t\r", f->value[f->n_value - 1]) != NULL)
-        f->n_value--;
     if (is_length || is_encoding) {
         f->n_lengths++;
         f->is_chunked = is_encoding && is_text(f->value, f->n_value, "chunked");
@@ -103,11 +100,11 @@ static void follow_header(http_framing *f, char c)
         else
             append_byte(f->name, &f->n_name, c);
         break;
-    case HTTP_FRAMING_VALUE:
+    case HTTP_FRAMING_VALUE_LF:
         if (c == '\n')
             end_field(f);
-        else if (f->n_value > 0 || (c != ' ' && c != '\t'))
-            append_byte(f->value, &f->n_value, c);
+        else
+            leave_to_guard(f);
         break;
     default: // HTTP_FRAMING_HEADER_LF
         if (c == '\n')
@@ -115,6 +112,45 @@ static void follow_header(http_framing *f, char c)
         else
             leave_to_guard(f);
     }
+}
+
+size_t http_framing_release(http_framing *f, char *bytes, size_t n)
+{
+    const size_t n_released = f->n_held < n ? f->n_held : n;
+
+    for (size_t i = 0; i < n_released; i++)
+        append_byte(f->value, &f->n_value, bytes[i] = f->held[i]);
+    f->n_held -= n_released;
+    memmove(f->held, f->held + n_released, f->n_held);
+    return n_released;
+}
+
+// Writes to `to` what the byte lets go on; returns how many bytes.
+static size_t follow_value(http_framing *f, char c, char *to)
+{
+    const bool is_space = c == ' ' || c == '\t', is_end = c == '\r' || c == '\n';
+    size_t n = 0;
+
+    if (is_space && f->n_value == 0) {
+        to[n++] = c;
+        return n;
+    }
+    if (is_end)
+        f->n_held = 0;
+    else if (!is_space || f->n_held == HTTP_FRAMING_SPACE_MAX)
+        n = http_framing_release(f, to, HTTP_FRAMING_SPACE_MAX);
+    if (is_space) {
+        f->held[f->n_held++] = c;
+        return n;
+    }
+    to[n++] = c;
+    if (!is_end)
+        append_byte(f->value, &f->n_value, c);
+    else if (c == '\r')
+        f->stage = HTTP_FRAMING_VALUE_LF;
+    else
+        leave_to_guard(f);
+    return n;
 }
 
 static void follow_size(http_framing *f, char c)
@@ -214,9 +250,17 @@ static void follow_trailer(http_framing *f, char c)
     }
 }
 
-// The bytes of a body or chunk, as many as there are of n.
+static bool is_skipped(const http_framing *f)
+{
+    return f->stage == HTTP_FRAMING_BODY || f->stage == HTTP_FRAMING_CHUNK ||
+           f->stage == HTTP_FRAMING_ENDED;
+}
+
+// The bytes of a body or chunk, or behind the end, as many as there are of n.
 static size_t skip(http_framing *f, size_t n)
 {
+    if (f->stage == HTTP_FRAMING_ENDED)
+        return n;
     size_t n_skipped = f->n_left < n ? (size_t)f->n_left : n;
 
     f->n_left -= n_skipped;
@@ -225,16 +269,34 @@ static size_t skip(http_framing *f, size_t n)
     return n_skipped;
 }
 
-void http_framing_follow(http_framing *f, const char *bytes, size_t n)
+static void follow_byte(http_framing *f, char c)
 {
-    for (size_t i = 0; i < n && f->stage != HTTP_FRAMING_ENDED;) {
-        if (f->stage == HTTP_FRAMING_BODY || f->stage == HTTP_FRAMING_CHUNK)
-            i += skip(f, n - i);
-        else if (f->stage <= HTTP_FRAMING_HEADER_LF)
-            follow_header(f, bytes[i++]);
-        else if (f->stage <= HTTP_FRAMING_CHUNK_END_LF)
-            follow_chunk(f, bytes[i++]);
-        else
-            follow_trailer(f, bytes[i++]);
+    if (f->stage <= HTTP_FRAMING_HEADER_LF)
+        follow_header(f, c);
+    else if (f->stage <= HTTP_FRAMING_CHUNK_END_LF)
+        follow_chunk(f, c);
+    else
+        follow_trailer(f, c);
+}
+
+size_t http_framing_follow(http_framing *f, char *bytes, size_t n)
+{
+    const char *from = bytes + f->n_held, *end = from + n;
+    char *to = bytes;
+
+    while (from < end) {
+        if (is_skipped(f)) {
+            const size_t n_skipped = skip(f, (size_t)(end - from));
+            if (to != from)
+                memmove(to, from, n_skipped);
+            from += n_skipped;
+            to += n_skipped;
+        } else if (f->stage == HTTP_FRAMING_VALUE) {
+            to += follow_value(f, *from++, to);
+        } else {
+            *to++ = *from;
+            follow_byte(f, *from++);
+        }
     }
+    return (size_t)(to - bytes);
 }

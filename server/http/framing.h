@@ -7,6 +7,10 @@
 ///
 /// Only header fields that decide the framing are looked at. A header whose framing is at fault itself is
 /// refused by the guard (server/http/guard.h), with its connection; nothing behind it is followed.
+///
+/// White space behind a field's value is no part of it (RFC 9110, 5.5), but MHD leaves it there, and refuses a
+/// Content-Length that has some. It is taken out of what is received. Since the byte that shows whether a value goes on
+/// may not be there yet, white space is held back until it is.
 
 #pragma once
 
@@ -15,8 +19,9 @@
 #include <stdint.h>
 
 enum {
-    HTTP_FRAMING_TEXT_MAX = 32,     ///< bytes of a name or value that are kept
-    HTTP_CHUNK_LINE_MAX = 256,      ///< bytes of a chunk's size with its extensions
+    HTTP_FRAMING_TEXT_MAX = 32,  ///< bytes of a name or value that are kept
+    HTTP_FRAMING_SPACE_MAX = 64, ///< bytes of white space that are held back; longer runs are left
+    HTTP_CHUNK_LINE_MAX = 256,   ///< bytes of a chunk's size with its extensions
     HTTP_CHUNK_TRAILERS_MAX = 4096, ///< bytes of all trailers of a message
 };
 
@@ -26,6 +31,7 @@ typedef enum http_framing_stage {
     HTTP_FRAMING_REQUEST_LINE,
     HTTP_FRAMING_NAME, ///< of a header field, or the empty line
     HTTP_FRAMING_VALUE,
+    HTTP_FRAMING_VALUE_LF,
     HTTP_FRAMING_HEADER_LF, ///< the last byte of the header
     HTTP_FRAMING_BODY,      ///< n_left bytes
     HTTP_FRAMING_CHUNK_SIZE,
@@ -56,9 +62,16 @@ typedef struct http_framing {
     size_t n_name, n_value;            ///< bytes kept
     char name[HTTP_FRAMING_TEXT_MAX];  ///< of this field
     char value[HTTP_FRAMING_TEXT_MAX]; ///< of this field, without white space in front
+    size_t n_held;                     ///< bytes held back
+    char held[HTTP_FRAMING_SPACE_MAX]; ///< white space within or behind a value
     int refusal;                       ///< HTTP status for message n_messages, 400 or 413; 0: none
     const char *fault;                 ///< why
 } http_framing;
 
-/// Follow the next n bytes of the connection. Once refusal is set, nothing more is looked at.
-void http_framing_follow(http_framing *f, const char *bytes, size_t n);
+/// Follow the next n bytes of the connection, which stand at bytes + f->n_held: what was held back goes before them.
+/// Returns how many bytes stand at `bytes` afterwards. Once refusal is set, nothing more is looked at.
+size_t http_framing_follow(http_framing *f, char *bytes, size_t n);
+
+/// Where there is no room to go on receiving: move at most n of the bytes that are held back to `bytes`. Returns how
+/// many.
+size_t http_framing_release(http_framing *f, char *bytes, size_t n);

@@ -18,6 +18,8 @@
 enum {
     OPTIONS_MAX = 16,
     STACK_SIZE = 2 * 1024 * 1024,
+    HEADER_BYTES =
+        32768, // MHD's memory for a request's header and its answer's; beyond it MHD answers 431
     STOP_MS = 1000, // for answers under way when stopping
     LENIENT = 0,    // the guard is the strict one; MHD would answer with its own pages
 };
@@ -190,6 +192,7 @@ static bf_status start_daemon(http *h, bf_error *err)
     add_option(items, MHD_OPTION_LISTEN_SOCKET, (uint64_t)h->listen_fd);
     add_option(items, MHD_OPTION_CONNECTION_LIMIT, h->options.connection_limit);
     add_option(items, MHD_OPTION_CONNECTION_TIMEOUT, HTTP_IDLE_S);
+    add_option(items, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES);
     add_option(items, MHD_OPTION_STRICT_FOR_CLIENT, LENIENT);
     add_option(items, MHD_OPTION_THREAD_STACK_SIZE, STACK_SIZE);
     if (h->options.n_threads > 1)

@@ -4,6 +4,7 @@
 
 #include "tests/unit/server/helper_server.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -22,7 +23,8 @@ typedef struct message {
     int refusal; // 0: none
 } message;
 
-#define BYTES(text) sizeof text - 1, text
+#define BYTES(text)    sizeof text - 1, text
+#define BYTES_OF(text) text, sizeof text - 1
 
 static const message good[] = {
     { BYTES(POST "\r\n"), 0 },
@@ -37,6 +39,12 @@ static const message good[] = {
     { BYTES(CHUNKED "1;a=b;c=\"d \xc3\xa9\"\r\nx\r\n0;last\r\n\r\n"), 0 },
     { BYTES(CHUNKED "1\r\nx\r\n0\r\nTrailer-1: a\tb\r\nB:\r\n\r\n"), 0 },
     { BYTES(POST "tRANSFER-eNCODING:CHUNKED\r\n\r\n1\r\nx\r\n0\r\n\r\n"), 0 },
+    { BYTES(POST "Content-Length: 2 \r\n\r\nab"), 0 },
+    { BYTES(POST "Content-Length:2\t \t\r\nX: \r\n\r\nab"), 0 },
+    { BYTES(POST "Transfer-Encoding: chunked\t\r\n\r\n1\r\nx\r\n0\r\n\r\n"), 0 },
+    { BYTES("POST /livez HTTP/1.1\r\nHost: a \r\nAccept:text/plain \r\nX: b\tc \r\n"
+            "Content-Length: 3 \r\n\r\n \t "),
+      0 },
 };
 
 static const message bad[] = {
@@ -70,10 +78,23 @@ static const message bad[] = {
     { BYTES(CHUNKED "1\r\na\r\n186a0\r\nb"), 413 },
 };
 
+// Follows n bytes; what is left of them goes behind *left.
+static void follow_bytes(http_framing *f, const char *bytes, size_t n, bf_buffer *left)
+{
+    char *at = buffer_reserve(left, f->n_held + n + 1);
+
+    assert_non_null(at);
+    memcpy(at + f->n_held, bytes, n);
+    left->n += http_framing_follow(f, at, n);
+}
+
 static void follow(http_framing *f, const message *m, size_t cut)
 {
-    http_framing_follow(f, m->bytes, cut);
-    http_framing_follow(f, m->bytes + cut, m->n - cut);
+    bf_buffer left = { 0 };
+
+    follow_bytes(f, m->bytes, cut, &left);
+    follow_bytes(f, m->bytes + cut, m->n - cut, &left);
+    buffer_fini(&left);
 }
 
 static void a_good_message_ends_where_the_next_one_begins_however_it_is_cut(void **state)
@@ -117,6 +138,10 @@ static void nothing_behind_a_header_at_fault_is_followed(void **state)
         { BYTES(POST "Content-Length: +1\r\n\r\nzzz"), 0 },
         { BYTES(POST "Content-Length: 99999999999999999999999\r\n\r\nzzz"), 0 },
         { BYTES(POST "Content-Length:\r\n\r\nzzz"), 0 },
+        { BYTES(POST "Content-Length: \t \r\n\r\nzzz"), 0 },
+        { BYTES(POST "Content-Length: 1 1\r\n\r\nzzz"), 0 },
+        { BYTES(POST "Content-Length: 1\r \r\n\r\nzzz"), 0 },
+        { BYTES(POST "Transfer-Encoding: chun ked\r\n\r\nzzz"), 0 },
         { BYTES(POST "Transfer-Encoding: gzip, chunked\r\n\r\nzzz"), 0 },
         { BYTES(POST "A: b\n\nzzz"), 0 },
         { BYTES(POST "A\r\n\r\nzzz"), 0 },
@@ -149,13 +174,92 @@ static void what_a_chunked_body_has_beside_its_chunks_is_limited(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         for (size_t over = 0; over < 2; over++) {
             http_framing f = { .body_limit = BODY_LIMIT };
-            http_framing_follow(&f, cases[i].before, strlen(cases[i].before));
-            http_framing_follow(&f, zeros, cases[i].limit + over);
-            http_framing_follow(&f, cases[i].after, strlen(cases[i].after));
+            bf_buffer left = { 0 };
+            follow_bytes(&f, cases[i].before, strlen(cases[i].before), &left);
+            follow_bytes(&f, zeros, cases[i].limit + over, &left);
+            follow_bytes(&f, cases[i].after, strlen(cases[i].after), &left);
+            buffer_fini(&left);
             assert_int_equal(f.refusal, over == 0 ? 0 : 400);
             assert_int_equal(f.stage, over == 0 ? HTTP_FRAMING_START : HTTP_FRAMING_ENDED);
         }
     }
+}
+
+// RFC 9110, 5.5: white space around a value is no part of it, within it is.
+static void white_space_behind_values_is_taken_out_however_it_is_cut(void **state)
+{
+    static const struct {
+        const char *sent, *left;
+    } cases[] = {
+        { "A: b \r\nC: d\t \r\n\r\n", "A: b\r\nC: d\r\n\r\n" },
+        { "A:  b \t c  \r\nC:\r\nD: \r\n\r\n", "A:  b \t c\r\nC:\r\nD: \r\n\r\n" },
+        { "Content-Length: 3 \r\n\r\n \t GET / HTTP/1.1 \r\nA:b \r\n\r\n",
+          "Content-Length: 3\r\n\r\n \t GET / HTTP/1.1 \r\nA:b\r\n\r\n" },
+        { "Transfer-Encoding: chunked \r\n\r\n2;a= \r\n \t\r\n0\r\nA: b \r\n\r\n",
+          "Transfer-Encoding: chunked\r\n\r\n2;a= \r\n \t\r\n0\r\nA: b \r\n\r\n" },
+        { "A: b \n c \r\nD: e \r\n", "A: b\n c \r\nD: e \r\n" }, // the guard refuses the line's end
+        { "A: b \r c \r\nD: e \r\n", "A: b\r c \r\nD: e \r\n" },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char sent[200];
+        int n = snprintf(sent, sizeof sent, POST "%s", cases[i].sent);
+        for (size_t cut = 0; cut <= (size_t)n; cut++) {
+            http_framing f = { .body_limit = BODY_LIMIT };
+            bf_buffer left = { 0 };
+            follow_bytes(&f, sent, cut, &left);
+            follow_bytes(&f, sent + cut, (size_t)n - cut, &left);
+            left.bytes[left.n] = '\0';
+            assert_string_equal(left.bytes + strlen(POST), cases[i].left);
+            assert_int_equal(f.n_held, 0);
+            buffer_fini(&left);
+        }
+    }
+}
+
+// What cannot be held back stays where it is; nothing within a value is lost.
+static void long_white_space_is_left_in_its_place(void **state)
+{
+    enum { N = HTTP_FRAMING_SPACE_MAX };
+    static const struct {
+        int n_sent, n_left;
+        const char *behind;
+    } cases[] = {
+        { N, 0, "\r\n" }, { N + 1, N, "\r\n" }, { N, N, "b\r\n" }, { N + 1, N + 1, "b\r\n" }
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        http_framing f = { .body_limit = BODY_LIMIT };
+        bf_buffer left = { 0 };
+        char sent[200], wanted[200];
+        int n = snprintf(sent, sizeof sent, POST "X: a%*s%s", cases[i].n_sent, "", cases[i].behind);
+        snprintf(wanted, sizeof wanted, POST "X: a%*s%s", cases[i].n_left, "", cases[i].behind);
+        for (int k = 0; k < n; k++)
+            follow_bytes(&f, sent + k, 1, &left);
+        left.bytes[left.n] = '\0';
+        assert_string_equal(left.bytes, wanted);
+        buffer_fini(&left);
+    }
+}
+
+static void what_is_held_back_can_be_released_in_parts(void **state)
+{
+    http_framing f = { .body_limit = BODY_LIMIT };
+    bf_buffer left = { 0 };
+    char released[8];
+
+    (void)state;
+    follow_bytes(&f, BYTES_OF(POST "X: a \t "), &left);
+    assert_int_equal(f.n_held, 3);
+    assert_int_equal(http_framing_release(&f, released, 2), 2);
+    assert_memory_equal(released, " \t", 2);
+    assert_int_equal(http_framing_release(&f, released, 2), 1);
+    assert_int_equal(http_framing_release(&f, released, 2), 0);
+    follow_bytes(&f, BYTES_OF("\r\n\r\n"), &left);
+    assert_int_equal(f.stage, HTTP_FRAMING_START);
+    buffer_fini(&left);
 }
 
 // Sends a message in two pieces, then another one, and reads all that comes.
@@ -247,6 +351,9 @@ int main(void)
         CASE(a_good_message_ends_where_the_next_one_begins_however_it_is_cut),
         CASE(a_bad_message_is_refused_however_it_is_cut),
         CASE(nothing_behind_a_header_at_fault_is_followed),
+        CASE(white_space_behind_values_is_taken_out_however_it_is_cut),
+        CASE(long_white_space_is_left_in_its_place),
+        CASE(what_is_held_back_can_be_released_in_parts),
         CASE(what_a_chunked_body_has_beside_its_chunks_is_limited),
         CASE(the_server_refuses_a_bad_message_once_and_takes_nothing_behind_it),
         CASE(the_server_answers_a_good_message_and_the_next_one),

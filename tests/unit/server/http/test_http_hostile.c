@@ -110,6 +110,30 @@ static void long_headers_are_fine(void **state)
     buffer_fini(&request);
 }
 
+// Sends a header with n fields of n_value bytes each; returns the status.
+static int ask_with_fields(int n, int n_value)
+{
+    bf_buffer request = { 0 };
+
+    assert_int_equal(buffer_printf(&request, "GET /livez HTTP/1.1\r\n" HOST CLOSE), BF_OK);
+    for (int i = 0; i < n; i++)
+        assert_int_equal(buffer_printf(&request, "X: %0*d\r\n", n_value, 0), BF_OK);
+    assert_int_equal(buffer_append(&request, "\r\n", 2), BF_OK);
+    int status = client_ask(http_port(server), request.bytes, NULL);
+    buffer_fini(&request);
+    return status;
+}
+
+static void too_large_a_header_is_refused(void **state)
+{
+    (void)state;
+    server = fake_serve(&server_services, NULL);
+    assert_int_equal(ask_with_fields(1, 31000), 200);
+    assert_int_equal(ask_with_fields(1, 33000), 431);
+    assert_int_equal(ask_with_fields(400, 1), 200);
+    assert_int_equal(ask_with_fields(800, 1), 431);
+}
+
 static void too_long_a_target_is_refused(void **state)
 {
     bf_buffer request = { 0 };
@@ -372,6 +396,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(a_bad_request_is_refused_and_its_connection_closed),
         CASE(long_headers_are_fine),
+        CASE(too_large_a_header_is_refused),
         CASE(too_long_a_target_is_refused),
         CASE(a_client_that_drips_its_header_is_cut_off),
         CASE(a_client_that_drips_its_body_is_cut_off),
