@@ -109,6 +109,36 @@ test("the pair answers by HTTPS, HTTP/2 and under its name only", async (t) => {
   session.destroy();
 });
 
+// The attributes of each element of that name in sslscan's answer, which has no nesting of them.
+function elements(xml, name) {
+  return [...xml.matchAll(new RegExp(`<${name} ([^>]*)>`, "g"))].map(([, attributes]) =>
+    Object.fromEntries([...attributes.matchAll(/(\w+)="([^"]*)"/g)].map(([, key, value]) => [key, value])));
+}
+
+test("the pair's TLS has no weakness that sslscan knows", async (t) => {
+  const p = await proxy(t, await daemon(t, { config: settings }));
+  const scan = spawn("sslscan", ["--xml=-", "--no-colour", `--sni-name=${host}`, `127.0.0.1:${p.ports.https}`],
+    { stdio: ["ignore", "pipe", "inherit"] });
+  scan.stdout.setEncoding("utf8");
+  let xml = "";
+  scan.stdout.on("data", (chunk) => (xml += chunk));
+  const [status] = await within(once(scan, "close"), "sslscan, which deploy/install-deps --test installs");
+  assert.equal(status, 0, xml);
+  const versions = elements(xml, "protocol").map((one) => [`${one.type} ${one.version}`, one.enabled]);
+  assert.deepEqual(Object.fromEntries(versions),
+    { "ssl 2": "0", "ssl 3": "0", "tls 1.0": "0", "tls 1.1": "0", "tls 1.2": "1", "tls 1.3": "1" });
+  // Ephemeral keys and authenticated encryption; in TLS 1.3 there are no others.
+  assert.deepEqual([...new Set(elements(xml, "cipher").map((one) => `${one.sslversion} ${one.cipher}`))].sort(), [
+    "TLSv1.2 ECDHE-RSA-AES128-GCM-SHA256", "TLSv1.2 ECDHE-RSA-AES256-GCM-SHA384", "TLSv1.2 ECDHE-RSA-CHACHA20-POLY1305",
+    "TLSv1.3 TLS_AES_128_GCM_SHA256", "TLSv1.3 TLS_AES_256_GCM_SHA384", "TLSv1.3 TLS_CHACHA20_POLY1305_SHA256",
+  ]);
+  assert.ok(elements(xml, "group").every((group) => Number(group.bits) >= 112), xml);
+  assert.deepEqual(elements(xml, "heartbleed").map((one) => one.vulnerable), ["0", "0"]);
+  // A client may not renegotiate, and compression, where sslscan can ask for it, is off.
+  assert.deepEqual(elements(xml, "renegotiation").map((one) => one.supported), ["0"]);
+  assert.ok(elements(xml, "compression").every((one) => one.supported === "0"), xml);
+});
+
 test("a run is submitted and its events come while it is solved", async (t) => {
   const d = await daemon(t, { config: settings });
   const p = await proxy(t, d);
