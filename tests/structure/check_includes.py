@@ -1,4 +1,4 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures, scene <- macro,
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
 micro <- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
 <- daemon, cli; and every outside header is included only where it belongs."""
 
@@ -23,6 +23,7 @@ ARROWS = {
     "core/run": {"core/base", "core/scene", "core/feed", "core/figures", "core/macro", "core/micro",
                  "core/run"},
     "core/compare": {"core/base", "core/compare"},
+    "core/study": {"core/base", "core/feed", "core/figures", "core/study"},
     "api": {"core/base", "core/scene", "core/run", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
