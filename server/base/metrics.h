@@ -66,13 +66,15 @@
     X(PROCESS_FDS_MAX, GAUGE, "process_max_fds", "", NONE, "Most file descriptors")
 
 /// Why a solver's process ended, X(symbol, word): its run came to an end or was stopped in order, its
-/// input was at fault, it failed, a signal ended it, or it was out of time.
+/// input was at fault, it failed, a signal ended it, it was out of time, or it was ended because its results were
+/// larger than run_output_bytes.
 #define METRICS_REASON_LIST(X)                                                                     \
     X(METRICS_EXIT_OK, "ok")                                                                       \
     X(METRICS_EXIT_INPUT, "input")                                                                 \
     X(METRICS_EXIT_ERROR, "error")                                                                 \
     X(METRICS_EXIT_SIGNAL, "signal")                                                               \
-    X(METRICS_EXIT_TIMEOUT, "timeout")
+    X(METRICS_EXIT_TIMEOUT, "timeout")                                                             \
+    X(METRICS_EXIT_OUTPUT, "output")
 
 /// The reasons.
 typedef enum metrics_reason {

@@ -96,6 +96,7 @@ struct supervisor__task {
     bool has_ended;          ///< FRAME_END came
     bool failed;             ///< it fails with error, regardless of later frames
     bool is_trouble;         ///< the error is the store's, not the run's: it is queued again
+    bool is_beyond_output;   ///< it sent more than output_bytes
     bool timed_out;          ///< it was stopped by force because a time was over
     int64_t moved_ms;        ///< when it was last seen to go on, clock_monotonic_ms()
     frame_begin begin;       ///< valid if has_begun

@@ -108,6 +108,7 @@ bf_status supervisor__count_output(supervisor__task *task, frame_type type, size
     task->n_sent += is_kept ? n : 0;
     if (limit == 0 || task->n_sent <= limit)
         return BF_OK;
+    task->is_beyond_output = true;
     return bf_fail(
         err, BF_ELIMIT, "",
         "the run's results have more than %" PRIu64 " bytes, its limit (run_output_bytes)", limit);
@@ -171,6 +172,8 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task)
 
     if (task->timed_out)
         return METRICS_EXIT_TIMEOUT;
+    if (task->is_beyond_output)
+        return METRICS_EXIT_OUTPUT;
     if (task->state == EXECUTOR_LOST)
         return METRICS_EXIT_ERROR;
     switch (task->exit.cause) {

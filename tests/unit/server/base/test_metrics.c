@@ -112,7 +112,8 @@ static void few_labels_are_shown_before_they_were_counted(void **state)
                         "beltflow_child_exits_total{reason=\"input\"} 0\n"
                         "beltflow_child_exits_total{reason=\"error\"} 0\n"
                         "beltflow_child_exits_total{reason=\"signal\"} 7\n"
-                        "beltflow_child_exits_total{reason=\"timeout\"} 0\n");
+                        "beltflow_child_exits_total{reason=\"timeout\"} 0\n"
+                        "beltflow_child_exits_total{reason=\"output\"} 0\n");
     assert_holds(&text, "beltflow_frames_stored_total{kind=\"progress\"} 0\n"
                         "beltflow_frames_stored_total{kind=\"curve\"} 0\n"
                         "beltflow_frames_stored_total{kind=\"snapshot\"} 0\n"

@@ -353,12 +353,15 @@ static void a_run_beyond_its_output_fails_alone(void **state)
 {
     helper_world *w = *state;
 
+    const int64_t n_ends = metrics_value(METRICS_CHILD_EXITS, METRICS_EXIT_OUTPUT);
+
     w->options.output_bytes = 100 * 1024;
     helper_supervise(w);
     api_run record = helper_world_submit(w, helper_long_jam);
     record = helper_await_state(w, record.id, RUN_FAILED);
     assert_says(&record.error, BF_ELIMIT, "more than 102400 bytes, its limit (run_output_bytes)");
     assert_true(record.n_samples + record.n_snapshots > 0);
+    assert_int_equal(metrics_value(METRICS_CHILD_EXITS, METRICS_EXIT_OUTPUT), n_ends + 1);
     assert_true(helper_is_childless());
     record = helper_world_submit(w, helper_short_belt);
     helper_await_state(w, record.id, RUN_SUCCEEDED);
