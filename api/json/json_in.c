@@ -30,6 +30,11 @@ __attribute__((constructor)) static void set_allocator(void)
     json_set_alloc_funcs(allocate, free);
 }
 
+void json_in_seed(size_t seed)
+{
+    json_object_seed(seed);
+}
+
 json_in json_in_to(bf_faults *faults)
 {
     return (json_in){ .faults = faults };

@@ -34,6 +34,11 @@ typedef struct json_in {
     json_in_texts *texts; ///< the caller's; NULL: there are none
 } json_in;
 
+/// Seed the hashes of objects with a random number, so that nobody can choose names that collide; 0 counts as none.
+/// Where this is not called the first document that is parsed takes one from /dev/urandom or, if it cannot be opened,
+/// the time.
+void json_in_seed(size_t seed);
+
 /// A reading that notes faults in *faults.
 json_in json_in_to(bf_faults *faults);
 

@@ -1,5 +1,6 @@
 #include "server/cli/cmd.h"
 
+#include "api/json/json_in.h"
 #include "api/scenario/scenario.h"
 #include "core/run/frame.h"
 #include "core/run/run.h"
@@ -14,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/random.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -132,6 +134,17 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
     return status;
 }
 
+// Before the confinement, as nothing can be opened behind it.
+static bf_status seed_hashes(bf_error *err)
+{
+    size_t seed = 0;
+
+    if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
+        return bf_fail(err, BF_ESYSTEM, "", "no random bytes: %s", strerror(errno));
+    json_in_seed(seed);
+    return BF_OK;
+}
+
 static bf_status work(working *w, bf_error *err)
 {
     bf_buffer in = { 0 };
@@ -141,6 +154,8 @@ static bf_status work(working *w, bf_error *err)
     scene s;
 
     bf_status status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, &in, err);
+    if (status == BF_OK)
+        status = seed_hashes(err);
     if (status == BF_OK)
         status = confinement_enter(err);
     if (status == BF_OK)

@@ -3,13 +3,17 @@
 #include "core/run/frame.h"
 #include "core/run/run.h"
 #include "server/base/file_io.h"
+#include "server/cli/cmd.h"
 
+#include <fcntl.h>
+#include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -106,10 +110,49 @@ static void a_checkpoint_that_does_not_fit_means_to_start_again(void **state)
     check_start_again("torn", 4);
 }
 
+static size_t given;           // to jansson as its seed
+static bool was_given_outside; // where files could still be opened
+
+// This takes the place of jansson's.
+void json_object_seed(size_t seed)
+{
+    const int file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+
+    given = seed;
+    was_given_outside = file >= 0;
+    if (file >= 0)
+        close(file);
+}
+
+// Without a job the worker fails, after it has confined itself.
+static void work_on_nothing(void)
+{
+    char name[] = "beltflow worker", *arguments[] = { name, NULL };
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        (void)dup2(nothing, fd);
+    const bool has_failed = cmd_worker(1, arguments) == CMD_FAILED;
+    _exit(has_failed && given != 0 && was_given_outside ? 0 : 1);
+}
+
+static void hashes_are_seeded_before_the_confinement(void **state)
+{
+    int status = -1;
+
+    (void)state;
+    const pid_t child = fork();
+    if (child == 0)
+        work_on_nothing();
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_checkpoint_that_does_not_fit_means_to_start_again),
+        cmocka_unit_test(hashes_are_seeded_before_the_confinement),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
