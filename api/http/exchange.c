@@ -67,14 +67,20 @@ static bf_status choose_media(exchange *x, bf_error *err)
     return status;
 }
 
-static bf_status dispatch(exchange *x, bf_error *err)
+// Whether the sender may use the route.
+static bf_status admit(exchange *x, bf_error *err)
 {
     bf_status status = find_route(x, err);
 
     if (status == BF_OK)
         status = query_parse(x->request->query, &x->query, err);
-    if (status == BF_OK)
-        status = access_check(x, err);
+    return status == BF_OK ? access_check(x, err) : status;
+}
+
+static bf_status dispatch(exchange *x, bf_error *err)
+{
+    bf_status status = admit(x, err);
+
     if (status == BF_OK)
         status = query_check(&x->query, x->route->params, err);
     if (status == BF_OK)
@@ -146,15 +152,28 @@ static bool answer_options(const api_request *request, api_response *response)
     return true;
 }
 
+static exchange begin(const api_services *services, const api_request *request,
+                      api_response *response)
+{
+    *response = (api_response){ 0 };
+    return (exchange){ .services = services,
+                       .request = request,
+                       .response = response,
+                       .faults = { .is_cancelled = request->is_cancelled } };
+}
+
+static void end(exchange *x)
+{
+    x->response->route = x->route == NULL ? NULL : x->route->path;
+    x->response->who = x->who;
+    api_response_header(x->response, "X-Content-Type-Options", "nosniff");
+}
+
 void api_handle(const api_services *services, const api_request *request, api_response *response)
 {
-    exchange x = { .services = services,
-                   .request = request,
-                   .response = response,
-                   .faults = { .is_cancelled = request->is_cancelled } };
+    exchange x = begin(services, request, response);
     bf_error error = { 0 };
 
-    *response = (api_response){ 0 };
     if (!answer_options(request, response)) {
         bf_status status = dispatch(&x, &error);
         if (status == BF_OK)
@@ -163,9 +182,22 @@ void api_handle(const api_services *services, const api_request *request, api_re
             refuse(&x, status, &error);
         vary(&x);
     }
-    response->route = x.route == NULL ? NULL : x.route->path;
-    response->who = x.who;
-    api_response_header(response, "X-Content-Type-Options", "nosniff");
+    end(&x);
+}
+
+api_body api_admit_body(const api_services *services, const api_request *request,
+                        api_response *response)
+{
+    exchange x = begin(services, request, response);
+    bf_error error = { 0 };
+
+    bf_status status = admit(&x, &error);
+    if (x.refusal != 401 && x.refusal != 403)
+        return x.route != NULL && x.route->body != NULL ? API_BODY_NEEDED : API_BODY_UNUSED;
+    refuse(&x, status, &error);
+    vary(&x);
+    end(&x);
+    return API_BODY_REFUSED;
 }
 
 bool api_long_poll_is_over(const api_services *services, const api_long_poll *poll)

@@ -85,6 +85,19 @@ typedef struct api_response {
 /// method, the path, the query's format and the Accept header; not the body.
 api_cost api_request_cost(const api_request *request);
 
+/// What becomes of a request's body.
+typedef enum api_body {
+    API_BODY_NEEDED,  ///< it is to be there when the request is handled
+    API_BODY_UNUSED,  ///< nothing looks at it: the route has none, or there is no such route
+    API_BODY_REFUSED, ///< its sender may not use the route
+} api_body;
+
+/// Decide by the header alone what becomes of a body that is not there yet. API_BODY_REFUSED: *response is the 401 or
+/// 403; else it is zero, and the request is handled when its body is complete. Does not wait for the disk beyond a
+/// short read.
+api_body api_admit_body(const api_services *services, const api_request *request,
+                        api_response *response);
+
 /// Handle a request. Always fills *response; HEAD is handled as GET with body or stream left in (the
 /// transport leaves them out). BF_ENOMEM becomes a 503.
 void api_handle(const api_services *services, const api_request *request, api_response *response);

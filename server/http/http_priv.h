@@ -37,7 +37,6 @@
 
 struct MHD_Connection;
 struct MHD_Daemon;
-struct MHD_Response;
 
 enum {
     HTTP_METHOD_SIZE = 32, ///< bytes of a method with its terminator
@@ -88,7 +87,9 @@ struct http_request {
     char path[API_PATH_MAX];       ///< decoded
     char query[API_PATH_MAX];      ///< as sent
     api_cost cost;                 ///< what handling it takes
-    bf_buffer body;                ///< as received
+    bool needs_body;               ///< the route has one
+    uint64_t n_body;               ///< bytes of it that were received
+    bf_buffer body;                ///< as received, if it is of use
     api_response response;         ///< what to answer
     http_file file;                ///< or a file instead of its body
     bool is_finished;              ///< the transport has added what it adds
@@ -221,12 +222,11 @@ const char *http__request_header(void *context, const char *name);
 
 // request_check.c
 
-/// Set the refusal of a request: HTTP status and text.
+/// Set the refusal of a request.
 void http__request_refuse(http_request *r, int status, bf_status code, const char *text);
 
 /// Find out what identifies the request, and who sent it.
 void http__request_identify(http_request *r);
-
 /// Check the complete header; sets r->refusal if the request must not be used.
 void http__request_check(http_request *r, const char *method, const char *version);
 

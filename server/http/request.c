@@ -161,6 +161,46 @@ bool http__request_refuse_framing(http_connection *c)
     return true;
 }
 
+// False: the client exceeded its rate and the answer is set. Local clients are exempt.
+static bool check_rate(http_request *r)
+{
+    bf_error err = { 0 };
+
+    if (r->client.is_local || r->cost == API_COST_HEALTH)
+        return true;
+    r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
+                                 clock_monotonic_ms());
+    if (!r->verdict.is_refused)
+        return true;
+    (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
+                  r->client.text, r->verdict.retry_after_s);
+    http__respond_refuse(r, 429, &err);
+    return false;
+}
+
+// Decides by the header alone what becomes of the body, so that nothing is held for who may not send it. A refusal
+// counts like any other request.
+static void admit_body(http_request *r)
+{
+    const api_request request = view(r);
+    api_body what = api_admit_body(&r->server->services, &request, &r->response);
+
+    r->needs_body = what == API_BODY_NEEDED;
+    if (what != API_BODY_REFUSED)
+        return;
+    (void)check_rate(r);
+    r->refusal = r->response.status;
+}
+
+static bool answer_early(http_request *r)
+{
+    r->connection->lingers = true;
+    http__connection_deadline(r->connection, -1);
+    if (r->response.status == 0)
+        http__respond_refuse(r, r->refusal, &r->fault);
+    return http__respond(r);
+}
+
 static bool begin(http_request *r, const char *method, const char *version)
 {
     bool has_body = false;
@@ -179,12 +219,10 @@ static bool begin(http_request *r, const char *method, const char *version)
     }
     if (r->refusal == 0)
         has_body = check_length(r);
-    if (r->refusal != 0) {
-        r->connection->lingers = true;
-        http__connection_deadline(r->connection, -1);
-        http__respond_refuse(r, r->refusal, &r->fault);
-        return http__respond(r);
-    }
+    if (r->refusal == 0 && has_body)
+        admit_body(r);
+    if (r->refusal != 0)
+        return answer_early(r);
     http__connection_deadline(r->connection, has_body ? r->server->options.body_deadline_ms : -1);
     r->stage = HTTP_STAGE_BODY;
     return true;
@@ -192,9 +230,10 @@ static bool begin(http_request *r, const char *method, const char *version)
 
 static bool take_body(http_request *r, const char *bytes, size_t *n)
 {
-    if (r->body.n + *n > r->server->options.body_limit)
+    r->n_body += *n;
+    if (r->n_body > r->server->options.body_limit)
         refuse_body(r);
-    else if (buffer_append(&r->body, bytes, *n) != BF_OK)
+    else if (r->needs_body && buffer_append(&r->body, bytes, *n) != BF_OK)
         http__request_refuse(r, 503, BF_ENOMEM, "there is no memory for the body");
     *n = 0;
     if (r->refusal == 0)
@@ -282,23 +321,6 @@ bool http__request_work(http_request *r)
     http__finalize_response(r);
     r->stage = HTTP_STAGE_READY;
     return true;
-}
-
-// False: the client exceeded its rate and the answer is set. Local clients are exempt.
-static bool check_rate(http_request *r)
-{
-    bf_error err = { 0 };
-
-    if (r->client.is_local || r->cost == API_COST_HEALTH)
-        return true;
-    r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
-                                 clock_monotonic_ms());
-    if (!r->verdict.is_refused)
-        return true;
-    (void)bf_fail(&err, BF_EBUSY, "", "too many requests of %s; the next one is welcome in %u s",
-                  r->client.text, r->verdict.retry_after_s);
-    http__respond_refuse(r, 429, &err);
-    return false;
 }
 
 // True if handling it can wait for the disk, so it needs a request thread. Of the health routes

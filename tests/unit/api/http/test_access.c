@@ -173,6 +173,41 @@ static void ask_for(const char *method, const char *path, const char *query,
     api_handle(&services, &request, response);
 }
 
+static void a_body_is_decided_by_the_header(void **state)
+{
+    static const struct {
+        const char *method, *path, *authorization;
+        api_body what;
+        int status;
+    } cases[] = {
+        { "POST", "/v1/runs", "Bearer submits", API_BODY_NEEDED, 0 },
+        { "POST", "/v1/runs", "Bearer reads", API_BODY_REFUSED, 403 },
+        { "POST", "/v1/runs", "Bearer old", API_BODY_REFUSED, 401 },
+        { "POST", "/v1/measurements", NULL, API_BODY_REFUSED, 401 },
+        { "GET", "/v1/runs", NULL, API_BODY_REFUSED, 401 },
+        { "GET", "/v1/runs", "Bearer reads", API_BODY_UNUSED, 0 },
+        { "GET", "/version", NULL, API_BODY_UNUSED, 0 },
+        { "POST", "/version", NULL, API_BODY_UNUSED, 0 },
+        { "POST", "/nothing", NULL, API_BODY_UNUSED, 0 },
+        { "OPTIONS", "/v1/runs", NULL, API_BODY_UNUSED, 0 },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *header = cases[i].authorization;
+        const api_request request = { .method = cases[i].method,
+                                      .path = cases[i].path,
+                                      .query = "",
+                                      .header = find_header,
+                                      .header_context = (void *)(uintptr_t)header };
+        api_response response;
+        assert_int_equal(api_admit_body(&services, &request, &response), cases[i].what);
+        assert_int_equal(response.status, cases[i].status);
+        assert_int_equal(response.n_headers > 0, cases[i].status != 0);
+        api_response_fini(&response);
+    }
+}
+
 static void a_refusal_says_what_is_wanted(void **state)
 {
     static const struct {
@@ -292,6 +327,7 @@ int main(void)
         cmocka_unit_test(scopes_of_a_token_that_does_not_count_are_worth_nothing),
         cmocka_unit_test(tickets_are_for_what_reads_and_needs_a_token),
         cmocka_unit_test(scopes_are_read_as_they_are_written),
+        cmocka_unit_test(a_body_is_decided_by_the_header),
         cmocka_unit_test(a_refusal_says_what_is_wanted),
         cmocka_unit_test(an_answer_says_whose_it_is_and_that_caches_must_not_share_it),
         cmocka_unit_test(a_ticket_is_answered_with_its_end_and_not_kept),
