@@ -204,9 +204,11 @@ void helper_snapshot_item(const char *id, uint64_t index, store_item *item)
     uint32_t noise = (uint32_t)index + 1;
 
     *item = (store_item){ .type = API_EVENT_SNAPSHOT, .snapshot = snapshot };
-    for (int i = 0; i < HELPER_N1 * HELPER_N2; i++) {
-        uint32_t bits = next_noise(&noise);
-        assert_int_equal(buffer_append(&item->rho, &bits, sizeof bits), BF_OK);
+    for (int j = 0; j < HELPER_N2; j++) {
+        uint32_t row[HELPER_N1];
+        for (int i = 0; i < HELPER_N1; i++)
+            row[i] = next_noise(&noise);
+        assert_int_equal(buffer_append(&item->rho, row, sizeof row), BF_OK);
     }
     assert_int_equal(events_snapshot(id, &told, false, &item->event, NULL), BF_OK);
 }

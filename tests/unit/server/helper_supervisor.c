@@ -1,5 +1,6 @@
 #include "tests/unit/server/helper_supervisor.h"
 
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
 
 #include "api/scenario/scenario.h"
@@ -29,7 +30,11 @@ const char helper_short_belt[] = "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"
     "},\"macro\":{\"cell_m\":" cell ",\"step_s\":\"auto\"}}"
 
 const char helper_long_jam[] = JAM("5000", "0.005", "100");
+#if HELPER_AMOUNT_IS_LESS
+const char helper_medium_jam[] = JAM("60", "0.02", "1");
+#else
 const char helper_medium_jam[] = JAM("60", "0.01", "1");
+#endif
 
 static void note_commit(void *context, const char *run_id)
 {

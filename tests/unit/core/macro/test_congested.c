@@ -8,6 +8,7 @@
 #include "tests/unit/core/helper_congested.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -172,7 +173,7 @@ static void mass_is_conserved_in_a_closed_box(void **state)
         s.belts[0].velocity = axis == 0 ? (vec2){ 0.395, 0.0 } : (vec2){ 0.28, -0.28 };
         macro_solver *solver = helper_macro_start(&s, 1);
         const double mass = macro_measure(solver).mass;
-        for (int step = 0; step < 600; step++) {
+        for (int step = 0; step < HELPER_AMOUNT(600, 100); step++) {
             macro_step(solver);
             assert_nowhere_negative(solver);
             assert_true(macro_measure(solver).peak <= most_density);
@@ -215,7 +216,7 @@ static void check_outlet(void (*make)(scene *s, double angle_deg), double angle_
     macro_solver *solver = helper_macro_start(&s, 1);
     const double mass = macro_measure(solver).mass;
     double left = 0.0;
-    for (int step = 0; step < 600; step++) {
+    for (int step = 0; step < HELPER_AMOUNT(600, 150); step++) {
         left += carried_out(solver);
         macro_step(solver);
         left += corrected_out(solver);
@@ -223,7 +224,7 @@ static void check_outlet(void (*make)(scene *s, double angle_deg), double angle_
         assert_true(macro_measure(solver).peak <= most_density);
         assert_near(macro_measure(solver).mass + left, mass, 1e-12 * mass);
     }
-    assert_true(left > 0.3 * mass);
+    assert_true(left > HELPER_AMOUNT(0.3, 0.0) * mass);
     macro_destroy(solver);
     scene_fini(&s);
 }
@@ -254,7 +255,7 @@ static void nothing_leaks_through_a_plate_that_closes_the_belt(void **state)
         helper_scene_resolve(&s);
         macro_solver *solver = helper_macro_create(&s, 1);
         helper_congested_fill(&s, (scene_rect){ 0.05, 0.4, 0.05, 0.55 }, 0.8, solver);
-        helper_macro_advance(solver, 400);
+        helper_macro_advance(solver, HELPER_AMOUNT(400, 150));
         const bf_grid g = scene_grid(&s);
         size_t n_behind = 0;
         for (size_t j = 0; j < g.n2; j++)

@@ -5,6 +5,7 @@
 #include "core/macro/macro.h"
 #include "core/macro/macro_priv.h"
 #include "tests/reference/direct.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -153,10 +154,10 @@ static void random_scenes_agree_with_the_direct_sum_on_one_to_three_threads(void
     (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
-        for (unsigned seed = 1; seed <= 8; seed++)
+        for (unsigned seed = 1; seed <= HELPER_AMOUNT(8, 3); seed++)
             compare_with_direct_sum(
                 random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, SHORT_ROWS));
-        for (unsigned seed = 13; seed <= 15; seed++)
+        for (unsigned seed = 13; seed <= HELPER_AMOUNT(15, 13); seed++)
             compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_SHARP, LONG_ROWS));
     }
 }
@@ -166,7 +167,7 @@ static void the_other_forms_of_h_agree_with_it_on_one_to_three_threads(void **st
     (void)state;
     for (int k = 0; k < SCENE_SCHEME_COUNT; k++) {
         const scene_scheme scheme = (scene_scheme)k;
-        for (unsigned seed = 21; seed <= 23; seed++) {
+        for (unsigned seed = 21; seed <= HELPER_AMOUNT(23, 21); seed++) {
             compare_with_direct_sum(
                 random_fixture(seed, scheme, SCENE_HEAVISIDE_SMOOTH, SHORT_ROWS));
             compare_with_direct_sum(random_fixture(seed, scheme, SCENE_HEAVISIDE_NONE, SHORT_ROWS));
@@ -178,7 +179,7 @@ static void belts_whose_speed_changes_agree_with_it_on_one_to_three_threads(void
 {
     (void)state;
     for (int scheme = 0; scheme < SCENE_SCHEME_COUNT; scheme++) {
-        for (unsigned seed = 51; seed <= 56; seed++) {
+        for (unsigned seed = HELPER_AMOUNT(51, 54); seed <= 56; seed++) {
             fixture *s = random_fixture(seed, (scene_scheme)scheme,
                                         (scene_heaviside)(seed % SCENE_HEAVISIDE_COUNT),
                                         seed % 5 == 0 ? LONG_ROWS : SHORT_ROWS);
@@ -198,7 +199,7 @@ static uint64_t digest_with(const fixture *s, macro_sweep_fn *sweep)
     assert_int_equal(macro_create(&def, &solver, NULL), BF_OK);
     solver->sweep = sweep;
     assert_int_equal(macro_set_density(solver, s->rho, grid_cells(&s->def.grid), NULL), BF_OK);
-    for (int step = 0; step < 60; step++)
+    for (int step = 0; step < HELPER_AMOUNT(60, 15); step++)
         macro_step(solver);
     uint64_t digest = macro_digest(solver);
     macro_destroy(solver);

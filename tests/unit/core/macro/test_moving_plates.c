@@ -8,6 +8,7 @@
 #include "core/scene/plate_motion.h"
 #include "tests/unit/core/helper_macro.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -136,7 +137,7 @@ static void nothing_passes_a_plate_that_sweeps_through_a_heap(void **state)
 
     (void)state;
     for (int k = 0; k < KINDS; k++)
-        for (int moves = 0; moves < 2; moves++) {
+        for (int moves = HELPER_AMOUNT(0, 1); moves < 2; moves++) {
             scene s;
             make_box(&s, k, moves != 0 ? 0.2 : 0.0, series(4, times, angles));
             model m = start(&s, 1);
@@ -237,7 +238,7 @@ static void mass_is_conserved_through_ten_swings(void **state)
         model m = start(&s, 1);
         fill(&m, 0.1, 0.7, 0.4);
         const double mass = mass_of(&m);
-        for (int swing = 0; swing < 10; swing++) {
+        for (int swing = 0; swing < HELPER_AMOUNT(10, 2); swing++) {
             advance(&m, 300);
             assert_near(mass_of(&m), mass, 1e-12 * mass);
             for (size_t c = 0; c < grid_cells(&m.grid); c++)

@@ -6,6 +6,7 @@
 #include "core/scene/density.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -70,7 +71,7 @@ static void check_answer(const answer *a, const helper_run_log *log)
 static void the_examples_give_the_reference_answers(void **state)
 {
     (void)state;
-    for (int k = 0; k < N_ANSWERS;) {
+    for (int k = 0; k < HELPER_AMOUNT(N_ANSWERS, 3);) {
         const answer *first = &answers[k];
         helper_run_log *log = calloc(1, sizeof *log);
         scene s;

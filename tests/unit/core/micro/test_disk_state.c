@@ -9,6 +9,7 @@
 #include "tests/unit/core/helper_disk_state.h"
 #include "tests/unit/core/helper_disks.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -76,8 +77,8 @@ static uint64_t run_jam(int n_threads)
 
     d->def.n_threads = n_threads;
     micro_solver *s = helper_disks_start(d);
-    helper_disks_advance(s, 1000);
-    helper_disks_advance(s, 500);
+    helper_disks_advance(s, HELPER_AMOUNT(1000, 300));
+    helper_disks_advance(s, HELPER_AMOUNT(500, 100));
     uint64_t digest = micro_digest(s);
     micro_destroy(s);
     helper_disks_free(d);
@@ -181,13 +182,13 @@ static void steps_and_checkpoints_without_memory_fail_and_can_be_repeated(void *
     micro_solver *s = helper_disks_start(d), *untroubled = helper_disks_start(d);
     bf_buffer bytes = { 0 };
 
-    for (int k = 0; k < 300; k++) {
+    for (int k = 0; k < HELPER_AMOUNT(300, 60); k++) {
         memory_plan_fault(1, 0);
         (void)!micro_advance(s, 20, NULL);
         memory_plan_fault(0, 0);
         helper_disks_advance(s, 20 * ((uint64_t)k + 1) - micro_steps(s));
     }
-    helper_disks_advance(untroubled, 6000);
+    helper_disks_advance(untroubled, micro_steps(s));
     assert_true(micro_digest(s) == micro_digest(untroubled));
     memory_plan_fault(1, 0);
     assert_int_equal(micro_save(s, &bytes, NULL), BF_ENOMEM);

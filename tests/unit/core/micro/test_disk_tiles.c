@@ -3,6 +3,7 @@
 #include "core/base/digest.h"
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_disk_state.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -77,7 +78,7 @@ static void compare_tiles_with_single_steps(bool changes)
         disk_state *single = start_crowd_on(changes, is_mixed, false, 1);
         helper_disk_state_advance(single, 803);
         assert_true(count_gone(single) > 0);
-        for (int n_threads = 1; n_threads <= 2; n_threads++) {
+        for (int n_threads = HELPER_AMOUNT(1, 2); n_threads <= 2; n_threads++) {
             disk_state *tiled = start_crowd_on(changes, is_mixed, true, n_threads);
             helper_disk_state_advance(tiled, 803);
             assert_int_equal(tiled->steps, 803);

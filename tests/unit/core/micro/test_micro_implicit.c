@@ -5,6 +5,7 @@
 #include "tests/unit/core/helper_micro.h"
 #include "tests/unit/core/helper_outflow.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -16,16 +17,9 @@
 
 #include <cmocka.h>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-static const double example_time = 1.5; // s; the explicit runs are slow here
-enum { EXPLICIT_RUNS = 1 };
-#else
-static const double example_time = 6.0;
-enum { EXPLICIT_RUNS = 2 };
-#endif
+enum { WORLD_PARTS = 128, EXPLICIT_RUNS = HELPER_AMOUNT(2, 1) };
 
-enum { WORLD_PARTS = 128 };
-
+static const double example_time = HELPER_AMOUNT(6.0, 0.6);        // s
 static const double radius = 0.012, mass = 0.02841, speed = 0.395; // m, kg, m/s
 
 // Cylinders in a domain of 2 m x 2 m that is open all around, on two belts: west of x = 1 with

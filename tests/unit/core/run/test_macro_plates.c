@@ -4,6 +4,7 @@
 #include "core/run/run_priv.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -51,7 +52,7 @@ static void a_run_stopped_in_a_swing_resumes_to_the_same_results(void **state)
         make_swing(&s, k < 2 ? SCENE_DISPERSIVE : SCENE_CONGESTED,
                    k % 2 == 0 ? SCENE_SCHEME_ROE : SCENE_SCHEME_MUSCL);
         assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
-        for (uint64_t stop = 1; stop < 6; stop++) {
+        for (uint64_t stop = 1; stop < 6; stop += HELPER_AMOUNT(1, 3)) {
             helper_run_log *log = new_log();
             log->stop_at = 1 + stop * whole->n_askings / 6;
             assert_int_equal(helper_run(&s, 1, 0, log), BF_OK);

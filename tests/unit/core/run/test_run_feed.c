@@ -4,6 +4,7 @@
 #include "core/run/run.h"
 #include "tests/unit/core/helper_run.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -158,7 +159,7 @@ static void a_run_stopped_anywhere_resumes_to_the_same_results(void **state)
         helper_scene_resolve(&s);
         assert_int_equal(helper_run(&s, 1, 0, whole), BF_OK);
         assert_true(whole->n_changes > 1);
-        for (uint64_t stop = 1; stop < 4; stop++) {
+        for (uint64_t stop = HELPER_AMOUNT(1, 2); stop < 4; stop += HELPER_AMOUNT(1, 2)) {
             helper_run_log *log = new_log(k);
             log->stop_at = 1 + stop * whole->n_askings / 4;
             assert_int_equal(helper_run(&s, 2, 0, log), BF_OK);

@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <pthread.h>
@@ -122,7 +123,7 @@ static void a_notice_of_another_run_wakes_nobody(void **state)
     buffer_fini(&answer);
 }
 
-enum { N_EVENTS = 20000, N_WRITERS = 2, N_READERS = 6 };
+enum { N_EVENTS = HELPER_AMOUNT(20000, 4000), N_WRITERS = 2, N_READERS = 6 };
 
 // Appends its share of the log, at moments that fall before, into and after the readers' reading.
 static void *write_log(void *context)
@@ -191,7 +192,7 @@ static void a_stream_that_is_notified_at_any_moment_misses_nothing(void **state)
     assert_int_equal(n_good, N_READERS);
 }
 
-enum { N_LATE = 1000 };
+enum { N_LATE = HELPER_AMOUNT(1000, 200) };
 
 // Appends an event at the worst moment: the reader has looked at the store, has found nothing new,
 // and is about to sleep.
@@ -226,7 +227,7 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
 // After each event all readers are asleep, so each round needs every wake-up.
 static void a_stream_that_sleeps_is_woken_every_time(void **state)
 {
-    enum { ROUNDS = 2000 };
+    enum { ROUNDS = HELPER_AMOUNT(2000, 400) };
     bf_buffer answer = { 0 };
 
     (void)state;

@@ -1,6 +1,7 @@
 // Unit tests of a store that grows old: a day of runs that come, are streamed and expire, and clocks that jump. The
 // system's clock is the test's.
 
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
 
 #include "server/base/clock.h"
@@ -20,7 +21,7 @@
 
 enum {
     RUNS_PER_HOUR = 60,
-    HOURS = 24,
+    HOURS = HELPER_AMOUNT(24, 8),
     HOURS_OF_GROWTH = 4, // after which nothing grows any more
     RUNS_KEPT = 100,
     SAMPLES = 50,

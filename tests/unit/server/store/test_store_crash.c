@@ -4,6 +4,7 @@
 // A child submits, claims, appends and finishes in a loop and writes to a pipe what the store has
 // acknowledged. It ends at a random moment; then everything that was acknowledged must be there.
 
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
 #include "tests/unit/server/helper_store_power.h"
 
@@ -17,15 +18,15 @@
 #include <unistd.h>
 
 enum {
-    N_LIVES = 25,            // of the child
-    N_POWER_CUTS = 60,       // of the machine
-    POWER_CHANGES_MAX = 400, // of files, until one
-    LIFE_MS_MAX = 60,        // after its first acknowledgement
-    N_RUNS_MAX = 20000,      // that are tracked
-    N_STEPS = 4,             // batches of a run
-    STEP_SAMPLES = 3,        // samples of a batch
-    SNAPSHOT_STEP = 1,       // the batch with the snapshot
-    FIRST_PROMISE_MS = 10000 // until which a child must have come up
+    N_LIVES = HELPER_AMOUNT(25, 6),       // of the child
+    N_POWER_CUTS = HELPER_AMOUNT(60, 12), // of the machine
+    POWER_CHANGES_MAX = 400,              // of files, until one
+    LIFE_MS_MAX = 60,                     // after its first acknowledgement
+    N_RUNS_MAX = 20000,                   // that are tracked
+    N_STEPS = 4,                          // batches of a run
+    STEP_SAMPLES = 3,                     // samples of a batch
+    SNAPSHOT_STEP = 1,                    // the batch with the snapshot
+    FIRST_PROMISE_MS = 10000              // until which a child must have come up
 };
 
 /// What the store has acknowledged of one run.

@@ -2,6 +2,7 @@
 // operating system, for n = 1, 2, ... until nothing has been asked for an n-th time. Each time the life of a run is
 // lived, and what was acknowledged of it must be there, now and after the store was opened again.
 
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
 
 #include "server/base/log.h"
@@ -354,7 +355,7 @@ static void assert_is_sound(const helper_store *h)
 // Lives with the n-th request of a kind refused, n = 1, 2, ..., until one needs no n-th. Returns how many.
 static size_t live_with(helper_store *h, fault which, bool persists, int error)
 {
-    for (size_t n = 1;; n++) {
+    for (size_t n = 1;; n += HELPER_AMOUNT(1, 3)) {
         plan_fault(which, n, persists, error);
         const life l = live(h->store);
         const size_t n_times = atomic_load(&plan.n_times);
@@ -382,7 +383,7 @@ static size_t open_with(helper_store *h, fault which, int error)
 
     assert_true(l.has_ended);
     helper_store_close(h);
-    for (size_t n = 1;; n++) {
+    for (size_t n = 1;; n += HELPER_AMOUNT(1, 3)) {
         bf_error err = { 0 };
         plan_fault(which, n, false, error);
         const bf_status status = store_open(&options, &h->store, &err);

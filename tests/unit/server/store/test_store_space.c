@@ -1,6 +1,7 @@
 // Unit tests of the store on a small disk of its own: what is refused when it is nearly full, and how it gets empty
 // again. I1 ... I15 are the invariants of server/store/store.h. Skipped where the system lets us have no such disk.
 
+#include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
 
 #include "server/base/clock.h"
@@ -152,7 +153,7 @@ static void a_disk_is_filled_and_emptied_again_and_again(void **state)
 {
     helper_store *h = *state;
 
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < HELPER_AMOUNT(3, 2); i++) {
         const api_run big = helper_start(h->store);
         fill_with_results(h->store, big.id);
         fill_with_file(h->directory);
