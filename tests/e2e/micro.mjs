@@ -27,7 +27,7 @@ export function smallJam(changes = {}) {
 
 // A closed gate that holds 192 parts to the end; solved in a second or a few.
 export function longJam() {
-  const duration = isSanitized ? 0.5 : 8;
+  const duration = isSanitized ? 0.25 : 8;
   return smallJam({
     name: "a closed gate",
     duration_s: duration,

@@ -2,7 +2,7 @@
 // left, and results are those of an undisturbed run.
 
 import assert from "node:assert/strict";
-import test from "node:test";
+import test, { after } from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { childrenOf, isAlive, runProgram } from "./processes.mjs";
@@ -10,22 +10,23 @@ import { assertSameResults, solve } from "./results.mjs";
 import { endless, interruptible, tiny } from "./scenarios.mjs";
 import { isSanitized, until } from "./setup.mjs";
 
+// The folder with the results of interruptible(), solved once.
+const undisturbed = solve({ after }, interruptible());
+
 test("kill -9 in the middle: the run ends with the bytes of an undisturbed one (I1, I5)", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
-  const scenario = interruptible();
-  const run = await d.submit(scenario);
+  const run = await d.submit(interruptible());
   await d.progressed(run.id, 0.3);
   await d.kill();
   await d.start();
   assert.notEqual((await d.run(run.id)).status, "succeeded");
   await d.reached(run.id, "succeeded");
-  await assertSameResults(d, run.id, await solve(t, scenario));
+  await assertSameResults(d, run.id, await undisturbed);
 });
 
 test("kill -9 again and again: the run gets on, and ends with the same bytes", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 20 });
-  const scenario = interruptible();
-  const run = await d.submit(scenario);
+  const run = await d.submit(interruptible());
   const times = isSanitized ? 3 : 8;
   for (let k = 1; k <= times; k++) {
     await d.progressed(run.id, k / (times + 2));
@@ -33,7 +34,7 @@ test("kill -9 again and again: the run gets on, and ends with the same bytes", a
     await d.start();
   }
   await d.reached(run.id, "succeeded");
-  await assertSameResults(d, run.id, await solve(t, scenario));
+  await assertSameResults(d, run.id, await undisturbed);
 });
 
 test("kill -9 at random moments of a busy life loses no run (I1, I3, I8)", async (t) => {
@@ -67,8 +68,7 @@ test("a run goes on from its checkpoint, not from the start", async (t) => {
 
 test("SIGTERM hands back what runs, and the next start goes on with it", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 60_000 });
-  const scenario = interruptible();
-  const run = await d.submit(scenario);
+  const run = await d.submit(interruptible());
   const waiting = await d.submit(tiny());
   await d.progressed(run.id, 0.3);
   await d.stop();
@@ -78,7 +78,7 @@ test("SIGTERM hands back what runs, and the next start goes on with it", async (
   assert.ok(back.progress >= 0.3, "no checkpoint was taken on the way out");
   await d.reached(run.id, "succeeded");
   await d.reached(waiting.id, "succeeded");
-  await assertSameResults(d, run.id, await solve(t, scenario));
+  await assertSameResults(d, run.id, await undisturbed);
 });
 
 test("no child outlives a daemon that was killed", async (t) => {

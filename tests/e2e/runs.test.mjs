@@ -214,7 +214,7 @@ test("a snapshot is a NumPy file of the grid and may be cached for ever", async 
   assert.deepEqual([again.status, again.body.length], [304, 0]);
 });
 
-test("threads change no bit of a run", { skip: isSanitized }, async (t) => {
+test("threads change no bit of a run", { skip: isSanitized || prism.isWanted }, async (t) => {
   const scenario = jam(2, { curve_every_s: 0.05, snapshot_every_s: 0.5 });
   const one = await solve(t, scenario, "--threads", "1");
   const two = await solve(t, scenario, "--threads", "2");

@@ -30,13 +30,14 @@ export function within(promise, what, ms = patience) {
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
 
-// Ask until the answer is truthy; returns it.
+// Ask until the answer is truthy; returns it. The longer it takes the more seldom: asking takes time from what is waited
+// for.
 export async function until(ask, what, ms = patience) {
   const deadline = Date.now() + ms;
-  for (;;) {
+  for (let pause_ms = 10; ; pause_ms = Math.min(1.2 * pause_ms, 100)) {
     const answer = await ask();
     if (answer) return answer;
     if (Date.now() > deadline) throw new Error(`waited ${ms} ms for ${what}`);
-    await sleep(10);
+    await sleep(pause_ms);
   }
 }
