@@ -86,7 +86,6 @@ static const field snapshot_fields[] = { { COPY(snapshot.index) },
                                          { COPY(snapshot.mass) },
                                          { COPY(snapshot.n1) },
                                          { COPY(snapshot.n2) },
-                                         { TABLE(snapshot.rho, snapshot.n1, snapshot.n2) },
                                          { END } };
 static const field progress_fields[] = {
     { COPY(progress.step) }, { COPY(progress.n_steps) }, { COPY(progress.t) }, { END }
@@ -113,12 +112,15 @@ static const field end_fields[] = { { COPY(end.stopped) },
 static const field error_fields[] = {
     { COPY(error.error.code) }, { COPY(error.error.pointer) }, { COPY(error.error.text) }, { END }
 };
-static const field parts_fields[] = { { COPY(parts.index) },
-                                      { COPY(parts.t) },
-                                      { COPY(parts.n_parts) },
-                                      { COPY(parts.n_values) },
+static const field parts_fields[] = {
+    { COPY(parts.index) },    { COPY(parts.t) }, { COPY(parts.n_parts) },
+    { COPY(parts.n_values) }, { ZEROS(4) },      { END }
+};
+static const field slice_fields[] = { { COPY(slice.of) },
                                       { ZEROS(4) },
-                                      { TABLE(parts.rows, parts.n_parts, parts.n_values) },
+                                      { COPY(slice.index) },
+                                      { COPY(slice.at) },
+                                      { REST(slice.bytes, slice.n) },
                                       { END } };
 static const field change_fields[] = { { COPY(change.index) },
                                        { COPY(change.t) },
@@ -139,7 +141,41 @@ static const field *const fields_of[FRAME_TYPE_COUNT] = {
     [FRAME_CHECKPOINT] = bytes_fields,  [FRAME_END] = end_fields,
     [FRAME_ERROR] = error_fields,       [FRAME_PARTS] = parts_fields,
     [FRAME_CHANGE] = change_fields,     [FRAME_FIGURES] = figures_fields,
+    [FRAME_SLICE] = slice_fields,
 };
+
+uint64_t frame_array_bytes(const frame *f)
+{
+    const bool is_density = f->type == FRAME_SNAPSHOT;
+    const uint64_t size = is_density ? sizeof *f->snapshot.rho : sizeof *f->parts.rows;
+    uint64_t n = 0;
+
+    if (!is_density && f->type != FRAME_PARTS)
+        return 0;
+    if (is_density)
+        n = (uint64_t)f->snapshot.n1 * f->snapshot.n2;
+    else if (__builtin_mul_overflow(f->parts.n_parts, f->parts.n_values, &n))
+        return UINT64_MAX;
+    return n > FRAME_PAYLOAD_MAX / size ? UINT64_MAX : n * size;
+}
+
+bool frame_slice_at(const frame *f, uint64_t at, frame *ret_slice)
+{
+    const uint64_t n = frame_array_bytes(f), left = n - at;
+    const bool is_density = f->type == FRAME_SNAPSHOT;
+
+    BF_CHECK(n < UINT64_MAX);
+    if (at >= n)
+        return false;
+    const char *array = is_density ? (const char *)f->snapshot.rho : (const char *)f->parts.rows;
+    *ret_slice = (frame){ .type = FRAME_SLICE,
+                          .slice = { .of = f->type,
+                                     .index = is_density ? f->snapshot.index : f->parts.index,
+                                     .at = at,
+                                     .n = left < FRAME_SLICE_BYTES ? left : FRAME_SLICE_BYTES,
+                                     .bytes = array + at } };
+    return true;
+}
 
 static uint64_t count_of(const frame *f, const member *m)
 {

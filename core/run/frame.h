@@ -25,7 +25,8 @@
 
 /// Frames in the order in which a run emits them: job (to the run), begin, then any number of
 /// curve, snapshot, progress, change and checkpoint, then one end or error. Where begin announces rows of
-/// parts, a parts frame follows each snapshot at once. The values are stored in files: never renumber.
+/// parts, a parts frame follows each snapshot at once. As bytes, the array of a snapshot or of parts stands in slices
+/// right before it. The values are stored in files: never renumber.
 typedef enum frame_type {
     FRAME_JOB = 1,    ///< to the run: the scenario document and how to solve it
     FRAME_RESUME,     ///< to the run: a checkpoint's bytes to go on from
@@ -39,11 +40,15 @@ typedef enum frame_type {
     FRAME_PARTS,      ///< the parts at the time of the snapshot before it
     FRAME_CHANGE,     ///< a photo eye changed its state, or an action was carried out
     FRAME_FIGURES,    ///< the key figures so far
+    FRAME_SLICE, ///< a part of the array of the snapshot or parts frame that comes next; in bytes only
     FRAME_TYPE_COUNT
 } frame_type;
 
-/// Longest payload that a reader accepts, bytes.
+/// Longest payload, and longest array, that a reader accepts, bytes.
 #define FRAME_PAYLOAD_MAX (UINT64_C(1) << 32)
+
+/// Bytes of every slice but the last of an array.
+#define FRAME_SLICE_BYTES 131072
 
 /// The job.
 typedef struct frame_job {
@@ -90,7 +95,7 @@ typedef struct frame_snapshot {
     double mass;      ///< parts in the domain
     uint32_t n1;      ///< columns
     uint32_t n2;      ///< rows
-    const float *rho; ///< n2 rows of n1, normalised
+    const float *rho; ///< n2 rows of n1, normalised; NULL in a decoded frame: it came in slices
 } frame_snapshot;
 
 /// Values of a part, by the equations of motion: x, y, heading, vx, vy, spin, or position (3),
@@ -111,8 +116,17 @@ typedef struct frame_parts {
     double t;           ///< s
     uint64_t n_parts;   ///< rows
     uint32_t n_values;  ///< FRAME_VALUES_PLANAR or _SPATIAL, with feeds FRAME_VALUES_FED more
-    const double *rows; ///< n_parts rows of n_values
+    const double *rows; ///< n_parts rows of n_values; NULL in a decoded frame: they came in slices
 } frame_parts;
+
+/// Bytes of an array, so that neither side needs room for a second one. Slices come in order and without gap.
+typedef struct frame_slice {
+    uint32_t of;       ///< whose array: FRAME_SNAPSHOT or FRAME_PARTS
+    uint64_t index;    ///< of the snapshot
+    uint64_t at;       ///< bytes of the array before it
+    size_t n;          ///< bytes: FRAME_SLICE_BYTES, or what is left of the array
+    const void *bytes; ///< n of them
+} frame_slice;
 
 /// True if rows of n_values begin with id and kind.
 static inline bool frame_has_ids(uint32_t n_values)
@@ -212,10 +226,18 @@ typedef struct frame {
         frame_parts parts;       ///< FRAME_PARTS
         frame_change change;     ///< FRAME_CHANGE
         frame_figures figures;   ///< FRAME_FIGURES
+        frame_slice slice;       ///< FRAME_SLICE
     };
 } frame;
 
-/// Append the bytes of a frame to *out. BF_ENOMEM: *out is as before.
+/// Bytes of the array of a snapshot or of parts; 0 for other frames, UINT64_MAX: more than FRAME_PAYLOAD_MAX.
+uint64_t frame_array_bytes(const frame *f);
+
+/// The slice of a frame's array that begins at byte `at`, to be written before the frame; its bytes are borrowed. False:
+/// the array ends there.
+bool frame_slice_at(const frame *f, uint64_t at, frame *ret_slice);
+
+/// Append the bytes of a frame to *out, of a snapshot or parts those without the array. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
 
 /// Bytes of the whole frame that the n bytes begin with, as its header says; 0: the header is not complete, or of no frame.

@@ -59,17 +59,27 @@ static bool flush_frames(working *w)
     return ok;
 }
 
-static bf_status take_frame(void *context, const frame *f, bf_error *err)
+static bf_status put_frame(working *w, const frame *f, bool is_urgent, bf_error *err)
 {
-    working *w = context;
-    bool is_urgent = f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
-
     bf_status status = frame_encode(f, &w->out, err);
+
     if (status != BF_OK)
         return status;
     if ((is_urgent || w->out.n >= FLUSH_BYTES) && !flush_frames(w))
         return bf_fail(err, BF_ESYSTEM, "", "frames cannot be written: %s", strerror(errno));
     return BF_OK;
+}
+
+static bf_status take_frame(void *context, const frame *f, bf_error *err)
+{
+    const bool is_urgent =
+        f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
+    bf_status status = BF_OK;
+    frame slice;
+
+    for (uint64_t at = 0; status == BF_OK && frame_slice_at(f, at, &slice); at += slice.slice.n)
+        status = put_frame(context, &slice, false, err);
+    return status == BF_OK ? put_frame(context, f, is_urgent, err) : status;
 }
 
 static unsigned find_requested(void *context)

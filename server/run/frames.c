@@ -2,7 +2,6 @@
 
 #include "api/results/events.h"
 #include "core/base/check.h"
-#include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
@@ -18,40 +17,10 @@ static const double rate_memory_s = 2.0;
 // events at most, however long it takes: the store has them all.
 static const double progress_fraction = 1e-3;
 
-static void free_item(store_item *item)
-{
-    buffer_fini(&item->event);
-    buffer_fini(&item->t);
-    buffer_fini(&item->values);
-    if (!item->is_borrowed)
-        buffer_fini(&item->rho);
-    buffer_fini(&item->parts);
-    buffer_fini(&item->figures);
-}
-
-static void free_batch(supervisor__task *task)
-{
-    for (size_t i = 0; i < task->n_items; i++)
-        free_item(&task->items[i]);
-    task->n_items = 0;
-}
-
 void supervisor__free_items(supervisor__task *task)
 {
-    free_batch(task);
-    free_item(&task->snapshot);
-    task->has_snapshot = false;
-}
-
-// Room for one more item, zeroed and counted; NULL: no memory.
-static store_item *add_item(supervisor__task *task, api_event_type type)
-{
-    if (memory_reserve(&task->items, &task->items_capacity, task->n_items + 1,
-                       sizeof *task->items) != 0)
-        return NULL;
-    store_item *item = &task->items[task->n_items++];
-    *item = (store_item){ .type = type };
-    return item;
+    snapshots_drop_items(&task->items);
+    snapshots_forget(&task->coming);
 }
 
 static bf_status fail_memory(bf_error *err)
@@ -64,7 +33,7 @@ static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_erro
     if (c->n_columns != task->n_columns)
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent %u columns, not %zu", c->n_columns,
                        task->n_columns);
-    store_item *item = add_item(task, API_EVENT_CURVE);
+    store_item *item = snapshots_add_item(&task->items, API_EVENT_CURVE);
     if (item == NULL)
         return fail_memory(err);
     item->first = c->first;
@@ -74,65 +43,6 @@ static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_erro
             BF_OK)
         return fail_memory(err);
     return events_curve(task->claimed.run.id, c, task->claimed.columns.bytes, &item->event, err);
-}
-
-// The snapshot that waits joins the batch, which takes it over.
-static bf_status add_waiting(supervisor__task *task, bf_error *err)
-{
-    store_item *item = add_item(task, API_EVENT_SNAPSHOT);
-
-    if (item == NULL)
-        return fail_memory(err);
-    *item = task->snapshot;
-    task->snapshot = (store_item){ .type = API_EVENT_SNAPSHOT };
-    task->has_snapshot = false;
-    return BF_OK;
-}
-
-// A grid that is stored before the next read stays in the output, like a checkpoint; one that waits for its parts, after
-// which more may be read, is copied.
-static bf_status take_grid(store_item *item, const frame_snapshot *s, bool is_borrowed,
-                           bf_error *err)
-{
-    const size_t n = (size_t)s->n1 * s->n2 * sizeof *s->rho;
-
-    item->is_borrowed = is_borrowed;
-    if (is_borrowed)
-        item->rho = (bf_buffer){ .bytes = (char *)(uintptr_t)s->rho, .n = n };
-    else if (buffer_append(&item->rho, s->rho, n) != BF_OK)
-        return fail_memory(err);
-    return BF_OK;
-}
-
-// A snapshot and its parts are one item, so that they are stored and published together.
-static bf_status add_snapshot(supervisor__task *task, const frame_snapshot *s, bf_error *err)
-{
-    bool has_parts = task->begin.n_values > 0;
-    store_item *item = &task->snapshot;
-
-    if (s->n1 != task->begin.grid.n1 || s->n2 != task->begin.grid.n2)
-        return bf_fail(err, BF_ECORRUPT, "", "the solver sent a snapshot of another size");
-    *item = (store_item){ .type = API_EVENT_SNAPSHOT, .first = s->index };
-    item->snapshot =
-        (api_snapshot){ .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
-    task->has_snapshot = true;
-    bf_status status = take_grid(item, s, !has_parts, err);
-    if (status != BF_OK)
-        return status;
-    status = events_snapshot(task->claimed.run.id, s, has_parts, &item->event, err);
-    return status == BF_OK && !has_parts ? add_waiting(task, err) : status;
-}
-
-static bf_status add_parts(supervisor__task *task, const frame_parts *p, bf_error *err)
-{
-    const bool is_other_number = p->n_parts != task->begin.n_parts && !frame_has_ids(p->n_values);
-
-    if (is_other_number || p->n_values != task->begin.n_values || p->index != task->snapshot.first)
-        return bf_fail(err, BF_ECORRUPT, "", "the solver sent parts of another size or snapshot");
-    if (buffer_append(&task->snapshot.parts, p->rows,
-                      (size_t)p->n_parts * p->n_values * sizeof *p->rows) != BF_OK)
-        return fail_memory(err);
-    return add_waiting(task, err);
 }
 
 key_figures supervisor__figures(const supervisor__task *task)
@@ -161,7 +71,7 @@ static bf_status add_figures(supervisor__task *task, bf_error *err)
 
     if (!task->has_figures)
         return BF_OK;
-    store_item *item = add_item(task, API_EVENT_FIGURES);
+    store_item *item = snapshots_add_item(&task->items, API_EVENT_FIGURES);
     if (item == NULL)
         return fail_memory(err);
     task->has_figures = false;
@@ -195,8 +105,8 @@ static void update_rate(supervisor__task *task, double now_s)
 
 static bf_status add_change(supervisor__task *task, const frame_change *c, bf_error *err)
 {
-    store_item *item =
-        add_item(task, c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE : API_EVENT_ACTION);
+    store_item *item = snapshots_add_item(
+        &task->items, c->type == FRAME_CHANGE_EYE ? API_EVENT_EYE : API_EVENT_ACTION);
 
     if (item == NULL)
         return fail_memory(err);
@@ -219,7 +129,7 @@ static bf_status add_progress(supervisor__task *task, bf_error *err)
     if (task->has_progress) {
         task->reported_s = now_s;
         task->has_progress = false;
-        store_item *item = add_item(task, API_EVENT_PROGRESS);
+        store_item *item = snapshots_add_item(&task->items, API_EVENT_PROGRESS);
         status = item == NULL ? fail_memory(err)
                               : events_progress(task->claimed.run.id, &task->progress, task->rate,
                                                 &item->event, err);
@@ -239,13 +149,13 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
 {
     bf_status status = add_progress(task, err);
 
-    if (status != BF_OK || (task->n_items == 0 && checkpoint == NULL))
+    if (status != BF_OK || (task->items.n == 0 && checkpoint == NULL))
         return status;
     uint64_t step = task->progress.step, n_steps = task->begin.n_steps;
     task->batch = (store_batch){
         .run_id = task->claimed.run.id,
-        .n = task->n_items,
-        .items = task->items,
+        .n = task->items.n,
+        .items = task->items.items,
         .progress = n_steps == 0 ? 0.0 : (double)step / (double)n_steps,
         .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
         .wall_s = supervisor__wall_s(task),
@@ -261,7 +171,7 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
 
 void supervisor__finish_batch(supervisor__task *task)
 {
-    free_batch(task);
+    snapshots_drop_items(&task->items);
     task->moved_ms += clock_monotonic_ms() - task->write.begin_ms; // the job may have waited
     if (task->write.status == BF_OK)
         return;
@@ -303,29 +213,29 @@ static bf_status take_progress(supervisor__task *task, const frame_progress *p, 
     return BF_OK;
 }
 
-// An error may come at any time; parts come right after their snapshot, and nothing else does.
-static bool is_in_order(const supervisor__task *task, frame_type type)
+static bool is_in_order(const supervisor__task *task, const frame *f)
 {
-    if (task->has_ended || type == FRAME_JOB || type == FRAME_RESUME)
+    if (task->has_ended || f->type == FRAME_JOB || f->type == FRAME_RESUME)
         return false;
-    if (type == FRAME_ERROR)
+    if (f->type == FRAME_ERROR)
         return true;
-    return (type == FRAME_BEGIN) != task->has_begun && (type == FRAME_PARTS) == task->has_snapshot;
+    return (f->type == FRAME_BEGIN) != task->has_begun && snapshots_may_come(&task->coming, f);
 }
 
 static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *err)
 {
-    if (!is_in_order(task, f->type))
+    if (!is_in_order(task, f))
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
     switch (f->type) {
     case FRAME_BEGIN:
         return take_begin(task, &f->begin, err);
     case FRAME_CURVE:
         return add_curve(task, &f->curve, err);
+    case FRAME_SLICE:
     case FRAME_SNAPSHOT:
-        return add_snapshot(task, &f->snapshot, err);
     case FRAME_PARTS:
-        return add_parts(task, &f->parts, err);
+        return snapshots_take(&task->coming, task->claimed.run.id, &task->begin, f, &task->items,
+                              err);
     case FRAME_CHANGE:
         return add_change(task, &f->change, err);
     case FRAME_PROGRESS:

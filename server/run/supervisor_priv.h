@@ -11,6 +11,7 @@
 #include "server/base/liveness.h"
 #include "server/base/lock.h"
 #include "server/base/metrics.h"
+#include "server/run/snapshots.h"
 #include "server/run/supervisor.h"
 
 #include <pthread.h>
@@ -115,13 +116,10 @@ struct supervisor__task {
     size_t n_decoded;        ///< of them, at the start: decoded, to be dropped before the next read
     uint64_t n_sent;         ///< bytes of frames that are kept, see supervisor_options.output_bytes
     bool has_frames;         ///< whole frames may be left in output
-    store_item *items;       ///< what is not stored yet
-    size_t n_items;          ///< of them
-    size_t items_capacity;   ///< room
+    snapshots_items items;   ///< what is not stored yet
     store_batch batch;       ///< of SUPERVISOR_WRITE_BATCH; points into items and output
     store_ending ending;     ///< of SUPERVISOR_WRITE_END
-    bool has_snapshot;       ///< a snapshot came whose parts have not come yet:
-    store_item snapshot;     ///< that one
+    snapshots_coming coming; ///< the snapshot that is being sent
 };
 
 /// A state that the store refused when the run ended here; it is written later.

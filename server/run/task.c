@@ -35,7 +35,7 @@ void supervisor__task_destroy(supervisor__task *task)
     if (task->job != NULL)
         e->functions->release(e, task->job);
     supervisor__free_items(task);
-    memory_free(task->items);
+    snapshots_fini_items(&task->items);
     buffer_fini(&task->output);
     buffer_fini(&task->figures);
     store_job_fini(&task->claimed);
@@ -103,7 +103,7 @@ bf_status supervisor__count_output(supervisor__task *task, frame_type type, size
 {
     const uint64_t limit = task->supervisor->options.output_bytes;
     const bool is_kept = type == FRAME_CURVE || type == FRAME_SNAPSHOT || type == FRAME_PARTS ||
-                         type == FRAME_CHANGE;
+                         type == FRAME_CHANGE || type == FRAME_SLICE;
 
     task->n_sent += is_kept ? n : 0;
     if (limit == 0 || task->n_sent <= limit)

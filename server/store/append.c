@@ -42,10 +42,12 @@ static bf_buffer *compressed_checkpoint(const append_context *context)
 static bf_status pack_item(const append_context *context, size_t i, bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
+    bf_status status = BF_OK;
 
     if (item->type != API_EVENT_SNAPSHOT)
         return BF_OK;
-    bf_status status = store__pack(item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
+    if (item->rho.n > 0)
+        status = store__pack(item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
     if (status == BF_OK && item->parts.n > 0)
         status = store__pack(item->parts.bytes, item->parts.n, compressed_parts(context, i), err);
     return status;
@@ -167,71 +169,11 @@ static bf_status append_curve(store__connection *writer, append_context *context
                                err);
 }
 
-static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
-{
-    const uint64_t row = parts->n_values * sizeof(double);
-    uint64_t bytes = 0;
-
-    if (frame_has_ids(parts->n_values))
-        bytes = item->parts.n / row * row;
-    else if (__builtin_mul_overflow(parts->n_parts, row, &bytes))
-        bytes = UINT64_MAX;
-    if (bytes != item->parts.n)
-        return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %zu bytes",
-                       (unsigned long long)parts->n_parts, parts->n_values, item->parts.n);
-    return BF_OK;
-}
-
-static bf_status check_snapshot(const store__row *row, const store_item *item, bf_error *err)
-{
-    size_t cells = 0;
-    size_t bytes = 0;
-
-    if (item->snapshot.index > row->run.n_snapshots)
-        return bf_fail(
-            err, BF_ECORRUPT, "", "the snapshots have a gap: number %llu came after %llu snapshots",
-            (unsigned long long)item->snapshot.index, (unsigned long long)row->run.n_snapshots);
-    if (__builtin_mul_overflow(row->run.grid.n1, row->run.grid.n2, &cells) ||
-        __builtin_mul_overflow(cells, sizeof(float), &bytes) || bytes != item->rho.n)
-        return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %zu bytes",
-                       row->run.grid.n1, row->run.grid.n2, item->rho.n);
-    return check_parts(&row->run.parts, item, err);
-}
-
-static bf_status insert_snapshot(store__connection *writer, int64_t results,
-                                 const api_snapshot *snapshot, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_INSERT_SNAPSHOT);
-    store__bind_integer(&q, results);
-    store__bind_integer(&q, (int64_t)snapshot->index);
-    store__bind_real(&q, snapshot->t);
-    store__bind_real(&q, snapshot->peak);
-    store__bind_real(&q, snapshot->mass);
-    return store__run(&q, err);
-}
-
 static bf_status append_snapshot(store__connection *writer, append_context *context, size_t i,
                                  bf_error *err)
 {
-    const store_item *item = &context->batch->items[i];
-    store__row *row = &context->row;
-    uint64_t index = item->snapshot.index;
-
-    bf_status status = check_snapshot(row, item, err);
-    if (status != BF_OK || index < row->run.n_snapshots)
-        return status;
-    status = insert_snapshot(writer, row->results, &item->snapshot, err);
-    if (status == BF_OK)
-        status = store__insert_chunks(writer, row->results, STORE__BLOB_SNAPSHOT, index,
-                                      compressed_grid(context, i), err);
-    if (status == BF_OK)
-        status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
-                                      compressed_parts(context, i), err);
-    if (status == BF_OK)
-        status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
-    if (status == BF_OK)
-        row->run.n_snapshots++;
-    return status;
+    return store__append_snapshot(writer, &context->row, &context->batch->items[i],
+                                  compressed_grid(context, i), compressed_parts(context, i), err);
 }
 
 static bf_status replace_figures(store__connection *writer, store__row *row, const store_item *item,
@@ -307,7 +249,7 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     row->checkpoint_step = batch->step;
     bf_status status = store__delete_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, err);
     if (status == BF_OK)
-        status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0,
+        status = store__insert_chunks(writer, row->results, STORE__BLOB_CHECKPOINT, 0, 0,
                                       compressed_checkpoint(context), err);
     return status;
 }
@@ -329,6 +271,21 @@ static void note_progress(const store_batch *batch, store__row *row)
     row->run.eta_s = batch->eta_s;
 }
 
+static bool is_hidden(const store_item *item)
+{
+    return item->type == API_EVENT_SNAPSHOT && item->is_open;
+}
+
+// True if nobody can see what the batch brings, so that the run stays as it is.
+static bool brings_nothing_visible(const store_batch *batch)
+{
+    bool is_nothing = batch->n > 0 && batch->checkpoint == NULL;
+
+    for (size_t i = 0; i < batch->n; i++)
+        is_nothing = is_nothing && is_hidden(&batch->items[i]);
+    return is_nothing;
+}
+
 static bf_status apply_append(store__connection *writer, store__operation *operation, bf_error *err)
 {
     append_context *context = operation->context;
@@ -341,17 +298,19 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     if (row->run.state != RUN_RUNNING)
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
                        run_state_word(row->run.state));
-    memcpy(operation->changed, row->run.id, API_ID_SIZE);
     const store__row before = *row;
     status = note_sizes(row, batch->grid, &batch->parts, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
+    if (status != BF_OK || brings_nothing_visible(batch))
+        return status;
+    memcpy(operation->changed, row->run.id, API_ID_SIZE);
     note_progress(batch, row);
     if (has_grown(row, &before))
         row->attempts = 0;
-    return status == BF_OK ? store__save_row(writer, row, err) : status;
+    return store__save_row(writer, row, err);
 }
 
 static bf_status prepare_append(store__operation *operation, bf_error *err)
@@ -365,7 +324,7 @@ static void finish_append(store__operation *operation)
     const store_batch *batch = context->batch;
 
     for (size_t i = 0; i < batch->n && operation->status == BF_OK; i++)
-        metrics_add(METRICS_FRAMES, batch->items[i].type, 1);
+        metrics_add(METRICS_FRAMES, batch->items[i].type, !is_hidden(&batch->items[i]));
     for (size_t i = 0; i <= 2 * batch->n; i++)
         buffer_fini(&context->compressed[i]);
     memory_free(context->compressed);

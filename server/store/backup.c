@@ -110,6 +110,9 @@ typedef struct question {
     const char *sql;
 } question;
 
+// What no run has any more is deleted step by step, and so is not whole meanwhile.
+#define NOT_ORPHANED "results NOT IN (SELECT number FROM results WHERE state = 2) "
+
 static const question questions[] = {
     { "I3", "every run is in a state, and has ended exactly if its state is an end",
       "SELECT count(*) FROM runs WHERE state NOT BETWEEN 0 AND 4 "
@@ -123,9 +126,16 @@ static const question questions[] = {
       "(SELECT count(*) FROM snapshots WHERE snapshots.results = runs.results) OR n_snapshots <> "
       "(SELECT coalesce(max(item) + 1, 0) FROM snapshots WHERE snapshots.results = runs.results)" },
     { "I4", "every snapshot has its grid, and chunks are without gap",
-      "SELECT (SELECT count(*) FROM snapshots AS s WHERE NOT EXISTS (SELECT 1 FROM chunks AS c "
+      "SELECT (SELECT count(*) FROM snapshots AS s WHERE " NOT_ORPHANED
+      "AND NOT EXISTS (SELECT 1 FROM chunks AS c "
       "WHERE c.results = s.results AND c.kind = 0 AND c.item = s.item)) + (SELECT count(*) FROM "
-      "(SELECT 1 FROM chunks GROUP BY results, kind, item HAVING count(*) <> max(part) + 1))" },
+      "(SELECT 1 FROM chunks WHERE " NOT_ORPHANED
+      "GROUP BY results, kind, item HAVING count(*) <> max(part) + 1))" },
+    { "I4", "what no snapshot has is of one that is coming",
+      "SELECT count(*) FROM (SELECT DISTINCT results, item FROM chunks WHERE kind <> 1) AS c "
+      "WHERE NOT EXISTS (SELECT 1 FROM snapshots AS s WHERE s.results = c.results AND "
+      "s.item = c.item) AND NOT EXISTS (SELECT 1 FROM runs WHERE runs.results = c.results AND "
+      "runs.state = 1 AND runs.n_snapshots = c.item)" },
     { "I5", "a run has the checkpoint that it tells of, and none if it has ended",
       "SELECT count(*) FROM (SELECT state, checkpoint_step, EXISTS (SELECT 1 FROM chunks "
       "WHERE chunks.results = runs.results AND kind = 1) AS has_one FROM runs) "

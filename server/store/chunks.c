@@ -1,7 +1,6 @@
 #include "server/store/chunks.h"
 
 #include "core/base/check.h"
-#include "core/run/frame.h"
 
 #include <sqlite3.h>
 #include <zstd.h>
@@ -120,20 +119,6 @@ static bf_status insert_chunk(store__connection *writer, const int64_t key[4], c
     return store__run(&q, err);
 }
 
-bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
-                               uint64_t item, const bf_buffer *compressed, bf_error *err)
-{
-    int64_t key[4] = { results, kind, (int64_t)item, 0 };
-    bf_status status = BF_OK;
-
-    for (size_t at = 0, n = 0; at < compressed->n && status == BF_OK; at += n, key[3]++) {
-        n = ZSTD_findFrameCompressedSize(compressed->bytes + at, compressed->n - at);
-        BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
-        status = insert_chunk(writer, key, compressed->bytes + at, n, err);
-    }
-    return status;
-}
-
 static store__query begin_blob(store__connection *c, store__sql sql, int64_t results,
                                store__blob kind, uint64_t item)
 {
@@ -142,6 +127,38 @@ static store__query begin_blob(store__connection *c, store__sql sql, int64_t res
     store__bind_integer(&q, kind);
     store__bind_integer(&q, (int64_t)item);
     return q;
+}
+
+// A blob begins in the place of what is there of it; what follows must follow it.
+static bf_status check_place(store__connection *writer, int64_t results, store__blob kind,
+                             uint64_t item, uint64_t at, bf_error *err)
+{
+    uint64_t n = 0;
+
+    if (at == 0)
+        return store__delete_chunks(writer, results, kind, item, err);
+    bf_status status = store__count_chunks(writer, results, kind, item, &n, err);
+    if (status == BF_OK && (at % STORE__SLICE_BYTES != 0 || n != at / STORE__SLICE_BYTES))
+        return bf_fail(err, BF_ECORRUPT, "", "an array has a gap: byte %llu came after %llu slices",
+                       (unsigned long long)at, (unsigned long long)n);
+    return status;
+}
+
+bf_status store__insert_chunks(store__connection *writer, int64_t results, store__blob kind,
+                               uint64_t item, uint64_t at, const bf_buffer *compressed,
+                               bf_error *err)
+{
+    int64_t key[4] = { results, kind, (int64_t)item, (int64_t)(at / STORE__SLICE_BYTES) };
+
+    if (compressed->n == 0)
+        return BF_OK;
+    bf_status status = check_place(writer, results, kind, item, at, err);
+    for (size_t from = 0, n = 0; from < compressed->n && status == BF_OK; from += n, key[3]++) {
+        n = ZSTD_findFrameCompressedSize(compressed->bytes + from, compressed->n - from);
+        BF_CHECK(!ZSTD_isError(n)); // it comes from store__pack()
+        status = insert_chunk(writer, key, compressed->bytes + from, n, err);
+    }
+    return status;
 }
 
 bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
@@ -193,5 +210,16 @@ bf_status store__delete_chunks(store__connection *writer, int64_t results, store
                                uint64_t item, bf_error *err)
 {
     store__query q = begin_blob(writer, STORE__SQL_DELETE_CHUNKS, results, kind, item);
+    return store__run(&q, err);
+}
+
+bf_status store__delete_open_snapshots(store__connection *writer, int64_t results, uint64_t first,
+                                       bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_DELETE_OPEN_SNAPSHOTS);
+    store__bind_integer(&q, results);
+    store__bind_integer(&q, STORE__BLOB_SNAPSHOT);
+    store__bind_integer(&q, STORE__BLOB_PARTS);
+    store__bind_integer(&q, (int64_t)first);
     return store__run(&q, err);
 }

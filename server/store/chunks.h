@@ -4,6 +4,7 @@
 
 #include "core/base/buffer.h"
 #include "core/base/status.h"
+#include "core/run/frame.h"
 #include "server/store/connection.h"
 
 #include <stddef.h>
@@ -18,7 +19,7 @@ typedef enum store__blob {
 
 /// Bytes of a blob that are compressed alone, as a frame of zstd in a row of its own, so that they can be read alone.
 /// Blobs of stores before this are one frame, cut into rows.
-#define STORE__SLICE_BYTES 131072
+#define STORE__SLICE_BYTES FRAME_SLICE_BYTES
 
 /// Append bytes, compressed, to *out: one frame for each slice of them.
 BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
@@ -26,9 +27,10 @@ BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out,
 /// Append what was compressed to *out. BF_ECORRUPT: damaged.
 BF_MUST_CHECK bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err);
 
-/// Insert a compressed blob, each frame as a chunk.
+/// Insert a compressed blob, or its part from byte `at` on, each frame as a chunk. What was stored of the blob before gives
+/// way to its first byte. BF_ECORRUPT: `at` is not where the chunks that are stored end.
 BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t results,
-                                             store__blob kind, uint64_t item,
+                                             store__blob kind, uint64_t item, uint64_t at,
                                              const bf_buffer *compressed, bf_error *err);
 
 /// Append the chunks of a compressed blob to *out; nothing if there is none.
@@ -50,3 +52,7 @@ bf_status store__fail_zstd(size_t code, bf_status otherwise, bf_error *err);
 /// Delete a compressed blob.
 BF_MUST_CHECK bf_status store__delete_chunks(store__connection *writer, int64_t results,
                                              store__blob kind, uint64_t item, bf_error *err);
+
+/// Delete what is stored of snapshots from this one on: none of them was completed.
+BF_MUST_CHECK bf_status store__delete_open_snapshots(store__connection *writer, int64_t results,
+                                                     uint64_t first, bf_error *err);

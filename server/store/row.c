@@ -138,6 +138,7 @@ static bf_status close_row(store__connection *writer, store__row *row, bf_error 
 
 bf_status store__transition(store__connection *writer, store__row *row, run_state to, bf_error *err)
 {
+    const bool was_running = row->run.state == RUN_RUNNING;
     bf_status status = BF_OK;
 
     if (to == RUN_QUEUED && row->stop_request != STORE_STOP_NONE)
@@ -153,7 +154,9 @@ bf_status store__transition(store__connection *writer, store__row *row, run_stat
         row->run.started_ms = clock_unix_ms();
     if (to == RUN_QUEUED && writer->queued_at_most < SIZE_MAX)
         writer->queued_at_most++;
-    if (run_state_is_end(to))
+    if (was_running)
+        status = store__delete_open_snapshots(writer, row->results, row->run.n_snapshots, err);
+    if (status == BF_OK && run_state_is_end(to))
         status = close_row(writer, row, err);
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }

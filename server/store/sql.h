@@ -129,6 +129,8 @@
     X(COUNT_CHUNKS, "SELECT coalesce(max(part) + 1, 0) FROM chunks WHERE results = ?1 "            \
                     "AND kind = ?2 AND item = ?3")                                                 \
     X(DELETE_CHUNKS, "DELETE FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3")          \
+    X(DELETE_OPEN_SNAPSHOTS,                                                                       \
+      "DELETE FROM chunks WHERE results = ?1 AND kind IN (?2, ?3) AND item >= ?4")                 \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \
     X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1")       \

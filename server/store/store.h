@@ -6,7 +6,8 @@
 ///   I2  There is one read-write connection in the whole system; the store's thread owns it, and it
 ///       alone checkpoints the WAL. Readers are read-only and hold no statement between calls.
 ///   I3  Every run is in exactly one state of run_state.h, and changes only along its arrows.
-///   I4  Samples are stored without gap from 0; snapshots, each with its parts, without gap from 0.
+///   I4  Samples are stored without gap from 0; snapshots, each whole and with its parts, without gap from 0. Of a
+///       snapshot that has not come whole there are chunks, and only while its run is running.
 ///       Storing one again (a run resumed before it) changes nothing and makes no second event. The same holds
 ///       for changes of photo eyes and actions, which are events alone.
 ///   I5  A stored checkpoint never lies beyond the stored samples and snapshots.

@@ -213,6 +213,12 @@ BF_MUST_CHECK bf_status store__remove_row(store__connection *writer, const store
 BF_MUST_CHECK bf_status store__expire_keys(store__connection *writer, int64_t before_ms,
                                            bf_error *err);
 
+/// Store what an item has of a snapshot, unless that is stored already; grid and parts are its arrays, compressed. The row
+/// counts a snapshot that is complete. BF_ECORRUPT: a gap, or another size.
+BF_MUST_CHECK bf_status store__append_snapshot(store__connection *writer, store__row *row,
+                                               const store_item *item, const bf_buffer *grid,
+                                               const bf_buffer *parts, bf_error *err);
+
 /// Find a snapshot's row. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
                                              uint64_t index, api_snapshot *ret_snapshot,

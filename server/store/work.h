@@ -26,6 +26,9 @@ BF_MUST_CHECK bf_status store_read_job(store *s, const char *id, store_job *ret_
 /// Free what *job owns and zero it. NULL is fine.
 void store_job_fini(store_job *job);
 
+/// Bytes of an array that are stored alone.
+#define STORE_SLICE_BYTES FRAME_SLICE_BYTES
+
 /// One thing that a running run sent, ready for the store.
 typedef struct store_item {
     api_event_type type;   ///< API_EVENT_PROGRESS, _CURVE, _SNAPSHOT, _FIGURES, _EYE or _ACTION
@@ -35,14 +38,19 @@ typedef struct store_item {
     bf_buffer t;           ///< curve: n doubles
     bf_buffer values;      ///< curve: n rows of doubles
     api_snapshot snapshot; ///< snapshot
-    bf_buffer rho;         ///< snapshot: float32 grid, uncompressed
-    bool is_borrowed;  ///< rho is in the memory of another, which the item's owner does not free
-    bf_buffer parts;   ///< snapshot: rows of doubles, uncompressed; empty if there are none
-    bf_buffer figures; ///< figures: all of them as an object
+    bf_buffer rho;         ///< snapshot: float32 grid from byte rho_at on, uncompressed
+    uint64_t rho_at;       ///< snapshot: bytes of the grid that came in items before
+    bf_buffer parts;       ///< snapshot: rows of doubles from byte parts_at on, uncompressed
+    uint64_t parts_at;     ///< snapshot: bytes of the rows that came in items before
+    bool is_open;          ///< snapshot: more items of it will come; this one has no event
+    bf_buffer figures;     ///< figures: all of them as an object
     char run_figures[API_FIGURES_SIZE]; ///< figures: those of the run alone
 } store_item;
 
-/// A batch of what one running run sent, in order.
+/// A batch of what one running run sent, in order. A snapshot may come in several items, also of several batches: all but
+/// the last are open, and what an open item has of an array ends with it or after whole STORE_SLICE_BYTES. Only the last
+/// one makes the snapshot visible; what a run leaves of one that it did not complete is deleted when the run ends or goes
+/// back to the queue, or when the snapshot comes again from its first byte.
 typedef struct store_batch {
     const char *run_id;     ///< whose
     size_t n;               ///< items
@@ -66,8 +74,8 @@ typedef void store_appended(void *context, bf_status status, const bf_error *err
 /// are stored in the order of these calls; one that follows a batch that failed may be refused for the gap.
 /// Before store_finish() of a run, and before store_close(), all of its batches must have been answered.
 ///
-/// `appended` gets BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), or sizes that do not fit the
-/// run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots that are stored
+/// `appended` gets BF_ECONFLICT: the run is not running; BF_ECORRUPT: a gap (I4), also in an array, or sizes that do not
+/// fit the run's columns, grid and parts; then nothing of the batch is stored. Samples and snapshots that are stored
 /// already are left out, and their events with them; of a curve item that is stored in part the rest is stored,
 /// and its event covers that rest only (I4): the store cuts t, values and event data by events_curve().
 /// Not BF_OK: nothing was begun, and `appended` is not called.

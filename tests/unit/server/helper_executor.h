@@ -25,6 +25,9 @@ typedef struct helper_job {
     size_t n_unread;     ///< bytes that the supervisor has not taken
 } helper_job;
 
+/// Append the bytes of a frame as a solver sends them, its array in slices.
+void helper_encode(const frame *f, bf_buffer *out);
+
 /// Create one; destroy it after the supervisor.
 helper_executor *helper_executor_create(void);
 void helper_executor_destroy(helper_executor *e);

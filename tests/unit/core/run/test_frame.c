@@ -39,6 +39,7 @@ static size_t make_frames(frame frames[FRAME_TYPE_COUNT])
     frames[n++] = (frame){ .type = FRAME_PARTS, .parts = { 4, 0.4, 2, 3, values } };
     frames[n++] =
         (frame){ .type = FRAME_FIGURES, .figures = { .t = 1.5, .n = 3, .values = figure_values } };
+    frames[n++] = (frame){ .type = FRAME_SLICE, .slice = { FRAME_PARTS, 4, 131072, 7, "seven b" } };
     frames[n++] =
         (frame){ .type = FRAME_CHANGE, .change = { 7, 0.5, FRAME_CHANGE_EYE, 3, 1, "pe3" } };
     frames[n] = (frame){ .type = FRAME_ERROR };
@@ -157,50 +158,72 @@ static void a_flipped_bit_is_never_taken_for_a_frame(void **state)
     }
 }
 
-// Arrays whose announced size exceeds the payload must not be believed, even with a right digest.
+// Arrays whose announced size exceeds the payload must not be believed, even with a right digest. Samples of no values
+// would let any number of them pass.
 static void a_frame_that_lies_about_its_arrays_is_refused(void **state)
 {
     (void)state;
-    frame f = { .type = FRAME_SNAPSHOT, .snapshot = { 0, 0.0, 0.0, 0.0, 3, 2, cells } };
-    bf_buffer honest = { 0 }, lying = { 0 };
-    frame decoded;
-    size_t used;
-    assert_int_equal(frame_encode(&f, &honest, NULL), BF_OK);
-    assert_int_equal(frame_decode(honest.bytes, honest.n, &decoded, &used, NULL), BF_OK);
-    // The grid of a checkpoint's bytes is taken apart again as a snapshot of 2^32 - 1 columns.
-    f = (frame){ .type = FRAME_CHECKPOINT, .bytes = { 0, 40, honest.bytes + 24 } };
-    assert_int_equal(frame_encode(&f, &lying, NULL), BF_OK);
-    lying.bytes[4] = FRAME_SNAPSHOT;
-    assert_int_equal(frame_decode(lying.bytes, lying.n, &decoded, &used, NULL), BF_ECORRUPT);
-    buffer_fini(&honest);
-    buffer_fini(&lying);
-}
-
-// Rows of no values would let any number of parts pass; so would a product that overflows.
-static void parts_that_lie_about_their_number_are_refused(void **state)
-{
-    (void)state;
     static const struct {
-        uint64_t n_parts;
-        uint32_t n_values;
+        uint32_t n;
+        uint32_t n_columns;
     } lies[] = {
-        { UINT64_MAX, 0 }, { 5, 1 }, { UINT64_C(1) << 61, 8 }, { 1, UINT32_MAX }, { 1, 0 }
+        { UINT32_MAX, 0 }, { 5, 1 }, { 1, UINT32_MAX }, { UINT32_MAX, UINT32_MAX }, { 1, 2 }
     };
     for (size_t k = 0; k < sizeof lies / sizeof *lies; k++) {
-        uint64_t payload[4 + 4] = { 4, 0, lies[k].n_parts, lies[k].n_values };
+        uint64_t payload[4] = { 4, lies[k].n | (uint64_t)lies[k].n_columns << 32, 0, 0 };
         frame f = { .type = FRAME_CHECKPOINT,
                     .bytes = { payload[0], sizeof payload - sizeof *payload, payload + 1 } };
         bf_buffer lying = { 0 };
         frame decoded;
         size_t used;
         assert_int_equal(frame_encode(&f, &lying, NULL), BF_OK);
-        // The same bytes with their digest, as a frame of parts.
-        lying.bytes[4] = FRAME_PARTS;
+        // The same bytes with their digest, as a frame of samples.
+        lying.bytes[4] = FRAME_CURVE;
         uint64_t digest = digest_add(DIGEST_START, lying.bytes, lying.n - sizeof digest);
         memcpy(lying.bytes + lying.n - sizeof digest, &digest, sizeof digest);
         assert_int_equal(frame_decode(lying.bytes, lying.n, &decoded, &used, NULL), BF_ECORRUPT);
         buffer_fini(&lying);
     }
+}
+
+static void assert_slices(const frame *f, const void *array, uint64_t n, uint64_t n_slices)
+{
+    uint64_t at = 0, n_seen = 0;
+    frame s;
+
+    assert_int_equal(frame_array_bytes(f), n);
+    for (; frame_slice_at(f, at, &s); at += s.slice.n, n_seen++) {
+        assert_int_equal(s.type, FRAME_SLICE);
+        assert_int_equal(s.slice.of, f->type);
+        assert_int_equal(s.slice.index, 4);
+        assert_int_equal(s.slice.at, at);
+        assert_ptr_equal(s.slice.bytes, (const char *)array + at);
+        assert_true(s.slice.n == FRAME_SLICE_BYTES || at + s.slice.n == n);
+    }
+    assert_int_equal(at, n);
+    assert_int_equal(n_seen, n_slices);
+}
+
+// 65,536 cells of 4 bytes are two whole slices; one more begins a third.
+static void slices_cover_an_array_once(void **state)
+{
+    (void)state;
+    static float many[65537];
+    static const double rows[12] = { 0 };
+    frame f = { .type = FRAME_SNAPSHOT, .snapshot = { 4, 0.0, 0.0, 0.0, 256, 256, many } };
+    const frame parts = { .type = FRAME_PARTS, .parts = { 4, 0.0, 2, 6, rows } };
+    const frame none = { .type = FRAME_PARTS, .parts = { 4, 0.0, 0, 6, NULL } };
+    const frame vast = { .type = FRAME_PARTS, .parts = { 4, 0.0, UINT64_MAX / 4, 6, NULL } };
+    const frame other = { .type = FRAME_CURVE, .curve = { 10, 3, 2, times, values } };
+
+    assert_slices(&f, many, 262144, 2);
+    f.snapshot.n1 = 65537;
+    f.snapshot.n2 = 1;
+    assert_slices(&f, many, 262148, 3);
+    assert_slices(&parts, rows, sizeof rows, 1);
+    assert_slices(&none, NULL, 0, 0);
+    assert_slices(&other, NULL, 0, 0);
+    assert_true(frame_array_bytes(&vast) == UINT64_MAX);
 }
 
 static void an_endless_frame_is_refused_before_it_comes(void **state)
@@ -241,7 +264,7 @@ int main(void)
         cmocka_unit_test(a_torn_end_asks_for_more_at_every_cut),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_frame),
         cmocka_unit_test(a_frame_that_lies_about_its_arrays_is_refused),
-        cmocka_unit_test(parts_that_lie_about_their_number_are_refused),
+        cmocka_unit_test(slices_cover_an_array_once),
         cmocka_unit_test(an_endless_frame_is_refused_before_it_comes),
         cmocka_unit_test(out_of_memory_leaves_the_buffer_as_it_was),
     };

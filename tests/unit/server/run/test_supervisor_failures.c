@@ -5,6 +5,7 @@
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_executor.h"
 #include "tests/unit/server/helper_store.h"
 #include "tests/unit/server/helper_supervisor.h"
 
@@ -84,7 +85,7 @@ static size_t encode_to_file(const helper_world *w, const frame *frames, size_t 
     bf_buffer bytes = { 0 };
 
     for (size_t i = 0; i < n; i++)
-        assert_int_equal(frame_encode(&frames[i], &bytes, NULL), BF_OK);
+        helper_encode(&frames[i], &bytes);
     strcpy(ret_path, helper_world_file(w, "frames", bytes.bytes, bytes.n));
     size_t n_bytes = bytes.n;
     buffer_fini(&bytes);

@@ -253,7 +253,8 @@ static void what_is_broken_is_found(void **state)
     } damages[] = {
         { "UPDATE runs SET finished_ms = 0 WHERE state = 2", "I3 " },
         { "DELETE FROM samples WHERE results = 1", "I4 I7 " },
-        { "UPDATE snapshots SET item = 5 WHERE results = 2 AND item = 1", "I4 I4 content " },
+        { "UPDATE snapshots SET item = 5 WHERE results = 2 AND item = 1", "I4 I4 I4 content " },
+        { "INSERT INTO chunks (results, kind, item, part, data) VALUES (1, 0, 7, 0, x'')", "I4 " },
         { "DELETE FROM chunks WHERE results = 1", "I4 content " },
         { "DELETE FROM chunks WHERE kind = 1", "I5 " },
         { "UPDATE sqlite_sequence SET seq = 1", "I6 " },
@@ -288,6 +289,28 @@ static void what_is_broken_is_found(void **state)
             fail_msg("%s: found by %s", damages[i].sql, o.names);
     }
     assert_int_equal(unlink(copy), 0);
+}
+
+// As a crash leaves it that comes between two steps of a removal.
+static void what_is_being_deleted_is_no_fault(void **state)
+{
+    static const char *const steps[] = {
+        "DELETE FROM events WHERE run = 1",
+        "DELETE FROM texts WHERE run = 1",
+        "DELETE FROM runs WHERE number = 1",
+        "UPDATE results SET state = 2 WHERE number = 1",
+        "DELETE FROM chunks WHERE results = 1 AND part < 2",
+    };
+    helper_store *h = *state;
+    char path[128];
+    api_run ended, running;
+
+    fill(h->store, &ended, &running);
+    helper_store_close(h);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
+        helper_store_sql(h, steps[i]);
+    path_in(h, "beltflow.db", path, sizeof path);
+    assert_string_equal(verify(path).names, "");
 }
 
 static void a_damaged_page_is_found(void **state)
@@ -340,6 +363,7 @@ int main(void)
         STORE_TEST(a_file_that_is_there_is_left_alone),
         STORE_TEST(what_cannot_be_copied_leaves_nothing),
         STORE_TEST(what_is_broken_is_found),
+        STORE_TEST(what_is_being_deleted_is_no_fault),
         STORE_TEST(a_damaged_page_is_found),
         STORE_TEST(only_stores_of_this_version_are_checked),
     };

@@ -26,6 +26,7 @@ enum {
     N_STEPS = 4,                          // batches of a run
     STEP_SAMPLES = 3,                     // samples of a batch
     SNAPSHOT_STEP = 1,                    // the batch with the snapshot
+    HALF_BYTES = 2 * STORE_SLICE_BYTES,   // of it, in a batch before
     FIRST_PROMISE_MS = 10000              // until which a child must have come up
 };
 
@@ -58,7 +59,19 @@ static void tell_run(int out, const api_run *record)
     tell(out, &p);
 }
 
-// A batch with samples, once a snapshot, and a checkpoint whose step is the number of samples so
+// The first half of a snapshot, in a batch of its own.
+static void append_half(store *s, const char *id)
+{
+    store_item item;
+
+    helper_snapshot_item(id, 0, &item);
+    item.is_open = true;
+    buffer_truncate(&item.rho, HALF_BYTES);
+    if (helper_append(s, id, &item, NULL) != BF_OK)
+        _exit(1);
+}
+
+// A batch with samples, once the second half of a snapshot, and a checkpoint whose step is the number of samples so
 // far.
 static void append_step(store *s, const char *id, uint64_t first, bool with_snapshot)
 {
@@ -78,8 +91,12 @@ static void append_step(store *s, const char *id, uint64_t first, bool with_snap
     };
 
     helper_curve_item(id, first, STEP_SAMPLES, &items[0]);
-    if (with_snapshot)
+    if (with_snapshot) {
+        append_half(s, id);
         helper_snapshot_item(id, 0, &items[1]);
+        items[1].rho_at = HALF_BYTES;
+        buffer_drop(&items[1].rho, HALF_BYTES);
+    }
     if (helper_store_append(s, &batch, NULL) != BF_OK)
         _exit(1);
     for (size_t i = 0; i < batch.n; i++)
