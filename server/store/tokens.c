@@ -267,7 +267,7 @@ static api_credential judge(entry *e, int64_t now_ms, api_identity *ret_who)
         return API_CREDENTIAL_REVOKED;
     if (about->expires_ms != 0 && about->expires_ms <= now_ms)
         return API_CREDENTIAL_EXPIRED;
-    if (now_ms - about->used_ms >= USE_MS) {
+    if (about->used_ms <= now_ms - USE_MS) {
         about->used_ms = now_ms;
         e->is_unsaved = true;
     }

@@ -1,10 +1,11 @@
-// Rows of the store, as another program or an earlier version could have left them: "TABLE COLUMN ROW TYPE", a line
-// feed, the value. Everything that a daemon reads from such a store is read, or refused.
+// Rows of the store and of access.db, as another program or an earlier version could have left them: "TABLE COLUMN ROW
+// TYPE", a line feed, the value. Everything that a daemon reads from such a file is read, or refused.
 
 #include "tests/fuzz/fuzz.h"
 
 #include "server/store/backup.h"
 #include "server/store/page_sums.h"
+#include "server/store/tokens.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <sqlite3.h>
@@ -13,13 +14,19 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { N1 = 4, N2 = 3, N_PARTS = 2, N_RUNS = 3 };
+enum { N1 = 4, N2 = 3, N_PARTS = 2, N_RUNS = 3, N_TOKENS = 2 };
+
+// A database, and its bytes without fault.
+typedef struct database {
+    char path[100];
+    bf_buffer sound;
+} database;
 
 static helper_store h;
-static char database[100];
-static bf_buffer sound;                   // the bytes of a store without fault
-static char runs[N_RUNS][API_ID_SIZE];    // that ended, is running, waits
-static char measurements[2][API_ID_SIZE]; // a curve, a profile
+static database of_store, of_tokens;
+static char tokens_made[N_TOKENS][TOKENS_TEXT_SIZE]; // one counts, one was revoked
+static char runs[N_RUNS][API_ID_SIZE];               // that ended, is running, waits
+static char measurements[2][API_ID_SIZE];            // a curve, a profile
 
 static void append(bf_buffer *buffer, const void *bytes, size_t n)
 {
@@ -73,21 +80,34 @@ static void add_measurement(api_measured kind, char *ret_id)
     buffer_fini(&csv);
 }
 
-static void read_sound_store(void)
+static void add_tokens(void)
+{
+    for (size_t k = 0; k < N_TOKENS; k++) {
+        tokens_record token = { .name = "press", .owner = "hall-3", .scopes = API_SCOPE_READ };
+        fuzz_require(tokens_add(h.directory, &token, tokens_made[k], NULL) == BF_OK,
+                     "a token is stored");
+        if (k > 0)
+            fuzz_require(tokens_revoke(h.directory, token.id, NULL) == BF_OK, "a token is revoked");
+    }
+}
+
+static void read_sound(database *d, const char *name)
 {
     char chunk[4096];
-    FILE *file = fopen(database, "re");
 
-    fuzz_require(file != NULL, "the store can be read");
+    (void)snprintf(d->path, sizeof d->path, "%s/%s", h.directory, name);
+    FILE *file = fopen(d->path, "re");
+    fuzz_require(file != NULL, "the database can be read");
     for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;)
-        append(&sound, chunk, n);
+        append(&d->sound, chunk, n);
     (void)fclose(file);
 }
 
 static void remove_store(void)
 {
     helper_store_remove_directory(h.directory);
-    buffer_fini(&sound);
+    buffer_fini(&of_store.sound);
+    buffer_fini(&of_tokens.sound);
 }
 
 static void make_sound_store(void)
@@ -96,7 +116,6 @@ static void make_sound_store(void)
     (void)snprintf(h.directory, sizeof h.directory, "%s/beltflow-fuzz-XXXXXX",
                    access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
     fuzz_require(mkdtemp(h.directory) != NULL, "a directory for a store");
-    (void)snprintf(database, sizeof database, "%s/beltflow.db", h.directory);
     helper_store_open(&h);
     for (int k = 0; k < N_RUNS; k++) {
         const api_run record =
@@ -110,22 +129,25 @@ static void make_sound_store(void)
     add_measurement(API_MEASURED_CURVE, measurements[0]);
     add_measurement(API_MEASURED_PROFILE, measurements[1]);
     helper_store_close(&h);
-    read_sound_store();
+    add_tokens();
+    read_sound(&of_store, "beltflow.db");
+    read_sound(&of_tokens, "access.db");
     (void)atexit(remove_store);
 }
 
-static void write_sound_store(void)
+static void write_sound(const database *d)
 {
+    static const char *const logs[] = { "-wal", "-shm", "-journal" };
     char log[120];
-    FILE *file = fopen(database, "we");
+    FILE *file = fopen(d->path, "we");
 
-    fuzz_require(file != NULL && fwrite(sound.bytes, 1, sound.n, file) == sound.n &&
+    fuzz_require(file != NULL && fwrite(d->sound.bytes, 1, d->sound.n, file) == d->sound.n &&
                      fclose(file) == 0,
-                 "the store can be written");
-    (void)snprintf(log, sizeof log, "%s-wal", database);
-    (void)unlink(log);
-    (void)snprintf(log, sizeof log, "%s-shm", database);
-    (void)unlink(log);
+                 "the database can be written");
+    for (size_t k = 0; k < sizeof logs / sizeof *logs; k++) {
+        (void)snprintf(log, sizeof log, "%s%s", d->path, logs[k]);
+        (void)unlink(log);
+    }
 }
 
 static bool is_column(sqlite3 *db, const char *table, const char *column)
@@ -160,8 +182,8 @@ static void bind(sqlite3_stmt *statement, const char *type, const char *value, s
 }
 
 // Give the column of one row the value; where the table does not take it, nothing changes.
-static void change(const char *table, const char *column, int row, const char *type,
-                   const char *value, size_t n)
+static void change(const database *d, const char *table, const char *column, int row,
+                   const char *type, const char *value, size_t n)
 {
     char sql[400];
     sqlite3 *db = NULL;
@@ -169,10 +191,10 @@ static void change(const char *table, const char *column, int row, const char *t
 
     fuzz_require(
         store__register_page_sums(NULL) == BF_OK &&
-            sqlite3_open_v2(database, &db, SQLITE_OPEN_READWRITE, STORE__PAGE_SUMS) == SQLITE_OK &&
+            sqlite3_open_v2(d->path, &db, SQLITE_OPEN_READWRITE, STORE__PAGE_SUMS) == SQLITE_OK &&
             sqlite3_exec(db, "PRAGMA ignore_check_constraints = ON; PRAGMA synchronous = OFF", NULL,
                          NULL, NULL) == SQLITE_OK,
-        "the store can be opened");
+        "the database can be opened");
     if (is_column(db, table, column)) {
         if (strcmp(table, "snapshots") == 0) // its rows have no numbers
             (void)snprintf(sql, sizeof sql, "UPDATE snapshots SET %s = ?1 WHERE item = %d", column,
@@ -306,6 +328,42 @@ static void read_store(void)
     (void)store_close(s);
 }
 
+static void require_identity(api_credential credential, const api_identity *who)
+{
+    fuzz_require((unsigned)credential <= API_CREDENTIAL_VALID, "tokens become something");
+    if (credential == API_CREDENTIAL_VALID)
+        fuzz_require(who->scopes <= API_SCOPE_ANY &&
+                         memchr(who->owner, '\0', sizeof who->owner) != NULL,
+                     "who has a token has an owner and scopes");
+}
+
+static void take_token(void *context, const tokens_record *token)
+{
+    ++*(size_t *)context;
+    fuzz_require(memchr(token->name, '\0', sizeof token->name) != NULL, "tokens have a name");
+}
+
+// As a daemon does, and the command that lists tokens.
+static void read_tokens(void)
+{
+    tokens *t = NULL;
+    size_t n = 0;
+    bf_status status = tokens_list(h.directory, take_token, &n, NULL);
+
+    require_answer(status);
+    fuzz_require(n <= N_TOKENS, "there are no more tokens than rows");
+    status = tokens_open(h.directory, &t, NULL);
+    require_answer(status);
+    if (status != BF_OK)
+        return;
+    for (size_t k = 0; k < N_TOKENS; k++) {
+        api_identity who = { .scopes = 0 };
+        require_identity(tokens_identify(t, tokens_made[k], &who), &who);
+        require_identity(tokens_recall(t, k + 1, &who), &who);
+    }
+    (void)tokens_close(t);
+}
+
 static void ignore(void *context, const char *name, const char *claim, const char *finding)
 {
     (void)context, (void)name, (void)claim, (void)finding;
@@ -318,15 +376,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     int row = 0;
     bool is_sound = false;
 
-    if (sound.n == 0)
+    if (of_store.sound.n == 0)
         make_sound_store();
     if (value != NULL &&
         sscanf(text, "%20[a-z] %20[a-z0-9_] %4d %8[a-z]", table, column, &row, type) == 4) {
+        const bool is_token = strcmp(table, "tokens") == 0;
+        const database *d = is_token ? &of_tokens : &of_store;
         value++;
-        write_sound_store();
-        change(table, column, row, type, value, n - (size_t)(value - text));
-        require_answer(store_verify(database, ignore, NULL, &is_sound, NULL));
-        read_store();
+        write_sound(d);
+        change(d, table, column, row, type, value, n - (size_t)(value - text));
+        if (is_token) {
+            read_tokens();
+        } else {
+            require_answer(store_verify(d->path, ignore, NULL, &is_sound, NULL));
+            read_store();
+        }
     }
     free(text);
     return 0;
