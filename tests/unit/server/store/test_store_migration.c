@@ -1,7 +1,7 @@
 // Stores of older versions: migrated with all their content, and their runs continue. The files
 // are made by the texts that made them then. I1 ... I15 are the invariants of server/store/store.h.
 
-#include "tests/unit/server/helper_store.h"
+#include "tests/unit/server/helper_golden.h"
 
 #include "server/store/backup.h"
 #include "server/store/store_priv.h"
@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-#include <zstd.h>
 
 static const char run_a[] = "01900000-0000-7000-8000-00000000000a"; // has succeeded
 static const char run_b[] = "01900000-0000-7000-8000-00000000000b"; // was running
@@ -221,26 +220,6 @@ static const char cancelled[] = "01a2013d-890a-76ac-8725-5e69880cdc33";
 static const char waits[] = "01a2013d-890d-77fa-b884-49ca28204d92";
 static const char measured[] = "01a2013d-652f-7703-919e-c769fbaae2e1";
 
-// Replace the store's file by the one that a daemon of version 4 wrote (tests/golden).
-static void make_version_4(helper_store *h)
-{
-    static char packed[65536], bytes[1 << 20];
-    char path[128];
-    FILE *file = fopen(SOURCE_DIR "/tests/golden/store-4.db.zst", "rb");
-
-    helper_store_close(h);
-    assert_non_null(file);
-    size_t n = ZSTD_decompress(bytes, sizeof bytes, packed, fread(packed, 1, sizeof packed, file));
-    assert_false(ZSTD_isError(n));
-    assert_int_equal(fclose(file), 0);
-    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
-    file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, n, file), n);
-    assert_int_equal(fclose(file), 0);
-    assert_int_equal(helper_store_sql(h, "PRAGMA user_version"), 4);
-}
-
 static double at(const bf_buffer *doubles, size_t i)
 {
     return ((const double *)(const void *)doubles->bytes)[i];
@@ -329,7 +308,7 @@ static void a_store_of_version_4_is_there_with_all_it_had(void **state)
     char path[128];
     bool is_sound = false;
 
-    make_version_4(h);
+    helper_golden_put(h, 4);
     helper_store_open(h);
     check_soundness(h);
     snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
