@@ -147,12 +147,32 @@ static bool move_to_new(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
         return true;
-    return errno == EINVAL && link(from, to) == 0 && unlink(from) == 0;
+    if (errno != EINVAL || link(from, to) != 0)
+        return false;
+    if (unlink(from) == 0)
+        return true;
+    int error = errno;
+    unlink(to);
+    errno = error;
+    return false;
+}
+
+// A name that may not survive a power loss is taken back.
+static bool move_for_good(const char *from, const char *to)
+{
+    if (!move_to_new(from, to))
+        return false;
+    if (sync_folder_of(to))
+        return true;
+    int error = errno;
+    rename(to, from);
+    errno = error;
+    return false;
 }
 
 bf_status file_io_publish(const char *temporary, const char *path, bf_error *err)
 {
-    if (sync_path(temporary, O_RDONLY) && move_to_new(temporary, path) && sync_folder_of(path))
+    if (sync_path(temporary, O_RDONLY) && move_for_good(temporary, path))
         return BF_OK;
     if (errno == EEXIST)
         return bf_fail(err, BF_EINPUT, "", "%s is there already", path);

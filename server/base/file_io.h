@@ -29,7 +29,8 @@ typedef enum file_io_sync {
 } file_io_sync;
 
 /// Put a file of n bytes under a name in an open directory in one step: a reader finds the old file
-/// or the new one, never a part. BF_ESYSTEM: the old one is still there.
+/// or the new one, never a part. BF_ESYSTEM: the old one is still there, or the new one if only the directory could not
+/// be synced.
 BF_MUST_CHECK bf_status file_io_replace(int directory, const char *name, const void *bytes,
                                         size_t n, file_io_sync sync, bf_error *err);
 

@@ -3,14 +3,13 @@
 
 #include "core/base/memory.h"
 #include "server/run/local_executor.h"
+#include "tests/unit/server/helper_fault.h"
 #include "tests/unit/server/helper_supervisor.h"
 
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>
 #include <spawn.h>
-#include <stdatomic.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/pidfd.h>
@@ -19,63 +18,38 @@
 
 // ------------------------------------------------------------------------ what fails
 
-static atomic_size_t fault_at; // 0: none is planned
-static atomic_size_t n_calls;  // since the plan
-static atomic_int fault_errno; // of the call that fails
-
-static bool is_due(void)
-{
-    const size_t call = atomic_fetch_add(&n_calls, 1) + 1;
-    return fault_at != 0 && call == fault_at;
-}
-
-// What the C library has under this name.
-static void find_next(const char *name, void *ret_function)
-{
-    void *const function = dlsym(RTLD_NEXT, name);
-
-    assert_non_null(function);
-    memcpy(ret_function, &function, sizeof function);
-}
-
 // The functions below take the place of the C library's.
-
-static int fail_call(void)
-{
-    errno = fault_errno;
-    return -1;
-}
 
 int pipe2(int fds[2], int flags)
 {
     int (*next)(int *, int);
 
-    find_next("pipe2", &next);
-    return is_due() ? fail_call() : next(fds, flags);
+    helper_fault_next("pipe2", &next);
+    return helper_fault_is_due() ? -1 : next(fds, flags);
 }
 
 int pidfd_open(pid_t pid, unsigned flags)
 {
     int (*next)(pid_t, unsigned);
 
-    find_next("pidfd_open", &next);
-    return is_due() ? fail_call() : next(pid, flags);
+    helper_fault_next("pidfd_open", &next);
+    return helper_fault_is_due() ? -1 : next(pid, flags);
 }
 
 int epoll_create1(int flags)
 {
     int (*next)(int);
 
-    find_next("epoll_create1", &next);
-    return is_due() ? fail_call() : next(flags);
+    helper_fault_next("epoll_create1", &next);
+    return helper_fault_is_due() ? -1 : next(flags);
 }
 
 int epoll_ctl(int epoll, int what, int fd, struct epoll_event *event)
 {
     int (*next)(int, int, int, struct epoll_event *);
 
-    find_next("epoll_ctl", &next);
-    return is_due() ? fail_call() : next(epoll, what, fd, event);
+    helper_fault_next("epoll_ctl", &next);
+    return helper_fault_is_due() ? -1 : next(epoll, what, fd, event);
 }
 
 int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *actions,
@@ -84,8 +58,8 @@ int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *
     int (*next)(pid_t *, const char *, const posix_spawn_file_actions_t *,
                 const posix_spawnattr_t *, char *const *, char *const *);
 
-    find_next("posix_spawn", &next);
-    return is_due() ? fault_errno : next(pid, path, actions, attributes, argv, environment);
+    helper_fault_next("posix_spawn", &next);
+    return helper_fault_is_due() ? errno : next(pid, path, actions, attributes, argv, environment);
 }
 
 // ------------------------------------------------------------------------ starts
@@ -169,12 +143,10 @@ static size_t start_with(int error)
 
     for (size_t n = 1;; n++) {
         bf_error err = { 0 };
-        fault_errno = error;
-        n_calls = 0;
-        fault_at = n;
+        helper_fault_plan(n, error);
         const bf_status status = solve(&err);
-        const bool has_failed = n_calls >= n;
-        fault_at = 0;
+        const bool has_failed = helper_fault_calls() >= n;
+        helper_fault_plan(0, 0);
         check_start(status, &err, has_failed, n_before);
         if (!has_failed)
             return n - 1;
@@ -214,13 +186,11 @@ static void a_run_is_solved_when_children_can_be_started_again(void **state)
     helper_world *w = *state;
 
     helper_supervise(w);
-    fault_errno = EAGAIN;
-    n_calls = 0;
-    fault_at = 4; // the child, behind the pipes
+    helper_fault_plan(4, EAGAIN); // the child, behind the pipes
     const api_run record = helper_world_submit(w, helper_short_belt);
     (void)helper_await_state(w, record.id, RUN_SUCCEEDED);
-    assert_true(n_calls > fault_at);
-    fault_at = 0;
+    assert_true(helper_fault_calls() > 4);
+    helper_fault_plan(0, 0);
 }
 
 int main(void)
