@@ -6,7 +6,9 @@ import test from "node:test";
 import { Load, openFiles } from "../soak/load.mjs";
 import { daemon } from "./daemon.mjs";
 import { runProgram } from "./processes.mjs";
-import { until } from "./setup.mjs";
+import { isSanitized, until } from "./setup.mjs";
+
+const seconds = isSanitized ? 2 : 4;
 
 async function assertSound(d) {
   const { status, stdout, stderr } = await runProgram("beltflowd", ["--data", d.data, "verify"]);
@@ -17,7 +19,7 @@ test("a mixed load leaves every accepted run ended, and no connection open", asy
   const d = await daemon(t, { workers: 2, retention_runs: 1000 });
   await d.get("/v1/runs");
   const before = openFiles(d.pid, "socket:");
-  const load = new Load(d, { seconds: 4, streams: 60, silent: 30 });
+  const load = new Load(d, { seconds, streams: 60, silent: 30 });
   await load.run();
   await load.settle({ retention_runs: 1000 });
   await until(() => openFiles(d.pid, "socket:") <= before, "connections to be closed");
@@ -27,7 +29,7 @@ test("a mixed load leaves every accepted run ended, and no connection open", asy
 
 test("a daemon that is killed under a mixed load loses and doubles no run", async (t) => {
   const d = await daemon(t, { workers: 2 });
-  const load = new Load(d, { seconds: 4, streams: 10, silent: 10, kill_every_s: 1 });
+  const load = new Load(d, { seconds, streams: 10, silent: 10, kill_every_s: 1 });
   await load.run();
   assert.ok(load.counts.kills > 0);
   await load.settle();

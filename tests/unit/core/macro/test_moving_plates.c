@@ -368,10 +368,10 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
         make_diverter(&s, k);
         model one = start(&s, 1);
         fill(&one, 0.1, 0.7, 0.7);
-        advance(&one, 120);
+        advance(&one, HELPER_AMOUNT(120, 50));
         model three = start(&s, 3);
         fill(&three, 0.1, 0.7, 0.7);
-        advance(&three, 120);
+        advance(&three, HELPER_AMOUNT(120, 50));
         assert_true(macro_digest(three.solver) == macro_digest(one.solver));
         stop(&three);
         stop(&one);

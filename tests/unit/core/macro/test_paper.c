@@ -214,7 +214,7 @@ static void nothing_leaks_through_a_closed_barrier(void **state)
         barrier->band = 0.08;
         barrier->slide_width = 0.03;
         barrier->thickness = 0.005;
-        s.duration = 2.0;
+        s.duration = HELPER_AMOUNT(2.0, 0.8);
         assert_int_equal(run_create(&s, RUN_MACRO, 1, &r, NULL), BF_OK);
         assert_int_equal(run_execute(r, &sink, NULL), BF_OK);
         assert_true(behind == 0.0);

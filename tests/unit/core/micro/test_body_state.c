@@ -5,6 +5,7 @@
 #include "core/base/memory.h"
 #include "tests/unit/core/helper_body.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -53,7 +54,7 @@ static void parts_stay_on_their_side_and_on_the_belt(void **state)
     helper_body h;
     helper_body_jam(&h);
     body_state *s = helper_body_start(&h);
-    helper_body_run(s, 0.3);
+    helper_body_run(s, HELPER_AMOUNT(0.3, 0.1));
     assert_true(body__measure(s).largest_overlap < 1.5e-3);
     assert_near(body__measure(s).overlap_share, body__measure(s).largest_overlap / 0.008, 0.06);
     for (size_t k = 0; k < s->n; k++) {
@@ -144,12 +145,12 @@ static void check_damages(micro_integrator integrator)
     assert_int_equal(save_state(s, &saved, NULL), BF_OK);
     helper_body_run(s, 0.001);
     uint64_t before = helper_body_digest(s);
-    for (size_t at = 0; at < saved.n; at += 97) {
+    for (size_t at = 0; at < saved.n; at += HELPER_AMOUNT(97, 389)) {
         saved.bytes[at] = (char)(saved.bytes[at] ^ 0x10);
         assert_int_equal(load_state(s, saved.bytes, saved.n, &err), BF_ECORRUPT);
         saved.bytes[at] = (char)(saved.bytes[at] ^ 0x10);
     }
-    for (size_t n = 0; n < saved.n; n += 211)
+    for (size_t n = 0; n < saved.n; n += HELPER_AMOUNT(211, 997))
         assert_int_equal(load_state(s, saved.bytes, n, &err), BF_ECORRUPT);
     assert_true(helper_body_digest(s) == before);
     h.def.n_parts = 35;

@@ -346,7 +346,10 @@ static void a_plate_that_comes_upon_parts_pushes_them_to_their_sides(void **stat
 // Of the times that follow, s: as many steps of either integrator.
 static double unit_of(int solver)
 {
-    return helper_micro_solvers[solver].integrator == MICRO_IMPLICIT ? 0.1 : 0.01;
+    const double of_explicit = HELPER_AMOUNT(0.01, 0.004);
+
+    return helper_micro_solvers[solver].integrator == MICRO_IMPLICIT ? 10.0 * of_explicit
+                                                                     : of_explicit;
 }
 
 // Parts that a belt carries against a plate that swings, goes, comes and is turned by commands.

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/run/run_priv.h"
 #include "tests/unit/core/helper_scene.h"
+#include "tests/unit/helper_amount.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -257,7 +258,7 @@ static void threads_and_checkpoints_do_not_change_a_bit(void **state)
         runs[0] = make_run(&s, 1, &dt);
         runs[1] = make_run(&s, 3, &dt);
         runs[2] = make_run(&s, 2, &dt);
-        const size_t n = (size_t)(0.7 / dt);
+        const size_t n = (size_t)(HELPER_AMOUNT(0.7, 0.4) / dt);
         step(runs[0], n);
         assert_int_equal(run__macro.save(runs[0], &saved, NULL), BF_OK);
         assert_int_equal(run__macro.load(runs[2], saved.bytes, saved.n, NULL), BF_OK);

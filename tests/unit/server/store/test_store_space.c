@@ -214,7 +214,7 @@ static int setup(void **state)
     strcpy(h.directory, "/tmp/beltflow-disk-XXXXXX");
     assert_non_null(mkdtemp(h.directory));
     *state = &h;
-    if (!has_namespace || mount("none", h.directory, "tmpfs", 0, "size=120m") != 0) {
+    if (!has_namespace || mount("none", h.directory, "tmpfs", 0, "size=96m") != 0) {
         has_namespace = false;
         return 0;
     }
