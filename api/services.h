@@ -9,6 +9,7 @@
 
 #include "api/access.h"
 #include "api/measurements.h"
+#include "api/quotas.h"
 #include "api/run_state.h"
 #include "api/snapshots.h"
 #include "core/base/buffer.h"
@@ -74,10 +75,11 @@ typedef struct api_submission {
 
 /// What became of a submission. Zero-initialise; free with buffer_fini(&answer).
 typedef struct api_acceptance {
-    char id[API_ID_SIZE]; ///< of the run
-    uint64_t revision;    ///< of the run when it was accepted
-    bool is_replay;       ///< the key was used before: this is the first answer again
-    bf_buffer answer;     ///< the run as JSON when it was accepted
+    char id[API_ID_SIZE];   ///< of the run
+    uint64_t revision;      ///< of the run when it was accepted
+    bool is_replay;         ///< the key was used before: this is the first answer again
+    unsigned retry_after_s; ///< of BF_ELIMIT: when another try can help; 0: not known
+    bf_buffer answer;       ///< the run as JSON when it was accepted
 } api_acceptance;
 
 /// Which runs a list shows; newest first.
@@ -158,10 +160,13 @@ typedef struct api_services {
     api_credential (*read_ticket)(void *context, const char *ticket, uint64_t *ret_token);
     /// Accept a run: durable when this returns, together with its key. *ret_acceptance is the caller's.
     /// Checked in this order: BF_EINPUT: the key was used with another body; BF_ECONFLICT: a submission
-    /// with it is under way; BF_ENOSPACE: the disk is nearly full; BF_ELIMIT: the client's quota
-    /// is used up; BF_EBUSY: the queue is full.
+    /// with it is under way; BF_ENOSPACE: the disk is nearly full, or the owner's quota of bytes is
+    /// used up; BF_ELIMIT: another quota of the client or the owner is; BF_EBUSY: the queue is full.
     bf_status (*submit)(void *context, const api_submission *submission,
                         api_acceptance *ret_acceptance, bf_error *err);
+    /// What an owner uses and may use.
+    bf_status (*read_quotas)(void *context, const char *owner, api_quotas *ret_quotas,
+                             bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
     bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);

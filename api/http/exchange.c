@@ -124,6 +124,11 @@ static void refuse(exchange *x, bf_status code, const bf_error *error)
     problem_write(x->response, status, x->request->path, error, &x->faults);
     if (status == 405 && routes_allow(x->request->path, allow))
         api_response_header(x->response, "Allow", "%s", allow);
+    if (x->retry_after_s > 0) {
+        char seconds[16];
+        (void)snprintf(seconds, sizeof seconds, "%u", x->retry_after_s);
+        api_response_set(x->response, "Retry-After", seconds);
+    }
     access_challenge(x, status);
     if (status == 415)
         api_response_header(x->response, "Accept", "%s", x->accepts);

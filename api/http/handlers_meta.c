@@ -55,6 +55,14 @@ bf_status handlers_meta_ticket(exchange *x, bf_error *err)
     return service_json_ticket(&ticket, &x->response->body, err);
 }
 
+bf_status handlers_meta_quota(exchange *x, bf_error *err)
+{
+    api_quotas quotas;
+
+    bf_status status = x->services->read_quotas(x->services->context, x->who.owner, &quotas, err);
+    return status == BF_OK ? service_json_quotas(&quotas, &x->response->body, err) : status;
+}
+
 bf_status handlers_meta_metrics(exchange *x, bf_error *err)
 {
     return x->services->metrics(x->services->context, &x->response->body, err);

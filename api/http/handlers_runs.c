@@ -107,7 +107,7 @@ static bf_status answer_polled(exchange *x, bf_error *err)
 }
 
 // Nothing that can fail follows the submission, so that no accepted run is answered with a failure. The
-// order of the checks (key, then quota, then queue) is the store's.
+// order of the checks (key, then quotas, then queue) is the store's.
 static bf_status submit(exchange *x, const api_submission *submission, bf_error *err)
 {
     api_acceptance accepted = { 0 };
@@ -115,8 +115,10 @@ static bf_status submit(exchange *x, const api_submission *submission, bf_error 
     bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
     if (status == BF_EINPUT)
         x->refusal = 422; // the key was used with another body
-    if (status == BF_ELIMIT)
+    if (status == BF_ELIMIT) {
         x->refusal = 429;
+        x->retry_after_s = accepted.retry_after_s;
+    }
     if (status == BF_OK)
         answer_accepted(x, &accepted);
     return status;

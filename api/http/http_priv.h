@@ -27,6 +27,7 @@ struct exchange {
     api_credential credential;    ///< what became of its token
     api_scope lacked;             ///< the scope that the token lacks, of a refusal for it
     int refusal;                  ///< HTTP status of a failure; 0: follows from its bf_status
+    unsigned retry_after_s;       ///< of a failure that passes, if it is known when; else 0
     char accepts[64];             ///< media types of bodies, for a 415
 };
 
@@ -162,6 +163,7 @@ route_handler_fn handlers_compare_runs;
 route_handler_fn handlers_meta_examples;
 route_handler_fn handlers_meta_example;
 route_handler_fn handlers_meta_ticket;
+route_handler_fn handlers_meta_quota;
 route_handler_fn handlers_meta_livez;
 route_handler_fn handlers_meta_readyz;
 route_handler_fn handlers_meta_metrics;

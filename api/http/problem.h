@@ -45,7 +45,8 @@
       PROBLEM_OF(BF_ENOMEM) | PROBLEM_OF(BF_EBUSY),                                                \
       "Overloaded or stopping; another try can help later")                                        \
     X(507, "insufficient-storage", "Insufficient Storage", "Retry-After", PROBLEM_OF(BF_ENOSPACE), \
-      "The disk has too little room left; nothing was changed")
+      "The disk has too little room left, or the owner of the access token has used up the quota " \
+      "of bytes; nothing was changed")
 
 /// The flag of a bf_status in the table. Those without a row are 500.
 #define PROBLEM_OF(code) (1U << (code))

@@ -443,6 +443,21 @@ static const route table[] = {
       .refusals = "403",
       .answers = { { 200, "Ticket", "Cache-Control", "The ticket" } } },
     { .method = "GET",
+      .path = "/v1/quota",
+      .handle = handlers_meta_quota,
+      .cost = API_COST_STORE,
+      .scope = API_SCOPE_READ,
+      .formats = "json",
+      .params = NO_PARAMS,
+      .id = "getQuotas",
+      .tag = "Service",
+      .summary = "What the owner of the access token uses and may use",
+      .help = "Where a quota of runs that wait or of CPU time is used up, submissions are a 429; "
+              "where it is that of bytes, a 507. Runs that were accepted wait until CPU time or "
+              "bytes are left, and those of others overtake them. Without tokens there are no "
+              "quotas of owners.",
+      .answers = { { 200, "Quotas", "Cache-Control", "The quotas" } } },
+    { .method = "GET",
       .path = "/livez",
       .handle = handlers_meta_livez,
       .cost = API_COST_HEALTH,

@@ -173,6 +173,8 @@ static const openapi_schema table[] = {
     OBJECT(service_json_ready_members, "Runs are accepted"),
     OBJECT(service_json_version_members, "Version of the service"),
     OBJECT(service_json_ticket_members, "What stands for an access token in a URL"),
+    OBJECT(service_json_quotas_members, "What an owner uses and may use"),
+    OBJECT(service_json_quota_members, "What is used of a quota"),
     { .help = "An OpenAPI document", .table = &document, .others = "" },
     OBJECT(problem_kind_members, "What a kind of problem means"),
     OBJECT(problem_members, "Why a request was refused (RFC 9457)"),

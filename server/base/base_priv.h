@@ -49,6 +49,7 @@ enum {
     X(METRICS__BY_FRAME, "kind", API_EVENT_TYPE_COUNT)                                             \
     X(METRICS__BY_REASON, "reason", METRICS_EXIT_COUNT)                                            \
     X(METRICS__BY_LAYER, "layer", METRICS_LAYER_COUNT)                                             \
+    X(METRICS__BY_QUOTA, "quota", METRICS_QUOTA_COUNT)                                             \
     X(METRICS__BY_LEVEL, "level", LOG_LEVEL_COUNT)                                                 \
     X(METRICS__BY_VERSION, "version", 1)                                                           \
     X(METRICS__BY_COMPILER, "compiler", 1)
@@ -79,6 +80,7 @@ enum {
     X(FRAME, FRAME, NOTHING, NOTHING)                                                              \
     X(REASON, REASON, NOTHING, NOTHING)                                                            \
     X(LAYER, LAYER, NOTHING, NOTHING)                                                              \
+    X(QUOTA, QUOTA, NOTHING, NOTHING)                                                              \
     X(LEVEL, LEVEL, NOTHING, NOTHING)                                                              \
     X(BUILD, VERSION, COMPILER, NOTHING)
 

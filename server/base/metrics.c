@@ -116,6 +116,17 @@ static const char *reason_word(size_t value)
     return words[value];
 }
 
+static const char *quota_word(size_t value)
+{
+    static const char *const words[] = {
+#define X(quota, word) word,
+        METRICS_QUOTA_LIST(X)
+#undef X
+    };
+
+    return words[value];
+}
+
 static const char *layer_word(size_t value)
 {
     static const char *const words[] = {
@@ -150,6 +161,8 @@ const char *metrics__word(metrics__dimension dimension, size_t value)
         return frame_word((api_event_type)value);
     case METRICS__BY_REASON:
         return reason_word(value);
+    case METRICS__BY_QUOTA:
+        return quota_word(value);
     case METRICS__BY_LAYER:
         return layer_word(value);
     case METRICS__BY_LEVEL:

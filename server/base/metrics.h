@@ -30,6 +30,8 @@
     X(QUEUE_LENGTH, GAUGE, "beltflow_queue_length", "", NONE, "Runs that wait")                    \
     X(QUEUE_AGE, GAUGE, "beltflow_queue_oldest_age_seconds", "seconds", NONE,                      \
       "Age of the oldest run that waits; 0 if none does")                                          \
+    X(QUOTA_REFUSALS, COUNTER, "beltflow_quota_refusals_total", "", QUOTA,                         \
+      "Submissions that were refused for a quota of their client or owner")                        \
     X(RUNS, GAUGE, "beltflow_runs", "", STATE, "Stored runs")                                      \
     X(SOLVER_STEPS, COUNTER, "beltflow_solver_steps_total", "", MODEL, "Steps solved")             \
     X(SOLVER_RATE, GAUGE, "beltflow_solver_steps_per_second", "", MODEL,                           \
@@ -83,6 +85,21 @@ typedef enum metrics_reason {
 #undef X
         METRICS_EXIT_COUNT
 } metrics_reason;
+
+/// Quotas, X(symbol, word): settings.
+#define METRICS_QUOTA_LIST(X)                                                                      \
+    X(METRICS_QUOTA_CLIENT, "queue_share")                                                         \
+    X(METRICS_QUOTA_QUEUE, "owner_queue")                                                          \
+    X(METRICS_QUOTA_CPU, "owner_cpu_s")                                                            \
+    X(METRICS_QUOTA_BYTES, "owner_bytes")
+
+/// The quotas.
+typedef enum metrics_quota {
+#define X(quota, word) quota,
+    METRICS_QUOTA_LIST(X)
+#undef X
+        METRICS_QUOTA_COUNT
+} metrics_quota;
 
 /// What solvers are kept from, X(symbol, word); server/run/confinement.h says how.
 #define METRICS_LAYER_LIST(X)                                                                      \

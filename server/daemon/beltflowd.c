@@ -176,12 +176,20 @@ static store_retention retention_of(const config *c)
                               .n_bytes = c->retention_bytes };
 }
 
+static store_quotas quotas_of(const config *c)
+{
+    return (store_quotas){ .n_waiting = c->owner_queue,
+                           .cpu_s = c->owner_cpu_s,
+                           .n_bytes = c->owner_bytes };
+}
+
 static bf_status start_store(parts *p, bf_error *err)
 {
     const config *c = &p->settings;
     const store_options options = { .directory = c->data,
                                     .queue_limit = c->queue_limit,
                                     .client_quota = c->queue_share,
+                                    .quotas = quotas_of(c),
                                     .listener = on_commit,
                                     .listener_context = p,
                                     .still_runs = supervisor_still_runs,
@@ -295,12 +303,14 @@ static void apply(parts *p)
     const supervisor_options supervising = options_of_supervisor(p);
     const http_options serving = options_of_http(&p->settings);
     const store_retention retention = retention_of(&p->settings);
+    const store_quotas quotas = quotas_of(&p->settings);
     char quoted[LOG_QUOTED_SIZE];
     bf_error err = { 0 };
 
     log_set_level(config_log_level(&p->settings));
     store_set_queue_limit(p->service.store, p->settings.queue_limit);
     store_set_client_quota(p->service.store, p->settings.queue_share);
+    store_set_quotas(p->service.store, &quotas);
     store_set_retention(p->service.store, &retention);
     supervisor_reconfigure(p->service.supervisor, &supervising);
     if (http_reconfigure(p->http, &serving, &err) != BF_OK)

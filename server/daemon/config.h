@@ -58,6 +58,11 @@
       "runs of one client that may wait; 0: no limit")                                             \
     X(requests_per_minute, NUMBER, "6000", 0, 1000000, RELOAD, "of one client; 0: no limit")       \
     X(work_per_minute, NUMBER, "600", 0, 1000000, RELOAD, "requests that make work; 0: no limit")  \
+    X(owner_queue, NUMBER, "250", 0, 1000000, RELOAD, "runs of one owner that may wait; 0: all")   \
+    X(owner_cpu_s, NUMBER, "864000", 0, 1e12, RELOAD,                                              \
+      "CPU seconds of one owner's runs in 24 hours; 0: no limit")                                  \
+    X(owner_bytes, NUMBER, "274877906944", 0, 1e15, RELOAD,                                        \
+      "of results that one owner may keep; 0: no limit")                                           \
     X(hosts, TEXT, "", 0, 0, RESTART,                                                              \
       "names that requests may be sent to, beside the address to listen on")                       \
     X(trusted_proxies, TEXT, "", 0, 0, RESTART, "addresses whose X-Forwarded-For is believed")     \

@@ -52,6 +52,12 @@ static bf_status submit(void *context, const api_submission *submission,
     return status;
 }
 
+static bf_status read_quotas(void *context, const char *owner, api_quotas *ret_quotas,
+                             bf_error *err)
+{
+    return store_read_quotas(((service *)context)->store, owner, ret_quotas, err);
+}
+
 static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
 {
     return store_find(((service *)context)->store, id, ret_run, err);
@@ -114,6 +120,8 @@ static bf_status remove_run(void *context, const char *id, uint64_t revision, bf
         revision = API_ANY_REVISION;
     } while (status == BF_ECONFLICT && await_commit(s, &waiter, deadline_ms));
     remove_waiter(s, &waiter);
+    if (status == BF_OK)
+        supervisor_wake(s->supervisor); // the owner has room again for runs that were held back
     if (status != BF_ECONFLICT)
         return status;
     return bf_fail(err, BF_EBUSY, "", "run %s cannot be removed at the moment", id);
@@ -265,6 +273,7 @@ api_services service_table(service *s)
                            .make_ticket = make_ticket,
                            .read_ticket = read_ticket,
                            .submit = submit,
+                           .read_quotas = read_quotas,
                            .find = find,
                            .list = list,
                            .cancel = cancel,

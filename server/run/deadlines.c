@@ -132,5 +132,7 @@ int supervisor__find_timeout(const supervisor *s)
     }
     if (s->claim_at_ms != 0 && s->n_tasks < s->options.n_workers)
         timeout_ms = sooner(s->claim_at_ms, now_ms, timeout_ms);
+    else if (s->held_until_ms != 0 && s->n_tasks < s->options.n_workers)
+        timeout_ms = sooner(s->held_until_ms, now_ms, timeout_ms);
     return timeout_ms;
 }

@@ -104,6 +104,9 @@ typedef struct executor_functions {
     executor_state (*poll)(executor *e, executor_job *job, void *bytes, size_t capacity,
                            size_t *ret_n, executor_end *ret_end);
 
+    /// CPU seconds that the job has used so far; once it has ended, all that it used. Never falls.
+    double (*cpu_s)(executor *e, executor_job *job);
+
     /// The job's name, valid until it is released.
     const char *(*external_id)(const executor_job *job);
 

@@ -159,6 +159,7 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
         .progress = n_steps == 0 ? 0.0 : (double)step / (double)n_steps,
         .eta_s = task->rate > 0.0 ? (double)(n_steps - step) / task->rate : (double)NAN,
         .wall_s = supervisor__wall_s(task),
+        .cpu_s = supervisor__cpu_s(task),
         .grid = &task->begin.grid,
         .parts = parts_of(&task->begin),
         .step = checkpoint == NULL ? 0 : checkpoint->step,

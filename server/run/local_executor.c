@@ -12,6 +12,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -23,6 +24,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -57,6 +59,7 @@ struct executor_job {
     uint64_t cpu_s;      // its limit, for the words about its end
     pid_t pid;           // 0: reaped
     int status;          // of wait4(), when reaped
+    double used_s;       // CPU time so far
     uint64_t peak_bytes; // of memory that it had at once, when reaped
     int pidfd;           // readable when it has ended
     int in;              // its standard input, not blocking; -1 when all is written
@@ -236,6 +239,11 @@ static void close_job(executor_job *job)
     buffer_fini(&job->input);
 }
 
+static double seconds_of(const struct timeval *t)
+{
+    return (double)t->tv_sec + 1e-6 * (double)t->tv_usec;
+}
+
 // True if the child has ended. Nothing of its process group is left then.
 static bool reap(executor_job *job)
 {
@@ -250,6 +258,7 @@ static bool reap(executor_job *job)
     kill(-job->pid, SIGKILL);
     if (wait4(job->pid, &job->status, 0, &used) != job->pid)
         job->status = SIGKILL; // already reaped elsewhere
+    job->used_s = fmax(job->used_s, seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime));
     job->peak_bytes = (uint64_t)used.ru_maxrss * 1024;
     job->pid = 0;
     job->has_output = true;
@@ -543,6 +552,18 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     return EXECUTOR_ENDED;
 }
 
+static double cpu_s(executor *base, executor_job *job)
+{
+    struct timespec used;
+    clockid_t clock;
+
+    (void)base;
+    if (job->pid != 0 && clock_getcpuclockid(job->pid, &clock) == 0 &&
+        clock_gettime(clock, &used) == 0)
+        job->used_s = fmax(job->used_s, (double)used.tv_sec + 1e-9 * (double)used.tv_nsec);
+    return job->used_s;
+}
+
 static const char *external_id(const executor_job *job)
 {
     return job->id;
@@ -575,6 +596,7 @@ bf_status local_executor_create(const char *program, executor **ret_executor, bf
                                                   .stop = stop,
                                                   .update = update,
                                                   .poll = poll_job,
+                                                  .cpu_s = cpu_s,
                                                   .external_id = external_id,
                                                   .release = release };
     local_executor *e = memory_alloc(1, sizeof *e);

@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BACKOFF_MAX_MS = 30000 };
+enum {
+    BACKOFF_MAX_MS = 30000,
+    HELD_MS = 60000, // between looks at runs that wait for the quota of their owner
+};
 
 void supervisor__backoff(supervisor *s)
 {
@@ -64,11 +67,12 @@ bool supervisor__may_work_later(bf_status code)
 
 // Each pending update is of a run that was a task, and no task is made while there are any, so there is
 // room.
-void supervisor__defer(supervisor *s, const char *run_id, run_state state)
+void supervisor__defer(supervisor *s, const char *run_id, run_state state, double cpu_s)
 {
     BF_CHECK(s->n_pending < SUPERVISOR_WORKERS_MAX);
     supervisor__pending_update *update = &s->pending[s->n_pending++];
     update->state = state;
+    update->cpu_s = cpu_s;
     snprintf(update->run_id, sizeof update->run_id, "%s", run_id);
     supervisor__backoff(s);
 }
@@ -78,7 +82,9 @@ static bool retry_pending(supervisor *s)
 {
     while (s->n_pending > 0) {
         const supervisor__pending_update *update = &s->pending[s->n_pending - 1];
-        store_ending ending = { .run_id = update->run_id, .state = update->state };
+        store_ending ending = { .run_id = update->run_id,
+                                .state = update->state,
+                                .cpu_s = update->cpu_s };
         api_run after;
         bf_status status = store_finish(s->store, &ending, &after, NULL);
         if (status != BF_OK && status != BF_ENOTFOUND && status != BF_ECONFLICT) {
@@ -101,6 +107,21 @@ static bool is_claiming(const supervisor *s)
     return false;
 }
 
+// True if something may be queued that was not looked at yet, or again.
+static bool take_may_claim(supervisor *s)
+{
+    const bool is_due = s->held_until_ms != 0 && clock_monotonic_ms() >= s->held_until_ms;
+
+    lock_acquire(&s->lock);
+    bool is_time = (s->may_claim || is_due) && !s->is_stopping;
+    if (is_time)
+        s->may_claim = false;
+    lock_release(&s->lock);
+    if (is_time || is_due)
+        s->held_until_ms = 0;
+    return is_time;
+}
+
 void supervisor__claim(supervisor *s)
 {
     bf_error err = { 0 };
@@ -110,14 +131,7 @@ void supervisor__claim(supervisor *s)
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
         return;
     s->claim_at_ms = 0;
-    if (!retry_pending(s))
-        return;
-    lock_acquire(&s->lock);
-    bool is_time = s->may_claim && !s->is_stopping;
-    if (is_time)
-        s->may_claim = false;
-    lock_release(&s->lock);
-    if (!is_time)
+    if (!retry_pending(s) || !take_may_claim(s))
         return;
     if (s->executor->functions->ready(s->executor, &err) != BF_OK) {
         supervisor__note_trouble(s, &err);
@@ -176,8 +190,10 @@ void supervisor__finish_claim(supervisor__task *task)
         return;
     }
     supervisor__task_destroy(task);
-    if (status == BF_ENOTFOUND) {
-        supervisor__forget_trouble(s); // no run waits
+    if (status == BF_ELIMIT)
+        s->held_until_ms = clock_monotonic_ms() + HELD_MS;
+    if (status == BF_ENOTFOUND || status == BF_ELIMIT) {
+        supervisor__forget_trouble(s); // no run waits that may be solved
         return;
     }
     supervisor__note_trouble(s, &err);
@@ -209,7 +225,7 @@ static void attach_run(supervisor *s, const store_running *running)
     if (task != NULL)
         supervisor__task_destroy(task);
     supervisor__defer(s, running->id,
-                      running->stop_request == STORE_STOP_NONE ? RUN_QUEUED : RUN_CANCELLED);
+                      running->stop_request == STORE_STOP_NONE ? RUN_QUEUED : RUN_CANCELLED, 0.0);
 }
 
 void supervisor__attach(supervisor *s)

@@ -72,6 +72,7 @@ static void begin_end(supervisor__task *task)
 {
     metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
     task->ending = supervisor__classify_exit(task);
+    task->ending.cpu_s = supervisor__cpu_s(task);
     task->phase = SUPERVISOR_ENDING;
     supervisor__begin_write(task, SUPERVISOR_WRITE_END);
 }
@@ -84,7 +85,8 @@ static void finish_end(supervisor *s, supervisor__task *task)
 
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
-                          task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED);
+                          task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED,
+                          task->ending.cpu_s);
     // Trouble of the store or of the executor would make the next run end the same way.
     else if (is_back_unasked && task->ending.error.code != BF_OK)
         supervisor__note_trouble(s, &task->ending.error);

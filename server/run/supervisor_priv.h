@@ -126,6 +126,7 @@ struct supervisor__task {
 typedef struct supervisor__pending_update {
     char run_id[API_ID_SIZE]; ///< still `running` in the store
     run_state state;          ///< what it shall be
+    double cpu_s;             ///< CPU time of all attempts
 } supervisor__pending_update;
 
 /// The supervisor.
@@ -139,11 +140,12 @@ struct supervisor {
     pthread_t thread;           ///< runs the loop
     int wake_fd;                ///< eventfd
     int64_t claim_at_ms;        ///< no claiming before; 0: at once
-    int64_t backoff_ms;         ///< how long the next backoff is
-    int64_t logged_ms;          ///< when trouble was last logged; 0: never
-    size_t n_tasks;             ///< tasks
-    supervisor__task **tasks;   ///< room for SUPERVISOR_WORKERS_MAX
-    size_t n_pending;           ///< pending updates; nothing is claimed while there are any
+    int64_t held_until_ms; ///< when runs beyond their owners' quotas are looked at again; 0: none
+    int64_t backoff_ms;    ///< how long the next backoff is
+    int64_t logged_ms;     ///< when trouble was last logged; 0: never
+    size_t n_tasks;        ///< tasks
+    supervisor__task **tasks; ///< room for SUPERVISOR_WORKERS_MAX
+    size_t n_pending;         ///< pending updates; nothing is claimed while there are any
     supervisor__pending_update *pending; ///< room for SUPERVISOR_WORKERS_MAX
     lock lock;                           ///< guards what follows
     bool may_claim;                      ///< something may be queued
@@ -181,8 +183,7 @@ BF_MUST_CHECK bf_status supervisor__task_start(supervisor__task *task, const cha
 /// Remove from the list, release the job and free; no write may be pending.
 void supervisor__task_destroy(supervisor__task *task);
 
-/// Read about SUPERVISOR_READ_BYTES of what the job has sent and begin to store it in one batch. A failure
-/// fails the task and stops its job by force.
+/// Read about SUPERVISOR_READ_BYTES of what was sent and begin to store it in one batch. A failure fails the task.
 void supervisor__read_frames(supervisor__task *task);
 
 /// Discard the batch that has been stored; end the task if it could not be stored.
@@ -195,8 +196,7 @@ BF_MUST_CHECK bf_status supervisor__count_output(supervisor__task *task, frame_t
 /// The task fails with this error: discard what was sent and stop the job by force.
 void supervisor__fail(supervisor__task *task, const bf_error *err);
 
-/// Signal the requested stop to the task's job, by force after grace_ms; declare a job lost that even then does
-/// not end; fail a run that has used up its times.
+/// Signal the requested stop to the task's job, by force after grace_ms; then declare it lost; fail a run that is overdue.
 void supervisor__enforce(supervisor__task *task, int64_t grace_ms);
 
 /// How long the loop may block, ms: -1 indefinitely, unless a time is set or there is data to read.
@@ -216,8 +216,9 @@ BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_erro
 /// The newest key figures of a run that sent some.
 key_figures supervisor__figures(const supervisor__task *task);
 
-/// Solving time so far, all attempts together, s.
+/// Solving time and CPU time so far, all attempts together, s; the latter on the supervisor's thread.
 double supervisor__wall_s(const supervisor__task *task);
+double supervisor__cpu_s(const supervisor__task *task);
 
 /// Free the items that are not stored yet.
 void supervisor__free_items(supervisor__task *task);
@@ -231,8 +232,8 @@ void supervisor__claim(supervisor *s);
 /// Start the run that was claimed, or take note that there is none.
 void supervisor__finish_claim(supervisor__task *task);
 
-/// Write the state of the run later, and claim nothing before that.
-void supervisor__defer(supervisor *s, const char *run_id, run_state state);
+/// Write the state and CPU time (0: no more than is known) of the run later, and claim nothing before that.
+void supervisor__defer(supervisor *s, const char *run_id, run_state state, double cpu_s);
 
 /// Runs cannot be started: claim nothing for a while, be not ready, and log it once a minute.
 void supervisor__note_trouble(supervisor *s, const bf_error *err);

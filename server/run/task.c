@@ -85,6 +85,13 @@ double supervisor__wall_s(const supervisor__task *task)
            (task->start_s == 0.0 ? 0.0 : clock_monotonic_s() - task->start_s);
 }
 
+double supervisor__cpu_s(const supervisor__task *task)
+{
+    executor *e = task->supervisor->executor;
+
+    return task->claimed.cpu_s + (task->job == NULL ? 0.0 : e->functions->cpu_s(e, task->job));
+}
+
 void supervisor__fail(supervisor__task *task, const bf_error *err)
 {
     executor *e = task->supervisor->executor;
@@ -233,11 +240,15 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
     if (status == BF_OK)
         status = store_finish(s, ending, &after, err);
     if (status != BF_OK && !supervisor__may_work_later(status)) {
-        *ending = (store_ending){ .run_id = ending->run_id, .state = RUN_FAILED, .error = *err };
+        *ending = (store_ending){
+            .run_id = ending->run_id, .state = RUN_FAILED, .error = *err, .cpu_s = ending->cpu_s
+        };
         status = store_finish(s, ending, &after, err);
     }
     if (status != BF_OK) {
-        *ending = (store_ending){ .run_id = ending->run_id, .state = RUN_QUEUED, .error = *err };
+        *ending = (store_ending){
+            .run_id = ending->run_id, .state = RUN_QUEUED, .error = *err, .cpu_s = ending->cpu_s
+        };
         status = store_finish(s, ending, &after, err);
     }
     buffer_fini(&summary);

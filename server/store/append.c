@@ -1,3 +1,4 @@
+#include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
 #include "api/results/events.h"
@@ -19,6 +20,7 @@ typedef struct append_context {
     size_t n_columns;         ///< of them
     bool has_changes;         ///< the next one is known
     uint64_t n_changes;       ///< changes of the run that are stored
+    size_t n_bytes;           ///< of samples that were stored
     store_appended *appended; ///< called at the end
     void *appended_context;
 } append_context;
@@ -123,8 +125,10 @@ static bf_status insert_samples(store__connection *writer, append_context *conte
     store__bind_blob(&q, c->t, c->n * sizeof(double));
     store__bind_blob(&q, c->values, (size_t)c->n * c->n_columns * sizeof(double));
     bf_status status = store__run(&q, err);
-    if (status == BF_OK)
+    if (status == BF_OK) {
         context->row.run.n_samples += c->n;
+        context->n_bytes += (size_t)c->n * (c->n_columns + 1) * sizeof(double);
+    }
     return status;
 }
 
@@ -254,6 +258,17 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     return status;
 }
 
+static bf_status grow_results(store__connection *writer, const append_context *context,
+                              bf_error *err)
+{
+    if (context->n_bytes == 0)
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_GROW_RESULTS);
+    store__bind_integer(&q, context->row.results);
+    store__bind_integer(&q, (int64_t)context->n_bytes);
+    return store__run(&q, err);
+}
+
 // Whether the batch brought the run further than any attempt before.
 static bool has_grown(const store__row *row, const store__row *before)
 {
@@ -303,6 +318,8 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
+        status = grow_results(writer, context, err);
+    if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
     if (status != BF_OK || brings_nothing_visible(batch))
         return status;
@@ -310,7 +327,8 @@ static bf_status apply_append(store__connection *writer, store__operation *opera
     note_progress(batch, row);
     if (has_grown(row, &before))
         row->attempts = 0;
-    return store__save_row(writer, row, err);
+    status = store__charge(writer, row, batch->cpu_s, err);
+    return status == BF_OK ? store__save_row(writer, row, err) : status;
 }
 
 static bf_status prepare_append(store__operation *operation, bf_error *err)

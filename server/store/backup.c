@@ -168,6 +168,11 @@ static const question questions[] = {
       "SELECT count(*) FROM runs WHERE state <> 1 AND (stop_request <> 0 OR external_id <> '')" },
     { "I11", "an answer tells of the run that it names",
       "SELECT count(*) FROM answers WHERE length(digest) <> 32 OR instr(data, id) = 0" },
+    { "I16", "an owner's bytes are those of the runs",
+      "SELECT count(*) FROM owners AS o WHERE n_bytes <> "
+      "(SELECT coalesce(sum(n_bytes), 0) FROM runs WHERE runs.owner = o.owner) + "
+      "(SELECT coalesce(sum(n_bytes), 0) FROM results WHERE number IN "
+      "(SELECT results FROM runs WHERE runs.owner = o.owner))" },
 };
 
 /// A verification on its way.

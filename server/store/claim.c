@@ -4,6 +4,7 @@
 // Claiming has two steps: read the next run with all it needs, then make it running if it still waits. All
 // that can fail or takes long (reading, decompressing a checkpoint) comes before the change.
 
+#include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
 #include "server/base/log.h"
@@ -21,22 +22,12 @@ void store_job_fini(store_job *job)
     *job = (store_job){ 0 };
 }
 
-static bf_status find_next(store__connection *reader, store__row *ret_row, bf_error *err)
-{
-    bool has_row = false;
-
-    bf_status status =
-        store__find_first(reader, STORE__SQL_NEXT_QUEUED, NULL, ret_row, &has_row, err);
-    if (status == BF_OK && !has_row)
-        return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
-    return status;
-}
-
 static bf_status read_texts(store__connection *reader, const store__row *row, store_job *job,
                             bf_error *err)
 {
     job->run = row->run;
     job->wall_s = row->wall_s;
+    job->cpu_s = row->cpu_s;
     bf_status status =
         store__get_text(reader, row->rowid, STORE__TEXT_SCENARIO, &job->scenario, err);
     return status != BF_OK
@@ -44,12 +35,12 @@ static bf_status read_texts(store__connection *reader, const store__row *row, st
                : store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);
 }
 
-static bf_status read_next(store__connection *reader, store_job *job, bf_buffer *compressed,
-                           bf_error *err)
+static bf_status read_next(const store *s, store__connection *reader, store_job *job,
+                           bf_buffer *compressed, bf_error *err)
 {
     store__row row;
 
-    bf_status status = find_next(reader, &row, err);
+    bf_status status = store__find_next(reader, s, &row, err);
     if (status == BF_OK)
         status = read_texts(reader, &row, job, err);
     if (status != BF_OK)
@@ -79,7 +70,7 @@ static bf_status peek_next(store *s, store_job *job, bf_error *err)
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_next(reader, job, &compressed, err);
+    status = read_next(s, reader, job, &compressed, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && compressed.n > 0)
         status = unpack_checkpoint(&compressed, job, err);
@@ -96,6 +87,8 @@ static bf_status apply_claim(store__connection *writer, store__operation *operat
     row.attempts++;
     if (status == BF_OK)
         status = store__transition(writer, &row, RUN_RUNNING, err);
+    if (status == BF_OK)
+        status = store__end_turn(writer, row.run.owner, err);
     if (status != BF_OK)
         return status;
     job->run = row.run;
@@ -257,7 +250,9 @@ static bf_status apply_finish(store__connection *writer, store__operation *opera
         row->attempts--;
     if (context->ending->state == RUN_FAILED)
         row->run.error = context->ending->error;
-    status = put_summary(writer, context->ending, row, err);
+    status = store__charge(writer, row, context->ending->cpu_s, err);
+    if (status == BF_OK)
+        status = put_summary(writer, context->ending, row, err);
     return status == BF_OK ? store__transition(writer, row, context->ending->state, err) : status;
 }
 

@@ -21,8 +21,10 @@ bf_status store__insert_event(store__connection *writer, store__row *row, api_ev
     store__bind_integer(&q, (int64_t)item);
     store__bind_text(&q, data->bytes, data->n);
     bf_status status = store__run(&q, err);
-    if (status == BF_OK)
+    if (status == BF_OK) {
         row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);
+        row->n_bytes += data->n;
+    }
     return status;
 }
 

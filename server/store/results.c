@@ -113,6 +113,20 @@ static bf_status copy_events(store__connection *writer, const store__row *solved
     return store__run(&q, err);
 }
 
+static bf_status count_bytes(store__connection *writer, const bf_buffer *scenario, store__row *row,
+                             bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(writer, STORE__SQL_SUM_EVENTS);
+    store__bind_integer(&q, row->rowid);
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        row->n_bytes = scenario->n + (uint64_t)sqlite3_column_int64(q.statement, 0);
+    store__end(&q);
+    return status;
+}
+
 bf_status store__reuse_results(store__connection *writer, const store__row *solved,
                                const bf_buffer *scenario, const bf_buffer *summary, store__row *row,
                                bf_error *err)
@@ -133,6 +147,8 @@ bf_status store__reuse_results(store__connection *writer, const store__row *solv
         status = copy_texts(writer, solved, scenario, summary, row, err);
     if (status == BF_OK)
         status = copy_events(writer, solved, row, err);
+    if (status == BF_OK)
+        status = count_bytes(writer, scenario, row, err);
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 

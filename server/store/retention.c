@@ -5,6 +5,7 @@
 // Pages that become free stay in the file and are used again, so the file is as long as it ever had to
 // be; the limit of bytes counts pages in use, which every removal lowers, so that it is reached.
 
+#include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
 #include "server/base/clock.h"
@@ -88,7 +89,7 @@ static bf_status end_turn(step *st, bool has_oldest, bf_error *err)
     bf_status status = has_oldest ? BF_OK : warn(st, err);
     if (status == BF_OK)
         status = store__expire_keys(st->writer, clock_unix_ms() - st->idempotency_ms, err);
-    return status;
+    return status == BF_OK ? store__forget_use(st->writer, err) : status;
 }
 
 static bf_status do_step(step *st, bf_error *err)

@@ -200,9 +200,64 @@ static const char schema_9[] =
     "CREATE INDEX runs_by_owner ON runs (owner, id);"
     "ALTER TABLE measurements ADD COLUMN owner TEXT NOT NULL DEFAULT '';";
 
+// What owners use. The bytes of a set of results count once for each owner that has runs with it. Runs know the bytes of
+// their events and scenarios from here on; those of earlier ones stay at 0.
+static const char schema_10[] =
+    "ALTER TABLE runs ADD COLUMN cpu_s REAL NOT NULL DEFAULT 0;"      // of all attempts
+    "ALTER TABLE runs ADD COLUMN n_bytes INTEGER NOT NULL DEFAULT 0;" // that it has alone
+    "ALTER TABLE results ADD COLUMN n_bytes INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE results SET n_bytes ="
+    "  (SELECT coalesce(sum(length(data)), 0) FROM chunks WHERE results = number AND kind <> 1) +"
+    "  (SELECT coalesce(sum(length(t) + length(parts)), 0) FROM samples WHERE results = number);"
+    "DROP INDEX runs_queue;"
+    "CREATE INDEX runs_waiting ON runs (owner, priority DESC, id) WHERE state = 0;"
+    "DROP INDEX runs_by_results;"
+    "CREATE INDEX runs_by_results ON runs (results, owner);"
+
+    "CREATE TABLE owners ("
+    "  owner TEXT PRIMARY KEY,"
+    "  n_bytes INTEGER NOT NULL DEFAULT 0,"
+    "  turn INTEGER NOT NULL DEFAULT 0" // rises: who was served last has the greatest
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX owners_by_turn ON owners (turn);"
+    "CREATE INDEX owners_without_bytes ON owners (owner) WHERE n_bytes = 0;"
+    "INSERT INTO owners (owner, n_bytes)"
+    "  SELECT owner, sum(n_bytes) FROM (SELECT DISTINCT owner, results FROM runs)"
+    "  JOIN results ON number = results GROUP BY owner;"
+    "CREATE TABLE cpu_sums ("
+    "  owner TEXT NOT NULL,"
+    "  hour INTEGER NOT NULL," // Unix time
+    "  cpu_s REAL NOT NULL,"
+    "  PRIMARY KEY (owner, hour)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE INDEX cpu_sums_by_hour ON cpu_sums (hour);"
+
+    "CREATE TRIGGER run_is_added AFTER INSERT ON runs BEGIN"
+    "  INSERT OR IGNORE INTO owners (owner) VALUES (new.owner);"
+    "  UPDATE owners SET n_bytes = n_bytes + new.n_bytes + (SELECT coalesce(sum(n_bytes), 0) FROM "
+    "results"
+    "    WHERE number = new.results AND NOT EXISTS (SELECT 1 FROM runs"
+    "    WHERE results = new.results AND owner = new.owner AND number <> new.number))"
+    "    WHERE owner = new.owner;"
+    "END;"
+    "CREATE TRIGGER run_is_removed AFTER DELETE ON runs BEGIN"
+    "  UPDATE owners SET n_bytes = n_bytes - old.n_bytes - (SELECT coalesce(sum(n_bytes), 0) FROM "
+    "results"
+    "    WHERE number = old.results AND NOT EXISTS (SELECT 1 FROM runs"
+    "    WHERE results = old.results AND owner = old.owner)) WHERE owner = old.owner;"
+    "END;"
+    "CREATE TRIGGER run_has_grown AFTER UPDATE OF n_bytes ON runs"
+    "  WHEN new.n_bytes <> old.n_bytes BEGIN"
+    "  UPDATE owners SET n_bytes = n_bytes + new.n_bytes - old.n_bytes WHERE owner = new.owner;"
+    "END;"
+    "CREATE TRIGGER results_have_grown AFTER UPDATE OF n_bytes ON results BEGIN"
+    "  UPDATE owners SET n_bytes = n_bytes + new.n_bytes - old.n_bytes"
+    "    WHERE owner IN (SELECT owner FROM runs WHERE results = new.number);"
+    "END;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
 const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4, schema_5,
-                                          schema_6, schema_7, schema_8, schema_9 };
+                                          schema_6, schema_7, schema_8, schema_9, schema_10 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

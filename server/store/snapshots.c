@@ -56,6 +56,18 @@ static bf_status check_stored(store__connection *writer, const store__row *row, 
     return status;
 }
 
+// What is not whole is not counted.
+static bf_status count_bytes(store__connection *writer, const store__row *row, uint64_t index,
+                             bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_COUNT_SNAPSHOT);
+    store__bind_integer(&q, row->results);
+    store__bind_integer(&q, (int64_t)index);
+    store__bind_integer(&q, STORE__BLOB_SNAPSHOT);
+    store__bind_integer(&q, STORE__BLOB_PARTS);
+    return store__run(&q, err);
+}
+
 static bf_status complete(store__connection *writer, store__row *row, const store_item *item,
                           bf_error *err)
 {
@@ -70,6 +82,8 @@ static bf_status complete(store__connection *writer, store__row *row, const stor
                               err);
     if (status == BF_OK)
         status = insert_snapshot(writer, row->results, &item->snapshot, err);
+    if (status == BF_OK)
+        status = count_bytes(writer, row, index, err);
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
     if (status == BF_OK)

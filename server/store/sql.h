@@ -46,7 +46,9 @@
     X(INTEGER, stop_request, stop_request)                                                         \
     X(INTEGER, attempts, attempts)                                                                 \
     X(TEXT, external_id, external_id)                                                              \
-    X(TEXT, figures, run.figures)
+    X(TEXT, figures, run.figures)                                                                  \
+    X(REAL, cpu_s, cpu_s)                                                                          \
+    X(INTEGER, n_bytes, n_bytes)
 
 /// All of them but `number`, in the order of the texts below.
 #define STORE__RUN_LIST(X)                                                                         \
@@ -99,9 +101,24 @@
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
                      "ORDER BY id LIMIT 1")                                                        \
-    X(NEXT_QUEUED,                                                                                 \
-      "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_queue WHERE state = 0 "             \
-      "ORDER BY priority DESC, id LIMIT 1")                                                        \
+    X(COUNT_QUEUED_OWNED, "SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "     \
+                          "AND owner = ?1")                                                        \
+    X(NEXT_QUEUED_OWNED,                                                                           \
+      "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
+      "AND owner = ?1 ORDER BY priority DESC, id LIMIT 1")                                         \
+    X(NEXT_QUEUED_BEHIND,                                                                          \
+      "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
+      "AND owner > ?1 ORDER BY owner, priority DESC, id LIMIT 1")                                  \
+    X(END_TURN, "UPDATE owners SET turn = (SELECT max(turn) + 1 FROM owners) WHERE owner = ?1")    \
+    X(GET_OWNER, "SELECT n_bytes, turn FROM owners WHERE owner = ?1")                              \
+    X(CHARGE, "INSERT INTO cpu_sums (owner, hour, cpu_s) VALUES (?1, ?2, ?3) "                     \
+              "ON CONFLICT (owner, hour) DO UPDATE SET cpu_s = cpu_s + excluded.cpu_s")            \
+    X(LIST_CPU_SUMS,                                                                               \
+      "SELECT hour, cpu_s FROM cpu_sums WHERE owner = ?1 AND hour > ?2 AND hour <= ?3")            \
+    X(EXPIRE_CPU_SUMS, "DELETE FROM cpu_sums WHERE hour <= ?1 OR hour > ?2")                       \
+    X(FORGET_OWNERS,                                                                               \
+      "DELETE FROM owners INDEXED BY owners_without_bytes WHERE n_bytes = 0 AND NOT EXISTS "       \
+      "(SELECT 1 FROM runs WHERE runs.owner = owners.owner)")                                      \
     X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = '' AND ?6 = ''"))                                     \
     X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = '' AND ?6 = ''"))                               \
     X(LIST_OWNER,                                                                                  \
@@ -133,6 +150,10 @@
       "DELETE FROM chunks WHERE results = ?1 AND kind IN (?2, ?3) AND item >= ?4")                 \
     X(INSERT_RESULTS, "INSERT INTO results (digest, solver) VALUES (?1, ?2)")                      \
     X(MARK_RESULTS, "UPDATE results SET state = ?2 WHERE number = ?1")                             \
+    X(GROW_RESULTS, "UPDATE results SET n_bytes = n_bytes + ?2 WHERE number = ?1")                 \
+    X(COUNT_SNAPSHOT,                                                                              \
+      "UPDATE results SET n_bytes = n_bytes + (SELECT coalesce(sum(length(data)), 0) FROM chunks " \
+      "WHERE results = ?1 AND kind IN (?3, ?4) AND item = ?2) WHERE number = ?1")                  \
     X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1")       \
     X(FIND_SOLVED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = (SELECT number FROM results "       \
@@ -148,6 +169,8 @@
     X(COPY_EVENTS, "INSERT INTO events (run, type, snapshot, data) SELECT ?1, type, snapshot, "    \
                    "CASE WHEN type IN (5, 6, 7) THEN replace(data, ?4, ?3) ELSE '' END"            \
                    " FROM events WHERE run = ?2 AND type IN (2, 3, 5, 6, 7) ORDER BY id")          \
+    X(SUM_EVENTS,                                                                                  \
+      "SELECT coalesce(sum(length(CAST(data AS BLOB))), 0) FROM events WHERE run = ?1")            \
     X(LIST_CHANGES,                                                                                \
       "SELECT id, type, snapshot, data FROM events WHERE run = ?1 AND type IN (6, 7) ORDER BY id") \
     X(NEXT_EVENT, "SELECT id FROM events WHERE run = ?1 AND id > ?2 ORDER BY id LIMIT 1")          \

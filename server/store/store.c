@@ -17,6 +17,7 @@
 //   I13 measurements.c: one row each, with its samples, and no statement that updates it.
 //   I14 claim.c writes stop requests and external ids; store__transition() heeds and clears them.
 //   I15 page_sums.c, under every connection that connection.c opens.
+//   I16 store__charge() in apply_append() and apply_finish(); the triggers of schema_10.
 
 #include "server/store/store.h"
 
@@ -258,6 +259,7 @@ static store *create(const store_options *options)
         return NULL;
     s->queue_limit = options->queue_limit;
     s->client_quota = options->client_quota;
+    store_set_quotas(s, &options->quotas);
     s->idempotency_ms = options->idempotency_ms == 0 ? KEYS_MS : options->idempotency_ms;
     s->retention = options->retention;
     s->turn.every_ms =

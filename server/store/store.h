@@ -29,6 +29,8 @@
 ///       external ids.
 ///   I15 Bytes of the database file that have changed on the disk are never served: what is read of a page whose
 ///       checksum does not fit is BF_ESYSTEM. (Not in databases that versions before this made.)
+///   I16 What an owner uses of CPU time and bytes is written in the transaction of the batch, the end or the removal
+///       that changes it; nothing that was charged is charged again.
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.
@@ -75,6 +77,15 @@ typedef struct store_running {
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< the executor's id of its job; "": none was set
 } store_running;
 
+/// What an owner may use; 0: no limit. Runs without an owner have no quotas.
+typedef struct store_quotas {
+    uint64_t n_waiting; ///< runs that wait
+    uint64_t cpu_s;     ///< CPU seconds of solvers within API_QUOTA_WINDOW_S, in whole hours
+    uint64_t
+        n_bytes; ///< of results: compressed snapshots, samples, events and scenarios; sets that several runs
+                 ///< of the owner share count once
+} store_quotas;
+
 /// True if the executor still has the job of a run of the daemon before. Must not call the store.
 typedef bool store_still_runs(void *context, const store_running *running);
 
@@ -83,6 +94,7 @@ typedef struct store_options {
     const char *directory;    ///< data directory, created if missing; holds beltflow.db
     size_t queue_limit;       ///< most runs in state queued; beyond it store_submit() is BF_EBUSY
     size_t client_quota;      ///< most of them of one client, beyond it BF_ELIMIT; 0: no quota
+    store_quotas quotas;      ///< of each owner
     store_listener *listener; ///< NULL: none
     void *listener_context;   ///< given to it
     store_still_runs *still_runs; ///< called for each run left running (I8); NULL: none still is
@@ -105,8 +117,8 @@ store *store_close(store *s);
 
 /// Accept a run: a new id, state queued, its first status event; where the results are known and the
 /// submission does not want them fresh, state succeeded with all that it has. In one transaction and in
-/// this order: the answer to its key, room on the disk, known results, the client's quota, the queue's limit; so that a
-/// replay always gets its first answer. See api_services.submit.
+/// this order: the answer to its key, room on the disk and the owner's quota of bytes, known results, the client's quota,
+/// the owner's other quotas, the queue's limit; so that a replay always gets its first answer. See api_services.submit.
 BF_MUST_CHECK bf_status store_submit(store *s, const api_submission *submission,
                                      api_acceptance *ret_acceptance, bf_error *err);
 
@@ -182,9 +194,14 @@ typedef struct store_stats {
 /// thread hangs. Never waits for the disk.
 void store_read_stats(store *s, store_stats *ret_stats);
 
-/// Let more or fewer runs wait, in all and of each client; see store_options.
+/// Let more or fewer runs wait, in all and of each client, or change what owners may use; see store_options.
 void store_set_queue_limit(store *s, size_t limit);
 void store_set_client_quota(store *s, size_t quota);
+void store_set_quotas(store *s, const store_quotas *quotas);
+
+/// What an owner uses ("": runs without an owner) and may use. See api_services.read_quotas.
+BF_MUST_CHECK bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas,
+                                          bf_error *err);
 
 /// Probe the store's thread; true if it has answered all previous probes.
 bool store_is_alive(store *s);

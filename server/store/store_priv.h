@@ -77,12 +77,20 @@ typedef struct store__write_test {
     bf_error error;   ///< of a status that is not BF_OK
 } store__write_test;
 
+/// The members of store_quotas, which may change at any time.
+typedef struct store__quota_settings {
+    _Atomic uint64_t n_waiting; ///< see there
+    _Atomic uint64_t cpu_s;     ///< see there
+    _Atomic uint64_t n_bytes;   ///< see there
+} store__quota_settings;
+
 /// An open store.
 struct store {
     char directory[STORE__PATH_SIZE]; ///< of the data
     char path[STORE__PATH_SIZE];      ///< of the database
     _Atomic size_t queue_limit;       ///< see store_options
     _Atomic size_t client_quota;      ///< see store_options
+    store__quota_settings quotas;     ///< see store_options
     int64_t idempotency_ms;           ///< see store_options
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
@@ -113,6 +121,8 @@ typedef struct store__row {
     int64_t results; ///< key of samples, snapshots and chunks, which other runs may have, too
     char client[API_CLIENT_SIZE]; ///< who submitted it; "": no quota counts it
     char parent[API_ID_SIZE];     ///< the run that it was made for; "": none
+    double cpu_s;                 ///< CPU time of all attempts that was charged, s
+    uint64_t n_bytes;             ///< of its scenario and its events, which no other run has
     uint64_t attempts;       ///< that were begun since the run last went on, and not handed back
     store_stop stop_request; ///< of a running run
     char external_id[STORE_EXTERNAL_ID_SIZE]; ///< of a running run; "": none

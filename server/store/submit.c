@@ -1,17 +1,19 @@
 // Accepting runs. In one transaction: the first answer to the key is looked for; without one, known
-// results; without them, there is a new run to be solved, if the client's quota and then the queue have
-// room; and the answer is stored under the key.
+// results; without them, there is a new run to be solved, if the quotas of client and owner and then the queue
+// have room; and the answer is stored under the key.
 //
 // The first answer to a request with an idempotency key is stored in the transaction of the run that it
 // describes, so that the same request gets it again, whatever happened in between (I11). Its table is called
 // `answers`.
 
+#include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
 #include "api/results/results.h"
 #include "api/results/run_json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 #include "server/base/run_id.h"
 
 #include <math.h>
@@ -171,9 +173,11 @@ static bf_status check_quota(store__connection *writer, const char *client, size
     store__query q = store__begin(writer, STORE__SQL_COUNT_QUEUED_OF);
     store__bind_text(&q, client, strlen(client));
     bf_status status = read_count(&q, &n, err);
-    if (status == BF_OK && n >= quota)
+    if (status == BF_OK && n >= quota) {
+        metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CLIENT, 1);
         return bf_fail(err, BF_ELIMIT, "", "%zu runs of %s wait already, its share of the queue", n,
                        client);
+    }
     return status;
 }
 
@@ -205,6 +209,9 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
     row->run.state = RUN_QUEUED;
     bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
     if (status == BF_OK)
+        status = store__check_owner(writer, context->store, row->run.owner,
+                                    &context->accepted.retry_after_s, err);
+    if (status == BF_OK)
         status = enter_queue(writer, context->store->queue_limit, err);
     if (status == BF_OK)
         status = store__insert_results(writer, is_nameable ? context->digest : NULL, row, err);
@@ -216,6 +223,7 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
     if (status == BF_OK)
         status = store__put_text(writer, row->rowid, STORE__TEXT_COLUMNS, columns->bytes,
                                  columns->n, err);
+    row->n_bytes = scenario->n;
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }
 
@@ -267,7 +275,9 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
     api_acceptance *accepted = &context->accepted;
     bool is_solved = false;
 
-    bf_status status = accept_solved(writer, context, &is_solved, err);
+    bf_status status = store__check_bytes(writer, context->store, record->owner, err);
+    if (status == BF_OK)
+        status = accept_solved(writer, context, &is_solved, err);
     if (status == BF_OK && !is_solved)
         status = accept_new(writer, context, err);
     if (status == BF_OK)
@@ -344,5 +354,7 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
         *ret_acceptance = context.accepted;
     else
         buffer_fini(&context.accepted.answer);
+    if (status == BF_ELIMIT)
+        ret_acceptance->retry_after_s = context.accepted.retry_after_s;
     return status;
 }

@@ -13,10 +13,12 @@ typedef struct store_job {
     bf_buffer checkpoint; ///< n = 0: none
     uint64_t step;        ///< of the checkpoint
     double wall_s;        ///< solving time of earlier attempts
+    double cpu_s;         ///< CPU time of earlier attempts
 } store_job;
 
-/// Take the next queued run (highest priority, then oldest) and make it running. BF_ENOTFOUND:
-/// none is queued; BF_ENOSPACE: the disk has no room for what it would send.
+/// Take the next queued run and make it running: of the runs with the highest priority that of the owner who was served
+/// longest ago, and of his the oldest. Runs of owners beyond their quotas of CPU time or bytes wait. BF_ENOTFOUND: none is
+/// queued; BF_ELIMIT: only such ones; BF_ENOSPACE: the disk has no room for what it would send.
 BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
 
 /// Read a run that is running already, as store_claim() returned it but without its checkpoint: for a
@@ -58,6 +60,7 @@ typedef struct store_batch {
     double progress;        ///< 0 to 1
     double eta_s;           ///< NAN: unknown
     double wall_s;          ///< solving time so far, all attempts
+    double cpu_s;           ///< CPU time so far, all attempts: the increase is charged to the owner
     const bf_grid *grid;    ///< of the snapshots; NULL: as before
     api_parts parts;        ///< of the snapshots, where grid is given
     uint64_t step;          ///< of checkpoint
@@ -90,6 +93,7 @@ typedef struct store_ending {
     bf_error error; ///< of RUN_FAILED; of another state why the store took no other, for the log
     const char *summary; ///< summary.json, n_summary bytes; NULL: none
     size_t n_summary;    ///< bytes
+    double cpu_s;        ///< CPU time of all attempts; less than was charged (0) charges nothing
 } store_ending;
 
 /// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or

@@ -443,11 +443,26 @@ static void make_ticket(void *context, uint64_t token, api_ticket *ret_ticket)
     *ret_ticket = (api_ticket){ .text = "a-ticket", .expires_ms = 1767225600000 };
 }
 
+// Alice's quotas: runs without one, CPU time that is used up, bytes.
+static bf_status do_read_quotas(void *context, const char *owner, api_quotas *ret_quotas,
+                                bf_error *err)
+{
+    (void)context;
+    (void)err;
+    assert_string_equal(owner, "");
+    *ret_quotas = (api_quotas){ .owner = "alice",
+                                .waiting = { .used = 3 },
+                                .cpu_s = { .used = 70, .allowed = 60, .release_ms = 1767225600000 },
+                                .bytes = { .used = 4096, .allowed = 8192 } };
+    return BF_OK;
+}
+
 api_services helper_services(helper_daemon *d)
 {
     return (api_services){ .context = d,
                            .make_ticket = make_ticket,
                            .submit = do_submit,
+                           .read_quotas = do_read_quotas,
                            .find = do_find,
                            .list = do_list,
                            .cancel = do_cancel,

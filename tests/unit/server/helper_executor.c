@@ -22,6 +22,7 @@ struct executor_job {
     executor_end end;
     bf_buffer bytes;
     bool ignores_stops;
+    double cpu_s;
 };
 
 struct helper_executor {
@@ -159,6 +160,16 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     return state;
 }
 
+static double cpu_s(executor *base, executor_job *job)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    lock_acquire(&e->lock);
+    double used_s = job->cpu_s;
+    lock_release(&e->lock);
+    return used_s;
+}
+
 static const char *external_id(const executor_job *job)
 {
     return job->id;
@@ -183,6 +194,7 @@ helper_executor *helper_executor_create(void)
                                                   .stop = stop,
                                                   .update = update,
                                                   .poll = poll_job,
+                                                  .cpu_s = cpu_s,
                                                   .external_id = external_id,
                                                   .release = release };
     helper_executor *e = calloc(1, sizeof *e);
@@ -347,6 +359,13 @@ static void set_state(helper_executor *e, size_t index, executor_state state, ex
         (void)bf_fail(&e->jobs[index].end.error, BF_ESYSTEM, "", "the fake job ended");
     lock_release(&e->lock);
     wake(e);
+}
+
+void helper_executor_use(helper_executor *e, size_t index, double used_s)
+{
+    lock_acquire(&e->lock);
+    e->jobs[index].cpu_s = used_s;
+    lock_release(&e->lock);
 }
 
 void helper_executor_end(helper_executor *e, size_t index, executor_cause cause)

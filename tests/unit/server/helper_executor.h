@@ -64,6 +64,9 @@ void helper_executor_snapshot(helper_executor *e, size_t index, uint64_t number)
 void helper_executor_checkpoint(helper_executor *e, size_t index, uint64_t step);
 void helper_executor_finish(helper_executor *e, size_t index, bool stopped);
 
+/// The job has used so much CPU time so far.
+void helper_executor_use(helper_executor *e, size_t index, double used_s);
+
 /// The job ends with this cause; is lost; cannot be reached for now.
 void helper_executor_end(helper_executor *e, size_t index, executor_cause cause);
 void helper_executor_lose(helper_executor *e, size_t index);

@@ -220,6 +220,11 @@ static void the_service_tells_of_itself(void **state)
     ask_get("/readyz", NULL, NULL, 200);
     ask_get("/version", NULL, NULL, 200);
     assert_true(ask_body_has("\"name\":\"beltflow\",\"version\":\""));
+    ask_get("/v1/quota", NULL, NULL, 200);
+    assert_true(ask_body_has("{\"owner\":\"alice\",\"waiting_runs\":{\"used\":3},"
+                             "\"cpu_s\":{\"used\":70,\"allowed\":60,"
+                             "\"available_at\":\"2026-01-01T00:00:00.000Z\"},"
+                             "\"result_bytes\":{\"used\":4096,\"allowed\":8192}}"));
     ask_daemon.refusal = BF_EBUSY;
     ask_get("/livez", NULL, NULL, 200);
     ask_get("/readyz", NULL, NULL, 503);

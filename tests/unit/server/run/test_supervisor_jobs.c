@@ -137,6 +137,38 @@ static void a_lost_job_is_started_again_and_gives_the_same_data(void **state)
     assert_data(f->world, record.id, 10, 2);
 }
 
+static uint64_t charged_s(const helper_world *w)
+{
+    api_quotas quotas;
+
+    assert_int_equal(store_read_quotas(w->store, "", &quotas, NULL), BF_OK);
+    return quotas.cpu_s.used;
+}
+
+// I16: with a batch, with the loss of a job, and with the end.
+static void the_cpu_time_of_all_attempts_is_charged(void **state)
+{
+    fixture *f = *state;
+    helper_executor *e = f->executor;
+
+    api_run record = start_run(f);
+    helper_executor_use(e, 0, 2.0);
+    helper_executor_begin(e, 0);
+    helper_executor_samples(e, 0, 0, 5, 0.0);
+    helper_await_samples(f->world, record.id, 5);
+    assert_int_equal(charged_s(f->world), 2);
+    helper_executor_use(e, 0, 4.0);
+    helper_executor_lose(e, 0);
+    helper_executor_await(e, 2);
+    assert_int_equal(charged_s(f->world), 4);
+    helper_executor_use(e, 1, 3.0);
+    helper_executor_begin(e, 1);
+    helper_executor_samples(e, 1, 0, 10, 0.0);
+    helper_executor_finish(e, 1, false);
+    helper_await_state(f->world, record.id, RUN_SUCCEEDED);
+    assert_int_equal(charged_s(f->world), 7);
+}
+
 static void frames_that_come_twice_are_stored_once(void **state)
 {
     fixture *f = *state;
@@ -599,6 +631,7 @@ int main(void)
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_lost_job_is_started_again_and_gives_the_same_data),
+        TEST(the_cpu_time_of_all_attempts_is_charged),
         TEST(frames_that_come_twice_are_stored_once),
         TEST(a_gap_fails_the_run),
         TEST(late_frames_of_a_job_before_are_ignored),

@@ -262,11 +262,12 @@ static void what_is_broken_is_found(void **state)
         { "DELETE FROM events WHERE type = 4", "I7 I7 " },
         { "INSERT INTO results (number) VALUES (9)", "I9 " },
         { "UPDATE results SET state = 2 WHERE number = 1", "I9 " },
-        { "UPDATE runs SET results = 9 WHERE state = 1", "references I4 I4 I5 I7 I9 I10 " },
+        { "UPDATE runs SET results = 9 WHERE state = 1", "references I4 I4 I5 I7 I9 I10 I16 " },
         { "UPDATE results SET state = 1", "I10 " },
         { "INSERT INTO answers (route, key, digest, id, revision, at_ms, data) "
           "VALUES ('', '', x'00', 'a', 1, 1, 'b')",
           "I11 " },
+        { "UPDATE owners SET n_bytes = n_bytes + 1", "I16 " },
         { "UPDATE chunks SET data = zeroblob(length(data)) WHERE results = 1", "content " },
         { "DELETE FROM runs WHERE state = 1", "references I9 " },
     };

@@ -84,6 +84,7 @@ static void append_step(store *s, const char *id, uint64_t first, bool with_snap
         .items = items,
         .progress = 0.5,
         .eta_s = NAN,
+        .cpu_s = (double)checkpoint,
         .grid = &grid,
         .step = checkpoint,
         .checkpoint = &checkpoint,
@@ -250,6 +251,21 @@ static void check_queue(helper_store *h)
     }
 }
 
+// I16: what was charged is what runs have used, and the bytes are those that are stored. All are whole numbers.
+static void check_use(const helper_store *h)
+{
+    assert_int_equal(helper_store_sql(h, "SELECT (SELECT total(cpu_s) FROM cpu_sums) = "
+                                         "(SELECT total(cpu_s) FROM runs)"),
+                     1);
+    assert_int_equal(helper_store_sql(h,
+                                      "SELECT (SELECT total(n_bytes) FROM owners) = "
+                                      "(SELECT total(length(data)) FROM chunks WHERE kind <> 1) + "
+                                      "(SELECT total(length(t) + length(parts)) FROM samples) + "
+                                      "(SELECT total(length(data)) FROM events) + "
+                                      "(SELECT total(length(data)) FROM texts WHERE kind = 0)"),
+                     1);
+}
+
 // Everything that was acknowledged in the life before, and what it may have taken up, is there, and the file is sound.
 static void check_store(helper_store *h, bool with_queue, const promise *all, size_t n_before,
                         size_t n)
@@ -264,6 +280,7 @@ static void check_store(helper_store *h, bool with_queue, const promise *all, si
     assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM pragma_integrity_check "
                                          "WHERE integrity_check <> 'ok'"),
                      0);
+    check_use(h);
 }
 
 // n_changes_max > 0: each life ends by a loss of power after at most so many changes of files, else by a signal.

@@ -1,0 +1,308 @@
+// What owners use of the service, and which of them is next.
+//
+// CPU time is kept in sums by hour, of which the last QUOTA_HOURS count: charging is one row, and each owner has no more
+// rows than hours. Bytes are one number an owner; triggers of the schema change it together with the rows that it sums
+// up, so no way to store or remove a run can leave it out.
+
+#include "server/store/quotas.h"
+
+#include "server/base/clock.h"
+#include "server/base/metrics.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <sqlite3.h>
+#include <string.h>
+
+enum { QUOTA_HOURS = API_QUOTA_WINDOW_S / 3600, HOUR_MS = 3600000 };
+
+store_quotas store__quotas(const store *s)
+{
+    return (store_quotas){ .n_waiting = s->quotas.n_waiting,
+                           .cpu_s = s->quotas.cpu_s,
+                           .n_bytes = s->quotas.n_bytes };
+}
+
+void store_set_quotas(store *s, const store_quotas *quotas)
+{
+    s->quotas.n_waiting = quotas->n_waiting;
+    s->quotas.cpu_s = quotas->cpu_s;
+    s->quotas.n_bytes = quotas->n_bytes;
+}
+
+bf_status store__charge(store__connection *writer, store__row *row, double cpu_s, bf_error *err)
+{
+    const double more_s = cpu_s - row->cpu_s;
+
+    if (!isfinite(more_s) || more_s <= 0.0)
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_CHARGE);
+    store__bind_text(&q, row->run.owner, strlen(row->run.owner));
+    store__bind_integer(&q, clock_unix_ms() / HOUR_MS);
+    store__bind_real(&q, more_s);
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK)
+        row->cpu_s = cpu_s;
+    return status;
+}
+
+// A column of what a statement finds for an owner; 0 without a row.
+static bf_status read_for(store__connection *c, store__sql sql, int column, const char *owner,
+                          uint64_t *ret_value, bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, sql);
+    store__bind_text(&q, owner, strlen(owner));
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK)
+        *ret_value = has_row ? (uint64_t)sqlite3_column_int64(q.statement, column) : 0;
+    store__end(&q);
+    return status;
+}
+
+// The hours that count at the moment are behind `since`, up to `until`. Later ones are of a clock that was set back.
+static void find_hours(int64_t now_ms, int64_t *ret_since, int64_t *ret_until)
+{
+    *ret_until = now_ms / HOUR_MS;
+    *ret_since = *ret_until - QUOTA_HOURS;
+}
+
+// When the oldest sums leave the window until less than the quota is left, Unix time, ms.
+static int64_t find_release(const double *sums, int64_t since, double used_s, uint64_t allowed_s)
+{
+    int64_t n = 0;
+
+    while (n < QUOTA_HOURS && used_s >= (double)allowed_s)
+        used_s -= sums[n++];
+    return (since + n + QUOTA_HOURS) * HOUR_MS;
+}
+
+static bf_status read_cpu(store__connection *c, const char *owner, int64_t now_ms,
+                          api_quota *ret_quota, bf_error *err)
+{
+    double sums[QUOTA_HOURS] = { 0.0 }, used_s = 0.0;
+    int64_t since, until;
+    bool has_row = true;
+
+    find_hours(now_ms, &since, &until);
+    store__query q = store__begin(c, STORE__SQL_LIST_CPU_SUMS);
+    store__bind_text(&q, owner, strlen(owner));
+    store__bind_integer(&q, since);
+    store__bind_integer(&q, until);
+    bf_status status = store__next(&q, &has_row, err);
+    while (status == BF_OK && has_row) {
+        double sum_s = sqlite3_column_double(q.statement, 1);
+        sums[sqlite3_column_int64(q.statement, 0) - since - 1] = sum_s;
+        used_s += sum_s;
+        status = store__next(&q, &has_row, err);
+    }
+    store__end(&q);
+    if (status != BF_OK)
+        return status;
+    ret_quota->used = (uint64_t)used_s;
+    if (ret_quota->allowed > 0 && used_s >= (double)ret_quota->allowed)
+        ret_quota->release_ms = find_release(sums, since, used_s, ret_quota->allowed);
+    return BF_OK;
+}
+
+static bf_status read_quotas(store__connection *c, const store_quotas *allowed, const char *owner,
+                             api_quotas *ret_quotas, bf_error *err)
+{
+    api_quotas q = { .waiting = { .allowed = allowed->n_waiting },
+                     .cpu_s = { .allowed = allowed->cpu_s },
+                     .bytes = { .allowed = allowed->n_bytes } };
+
+    memcpy(q.owner, owner, strlen(owner) + 1);
+    bf_status status = read_for(c, STORE__SQL_COUNT_QUEUED_OWNED, 0, owner, &q.waiting.used, err);
+    if (status == BF_OK)
+        status = read_for(c, STORE__SQL_GET_OWNER, 0, owner, &q.bytes.used, err);
+    if (status == BF_OK)
+        status = read_cpu(c, owner, clock_unix_ms(), &q.cpu_s, err);
+    if (status == BF_OK)
+        *ret_quotas = q;
+    return status;
+}
+
+bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas, bf_error *err)
+{
+    // Nobody has no quotas.
+    const store_quotas allowed = owner[0] == '\0' ? (store_quotas){ 0 } : store__quotas(s);
+    store__connection *reader = NULL;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_quotas(reader, &allowed, owner, ret_quotas, err);
+    store__release_reader(&s->pool, reader);
+    return status;
+}
+
+static bool is_used_up(const api_quota *quota)
+{
+    return quota->allowed > 0 && quota->used >= quota->allowed;
+}
+
+bf_status store__check_bytes(store__connection *writer, const store *s, const char *owner,
+                             bf_error *err)
+{
+    api_quota bytes = { .allowed = s->quotas.n_bytes };
+
+    if (owner[0] == '\0' || bytes.allowed == 0)
+        return BF_OK;
+    bf_status status = read_for(writer, STORE__SQL_GET_OWNER, 0, owner, &bytes.used, err);
+    if (status != BF_OK || !is_used_up(&bytes))
+        return status;
+    metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_BYTES, 1);
+    return bf_fail(err, BF_ENOSPACE, "",
+                   "%s has %" PRIu64 " bytes of results, of %" PRIu64
+                   " allowed (owner_bytes): remove runs to make room",
+                   owner, bytes.used, bytes.allowed);
+}
+
+static bf_status check_waiting(store__connection *writer, uint64_t allowed, const char *owner,
+                               bf_error *err)
+{
+    api_quota waiting = { .allowed = allowed };
+
+    if (allowed == 0)
+        return BF_OK;
+    bf_status status =
+        read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, 0, owner, &waiting.used, err);
+    if (status != BF_OK || !is_used_up(&waiting))
+        return status;
+    metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_QUEUE, 1);
+    return bf_fail(err, BF_ELIMIT, "",
+                   "%" PRIu64 " runs of %s wait, of %" PRIu64 " allowed (owner_queue)",
+                   waiting.used, owner, allowed);
+}
+
+static bf_status check_cpu(store__connection *writer, uint64_t allowed, const char *owner,
+                           unsigned *ret_retry_s, bf_error *err)
+{
+    const int64_t now_ms = clock_unix_ms();
+    api_quota cpu = { .allowed = allowed };
+
+    if (allowed == 0)
+        return BF_OK;
+    bf_status status = read_cpu(writer, owner, now_ms, &cpu, err);
+    if (status != BF_OK || !is_used_up(&cpu))
+        return status;
+    *ret_retry_s = (unsigned)((cpu.release_ms - now_ms + 999) / 1000);
+    metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_CPU, 1);
+    return bf_fail(err, BF_ELIMIT, "",
+                   "runs of %s have used %" PRIu64 " CPU seconds in %d hours, of %" PRIu64
+                   " allowed (owner_cpu_s)",
+                   owner, cpu.used, QUOTA_HOURS, allowed);
+}
+
+bf_status store__check_owner(store__connection *writer, const store *s, const char *owner,
+                             unsigned *ret_retry_s, bf_error *err)
+{
+    const store_quotas allowed = store__quotas(s);
+
+    if (owner[0] == '\0')
+        return BF_OK;
+    bf_status status = check_waiting(writer, allowed.n_waiting, owner, err);
+    return status == BF_OK ? check_cpu(writer, allowed.cpu_s, owner, ret_retry_s, err) : status;
+}
+
+/// A run that waits, the next one of its owner.
+typedef struct candidate {
+    store__row row;
+    int64_t turn; ///< when its owner was served last
+} candidate;
+
+static bool comes_before(const candidate *a, const candidate *b)
+{
+    if (a->row.run.priority != b->row.run.priority)
+        return a->row.run.priority > b->row.run.priority;
+    if (a->turn != b->turn)
+        return a->turn < b->turn;
+    return strcmp(a->row.run.id, b->row.run.id) < 0;
+}
+
+static bf_status is_held(store__connection *reader, const store_quotas *allowed, const char *owner,
+                         bool *ret_is_held, bf_error *err)
+{
+    api_quota cpu = { .allowed = allowed->cpu_s }, bytes = { .allowed = allowed->n_bytes };
+    bf_status status = BF_OK;
+
+    *ret_is_held = false;
+    if (owner[0] == '\0' || (cpu.allowed == 0 && bytes.allowed == 0))
+        return BF_OK;
+    status = read_for(reader, STORE__SQL_GET_OWNER, 0, owner, &bytes.used, err);
+    if (status == BF_OK)
+        status = read_cpu(reader, owner, clock_unix_ms(), &cpu, err);
+    *ret_is_held = is_used_up(&cpu) || is_used_up(&bytes);
+    return status;
+}
+
+// Take what waits into account. Quotas are read only of what would be next.
+static bf_status consider(store__connection *reader, const store_quotas *allowed, candidate *c,
+                          candidate *best, bool *has_best, bf_error *err)
+{
+    uint64_t turn = 0;
+    bool is_over = false;
+
+    bf_status status = read_for(reader, STORE__SQL_GET_OWNER, 1, c->row.run.owner, &turn, err);
+    c->turn = (int64_t)turn;
+    if (status != BF_OK || (*has_best && !comes_before(c, best)))
+        return status;
+    status = is_held(reader, allowed, c->row.run.owner, &is_over, err);
+    if (status != BF_OK || is_over)
+        return status;
+    *best = *c;
+    *has_best = true;
+    return BF_OK;
+}
+
+bf_status store__find_next(store__connection *reader, const store *s, store__row *ret_row,
+                           bf_error *err)
+{
+    const store_quotas allowed = store__quotas(s);
+    candidate c = { .turn = 0 }, best;
+    bool has_row = false, has_best = false, has_any = false;
+
+    // No name comes before nobody's.
+    bf_status status =
+        store__find_first(reader, STORE__SQL_NEXT_QUEUED_OWNED, "", &c.row, &has_row, err);
+    if (status == BF_OK && !has_row)
+        status =
+            store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, "", &c.row, &has_row, err);
+    while (status == BF_OK && has_row) {
+        has_any = true;
+        status = consider(reader, &allowed, &c, &best, &has_best, err);
+        if (status == BF_OK)
+            status = store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, c.row.run.owner,
+                                       &c.row, &has_row, err);
+    }
+    if (status != BF_OK)
+        return status;
+    if (has_best)
+        *ret_row = best.row;
+    else if (has_any)
+        return bf_fail(err, BF_ELIMIT, "", "all runs that wait are beyond their owners' quotas");
+    else
+        return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
+    return BF_OK;
+}
+
+bf_status store__end_turn(store__connection *writer, const char *owner, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_END_TURN);
+    store__bind_text(&q, owner, strlen(owner));
+    return store__run(&q, err);
+}
+
+bf_status store__forget_use(store__connection *writer, bf_error *err)
+{
+    int64_t since, until;
+
+    find_hours(clock_unix_ms(), &since, &until);
+    store__query q = store__begin(writer, STORE__SQL_EXPIRE_CPU_SUMS);
+    store__bind_integer(&q, since);
+    store__bind_integer(&q, until);
+    bf_status status = store__run(&q, err);
+    return status == BF_OK ? store__run_plain(writer, STORE__SQL_FORGET_OWNERS, err) : status;
+}
