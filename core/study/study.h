@@ -1,0 +1,132 @@
+/// Studies: which trials a study makes, by rounds. Each round is a list of trials that may be run at the same time and in
+/// any order; the next round depends on what all trials before it said and on nothing else. So a study that is cut and
+/// resumed makes the same trials, with the same numbers.
+///
+///     study_create()
+///     while study_advance() adds trials:  run those that have not been told, study_tell() each
+///     study_best()
+///
+/// A point is a place in the unit cube and a model; it has one trial for each replication, at substreams 0, 1, ...,
+/// which are common to all points.
+///
+///     STUDY_GRID, STUDY_LIST, STUDY_LHS, STUDY_SOBOL    all points in one round
+///     STUDY_DIRECT    the first half of the trials by DIRECT, then subplex from the best point
+///     STUDY_CMAES     each generation is a round
+///     STUDY_SCREEN    a sweep by the macroscopic model, then replications of its best points by the microscopic one
+///                     until one is selected (selection.h)
+///
+/// Threads  a study belongs to one thread at a time.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/study/statistics.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    STUDY_PARAMETERS = 20,     ///< most parameters
+    STUDY_VALUES = 32,         ///< most values of a trial
+    STUDY_TRIALS_MAX = 100000, ///< most trials
+    STUDY_SEARCH_MAX = 4000,   ///< most points of STUDY_DIRECT, whose time grows with their square
+};
+
+/// How points are chosen.
+typedef enum study_method {
+    STUDY_GRID,
+    STUDY_LIST,
+    STUDY_LHS,
+    STUDY_SOBOL,
+    STUDY_DIRECT,
+    STUDY_CMAES,
+    STUDY_SCREEN,
+    STUDY_METHODS
+} study_method;
+
+/// The model of a trial.
+typedef enum study_model {
+    STUDY_AS_SUBMITTED, ///< that of the study's base
+    STUDY_MACRO,
+    STUDY_MICRO
+} study_model;
+
+/// What a study is.
+typedef struct study_definition {
+    study_method method; ///< see above
+    size_t d;            ///< parameters
+    size_t n_values;     ///< of each trial; the first one is the objective
+    bool is_maximized;   ///< the largest objective is best; else the least
+    uint64_t seed;       ///< of what is drawn
+    size_t n_trials_max; ///< trials, at most
+    size_t
+        n_replications; ///< trials of each point; STUDY_SCREEN: of each confirmed one at first, >= 2
+    study_method sweep;             ///< STUDY_SCREEN: its sweep
+    size_t steps[STUDY_PARAMETERS]; ///< STUDY_GRID: values of each parameter
+    size_t n_points;                ///< STUDY_LIST, STUDY_LHS, STUDY_SOBOL: points
+    double tolerance;    ///< STUDY_DIRECT, STUDY_CMAES: length in the cube below which they end
+    size_t n_confirmed;  ///< STUDY_SCREEN: points for the microscopic model
+    double confidence;   ///< STUDY_SCREEN: see selection.h
+    double indifference; ///< STUDY_SCREEN: same, in units of the objective
+} study_definition;
+
+/// A trial.
+typedef struct study_trial {
+    size_t point;       ///< its number
+    uint32_t substream; ///< of the replication, from 0
+    bool is_told;       ///< it has ended
+} study_trial;
+
+/// A point.
+typedef struct study_point {
+    const double *at;   ///< d coordinates in the unit cube; borrowed until the next study_advance()
+    study_model model;  ///< that solves it
+    size_t first_trial; ///< the number of its first trial; the others may have any
+    size_t n_trials;    ///< its trials
+    size_t
+        confirmed;   ///< STUDY_SCREEN: the point of the sweep that this one confirms; else SIZE_MAX
+    bool is_dropped; ///< STUDY_SCREEN: the selection has dropped it
+} study_point;
+
+/// A study; opaque, on the heap.
+typedef struct study study;
+
+/// Begin a study. The caller owns *ret_study: study_destroy(). BF_ELIMIT: its sweep has more trials than it may have, or
+/// more than STUDY_TRIALS_MAX. BF_ENOMEM.
+BF_MUST_CHECK bf_status study_create(const study_definition *definition, study **ret_study,
+                                     bf_error *err);
+
+/// Free a study. NULL is fine. Always returns NULL.
+study *study_destroy(study *s);
+
+/// Add the trials of the next round; all before it must have been told. No trial is added when the study has ended.
+/// BF_ENOMEM: the study is as it was.
+BF_MUST_CHECK bf_status study_advance(study *s, bf_error *err);
+
+/// Tell the n_values values of a trial; NAN: the run could not say, or failed. A trial is told once.
+void study_tell(study *s, size_t trial, const double *values);
+
+/// Trials and points so far.
+size_t study_trials(const study *s);
+size_t study_points(const study *s);
+
+/// A trial, and a point, by its number.
+study_trial study_trial_at(const study *s, size_t trial);
+study_point study_point_at(const study *s, size_t point);
+
+/// The values of a trial; borrowed until the next study_advance(). NAN before it is told.
+const double *study_values(const study *s, size_t trial);
+
+/// The replications of a point, as far as they have that value.
+statistics_sample study_sample(const study *s, size_t point, size_t value);
+
+/// The best point: of STUDY_SCREEN the one selected as soon as there are replications, else that with the best mean
+/// of the objective of those whose trials all have one. SIZE_MAX: there is none.
+size_t study_best(const study *s);
+
+/// True once study_advance() found that there is nothing more to try.
+bool study_is_ended(const study *s);
+
+/// STUDY_SCREEN: true if the selection ended by itself, with its confidence, and not for want of trials.
+bool study_is_decided(const study *s);
