@@ -180,9 +180,10 @@ typedef struct api_services {
     /// Append a stored text to *out. BF_ECONFLICT: the run has none yet.
     bf_status (*read_text)(void *context, const char *id, api_text which, bf_buffer *out,
                            bf_error *err);
-    /// Samples from index first on. *ret_curve is the caller's: api_curve_fini().
-    bf_status (*read_curve)(void *context, const char *id, uint64_t first, api_curve *ret_curve,
-                            bf_error *err);
+    /// Samples from index first on, n_most at most; with 0 the columns alone. *ret_curve is the caller's:
+    /// api_curve_fini().
+    bf_status (*read_curve)(void *context, const char *id, uint64_t first, uint64_t n_most,
+                            api_curve *ret_curve, bf_error *err);
     bf_status (*list_snapshots)(void *context, const char *id, api_snapshot_list *ret_list,
                                 bf_error *err);
     /// Append a snapshot's float32 grid, n2 rows of n1, to *out. BF_ENOTFOUND: no such snapshot.

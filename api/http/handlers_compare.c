@@ -1,6 +1,6 @@
-// Runs and measurements against a reference among them: their curves and densities by core/compare.
+// Runs and measurements against a reference among them: their curves by core/compare.
 //
-// Memory  two curves, then two snapshots, are held at a time, however many are compared.
+// Memory  one column of two curves is held at a time, then two snapshots, however many are compared.
 
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
@@ -11,12 +11,6 @@
 
 #include <stdio.h>
 #include <string.h>
-
-// Work of one request: beyond it every second, third, ... common snapshot is compared, and the last.
-enum {
-    CELLS_MAX = 20000000, // of all pairs
-    SNAPSHOTS_MAX = 200   // of one pair
-};
 
 // A run or a measurement.
 typedef struct entry {
@@ -39,17 +33,18 @@ typedef struct comparison {
     char column[COLUMN_NAME_SIZE]; // that is compared
 } comparison;
 
+enum { PIECE_SAMPLES = 4096 }; // of a run's curve that are read at once
+
 // A column of a curve, owned.
 typedef struct column {
     bf_buffer t;
-    double *parts;
-    size_t n;
+    bf_buffer parts;
 } column;
 
 static void fini_column(column *c)
 {
     buffer_fini(&c->t);
-    memory_free(c->parts);
+    buffer_fini(&c->parts);
 }
 
 static bf_status read_pair(exchange *x, comparison *c, bf_error *err)
@@ -130,7 +125,7 @@ static bf_status find_entry(exchange *x, entry *e, bf_error *err)
     if (status != BF_OK || !e->is_run)
         return status;
     // From behind the last sample on: the columns alone.
-    status = services->read_curve(services->context, e->id, e->run.n_samples, &curve, err);
+    status = services->read_curve(services->context, e->id, e->run.n_samples, 0, &curve, err);
     if (status != BF_OK)
         return status;
     e->columns = curve.columns;
@@ -197,46 +192,70 @@ static bf_status choose_column(exchange *x, comparison *c, bf_error *err)
                             columns_of(&c->entries[c->reference]));
 }
 
-static bf_status take_column(const comparison *c, const entry *e, api_curve *curve,
-                             column *ret_column, bf_error *err)
+// Appends one column of a curve, or of a piece of it.
+static bf_status take_column(const comparison *c, const entry *e, const api_curve *curve,
+                             column *to, bf_error *err)
 {
     const double *values = (const double *)(const void *)curve->values.bytes;
+    const size_t n_bytes = curve->n * sizeof(double);
     size_t index = 0;
 
-    double *parts = memory_alloc(curve->n, sizeof *parts);
-    if (parts == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    if (!find_column(e, c->column, &index) || index >= curve->n_columns) {
-        memory_free(parts);
+    if (!find_column(e, c->column, &index) || index >= curve->n_columns)
         return bf_fail(err, BF_ECORRUPT, "", "the curve of '%s' has changed its columns", e->id);
-    }
+    char *parts = buffer_reserve(&to->parts, n_bytes);
+    if (parts == NULL || buffer_append(&to->t, curve->t.bytes, n_bytes) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     for (size_t i = 0; i < curve->n; i++)
-        parts[i] = values[i * curve->n_columns + index];
-    *ret_column = (column){ .t = curve->t, .parts = parts, .n = curve->n };
-    curve->t = (bf_buffer){ 0 };
+        memcpy(parts + i * sizeof(double), &values[i * curve->n_columns + index], sizeof(double));
+    to->parts.n += n_bytes;
     return BF_OK;
 }
 
-static bf_status read_column(exchange *x, const comparison *c, const entry *e, column *ret_column,
-                             bf_error *err)
+// All columns of a long curve would take much more memory than the one.
+static bf_status read_column_of_run(exchange *x, const comparison *c, const entry *e, column *to,
+                                    bf_error *err)
+{
+    const api_services *services = x->services;
+    bf_status status = BF_OK;
+
+    for (uint64_t at = 0; status == BF_OK && at < e->run.n_samples; at += PIECE_SAMPLES) {
+        const uint64_t n_left = e->run.n_samples - at;
+        api_curve curve = { 0 };
+        status = services->read_curve(services->context, e->id, at,
+                                      n_left < PIECE_SAMPLES ? n_left : PIECE_SAMPLES, &curve, err);
+        if (status == BF_OK)
+            status = take_column(c, e, &curve, to, err);
+        api_curve_fini(&curve);
+    }
+    return status;
+}
+
+static bf_status read_column_of_measurement(exchange *x, const comparison *c, const entry *e,
+                                            column *to, bf_error *err)
 {
     const api_services *services = x->services;
     api_curve curve = { 0 };
 
-    bf_status status = e->is_run
-                           ? services->read_curve(services->context, e->id, 0, &curve, err)
-                           : services->read_measurement(services->context, e->id, &curve, err);
+    bf_status status = services->read_measurement(services->context, e->id, &curve, err);
     if (status == BF_OK)
-        status = take_column(c, e, &curve, ret_column, err);
+        status = take_column(c, e, &curve, to, err);
     api_curve_fini(&curve);
     return status;
 }
 
+// The caller's also on failure.
+static bf_status read_column(exchange *x, const comparison *c, const entry *e, column *ret_column,
+                             bf_error *err)
+{
+    return e->is_run ? read_column_of_run(x, c, e, ret_column, err)
+                     : read_column_of_measurement(x, c, e, ret_column, err);
+}
+
 static compare_curve view_of(const column *c)
 {
-    return (compare_curve){ .n = c->n,
+    return (compare_curve){ .n = c->t.n / sizeof(double),
                             .t = (const double *)(const void *)c->t.bytes,
-                            .parts = c->parts };
+                            .parts = (const double *)(const void *)c->parts.bytes };
 }
 
 // Curves that are each valid may still not be comparable.
@@ -251,12 +270,14 @@ static bf_status refuse_curves(exchange *x, const entry *e, bf_status status, co
 static bf_status measure_entry(exchange *x, const comparison *c, const compare_curve *reference,
                                entry *e, bf_error *err)
 {
-    column col = { .n = 0 };
+    column col = { .t = { 0 } };
     bf_error why = { 0 };
 
     bf_status status = read_column(x, c, e, &col, err);
-    if (status != BF_OK)
+    if (status != BF_OK) {
+        fini_column(&col);
         return status;
+    }
     compare_curve curve = view_of(&col);
     status = compare_figures_of(&curve, &e->figures, &why);
     if (status == BF_OK)
@@ -268,12 +289,14 @@ static bf_status measure_entry(exchange *x, const comparison *c, const compare_c
 static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
 {
     entry *reference = &c->entries[c->reference];
-    column col = { .n = 0 };
+    column col = { .t = { 0 } };
     bf_error why = { 0 };
 
     bf_status status = read_column(x, c, reference, &col, err);
-    if (status != BF_OK)
+    if (status != BF_OK) {
+        fini_column(&col);
         return status;
+    }
     compare_curve curve = view_of(&col);
     status = compare_figures_of(&curve, &reference->figures, &why);
     if (status != BF_OK)
@@ -283,139 +306,6 @@ static bf_status measure_curves(exchange *x, comparison *c, bf_error *err)
             status = measure_entry(x, c, &curve, &c->entries[i], err);
     }
     fini_column(&col);
-    return status;
-}
-
-// One of the two runs.
-typedef struct side {
-    const char *id;
-    api_snapshot_list list; // items owned
-} side;
-
-static const api_snapshot *snapshot_at(const side *s, size_t i)
-{
-    return (const api_snapshot *)(const void *)s->list.items.bytes + i;
-}
-
-static compare_times times_of(const side *s)
-{
-    const api_snapshot *first = snapshot_at(s, 0);
-
-    return (compare_times){ s->list.n, first == NULL ? NULL : &first->t, sizeof *first };
-}
-
-static bf_status read_grid(exchange *x, const side *s, size_t i, bf_buffer *out, bf_error *err)
-{
-    api_snapshot snapshot;
-    bf_grid grid;
-
-    bf_status status = x->services->read_snapshot(
-        x->services->context, s->id, snapshot_at(s, i)->index, &snapshot, &grid, out, err);
-    if (status == BF_OK && out->n != grid_cells(&s->list.grid) * sizeof(float))
-        return bf_fail(err, BF_ECORRUPT, "", "a snapshot does not have the size of its grid");
-    return status;
-}
-
-static bf_status measure_distance(exchange *x, const side *a, size_t i, const side *b, size_t k,
-                                  compare_distance *ret_distance, bf_error *err)
-{
-    bf_buffer of_a = { 0 }, of_b = { 0 };
-
-    bf_status status = read_grid(x, a, i, &of_a, err);
-    if (status == BF_OK)
-        status = read_grid(x, b, k, &of_b, err);
-    if (status == BF_OK)
-        status = compare_densities(&a->list.grid, (const float *)(const void *)of_a.bytes,
-                                   (const float *)(const void *)of_b.bytes, ret_distance, err);
-    buffer_fini(&of_a);
-    buffer_fini(&of_b);
-    return status;
-}
-
-static void write_distance(json_out *w, const api_snapshot *a, const api_snapshot *b,
-                           const compare_distance *d)
-{
-    const compare_json_snapshots view = { .t = a->t,
-                                          .a = a->index,
-                                          .b = b->index,
-                                          .mass_a = a->mass,
-                                          .mass_b = b->mass,
-                                          .distance = *d };
-    members_write(w, &compare_json_density_distance, &view);
-}
-
-static size_t choose_stride(size_t n_common, size_t n_cells, size_t n_cells_max)
-{
-    size_t most = n_cells_max / n_cells;
-
-    most = most < 1 ? 1 : most > SNAPSHOTS_MAX ? SNAPSHOTS_MAX : most;
-    return n_common <= most ? 1 : (n_common + most - 1) / most;
-}
-
-static bf_status write_distances(exchange *x, json_out *w, const side *a, const side *b,
-                                 size_t n_common, size_t stride, compare_mean *mean, bf_error *err)
-{
-    const compare_times of_a = times_of(a), of_b = times_of(b);
-    size_t at = 0;
-
-    for (size_t i = 0, k = 0; compare_next_common(&of_a, &of_b, &i, &k); i++, k++, at++) {
-        compare_distance distance;
-        if (at % stride != 0 && at + 1 != n_common)
-            continue;
-        bf_status status = measure_distance(x, a, i, b, k, &distance, err);
-        if (status != BF_OK)
-            return status;
-        compare_mean_add(mean, &distance);
-        write_distance(w, snapshot_at(a, i), snapshot_at(b, k), &distance);
-    }
-    return BF_OK;
-}
-
-static bf_status write_sides(exchange *x, json_out *w, const side *a, const side *b,
-                             size_t n_cells_max, bf_error *err)
-{
-    bool is_same =
-        a->list.n > 0 && b->list.n > 0 && compare_is_same_grid(&a->list.grid, &b->list.grid);
-    const compare_times of_a = times_of(a), of_b = times_of(b);
-    size_t n_common = compare_count_common(&of_a, &of_b);
-    compare_mean sum = { .n_l1 = 0 };
-    bf_status status = BF_OK;
-
-    json_out_object(w);
-    json_out_key_bool(w, "same_grid", is_same);
-    json_out_key_integer(w, "n_common", (int64_t)n_common);
-    json_out_key(w, "snapshots");
-    json_out_array(w);
-    if (is_same) {
-        size_t stride = choose_stride(n_common, grid_cells(&a->list.grid), n_cells_max);
-        status = write_distances(x, w, a, b, n_common, stride, &sum, err);
-    }
-    json_out_array_end(w);
-    compare_distance mean = compare_mean_of(&sum);
-    json_out_key(w, "mean");
-    members_write(w, &compare_json_distance, &mean);
-    json_out_object_end(w);
-    return status;
-}
-
-// Writes how far the densities of two entries are apart, as a value: null unless both are runs. At most
-// about n_cells_max cells are compared, but one snapshot in any case.
-static bf_status write_density(exchange *x, json_out *w, const entry *a, const entry *b,
-                               size_t n_cells_max, bf_error *err)
-{
-    side of_a = { .id = a->id }, of_b = { .id = b->id };
-
-    if (!a->is_run || !b->is_run) {
-        json_out_null(w);
-        return BF_OK;
-    }
-    bf_status status = x->services->list_snapshots(x->services->context, of_a.id, &of_a.list, err);
-    if (status == BF_OK)
-        status = x->services->list_snapshots(x->services->context, of_b.id, &of_b.list, err);
-    if (status == BF_OK)
-        status = write_sides(x, w, &of_a, &of_b, n_cells_max, err);
-    buffer_fini(&of_a.list.items);
-    buffer_fini(&of_b.list.items);
     return status;
 }
 
@@ -443,7 +333,9 @@ static bf_status write_measures(exchange *x, json_out *w, const comparison *c, c
     json_out_key(w, "curve");
     members_write(w, &compare_json_measures, &e->measures);
     json_out_key(w, "density");
-    return write_density(x, w, &c->entries[c->reference], e, CELLS_MAX / n_pairs, err);
+    const entry *reference = &c->entries[c->reference];
+    return handlers__write_density(x, w, reference->is_run ? reference->id : NULL,
+                                   e->is_run ? e->id : NULL, n_pairs, err);
 }
 
 static bf_status write_pair(exchange *x, json_out *w, const comparison *c, bf_error *err)

@@ -12,6 +12,9 @@
 
 enum { EXCHANGE_ETAG_SIZE = 112 }; ///< bytes of an entity tag with its terminator
 
+struct array_file;
+struct json_out;
+
 /// One request on its way to its response. Lives on the stack of api_handle().
 struct exchange {
     const api_services *services; ///< what the daemon offers
@@ -39,6 +42,22 @@ bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf
 
 /// Take room for an answer of some n bytes before it is made. BF_EBUSY: too much is taken by others.
 BF_MUST_CHECK bf_status exchange__reserve(const exchange *x, double n, bf_error *err);
+
+enum {
+    EXCHANGE_WHOLE_MAX = 4000000,  ///< numbers of an answer that is made as a whole
+    EXCHANGE_PIECE_BYTES = 131072, ///< arrays up to so many bytes are sent faster as a whole
+};
+
+/// Take room for an answer of n numbers that is made as a whole: as text, or as an array with a content coding. BF_EINPUT
+/// as a 406: they are too many; other names the formats to ask for instead of text. BF_EBUSY as above.
+BF_MUST_CHECK bf_status exchange__reserve_whole(exchange *x, uint64_t n, size_t item_size,
+                                                const char *other, bf_error *err);
+
+/// True if the client takes an answer without a content coding, as one that is sent piece by piece is.
+bool exchange__accepts_plain(const exchange *x);
+
+/// Send the file, which is taken over: piece by piece, if it is not small.
+BF_MUST_CHECK bf_status exchange__send_array(exchange *x, struct array_file *file, bf_error *err);
 
 /// A request header's value, or NULL.
 const char *exchange__header(const exchange *x, const char *name);
@@ -155,6 +174,11 @@ route_handler_fn handlers_measurements_add;
 route_handler_fn handlers_measurements_list;
 route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
+
+/// Write how far the densities of two runs are apart, as a value: null where an id is NULL. n_pairs of them share what
+/// a request may compare.
+BF_MUST_CHECK bf_status handlers__write_density(exchange *x, struct json_out *w, const char *a,
+                                                const char *b, size_t n_pairs, bf_error *err);
 
 /// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;

@@ -1,6 +1,7 @@
 #include "api/results/picture.h"
 
 #include "core/base/check.h"
+#include "core/base/memory.h"
 
 #include <math.h>
 #include <string.h>
@@ -69,23 +70,6 @@ bf_status picture_layout(const bf_grid *grid, size_t width, double top, picture 
     return BF_OK;
 }
 
-// Mean over the rows of cells below a row of pixels.
-static void add_rows(const picture *p, const float *rho, const span *rows, double *line)
-{
-    size_t n1 = p->grid.n1;
-    double sum = 0.0;
-
-    memset(line, 0, n1 * sizeof *line);
-    for (size_t j = rows->from; j < rows->to; j++) {
-        double weight = overlap_of(rows, j);
-        sum += weight;
-        for (size_t i = 0; i < n1; i++)
-            line[i] += weight * (double)rho[j * n1 + i];
-    }
-    for (size_t i = 0; i < n1; i++)
-        line[i] /= sum;
-}
-
 static uint8_t level_of(double density, double top)
 {
     double level = density / top * 255.0 + 0.5;
@@ -93,19 +77,76 @@ static uint8_t level_of(double density, double top)
     return level >= 255.0 ? 255 : level > 0.0 ? (uint8_t)level : 0;
 }
 
-void picture_row(const picture *p, const float *rho, size_t row, double *line, uint8_t *ret_levels)
-{
-    BF_CHECK(row < p->height);
-    span rows = find_span(p->height - 1 - row, p->height, p->grid.n2);
+// A picture on its way, from the lowest row up.
+typedef struct drawing {
+    const picture *p;
+    picture_cells_fn *read;
+    void *context;
+    const float *cells; // row n_read - 1
+    size_t n_read;
+    double *line; // n1 means over rows of cells
+} drawing;
 
-    add_rows(p, rho, &rows, line);
+static bf_status go_to(drawing *d, size_t j, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    while (status == BF_OK && d->n_read <= j)
+        status = d->read(d->context, d->n_read++, &d->cells, err);
+    return status;
+}
+
+// Mean over the rows of cells below a row of pixels.
+static bf_status add_rows(drawing *d, const span *rows, bf_error *err)
+{
+    size_t n1 = d->p->grid.n1;
+    double sum = 0.0;
+
+    memset(d->line, 0, n1 * sizeof *d->line);
+    for (size_t j = rows->from; j < rows->to; j++) {
+        double weight = overlap_of(rows, j);
+        bf_status status = go_to(d, j, err);
+        if (status != BF_OK)
+            return status;
+        sum += weight;
+        for (size_t i = 0; i < n1; i++)
+            d->line[i] += weight * (double)d->cells[i];
+    }
+    for (size_t i = 0; i < n1; i++)
+        d->line[i] /= sum;
+    return BF_OK;
+}
+
+static void draw_row(const drawing *d, uint8_t *ret_levels)
+{
+    const picture *p = d->p;
+
     for (size_t k = 0; k < p->width; k++) {
         span cells = find_span(k, p->width, p->grid.n1);
         double sum = 0.0, mean = 0.0;
         for (size_t i = cells.from; i < cells.to; i++) {
             sum += overlap_of(&cells, i);
-            mean += overlap_of(&cells, i) * line[i];
+            mean += overlap_of(&cells, i) * d->line[i];
         }
         ret_levels[k] = level_of(mean / sum, p->top);
     }
+}
+
+bf_status picture_draw(const picture *p, picture_cells_fn *cells, void *context,
+                       uint8_t *ret_levels, bf_error *err)
+{
+    drawing d = { .p = p, .read = cells, .context = context };
+    bf_status status = BF_OK;
+
+    d.line = memory_alloc(p->grid.n1, sizeof *d.line);
+    if (d.line == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    for (size_t k = 0; status == BF_OK && k < p->height; k++) {
+        const span rows = find_span(k, p->height, p->grid.n2);
+        status = add_rows(&d, &rows, err);
+        if (status == BF_OK)
+            draw_row(&d, ret_levels + (p->height - 1 - k) * p->width);
+    }
+    memory_free(d.line);
+    return status;
 }

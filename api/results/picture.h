@@ -37,6 +37,10 @@ typedef struct picture {
 BF_MUST_CHECK bf_status picture_layout(const bf_grid *grid, size_t width, double top,
                                        picture *ret_picture, bf_error *err);
 
-/// The levels (0 to 255) of a row of pixels, 0 the topmost, into ret_levels (width of them). line is
-/// room for n1 doubles. A density below 0 or none at all counts as 0, one beyond top as top.
-void picture_row(const picture *p, const float *rho, size_t row, double *line, uint8_t *ret_levels);
+/// Give row j of the cells, n1 densities, that stay until the next call. A failure is passed on.
+typedef bf_status picture_cells_fn(void *context, size_t j, const float **ret_cells, bf_error *err);
+
+/// The levels (0 to 255) of all pixels, row by row from the topmost, into ret_levels (width times height of them). cells
+/// is asked for each row once, in rising order. A density below 0 or none at all counts as 0, one beyond top as top.
+BF_MUST_CHECK bf_status picture_draw(const picture *p, picture_cells_fn *cells, void *context,
+                                     uint8_t *ret_levels, bf_error *err);

@@ -17,11 +17,9 @@ enum { PALETTE_BITS = 8, DESCRIPTION_SIZE = 160 };
 typedef struct drawing {
     const picture *picture;
     const colormap *map;
-    const float *rho;
+    const uint8_t *levels; // of all pixels
     double t;
     bf_buffer *out;
-    double *line;    // of cells
-    uint8_t *levels; // of pixels
     png_struct *png;
     png_info *info;
 } drawing;
@@ -94,10 +92,8 @@ static void write_all(const drawing *d)
     write_palette(d);
     write_description(d);
     png_write_info(d->png, d->info);
-    for (size_t row = 0; row < p->height; row++) {
-        picture_row(p, d->rho, row, d->line, d->levels);
-        png_write_row(d->png, d->levels);
-    }
+    for (size_t row = 0; row < p->height; row++)
+        png_write_row(d->png, d->levels + row * p->width);
     png_write_end(d->png, d->info);
 }
 
@@ -116,17 +112,13 @@ static bool draw(drawing *d)
     return true;
 }
 
-bf_status results_snapshot_png(const picture *p, const colormap *map, const float *rho, double t,
-                               bf_buffer *out, bf_error *err)
+bf_status results_snapshot_png(const picture *p, const colormap *map, const uint8_t *levels,
+                               double t, bf_buffer *out, bf_error *err)
 {
     size_t n_before = out->n;
-    drawing d = { .picture = p, .map = map, .rho = rho, .t = t, .out = out };
+    drawing d = { .picture = p, .map = map, .levels = levels, .t = t, .out = out };
 
-    d.line = memory_alloc(p->grid.n1, sizeof *d.line);
-    d.levels = memory_alloc(p->width, sizeof *d.levels);
-    bool is_drawn = d.line != NULL && d.levels != NULL && draw(&d);
+    bool is_drawn = draw(&d);
     png_destroy_write_struct(&d.png, &d.info);
-    memory_free(d.line);
-    memory_free(d.levels);
     return results__finish(is_drawn ? BF_OK : BF_ENOMEM, out, n_before, err);
 }

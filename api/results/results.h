@@ -63,9 +63,9 @@ BF_MUST_CHECK bf_status results_snapshot_json(const float *rho, const bf_grid *g
 BF_MUST_CHECK bf_status results_snapshot_csv(const float *rho, const bf_grid *grid, bf_buffer *out,
                                              bf_error *err);
 
-/// Append a snapshot as a PNG of 256 colours; rho are the densities of p->grid, t the time.
+/// Append a picture as a PNG of 256 colours, from the levels that picture_draw() gave; t is the time.
 BF_MUST_CHECK bf_status results_snapshot_png(const picture *p, const colormap *map,
-                                             const float *rho, double t, bf_buffer *out,
+                                             const uint8_t *levels, double t, bf_buffer *out,
                                              bf_error *err);
 
 /// Append a snapshot as VTK ImageData (.vti): cell data `density`, float32, appended raw.

@@ -1,6 +1,7 @@
 #include "api/results/results_archive.h"
 
 #include "api/results/array_file.h"
+#include "api/results/curve_file.h"
 #include "api/results/results.h"
 #include "api/results/zip_out.h"
 #include "core/base/check.h"
@@ -12,6 +13,8 @@ enum {
     SLICE_BYTES = 128 * 1024,     // deflated per call
     TURN_BYTES = 4 * 1024 * 1024, // of files read for one chunk: empty belts deflate to nothing
     ZIP_BYTES = 300 * 1024,       // that zip_out takes
+    CURVE_VALUES =
+        4000000, // numbers of a curve that is made as a whole: longer ones have no size before
 };
 
 // The body's state.
@@ -22,10 +25,12 @@ typedef struct archive {
     api_snapshot_list list;
     bf_buffer eyes; // photo_eyes.csv; empty: there is none
     zip_out *zip;
-    size_t kind;         // of the next file, in kinds
-    uint64_t index;      // of the next file of that kind
-    array_file array;    // the current file, if it is one; else item_size is 0
-    bf_buffer content;   // of the current file; of an array the piece that is being deflated
+    size_t kind;      // of the next file, in kinds
+    uint64_t index;   // of the next file of that kind
+    array_file array; // the current file, if it is one; else item_size is 0
+    curve_file curve; // curve.csv
+    bf_buffer
+        content; // of the current file; of an array or a long curve the piece that is being deflated
     uint64_t n_content;  // bytes of the current file
     uint64_t n_appended; // of them that were deflated
     bool is_over;
@@ -57,7 +62,7 @@ static bf_status write_curve(const archive *a, const api_services *services, uin
     api_curve curve = { 0 };
 
     (void)index;
-    bf_status status = services->read_curve(services->context, a->id, 0, &curve, err);
+    bf_status status = services->read_curve(services->context, a->id, 0, a->curve.n, &curve, err);
     if (status != BF_OK)
         return status;
     status = results_curve_csv(&curve, out, err);
@@ -145,6 +150,11 @@ enum { N_KINDS = sizeof kinds / sizeof *kinds };
 _Static_assert(sizeof kinds / sizeof *kinds == RESULTS_FILES_COUNT,
                "an archive can hold every file");
 
+static bool is_long_curve(const archive *a)
+{
+    return kinds[a->kind].file == RESULTS_FILES_CURVE && a->curve.n_values > CURVE_VALUES;
+}
+
 static uint64_t count_files(const archive *a, size_t kind)
 {
     int missing = (a->list.parts.n_values == 0 ? NEEDS_PARTS : 0) | (a->has_vtk ? 0 : NEEDS_VTK) |
@@ -173,14 +183,30 @@ static bf_status begin_file(archive *a, const api_services *services, bf_buffer 
     array_file_fini(&a->array);
     a->content.n = 0;
     a->n_appended = 0;
-    bf_status status = begin != NULL
-                           ? begin(services, a->id, a->index, &a->array, err)
-                           : kinds[a->kind].write(a, services, a->index, &a->content, err);
+    bf_status status = BF_OK;
+    if (begin != NULL)
+        status = begin(services, a->id, a->index, &a->array, err);
+    else if (!is_long_curve(a))
+        status = kinds[a->kind].write(a, services, a->index, &a->content, err);
     if (status != BF_OK)
         return status;
-    a->n_content = begin != NULL ? array_file_size(&a->array) : a->content.n;
+    a->n_content = begin != NULL      ? array_file_size(&a->array)
+                   : is_long_curve(a) ? ZIP_OUT_ANY_SIZE
+                                      : a->content.n;
     (void)results_files_name(kinds[a->kind].file, a->index++, name);
     return zip_out_file(a->zip, name, (size_t)a->n_content, out, err);
+}
+
+static bf_status append_curve(archive *a, const api_services *services, bf_buffer *out,
+                              bf_error *err)
+{
+    a->content.n = 0;
+    bf_status status = curve_file_read(&a->curve, services, &a->content, err);
+    a->n_appended += a->content.n;
+    if (curve_file_is_over(&a->curve))
+        a->n_content = a->n_appended;
+    return status == BF_OK ? zip_out_bytes(a->zip, a->content.bytes, a->content.n, out, err)
+                           : status;
 }
 
 static bf_status append_array(archive *a, const api_services *services, bf_buffer *out,
@@ -201,6 +227,8 @@ static bf_status append_slice(archive *a, const api_services *services, bf_buffe
 
     if (a->array.item_size > 0)
         return append_array(a, services, out, err);
+    if (a->n_content == ZIP_OUT_ANY_SIZE)
+        return append_curve(a, services, out, err);
     n = n < SLICE_BYTES ? n : SLICE_BYTES;
     bf_status status = zip_out_bytes(a->zip, a->content.bytes + a->n_appended, n, out, err);
     a->n_appended += n;
@@ -252,7 +280,8 @@ static bf_status read_photo_eyes(archive *a, const api_run *of, const api_servic
     results_changes changes = { 0 };
     api_curve curve = { 0 };
 
-    bf_status status = services->read_curve(services->context, a->id, of->n_samples, &curve, err);
+    bf_status status =
+        services->read_curve(services->context, a->id, of->n_samples, 0, &curve, err);
     if (status == BF_OK && curve.columns.n > 0 && strstr(curve.columns.bytes, ".blocked") != NULL)
         status = results_changes_read(services, a->id, &changes, err);
     if (status == BF_OK && changes.eyes.n > 0)
@@ -262,12 +291,15 @@ static bf_status read_photo_eyes(archive *a, const api_run *of, const api_servic
     return status;
 }
 
-// What an archive takes of memory: VTK files of parts are made as a whole, from their rows.
+// What an archive takes of memory: curves that are not long are made as a whole, and VTK files of parts, from their
+// rows.
 static size_t count_held(const archive *a)
 {
     const size_t n_rows = a->list.parts.n_parts * a->list.parts.n_values * sizeof(double);
+    const size_t n_values = a->curve.n_values > CURVE_VALUES ? 0 : (size_t)a->curve.n_values;
+    const size_t n_curve = 4 * sizeof(double) * n_values, n_parts = a->has_vtk ? 2 * n_rows : 0;
 
-    return ZIP_BYTES + SLICE_BYTES + (a->has_vtk ? 2 * n_rows : 0);
+    return ZIP_BYTES + SLICE_BYTES + (n_curve > n_parts ? n_curve : n_parts);
 }
 
 bf_status results_archive_open(const api_run *of, results_archive_kind kind,
@@ -282,6 +314,8 @@ bf_status results_archive_open(const api_run *of, results_archive_kind kind,
     a->has_summary = of->has_summary;
     a->has_vtk = kind == RESULTS_ARCHIVE_VTK;
     bf_status status = services->list_snapshots(services->context, a->id, &a->list, err);
+    if (status == BF_OK)
+        status = curve_file_open(services, a->id, of->n_samples, &a->curve, err);
     if (status == BF_OK)
         status = read_photo_eyes(a, of, services, err);
     if (status == BF_OK)

@@ -87,7 +87,8 @@ bf_status zip_out_file(zip_out *z, const char *name, size_t n, bf_buffer *out, b
     archive_entry_set_pathname(z->entry, name);
     archive_entry_set_filetype(z->entry, AE_IFREG);
     archive_entry_set_perm(z->entry, FILE_MODE);
-    archive_entry_set_size(z->entry, (la_int64_t)n);
+    if (n != ZIP_OUT_ANY_SIZE)
+        archive_entry_set_size(z->entry, (la_int64_t)n);
     archive_entry_set_mtime(z->entry, z->mtime_s, 0);
     return finish_call(z, archive_write_header(z->archive, z->entry), err);
 }

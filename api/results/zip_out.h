@@ -16,6 +16,9 @@ typedef struct zip_out zip_out;
 /// Begin an archive whose files carry the time mtime_s (Unix). BF_ENOMEM.
 BF_MUST_CHECK bf_status zip_out_create(int64_t mtime_s, zip_out **ret_zip, bf_error *err);
 
+/// For a file whose size is not known before its end.
+#define ZIP_OUT_ANY_SIZE SIZE_MAX
+
 /// Begin a file of n bytes; the one before is complete. name is ASCII with '/' between folders. This
 /// and the following append to *out what became ready of the archive. After a failure (BF_ENOMEM)
 /// nothing but zip_out_destroy() is left.

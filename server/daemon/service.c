@@ -133,10 +133,10 @@ static bf_status read_text(void *context, const char *id, api_text which, bf_buf
     return store_read_text(((service *)context)->store, id, which, out, err);
 }
 
-static bf_status read_curve(void *context, const char *id, uint64_t first, api_curve *ret_curve,
-                            bf_error *err)
+static bf_status read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+                            api_curve *ret_curve, bf_error *err)
 {
-    return store_read_curve(((service *)context)->store, id, first, ret_curve, err);
+    return store_read_curve(((service *)context)->store, id, first, n_most, ret_curve, err);
 }
 
 static bf_status list_snapshots(void *context, const char *id, api_snapshot_list *ret_list,

@@ -146,9 +146,9 @@ bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *o
     return status;
 }
 
-// Take the samples of the present row from index `first` on.
-static bf_status take_samples(const store__query *q, uint64_t first, api_curve *curve,
-                              bf_error *err)
+// Take the samples of the present row from index `first` on, until there are n_most.
+static bf_status take_samples(const store__query *q, uint64_t first, uint64_t n_most,
+                              api_curve *curve, bf_error *err)
 {
     uint64_t row_first = (uint64_t)sqlite3_column_int64(q->statement, 0);
     uint64_t n = (uint64_t)sqlite3_column_int64(q->statement, 1);
@@ -164,15 +164,17 @@ static bf_status take_samples(const store__query *q, uint64_t first, api_curve *
         (size_t)sqlite3_column_bytes(q->statement, 3) != n * n_row)
         return bf_fail(err, BF_ECORRUPT, "", "the stored curve is damaged at sample %llu",
                        (unsigned long long)row_first);
-    if (buffer_append(&curve->t, t + skip * sizeof(double), (n - skip) * sizeof(double)) != BF_OK ||
-        buffer_append(&curve->values, parts + skip * n_row, (n - skip) * n_row) != BF_OK)
+    const uint64_t n_left = n_most - curve->n;
+    const size_t n_taken = (size_t)(n - skip < n_left ? n - skip : n_left);
+    if (buffer_append(&curve->t, t + skip * sizeof(double), n_taken * sizeof(double)) != BF_OK ||
+        buffer_append(&curve->values, parts + skip * n_row, n_taken * n_row) != BF_OK)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    curve->n += n - skip;
+    curve->n += n_taken;
     return BF_OK;
 }
 
 static bf_status read_samples(store__connection *reader, int64_t results, uint64_t first,
-                              api_curve *curve, bf_error *err)
+                              uint64_t n_most, api_curve *curve, bf_error *err)
 {
     bool has_row = true;
     bf_status status = BF_OK;
@@ -180,17 +182,17 @@ static bf_status read_samples(store__connection *reader, int64_t results, uint64
     store__query q = store__begin(reader, STORE__SQL_LIST_SAMPLES);
     store__bind_integer(&q, results);
     store__bind_integer(&q, (int64_t)first);
-    while (status == BF_OK && has_row) {
+    while (status == BF_OK && has_row && curve->n < n_most) {
         status = store__next(&q, &has_row, err);
         if (status == BF_OK && has_row)
-            status = take_samples(&q, first, curve, err);
+            status = take_samples(&q, first, n_most, curve, err);
     }
     store__end(&q);
     return status;
 }
 
 static bf_status read_curve(store__connection *reader, const char *id, uint64_t first,
-                            api_curve *curve, bf_error *err)
+                            uint64_t n_most, api_curve *curve, bf_error *err)
 {
     store__row row;
 
@@ -202,11 +204,11 @@ static bf_status read_curve(store__connection *reader, const char *id, uint64_t 
     curve->n_columns = api_count_columns(&curve->columns);
     if (first >= row.run.n_samples)
         return BF_OK;
-    return read_samples(reader, row.results, first, curve, err);
+    return read_samples(reader, row.results, first, n_most, curve, err);
 }
 
-bf_status store_read_curve(store *s, const char *id, uint64_t first, api_curve *ret_curve,
-                           bf_error *err)
+bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_most,
+                           api_curve *ret_curve, bf_error *err)
 {
     store__connection *reader = NULL;
     api_curve curve = { 0 };
@@ -214,7 +216,7 @@ bf_status store_read_curve(store *s, const char *id, uint64_t first, api_curve *
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_curve(reader, id, first, &curve, err);
+    status = read_curve(reader, id, first, n_most, &curve, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_curve = curve;

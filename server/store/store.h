@@ -156,7 +156,7 @@ BF_MUST_CHECK bf_status store_list(store *s, const api_list_query *query, api_ru
                                    bf_error *err);
 BF_MUST_CHECK bf_status store_read_text(store *s, const char *id, api_text which, bf_buffer *out,
                                         bf_error *err);
-BF_MUST_CHECK bf_status store_read_curve(store *s, const char *id, uint64_t first,
+BF_MUST_CHECK bf_status store_read_curve(store *s, const char *id, uint64_t first, uint64_t n_most,
                                          api_curve *ret_curve, bf_error *err);
 BF_MUST_CHECK bf_status store_list_snapshots(store *s, const char *id, api_snapshot_list *ret_list,
                                              bf_error *err);

@@ -276,7 +276,7 @@ static void read_run(store *s, const char *id)
     require_answer(store_find(s, id, &record, NULL));
     for (int which = API_TEXT_SCENARIO; which <= API_TEXT_FIGURES; which++)
         require_answer(store_read_text(s, id, (api_text)which, &out, NULL));
-    if (store_read_curve(s, id, 0, &curve, NULL) == BF_OK)
+    if (store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL) == BF_OK)
         fuzz_require(curve.t.n == curve.n * sizeof(double) &&
                          curve.values.n == curve.n * curve.n_columns * sizeof(double),
                      "a curve has the samples that it counts");

@@ -68,6 +68,8 @@ static bf_status do_find(void *context, const char *id, api_run *ret_run, bf_err
     if (item == NULL)
         return no_run(err);
     *ret_run = item->record;
+    ret_run->grid = item->grid;
+    ret_run->parts = item->parts;
     return BF_OK;
 }
 
@@ -167,8 +169,8 @@ static bf_status do_read_text(void *context, const char *id, api_text which, bf_
     return buffer_append(out, text, strlen(text)) == BF_OK ? BF_OK : no_memory(err);
 }
 
-static bf_status do_read_curve(void *context, const char *id, uint64_t first, api_curve *ret_curve,
-                               bf_error *err)
+static bf_status do_read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+                               api_curve *ret_curve, bf_error *err)
 {
     const helper_run *item = lookup(context, id);
     api_curve curve = { 0 };
@@ -176,6 +178,7 @@ static bf_status do_read_curve(void *context, const char *id, uint64_t first, ap
     if (item == NULL)
         return no_run(err);
     curve.n = (size_t)(item->record.n_samples - first);
+    curve.n = curve.n < n_most ? curve.n : (size_t)n_most;
     curve.n_columns = item->n_columns;
     size_t n_values = curve.n * curve.n_columns;
     if (buffer_append(&curve.columns, item->columns, strlen(item->columns)) != BF_OK ||

@@ -129,9 +129,10 @@ static bf_status read_text(void *context, const char *id, api_text which, bf_buf
     return buffer_append(out, "{}", 2);
 }
 
-static bf_status read_curve(void *context, const char *id, uint64_t first, api_curve *ret_curve,
-                            bf_error *err)
+static bf_status read_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+                            api_curve *ret_curve, bf_error *err)
 {
+    (void)n_most;
     (void)context;
     (void)id;
     (void)first;

@@ -77,14 +77,51 @@ static void too_large_a_picture_is_refused_with_the_figures(void **unused)
     assert_int_equal(p.width, 7);
 }
 
+// Cells in memory, which are asked for row by row, each once.
+typedef struct held_cells {
+    const float *rho;
+    size_t n1;
+    size_t n_asked;
+} held_cells;
+
+static bf_status give_cells(void *context, size_t j, const float **ret_cells, bf_error *err)
+{
+    held_cells *cells = context;
+
+    (void)err;
+    assert_int_equal(j, cells->n_asked++);
+    *ret_cells = cells->rho + j * cells->n1;
+    return BF_OK;
+}
+
 static void assert_row(const picture *p, const float *rho, size_t row, const uint8_t *expected)
 {
-    double line[16];
-    uint8_t levels[16];
+    held_cells cells = { .rho = rho, .n1 = p->grid.n1 };
+    uint8_t levels[256];
 
-    assert_true(p->grid.n1 <= 16 && p->width <= 16);
-    picture_row(p, rho, row, line, levels);
-    assert_memory_equal(levels, expected, p->width);
+    assert_true(p->width * p->height <= sizeof levels);
+    assert_int_equal(picture_draw(p, give_cells, &cells, levels, NULL), BF_OK);
+    assert_int_equal(cells.n_asked, p->grid.n2);
+    assert_memory_equal(levels + row * p->width, expected, p->width);
+}
+
+static bf_status fail_at_row_1(void *context, size_t j, const float **ret_cells, bf_error *err)
+{
+    *ret_cells = context;
+    return j < 1 ? BF_OK : bf_fail(err, BF_ECORRUPT, "", "row %zu is damaged", j);
+}
+
+static void cells_that_cannot_be_read_are_no_picture(void **unused)
+{
+    const float rho[] = { 1, 2, 3 };
+    picture p = lay_out(3, 2, 1.0, 1.0, 3);
+    bf_error err = { 0 };
+    uint8_t levels[6];
+
+    (void)unused;
+    assert_int_equal(picture_draw(&p, fail_at_row_1, (void *)(uintptr_t)rho, levels, &err),
+                     BF_ECORRUPT);
+    assert_string_equal(err.text, "row 1 is damaged");
 }
 
 static void y_points_up(void **unused)
@@ -167,6 +204,7 @@ int main(void)
         cmocka_unit_test(the_usual_width_is_whole_pixels_a_cell),
         cmocka_unit_test(the_usual_width_is_within_the_limit),
         cmocka_unit_test(too_large_a_picture_is_refused_with_the_figures),
+        cmocka_unit_test(cells_that_cannot_be_read_are_no_picture),
         cmocka_unit_test(y_points_up),
         cmocka_unit_test(cells_stay_cells_in_a_large_picture),
         cmocka_unit_test(a_small_picture_shows_means_by_area),

@@ -305,9 +305,61 @@ static void no_memory_is_said(void **unused)
     assert_true(n > 20);
 }
 
+// Samples k = 0, 1, ... at k seconds; all columns are k modulo 10.
+static bf_status read_long_curve(void *context, const char *id, uint64_t first, uint64_t n_most,
+                                 api_curve *ret_curve, bf_error *err)
+{
+    enum { N = 800001, N_COLUMNS = 4 };
+    const uint64_t n = N - first < n_most ? N - first : n_most;
+    api_curve curve = { .n = (size_t)n, .n_columns = N_COLUMNS };
+
+    (void)context;
+    (void)id;
+    (void)err;
+    assert_int_equal(buffer_printf(&curve.columns, "a,b,c,left_domain"), BF_OK);
+    for (uint64_t k = first; k < first + n; k++) {
+        const double t = (double)k, v = (double)(k % 10), values[N_COLUMNS] = { v, v, v, v };
+        assert_int_equal(buffer_append(&curve.t, &t, sizeof t), BF_OK);
+        assert_int_equal(buffer_append(&curve.values, values, sizeof values), BF_OK);
+    }
+    *ret_curve = curve;
+    return BF_OK;
+}
+
+// Of 4,000,005 numbers: the archive holds some of them at a time.
+static void a_long_curve_is_made_piece_by_piece(void **unused)
+{
+    helper_run *of = add_run(RUN_MACRO);
+    api_services services = helper_services(&a_daemon);
+    bf_buffer archive = { 0 }, csv = { 0 };
+    body_source body = { .state = NULL };
+    body_state where = BODY_MORE;
+    api_curve curve = { 0 };
+
+    (void)unused;
+    of->record.n_samples = 800001;
+    services.read_curve = read_long_curve;
+    assert_int_equal(
+        results_archive_open(&of->record, RESULTS_ARCHIVE_PLAIN, &services, &body, NULL), BF_OK);
+    assert_true(body.n_held < 1000000);
+    while (where == BODY_MORE)
+        assert_int_equal(body.next_chunk(body.state, &services, 1 << 20, &archive, &where, NULL),
+                         BF_OK);
+    body.destroy(body.state);
+    assert_int_equal(read_long_curve(NULL, NULL, 0, UINT64_MAX, &curve, NULL), BF_OK);
+    assert_int_equal(results_curve_csv(&curve, &csv, NULL), BF_OK);
+    api_curve_fini(&curve);
+    unzip_file files[UNZIP_FILES_MAX];
+    size_t n = unzip_all(&archive, files);
+    assert_same(content_of(files, n, "curve.csv"), &csv);
+    unzip_fini(files, n);
+    buffer_fini(&archive);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_long_curve_is_made_piece_by_piece),
         cmocka_unit_test(a_macroscopic_run_has_its_files),
         cmocka_unit_test(a_microscopic_run_has_its_parts_and_vtk_files_when_asked),
         cmocka_unit_test(a_run_that_failed_has_what_it_left),

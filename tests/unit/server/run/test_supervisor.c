@@ -80,7 +80,7 @@ static void assert_same_results(helper_world *w, const char *id, const char *jso
     bf_grid grid;
     bf_buffer rho = { 0 };
 
-    assert_int_equal(store_read_curve(w->store, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(w->store, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_int_equal(curve.t.n, s.t.n);
     assert_memory_equal(curve.t.bytes, s.t.bytes, s.t.n);
     assert_int_equal(curve.values.n, s.values.n);

@@ -88,7 +88,7 @@ static void assert_data(helper_world *w, const char *id, uint64_t n, uint64_t n_
     bf_grid grid;
     uint64_t n_published = 0;
 
-    assert_int_equal(store_read_curve(w->store, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(w->store, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_int_equal(curve.t.n, n * sizeof(double));
     for (uint64_t i = 0; i < n; i++) {
         const double *values = (const double *)(const void *)curve.values.bytes + 2 * i;

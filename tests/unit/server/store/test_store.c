@@ -252,7 +252,7 @@ static void an_unknown_run_is_not_found(void **state)
     assert_int_equal(store_remove(s, unknown, API_ANY_REVISION, NULL), BF_ENOTFOUND);
     assert_int_equal(helper_store_append(s, &batch, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_text(s, unknown, API_TEXT_SCENARIO, &out, NULL), BF_ENOTFOUND);
-    assert_int_equal(store_read_curve(s, unknown, 0, &curve, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_read_curve(s, unknown, 0, UINT64_MAX, &curve, NULL), BF_ENOTFOUND);
     assert_int_equal(store_list_snapshots(s, unknown, &list, NULL), BF_ENOTFOUND);
     assert_int_equal(store_read_snapshot(s, unknown, 0, &snapshot, &grid, &out, NULL),
                      BF_ENOTFOUND);

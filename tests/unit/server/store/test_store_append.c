@@ -21,7 +21,7 @@ static void samples_come_back_bit_by_bit_from_any_index(void **state)
     assert_int_equal(helper_find(s, record.id).n_samples, 45);
     for (uint64_t first = 0; first <= 46; first++) {
         api_curve curve = { 0 };
-        assert_int_equal(store_read_curve(s, record.id, first, &curve, NULL), BF_OK);
+        assert_int_equal(store_read_curve(s, record.id, first, UINT64_MAX, &curve, NULL), BF_OK);
         assert_string_equal(curve.columns.bytes, "upstream,left_domain");
         assert_true(helper_curve_is(&curve, first, first < 45 ? 45 - first : 0));
         api_curve_fini(&curve);
@@ -125,7 +125,8 @@ static void damage_in_a_curve_is_noticed(void **state)
     helper_store_close(h);
     helper_store_sql(h, "UPDATE samples SET t = substr(t, 1, 39)");
     helper_store_open(h);
-    assert_int_equal(store_read_curve(h->store, record.id, 0, &curve, NULL), BF_ECORRUPT);
+    assert_int_equal(store_read_curve(h->store, record.id, 0, UINT64_MAX, &curve, NULL),
+                     BF_ECORRUPT);
     assert_int_equal(curve.n, 77);
 }
 
@@ -185,7 +186,7 @@ static void of_a_batch_that_is_known_in_part_the_rest_is_stored_and_emitted(void
     assert_int_equal(events.n, 1);
     assert_int_equal(events.type, API_EVENT_CURVE);
     assert_string_equal(events.data.bytes, rest.event.bytes);
-    assert_int_equal(store_read_curve(s, record.id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(s, record.id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, 15));
     api_curve_fini(&curve);
     buffer_fini(&events.data);

@@ -112,7 +112,7 @@ static void expect_the_same(store *original, const char *copy, const api_run *re
     assert_int_equal(found.state, wanted.state);
     assert_int_equal(found.revision, wanted.revision);
     assert_int_equal(found.last_event, wanted.last_event);
-    assert_int_equal(store_read_curve(other.store, record->id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(other.store, record->id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, wanted.n_samples));
     api_curve_fini(&curve);
     assert_int_equal(store_read_snapshot(other.store, record->id, 0, &snapshot, &grid, &rho, NULL),

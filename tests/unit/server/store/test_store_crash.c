@@ -194,7 +194,7 @@ static void check_results(store *s, const api_run *record)
     api_curve curve = { 0 };
     api_snapshot_list list = { 0 };
 
-    assert_int_equal(store_read_curve(s, record->id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(s, record->id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, record->n_samples)); // I4
     assert_int_equal(store_list_snapshots(s, record->id, &list, NULL), BF_OK);
     assert_int_equal(list.n, record->n_snapshots);

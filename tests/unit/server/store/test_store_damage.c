@@ -85,7 +85,7 @@ static void tell_results(store *s, const char *id, telling *t)
             note(text, got.bytes, got.n);
         buffer_fini(&got);
     }
-    tell_curve(store_read_curve(s, id, 0, &curve, NULL), &curve, t);
+    tell_curve(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), &curve, t);
     bf_buffer *text = next_text(t, store_list_snapshots(s, id, &list, NULL));
     note(text, list.items.bytes, list.items.n);
     buffer_fini(&list.items);

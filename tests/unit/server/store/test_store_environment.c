@@ -264,7 +264,7 @@ static void read_all(store *s, const life *l)
     assert_is_answer(status, &err);
     if (status == BF_OK)
         assert_int_equal(record.n_samples, l->has_results ? SAMPLES : 0);
-    status = store_read_curve(s, l->accepted.id, 0, &curve, &err);
+    status = store_read_curve(s, l->accepted.id, 0, UINT64_MAX, &curve, &err);
     assert_is_answer(status, &err);
     if (status == BF_OK) {
         assert_int_equal(curve.n, l->has_results ? SAMPLES : 0);

@@ -85,7 +85,7 @@ static bf_status try_read_curve(store *s, const char *id, bf_error *err)
 {
     api_curve curve = { .n = 77 };
 
-    bf_status status = store_read_curve(s, id, 0, &curve, err);
+    bf_status status = store_read_curve(s, id, 0, UINT64_MAX, &curve, err);
     assert_int_equal(curve.n, status == BF_OK ? 5 : 77);
     if (status == BF_OK)
         api_curve_fini(&curve);

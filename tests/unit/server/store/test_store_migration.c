@@ -98,7 +98,7 @@ static void check_results(store *s, const char *id)
     bf_grid grid;
     bf_buffer rho = { 0 };
 
-    assert_int_equal(store_read_curve(s, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_int_equal(curve.n, 1);
     assert_int_equal(curve.n_columns, 2);
     api_curve_fini(&curve);
@@ -230,7 +230,7 @@ static void check_curve(store *s, const char *id, double first_upstream, double 
 {
     api_curve curve = { 0 };
 
-    assert_int_equal(store_read_curve(s, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_string_equal(curve.columns.bytes, "upstream,left_domain");
     assert_int_equal(curve.n, 6);
     assert_true(at(&curve.t, 0) == 0.0 && at(&curve.t, 5) == 0.1);

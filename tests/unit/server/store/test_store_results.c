@@ -162,7 +162,7 @@ static void check_results(store *s, const char *id)
     api_parts parts;
     bf_grid grid;
 
-    assert_int_equal(store_read_curve(s, id, 0, &curve, NULL), BF_OK);
+    assert_int_equal(store_read_curve(s, id, 0, UINT64_MAX, &curve, NULL), BF_OK);
     assert_true(helper_curve_is(&curve, 0, 15));
     api_curve_fini(&curve);
     assert_int_equal(store_list_snapshots(s, id, &list, NULL), BF_OK);

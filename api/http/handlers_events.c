@@ -1,0 +1,64 @@
+// Event streams, of one run and of several.
+
+#include "api/http/access.h"
+#include "api/http/http_priv.h"
+#include "api/http/negotiation.h"
+#include "api/http/stream.h"
+
+// The header counts more: a browser that reconnects sends it, with the URL unchanged.
+static bf_status read_last_event(exchange *x, uint64_t *ret_id, bf_error *err)
+{
+    const char *last = exchange__header(x, "Last-Event-ID");
+    uint64_t id = 0;
+
+    if (last == NULL || *last == '\0')
+        id = exchange__whole(x, "last_event_id");
+    else if (param_read_digits(last, &id) != 0)
+        return bf_fail(err, BF_EINPUT, "", "Last-Event-ID is no event's id: '%.64s'", last);
+    *ret_id = id;
+    return BF_OK;
+}
+
+static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_runs, bf_error *err)
+{
+    stream_format format = x->media->format == MEDIA_SSE ? STREAM_SSE : STREAM_NDJSON;
+    api_response *response = x->response;
+    stream_cursor cursor;
+    bool is_inline = exchange__whole(x, "inline") == 1;
+    uint64_t after = 0;
+
+    bf_status status = read_last_event(x, &after, err);
+    if (status == BF_OK)
+        status = stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs,
+                              n_runs, after, &cursor, err);
+    if (status != BF_OK)
+        return status;
+    if (cursor.n_open == 0) {
+        response->status = 204; // tells a browser not to reconnect
+        return BF_OK;
+    }
+    api_response_header(response, "X-Accel-Buffering", "no");
+    return stream_open(&cursor, &response->source, err);
+}
+
+bf_status handlers_results_events(exchange *x, bf_error *err)
+{
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = begin_stream(x, &record.id, 1, err);
+    return status;
+}
+
+bf_status handlers_results_events_of_runs(exchange *x, bf_error *err)
+{
+    char runs[API_STREAM_RUNS_MAX][API_ID_SIZE];
+    size_t n = exchange__ids(x, "runs", runs);
+    bf_status status = BF_OK;
+    api_run record;
+
+    for (size_t i = 0; status == BF_OK && i < n; i++)
+        status = access_find_run(x, runs[i], &record, err);
+    return status == BF_OK ? begin_stream(x, runs, n, err) : status;
+}

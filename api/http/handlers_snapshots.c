@@ -1,0 +1,187 @@
+// The density snapshots of a run: their list, and one of them in its formats.
+
+#include "api/http/http_priv.h"
+#include "api/http/negotiation.h"
+#include "api/results/array_file.h"
+#include "api/results/grid_rows.h"
+#include "api/results/picture.h"
+#include "api/results/results.h"
+#include "core/base/memory.h"
+
+#include <inttypes.h>
+
+// The parameters of a picture.
+typedef struct picture_query {
+    uint64_t width; // pixels; 0: chosen by picture_layout()
+    double top;
+    const colormap *map;
+} picture_query;
+
+bf_status handlers_results_snapshots(exchange *x, bf_error *err)
+{
+    api_snapshot_list list = { 0 };
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status != BF_OK)
+        return status;
+    exchange__cache_revalidate(x);
+    if (exchange__is_unchanged(x, "r%" PRIu64 "-snapshots-%s", record.revision, x->media->word))
+        return BF_OK;
+    status = x->services->list_snapshots(x->services->context, record.id, &list, err);
+    if (status != BF_OK)
+        return status;
+    status = x->media->format == MEDIA_PVD
+                 ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
+                 : results_snapshots_json(&list, record.id, &x->response->body, err);
+    buffer_fini(&list.items);
+    return status;
+}
+
+// Only pictures have a width, a scale and colours.
+static bf_status refuse_picture_query(const exchange *x, bf_error *err)
+{
+    static const char *const names[] = { "width", "colormap", "max" };
+
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (exchange__text(x, names[i]) != NULL)
+            return bf_fail(err, BF_EINPUT, "", "query parameter '%s' is for png, not for %s",
+                           names[i], x->media->word);
+    }
+    return BF_OK;
+}
+
+static bf_status read_picture_query(const exchange *x, picture_query *ret_wanted, bf_error *err)
+{
+    const char *map = exchange__text(x, "colormap");
+
+    if (x->media->format != MEDIA_PNG)
+        return refuse_picture_query(x, err);
+    *ret_wanted = (picture_query){ .width = exchange__whole(x, "width"),
+                                   .top = exchange__real(x, "max"),
+                                   .map = map == NULL ? colormap_first() : colormap_find(map) };
+    return BF_OK;
+}
+
+static bool has_it_already(exchange *x, const char *id, uint64_t index, const picture_query *wanted)
+{
+    if (x->media->format != MEDIA_PNG)
+        return exchange__is_unchanged(x, "%s-%" PRIu64 "-%s", id, index, x->media->word);
+    return exchange__is_unchanged(x, "%s-%" PRIu64 "-png-%" PRIu64 "-%s-%.17g", id, index,
+                                  wanted->width, colormap_word(wanted->map), wanted->top);
+}
+
+// Reads the grid from its lowest row up, so that only some rows of it are in memory.
+static bf_status draw(exchange *x, const picture *p, const char *id, uint64_t index,
+                      uint8_t *levels, double *ret_t, bf_error *err)
+{
+    grid_rows rows;
+
+    bf_status status = grid_rows_open(x->services, id, index, &rows, err);
+    if (status != BF_OK)
+        return status;
+    *ret_t = rows.snapshot.t;
+    status = picture_draw(p, grid_rows_next, &rows, levels, err);
+    grid_rows_fini(&rows);
+    return status;
+}
+
+// The levels and the file, whose size is about that of the levels at most; a row of cells, and its mean.
+static bf_status reserve_picture(const exchange *x, const picture *p, bf_error *err)
+{
+    const double n_cells = (double)p->grid.n1 * (sizeof(double) + sizeof(float));
+
+    return exchange__reserve(x, 2.0 * (double)(p->width * p->height) + n_cells + GRID_ROWS_BYTES,
+                             err);
+}
+
+static bf_status write_picture(exchange *x, const api_run *of, uint64_t index,
+                               const picture_query *wanted, bf_error *err)
+{
+    double t = 0.0;
+    picture p;
+
+    bf_status status = picture_layout(&of->grid, (size_t)wanted->width, wanted->top, &p, err);
+    if (status == BF_ELIMIT)
+        x->refusal = 422;
+    if (status == BF_OK)
+        status = reserve_picture(x, &p, err);
+    if (status != BF_OK)
+        return status;
+    uint8_t *levels = memory_alloc(p.width, p.height);
+    if (levels == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    status = draw(x, &p, of->id, index, levels, &t, err);
+    if (status == BF_OK)
+        status = results_snapshot_png(&p, wanted->map, levels, t, &x->response->body, err);
+    memory_free(levels);
+    return status;
+}
+
+static bf_status send_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
+{
+    array_file file = { .item_size = 0 };
+
+    bf_status status = x->media->format == MEDIA_NPY
+                           ? array_file_open_npy(x->services, id, index, &file, err)
+                           : array_file_open_vti(x->services, id, index, &file, err);
+    return status == BF_OK ? exchange__send_array(x, &file, err) : status;
+}
+
+// Reads the grid and writes it in the format that was chosen.
+static bf_status write_snapshot(exchange *x, const char *id, uint64_t index, bf_error *err)
+{
+    bf_buffer *body = &x->response->body;
+    bf_buffer bytes = { 0 };
+    api_snapshot snapshot;
+    bf_grid grid;
+
+    bf_status status =
+        x->services->read_snapshot(x->services->context, id, index, &snapshot, &grid, &bytes, err);
+    if (status != BF_OK)
+        return status;
+    const float *rho = (const float *)(const void *)bytes.bytes;
+    if (x->media->format == MEDIA_NPY)
+        status = results_npy(rho, grid.n1, grid.n2, body, err);
+    else if (x->media->format == MEDIA_VTI)
+        status = results_snapshot_vti(rho, &grid, snapshot.t, body, err);
+    else if (x->media->format == MEDIA_CSV)
+        status = results_snapshot_csv(rho, &grid, body, err);
+    else
+        status = results_snapshot_json(rho, &grid, &snapshot, body, err);
+    buffer_fini(&bytes);
+    return status;
+}
+
+static bool is_sent_in_pieces(const exchange *x, size_t n_cells)
+{
+    const bool is_array = x->media->format == MEDIA_NPY || x->media->format == MEDIA_VTI;
+
+    return is_array && n_cells * sizeof(float) > EXCHANGE_PIECE_BYTES && exchange__accepts_plain(x);
+}
+
+bf_status handlers_results_snapshot(exchange *x, bf_error *err)
+{
+    picture_query wanted = { .map = NULL };
+    uint64_t index = 0;
+    api_run record;
+
+    bf_status status = exchange__find_run(x, &record, err);
+    if (status == BF_OK)
+        status = exchange__find_snapshot(x, &record, &index, err);
+    if (status == BF_OK)
+        status = read_picture_query(x, &wanted, err);
+    if (status != BF_OK)
+        return status;
+    exchange__cache_immutable(x);
+    if (has_it_already(x, record.id, index, &wanted))
+        return BF_OK;
+    exchange__name_snapshot(x, index);
+    const size_t n_cells = grid_cells(&record.grid);
+    if (x->media->format == MEDIA_PNG)
+        return write_picture(x, &record, index, &wanted, err);
+    if (is_sent_in_pieces(x, n_cells))
+        return send_snapshot(x, record.id, index, err);
+    status = exchange__reserve_whole(x, n_cells, sizeof(float), "npy or vti", err);
+    return status == BF_OK ? write_snapshot(x, record.id, index, err) : status;
+}
