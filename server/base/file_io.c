@@ -179,6 +179,13 @@ bf_status file_io_publish(const char *temporary, const char *path, bf_error *err
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", path, strerror(errno));
 }
 
+bf_status file_io_take_place(const char *temporary, const char *path, bf_error *err)
+{
+    if (sync_path(temporary, O_RDONLY) && rename(temporary, path) == 0 && sync_folder_of(path))
+        return BF_OK;
+    return bf_fail(err, BF_ESYSTEM, "", "%s cannot be replaced: %s", path, strerror(errno));
+}
+
 // A new name in a directory survives a power loss once the directory is synced.
 static bool sync_parent(const char *path)
 {

@@ -39,6 +39,10 @@ BF_MUST_CHECK bf_status file_io_replace(int directory, const char *name, const v
 /// be done. The temporary name is then still there.
 BF_MUST_CHECK bf_status file_io_publish(const char *temporary, const char *path, bf_error *err);
 
+/// Put a file that was written under a temporary name in the place of one in the same directory; it is on disk when this
+/// returns. BF_ESYSTEM: the old one is still there, or the new one if only the directory could not be synced.
+BF_MUST_CHECK bf_status file_io_take_place(const char *temporary, const char *path, bf_error *err);
+
 /// Make a directory and what is above it, like mkdir -p. What is there already is left as it is, and
 /// may be something else than a directory. False: errno.
 bool file_io_make_directories(const char *path, mode_t mode, file_io_sync sync);

@@ -43,6 +43,8 @@
     X(STORE_SIZE, GAUGE, "beltflow_store_size_bytes", "bytes", NONE, "The database's file")        \
     X(STORE_LOG_SIZE, GAUGE, "beltflow_store_wal_size_bytes", "bytes", NONE,                       \
       "The database's write-ahead log")                                                            \
+    X(STORE_SUMS, GAUGE, "beltflow_store_page_checksums", "", NONE,                                \
+      "1: every page of the database has a checksum; 0: a version without them made it")           \
     X(COMMIT_TIMES, TIMES, "beltflow_store_commit_duration_seconds", "seconds", NONE,              \
       "Transactions, from their begin until they are synced")                                      \
     X(COMMIT_SIZES, SIZES, "beltflow_store_commit_operations", "", NONE,                           \

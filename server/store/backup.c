@@ -3,6 +3,7 @@
 
 #include "server/store/backup.h"
 
+#include "server/store/convert.h"
 #include "server/store/page_sums.h"
 #include "server/store/store_priv.h"
 
@@ -67,14 +68,16 @@ static bf_status copy_pages(sqlite3 *from, sqlite3 *to, bf_error *err)
     return code == SQLITE_OK ? BF_OK : store__fail(to, code, err);
 }
 
-// A copy of pages without sums is made without them.
+// Pages are copied as they are, so where they have no sums rows are copied.
 static bf_status copy(const store__connection *source, const char *temporary, bf_error *err)
 {
-    const char *vfs = store__has_page_sums(source->db) ? STORE__PAGE_SUMS : NULL;
     sqlite3 *to = NULL;
 
-    int code = sqlite3_open_v2(
-        temporary, &to, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
+    if (!store__has_page_sums(source->db))
+        return store__copy_with_sums(source->db, temporary, err);
+    int code = sqlite3_open_v2(temporary, &to,
+                               SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+                               STORE__PAGE_SUMS);
     bf_status status =
         code == SQLITE_OK ? copy_pages(source->db, to, err) : store__fail(to, code, err);
     (void)sqlite3_close(to);

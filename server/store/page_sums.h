@@ -7,7 +7,8 @@
 /// changed on the disk. SQLite's checksum VFS works the same way (sqlite.org/cksumvfs.html).
 ///
 /// Not covered: pages in the write-ahead log, which has SQLite's own sums, compared when it is recovered; and
-/// databases without reserved bytes, as versions before this one made them: they are read and written as they are.
+/// databases without reserved bytes, as earlier versions made them: they are read and written as they are until a start
+/// has converted them (server/store/convert.h).
 
 #pragma once
 

@@ -43,14 +43,20 @@ static bf_status find_free_bytes(const store *s, uint64_t *ret_bytes, bf_error *
 
 bf_status store__check_room(const store *s, bf_error *err)
 {
+    return store__check_room_for(s, 0, err);
+}
+
+bf_status store__check_room_for(const store *s, uint64_t n, bf_error *err)
+{
     uint64_t n_free = 0;
 
     bf_status status = find_free_bytes(s, &n_free, err);
-    if (status != BF_OK || n_free >= ROOM_MIN)
+    if (status != BF_OK || n_free >= ROOM_MIN + n)
         return status;
     return bf_fail(err, BF_ENOSPACE, "",
-                   "the disk of %.150s has %" PRIu64 " MiB left, fewer than the %d that are needed",
-                   s->directory, n_free >> 20, ROOM_MIN >> 20);
+                   "the disk of %.150s has %" PRIu64 " MiB left, fewer than the %" PRIu64
+                   " that are needed",
+                   s->directory, n_free >> 20, (ROOM_MIN + n) >> 20);
 }
 
 static const char *name_reserve(const store *s, char ret_path[STORE__PATH_SIZE + 32])

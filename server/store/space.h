@@ -23,6 +23,9 @@ typedef struct store__space {
 /// BF_OK if the disk has room for more to be accepted; BF_ENOSPACE. On any thread.
 BF_MUST_CHECK bf_status store__check_room(const store *s, bf_error *err);
 
+/// The same for n bytes more.
+BF_MUST_CHECK bf_status store__check_room_for(const store *s, uint64_t n, bf_error *err);
+
 /// Let go of the reserve of the daemon before if a store could not even be opened on the disk.
 void store__make_room_to_open(store *s);
 

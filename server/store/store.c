@@ -16,16 +16,19 @@
 //   I12 retention.c: OLDEST_ENDED chooses.
 //   I13 measurements.c: one row each, with its samples, and no statement that updates it.
 //   I14 claim.c writes stop requests and external ids; store__transition() heeds and clears them.
-//   I15 page_sums.c, under every connection that connection.c opens.
+//   I15 page_sums.c, under every connection that connection.c opens; convert.c for databases of earlier versions.
 //   I16 store__charge() in apply_append() and apply_finish(); the triggers of schema_10.
 
 #include "server/store/store.h"
 
+#include "server/store/convert.h"
+#include "server/store/page_sums.h"
 #include "server/store/store_priv.h"
 
 #include "core/base/memory.h"
 #include "server/base/file_io.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -286,6 +289,8 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
     if (status == BF_OK)
         status = hold_directory(s, err);
     if (status == BF_OK)
+        status = store__convert(s, err);
+    if (status == BF_OK)
         status = store__connect(s->path, STORE__READ_WRITE, &s->writer, err);
     if (status == BF_OK)
         status = store__migrate(&s->writer, s->path, err);
@@ -294,6 +299,7 @@ bf_status store_open(const store_options *options, store **ret_store, bf_error *
     if (status == BF_OK)
         status = store__count_stats(s, &s->stats, err);
     if (status == BF_OK) {
+        metrics_set(METRICS_STORE_SUMS, 0, store__has_page_sums(s->writer.db));
         store__take_reserve(s);
         status = store__start_threads(s, err);
     }

@@ -3,7 +3,7 @@
 // is there, what was not leaves nothing behind, and afterwards all goes on.
 
 #include "tests/unit/server/helper_fault.h"
-#include "tests/unit/server/helper_store.h"
+#include "tests/unit/server/helper_golden.h"
 
 #include "server/base/file_io.h"
 #include "server/base/log.h"
@@ -105,27 +105,30 @@ ssize_t write_at(int fd, const void *bytes, size_t n, off_t at)
 typedef bf_status act_fn(helper_store *h, bf_error *err);
 typedef void check_fn(helper_store *h, bf_status status);
 
-// Returns how many calls there were without a fault.
+// With every step-th n. Returns how many calls there were without a fault, to a step.
+static size_t fail_some(helper_store *h, size_t step, int error, act_fn *act, check_fn *check)
+{
+    bool is_reached = true;
+    size_t n = 1;
+
+    for (; is_reached; n += step) {
+        bf_error err = { 0 };
+        helper_fault_plan(n, error);
+        const bf_status status = act(h, &err);
+        is_reached = helper_fault_calls() >= n;
+        helper_fault_plan(0, 0);
+        if (status != BF_OK && status != BF_ESYSTEM && status != BF_ENOSPACE)
+            fail_msg("call %zu, status %d: %s", n, (int)status, err.text);
+        assert_true(status == BF_OK || (is_reached && err.text[0] != '\0'));
+        check(h, status);
+    }
+    return n - 2 * step;
+}
+
 static size_t fail_each(helper_store *h, act_fn *act, check_fn *check)
 {
-    static const int errors[] = { ENOSPC, EIO };
-    size_t n = 0;
-
-    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
-        bool is_reached = true;
-        for (n = 1; is_reached; n++) {
-            bf_error err = { 0 };
-            helper_fault_plan(n, errors[i]);
-            const bf_status status = act(h, &err);
-            is_reached = helper_fault_calls() >= n;
-            helper_fault_plan(0, 0);
-            if (status != BF_OK && status != BF_ESYSTEM && status != BF_ENOSPACE)
-                fail_msg("call %zu, status %d: %s", n, (int)status, err.text);
-            assert_true(status == BF_OK ? is_reached || n > 1 : is_reached && err.text[0] != '\0');
-            check(h, status);
-        }
-    }
-    return n - 2;
+    (void)fail_some(h, 1, ENOSPC, act, check);
+    return fail_some(h, 1, EIO, act, check);
 }
 
 static size_t count_files(const char *directory, const char *prefix)
@@ -372,6 +375,25 @@ static void a_store_opens_or_says_why_not(void **state)
     assert_true(fail_each(h, open_store, check_reserve) > 10);
 }
 
+// One without checksums, which a start writes anew.
+static void check_old_store(helper_store *h, bf_status status)
+{
+    (void)status;
+    helper_store_open(h);
+    assert_int_equal(helper_store_sql(h, "SELECT count(*) FROM runs"), 6);
+    assert_int_equal(count_files(h->directory, "beltflow.db.new"), 0);
+    helper_golden_put(h, 4);
+}
+
+static void an_old_store_is_converted_or_stays(void **state)
+{
+    helper_store *h = *state;
+
+    helper_golden_put(h, 4);
+    // Most calls write one page after the other.
+    assert_true(fail_some(h, 9, EIO, open_store, check_old_store) > 100);
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -383,6 +405,7 @@ int main(void)
         STORE_TEST(a_file_that_is_replaced_is_the_old_or_the_new_one),
         STORE_TEST(results_have_a_summary_only_where_they_are_complete),
         STORE_TEST(a_store_opens_or_says_why_not),
+        STORE_TEST(an_old_store_is_converted_or_stays),
     };
     log_set_level(LOG_LEVEL_ERROR);
     return cmocka_run_group_tests(tests, NULL, NULL);
