@@ -49,8 +49,8 @@
     X(request_threads, NUMBER, "8", 1, 256, RESTART,                                               \
       "threads for requests that write to the store")                                              \
     X(connections, NUMBER, "1200", 8, 100000, RESTART, "connections at once")                      \
-    X(connections_per_address, NUMBER, "0", 0, 100000, RESTART,                                    \
-      "of them from one address; 0: no limit")                                                     \
+    X(connections_per_address, NUMBER, "300", 0, 100000, RESTART,                                  \
+      "of them from one client; 0: no limit")                                                      \
     X(streams, NUMBER, "1000", 1, 100000, RELOAD, "event streams at once")                         \
     X(downloads, NUMBER, "16", 1, 10000, RELOAD, "results.zip that are sent at once")              \
     X(waits, NUMBER, "1000", 0, 100000, RELOAD, "requests that wait for a run at once")            \

@@ -136,6 +136,29 @@ static http_client describe(const uint8_t *key)
     return client;
 }
 
+// False: of another family than IPv4 and IPv6.
+static bool read_peer(const struct sockaddr *peer, uint8_t *ret_key)
+{
+    if (peer->sa_family == AF_INET)
+        map_ipv4(&((const struct sockaddr_in *)(const void *)peer)->sin_addr, ret_key);
+    else if (peer->sa_family == AF_INET6)
+        memcpy(ret_key, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr,
+               HTTP_CLIENT_KEY_SIZE);
+    return peer->sa_family == AF_INET || peer->sa_family == AF_INET6;
+}
+
+bool http_client_of_connection(const struct sockaddr *peer, const http_proxies *proxies,
+                               uint8_t *ret_key)
+{
+    uint8_t key[HTTP_CLIENT_KEY_SIZE];
+
+    if (!read_peer(peer, key) || is_proxy(proxies, key))
+        return false;
+    const http_client client = describe(key);
+    memcpy(ret_key, client.key, sizeof client.key);
+    return !client.is_local;
+}
+
 http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
                              bool is_forwarded_otherwise, const http_proxies *proxies)
 {
@@ -143,11 +166,7 @@ http_client http_client_find(const struct sockaddr *peer, const char *forwarded,
     uint8_t key[HTTP_CLIENT_KEY_SIZE], before[HTTP_CLIENT_KEY_SIZE];
     bool is_for_another = forwarded != NULL || is_forwarded_otherwise;
 
-    if (peer->sa_family == AF_INET)
-        map_ipv4(&((const struct sockaddr_in *)(const void *)peer)->sin_addr, key);
-    else if (peer->sa_family == AF_INET6)
-        memcpy(key, &((const struct sockaddr_in6 *)(const void *)peer)->sin6_addr, sizeof key);
-    else
+    if (!read_peer(peer, key))
         return (http_client){ .text = "local", .is_local = true };
     while (n > 0 && is_proxy(proxies, key) && take_last(forwarded, &n, before)) {
         memcpy(key, before, sizeof key);

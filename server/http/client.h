@@ -42,6 +42,11 @@ typedef struct http_client {
 BF_MUST_CHECK bf_status http_client_read_proxies(const char *list, http_proxies *ret_proxies,
                                                  bf_error *err);
 
+/// Whose connection it is, for a limit of each client's connections. False: no such limit holds, as for clients on this
+/// machine, and for trusted proxies, whose connections are those of many.
+bool http_client_of_connection(const struct sockaddr *peer, const http_proxies *proxies,
+                               uint8_t *ret_key);
+
 /// The client behind a connection from peer whose request has this X-Forwarded-For (NULL: none), and
 /// perhaps another forwarding header. A peer of another family than IPv4 and IPv6 is local.
 http_client http_client_find(const struct sockaddr *peer, const char *forwarded,

@@ -29,6 +29,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -66,7 +67,20 @@ static void unlink_connection(http *h, http_connection *c)
     *(c->next == NULL ? &h->last_connection : &c->next->previous) = c->previous;
 }
 
-http_connection *http__connection_open(http *h, int fd)
+// True if its client has more connections with it than one may have.
+static bool is_one_too_many(const http *h, const http_connection *opened)
+{
+    unsigned n = 0;
+
+    lock_assert_held(&h->lock);
+    if (h->options.per_address_limit == 0 || !opened->has_key)
+        return false;
+    for (const http_connection *c = h->connections; c != NULL; c = c->next)
+        n += c->has_key && memcmp(c->key, opened->key, sizeof c->key) == 0;
+    return n > h->options.per_address_limit;
+}
+
+http_connection *http__connection_open(http *h, int fd, const struct sockaddr *peer)
 {
     http_connection *c = memory_alloc(1, sizeof *c);
 
@@ -74,6 +88,7 @@ http_connection *http__connection_open(http *h, int fd)
         return NULL;
     c->server = h;
     c->fd = fd;
+    c->has_key = http_client_of_connection(peer, &h->proxies, c->key);
     c->framing.body_limit = h->options.body_limit;
     if (!http__recv_begin(c)) {
         memory_free(c);
@@ -84,6 +99,8 @@ http_connection *http__connection_open(http *h, int fd)
     lock_acquire(&h->lock);
     c->idle_since_ms = clock_monotonic_ms();
     link_first(h, c);
+    if (is_one_too_many(h, c))
+        (void)shutdown(fd, SHUT_RDWR);
     if (h->n_connections++ == 0)
         lock_wake_all(&h->changed);
     lock_release(&h->lock);

@@ -66,9 +66,11 @@ static void on_connection(void *context, struct MHD_Connection *mhd, void **conn
         http__connection_close(*connection);
         return;
     }
-    const union MHD_ConnectionInfo *info =
+    const union MHD_ConnectionInfo *fd =
         MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_CONNECTION_FD);
-    *connection = http__connection_open(context, info->connect_fd);
+    const union MHD_ConnectionInfo *peer =
+        MHD_get_connection_info(mhd, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    *connection = http__connection_open(context, fd->connect_fd, peer->client_addr);
 }
 
 static void on_message(void *context, const char *format, va_list arguments)
@@ -197,8 +199,6 @@ static bf_status start_daemon(http *h, bf_error *err)
     add_option(items, MHD_OPTION_THREAD_STACK_SIZE, STACK_SIZE);
     if (h->options.n_threads > 1)
         add_option(items, MHD_OPTION_THREAD_POOL_SIZE, h->options.n_threads);
-    if (h->options.per_address_limit > 0)
-        add_option(items, MHD_OPTION_PER_IP_CONNECTION_LIMIT, h->options.per_address_limit);
     h->daemon = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, h, MHD_OPTION_EXTERNAL_LOGGER, on_message, h,
         MHD_OPTION_URI_LOG_CALLBACK, on_target, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, h,

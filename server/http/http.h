@@ -27,7 +27,7 @@ typedef struct http_options {
     unsigned n_threads;           ///< epoll threads, >= 1
     unsigned n_request_threads;   ///< requests that may block, at once, >= 1
     unsigned connection_limit;    ///< connections at once
-    unsigned per_address_limit;   ///< of them from one address; 0: no limit
+    unsigned per_address_limit;   ///< of them of one client that is not local; 0: no limit
     const char *cors_origins;     ///< pages that may read answers, see http_cors.h; NULL: none
     const char *hosts; ///< names that requests may be sent to, see listen.h; NULL: none more
     const char *trusted_proxies;  ///< addresses whose X-Forwarded-For is trusted; NULL: none

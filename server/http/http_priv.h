@@ -33,7 +33,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
 
 struct MHD_Connection;
 struct MHD_Daemon;
@@ -47,11 +46,13 @@ enum {
 
 /// A connection's socket, from accept to close.
 typedef struct http_connection {
-    struct http_connection *previous; ///< in http.connections
-    struct http_connection *next;     ///< in http.connections
-    http *server;                     ///< whose
-    int fd;                           ///< MHD's socket; valid while in the list
-    http_framing framing;             ///< of what is received, by the thread that receives it
+    struct http_connection *previous;  ///< in http.connections
+    struct http_connection *next;      ///< in http.connections
+    http *server;                      ///< whose
+    int fd;                            ///< MHD's socket; valid while in the list
+    bool has_key;                      ///< it counts among those of a client:
+    uint8_t key[HTTP_CLIENT_KEY_SIZE]; ///< of this one
+    http_framing framing;              ///< of what is received, by the thread that receives it
     http_request *request;   ///< its header is complete, and it has not ended; by that thread
     unsigned n_begun;        ///< headers that MHD read; by that thread
     int64_t deadline_ms;     ///< shut down then (clock_monotonic_ms()); -1: never
@@ -157,12 +158,12 @@ void http__recv_end(const http_connection *c);
 
 // connection.c
 
-/// A new connection (NULL: no memory, or too many descriptors), in the list, with the deadline for its first header.
-http_connection *http__connection_open(http *h, int fd);
+/// A new connection (NULL: no memory, or too many descriptors), in the list, with the deadline for its first header;
+/// shut down if it is one too many of its client's.
+http_connection *http__connection_open(http *h, int fd, const struct sockaddr *peer);
 
 /// Take a connection out of the list and free it; its socket is still open. NULL is fine.
 void http__connection_close(http_connection *c);
-
 /// The connection has a request with a complete header from now on, or is idle again.
 void http__connection_occupy(http_connection *c, bool has_request);
 
@@ -174,7 +175,6 @@ bool http__connection_is_reserved(const http_connection *c);
 
 /// True if the client sends no more, or the connection is broken.
 bool http__connection_has_hung_up(int fd);
-
 /// True if the connection is broken: nothing can be sent either.
 bool http__connection_is_broken(int fd);
 

@@ -14,15 +14,21 @@
 
 #include <cmocka.h>
 
-int client_connect(unsigned port)
+int client_connect_to(struct in_addr host, unsigned port)
 {
-    struct sockaddr_in address = { .sin_family = AF_INET, .sin_port = htons((uint16_t)port) };
+    const struct sockaddr_in address = { .sin_family = AF_INET,
+                                         .sin_port = htons((uint16_t)port),
+                                         .sin_addr = host };
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     assert_true(fd >= 0);
     assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
     return fd;
+}
+
+int client_connect(unsigned port)
+{
+    return client_connect_to((struct in_addr){ htonl(INADDR_LOOPBACK) }, port);
 }
 
 bool client_send_bytes(int fd, const void *bytes, size_t n)

@@ -4,12 +4,14 @@
 
 #include "core/base/buffer.h"
 
+#include <netinet/in.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/// Connect to a port of 127.0.0.1. Returns the socket; fails the test if it cannot.
+/// Connect to a port of 127.0.0.1, or of another address. Returns the socket; fails the test if it cannot.
 int client_connect(unsigned port);
+int client_connect_to(struct in_addr host, unsigned port);
 
 /// Send n bytes, or a text. False: the other side does not take them any more.
 bool client_send_bytes(int fd, const void *bytes, size_t n);

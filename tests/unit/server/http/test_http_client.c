@@ -29,6 +29,19 @@ static http_client find_of(const char *peer, const char *forwarded, bool is_forw
     return http_client_find((struct sockaddr *)&v6, forwarded, is_forwarded_otherwise, &proxies);
 }
 
+static bool count_as(const char *peer, const char *list, uint8_t *ret_key)
+{
+    struct sockaddr_in v4 = { .sin_family = AF_INET };
+    struct sockaddr_in6 v6 = { .sin6_family = AF_INET6 };
+    http_proxies proxies;
+
+    assert_int_equal(http_client_read_proxies(list, &proxies, NULL), BF_OK);
+    if (inet_pton(AF_INET, peer, &v4.sin_addr) == 1)
+        return http_client_of_connection((struct sockaddr *)&v4, &proxies, ret_key);
+    assert_int_equal(inet_pton(AF_INET6, peer, &v6.sin6_addr), 1);
+    return http_client_of_connection((struct sockaddr *)&v6, &proxies, ret_key);
+}
+
 static http_client find(const char *peer, const char *forwarded, const char *list)
 {
     return find_of(peer, forwarded, false, list);
@@ -139,9 +152,38 @@ static void settings_are_addresses_and_networks(void **state)
     assert_int_equal(proxies.n, 2);
 }
 
+static void connections_are_counted_by_client(void **state)
+{
+    static const struct {
+        const char *peer, *proxies;
+        bool is_counted;
+        const char *same; // counts as the same client
+    } cases[] = {
+        { "203.0.113.7", "10.0.0.1", true, "203.0.113.7" },
+        { "2001:db8:1:2:3:4:5:6", "", true, "2001:db8:1:2::1" },
+        { "10.0.0.1", "10.0.0.0/8", false, NULL },
+        { "127.0.0.1", "", false, NULL },
+        { "::1", "", false, NULL },
+        { "::ffff:127.0.0.1", "", false, NULL },
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        uint8_t key[HTTP_CLIENT_KEY_SIZE], same[HTTP_CLIENT_KEY_SIZE];
+        assert_int_equal(count_as(cases[i].peer, cases[i].proxies, key), cases[i].is_counted);
+        if (cases[i].same == NULL)
+            continue;
+        assert_true(count_as(cases[i].same, cases[i].proxies, same));
+        assert_memory_equal(key, same, sizeof key);
+        assert_true(count_as("203.0.113.8", cases[i].proxies, same));
+        assert_memory_not_equal(key, same, sizeof key);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(connections_are_counted_by_client),
         cmocka_unit_test(the_client_is_found),
         cmocka_unit_test(who_is_on_this_machine_is_local),
         cmocka_unit_test(a_proxy_on_this_machine_that_is_not_trusted_is_one_client),
