@@ -1,16 +1,15 @@
 // The page's files, as the daemon gives them.
 
 import assert from "node:assert/strict";
-import { existsSync, readFileSync, readdirSync, statSync } from "node:fs";
+import { readFileSync, readdirSync, statSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { runProgram } from "./processes.mjs";
-import { binaries, temporaryFolder } from "./setup.mjs";
+import { hasPage, temporaryFolder, web } from "./setup.mjs";
 
-const built = path.join(binaries, "../web");
-const needsPage = { skip: !existsSync(built) && "the page was not built: npm is not there" };
+const needsPage = { skip: !hasPage && "the page was not built" };
 
 test("the page and what it needs come from the daemon, with their types", needsPage, async (t) => {
   const d = await daemon(t);
@@ -22,13 +21,13 @@ test("the page and what it needs come from the daemon, with their types", needsP
     const answer = await d.get(target);
     assert.equal(answer.status, 200, target);
     assert.match(answer.headers["content-type"], type);
-    assert.equal(answer.text, readFileSync(path.join(built, file), "utf8"));
+    assert.equal(answer.text, readFileSync(path.join(web, file), "utf8"));
   }
 });
 
 test("the page is smaller than 150 kB, compressed", needsPage, () => {
-  const packed = readdirSync(built).filter((name) => name.endsWith(".gz"));
-  const sizes = packed.map((name) => statSync(path.join(built, name)).size);
+  const packed = readdirSync(web).filter((name) => name.endsWith(".gz"));
+  const sizes = packed.map((name) => statSync(path.join(web, name)).size);
   assert.ok(packed.includes("main.js.gz"));
   assert.ok(sizes.reduce((sum, size) => sum + size, 0) < 150_000, String(sizes));
 });

@@ -9,8 +9,9 @@ import test from "node:test";
 
 import { daemon } from "./daemon.mjs";
 import { endless, jam, tiny } from "./scenarios.mjs";
-import { until, within } from "./setup.mjs";
+import { hasPage, until, within } from "./setup.mjs";
 
+const page = hasPage ? ["/"] : [];
 const someone = { "x-forwarded-for": "198.51.100.1" };
 
 async function solved(d, scenario = tiny()) {
@@ -29,7 +30,7 @@ function post(d, scenario, headers = {}) {
 test("fetch and curl read encoded text as it is", async (t) => {
   const d = await daemon(t);
   const run = await solved(d, jam(1, { curve_every_s: 0.01, snapshot_every_s: 0.5 }));
-  for (const target of [`/v1/runs/${run.id}/curve`, `/v1/runs/${run.id}/curve?format=csv`, `/v1/runs/${run.id}/scenario`, "/"]) {
+  for (const target of [`/v1/runs/${run.id}/curve`, `/v1/runs/${run.id}/curve?format=csv`, `/v1/runs/${run.id}/scenario`, ...page]) {
     const plain = await d.get(target);
     assert.equal(plain.headers["content-encoding"], undefined);
     const fetched = await fetch(new URL(target, d.url), { headers: { "accept-encoding": "gzip" } });
@@ -66,7 +67,7 @@ test("what a client has is not sent again, and not changed in another state", as
   const run = await solved(d);
   const base = `/v1/runs/${run.id}`;
   const targets = ["", "/scenario", "/summary", "/curve", "/snapshots", "/snapshots/0"].map((part) => base + part);
-  for (const target of [...targets, "/v1/runs", "/v1/examples", "/v1/examples/example-1", "/version", "/"]) {
+  for (const target of [...targets, "/v1/runs", "/v1/examples", "/v1/examples/example-1", "/version", ...page]) {
     for (const encoding of ["identity", "gzip"]) {
       const headers = { "accept-encoding": encoding };
       const first = await d.get(target, headers);

@@ -1,6 +1,6 @@
 // Where things are, how long a story waits, and how it waits.
 
-import { mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { setTimeout as sleep } from "node:timers/promises";
@@ -9,6 +9,9 @@ import { fileURLToPath } from "node:url";
 export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 export const binaries = process.env.BELTFLOW_BIN_DIR ?? path.join(root, "build/release/bin");
 export const packages = process.env.BELTFLOW_NPM_DIR ?? path.join(root, "build/release/tests-npm");
+// The page's folder. It is not built without npm nor under the sanitizers.
+export const web = path.join(binaries, "../web");
+export const hasPage = existsSync(web);
 export const isSanitized = process.env.BELTFLOW_SANITIZED === "1";
 
 // How long anything may take before a story fails, ms. Generous: it only ends what hangs.
