@@ -96,7 +96,7 @@ static void average_explicit(helper_outflow *e, double *ret_u)
 
     memset(ret_u, 0, sizeof u);
     e->def.integrator = MICRO_VERLET;
-    e->def.dt = 1e-5;
+    e->def.dt = 2e-5;
     for (int run = 0; run < EXPLICIT_RUNS; run++) {
         for (int k = 0; k < HELPER_OUTFLOW_PARTS; k++)
             e->poses[k].y += 1e-6 * run * ((7 * k + 3 * run) % 5 - 2) / 5.0;
