@@ -92,7 +92,9 @@ static bf_status read_numbers(array_file *file, const api_services *services, ui
                               size_t limit, bf_buffer *out, bf_error *err)
 {
     const size_t size = file->item_size, n_before = out->n, n_extra = (size_t)(at % size);
-    const size_t n_wanted = (limit + n_extra + size - 1) / size * size;
+    const uint64_t left = file->slices.n - at;
+    const size_t n_wanted =
+        ((left < limit ? (size_t)left : limit) + n_extra + size - 1) / size * size;
 
     bf_status status =
         services->read_slice(services->context, &file->slices, at - n_extra, n_wanted, out, err);

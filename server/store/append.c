@@ -41,7 +41,8 @@ static bf_buffer *compressed_checkpoint(const append_context *context)
     return &context->compressed[2 * context->batch->n];
 }
 
-static bf_status pack_item(const append_context *context, size_t i, bf_error *err)
+static bf_status pack_item(const append_context *context, size_t i, store__packer *packer,
+                           bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
     bf_status status = BF_OK;
@@ -49,9 +50,11 @@ static bf_status pack_item(const append_context *context, size_t i, bf_error *er
     if (item->type != API_EVENT_SNAPSHOT)
         return BF_OK;
     if (item->rho.n > 0)
-        status = store__pack(item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
+        status =
+            store__pack(packer, item->rho.bytes, item->rho.n, compressed_grid(context, i), err);
     if (status == BF_OK && item->parts.n > 0)
-        status = store__pack(item->parts.bytes, item->parts.n, compressed_parts(context, i), err);
+        status = store__pack(packer, item->parts.bytes, item->parts.n, compressed_parts(context, i),
+                             err);
     return status;
 }
 
@@ -59,13 +62,15 @@ static bf_status pack_item(const append_context *context, size_t i, bf_error *er
 static bf_status pack_all(append_context *context, bf_error *err)
 {
     const store_batch *batch = context->batch;
-    bf_status status = BF_OK;
+    store__packer *packer = store__packer_create();
+    bf_status status = packer == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
 
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
-        status = pack_item(context, i, err);
+        status = pack_item(context, i, packer, err);
     if (status == BF_OK && batch->checkpoint != NULL)
-        status = store__pack(batch->checkpoint, batch->n_checkpoint, compressed_checkpoint(context),
-                             err);
+        status = store__pack(packer, batch->checkpoint, batch->n_checkpoint,
+                             compressed_checkpoint(context), err);
+    store__packer_destroy(packer);
     return status;
 }
 

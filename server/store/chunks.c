@@ -46,27 +46,35 @@ static bool reserve_slices(size_t n, bf_buffer *out)
     return buffer_reserve(out, room) != NULL;
 }
 
-bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err)
+store__packer *store__packer_create(void)
 {
-    ZSTD_CCtx *context = reserve_slices(n, out) ? ZSTD_createCCtx() : NULL;
-    bf_status status = BF_OK;
+    ZSTD_CCtx *context = ZSTD_createCCtx();
 
     if (context == NULL)
-        return fail_memory(err);
-    size_t code = ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL);
-    // The checksum detects damage of the file after the solver wrote it.
-    if (!ZSTD_isError(code))
-        code = ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
-    if (ZSTD_isError(code))
-        status = store__fail_zstd(code, BF_ESYSTEM, err);
+        return NULL;
+    // Both are valid. The checksum detects damage of the file after the solver wrote it.
+    BF_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, LEVEL)));
+    BF_CHECK(!ZSTD_isError(ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1)));
+    return context;
+}
+
+void store__packer_destroy(store__packer *packer)
+{
+    ZSTD_freeCCtx(packer);
+}
+
+bf_status store__pack(store__packer *packer, const void *bytes, size_t n, bf_buffer *out,
+                      bf_error *err)
+{
+    bf_status status = reserve_slices(n, out) ? BF_OK : fail_memory(err);
     size_t at = 0;
+
     do {
         size_t n_slice = n - at < STORE__SLICE_BYTES ? n - at : STORE__SLICE_BYTES;
         if (status == BF_OK)
-            status = compress(context, (const char *)bytes + at, n_slice, out, err);
+            status = compress(packer, (const char *)bytes + at, n_slice, out, err);
         at += n_slice;
     } while (status == BF_OK && at < n);
-    ZSTD_freeCCtx(context);
     return status;
 }
 
@@ -107,6 +115,11 @@ bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *e
     out->n += got;
     out->bytes[out->n] = '\0';
     return BF_OK;
+}
+
+static bf_status fail_missing(bf_error *err)
+{
+    return bf_fail(err, BF_ECORRUPT, "", "a part of stored bytes is missing");
 }
 
 static bf_status insert_chunk(store__connection *writer, const int64_t key[4], const char *bytes,
@@ -164,16 +177,21 @@ bf_status store__insert_chunks(store__connection *writer, int64_t results, store
 bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind, uint64_t item,
                             bf_buffer *out, bf_error *err)
 {
+    const size_t before = out->n;
     bool has_row = true;
     bf_status status = BF_OK;
 
     store__query q = begin_blob(c, STORE__SQL_LIST_CHUNKS, results, kind, item);
-    while (status == BF_OK && has_row) {
+    for (int64_t part = 0; status == BF_OK && has_row; part++) {
         status = store__next(&q, &has_row, err);
-        if (status == BF_OK && has_row)
+        if (status == BF_OK && has_row && sqlite3_column_int64(q.statement, 1) != part)
+            status = fail_missing(err);
+        else if (status == BF_OK && has_row)
             status = store__column_bytes(&q, 0, out, err);
     }
     store__end(&q);
+    if (status != BF_OK)
+        buffer_truncate(out, before);
     return status;
 }
 
@@ -189,7 +207,7 @@ bf_status store__get_chunk(store__connection *c, int64_t results, store__blob ki
         status = store__column_bytes(&q, 0, out, err);
     store__end(&q);
     if (status == BF_OK && !has_row)
-        return bf_fail(err, BF_ECORRUPT, "", "a part of a stored snapshot is missing");
+        return fail_missing(err);
     return status;
 }
 

@@ -21,8 +21,16 @@ typedef enum store__blob {
 /// Blobs of stores before this are one frame, cut into rows.
 #define STORE__SLICE_BYTES FRAME_SLICE_BYTES
 
+/// What compresses, again and again; zstd's.
+typedef struct ZSTD_CCtx_s store__packer;
+
+/// Create one. NULL: no memory.
+store__packer *store__packer_create(void);
+void store__packer_destroy(store__packer *packer);
+
 /// Append bytes, compressed, to *out: one frame for each slice of them.
-BF_MUST_CHECK bf_status store__pack(const void *bytes, size_t n, bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status store__pack(store__packer *packer, const void *bytes, size_t n,
+                                    bf_buffer *out, bf_error *err);
 
 /// Append what was compressed to *out. BF_ECORRUPT: damaged.
 BF_MUST_CHECK bf_status store__unpack(const bf_buffer *compressed, bf_buffer *out, bf_error *err);
@@ -33,7 +41,7 @@ BF_MUST_CHECK bf_status store__insert_chunks(store__connection *writer, int64_t 
                                              store__blob kind, uint64_t item, uint64_t at,
                                              const bf_buffer *compressed, bf_error *err);
 
-/// Append the chunks of a compressed blob to *out; nothing if there is none.
+/// Append the chunks of a compressed blob to *out; nothing if there is none. BF_ECORRUPT: one is missing before others.
 BF_MUST_CHECK bf_status store__get_chunks(store__connection *c, int64_t results, store__blob kind,
                                           uint64_t item, bf_buffer *out, bf_error *err);
 

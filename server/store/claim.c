@@ -35,6 +35,17 @@ static bf_status read_texts(store__connection *reader, const store__row *row, st
                : store__get_text(reader, row->rowid, STORE__TEXT_COLUMNS, &job->columns, err);
 }
 
+// A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
+// again from t = 0.
+static bf_status begin_again_if_damaged(bf_status status, store_job *job)
+{
+    if (status != BF_ECORRUPT)
+        return status;
+    log_event(LOG_LEVEL_WARN, "checkpoint_damaged", "run=%s", job->run.id);
+    job->step = 0;
+    return BF_OK;
+}
+
 static bf_status read_next(const store *s, store__connection *reader, store_job *job,
                            bf_buffer *compressed, bf_error *err)
 {
@@ -46,20 +57,8 @@ static bf_status read_next(const store *s, store__connection *reader, store_job 
     if (status != BF_OK)
         return status;
     job->step = row.checkpoint_step;
-    return store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, compressed, err);
-}
-
-// A damaged checkpoint costs the run its progress, not the queue behind it its turn: the run starts
-// again from t = 0.
-static bf_status unpack_checkpoint(const bf_buffer *compressed, store_job *job, bf_error *err)
-{
-    bf_status status = store__unpack(compressed, &job->checkpoint, err);
-
-    if (status != BF_ECORRUPT)
-        return status;
-    log_event(LOG_LEVEL_WARN, "checkpoint_damaged", "run=%s", job->run.id);
-    job->step = 0;
-    return BF_OK;
+    status = store__get_chunks(reader, row.results, STORE__BLOB_CHECKPOINT, 0, compressed, err);
+    return begin_again_if_damaged(status, job);
 }
 
 static bf_status peek_next(store *s, store_job *job, bf_error *err)
@@ -73,7 +72,7 @@ static bf_status peek_next(store *s, store_job *job, bf_error *err)
     status = read_next(s, reader, job, &compressed, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && compressed.n > 0)
-        status = unpack_checkpoint(&compressed, job, err);
+        status = begin_again_if_damaged(store__unpack(&compressed, &job->checkpoint, err), job);
     buffer_fini(&compressed);
     return status;
 }

@@ -334,19 +334,15 @@ static bf_status unpack(reading *r, bf_buffer *out, bf_error *err)
     const size_t row = r->row.run.parts.n_values * sizeof(double);
     const bool is_parts = r->kind == STORE__BLOB_PARTS;
     const bool is_fed = is_parts && frame_has_ids(r->row.run.parts.n_values);
-    size_t n =
-        is_parts ? r->row.run.parts.n_parts * row : grid_cells(&r->row.run.grid) * sizeof(float);
-    size_t before = out->n;
+    const size_t before = out->n;
 
     // No rows are no blob.
     bf_status status = BF_OK;
     if (r->compressed.n > 0 || !is_fed)
         status = store__unpack(&r->compressed, out, err);
-    if (is_fed) {
+    if (is_fed)
         r->row.run.parts.n_parts = (out->n - before) / row;
-        n = r->row.run.parts.n_parts * row;
-    }
-    if (status == BF_OK && out->n - before != n) {
+    if (status == BF_OK && out->n - before != store__array_bytes(&r->row.run, r->kind)) {
         out->n = before;
         status = bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not have its size");
     }

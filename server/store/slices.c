@@ -8,7 +8,7 @@
 #include "core/base/memory.h"
 #include "core/run/frame.h"
 
-#include <stdio.h>
+#include <string.h>
 #include <zstd.h>
 
 enum {
@@ -63,9 +63,10 @@ static bf_status read_chunks(store__connection *reader, const slices *r, ends *e
     return status;
 }
 
-static bf_status read_ends(store__connection *reader, slices *r, ends *e, bf_error *err)
+static bf_status read_ends(store__connection *reader, slices *r, const char *id, ends *e,
+                           bf_error *err)
 {
-    bf_status status = store__find_row(reader, r->id, &e->row, err);
+    bf_status status = store__find_row(reader, id, &e->row, err);
     if (status == BF_OK && r->kind == STORE__BLOB_PARTS && e->row.run.parts.n_values == 0)
         return bf_fail(err, BF_ENOTFOUND, "", "the run has no parts: its model is %s",
                        run_model_words[e->row.run.model]);
@@ -77,75 +78,82 @@ static bf_status read_ends(store__connection *reader, slices *r, ends *e, bf_err
     return read_chunks(reader, r, e, err);
 }
 
-static uint64_t content_size(const bf_buffer *chunk)
+static bf_status fail_damaged(bf_error *err)
 {
-    const unsigned long long n = ZSTD_getFrameContentSize(chunk->bytes, chunk->n);
-
-    return n > FRAME_PAYLOAD_MAX ? 0 : n;
+    return bf_fail(err, BF_ECORRUPT, "", "a stored snapshot is damaged");
 }
 
-// Finds how the blob is stored and its size. 0: damaged.
-static void measure(slices *r, const ends *e)
+// The size of what is in a frame; more than FRAME_PAYLOAD_MAX: it is damaged, or does not say.
+static uint64_t content_size(const bf_buffer *chunk)
 {
-    const uint64_t n_first = e->n_chunks == 0 ? 0 : content_size(&e->first);
-    const bool is_whole =
-        e->n_chunks > 0 && ZSTD_findFrameCompressedSize(e->first.bytes, e->first.n) == e->first.n;
+    return ZSTD_getFrameContentSize(chunk->bytes, chunk->n);
+}
 
+// Finds how the blob is stored and its size.
+static bf_status measure(slices *r, const ends *e, bf_error *err)
+{
+    if (e->n_chunks == 0)
+        return BF_OK;
+    const uint64_t n_first = content_size(&e->first), n_last = content_size(&e->last),
+                   n_before = e->n_chunks - 1;
     r->n = n_first;
-    if (!is_whole)
-        return;
-    r->slice = n_first;
-    if (__builtin_mul_overflow(n_first, e->n_chunks - 1, &r->n) || r->n > FRAME_PAYLOAD_MAX)
-        r->n = 0;
-    else
-        r->n += content_size(&e->last);
+    if (ZSTD_findFrameCompressedSize(e->first.bytes, e->first.n) == e->first.n) {
+        if (n_last > FRAME_PAYLOAD_MAX ||
+            (n_before > 0 && (n_first == 0 || n_before > FRAME_PAYLOAD_MAX / n_first)))
+            return fail_damaged(err);
+        r->slice = n_first;
+        r->n = n_first * n_before + n_last;
+    }
+    return r->n > FRAME_PAYLOAD_MAX ? fail_damaged(err) : BF_OK;
 }
 
 // Compares the size with that of the run; of parts in scenarios with feeds it tells their number.
-static bf_status check_size(slices *r, ends *e, bf_error *err)
+static bf_status check_size(const slices *r, ends *e, bf_error *err)
 {
     api_run *of = &e->row.run;
-    const size_t row = of->parts.n_values * sizeof(double);
 
     if (r->kind == STORE__BLOB_PARTS && frame_has_ids(of->parts.n_values))
-        of->parts.n_parts = r->n / row;
-    const uint64_t n = r->kind == STORE__BLOB_PARTS ? of->parts.n_parts * row
-                                                    : grid_cells(&of->grid) * sizeof(float);
-    if (n == r->n)
+        of->parts.n_parts = r->n / (of->parts.n_values * sizeof(double));
+    if (r->n == store__array_bytes(of, r->kind))
         return BF_OK;
     return bf_fail(err, BF_ECORRUPT, "", "a stored snapshot does not have its size");
 }
 
-static bf_status open_blob(store *s, slices *r, ends *e, bf_error *err)
+static bf_status open_blob(store *s, slices *r, const char *id, ends *e, bf_error *err)
 {
     store__connection *reader = NULL;
 
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_ends(reader, r, e, err);
+    status = read_ends(reader, r, id, e, err);
     store__release_reader(&s->pool, reader);
     if (status != BF_OK)
         return status;
-    measure(r, e);
-    return check_size(r, e, err);
+    status = measure(r, e, err);
+    return status == BF_OK ? check_size(r, e, err) : status;
 }
 
-static bf_status open_slices(store *s, const char *id, uint64_t index, store__blob kind, ends *e,
-                             api_slices *ret_slices, bf_error *err)
+// Opens an array of a snapshot, and tells the snapshot and the run's sizes.
+static bf_status open_slices(store *s, const char *id, uint64_t index, store__blob kind,
+                             api_snapshot *ret_snapshot, api_run *ret_run, api_slices *ret_slices,
+                             bf_error *err)
 {
     slices *r = memory_alloc(1, sizeof *r);
+    ends e = { .n_chunks = 0 };
 
     if (r == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     *r = (slices){ .kind = kind, .item = index };
-    (void)snprintf(r->id, sizeof r->id, "%s", id);
-    bf_status status = open_blob(s, r, e, err);
-    fini_ends(e);
+    bf_status status = open_blob(s, r, id, &e, err);
+    fini_ends(&e);
     if (status != BF_OK) {
         destroy(r);
         return status;
     }
+    memcpy(r->id, e.row.run.id, sizeof r->id);
+    *ret_snapshot = e.snapshot;
+    *ret_run = e.row.run;
     *ret_slices = (api_slices){ .n = r->n,
                                 .n_held = sizeof *r + (r->slice == 0 ? DECODER_BYTES : 0),
                                 .state = r,
@@ -156,26 +164,24 @@ static bf_status open_slices(store *s, const char *id, uint64_t index, store__bl
 bf_status store_open_snapshot(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
                               bf_grid *ret_grid, api_slices *ret_slices, bf_error *err)
 {
-    ends e = { .n_chunks = 0 };
+    api_run of;
 
-    bf_status status = open_slices(s, id, index, STORE__BLOB_SNAPSHOT, &e, ret_slices, err);
-    if (status == BF_OK) {
-        *ret_snapshot = e.snapshot;
-        *ret_grid = e.row.run.grid;
-    }
+    bf_status status =
+        open_slices(s, id, index, STORE__BLOB_SNAPSHOT, ret_snapshot, &of, ret_slices, err);
+    if (status == BF_OK)
+        *ret_grid = of.grid;
     return status;
 }
 
 bf_status store_open_parts(store *s, const char *id, uint64_t index, api_snapshot *ret_snapshot,
                            api_parts *ret_parts, api_slices *ret_slices, bf_error *err)
 {
-    ends e = { .n_chunks = 0 };
+    api_run of;
 
-    bf_status status = open_slices(s, id, index, STORE__BLOB_PARTS, &e, ret_slices, err);
-    if (status == BF_OK) {
-        *ret_snapshot = e.snapshot;
-        *ret_parts = e.row.run.parts;
-    }
+    bf_status status =
+        open_slices(s, id, index, STORE__BLOB_PARTS, ret_snapshot, &of, ret_slices, err);
+    if (status == BF_OK)
+        *ret_parts = of.parts;
     return status;
 }
 
@@ -202,9 +208,12 @@ static void forget_decoder(slices *r)
     r->decoder = NULL;
 }
 
-static bf_status fail_damaged(bf_error *err)
+// True if a row of one slice says that it has as many bytes as belong there, to which its decoder then keeps.
+static bool is_slice(const slices *r, const bf_buffer *row)
 {
-    return bf_fail(err, BF_ECORRUPT, "", "a stored snapshot is damaged");
+    const uint64_t left = r->n - r->at;
+
+    return content_size(row) == (left < r->slice ? left : r->slice);
 }
 
 // Decodes what is left of a row, or as much as *to takes. Moves on behind it.
@@ -214,6 +223,8 @@ static bf_status decode_row(slices *r, const bf_buffer *row, ZSTD_outBuffer *to,
     const size_t n_before = to->pos;
     bool has_moved = true;
 
+    if (r->decoder == NULL && r->slice > 0 && !is_slice(r, row))
+        return fail_damaged(err);
     if (r->decoder == NULL && (r->decoder = ZSTD_createDStream()) == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     while (has_moved && r->decoder != NULL && from.pos < from.size) {

@@ -3,32 +3,37 @@
 
 #include "server/store/store_priv.h"
 
-static bf_status check_parts(const api_parts *parts, const store_item *item, bf_error *err)
+uint64_t store__array_bytes(const api_run *record, store__blob kind)
 {
-    const uint64_t row = parts->n_values * sizeof(double), n = item->parts_at + item->parts.n;
-    uint64_t bytes = 0;
+    const bool is_parts = kind == STORE__BLOB_PARTS;
+    const size_t size = is_parts ? sizeof(double) : sizeof(float);
+    uint64_t n = 0;
 
-    if (frame_has_ids(parts->n_values))
-        bytes = n / row * row;
-    else if (__builtin_mul_overflow(parts->n_parts, row, &bytes))
-        bytes = UINT64_MAX;
-    if (bytes != n)
-        return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %llu bytes",
-                       (unsigned long long)parts->n_parts, parts->n_values, (unsigned long long)n);
-    return BF_OK;
+    const bool is_vast =
+        is_parts ? __builtin_mul_overflow(record->parts.n_parts, record->parts.n_values, &n)
+                 : __builtin_mul_overflow(record->grid.n1, record->grid.n2, &n);
+    return is_vast || n > FRAME_PAYLOAD_MAX / size ? UINT64_MAX : n * size;
 }
 
-// The sizes of a snapshot that is complete with this item.
-static bf_status check_snapshot(const store__row *row, const store_item *item, bf_error *err)
+static bf_status check_parts(const api_run *record, uint64_t n, bf_error *err)
 {
-    const uint64_t n = item->rho_at + item->rho.n;
-    uint64_t bytes = 0;
+    const api_parts *parts = &record->parts;
+    const bool fits = frame_has_ids(parts->n_values)
+                          ? n % (parts->n_values * sizeof(double)) == 0
+                          : n == store__array_bytes(record, STORE__BLOB_PARTS);
 
-    if (__builtin_mul_overflow(row->run.grid.n1, row->run.grid.n2, &bytes) ||
-        __builtin_mul_overflow(bytes, sizeof(float), &bytes) || bytes != n)
-        return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %llu bytes",
-                       row->run.grid.n1, row->run.grid.n2, (unsigned long long)n);
-    return check_parts(&row->run.parts, item, err);
+    if (fits)
+        return BF_OK;
+    return bf_fail(err, BF_ECORRUPT, "", "%llu parts of %u values came as %llu bytes",
+                   (unsigned long long)parts->n_parts, parts->n_values, (unsigned long long)n);
+}
+
+static bf_status check_density(const api_run *record, uint64_t n, bf_error *err)
+{
+    if (n == store__array_bytes(record, STORE__BLOB_SNAPSHOT))
+        return BF_OK;
+    return bf_fail(err, BF_ECORRUPT, "", "a snapshot of %zu x %zu cells came as %llu bytes",
+                   record->grid.n1, record->grid.n2, (unsigned long long)n);
 }
 
 static bf_status insert_snapshot(store__connection *writer, int64_t results,
@@ -71,15 +76,17 @@ static bf_status count_bytes(store__connection *writer, const store__row *row, u
 static bf_status complete(store__connection *writer, store__row *row, const store_item *item,
                           bf_error *err)
 {
-    const uint64_t index = item->snapshot.index;
+    const uint64_t index = item->snapshot.index, n_density = item->rho_at + item->rho.n,
+                   n_parts = item->parts_at + item->parts.n;
 
-    bf_status status = check_snapshot(row, item, err);
+    bf_status status = check_density(&row->run, n_density, err);
     if (status == BF_OK)
-        status =
-            check_stored(writer, row, STORE__BLOB_SNAPSHOT, index, item->rho_at + item->rho.n, err);
-    if (status == BF_OK)
-        status = check_stored(writer, row, STORE__BLOB_PARTS, index, item->parts_at + item->parts.n,
-                              err);
+        status = check_parts(&row->run, n_parts, err);
+    // What came with this item is there.
+    if (status == BF_OK && item->rho_at > 0)
+        status = check_stored(writer, row, STORE__BLOB_SNAPSHOT, index, n_density, err);
+    if (status == BF_OK && item->parts_at > 0)
+        status = check_stored(writer, row, STORE__BLOB_PARTS, index, n_parts, err);
     if (status == BF_OK)
         status = insert_snapshot(writer, row->results, &item->snapshot, err);
     if (status == BF_OK)

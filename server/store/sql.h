@@ -139,7 +139,7 @@
       "SELECT item, t, peak, mass FROM snapshots WHERE results = ?1 ORDER BY item")                \
     X(INSERT_CHUNK, "INSERT INTO chunks (results, kind, item, part, data) "                        \
                     "VALUES (?1, ?2, ?3, ?4, ?5)")                                                 \
-    X(LIST_CHUNKS, "SELECT data FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3 "       \
+    X(LIST_CHUNKS, "SELECT data, part FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3 " \
                    "ORDER BY part")                                                                \
     X(GET_CHUNK, "SELECT data FROM chunks WHERE results = ?1 AND kind = ?2 AND item = ?3 "         \
                  "AND part = ?4")                                                                  \

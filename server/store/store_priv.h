@@ -229,6 +229,9 @@ BF_MUST_CHECK bf_status store__append_snapshot(store__connection *writer, store_
                                                const store_item *item, const bf_buffer *grid,
                                                const bf_buffer *parts, bf_error *err);
 
+/// Bytes of a snapshot's density, or of its parts where the run has a fixed number. UINT64_MAX: more than there can be.
+uint64_t store__array_bytes(const api_run *record, store__blob kind);
+
 /// Find a snapshot's row. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,
                                              uint64_t index, api_snapshot *ret_snapshot,

@@ -53,10 +53,13 @@ static void execute(sqlite3 *db, const char *sql)
 // Statement by statement, each with the packed cells as its parameter, if it has one.
 static void insert_rows(sqlite3 *db)
 {
+    store__packer *packer = store__packer_create();
     bf_buffer packed = { 0 };
     const char *rest = rows;
 
-    assert_int_equal(store__pack(cells, sizeof cells, &packed, NULL), BF_OK);
+    assert_non_null(packer);
+    assert_int_equal(store__pack(packer, cells, sizeof cells, &packed, NULL), BF_OK);
+    store__packer_destroy(packer);
     while (*rest != '\0') {
         sqlite3_stmt *statement = NULL;
         assert_int_equal(sqlite3_prepare_v2(db, rest, -1, &statement, &rest), SQLITE_OK);

@@ -154,6 +154,47 @@ static void damage_in_parts_is_noticed(void **state)
     buffer_fini(&rows);
 }
 
+static bf_status open_parts(store *s, const char *id)
+{
+    api_snapshot snapshot;
+    api_parts parts;
+    api_slices array = { .n = 0 };
+
+    bf_status status = store_open_parts(s, id, 0, &snapshot, &parts, &array, NULL);
+    api_slices_fini(&array);
+    return status;
+}
+
+// With feeds the bytes alone tell how many parts there are: 131,072 of them are 2048 rows of 8 values. Nothing of them may
+// be taken for fewer parts, and no number of parts for one that fits.
+static void damage_in_parts_is_not_taken_for_another_number(void **state)
+{
+    static const struct {
+        uint32_t n_values;
+        const char *sql;
+    } damages[] = {
+        { 8, "DELETE FROM chunks WHERE kind = 2 AND part = 0" },
+        { 8, "UPDATE chunks SET data = zeroblob(length(data)) WHERE kind = 2 AND part = 0" },
+        { 6, "UPDATE runs SET n_parts = (1 << 61) + n_parts" },
+    };
+    helper_store *h = *state;
+    bf_buffer rows = { 0 };
+
+    for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
+        const api_parts parts = { .n_parts = damages[i].n_values == 8 ? 0 : N_PARTS,
+                                  .n_values = damages[i].n_values };
+        const api_run record = helper_start(h->store);
+        assert_int_equal(append(h->store, record.id, 0, &parts, true), BF_OK);
+        assert_int_equal(open_parts(h->store, record.id), BF_OK);
+        helper_store_sql(h, damages[i].sql);
+        assert_int_equal(open_parts(h->store, record.id), BF_ECORRUPT);
+        assert_int_equal(read_back(h->store, record.id, 0, &rows), BF_ECORRUPT);
+        helper_finish(h->store, record.id, RUN_CANCELLED);
+        assert_int_equal(store_remove(h->store, record.id, API_ANY_REVISION, NULL), BF_OK);
+    }
+    buffer_fini(&rows);
+}
+
 // I9
 static void a_removed_run_leaves_no_parts(void **state)
 {
@@ -202,6 +243,7 @@ int main(void)
         STORE_TEST(parts_of_another_size_are_refused),
         STORE_TEST(parts_that_are_not_there_are_not_found),
         STORE_TEST(damage_in_parts_is_noticed),
+        STORE_TEST(damage_in_parts_is_not_taken_for_another_number),
         STORE_TEST(a_removed_run_leaves_no_parts),
         STORE_TEST(without_memory_nothing_is_stored),
     };

@@ -84,15 +84,16 @@ static void every_piece_is_that_of_the_whole(void **state)
     check_all_pieces(h->store, record.id);
 }
 
-static void insert_row(helper_store *h, int part, const char *bytes, size_t n)
+static void put_row(helper_store *h, int part, const char *bytes, size_t n)
 {
     bf_buffer sql = { 0 };
 
-    assert_int_equal(buffer_printf(&sql,
-                                   "INSERT INTO chunks (results, kind, item, part, data) SELECT "
-                                   "results, 0, 0, %d, x'",
-                                   part),
-                     BF_OK);
+    assert_int_equal(
+        buffer_printf(&sql,
+                      "INSERT OR REPLACE INTO chunks (results, kind, item, part, data) SELECT "
+                      "results, 0, 0, %d, x'",
+                      part),
+        BF_OK);
     for (size_t i = 0; i < n; i++)
         assert_int_equal(buffer_printf(&sql, "%02x", (unsigned char)bytes[i]), BF_OK);
     assert_int_equal(buffer_printf(&sql, "' FROM runs"), BF_OK);
@@ -116,7 +117,7 @@ static void make_old(helper_store *h, const char *id)
     helper_store_close(h);
     helper_store_sql(h, "DELETE FROM chunks");
     for (size_t at = 0; at < n; at += OLD_ROW)
-        insert_row(h, (int)(at / OLD_ROW), packed + at, n - at < OLD_ROW ? n - at : OLD_ROW);
+        put_row(h, (int)(at / OLD_ROW), packed + at, n - at < OLD_ROW ? n - at : OLD_ROW);
     helper_store_open(h);
 }
 
@@ -188,6 +189,50 @@ static void a_damaged_slice_fails_alone(void **state)
     buffer_fini(&piece);
 }
 
+// Whole frames with right checksums, of another size than the slice that they stand for.
+static void a_slice_of_another_size_is_damage(void **state)
+{
+    static const size_t sizes[] = { SLICE - 1, SLICE + 1, 2 * SLICE };
+    static char zeros[2 * SLICE], packed[1000];
+    helper_store *h = *state;
+    api_run record = helper_start(h->store);
+    ZSTD_CCtx *context = ZSTD_createCCtx();
+    bf_buffer whole = { 0 }, piece = { 0 };
+
+    (void)ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+    helper_append_snapshot(h->store, record.id, 0);
+    read_whole(h->store, record.id, &whole);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const size_t n = ZSTD_compress2(context, packed, sizeof packed, zeros, sizes[i]);
+        assert_false(ZSTD_isError(n));
+        put_row(h, 1, packed, n);
+        api_slices array = open_first(h->store, record.id);
+        check_piece(h->store, &array, &whole, 0, SLICE);
+        assert_int_equal(store_read_slice(h->store, &array, SLICE, SLICE + 1000, &piece, NULL),
+                         BF_ECORRUPT);
+        check_piece(h->store, &array, &whole, (size_t)2 * SLICE, SLICE);
+        api_slices_fini(&array);
+    }
+    ZSTD_freeCCtx(context);
+    buffer_fini(&whole);
+    buffer_fini(&piece);
+}
+
+static void an_id_that_is_too_long_is_of_no_run(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run record = helper_start(s);
+    char longer[API_ID_SIZE + 1];
+    api_snapshot snapshot;
+    bf_grid grid;
+    api_slices array;
+
+    helper_append_snapshot(s, record.id, 0);
+    (void)snprintf(longer, sizeof longer, "%sa", record.id);
+    assert_int_equal(store_open_snapshot(s, longer, 0, &snapshot, &grid, &array, NULL),
+                     BF_ENOTFOUND);
+}
+
 static void a_snapshot_without_its_last_slice_is_not_opened(void **state)
 {
     helper_store *h = *state;
@@ -218,6 +263,8 @@ int main(void)
         STORE_TEST(what_older_versions_stored_is_read_too),
         STORE_TEST(a_run_that_is_removed_meanwhile_ends_the_reading),
         STORE_TEST(a_damaged_slice_fails_alone),
+        STORE_TEST(a_slice_of_another_size_is_damage),
+        STORE_TEST(an_id_that_is_too_long_is_of_no_run),
         STORE_TEST(a_snapshot_without_its_last_slice_is_not_opened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
