@@ -44,6 +44,7 @@ study *study_destroy(study *s)
         memory_free(s->places);
         memory_free(s->runs);
         memory_free(s->values);
+        memory_free(s->calibration);
     }
     memory_free(s);
     return NULL;
@@ -105,11 +106,17 @@ void study_add_trials(study *s, size_t point, size_t n)
 
 double study_cost(const study *s, size_t point)
 {
-    const statistics_sample sample = study_sample(s, point, 0);
+    const study_definition *d = &s->definition;
+    const size_t n_values = d->method == STUDY_CALIBRATE ? d->n_values : 1;
+    double sum = 0.0;
 
-    if (sample.n < s->places[point].n_trials || sample.n == 0)
-        return (double)INFINITY;
-    return s->definition.is_maximized ? -sample.mean : sample.mean;
+    for (size_t v = 0; v < n_values; v++) {
+        const statistics_sample sample = study_sample(s, point, v);
+        if (sample.n < s->places[point].n_trials || sample.n == 0)
+            return (double)INFINITY;
+        sum += sample.mean;
+    }
+    return (d->is_maximized ? -sum : sum) / (double)n_values;
 }
 
 size_t study_points_left(const study *s, size_t n_replications)
@@ -135,6 +142,8 @@ bf_status study_advance(study *s, bf_error *err)
         return study_evolve(s, err);
     case STUDY_SCREEN:
         return study_screen(s, err);
+    case STUDY_CALIBRATE:
+        return study_calibrate(s, err);
     default:
         s->is_ended = s->n_points > 0;
         return s->is_ended ? BF_OK

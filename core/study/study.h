@@ -14,6 +14,8 @@
 ///     STUDY_CMAES     each generation is a round
 ///     STUDY_SCREEN    a sweep by the macroscopic model, then replications of its best points by the microscopic one
 ///                     until one is selected (selection.h)
+///     STUDY_CALIBRATE one value for each measured curve, the mean square of its distance from the computed one: see
+///                     calibration.h
 ///
 /// Threads  a study belongs to one thread at a time.
 
@@ -42,6 +44,7 @@ typedef enum study_method {
     STUDY_DIRECT,
     STUDY_CMAES,
     STUDY_SCREEN,
+    STUDY_CALIBRATE,
     STUDY_METHODS
 } study_method;
 
@@ -56,7 +59,7 @@ typedef enum study_model {
 typedef struct study_definition {
     study_method method; ///< see above
     size_t d;            ///< parameters
-    size_t n_values;     ///< of each trial; the first one is the objective
+    size_t n_values;     ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
     bool is_maximized;   ///< the largest objective is best; else the least
     uint64_t seed;       ///< of what is drawn
     size_t n_trials_max; ///< trials, at most
@@ -64,11 +67,12 @@ typedef struct study_definition {
         n_replications; ///< trials of each point; STUDY_SCREEN: of each confirmed one at first, >= 2
     study_method sweep;             ///< STUDY_SCREEN: its sweep
     size_t steps[STUDY_PARAMETERS]; ///< STUDY_GRID: values of each parameter
-    size_t n_points;                ///< STUDY_LIST, STUDY_LHS, STUDY_SOBOL: points
-    double tolerance;    ///< STUDY_DIRECT, STUDY_CMAES: length in the cube below which they end
-    size_t n_confirmed;  ///< STUDY_SCREEN: points for the microscopic model
-    double confidence;   ///< STUDY_SCREEN: see selection.h
-    double indifference; ///< STUDY_SCREEN: same, in units of the objective
+    size_t n_points;      ///< STUDY_LIST, STUDY_LHS, STUDY_SOBOL: points; STUDY_CALIBRATE: starts
+    double tolerance;     ///< of all searches: length in the cube below which they end
+    size_t n_confirmed;   ///< STUDY_SCREEN: points for the microscopic model
+    double confidence;    ///< STUDY_SCREEN, STUDY_CALIBRATE: see selection.h, calibration.h
+    double indifference;  ///< STUDY_SCREEN: see selection.h, in units of the objective
+    double n_independent; ///< STUDY_CALIBRATE: independent samples of all curves, see calibration.h
 } study_definition;
 
 /// A trial.

@@ -75,7 +75,7 @@ static bf_status add_points(study *s, const double *points, size_t n, bf_error *
     return BF_OK;
 }
 
-static size_t least_cost(const double *costs, size_t n)
+size_t study_least(const double *costs, size_t n)
 {
     size_t best = 0;
 
@@ -89,7 +89,7 @@ static size_t least_cost(const double *costs, size_t n)
 static bf_status search_local(const study *s, size_t n_max, double *ret_points, size_t *ret_n,
                               bf_error *err)
 {
-    const size_t best = least_cost(s->costs, s->n_first_stage);
+    const size_t best = study_least(s->costs, s->n_first_stage);
     double start[STUDY_PARAMETERS];
 
     memcpy(start, s->at + best * s->definition.d, s->definition.d * sizeof *start);
@@ -154,7 +154,7 @@ static bf_status confirm(study *s, bf_error *err)
         return status;
     s->n_first_stage = s->n_points;
     for (size_t k = 0; k < n; k++) {
-        const size_t best = least_cost(s->costs, s->n_first_stage);
+        const size_t best = study_least(s->costs, s->n_first_stage);
         if (isinf(s->costs[best]))
             break;
         s->costs[best] = (double)INFINITY; // made anew with the next round

@@ -23,18 +23,19 @@ typedef struct study_run {
 
 /// A study.
 struct study {
-    study_definition definition; ///< what it is
-    size_t n_points;             ///< points
-    size_t room_points;          ///< for points
-    double *at;                  ///< d coordinates of each
-    double *costs;               ///< of each: see study_cost(); filled as a round begins
-    study_place *places;         ///< of each
-    size_t n_trials;             ///< trials
-    size_t room_trials;          ///< for trials
-    study_run *runs;             ///< of each
-    double *values;              ///< n_values of each
-    size_t n_told;               ///< trials that were told
-    cmaes evolution;             ///< STUDY_CMAES: the generation under way
+    study_definition definition;     ///< what it is
+    size_t n_points;                 ///< points
+    size_t room_points;              ///< for points
+    double *at;                      ///< d coordinates of each
+    double *costs;                   ///< of each: see study_cost(); filled as a round begins
+    study_place *places;             ///< of each
+    size_t n_trials;                 ///< trials
+    size_t room_trials;              ///< for trials
+    study_run *runs;                 ///< of each
+    double *values;                  ///< n_values of each
+    size_t n_told;                   ///< trials that were told
+    struct calibration *calibration; ///< STUDY_CALIBRATE: its searches
+    cmaes evolution;                 ///< STUDY_CMAES: the generation under way
     size_t
         n_first_stage; ///< STUDY_SCREEN, STUDY_DIRECT: points of the sweep, of DIRECT; 0: it goes on
     bool is_ended;     ///< nothing more to try
@@ -50,8 +51,8 @@ size_t study_add_point(study *s, const double *at, study_model model);
 /// Add the next n replications of a point, for which there is room.
 void study_add_trials(study *s, size_t point, size_t n);
 
-/// What the searches minimise: the mean objective of a point, negative where more is better; INFINITY where a trial has
-/// none.
+/// What the searches minimise: the mean objective of a point, negative where more is better, or of STUDY_CALIBRATE the
+/// mean of all values; INFINITY where a trial has none.
 double study_cost(const study *s, size_t point);
 
 /// How many more points with n trials each fit the limit of trials.
@@ -66,3 +67,7 @@ BF_MUST_CHECK bf_status study_sweep(study *s, study_method sweep, study_model mo
 BF_MUST_CHECK bf_status study_search(study *s, bf_error *err);
 BF_MUST_CHECK bf_status study_evolve(study *s, bf_error *err);
 BF_MUST_CHECK bf_status study_screen(study *s, bf_error *err);
+BF_MUST_CHECK bf_status study_calibrate(study *s, bf_error *err);
+
+/// The point of least cost among the first n >= 1; the first one where several have it.
+size_t study_least(const double *costs, size_t n);

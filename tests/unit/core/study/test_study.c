@@ -78,6 +78,13 @@ static const study_definition definitions[] = {
       .n_confirmed = 8,
       .confidence = 0.95,
       .indifference = 0.003 },
+    { .method = STUDY_CALIBRATE,
+      .n_points = 8,
+      .n_replications = 1,
+      .n_trials_max = 200,
+      .tolerance = 1e-3,
+      .confidence = 0.95,
+      .n_independent = 20 },
 };
 
 enum { DEFINITIONS = sizeof definitions / sizeof *definitions };
