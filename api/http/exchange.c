@@ -331,17 +331,6 @@ bf_status exchange__check_body(exchange *x, const char *const *types, size_t *re
     return BF_OK;
 }
 
-exchange_page exchange__page(const exchange *x)
-{
-    const char *label = exchange__text(x, "label");
-    const char *cursor = exchange__text(x, "cursor");
-    exchange_page page = { .limit = (size_t)exchange__whole(x, "limit") };
-
-    snprintf(page.label, sizeof page.label, "%s", label == NULL ? "" : label);
-    snprintf(page.before, sizeof page.before, "%s", cursor == NULL ? "" : cursor);
-    return page;
-}
-
 void exchange__long_poll(exchange *x, const api_run *record, unsigned seconds, bool is_for_change)
 {
     api_long_poll *wait = &x->response->long_poll;
@@ -387,30 +376,4 @@ void exchange__name_snapshot(exchange *x, uint64_t index)
 {
     api_response_header(x->response, "Content-Disposition", "inline; filename=\"%06" PRIu64 ".%s\"",
                         index, x->media->word);
-}
-
-// Writes a value for a query; text has room for three bytes per byte of value.
-static void encode_value(const char *value, char *text)
-{
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-
-    for (; *value != '\0'; value++) {
-        if (strchr(plain, *value) != NULL)
-            *text++ = *value;
-        else
-            text += sprintf(text, "%%%02X", (unsigned char)*value);
-    }
-    *text = '\0';
-}
-
-void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
-                         const char *last_id)
-{
-    char label[API_LABEL_SIZE * 3];
-
-    encode_value(page->label, label);
-    api_response_header(x->response, "Link", "<%s?limit=%zu%s%s%s&cursor=%s>; rel=\"next\"",
-                        x->route->path, page->limit, filters,
-                        label[0] == '\0' ? "" : "&label=", label, last_id);
 }
