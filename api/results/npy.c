@@ -55,6 +55,21 @@ bf_status results__append_values(const void *values, size_t n, size_t size, bf_b
     return status;
 }
 
+bf_status results_npy_head(size_t n1, size_t n2, bf_buffer *out, bf_error *err)
+{
+    const size_t n_before = out->n;
+
+    return results__finish(results__npy_head("<f4", n1, n2, out), out, n_before, err);
+}
+
+bf_status results_parts_npy_head(const api_parts *parts, bf_buffer *out, bf_error *err)
+{
+    const size_t n_before = out->n;
+
+    return results__finish(results__npy_head("<f8", parts->n_values, (size_t)parts->n_parts, out),
+                           out, n_before, err);
+}
+
 bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out, bf_error *err)
 {
     size_t n_before = out->n;

@@ -52,6 +52,11 @@ BF_MUST_CHECK bf_status results_curve_json(const api_curve *curve, bf_buffer *ou
 BF_MUST_CHECK bf_status results_npy(const float *rho, size_t n1, size_t n2, bf_buffer *out,
                                     bf_error *err);
 
+/// Append what results_npy() or results_parts_npy() writes before the numbers, which follow as they stand in memory.
+BF_MUST_CHECK bf_status results_npy_head(size_t n1, size_t n2, bf_buffer *out, bf_error *err);
+BF_MUST_CHECK bf_status results_parts_npy_head(const api_parts *parts, bf_buffer *out,
+                                               bf_error *err);
+
 /// Append a snapshot as JSON: {"n", "t_s", "peak", "mass", "origin_m", "cell_m", "shape", "density":
 /// [[...], ...]}, a row of x1 each.
 BF_MUST_CHECK bf_status results_snapshot_json(const float *rho, const bf_grid *grid,

@@ -85,14 +85,17 @@ bool file_io_write_fd(int fd, const void *bytes, size_t n)
 }
 
 // Fill a fresh file under a temporary name. False: errno; the file may be there.
-static bool write_temporary(int directory, const char *temporary, const void *bytes, size_t n,
-                            file_io_sync sync)
+static bool write_temporary(int directory, const char *temporary, const file_io_piece *pieces,
+                            size_t n_pieces, file_io_sync sync)
 {
     int fd = openat(directory, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
 
     if (fd < 0)
         return false;
-    bool ok = file_io_write_fd(fd, bytes, n) && (sync != FILE_IO_NOW || fsync(fd) == 0);
+    bool ok = true;
+    for (size_t i = 0; i < n_pieces && ok; i++)
+        ok = file_io_write_fd(fd, pieces[i].bytes, pieces[i].n);
+    ok = ok && (sync != FILE_IO_NOW || fsync(fd) == 0);
     int error = errno;
     ok = close(fd) == 0 && ok;
     if (!ok && error != 0)
@@ -100,20 +103,28 @@ static bool write_temporary(int directory, const char *temporary, const void *by
     return ok;
 }
 
-bf_status file_io_replace(int directory, const char *name, const void *bytes, size_t n,
-                          file_io_sync sync, bf_error *err)
+bf_status file_io_replace_by_pieces(int directory, const char *name, const file_io_piece *pieces,
+                                    size_t n_pieces, file_io_sync sync, bf_error *err)
 {
     char temporary[TEMPORARY_SIZE];
 
     snprintf(temporary, sizeof temporary, "%s.part", name);
     errno = 0;
-    if (write_temporary(directory, temporary, bytes, n, sync) &&
+    if (write_temporary(directory, temporary, pieces, n_pieces, sync) &&
         renameat(directory, temporary, directory, name) == 0 &&
         (sync != FILE_IO_NOW || fsync(directory) == 0))
         return BF_OK;
     int error = errno;
     unlinkat(directory, temporary, 0);
     return bf_fail(err, BF_ESYSTEM, "", "%s cannot be written: %s", name, strerror(error));
+}
+
+bf_status file_io_replace(int directory, const char *name, const void *bytes, size_t n,
+                          file_io_sync sync, bf_error *err)
+{
+    const file_io_piece piece = { bytes, n };
+
+    return file_io_replace_by_pieces(directory, name, &piece, 1, sync, err);
 }
 
 static bool sync_path(const char *path, int flags)

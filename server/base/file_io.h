@@ -34,6 +34,17 @@ typedef enum file_io_sync {
 BF_MUST_CHECK bf_status file_io_replace(int directory, const char *name, const void *bytes,
                                         size_t n, file_io_sync sync, bf_error *err);
 
+/// Bytes of a file that is made of several.
+typedef struct file_io_piece {
+    const void *bytes; ///< n of them
+    size_t n;          ///< bytes
+} file_io_piece;
+
+/// The same with a file that is all the pieces, in order.
+BF_MUST_CHECK bf_status file_io_replace_by_pieces(int directory, const char *name,
+                                                  const file_io_piece *pieces, size_t n_pieces,
+                                                  file_io_sync sync, bf_error *err);
+
 /// Give a file that was written under a temporary name its own one, unless that is taken; both are in
 /// one directory, and on disk when this returns. BF_EINPUT: the name is taken; BF_ESYSTEM: it cannot
 /// be done. The temporary name is then still there.

@@ -120,24 +120,27 @@ static bf_status take_begin(results_dir *d, const frame_begin *begin, bf_error *
     return begin->n_values == 0 ? BF_OK : open_folder(d, "parts", &d->parts, err);
 }
 
-// Make the text a file of the folder.
+// Make the text and an array behind it a file of the folder. Frames are little-endian, and so are the files.
 static bf_status write_file(const results_dir *d, int folder, results_files file, uint64_t index,
-                            bf_error *err)
+                            const void *array, uint64_t n, bf_error *err)
 {
+    const file_io_piece pieces[] = { { d->text.bytes, d->text.n }, { array, (size_t)n } };
     char name[RESULTS_FILES_NAME_SIZE];
 
-    return file_io_replace(folder, results_files_name(file, index, name), d->text.bytes, d->text.n,
-                           FILE_IO_LATER, err);
+    return file_io_replace_by_pieces(folder, results_files_name(file, index, name), pieces, 2,
+                                     FILE_IO_LATER, err);
 }
 
-static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error *err)
+static bf_status take_snapshot(results_dir *d, const frame *f, bf_error *err)
 {
+    const frame_snapshot *s = &f->snapshot;
     api_snapshot item = { .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
 
     d->text.n = 0;
-    bf_status status = results_npy(s->rho, s->n1, s->n2, &d->text, err);
+    bf_status status = results_npy_head(s->n1, s->n2, &d->text, err);
     if (status == BF_OK)
-        status = write_file(d, d->snapshots, RESULTS_FILES_SNAPSHOT, s->index, err);
+        status = write_file(d, d->snapshots, RESULTS_FILES_SNAPSHOT, s->index, s->rho,
+                            frame_array_bytes(f), err);
     if (status != BF_OK)
         return status;
     if (buffer_append(&d->list.items, &item, sizeof item) != BF_OK)
@@ -146,13 +149,16 @@ static bf_status take_snapshot(results_dir *d, const frame_snapshot *s, bf_error
     return BF_OK;
 }
 
-static bf_status take_parts(results_dir *d, const frame_parts *p, bf_error *err)
+static bf_status take_parts(results_dir *d, const frame *f, bf_error *err)
 {
+    const frame_parts *p = &f->parts;
     const api_parts parts = { .n_parts = p->n_parts, .n_values = p->n_values };
 
     d->text.n = 0;
-    bf_status status = results_parts_npy(p->rows, &parts, &d->text, err);
-    return status == BF_OK ? write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, err) : status;
+    bf_status status = results_parts_npy_head(&parts, &d->text, err);
+    return status == BF_OK ? write_file(d, d->parts, RESULTS_FILES_PARTS, p->index, p->rows,
+                                        frame_array_bytes(f), err)
+                           : status;
 }
 
 bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
@@ -163,9 +169,9 @@ bf_status results_dir_take(results_dir *d, const frame *f, bf_error *err)
     case FRAME_CURVE:
         return take_curve(d, &f->curve, err);
     case FRAME_SNAPSHOT:
-        return take_snapshot(d, &f->snapshot, err);
+        return take_snapshot(d, f, err);
     case FRAME_PARTS:
-        return take_parts(d, &f->parts, err);
+        return take_parts(d, f, err);
     case FRAME_CHANGE:
         return results_photo_eyes_csv(&f->change, &d->eyes, err);
     default:
