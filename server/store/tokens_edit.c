@@ -1,0 +1,131 @@
+// Tokens that are added, revoked and listed, beside a daemon that may be running.
+
+#include "server/store/tokens_rows.h"
+
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+
+#include <inttypes.h>
+#include <sodium.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SECRET_BYTES = 32 };
+
+static const char prefix[] = "bft_";
+
+// Names are written as they are into logs and lists.
+static bool is_name(const char *text)
+{
+    size_t n = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._@+-");
+
+    return n > 0 && n < TOKENS_NAME_SIZE && text[n] == '\0';
+}
+
+static void make_text(char *ret_text)
+{
+    unsigned char secret[SECRET_BYTES];
+    const size_t n_prefix = sizeof prefix - 1;
+
+    randombytes_buf(secret, sizeof secret);
+    memcpy(ret_text, prefix, n_prefix);
+    (void)sodium_bin2base64(ret_text + n_prefix, TOKENS_TEXT_SIZE - n_prefix, secret, sizeof secret,
+                            sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+    sodium_memzero(secret, sizeof secret);
+}
+
+// Where there are too many, the oldest that does not count any more makes room.
+static bf_status make_room(store__connection *c, int64_t now_ms, bf_error *err)
+{
+    int64_t n = 0;
+
+    bf_status status = store__read_number(c, STORE__SQL_COUNT_TOKENS, &n, err);
+    if (status != BF_OK || n < TOKENS_MAX)
+        return status;
+    store__query q = store__begin(c, STORE__SQL_FORGET_TOKEN);
+    store__bind_integer(&q, now_ms);
+    status = store__run(&q, err);
+    if (status == BF_OK && sqlite3_changes(c->db) == 0)
+        return bf_fail(err, BF_ELIMIT, "", "%d tokens are stored, the limit: revoke some first",
+                       TOKENS_MAX);
+    return status;
+}
+
+static bf_status insert(store__connection *c, tokens_record *token, const char *text, bf_error *err)
+{
+    unsigned char hash[STORE__TOKEN_HASH_BYTES];
+    char scopes[API_SCOPES_SIZE];
+
+    store__hash_token(text, hash);
+    (void)api_access_write_scopes(token->scopes, scopes);
+    bf_status status = make_room(c, token->created_ms, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(c, STORE__SQL_INSERT_TOKEN);
+    store__bind_text(&q, token->name, strlen(token->name));
+    store__bind_text(&q, token->owner, strlen(token->owner));
+    store__bind_blob(&q, hash, sizeof hash);
+    store__bind_text(&q, scopes, strlen(scopes));
+    store__bind_integer(&q, token->created_ms);
+    store__bind_integer(&q, token->expires_ms);
+    status = store__run(&q, err);
+    if (status == BF_OK)
+        token->id = (uint64_t)sqlite3_last_insert_rowid(c->db);
+    return status;
+}
+
+bf_status tokens_add(const char *directory, tokens_record *token, char *ret_text, bf_error *err)
+{
+    store__connection c = { 0 };
+
+    if (!is_name(token->name) || !is_name(token->owner))
+        return bf_fail(err, BF_EINPUT, "",
+                       "names and owners are 1 to %d letters, digits and .-_+@, not '%.64s'",
+                       TOKENS_NAME_SIZE - 1, is_name(token->name) ? token->owner : token->name);
+    bf_status status = store__open_tokens(directory, true, &c, err);
+    if (status != BF_OK)
+        return status;
+    make_text(ret_text);
+    token->created_ms = clock_unix_ms();
+    status = store__run_plain(&c, STORE__SQL_BEGIN_WRITE, err);
+    if (status == BF_OK)
+        status = store__end_transaction(&c, insert(&c, token, ret_text, err), err);
+    store__disconnect(&c);
+    return status;
+}
+
+bf_status tokens_revoke(const char *directory, uint64_t id, bf_error *err)
+{
+    store__connection c = { 0 };
+
+    bf_status status = store__open_tokens(directory, false, &c, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(&c, STORE__SQL_REVOKE_TOKEN);
+    store__bind_integer(&q, (int64_t)id);
+    store__bind_integer(&q, clock_unix_ms());
+    status = store__run(&q, err);
+    if (status == BF_OK && sqlite3_changes(c.db) == 0)
+        status = bf_fail(err, BF_ENOTFOUND, "", "there is no token %" PRIu64 " that counts", id);
+    store__disconnect(&c);
+    return status;
+}
+
+bf_status tokens_list(const char *directory, tokens_take_fn *take, void *context, bf_error *err)
+{
+    store__connection c = { 0 };
+    size_t n = 0;
+
+    bf_status status = store__open_tokens(directory, false, &c, err);
+    if (status != BF_OK)
+        return status;
+    store__token *entries = memory_alloc(TOKENS_MAX, sizeof *entries);
+    status = entries == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                             : store__read_tokens(&c, entries, &n, err);
+    store__disconnect(&c);
+    for (size_t i = 0; status == BF_OK && i < n; i++)
+        take(context, &entries[i].about);
+    memory_free(entries);
+    return status;
+}
