@@ -22,10 +22,19 @@ int64_t clock_monotonic_ms(void)
     return to_ms(read_clock(CLOCK_MONOTONIC));
 }
 
+static int64_t to_ns(struct timespec t)
+{
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
 int64_t clock_monotonic_ns(void)
 {
-    struct timespec now = read_clock(CLOCK_MONOTONIC);
-    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+    return to_ns(read_clock(CLOCK_MONOTONIC));
+}
+
+int64_t clock_thread_cpu_ns(void)
+{
+    return to_ns(read_clock(CLOCK_THREAD_CPUTIME_ID));
 }
 
 double clock_monotonic_s(void)

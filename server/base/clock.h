@@ -1,4 +1,4 @@
-/// The two clocks of the daemon.
+/// The clocks of the daemon.
 
 #pragma once
 
@@ -12,6 +12,9 @@ int64_t clock_monotonic_ns(void);
 
 /// Seconds of the same clock, with its full resolution.
 double clock_monotonic_s(void);
+
+/// Nanoseconds of CPU time that this thread has used.
+int64_t clock_thread_cpu_ns(void);
 
 /// Milliseconds since 1970-01-01 UTC; for people and ids.
 int64_t clock_unix_ms(void);

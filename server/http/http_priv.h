@@ -101,6 +101,7 @@ struct http_request {
     http_client client;            ///< who sent it
     bool is_of_network;            ///< by IPv4 or IPv6
     http_limit_verdict verdict;    ///< what the limits say of it
+    int64_t cpu_ns;                ///< CPU time of request threads for it
     bool is_counted;               ///< in http.n_requests
     bool has_waited;               ///< its answer was a long poll's
     http_pull pull;                ///< of its long poll, then of its response's body
@@ -193,8 +194,7 @@ void http__probe_end(http *h);
 /// buffer. NULL: no memory.
 http_request *http__request_open(http *h, struct MHD_Connection *mhd, const char *target);
 
-/// Continue a request; *n bytes of its body were received, and all are consumed. False: close the
-/// connection.
+/// Continue a request; *n bytes of its body were received, and all are consumed. False: close the connection.
 bool http__request_advance(http_request *r, const char *method, const char *version,
                            const char *bytes, size_t *n);
 
@@ -207,8 +207,10 @@ void http__request_refuse_length(void);
 /// the refusal waits for its header.
 bool http__request_refuse_framing(http_connection *c);
 
-/// On a request thread: handle the request. False: it is parked, and this thread must not access it
-/// any more.
+/// Charge the client of a request for the CPU time of this thread since begun_ns (clock_thread_cpu_ns()).
+void http__request_charge(http_request *r, int64_t begun_ns);
+
+/// On a request thread: handle the request. False: it is parked, and this thread must not access it any more.
 bool http__request_work(http_request *r);
 
 /// Instead of handling a queued request: refuse it because the server stops.
@@ -235,8 +237,7 @@ void http__request_check(http_request *r, const char *method, const char *versio
 /// Make the request's response a problem.
 void http__respond_refuse(http_request *r, int status, const bf_error *err);
 
-/// Add the transport's part of an answer: encoding, range, and the headers of limits, origins and
-/// traces. Does nothing the second time.
+/// Add the transport's part of an answer: encoding, range, headers of limits, origins, traces; but once.
 void http__finalize_response(http_request *r);
 
 /// Mark the body as encoded; the entity tag becomes that of the encoded form.
@@ -245,6 +246,5 @@ void http__set_coding(api_response *response, coding c);
 /// Give the response to MHD. False: it cannot be sent, close the connection.
 bool http__respond(http_request *r);
 
-/// Send the response past MHD, which takes none while a body is coming in. The connection must then
-/// be closed.
+/// Send the response past MHD, which takes none while a body is coming in. The connection must then be closed.
 void http__respond_past_body(http_request *r);

@@ -10,19 +10,19 @@
 
 // A bucket's level is counted in parts of a token, of which a quota of q gives q in a millisecond.
 enum { NONE = -1, WINDOW_MS = 1000 * HTTP_LIMIT_WINDOW_S };
-#define TOKEN ((uint64_t)WINDOW_MS)
+#define TOKEN ((int64_t)WINDOW_MS)
 
 // A client in the table; neighbours by their places.
 typedef struct limit_client {
     uint8_t key[HTTP_LIMIT_KEY_SIZE];
-    uint64_t levels[HTTP_LIMIT_COUNT];
+    int64_t levels[HTTP_LIMIT_COUNT]; // below 0: a debt
     int64_t seen_ms;
     int next;         // in its chain
     int newer, older; // by the last request
 } limit_client;
 
 struct http_limit {
-    uint64_t quotas[HTTP_LIMIT_COUNT];
+    int64_t quotas[HTTP_LIMIT_COUNT];
     uint64_t seed;         // of the chains
     size_t n_clients;      // room
     size_t n_used;         // clients in it
@@ -33,7 +33,13 @@ struct http_limit {
 };
 
 static const char *const names[HTTP_LIMIT_COUNT] = {
-#define X(kind, name) [kind] = name,
+#define X(kind, name, token_ms) [kind] = name,
+    HTTP_LIMIT_LIST(X)
+#undef X
+};
+
+static const int64_t token_ns[HTTP_LIMIT_COUNT] = {
+#define X(kind, name, token_ms) [kind] = (token_ms)*INT64_C(1000000),
     HTTP_LIMIT_LIST(X)
 #undef X
 };
@@ -44,6 +50,18 @@ static void forget_all(http_limit *l)
     l->newest = l->oldest = NONE;
     for (size_t i = 0; i < l->n_clients; i++)
         l->chains[i] = NONE;
+}
+
+// True if they differ from what they were.
+static bool set_quotas(http_limit *l, const uint64_t quotas[HTTP_LIMIT_COUNT])
+{
+    bool has_changed = false;
+
+    for (int k = 0; k < HTTP_LIMIT_COUNT; k++) {
+        has_changed = has_changed || l->quotas[k] != (int64_t)quotas[k];
+        l->quotas[k] = (int64_t)quotas[k];
+    }
+    return has_changed;
 }
 
 bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT], size_t n_clients,
@@ -59,7 +77,7 @@ bf_status http_limit_create(const uint64_t quotas[HTTP_LIMIT_COUNT], size_t n_cl
         memory_free(clients);
         return bf_fail(err, BF_ENOMEM, "", "no memory for the limits of %zu clients", n_clients);
     }
-    memcpy(l->quotas, quotas, sizeof l->quotas);
+    set_quotas(l, quotas);
     l->seed = DIGEST_START ^ (uint64_t)(uintptr_t)l;
     l->n_clients = n_clients;
     l->chains = chains;
@@ -84,10 +102,8 @@ http_limit *http_limit_destroy(http_limit *limit)
 void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT])
 {
     lock_acquire(&limit->lock);
-    if (memcmp(limit->quotas, quotas, sizeof limit->quotas) != 0) {
-        memcpy(limit->quotas, quotas, sizeof limit->quotas);
+    if (set_quotas(limit, quotas))
         forget_all(limit);
-    }
     lock_release(&limit->lock);
 }
 
@@ -167,17 +183,17 @@ static limit_client *refill(http_limit *l, const uint8_t *key, int64_t now_ms)
     int64_t passed_ms = now_ms - c->seen_ms < WINDOW_MS ? now_ms - c->seen_ms : WINDOW_MS;
     c->seen_ms = now_ms;
     for (int k = 0; k < HTTP_LIMIT_COUNT; k++) {
-        uint64_t full = l->quotas[k] * TOKEN;
-        uint64_t level = c->levels[k] + l->quotas[k] * (uint64_t)passed_ms;
+        int64_t full = l->quotas[k] * TOKEN;
+        int64_t level = c->levels[k] + l->quotas[k] * passed_ms;
         c->levels[k] = level < full ? level : full;
     }
     return c;
 }
 
 // Seconds, rounded up, in which a bucket gains what it lacks.
-static unsigned time_to_gain(uint64_t lacking, uint64_t quota)
+static unsigned time_to_gain(int64_t lacking, int64_t quota)
 {
-    uint64_t per_s = quota * 1000;
+    int64_t per_s = quota * 1000;
     return (unsigned)((lacking + per_s - 1) / per_s);
 }
 
@@ -185,7 +201,7 @@ static void check_buckets(const http_limit *l, const limit_client *c, int n_kind
                           http_limit_verdict *verdict)
 {
     for (int k = 0; k < n_kinds; k++) {
-        uint64_t quota = l->quotas[k];
+        int64_t quota = l->quotas[k];
         if (quota == 0 || c->levels[k] >= TOKEN)
             continue;
         unsigned wait_s = time_to_gain(TOKEN - c->levels[k], quota);
@@ -205,16 +221,45 @@ http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIM
     limit_client *c = refill(limit, key, now_ms);
     check_buckets(limit, c, n_kinds, &verdict);
     for (int k = 0; k < n_kinds; k++) {
-        uint64_t quota = limit->quotas[k];
+        int64_t quota = limit->quotas[k];
         if (quota == 0)
             continue;
         c->levels[k] -= verdict.is_refused ? 0 : TOKEN;
-        verdict.quotas[k] = quota;
-        verdict.left[k] = c->levels[k] / TOKEN;
+        verdict.quotas[k] = (uint64_t)quota;
+        verdict.left[k] = c->levels[k] > 0 ? (uint64_t)(c->levels[k] / TOKEN) : 0;
         verdict.reset_s[k] = time_to_gain(quota * TOKEN - c->levels[k], quota);
     }
     lock_release(&limit->lock);
     return verdict;
+}
+
+// CPU time beyond what a token is good for, ns; at most what the debt of a whole window takes, so that nothing overflows.
+static int64_t beyond_token(int64_t cpu_ns, int kind, int64_t quota)
+{
+    const int64_t most = 2 * quota * token_ns[kind];
+    const int64_t beyond = cpu_ns - token_ns[kind];
+
+    return beyond < 0 ? 0 : beyond < most ? beyond : most;
+}
+
+void http_limit_charge(http_limit *limit, const uint8_t key[HTTP_LIMIT_KEY_SIZE], bool creates_work,
+                       int64_t before_ns, int64_t after_ns, int64_t now_ms)
+{
+    int n_kinds = creates_work ? HTTP_LIMIT_COUNT : HTTP_LIMIT_WORK;
+
+    if (after_ns <= token_ns[HTTP_LIMIT_REQUESTS])
+        return;
+    lock_acquire(&limit->lock);
+    limit_client *c = refill(limit, key, now_ms);
+    for (int k = 0; k < n_kinds; k++) {
+        int64_t quota = limit->quotas[k];
+        int64_t more_us =
+            (beyond_token(after_ns, k, quota) - beyond_token(before_ns, k, quota)) / 1000;
+        c->levels[k] -= more_us * TOKEN / (token_ns[k] / 1000);
+        if (c->levels[k] < -quota * TOKEN)
+            c->levels[k] = -quota * TOKEN;
+    }
+    lock_release(&limit->lock);
 }
 
 void http_limit_write_headers(const http_limit_verdict *verdict, api_response *response)

@@ -1,7 +1,9 @@
 /// Rate limits: a bucket of tokens per client and kind of request, in a table of bounded size.
 ///
 /// A bucket holds the quota of a minute and fills evenly; each request takes one token. Requests that
-/// create work take one of both kinds. When the table is full, the client whose last request is oldest is evicted.
+/// create work take one of both kinds. A token is good for so much CPU time of the thread that answers; what a request
+/// takes beyond it is charged afterwards, so that expensive requests count for many. The bucket may then be in debt, of
+/// at most the quota of a minute. When the table is full, the client whose last request is oldest is evicted.
 /// The figures go to clients in the fields RateLimit-Policy and RateLimit
 /// (draft-ietf-httpapi-ratelimit-headers-11).
 ///
@@ -22,14 +24,15 @@ enum {
     HTTP_LIMIT_KEY_SIZE = 16,  ///< bytes that identify a client
 };
 
-/// The kinds of quota, each with its name for clients.
+/// The kinds of quota, X(kind, name for clients, ms of CPU time that a token is good for). By default each of them lets
+/// a client have the time of one core.
 #define HTTP_LIMIT_LIST(X)                                                                         \
-    X(HTTP_LIMIT_REQUESTS, "requests") /* every request */                                         \
-    X(HTTP_LIMIT_WORK, "work")         /* requests that create work */
+    X(HTTP_LIMIT_REQUESTS, "requests", 10) /* every request */                                     \
+    X(HTTP_LIMIT_WORK, "work", 100)        /* requests that create work */
 
 /// The kinds.
 typedef enum http_limit_kind {
-#define X(kind, name) kind,
+#define X(kind, name, token_ms) kind,
     HTTP_LIMIT_LIST(X)
 #undef X
         HTTP_LIMIT_COUNT
@@ -61,6 +64,10 @@ void http_limit_change(http_limit *limit, const uint64_t quotas[HTTP_LIMIT_COUNT
 /// refused takes none.
 http_limit_verdict http_limit_take(http_limit *limit, const uint8_t key[HTTP_LIMIT_KEY_SIZE],
                                    bool creates_work, int64_t now_ms);
+
+/// The CPU time of a request that took tokens has grown from before_ns to after_ns: charge what they are not good for.
+void http_limit_charge(http_limit *limit, const uint8_t key[HTTP_LIMIT_KEY_SIZE], bool creates_work,
+                       int64_t before_ns, int64_t after_ns, int64_t now_ms);
 
 /// Add the fields for clients to a response.
 void http_limit_write_headers(const http_limit_verdict *verdict, api_response *response);

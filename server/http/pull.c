@@ -315,9 +315,12 @@ static void make_chunk(http_request *r, bool is_heartbeat_due)
     char path[LOG_QUOTED_SIZE], text[LOG_QUOTED_SIZE];
     bf_error err = { 0 };
 
+    const int64_t begun_ns = clock_thread_cpu_ns();
+
     p->n_taken = p->chunk.n = 0;
     bf_status status = source->next_chunk(source->state, &r->server->services,
                                           http__pull_chunk(source), &p->chunk, &p->state, &err);
+    http__request_charge(r, begun_ns);
     if (status == BF_OK && is_heartbeat_due && p->chunk.n == 0 && p->state == BODY_WAIT)
         status = buffer_append(&p->chunk, source->heartbeat, strlen(source->heartbeat));
     if (status == BF_OK)

@@ -161,12 +161,17 @@ bool http__request_refuse_framing(http_connection *c)
     return true;
 }
 
+static bool has_rate(const http_request *r)
+{
+    return !r->client.is_local && r->cost != API_COST_HEALTH;
+}
+
 // False: the client exceeded its rate and the answer is set. Local clients are exempt.
 static bool check_rate(http_request *r)
 {
     bf_error err = { 0 };
 
-    if (r->client.is_local || r->cost == API_COST_HEALTH)
+    if (!has_rate(r))
         return true;
     r->verdict = http_limit_take(r->server->limit, r->client.key, r->cost >= API_COST_WORK,
                                  clock_monotonic_ms());
@@ -303,22 +308,37 @@ void http__request_refuse_late(http_request *r)
     r->stage = HTTP_STAGE_READY;
 }
 
+void http__request_charge(http_request *r, int64_t begun_ns)
+{
+    const int64_t before_ns = r->cpu_ns;
+
+    if (!has_rate(r))
+        return;
+    r->cpu_ns += clock_thread_cpu_ns() - begun_ns;
+    http_limit_charge(r->server->limit, r->client.key, r->cost >= API_COST_WORK, before_ns,
+                      r->cpu_ns, clock_monotonic_ms());
+}
+
 bool http__request_work(http_request *r)
 {
     if (r->stage == HTTP_STAGE_SENT)
         return http__pull_work(r);
+    int64_t begun_ns = clock_thread_cpu_ns();
     bool is_waiting = r->stage == HTTP_STAGE_LONG_POLL;
     if (!is_waiting) {
         handle(r);
         is_waiting = begin_long_poll(r);
     }
     if (is_waiting) {
+        http__request_charge(r, begun_ns);
         if (!http__pull_work(r))
             return false;
+        begun_ns = clock_thread_cpu_ns();
         end_long_poll(r);
     }
     http__answer_settle(r);
     http__finalize_response(r);
+    http__request_charge(r, begun_ns);
     r->stage = HTTP_STAGE_READY;
     return true;
 }

@@ -1,6 +1,7 @@
 // What the transport adds to every answer, over a real server: encodings, ranges, limits, origins and
 // the identity of a request.
 
+#include "server/base/clock.h"
 #include "server/http/http.h"
 
 #include "tests/unit/server/helper_server.h"
@@ -349,6 +350,38 @@ static void two_requests_a_minute(http_options *options)
     options->requests_per_minute = 2;
 }
 
+static bf_status list_for_70_ms(void *context, const api_list_query *query, api_run_list *ret_list,
+                                bf_error *err)
+{
+    const int64_t begun_ns = clock_thread_cpu_ns();
+
+    while (clock_thread_cpu_ns() - begun_ns < 70000000)
+        ;
+    return fake_services(context).list(context, query, ret_list, err);
+}
+
+static void six_requests_a_minute_and_slow_lists(http_options *options)
+{
+    static api_services slow;
+
+    slow = *options->services;
+    slow.list = list_for_70_ms;
+    options->services = &slow;
+    options->requests_per_minute = 6;
+}
+
+// Its token is good for 10 ms: it takes 6 others, of which 5 are left.
+static void a_request_that_takes_long_counts_for_many(void **state)
+{
+    static const char remote[] = "X-Forwarded-For: 198.51.100.1\r\n";
+
+    (void)state;
+    server = fake_serve(&server_services, six_requests_a_minute_and_slow_lists);
+    (void)ask("GET", "/v1/runs", remote, 200);
+    (void)ask("GET", "/version", remote, 429);
+    assert_in_range(atoi(header("Retry-After")), 15, 25);
+}
+
 // Behind a proxy of this machine that is not configured, all clients would count as this machine.
 static void what_an_unknown_proxy_forwards_is_limited_as_one_client(void **state)
 {
@@ -376,6 +409,7 @@ int main(void)
         CASE(a_304_of_what_was_not_made_has_no_length),
         CASE(pages_elsewhere_are_answered_as_configured),
         CASE(a_client_that_asks_too_often_is_told_when_to_come_back),
+        CASE(a_request_that_takes_long_counts_for_many),
         CASE(what_an_unknown_proxy_forwards_is_limited_as_one_client),
         CASE(every_answer_carries_the_identity_of_its_request),
         CASE(settings_that_make_no_sense_are_refused),

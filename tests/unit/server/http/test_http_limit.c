@@ -84,6 +84,48 @@ static void work_has_a_smaller_quota_and_counts_as_a_request_too(void **state)
     assert_int_equal(drain(1, false, 0), REQUESTS - WORK);
 }
 
+static void charge(unsigned who, bool creates_work, int64_t before_ms, int64_t after_ms)
+{
+    uint8_t key[HTTP_LIMIT_KEY_SIZE] = { 0 };
+
+    memcpy(key, &who, sizeof who);
+    http_limit_charge(limit, key, creates_work, 1000000 * before_ms, 1000000 * after_ms, 0);
+}
+
+// A token of requests is good for 10 ms, one of work for 100 ms: a second takes 99 and 9 beyond it.
+static void cpu_time_counts_like_requests(void **state)
+{
+    (void)state;
+    assert_false(take(1, true, 0).is_refused);
+    charge(1, true, 0, 1000);
+    assert_int_equal(take(1, false, 0).retry_after_s, 1 + 99 - (REQUESTS - 1));
+    assert_int_equal(take(1, true, 0).retry_after_s, 10 * (1 + 9 - (WORK - 1)));
+    assert_true(take(1, false, 40999).is_refused);
+    assert_false(take(1, false, 41000).is_refused);
+    assert_int_equal(drain(2, true, 0), WORK); // others have nothing to do with it
+}
+
+static void what_a_token_is_good_for_costs_nothing_and_pieces_add_up(void **state)
+{
+    (void)state;
+    assert_int_equal(take(1, false, 0).left[HTTP_LIMIT_REQUESTS], REQUESTS - 1);
+    charge(1, false, 0, 10);
+    assert_int_equal(take(1, false, 0).left[HTTP_LIMIT_REQUESTS], REQUESTS - 2);
+    charge(1, false, 0, 15);
+    charge(1, false, 15, 30);
+    assert_int_equal(take(1, false, 0).left[HTTP_LIMIT_REQUESTS], REQUESTS - 2 - 2 - 1);
+    assert_int_equal(take(1, true, 0).left[HTTP_LIMIT_WORK], WORK - 1); // it was no work
+}
+
+static void a_debt_is_paid_within_a_minute(void **state)
+{
+    (void)state;
+    assert_false(take(1, false, 0).is_refused);
+    charge(1, false, 0, 3600000);
+    charge(1, false, 3600000, INT64_MAX / 1000000);
+    assert_int_equal(take(1, false, 0).retry_after_s, HTTP_LIMIT_WINDOW_S + 1);
+}
+
 static void clients_do_not_disturb_each_other(void **state)
 {
     (void)state;
@@ -209,6 +251,9 @@ int main(void)
         CASE(other_quotas_count_at_once_and_the_same_ones_change_nothing),
         CASE(a_quota_can_be_used_at_once_and_comes_back_evenly),
         CASE(work_has_a_smaller_quota_and_counts_as_a_request_too),
+        CASE(cpu_time_counts_like_requests),
+        CASE(what_a_token_is_good_for_costs_nothing_and_pieces_add_up),
+        CASE(a_debt_is_paid_within_a_minute),
         CASE(clients_do_not_disturb_each_other),
         CASE(the_table_forgets_who_has_not_come_for_longest),
         CASE(a_stream_of_new_clients_keeps_the_table_whole),
