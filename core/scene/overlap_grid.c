@@ -26,6 +26,7 @@ static void make_levels(overlap_grid *c, size_t n_kinds)
 
     for (size_t k = 0; k < n_kinds; k++)
         largest = fmax(largest, c->footprints[k].bounding_radius);
+    c->radius_max = largest;
     for (size_t k = 0; k < n_kinds; k++) {
         const double radius = c->footprints[k].bounding_radius;
         const double halvings = fmin(floor(log2(largest / radius)), OVERLAP_LEVELS_MAX - 1);
@@ -56,15 +57,15 @@ bf_status overlap_grid_init(overlap_grid *ret_grid, const shape_footprint *footp
     c.n_buckets = 16;
     while (c.n_buckets < 2 * n)
         c.n_buckets *= 2;
-    c.heads = memory_alloc(c.n_buckets, sizeof *c.heads);
+    c.buckets = memory_alloc(c.n_buckets, sizeof *c.buckets);
     c.entries = memory_alloc(n, sizeof *c.entries);
     if (needs_directions)
         c.directions = memory_alloc(n, sizeof *c.directions);
-    if (c.heads == NULL || c.entries == NULL || (needs_directions && c.directions == NULL)) {
+    if (c.buckets == NULL || c.entries == NULL || (needs_directions && c.directions == NULL)) {
         overlap_grid_fini(&c);
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", n);
     }
-    memset(c.heads, 0xff, c.n_buckets * sizeof *c.heads);
+    memset(c.buckets, 0xff, c.n_buckets * sizeof *c.buckets);
     *ret_grid = c;
     return BF_OK;
 }
@@ -73,7 +74,7 @@ void overlap_grid_fini(overlap_grid *c)
 {
     if (c == NULL)
         return;
-    memory_free(c->heads);
+    memory_free(c->buckets);
     memory_free(c->entries);
     memory_free(c->directions);
     *c = (overlap_grid){ 0 };
@@ -122,6 +123,34 @@ static bool overlaps_part(overlap_grid *c, const candidate *own, size_t k)
                             SCENE_TOLERANCE);
 }
 
+// True if the first part of the bucket is too far away for certain, whatever it is and however its place was rounded.
+static bool is_far(const overlap_grid *c, const candidate *own, const overlap_bucket *bucket)
+{
+    const double radii = own->footprint->bounding_radius + c->radius_max;
+    const double slack = 1e-6 * (fabs(own->centre.x) + fabs(own->centre.y) + radii);
+    const double dx = (double)bucket->x - own->centre.x, dy = (double)bucket->y - own->centre.y;
+
+    return dx * dx + dy * dy > (radii + slack) * (radii + slack);
+}
+
+static bool overlaps_in_bucket(overlap_grid *c, const candidate *own, const overlap_bucket *bucket,
+                               size_t *ret_other)
+{
+    uint32_t k = bucket->first;
+
+    if (k != NO_PART && is_far(c, own, bucket)) {
+        c->steps += STEPS_PART; // as if it had been looked at
+        k = bucket->next;
+    }
+    for (; k != NO_PART; k = c->entries[k].next) {
+        if (overlaps_part(c, own, k)) {
+            *ret_other = k;
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool overlaps_in_level(overlap_grid *c, size_t level, const candidate *own,
                               size_t *ret_other)
 {
@@ -133,13 +162,8 @@ static bool overlaps_in_level(overlap_grid *c, size_t level, const candidate *ow
     for (int64_t row = cell_at(l, own->centre.y - range); row <= row_end; row++) {
         for (int64_t i = cell_at(l, own->centre.x - range); i <= column_end; i++) {
             c->steps += STEPS_CELL;
-            for (uint32_t k = c->heads[find_bucket(c, level, i, row)]; k != NO_PART;
-                 k = c->entries[k].next) {
-                if (overlaps_part(c, own, k)) {
-                    *ret_other = k;
-                    return true;
-                }
-            }
+            if (overlaps_in_bucket(c, own, &c->buckets[find_bucket(c, level, i, row)], ret_other))
+                return true;
         }
     }
     return false;
@@ -165,11 +189,12 @@ void overlap_grid_add(overlap_grid *c, size_t k)
     const uint32_t kind = (uint32_t)mix_kind(c->kinds, k);
     const size_t level = c->level_of[kind];
     const overlap_level *l = &c->levels[level];
-    uint32_t *head =
-        &c->heads[find_bucket(c, level, cell_at(l, c->poses[k].x), cell_at(l, c->poses[k].y))];
+    overlap_bucket *bucket =
+        &c->buckets[find_bucket(c, level, cell_at(l, c->poses[k].x), cell_at(l, c->poses[k].y))];
 
     if (c->directions != NULL)
         c->directions[k] = shape_direction(c->poses[k].heading);
-    c->entries[k] = (overlap_entry){ { c->poses[k].x, c->poses[k].y }, *head, kind };
-    *head = (uint32_t)k;
+    c->entries[k] = (overlap_entry){ { c->poses[k].x, c->poses[k].y }, bucket->first, kind };
+    *bucket =
+        (overlap_bucket){ (uint32_t)k, bucket->first, (float)c->poses[k].x, (float)c->poses[k].y };
 }

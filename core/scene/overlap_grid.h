@@ -28,6 +28,15 @@ typedef struct overlap_entry {
     uint32_t kind; ///< of it
 } overlap_entry;
 
+/// The first part of a bucket with about its place, so that most searches need not look for its entry, which of a million
+/// parts no cache has.
+typedef struct overlap_bucket {
+    uint32_t first; ///< part; UINT32_MAX: there is none
+    uint32_t next;  ///< part of the same bucket
+    float x;        ///< m
+    float y;        ///< m
+} overlap_bucket;
+
 /// The set. Free with overlap_grid_fini().
 typedef struct overlap_grid {
     const shape_footprint *footprints; ///< of every kind; borrowed
@@ -36,7 +45,8 @@ typedef struct overlap_grid {
     overlap_level levels[OVERLAP_LEVELS_MAX]; ///< the largest parts first
     uint8_t level_of[SCENE_KINDS_MAX];        ///< of every kind
     size_t n_buckets;                         ///< a power of two
-    uint32_t *heads;                          ///< first part of each bucket
+    double radius_max;                        ///< largest bounding radius, m
+    overlap_bucket *buckets;                  ///< by hashes of cells
     overlap_entry *entries;                   ///< of the parts in the set, by their numbers
     vec2 *directions;                         ///< of the parts in the set; NULL: all are disks
     uint64_t steps;                           ///< that searches have taken
