@@ -78,6 +78,23 @@ bf_status scenario_read(const char *json, size_t n, scene *ret_scene, bf_faults 
     return status;
 }
 
+bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model, scene *ret_scene)
+{
+    const size_t n_faults = in->faults->n;
+    scene s;
+
+    scene_init(&s);
+    members_read(in, tree, &scenario_members, &s);
+    if (in->faults->n == n_faults && !in->has_failed && scenario__complete(in, tree, &s))
+        scenario__check_model(in, &s, model);
+    const bool is_read = in->faults->n == n_faults && !in->has_failed;
+    if (is_read)
+        *ret_scene = s;
+    else
+        scene_fini(&s);
+    return is_read;
+}
+
 bf_status scenario_read_resolved(const char *json, size_t n, scene *ret_scene, bf_error *err)
 {
     bf_faults faults = { 0 };

@@ -6,8 +6,10 @@
 
 #pragma once
 
+#include "api/json/json_in.h"
 #include "core/base/buffer.h"
 #include "core/base/faults.h"
+#include "core/run/run.h"
 #include "core/scene/scene.h"
 
 #include <stddef.h>
@@ -22,6 +24,10 @@ enum {
 /// pointer "" and line and column in its text.
 BF_MUST_CHECK bf_status scenario_read(const char *json, size_t n, scene *ret_scene,
                                       bf_faults *faults, bf_error *err);
+
+/// Read a tree of json_in_parse() in the same way, at the reading's present place, and check it for a model. False: faults
+/// were noted, or there is no memory, and *ret_scene is untouched.
+bool scenario_read_tree(json_in *in, const struct json_t *tree, run_model model, scene *ret_scene);
 
 /// Read a resolved document that was checked before it was stored: types and units alone are looked at.
 /// BF_OK: *ret_scene is resolved and the caller's, scene_fini(). BF_ECORRUPT: the document is damaged;

@@ -15,6 +15,7 @@ typedef struct command {
 
 static const command commands[] = {
     { "solve", "beltflow solve", cmd_solve, "solve a scenario and write its results" },
+    { "study", "beltflow study", cmd_study, "vary numbers of a scenario, and say what is best" },
     { "check", "beltflow check", cmd_check, "say what is wrong with a scenario" },
     { "compare", "beltflow compare", cmd_compare, "say how far two outflow curves are apart" },
     { "draw", "beltflow draw", cmd_draw, "draw outflow curves in the terminal" },

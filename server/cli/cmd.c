@@ -16,13 +16,14 @@ cmd_exit cmd_fail(const char *command, const bf_error *err)
     return is_input ? CMD_BAD_INPUT : CMD_FAILED;
 }
 
-static void print_faults(const char *command, const bf_faults *faults)
+cmd_exit cmd_print_faults(const char *command, const bf_faults *faults)
 {
     for (size_t i = 0; i < faults_kept(faults); i++)
         fprintf(stderr, "%s: %s\n", faults->items[i].pointer, faults->items[i].text);
     if (faults->n > faults_kept(faults))
         fprintf(stderr, "%s: %zu further faults are not shown\n", command,
                 faults->n - faults_kept(faults));
+    return CMD_BAD_INPUT;
 }
 
 static bf_status read_scenario(const cmd_subject *subject, scene *ret_scene, bf_faults *faults,
@@ -54,8 +55,7 @@ cmd_exit cmd_read_scenario(const char *command, const cmd_subject *subject, scen
 
     bf_status status = read_scenario(subject, ret_scene, &faults, &err);
     if (faults.n > 0) {
-        print_faults(command, &faults);
-        code = CMD_BAD_INPUT;
+        code = cmd_print_faults(command, &faults);
     } else if (status != BF_OK) {
         code = cmd_fail(command, &err);
     }

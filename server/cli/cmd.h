@@ -25,6 +25,7 @@ typedef enum cmd_exit {
 #define CMD_CURVE_BYTES_MAX ((size_t)1 << 30)
 
 int cmd_solve(int argc, char **argv);
+int cmd_study(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_draw(int argc, char **argv);
@@ -34,6 +35,9 @@ int cmd_worker(int argc, char **argv);
 /// Print the error as "<pointer>: <text>", or, where it has no place in a document, as
 /// "<command>: <text>". Returns the exit code for it.
 cmd_exit cmd_fail(const char *command, const bf_error *err);
+
+/// Print the faults of a document, one "<pointer>: <text>" a line. Returns the exit code for them.
+cmd_exit cmd_print_faults(const char *command, const bf_faults *faults);
 
 /// The scenario that a command is about, and the model for it.
 typedef struct cmd_subject {

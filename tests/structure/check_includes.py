@@ -6,8 +6,8 @@ import re
 
 import tree
 
-API_CORE = {"core/base", "core/scene", "core/figures", "core/run", "core/compare"}
-API = {"api", "api/json", "api/scenario", "api/results", "api/http", "api/openapi"}
+API_CORE = {"core/base", "core/scene", "core/figures", "core/run", "core/compare", "core/study"}
+API = {"api", "api/json", "api/scenario", "api/results", "api/study", "api/http", "api/openapi"}
 
 # Folder: the folders of ours that it may include from.
 ARROWS = {
@@ -27,6 +27,7 @@ ARROWS = {
     "api": {"core/base", "core/scene", "core/run", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
+    "api/study": API_CORE | {"api", "api/json", "api/scenario", "api/study"},
     "api/results": API_CORE | {"api", "api/json", "api/scenario", "api/results"},
     "api/http": API_CORE | API,
     "api/openapi": API_CORE | API,

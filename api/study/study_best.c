@@ -1,0 +1,266 @@
+#include "api/study/study_best.h"
+
+#include "api/json/json_out.h"
+#include "api/json/number.h"
+#include "core/study/calibration.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *const study_best_states[] = { "succeeded", "failed", "infeasible" };
+_Static_assert(sizeof study_best_states / sizeof *study_best_states == STUDY_TRIAL_STATES,
+               "a word each");
+
+static const double confidence = 0.95;
+
+// ---- JSON
+
+static void write_interval(json_out *w, double low, double high)
+{
+    json_out_key(w, "interval_95");
+    json_out_numbers(w, (const double[]){ low, high }, 2, 1);
+}
+
+// In how many replications there was a jam.
+static void write_jams(json_out *w, const study *s, size_t point, size_t value)
+{
+    uint64_t n = 0, n_jams = 0;
+
+    for (size_t trial = 0; trial < study_trials(s); trial++) {
+        const double count = study_values(s, trial)[value];
+        if (study_trial_at(s, trial).point == point && isfinite(count)) {
+            n++;
+            n_jams += count > 0.0;
+        }
+    }
+    const statistics_range range = statistics_wilson(n_jams, n, confidence);
+    json_out_key(w, "jam_probability");
+    json_out_object(w);
+    json_out_key_number(w, "mean", n > 0 ? (double)n_jams / (double)n : (double)NAN);
+    write_interval(w, range.low, range.high);
+    json_out_object_end(w);
+}
+
+static void write_value(json_out *w, const study_document *d, const study *s, size_t point,
+                        size_t value)
+{
+    const statistics_sample sample = study_sample(s, point, value);
+    const double half = statistics_half_width(&sample, confidence);
+    char name[STUDY_DOCUMENT_COLUMN];
+
+    study_document_column(d, value, name);
+    json_out_key(w, name);
+    json_out_object(w);
+    json_out_key_integer(w, "n", (int64_t)sample.n);
+    json_out_key_number(w, "mean", sample.n > 0 ? sample.mean : (double)NAN);
+    if (sample.n >= 2) {
+        json_out_key_number(w, "deviation", statistics_deviation(&sample));
+        write_interval(w, sample.mean - half, sample.mean + half);
+    }
+    if (value < d->n_objectives && d->objectives[value].figure == FIGURE_JAM_COUNT)
+        write_jams(w, s, point, value);
+    json_out_object_end(w);
+}
+
+static void write_point(json_out *w, const study_document *d, const study *s, size_t point)
+{
+    const study_point p = study_point_at(s, point);
+    const size_t n_values = study_document_definition(d).n_values;
+
+    json_out_object(w);
+    json_out_key_integer(w, "point", (int64_t)point);
+    json_out_key_string(w, "model", run_model_words[study_document_model(d, p.model)]);
+    json_out_key(w, "parameters");
+    json_out_object(w);
+    for (size_t k = 0; k < d->n_parameters; k++)
+        json_out_key_number(w, d->parameters[k].pointer,
+                            study_document_value(&d->parameters[k], p.at[k]));
+    json_out_object_end(w);
+    json_out_key(w, "values");
+    json_out_object(w);
+    for (size_t value = 0; value < n_values; value++)
+        write_value(w, d, s, point, value);
+    json_out_object_end(w);
+    json_out_object_end(w);
+}
+
+// The points that the microscopic model confirmed, each next to what the macroscopic one said.
+static void write_confirmed(json_out *w, const study_document *d, const study *s)
+{
+    json_out_key_bool(w, "is_decided", study_is_decided(s));
+    json_out_key(w, "confirmed");
+    json_out_array(w);
+    for (size_t point = 0; point < study_points(s); point++) {
+        const study_point p = study_point_at(s, point);
+        if (p.confirmed == SIZE_MAX)
+            continue;
+        json_out_object(w);
+        json_out_key_bool(w, "is_dropped", p.is_dropped);
+        json_out_key(w, "micro");
+        write_point(w, d, s, point);
+        json_out_key(w, "macro");
+        write_point(w, d, s, p.confirmed);
+        json_out_key_number(w, "difference",
+                            study_sample(s, p.confirmed, 0).mean - study_sample(s, point, 0).mean);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+}
+
+static void write_calibration(json_out *w, const study_document *d, const study *s, bool has_best)
+{
+    json_out_key(w, "left_out");
+    json_out_array(w);
+    for (size_t curve = 0; curve < d->n_curves; curve++) {
+        const size_t without = calibration_without(s, curve);
+        if (without == SIZE_MAX)
+            continue;
+        json_out_object(w);
+        json_out_key_string(w, "counter", d->curves[curve].counter);
+        json_out_key_number(w, "rmse", sqrt(study_sample(s, without, curve).mean));
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+    json_out_key(w, "profiles");
+    json_out_array(w);
+    for (size_t k = 0; k < d->n_parameters && has_best && study_is_ended(s); k++) {
+        const calibration_profile profile = calibration_profile_of(s, k);
+        json_out_object(w);
+        json_out_key_string(w, "pointer", d->parameters[k].pointer);
+        json_out_key_bool(w, "is_identifiable", profile.is_identifiable);
+        json_out_key(w, "interval");
+        json_out_numbers(w,
+                         (const double[]){ study_document_value(&d->parameters[k], profile.low),
+                                           study_document_value(&d->parameters[k], profile.high) },
+                         2, 1);
+        json_out_object_end(w);
+    }
+    json_out_array_end(w);
+}
+
+bf_status study_best_write(const study_document *d, const study *s, bf_buffer *out, bf_error *err)
+{
+    const size_t best = study_best(s);
+    json_out w = json_out_to(out);
+
+    json_out_object(&w);
+    json_out_key_string(&w, "name", d->name);
+    json_out_key_string(&w, "method", study_document_methods[d->method.type]);
+    json_out_key_bool(&w, "is_ended", study_is_ended(s));
+    json_out_key_integer(&w, "trials", (int64_t)study_trials(s));
+    json_out_key_integer(&w, "points", (int64_t)study_points(s));
+    json_out_key(&w, "best");
+    if (best == SIZE_MAX)
+        json_out_null(&w);
+    else
+        write_point(&w, d, s, best);
+    if (d->method.type == STUDY_SCREEN)
+        write_confirmed(&w, d, s);
+    if (d->method.type == STUDY_CALIBRATE)
+        write_calibration(&w, d, s, best != SIZE_MAX);
+    json_out_object_end(&w);
+    return json_out_status(&w, err);
+}
+
+// ---- CSV
+
+static bf_status append_text(bf_buffer *out, const char *text)
+{
+    bf_status status = BF_OK;
+
+    if (strpbrk(text, ",\"\r\n") == NULL)
+        return buffer_printf(out, "%s", text);
+    status = buffer_printf(out, "\"");
+    for (const char *at = text; *at != '\0' && status == BF_OK; at++)
+        status = buffer_printf(out, *at == '"' ? "\"\"" : "%c", *at == '\n' ? ' ' : *at);
+    return status == BF_OK ? buffer_printf(out, "\"") : status;
+}
+
+static bf_status append_number(bf_buffer *out, double value)
+{
+    char text[NUMBER_SIZE] = "";
+
+    if (isfinite(value))
+        (void)number_format(value, text);
+    return buffer_printf(out, ",%s", text);
+}
+
+static bf_status no_memory(bf_status status, bf_error *err)
+{
+    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
+}
+
+bf_status study_best_csv_header(const study_document *d, bf_buffer *out, bf_error *err)
+{
+    const size_t n_values = study_document_definition(d).n_values;
+    char name[STUDY_DOCUMENT_COLUMN];
+    bf_status status = buffer_printf(out, "trial,point,model,substream");
+
+    for (size_t k = 0; k < d->n_parameters && status == BF_OK; k++)
+        if ((status = buffer_printf(out, ",")) == BF_OK)
+            status = append_text(out, d->parameters[k].pointer);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",state");
+    for (size_t k = 0; k < n_values && status == BF_OK; k++) {
+        study_document_column(d, k, name);
+        status = buffer_printf(out, ",%s", name);
+    }
+    if (status == BF_OK)
+        status = buffer_printf(out, ",fault\n");
+    return no_memory(status, err);
+}
+
+bf_status study_best_csv_line(const study_document *d, const study *s, size_t trial,
+                              study_best_state state, const double *values, const char *fault,
+                              bf_buffer *out, bf_error *err)
+{
+    const study_trial t = study_trial_at(s, trial);
+    const study_point p = study_point_at(s, t.point);
+    const size_t n_values = study_document_definition(d).n_values;
+
+    bf_status status = buffer_printf(out, "%zu,%zu,%s,%llu", trial, t.point,
+                                     run_model_words[study_document_model(d, p.model)],
+                                     (unsigned long long)(d->substream + t.substream));
+    for (size_t k = 0; k < d->n_parameters && status == BF_OK; k++)
+        status = append_number(out, study_document_value(&d->parameters[k], p.at[k]));
+    if (status == BF_OK)
+        status = buffer_printf(out, ",%s", study_best_states[state]);
+    for (size_t k = 0; k < n_values && status == BF_OK; k++)
+        status = append_number(out, values[k]);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",");
+    if (status == BF_OK)
+        status = append_text(out, fault != NULL ? fault : "");
+    if (status == BF_OK)
+        status = buffer_printf(out, "\n");
+    return no_memory(status, err);
+}
+
+bool study_best_csv_read(const study_document *d, const char *line, size_t n, size_t *ret_trial,
+                         double *ret_values)
+{
+    const size_t n_values = study_document_definition(d).n_values;
+    const size_t n_before = 4 + d->n_parameters + 1; // fields before the values
+    const char *at = line, *end = line + n;
+    double number;
+
+    for (size_t field = 0; field < n_before + n_values; field++) {
+        const char *comma = memchr(at, ',', (size_t)(end - at));
+        if (comma == NULL)
+            return false;
+        const size_t n_field = (size_t)(comma - at);
+        const bool is_number = number_read(at, n_field, &number) == 0;
+        if (field == 0 && (!is_number || number < 0.0 || number >= STUDY_TRIALS_MAX))
+            return false;
+        if (field == 0)
+            *ret_trial = (size_t)number;
+        if (field >= n_before) {
+            if (!is_number && n_field > 0)
+                return false;
+            ret_values[field - n_before] = n_field > 0 ? number : (double)NAN;
+        }
+        at = comma + 1;
+    }
+    return true;
+}

@@ -1,0 +1,251 @@
+// What the tables of a study's document cannot say: what pointers lead to, and what fits together.
+
+#include "api/scenario/scenario.h"
+#include "api/study/study_priv.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TRIALS_DEFAULT = 500, REPLICATIONS_SCREEN = 10, SAMPLES_A_CURVE = 20 };
+
+static bool is_sweep(study_method method)
+{
+    return method <= STUDY_SOBOL;
+}
+
+// The sweep of a document, or STUDY_METHODS.
+static study_method sweep_of(const study_document *d)
+{
+    const study_method method = d->method.type == STUDY_SCREEN ? d->method.sweep : d->method.type;
+
+    return is_sweep(method) ? method : STUDY_METHODS;
+}
+
+// One token of a pointer, from behind its '/', without escapes. Returns what follows; NULL: it is too long.
+static const char *next_token(const char *at, char *ret_token, size_t size)
+{
+    size_t n = 0;
+
+    for (; *at != '\0' && *at != '/'; at++) {
+        char c = *at;
+        if (c == '~' && (at[1] == '0' || at[1] == '1'))
+            c = *++at == '0' ? '~' : '/';
+        if (n + 1 >= size)
+            return NULL;
+        ret_token[n++] = c;
+    }
+    ret_token[n] = '\0';
+    return at;
+}
+
+static json_t *item_at(json_t *array, const char *token)
+{
+    size_t index = 0;
+
+    if (*token == '\0' || (token[0] == '0' && token[1] != '\0') || strlen(token) > 9)
+        return NULL;
+    for (; *token >= '0' && *token <= '9'; token++)
+        index = 10 * index + (size_t)(*token - '0');
+    return *token == '\0' ? json_array_get(array, index) : NULL;
+}
+
+// The value that a pointer leads to; NULL: none.
+static json_t *find(json_t *root, const char *pointer)
+{
+    char token[BF_POINTER_SIZE];
+    json_t *value = root;
+
+    for (const char *at = pointer; value != NULL && *at != '\0';) {
+        if (*at != '/' || (at = next_token(at + 1, token, sizeof token)) == NULL)
+            return NULL;
+        value = json_is_array(value) ? item_at(value, token) : json_object_get(value, token);
+    }
+    return value;
+}
+
+static void check_pointer(json_in *in, study_document *d, size_t k)
+{
+    study_document_parameter *p = &d->parameters[k];
+    char place[BF_POINTER_SIZE];
+    json_t *value = find(d->scenario, p->pointer);
+
+    snprintf(place, sizeof place, "/parameters/%zu/pointer", k);
+    if (value == NULL)
+        faults_add(in->faults, place, "\"%.100s\" leads to nothing in the base's scenario",
+                   p->pointer);
+    else if (!json_is_real(value))
+        faults_add(in->faults, place, "\"%.100s\" does not lead to a number", p->pointer);
+    else if (strcmp(p->pointer, "/substream") == 0)
+        faults_add(in->faults, place, "replications differ in the substream");
+    for (size_t other = 0; other < k && value != NULL; other++)
+        if (d->parameters[other].number == value)
+            faults_add(in->faults, place, "is that of /parameters/%zu, too", other);
+    p->number = value;
+}
+
+static void check_values(json_in *in, const study_document *d, size_t k)
+{
+    const study_document_parameter *p = &d->parameters[k];
+    const study_method sweep = sweep_of(d);
+    char place[BF_POINTER_SIZE];
+
+    snprintf(place, sizeof place, "/parameters/%zu", k);
+    if (p->form == STUDY_BY_VALUES) {
+        if (sweep != STUDY_GRID && sweep != STUDY_LIST)
+            faults_add(in->faults, place,
+                       "values belong to the methods grid and list; a range is needed");
+        else if (sweep == STUDY_LIST && p->n_values != d->parameters[0].n_values)
+            faults_add(in->faults, place, "a list needs as many values of each parameter");
+        return;
+    }
+    if (sweep == STUDY_LIST)
+        faults_add(in->faults, place, "a list needs values");
+    if (!(p->range[0] < p->range[1]))
+        faults_add(in->faults, place, "the range ends at %g, and begins at %g", p->range[1],
+                   p->range[0]);
+    else if (p->is_log && !(p->range[0] > 0.0))
+        faults_add(in->faults, place, "a range on a log scale must be > 0");
+}
+
+// The index of the item of an objective or curve among n ids.
+static size_t find_id(const scene *s, figure_scope scope, const char *id)
+{
+    const size_t n = figure_items(s, scope);
+    size_t k = 0;
+
+    while (k < n && strcmp(figure_item_id(s, scope, k), id) != 0)
+        k++;
+    return k;
+}
+
+static void check_objective(json_in *in, study_document *d, const scene *s, size_t k)
+{
+    static const char *const words[FIGURE_SCOPES] = { "run", "feed", "counter", "photo eye" };
+    study_document_objective *o = &d->objectives[k];
+    const figure *f = &figure_table[o->figure];
+    const bool needs_both = d->method.type == STUDY_SCREEN;
+    const size_t n = figure_items(s, f->scope);
+    char figure_place[BF_POINTER_SIZE], place[BF_POINTER_SIZE];
+
+    snprintf(figure_place, sizeof figure_place, "/objectives/%zu/figure", k);
+    snprintf(place, sizeof place, "/objectives/%zu/of", k);
+    if ((f->models & FIGURE_BY_DENSITY) == 0 && (needs_both || d->model == RUN_MACRO))
+        faults_add(in->faults, figure_place, "the macroscopic model does not have this figure");
+    if (n == 0)
+        faults_add(in->faults, figure_place, "is of a %s, and the scenario has none",
+                   words[f->scope]);
+    else if (f->scope == FIGURE_OF_RUN && o->of[0] != '\0')
+        faults_add(in->faults, place, "the figure is of the whole run");
+    else if (f->scope != FIGURE_OF_RUN && o->of[0] == '\0' && n > 1)
+        faults_add(in->faults, place, "is missing; the scenario has %zu of a %s", n,
+                   words[f->scope]);
+    else if (o->of[0] != '\0' && (o->item = find_id(s, f->scope, o->of)) == n)
+        faults_add(in->faults, place, "the scenario has no %s \"%.64s\"", words[f->scope], o->of);
+}
+
+static void check_curve(json_in *in, study_document *d, const scene *s, size_t k)
+{
+    study_document_curve *c = &d->curves[k];
+    char place[BF_POINTER_SIZE];
+
+    snprintf(place, sizeof place, "/curves/%zu", k);
+    if ((c->column = find_id(s, FIGURE_OF_COUNTER, c->counter)) == s->n_counters)
+        faults_add(in->faults, place, "the scenario has no counter \"%.64s\"", c->counter);
+    if (c->n_t != c->n_count)
+        faults_add(in->faults, place, "there are %zu times, and %zu counts", c->n_t, c->n_count);
+    for (size_t i = 1; i < c->n_t; i++)
+        if (!(c->t[i] > c->t[i - 1])) {
+            faults_add(in->faults, place, "times must rise; that of sample %zu does not", i);
+            break;
+        }
+    if (c->n_t > 0 && !(c->t[0] < s->duration))
+        faults_add(in->faults, place, "begins when the run has ended");
+}
+
+static void check_base(json_in *in, study_document *d)
+{
+    const bool is_calibration = d->method.type == STUDY_CALIBRATE;
+    scene s;
+
+    const size_t mark = json_pointer_enter(&in->pointer, "base", strlen("base"));
+    const size_t inner = json_pointer_enter(&in->pointer, "scenario", strlen("scenario"));
+    const bool is_read = scenario_read_tree(in, d->scenario, d->model, &s);
+    json_pointer_leave(&in->pointer, inner);
+    json_pointer_leave(&in->pointer, mark);
+    if (!is_read)
+        return;
+    d->substream = s.substream;
+    for (size_t k = 0; k < d->n_objectives; k++)
+        check_objective(in, d, &s, k);
+    for (size_t k = 0; k < d->n_curves; k++)
+        check_curve(in, d, &s, k);
+    scene_fini(&s);
+    if (is_calibration && d->n_curves == 0)
+        faults_add(in->faults, "/curves", "a calibration needs one at least");
+    if (is_calibration && d->n_objectives > 0)
+        faults_add(in->faults, "/objectives", "a calibration has none: it is about its curves");
+    if (!is_calibration && d->n_curves > 0)
+        faults_add(in->faults, "/curves", "belong to the method calibrate");
+    if (!is_calibration && d->n_objectives == 0)
+        faults_add(in->faults, "/objectives", "there must be one at least");
+}
+
+// The trials that a study begins with; SIZE_MAX: too many to count.
+static double first_trials(const study_document *d)
+{
+    const study_definition definition = study_document_definition(d);
+    double n = 1.0;
+
+    if (sweep_of(d) == STUDY_METHODS)
+        return d->replications;
+    if (sweep_of(d) == STUDY_GRID)
+        for (size_t k = 0; k < d->n_parameters; k++)
+            n *= (double)definition.steps[k];
+    else
+        n = (double)definition.n_points;
+    return d->method.type == STUDY_SCREEN ? n : n * d->replications;
+}
+
+static void check_limits(json_in *in, study_document *d)
+{
+    const double n = first_trials(d);
+
+    if (d->method.type == STUDY_SCREEN && d->replications < 2)
+        faults_add(in->faults, "/replications", "a selection needs two at least");
+    if (d->trials_max == 0 && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)
+        d->trials_max = (uint32_t)n;
+    else if (d->trials_max == 0)
+        d->trials_max = TRIALS_DEFAULT;
+    if (n > STUDY_TRIALS_MAX)
+        faults_add_limit(in->faults, "/parameters",
+                         "the study has %.9g trials; at most %d are allowed", n, STUDY_TRIALS_MAX);
+    else if (n > d->trials_max)
+        faults_add_limit(in->faults, "/limits/trials", "the study begins with %.0f trials", n);
+}
+
+static void check_counts(json_in *in, const study_document *d)
+{
+    if (d->trials_max > STUDY_TRIALS_MAX)
+        faults_add_limit(in->faults, "/limits/trials", "is %u; at most %d are allowed",
+                         d->trials_max, STUDY_TRIALS_MAX);
+}
+
+void study__check(json_in *in, study_document *d)
+{
+    const size_t n_faults = in->faults->n;
+
+    if (d->replications == 0)
+        d->replications = d->method.type == STUDY_SCREEN ? REPLICATIONS_SCREEN : 1;
+    if (!(d->method.n_independent > 0.0))
+        d->method.n_independent = SAMPLES_A_CURVE * (double)d->n_curves;
+    check_counts(in, d);
+    for (size_t k = 0; k < d->n_parameters; k++) {
+        check_pointer(in, d, k);
+        check_values(in, d, k);
+    }
+    check_base(in, d);
+    if (in->faults->n == n_faults && !in->has_failed)
+        check_limits(in, d);
+}

@@ -1,0 +1,15 @@
+/// Private to api/study.
+
+#pragma once
+
+#include "api/study/study_document.h"
+
+/// Defaults of a document and of a method, as the init of their tables.
+void study__init(void *item, size_t place);
+void study__init_method(void *item, size_t place);
+
+/// The word of a key figure, "residence_s.p95", into MEMBER_TEXT_SIZE bytes.
+void study__figure_word(figure_id id, char *ret_word);
+
+/// Note what is wrong with a document whose members were read; fill in what follows from others.
+void study__check(json_in *in, study_document *document);

@@ -1,0 +1,195 @@
+#include "server/cli/study_round.h"
+
+#include "core/base/memory.h"
+#include "server/run/run_control.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+// What the threads have in common.
+typedef struct common {
+    study_round *trials;
+    pthread_mutex_t lock; // of all below, of the document and of trials->ended
+    size_t next;          // trial to begin
+    bf_status status;     // of the first failure
+    bf_error err;
+} common;
+
+// A run that is being solved: what is taken from its frames.
+typedef struct solving {
+    run_control control;
+    bf_buffer figures; // values of the newest FRAME_FIGURES
+    bool has_curve;    // it is wanted
+    bf_buffer t;       // its times
+    bf_buffer columns; // and rows
+    size_t n_columns;
+    bool is_stopped;
+} solving;
+
+static bf_status take_frame(void *context, const frame *f, bf_error *err)
+{
+    solving *s = context;
+    bf_status status = BF_OK;
+
+    if (f->type == FRAME_FIGURES) {
+        s->figures.n = 0;
+        status =
+            buffer_append(&s->figures, f->figures.values, f->figures.n * sizeof *f->figures.values);
+    } else if (f->type == FRAME_CURVE && s->has_curve) {
+        s->n_columns = f->curve.n_columns;
+        status = buffer_append(&s->t, f->curve.t, f->curve.n * sizeof *f->curve.t);
+        if (status == BF_OK)
+            status =
+                buffer_append(&s->columns, f->curve.values,
+                              (size_t)f->curve.n * f->curve.n_columns * sizeof *f->curve.values);
+    } else if (f->type == FRAME_END) {
+        s->is_stopped = f->end.stopped;
+    }
+    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
+}
+
+static unsigned find_requested(void *context)
+{
+    solving *s = context;
+
+    return run_control_requested(&s->control);
+}
+
+static bf_status solve(const study_document *document, const scene *scene_, run_model model,
+                       solving *s, double *ret_values, bf_error *err)
+{
+    const run_sink sink = { .context = s, .take = take_frame, .requested = find_requested };
+    run *r = NULL;
+
+    bf_status status = run_create(scene_, model, 1, &r, err);
+    if (status == BF_OK)
+        status = run_execute(r, &sink, err);
+    run_destroy(r);
+    if (status != BF_OK || s->is_stopped)
+        return status;
+    const study_document_outcome outcome = {
+        .scene = scene_,
+        .figures = (const double *)(const void *)s->figures.bytes,
+        .n = s->t.n / sizeof(double),
+        .t = (const double *)(const void *)s->t.bytes,
+        .n_columns = s->n_columns,
+        .columns = (const double *)(const void *)s->columns.bytes,
+    };
+    return study_document_values(document, &outcome, ret_values, err);
+}
+
+static void fail(common *c, bf_status status, const bf_error *err)
+{
+    if (c->status == BF_OK) {
+        c->status = status;
+        c->err = *err;
+    }
+}
+
+// Take the next trial and make its scenario. False: there is none. A scenario that is not valid leaves *ret_has_scene false.
+static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret_model,
+                  bool *ret_has_scene, study_round_result *ret_result)
+{
+    study_round *t = c->trials;
+    bf_faults *faults = NULL;
+
+    if (c->next == t->n || c->status != BF_OK || run_control_is_stopped())
+        return false;
+    faults = memory_alloc(1, sizeof *faults);
+    if (faults == NULL) {
+        fail(c, BF_ENOMEM, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
+        return false;
+    }
+    *ret_trial = t->trials[c->next++];
+    const study_trial trial = study_trial_at(t->study, *ret_trial);
+    const study_point point = study_point_at(t->study, trial.point);
+    *ret_model = study_document_model(t->document, point.model);
+    bf_status status = study_document_scene(t->document, point.at, trial.substream, *ret_model,
+                                            ret_scene, faults, &ret_result->fault);
+    memory_free(faults);
+    *ret_has_scene = status == BF_OK;
+    if (status == BF_OK || status == BF_EINPUT || status == BF_ELIMIT)
+        return true;
+    fail(c, status, &ret_result->fault);
+    return false;
+}
+
+static void end(common *c, size_t trial, const study_round_result *result)
+{
+    bf_error err = { 0 };
+
+    const bf_status status = c->trials->ended(c->trials->context, trial, result, &err);
+    if (status != BF_OK)
+        fail(c, status, &err);
+}
+
+static void solve_trial(common *c, const scene *s, run_model model, solving *solving_,
+                        study_round_result *result)
+{
+    const study_document *document = c->trials->document;
+
+    solving_->control = run_control_init(INT64_MAX / 2000000, 0);
+    solving_->has_curve = document->n_curves > 0;
+    if (solve(document, s, model, solving_, result->values, &result->fault) == BF_OK) {
+        result->state = STUDY_TRIAL_SUCCEEDED;
+        return;
+    }
+    result->state = STUDY_TRIAL_FAILED;
+    for (size_t k = 0; k < STUDY_VALUES; k++)
+        result->values[k] = (double)NAN;
+}
+
+static void *work(void *argument)
+{
+    common *c = argument;
+
+    for (;;) {
+        study_round_result result = { .state = STUDY_TRIAL_INFEASIBLE };
+        solving s = { 0 };
+        scene scene_;
+        run_model model = RUN_MACRO;
+        bool has_scene = false;
+        size_t trial = 0;
+
+        for (size_t k = 0; k < STUDY_VALUES; k++)
+            result.values[k] = (double)NAN;
+        pthread_mutex_lock(&c->lock);
+        const bool has_trial = begin(c, &trial, &scene_, &model, &has_scene, &result);
+        pthread_mutex_unlock(&c->lock);
+        if (!has_trial)
+            return NULL;
+        if (has_scene) {
+            solve_trial(c, &scene_, model, &s, &result);
+            scene_fini(&scene_);
+        }
+        pthread_mutex_lock(&c->lock);
+        if (!s.is_stopped && result.fault.code != BF_ENOMEM)
+            end(c, trial, &result);
+        else if (!s.is_stopped)
+            fail(c, BF_ENOMEM, &result.fault);
+        pthread_mutex_unlock(&c->lock);
+        buffer_fini(&s.figures);
+        buffer_fini(&s.t);
+        buffer_fini(&s.columns);
+    }
+}
+
+bf_status study_round_solve(study_round *t, bf_error *err)
+{
+    common c = { .trials = t, .status = BF_OK };
+    pthread_t threads[STUDY_DOCUMENT_WORKERS];
+    const size_t n = t->n < (size_t)t->n_workers ? t->n : (size_t)t->n_workers;
+    size_t n_begun = 0;
+
+    pthread_mutex_init(&c.lock, NULL);
+    while (n_begun + 1 < n && pthread_create(&threads[n_begun], NULL, work, &c) == 0)
+        n_begun++;
+    work(&c);
+    while (n_begun > 0)
+        pthread_join(threads[--n_begun], NULL);
+    pthread_mutex_destroy(&c.lock);
+    if (c.status != BF_OK)
+        return bf_fail(err, c.status, c.err.pointer, "%s", c.err.text);
+    return BF_OK;
+}
