@@ -245,15 +245,38 @@ static void begin_profiles(study *s, size_t n_max)
             }
 }
 
+// The root of n ln((cost + v)/(least + v)); 0 where cost is INFINITY.
+static double distance_of(const study *s, double cost, double least)
+{
+    if (isinf(cost) || cost <= least)
+        return 0.0;
+    return sqrt(s->definition.n_independent *
+                log((cost + rounding_variance) / (least + rounding_variance)));
+}
+
+// True if a fit of a profile found a point that is better than the answer by more than rounding; it becomes the answer.
+static bool is_answer_better(study *s)
+{
+    struct calibration *c = s->calibration;
+    const size_t best = best_without(s, NONE);
+
+    if (c->answer == SIZE_MAX || distance_of(s, s->costs[c->answer], s->costs[best]) < 1.0)
+        return false;
+    c->answer = best;
+    return true;
+}
+
 // Begin the next stage. Half of the trials that the first one leaves are for the second, a quarter for the third, and what
-// is left for the last.
+// is left for the last, which begins again when it has found a better answer.
 static void begin_stage(study *s)
 {
     struct calibration *c = s->calibration;
     const size_t n_all = s->definition.n_trials_max / s->definition.n_replications;
     const size_t n_fits = n_all - s->definition.n_points;
+    const size_t n_left = study_points_left(s, s->definition.n_replications);
 
-    c->stage++;
+    if (c->stage < STAGES || n_left == 0 || !is_answer_better(s))
+        c->stage++;
     if (c->stage > STAGES)
         return;
     c->n = 0;
@@ -266,7 +289,7 @@ static void begin_stage(study *s)
     if (c->stage == 3)
         begin_left_out(s, n_fits / 4);
     else
-        begin_profiles(s, study_points_left(s, s->definition.n_replications));
+        begin_profiles(s, n_left);
 }
 
 bf_status study_calibrate(study *s, bf_error *err)
@@ -293,23 +316,13 @@ bf_status study_calibrate(study *s, bf_error *err)
     return BF_OK;
 }
 
-// The root of n ln((cost + v)/(least + v)); 0 where cost is INFINITY.
-static double distance_of(const study *s, double cost)
-{
-    const double least = s->costs[s->calibration->answer];
-
-    if (isinf(cost) || cost <= least)
-        return 0.0;
-    return sqrt(s->definition.n_independent *
-                log((cost + rounding_variance) / (least + rounding_variance)));
-}
-
 // The distance at a place of a profile; 0 where its fit has not converged: it ran out of points, and the later half of
 // them made the distance smaller by a tenth or more.
 static double distance_at(const study *s, size_t parameter, int side, size_t place)
 {
     const struct calibration *c = s->calibration;
     const size_t k = (2 * parameter + (size_t)side) * CALIBRATION_PLACES + place;
+    const double best = s->costs[best_without(s, NONE)];
     double half = (double)INFINITY, least = (double)INFINITY;
 
     if (c->stage < STAGES || k >= c->n || !c->fits[k].is_over)
@@ -322,9 +335,9 @@ static double distance_at(const study *s, size_t parameter, int side, size_t pla
         half = ++n <= fit->n_asked / 2 ? least : half;
     }
     const bool is_cut = s->definition.d > 1 && fit->n_asked >= fit->n_max;
-    if (is_cut && (isinf(half) || distance_of(s, least) < 0.9 * distance_of(s, half)))
+    if (is_cut && (isinf(half) || distance_of(s, least, best) < 0.9 * distance_of(s, half, best)))
         return 0.0;
-    return distance_of(s, least);
+    return distance_of(s, least, best);
 }
 
 // Where the distance passes the limit on the way to the end of the range; NAN: it does not.

@@ -8,7 +8,8 @@
 ///     3  each curve left out in turn: subplex from the answer over the others; the distance of the curve that was left
 ///        out then says how well the model predicts what it was not fitted to. Only with two curves or more
 ///     4  the profile of each parameter: at CALIBRATION_PLACES places on either side of the answer, up to the ends of its
-///        range, it is held, and the others are fitted anew
+///        range, it is held, and the others are fitted anew. A better point that this finds becomes the answer, and the stage
+///        begins again
 ///
 /// With n independent samples in all curves, independent and normal errors, a value of a parameter agrees with the
 /// measurement as well as the answer does where
