@@ -199,13 +199,13 @@ static double first_trials(const study_document *d)
     double n = 1.0;
 
     if (sweep_of(d) == STUDY_METHODS)
-        return d->replications;
+        return (double)d->replications;
     if (sweep_of(d) == STUDY_GRID)
         for (size_t k = 0; k < d->n_parameters; k++)
             n *= (double)definition.steps[k];
     else
         n = (double)definition.n_points;
-    return d->method.type == STUDY_SCREEN ? n : n * d->replications;
+    return d->method.type == STUDY_SCREEN ? n : n * (double)d->replications;
 }
 
 static void check_limits(json_in *in, study_document *d)
@@ -214,33 +214,26 @@ static void check_limits(json_in *in, study_document *d)
 
     if (d->method.type == STUDY_SCREEN && d->replications < 2)
         faults_add(in->faults, "/replications", "a selection needs two at least");
-    if (d->trials_max == 0 && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)
-        d->trials_max = (uint32_t)n;
-    else if (d->trials_max == 0)
+    if (d->trials_max == STUDY_NOT_GIVEN && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)
+        d->trials_max = (uint64_t)n;
+    else if (d->trials_max == STUDY_NOT_GIVEN)
         d->trials_max = TRIALS_DEFAULT;
     if (n > STUDY_TRIALS_MAX)
         faults_add_limit(in->faults, "/parameters",
                          "the study has %.9g trials; at most %d are allowed", n, STUDY_TRIALS_MAX);
-    else if (n > d->trials_max)
+    else if (n > (double)d->trials_max)
         faults_add_limit(in->faults, "/limits/trials", "the study begins with %.0f trials", n);
-}
-
-static void check_counts(json_in *in, const study_document *d)
-{
-    if (d->trials_max > STUDY_TRIALS_MAX)
-        faults_add_limit(in->faults, "/limits/trials", "is %u; at most %d are allowed",
-                         d->trials_max, STUDY_TRIALS_MAX);
 }
 
 void study__check(json_in *in, study_document *d)
 {
     const size_t n_faults = in->faults->n;
 
-    if (d->replications == 0)
+    study__check_ranges(in, d);
+    if (d->replications == STUDY_NOT_GIVEN)
         d->replications = d->method.type == STUDY_SCREEN ? REPLICATIONS_SCREEN : 1;
-    if (!(d->method.n_independent > 0.0))
+    if (isnan(d->method.n_independent))
         d->method.n_independent = SAMPLES_A_CURVE * (double)d->n_curves;
-    check_counts(in, d);
     for (size_t k = 0; k < d->n_parameters; k++) {
         check_pointer(in, d, k);
         check_values(in, d, k);

@@ -91,10 +91,10 @@ typedef struct study_document {
     study_document_curve curves[STUDY_DOCUMENT_CURVES]; ///< n_curves
     size_t n_curves;                                    ///< STUDY_CALIBRATE: at least 1, else 0
     study_document_method method;                       ///< how points are chosen
-    uint32_t replications;                              ///< of each point
+    uint64_t replications;                              ///< of each point
     uint64_t seed;                                      ///< of what is drawn
     uint64_t substream;  ///< of the base: that of the first replication
-    uint32_t trials_max; ///< limit
+    uint64_t trials_max; ///< limit
     int workers;         ///< at a time; 0: as many as there are cores
 } study_document;
 

@@ -209,14 +209,17 @@ static const member_table method_table = { MEMBER_TABLE("StudyMethod", method_me
 void study__init_method(void *item, size_t place)
 {
     (void)place;
-    *(study_document_method *)item = (study_document_method){
-        .sweep = STUDY_SOBOL, .points = 32, .confirm = 8, .confidence = 0.95, .tolerance = 0.001
-    };
+    *(study_document_method *)item = (study_document_method){ .sweep = STUDY_SOBOL,
+                                                              .points = 32,
+                                                              .confirm = 8,
+                                                              .confidence = 0.95,
+                                                              .tolerance = 0.001,
+                                                              .n_independent = (double)NAN };
 }
 
 #define AT(place) offsetof(study_document, place)
 static const member limit_members[] = {
-    MEMBER("trials", count, AT(trials_max), "most trials", .range = &trials_range,
+    MEMBER("trials", seed, AT(trials_max), "most trials", .range = &trials_range,
            .default_text = "those of a sweep, else 500"),
     MEMBER("workers", int, AT(workers), "trials at a time", .range = &workers_range,
            .default_text = "one for each core"),
@@ -241,7 +244,7 @@ static const member members[] = {
            .offset_n = AT(n_curves), .limit = STUDY_DOCUMENT_CURVES, .default_text = "[]"),
     MEMBER("method", object, AT(method), "how points are chosen", .table = &method_table),
     MEMBER(
-        "replications", count, AT(replications),
+        "replications", seed, AT(replications),
         "runs of each point, at successive substreams; of screen, of each confirmed one at first",
         .range = &replications_range, .default_text = "1; of screen 10"),
     MEMBER("seed", seed, AT(seed), "of what is drawn", .flags = MEMBER_INIT),
@@ -254,9 +257,45 @@ void study__init(void *item, size_t place)
     study_document *document = item;
 
     (void)place;
-    *document = (study_document){ .model = RUN_MACRO, .seed = 1 };
+    *document = (study_document){ .model = RUN_MACRO,
+                                  .seed = 1,
+                                  .replications = STUDY_NOT_GIVEN,
+                                  .trials_max = STUDY_NOT_GIVEN };
     study__init_method(&document->method, 0);
 }
 
 const member_table study_document_members = { MEMBER_TABLE("Study", members),
                                               .size = sizeof(study_document), .init = study__init };
+
+void study__check_ranges(json_in *in, const study_document *d)
+{
+    const study_document_method *m = &d->method;
+    const bool is_screen = m->type == STUDY_SCREEN;
+    const struct {
+        const char *pointer;
+        const bf_range *range;
+        double value;
+        bool is_there;
+    } values[] = {
+        { "/method/points", &trials_range, m->points, true },
+        { "/method/confirm", &confirm_range, m->confirm, is_screen },
+        { "/method/indifference", &positive, m->indifference, is_screen },
+        { "/method/confidence", &confidence_range, m->confidence, true },
+        { "/method/tolerance", &tolerance_range, m->tolerance, true },
+        { "/method/independent_samples", &at_least_one, m->n_independent,
+          !isnan(m->n_independent) },
+        { "/replications", &replications_range, (double)d->replications,
+          d->replications != STUDY_NOT_GIVEN },
+        { "/limits/trials", &trials_range, (double)d->trials_max,
+          d->trials_max != STUDY_NOT_GIVEN },
+    };
+    char pointer[BF_POINTER_SIZE];
+
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+        if (values[k].is_there)
+            range_check(values[k].range, values[k].value, values[k].pointer, in->faults);
+    for (size_t k = 0; k < d->n_parameters; k++) {
+        snprintf(pointer, sizeof pointer, "/parameters/%zu/steps", k);
+        range_check(&steps_range, d->parameters[k].steps, pointer, in->faults);
+    }
+}

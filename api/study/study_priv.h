@@ -4,6 +4,9 @@
 
 #include "api/study/study_document.h"
 
+/// Stands for a whole number that was not given.
+#define STUDY_NOT_GIVEN UINT64_MAX
+
 /// Defaults of a document and of a method, as the init of their tables.
 void study__init(void *item, size_t place);
 void study__init_method(void *item, size_t place);
@@ -13,3 +16,6 @@ void study__figure_word(figure_id id, char *ret_word);
 
 /// Note what is wrong with a document whose members were read; fill in what follows from others.
 void study__check(json_in *in, study_document *document);
+
+/// Note numbers that are out of the ranges of the tables.
+void study__check_ranges(json_in *in, const study_document *document);

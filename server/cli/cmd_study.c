@@ -44,8 +44,8 @@ static void show_progress(studying *s, bool is_last)
     if (!s->has_bar || (!is_last && now - s->shown_s < 0.1))
         return;
     s->shown_s = now;
-    fprintf(stderr, "\r%zu of %zu trials, at most %u\033[K%s", s->n_ended, study_trials(s->study),
-            s->document.trials_max, is_last ? "\n" : "");
+    fprintf(stderr, "\r%zu of %zu trials, at most %llu\033[K%s", s->n_ended, study_trials(s->study),
+            (unsigned long long)s->document.trials_max, is_last ? "\n" : "");
 }
 
 static bf_status take_result(void *context, size_t trial, const study_round_result *result,

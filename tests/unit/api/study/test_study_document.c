@@ -1,0 +1,397 @@
+// Documents of studies: what is read, what is refused and where, and the scenarios of trials.
+
+#include "api/study/study_document.h"
+
+#include "api/study/study_best.h"
+#include "core/base/memory.h"
+#include "tests/unit/api/helper_document.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SCENARIO                                                                                   \
+    "{" DOCUMENT_NEEDED ", 'substream': 3, 'obstacles': [{'end_m': [0.75, 0.5], 'angle_deg': 60, " \
+    "'length_m': 0.5}], 'counters': [{'id': 'a', 'x_m': [0, 0.7]}, {'id': 'b', 'x_m': [0, "        \
+    "0.5]}], "                                                                                     \
+    "'macro': {'cell_m': 0.02, 'mollifier_per_m2': 10000}}"
+#define ANGLE      "{'pointer': '/obstacles/0/angle_deg', 'range': [30, 90]}"
+#define THROUGHPUT "{'figure': 'throughput_per_h', 'goal': 'maximize'}"
+#define WITH(base, parameters, objectives, method, rest)                                           \
+    "{'base': {'scenario': " SCENARIO base "}, 'parameters': [" parameters                         \
+    "], 'objectives': [" objectives "], 'method': {" method "}" rest "}"
+
+static bf_faults faults;
+
+static bf_status read_text(const char *text, study_document *ret_document)
+{
+    bf_buffer document = document_quote(text);
+
+    faults.n = 0;
+    bf_status status = study_document_read(document.bytes, document.n, ret_document, &faults, NULL);
+    buffer_fini(&document);
+    return status;
+}
+
+static study_document read_good(const char *text)
+{
+    study_document d;
+
+    const bf_status status = read_text(text, &d);
+    if (status != BF_OK)
+        fail_msg("%s: %s", faults.items[0].pointer, faults.items[0].text);
+    return d;
+}
+
+static void a_document_is_read_with_its_defaults(void **state)
+{
+    (void)state;
+    study_document d = read_good(WITH("", ANGLE, THROUGHPUT, "'type': 'sobol'", ""));
+    const study_definition def = study_document_definition(&d);
+    assert_int_equal(def.method, STUDY_SOBOL);
+    assert_int_equal(def.d, 1);
+    assert_int_equal(def.n_values, 1);
+    assert_true(def.is_maximized);
+    assert_int_equal(def.n_points, 32);
+    assert_int_equal(def.n_replications, 1);
+    assert_int_equal(def.n_trials_max, 32);
+    assert_int_equal(d.model, RUN_MACRO);
+    study_document_fini(&d);
+    study_document_fini(NULL);
+}
+
+static void members_are_taken_over(void **state)
+{
+    (void)state;
+    study_document d = read_good(WITH(
+        ", 'model': 'micro'",
+        ANGLE ", {'pointer': '/macro/mollifier_per_m2', 'range': [1000, 10000], 'scale': 'log'}",
+        "{'figure': 'content.mean', 'of': 'b'}, {'figure': 'jam.count'}",
+        "'type': 'screen', 'sweep': 'lhs', 'points': 50, 'confirm': 4, 'indifference': 2, "
+        "'confidence': 0.9",
+        ", 'name': 'N', 'seed': 9, 'limits': {'trials': 300, 'workers': 2}"));
+    const study_definition def = study_document_definition(&d);
+    char name[STUDY_DOCUMENT_COLUMN];
+    assert_int_equal(def.method, STUDY_SCREEN);
+    assert_int_equal(def.sweep, STUDY_LHS);
+    assert_int_equal(def.n_points, 50);
+    assert_int_equal(def.n_confirmed, 4);
+    assert_int_equal(def.n_replications, 10);
+    assert_int_equal(def.n_trials_max, 300);
+    assert_true(def.confidence == 0.9 && def.indifference == 2.0 && def.seed == 9);
+    assert_false(def.is_maximized);
+    assert_int_equal(d.objectives[0].item, 1);
+    assert_int_equal(d.workers, 2);
+    study_document_column(&d, 0, name);
+    assert_string_equal(name, "content.mean:b");
+    study_document_column(&d, 1, name);
+    assert_string_equal(name, "jam.count");
+    study_document_fini(&d);
+}
+
+// In the middle of a logarithmic range lies the geometric mean.
+static void coordinates_are_values_of_ranges_and_lists(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(WITH("", "{'pointer': '/obstacles/0/angle_deg', 'values': [30, 45, 80]}",
+                       THROUGHPUT, "'type': 'list'", ""));
+    assert_int_equal(study_document_definition(&d).n_points, 3);
+    assert_true(study_document_value(&d.parameters[0], 0.0) == 30.0);
+    assert_true(study_document_value(&d.parameters[0], 0.5) == 45.0);
+    assert_true(study_document_value(&d.parameters[0], 1.0) == 80.0);
+    study_document_fini(&d);
+    const study_document_parameter by_ratio = { .range = { 1000, 4000 }, .is_log = true };
+    const study_document_parameter linear = { .range = { 1000, 4000 } };
+    assert_true(fabs(study_document_value(&by_ratio, 0.5) - 2000.0) < 1e-9);
+    assert_true(study_document_value(&by_ratio, 1.0) == 4000.0);
+    assert_true(study_document_value(&linear, 0.5) == 2500.0);
+}
+
+static void a_trial_has_the_numbers_of_its_point_and_the_substream(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(WITH("", ANGLE ", {'pointer': '/macro/mollifier_per_m2', 'range': [1000, 9000]}",
+                       THROUGHPUT, "'type': 'cmaes'", ""));
+    scene s;
+    for (uint32_t k = 0; k < 2; k++) {
+        // 30 + k 60 degrees: the path begins 0.5 m away from (0.75, 0.5).
+        const double point[2] = { k, 0.25 };
+        faults.n = 0;
+        assert_int_equal(study_document_scene(&d, point, 5 + k, RUN_MACRO, &s, &faults, NULL),
+                         BF_OK);
+        const vec2 start = s.obstacles[0].path[0];
+        assert_true(fabs(start.x - (0.75 - 0.5 * (k == 0 ? sqrt(0.75) : 0.0))) < 1e-12);
+        assert_true(s.macro.mollifier == 3000.0);
+        assert_int_equal(s.substream, 3 + 5 + k);
+        scene_fini(&s);
+    }
+    study_document_fini(&d);
+}
+
+static void numbers_that_a_scenario_cannot_have_are_faults_of_the_trial(void **state)
+{
+    (void)state;
+    study_document d = read_good(WITH("", "{'pointer': '/macro/cell_m', 'range': [-1, 0.02]}",
+                                      THROUGHPUT, "'type': 'grid'", ""));
+    const double point = 0.0;
+    scene s;
+    bf_error err;
+    faults.n = 0;
+    assert_int_equal(study_document_scene(&d, &point, 0, RUN_MACRO, &s, &faults, &err), BF_EINPUT);
+    assert_string_equal(err.pointer, "/macro/cell_m");
+    study_document_fini(&d);
+}
+
+static void what_cannot_be_studied_is_refused_at_its_place(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *pointer;
+    } cases[] = {
+        { WITH("", "{'pointer': '/obstacles/1/angle_deg', 'range': [1, 2]}", THROUGHPUT,
+               "'type': 'lhs'", ""),
+          "/parameters/0/pointer" },
+        { WITH("", "{'pointer': '/obstacles/0x/angle_deg', 'range': [1, 2]}", THROUGHPUT,
+               "'type': 'lhs'", ""),
+          "/parameters/0/pointer" },
+        { WITH("", "{'pointer': 'duration_s', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+          "/parameters/0/pointer" },
+        { WITH("", "{'pointer': '/counters/0/id', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'",
+               ""),
+          "/parameters/0/pointer" },
+        { WITH("", "{'pointer': '/macro', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+          "/parameters/0/pointer" },
+        { WITH("", "{'pointer': '/substream', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+          "/parameters/0/pointer" },
+        { WITH("", ANGLE ", " ANGLE, THROUGHPUT, "'type': 'lhs'", ""), "/parameters/1/pointer" },
+        { WITH("", "{'pointer': '/duration_s', 'range': [2, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
+          "/parameters/0" },
+        { WITH("", "{'pointer': '/duration_s', 'range': [1, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
+          "/parameters/0" },
+        { WITH("", "{'pointer': '/duration_s', 'range': [0, 1], 'scale': 'log'}", THROUGHPUT,
+               "'type': 'lhs'", ""),
+          "/parameters/0" },
+        { WITH("", "{'pointer': '/duration_s', 'values': [1]}", THROUGHPUT, "'type': 'direct'", ""),
+          "/parameters/0" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'list'", ""), "/parameters/0" },
+        { WITH("",
+               "{'pointer': '/duration_s', 'values': [1, 2]}, {'pointer': '/macro/cell_m', "
+               "'values': [0.1]}",
+               THROUGHPUT, "'type': 'list'", ""),
+          "/parameters/1" },
+        { WITH("", ANGLE, "{'figure': 'queue_end_m'}", "'type': 'lhs'", ""),
+          "/objectives/0/figure" },
+        { WITH(", 'model': 'micro'", ANGLE, "{'figure': 'queue_end_m'}",
+               "'type': 'screen', 'indifference': 1", ""),
+          "/objectives/0/figure" },
+        { WITH("", ANGLE, "{'figure': 'speed'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
+        { WITH("", ANGLE, "{'figure': 'offered'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
+        { WITH("", ANGLE, "{'figure': 'content.mean'}", "'type': 'lhs'", ""), "/objectives/0/of" },
+        { WITH("", ANGLE, "{'figure': 'content.mean', 'of': 'c'}", "'type': 'lhs'", ""),
+          "/objectives/0/of" },
+        { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'of': 'a'}", "'type': 'lhs'", ""),
+          "/objectives/0/of" },
+        { WITH("", ANGLE, "", "'type': 'lhs'", ""), "/objectives" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'calibrate'", ""), "/objectives" },
+        { WITH("", ANGLE, "", "'type': 'calibrate'", ""), "/curves" },
+        { WITH("", ANGLE, "", "'type': 'calibrate'",
+               ", 'curves': [{'counter': 'c', 't_s': [0, 1], 'count': [1, 0]}]"),
+          "/curves/0" },
+        { WITH("", ANGLE, "", "'type': 'calibrate'",
+               ", 'curves': [{'counter': 'a', 't_s': [0, 0], 'count': [1, 0]}]"),
+          "/curves/0" },
+        { WITH("", ANGLE, "", "'type': 'calibrate'",
+               ", 'curves': [{'counter': 'a', 't_s': [0, 1], 'count': [1, 0, 0]}]"),
+          "/curves/0" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'points': 1000000000", ""),
+          "/method/points" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 1000000000}"),
+          "/limits/trials" },
+        { WITH("", "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 1000000000}", THROUGHPUT,
+               "'type': 'grid'", ""),
+          "/parameters/0/steps" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'grid'", ", 'limits': {'trials': 4}"),
+          "/limits/trials" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1", ", 'replications': 1"),
+          "/replications" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'points': 3", ""), "/method/points" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'anneal'", ""), "/method/type" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen'", ""), "/method/indifference" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 0", ""),
+          "/method/indifference" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes', 'tolerance': 0", ""), "/method/tolerance" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1, 'confidence': 1", ""),
+          "/method/confidence" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'limits': {'workers': 1000}"),
+          "/limits/workers" },
+        { WITH("", "", THROUGHPUT, "'type': 'lhs'", ""), "/parameters" },
+        { "{'base': {'base': {'scenario': " SCENARIO "}}, 'parameters': [" ANGLE
+          "], 'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
+          "/base/base" },
+        { "{'base': {'scenario': {'duration_s': 1}}, 'parameters': [{'pointer': '/duration_s', "
+          "'range': [1, 2]}], "
+          "'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
+          "/base/scenario/domain" },
+        { WITH("",
+               "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 100000}, {'pointer': "
+               "'/macro/cell_m', 'range': [1, 2]}",
+               THROUGHPUT, "'type': 'grid'", ""),
+          "/parameters" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'replications': 0"), "/replications" },
+        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 0}"),
+          "/limits/trials" },
+        { "{}", "/base" },
+        { "[]", "" },
+        { "{", "" },
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        study_document d;
+        const bf_status status = read_text(cases[k].text, &d);
+        if (status != BF_EINPUT && status != BF_ELIMIT)
+            fail_msg("case %zu is not refused", k);
+        if (!document_has_fault(&faults, cases[k].pointer))
+            fail_msg("case %zu: no fault at %s, but at %s: %s", k, cases[k].pointer,
+                     faults.items[0].pointer, faults.items[0].text);
+    }
+}
+
+// One curve of 1 part more than computed until 1 s, where it ends: its mean square is 1; objectives are key figures.
+static void values_are_key_figures_or_distances_of_curves(void **state)
+{
+    (void)state;
+    static const double t[] = { 0, 1, 2 }, columns[] = { 9, 4, 9, 3, 9, 0 };
+    const double point = 0.5;
+    study_document d =
+        read_good(WITH("", ANGLE, "", "'type': 'calibrate'",
+                       ", 'curves': [{'counter': 'b', 't_s': [0, 0.5, 1], 'count': [5, 4.5, 4]}]"));
+    study_document_outcome outcome = { .n = 3, .t = t, .n_columns = 2, .columns = columns };
+    double values[STUDY_VALUES];
+    assert_int_equal(study_document_values(&d, &outcome, values, NULL), BF_OK);
+    assert_true(fabs(values[0] - 1.0) < 1e-14);
+    assert_true(study_document_definition(&d).n_independent == 20.0);
+    study_document_fini(&d);
+
+    d = read_good(
+        WITH("", ANGLE, THROUGHPUT ", {'figure': 'content.max', 'of': 'b'}", "'type': 'lhs'", ""));
+    scene s;
+    faults.n = 0;
+    assert_int_equal(study_document_scene(&d, &point, 0, RUN_MACRO, &s, &faults, NULL), BF_OK);
+    double *figures = memory_alloc(figure_values(&s), sizeof *figures);
+    for (size_t k = 0; k < figure_values(&s); k++)
+        figures[k] = (double)k;
+    outcome = (study_document_outcome){ .scene = &s, .figures = figures };
+    assert_int_equal(study_document_values(&d, &outcome, values, NULL), BF_OK);
+    assert_true(values[0] == (double)FIGURE_THROUGHPUT);
+    assert_true(values[1] == (double)figure_at(&s, FIGURE_CONTENT_MAX, 1));
+    memory_free(figures);
+    scene_fini(&s);
+    study_document_fini(&d);
+}
+
+static void lines_of_trials_read_back(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(WITH("", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}", "'type': 'grid'", ""));
+    const study_definition def = study_document_definition(&d);
+    const double given[2] = { 1.0 / 3.0, NAN };
+    double values[2];
+    study *s = NULL;
+    bf_buffer line = { 0 };
+    size_t trial = 0;
+    assert_int_equal(study_create(&def, &s, NULL), BF_OK);
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    assert_int_equal(study_best_csv_header(&d, &line, NULL), BF_OK);
+    assert_string_equal(line.bytes, "trial,point,model,substream,/obstacles/0/angle_deg,state,"
+                                    "throughput_per_h,jam.count,fault\n");
+    line.n = 0;
+    assert_int_equal(
+        study_best_csv_line(&d, s, 2, STUDY_TRIAL_FAILED, given, "a, \"b\"", &line, NULL), BF_OK);
+    assert_string_equal(line.bytes, "2,2,macro,3,60,failed,0.3333333333333333,,\"a, \"\"b\"\"\"\n");
+    assert_true(study_best_csv_read(&d, line.bytes, line.n, &trial, values));
+    assert_int_equal(trial, 2);
+    assert_true(values[0] == 1.0 / 3.0 && isnan(values[1]));
+    assert_false(study_best_csv_read(&d, line.bytes, 20, &trial, values));
+    assert_false(study_best_csv_read(&d, "x,2,macro,3,60,failed,1,2,\n", 27, &trial, values));
+    assert_false(study_best_csv_read(&d, "-1,2,macro,3,60,failed,1,2,\n", 28, &trial, values));
+    assert_false(study_best_csv_read(&d, "2,2,macro,3,60,failed,1x,2,\n", 28, &trial, values));
+    buffer_fini(&line);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+// Two replications of 1 and 3 with a jam in one of them: mean 2, deviation sqrt(2), t(0.975; 1) = 12.7062, hence 2 -+
+// 12.7062; Wilson's interval of 1 of 2 is 1/2 -+ 0.4055 by hand: z^2 = 3.8415, z/(2 + z^2) sqrt(1/2 + z^2/4).
+static void the_best_point_is_told_with_its_intervals(void **state)
+{
+    (void)state;
+    study_document d =
+        read_good(WITH("", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}",
+                       "'type': 'sobol', 'points': 1", ", 'replications': 2, 'name': 'N'"));
+    const study_definition def = study_document_definition(&d);
+    study *s = NULL;
+    bf_buffer out = { 0 };
+    assert_int_equal(study_create(&def, &s, NULL), BF_OK);
+    assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+    assert_non_null(strstr(out.bytes, "\"best\":null"));
+    out.n = 0;
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    study_tell(s, 1, (const double[]){ 3, 2 });
+    study_tell(s, 0, (const double[]){ 1, 0 });
+    assert_int_equal(study_advance(s, NULL), BF_OK);
+    assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+    assert_non_null(strstr(out.bytes, "\"is_ended\":true,\"trials\":2,\"points\":1"));
+    assert_non_null(strstr(
+        out.bytes, "\"throughput_per_h\":{\"n\":2,\"mean\":2,\"deviation\":1.414213562373095"));
+    assert_non_null(strstr(out.bytes, "\"interval_95\":[-10.7062"));
+    assert_non_null(strstr(out.bytes, "\"jam_probability\":{\"mean\":0.5,\"interval_95\":[0.0945"));
+    buffer_fini(&out);
+    study_destroy(s);
+    study_document_fini(&d);
+}
+
+static void without_memory_no_document_is_read(void **state)
+{
+    (void)state;
+    bf_buffer document = document_quote(
+        WITH("", "{'pointer': '/duration_s', 'values': [1, 2]}", THROUGHPUT, "'type': 'grid'", ""));
+    bf_status status = BF_ENOMEM;
+    for (size_t n = 1; status != BF_OK; n++) {
+        study_document d;
+        faults.n = 0;
+        memory_plan_fault(n, 0);
+        status = study_document_read(document.bytes, document.n, &d, &faults, NULL);
+        const size_t n_failed = memory_faults();
+        memory_plan_fault(0, 0);
+        if (status == BF_OK)
+            study_document_fini(&d);
+        else
+            assert_int_equal(status, BF_ENOMEM);
+        assert_true(status != BF_OK || n_failed <= 1);
+    }
+    buffer_fini(&document);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_document_is_read_with_its_defaults),
+        cmocka_unit_test(members_are_taken_over),
+        cmocka_unit_test(coordinates_are_values_of_ranges_and_lists),
+        cmocka_unit_test(a_trial_has_the_numbers_of_its_point_and_the_substream),
+        cmocka_unit_test(numbers_that_a_scenario_cannot_have_are_faults_of_the_trial),
+        cmocka_unit_test(what_cannot_be_studied_is_refused_at_its_place),
+        cmocka_unit_test(values_are_key_figures_or_distances_of_curves),
+        cmocka_unit_test(lines_of_trials_read_back),
+        cmocka_unit_test(the_best_point_is_told_with_its_intervals),
+        cmocka_unit_test(without_memory_no_document_is_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
