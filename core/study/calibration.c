@@ -9,12 +9,14 @@
 
 enum {
     STAGES = 4,
-    NONE = -1, // no curve is left out, no parameter is held
-    FITS_MAX = CALIBRATION_STARTS + STUDY_VALUES + 2 * CALIBRATION_PLACES * STUDY_PARAMETERS,
+    PLACES =
+        1 + CALIBRATION_PLACES, // of a profile on each side; the first one is next to the answer
+    NONE = -1,                  // no curve is left out, no parameter is held
+    FITS_MAX = CALIBRATION_STARTS + STUDY_VALUES + 2 * PLACES * STUDY_PARAMETERS,
     ROUND_MAX = 2 * STUDY_PARAMETERS, // points that a search evaluates at a time
 };
 
-// How far the places of a profile are on the way to the end of the range.
+// How far the other places of a profile are on the way to the end of the range.
 static const double ways[CALIBRATION_PLACES] = { 0.125, 0.5, 1.0 };
 
 // First lengths of subplex: from a point of the first stage, and from the answer.
@@ -225,9 +227,17 @@ static double place_of(const study *s, size_t parameter, int side, size_t place)
 {
     const double at = s->at[s->calibration->answer * s->definition.d + parameter];
 
-    if (place == CALIBRATION_PLACES - 1)
+    if (place == 0)
+        return fmin(fmax(at + (2 * side - 1) * CALIBRATION_NEAR, 0.0), 1.0);
+    if (place == PLACES - 1)
         return side;
-    return at + ways[place] * (side - at);
+    return at + ways[place - 1] * (side - at);
+}
+
+// The fits of a profile, in the order of their index; next to the answer the others stay.
+static size_t fit_of(size_t parameter, int side, size_t place)
+{
+    return (2 * parameter + (size_t)side) * PLACES + place;
 }
 
 static void begin_profiles(study *s, size_t n_max)
@@ -237,9 +247,9 @@ static void begin_profiles(study *s, size_t n_max)
 
     for (size_t i = 0; i < d; i++)
         for (int side = 0; side < 2; side++)
-            for (size_t k = 0; k < CALIBRATION_PLACES; k++) {
+            for (size_t k = 0; k < PLACES; k++) {
                 calibration_fit *fit = begin_fit(s->calibration, answer, d, near_step,
-                                                 n_max / (2 * CALIBRATION_PLACES * d));
+                                                 k == 0 ? 1 : n_max / (2 * PLACES * d));
                 fit->held = (int)i;
                 fit->start[i] = place_of(s, i, side, k);
             }
@@ -316,13 +326,27 @@ bf_status study_calibrate(study *s, bf_error *err)
     return BF_OK;
 }
 
-// The distance at a place of a profile; 0 where its fit has not converged: it ran out of points, and the later half of
-// them made the distance smaller by a tenth or more.
-static double distance_at(const study *s, size_t parameter, int side, size_t place)
+// The mean cost of the answer and of the points next to it.
+static double near_cost(const study *s)
 {
     const struct calibration *c = s->calibration;
-    const size_t k = (2 * parameter + (size_t)side) * CALIBRATION_PLACES + place;
-    const double best = s->costs[best_without(s, NONE)];
+    statistics_sample sample = { 0 };
+
+    statistics_add(&sample, s->costs[c->answer]);
+    for (size_t k = 0; c->stage >= STAGES && k < c->n; k += PLACES)
+        for (size_t point = 0; point < s->n_points; point++)
+            if (memcmp(s->at + point * s->definition.d, c->fits[k].start,
+                       s->definition.d * sizeof *s->at) == 0 &&
+                isfinite(s->costs[point]))
+                statistics_add(&sample, s->costs[point]);
+    return sample.mean;
+}
+
+// The distance at a place of a profile; 0 where its fit has not converged: it ran out of points, and the later half of
+// them made the distance smaller by a tenth or more.
+static double distance_at(const study *s, size_t k, size_t parameter, double near)
+{
+    const struct calibration *c = s->calibration;
     double half = (double)INFINITY, least = (double)INFINITY;
 
     if (c->stage < STAGES || k >= c->n || !c->fits[k].is_over)
@@ -335,19 +359,20 @@ static double distance_at(const study *s, size_t parameter, int side, size_t pla
         half = ++n <= fit->n_asked / 2 ? least : half;
     }
     const bool is_cut = s->definition.d > 1 && fit->n_asked >= fit->n_max;
-    if (is_cut && (isinf(half) || distance_of(s, least, best) < 0.9 * distance_of(s, half, best)))
+    if (is_cut && (isinf(half) || distance_of(s, least, near) < 0.9 * distance_of(s, half, near)))
         return 0.0;
-    return distance_of(s, least, best);
+    return distance_of(s, least, near);
 }
 
 // Where the distance passes the limit on the way to the end of the range; NAN: it does not.
 static double edge_of(const study *s, size_t parameter, int side, double limit)
 {
+    const double near = near_cost(s);
     double last = s->at[s->calibration->answer * s->definition.d + parameter], last_distance = 0.0;
 
-    for (size_t k = 0; k < CALIBRATION_PLACES; k++) {
+    for (size_t k = 1; k < PLACES; k++) {
         const double place = place_of(s, parameter, side, k);
-        const double distance = distance_at(s, parameter, side, k);
+        const double distance = distance_at(s, fit_of(parameter, side, k), parameter, near);
         if (distance > limit)
             return last + (place - last) * (limit - last_distance) / (distance - last_distance);
         last = place;

@@ -14,9 +14,11 @@
 /// With n independent samples in all curves, independent and normal errors, a value of a parameter agrees with the
 /// measurement as well as the answer does where
 ///
-///     n ln((cost + v)/(least cost + v)) <= z^2,    v = 1/12 parts^2,
+///     n ln((cost + v)/(near cost + v)) <= z^2,    v = 1/12 parts^2,
 ///
-/// z being the normal quantile of the confidence and v the variance of rounding to whole parts. Between the places the root
+/// z being the normal quantile of the confidence and v the variance of rounding to whole parts. The near cost is the mean
+/// of those of the answer and of two points next to it along each parameter, CALIBRATION_NEAR of the range away: curves
+/// of models jump a little with their parameters, and the answer of a search is the luckiest of many points. Between the places the root
 /// of the left side is taken as linear. Where these values reach an end of the range the parameter is not identifiable.
 /// Samples of a curve are not independent: n is to be much less than their number.
 ///
@@ -31,6 +33,8 @@ enum {
     CALIBRATION_STARTS = 3, ///< of the second stage
     CALIBRATION_PLACES = 3, ///< on each side: 1/8, 1/2 and all of the way to the end of the range
 };
+
+#define CALIBRATION_NEAR 0.002 ///< of the range
 
 /// What the profile of a parameter says.
 typedef struct calibration_profile {
