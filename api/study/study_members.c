@@ -121,7 +121,7 @@ static void init_parameter(void *item, size_t place)
     *(study_document_parameter *)item = (study_document_parameter){ .steps = 5 };
 }
 
-static const member_table parameter_table = { MEMBER_TABLE("StudyParameter", parameter_members),
+static const member_table parameter_table = { MEMBER_TABLE("studyParameter", parameter_members),
                                               .size = sizeof(study_document_parameter),
                                               .init = init_parameter,
                                               .choice = MEMBER_ONE_FORM,
@@ -146,7 +146,7 @@ static void init_objective(void *item, size_t place)
     *(study_document_objective *)item = (study_document_objective){ .is_maximized = false };
 }
 
-static const member_table objective_table = { MEMBER_TABLE("StudyObjective", objective_members),
+static const member_table objective_table = { MEMBER_TABLE("studyObjective", objective_members),
                                               .size = sizeof(study_document_objective),
                                               .init = init_objective };
 
@@ -167,7 +167,7 @@ static void init_curve(void *item, size_t place)
     *(study_document_curve *)item = (study_document_curve){ .n_t = 0 };
 }
 
-static const member_table curve_table = { MEMBER_TABLE("StudyCurve", curve_members),
+static const member_table curve_table = { MEMBER_TABLE("studyCurve", curve_members),
                                           .size = sizeof(study_document_curve),
                                           .init = init_curve };
 
@@ -202,7 +202,7 @@ static const member method_members[] = {
 };
 #undef AT
 
-static const member_table method_table = { MEMBER_TABLE("StudyMethod", method_members),
+static const member_table method_table = { MEMBER_TABLE("studyMethod", method_members),
                                            .size = sizeof(study_document_method),
                                            .init = study__init_method, .choice = MEMBER_TAGGED };
 
@@ -225,10 +225,10 @@ static const member limit_members[] = {
            .default_text = "one for each core"),
 };
 
-static const member_table base_table = { MEMBER_TABLE("StudyBase", base_members),
-                                         .init = study__init };
-static const member_table limit_table = { MEMBER_TABLE("StudyLimits", limit_members),
-                                          .init = study__init };
+static const member_table base_table = { MEMBER_TABLE("studyBase", base_members),
+                                         .size = sizeof(study_document), .init = study__init };
+static const member_table limit_table = { MEMBER_TABLE("studyLimits", limit_members),
+                                          .size = sizeof(study_document), .init = study__init };
 
 static const member members[] = {
     MEMBER("name", text, AT(name), "for people", .limit = STUDY_DOCUMENT_NAME,
@@ -264,7 +264,7 @@ void study__init(void *item, size_t place)
     study__init_method(&document->method, 0);
 }
 
-const member_table study_document_members = { MEMBER_TABLE("Study", members),
+const member_table study_document_members = { MEMBER_TABLE("study", members),
                                               .size = sizeof(study_document), .init = study__init };
 
 void study__check_ranges(json_in *in, const study_document *d)

@@ -32,7 +32,7 @@ enum {
     STUDY_PARAMETERS = 20,     ///< most parameters
     STUDY_VALUES = 32,         ///< most values of a trial
     STUDY_TRIALS_MAX = 100000, ///< most trials
-    STUDY_SEARCH_MAX = 4000,   ///< most points of STUDY_DIRECT, whose time grows with their square
+    STUDY_SEARCH_MAX = 2000,   ///< most points of STUDY_DIRECT, whose time grows with their square
 };
 
 /// How points are chosen.

@@ -83,7 +83,7 @@ async function cut(file, out, signal, lines) {
 test("a study that is interrupted and killed goes on with the same trials, and ends with the same bytes", async (t) => {
   const { file, out, other } = write(
     t,
-    studyOf({ base: { scenario: plate(4) }, method: { type: "cmaes" }, limits: { trials: 40 } }),
+    studyOf({ base: { scenario: plate(2) }, method: { type: "cmaes" }, limits: { trials: 32 } }),
   );
   assert.deepEqual(await cut(file, out, "SIGINT", 3), [130, null]);
   assert.equal(best(out).is_ended, false);
@@ -95,7 +95,7 @@ test("a study that is interrupted and killed goes on with the same trials, and e
   assert.equal((await beltflow(["study", file, "--out", other, "--workers", "1"])).status, 0);
   for (const name of ["trials.csv", "best.json", "study.json"])
     assert.deepEqual(readFileSync(path.join(out, name)), readFileSync(path.join(other, name)), name);
-  assert.equal(rows(out).length, 40);
+  assert.equal(rows(out).length, 32);
   assert.equal(best(out).is_ended, true);
 });
 
@@ -150,7 +150,7 @@ test("a calibration finds the mollifier that a curve was made with, and says wha
       ],
       curves: [{ counter: "upstream", t_s, count }],
       method: { type: "calibrate", points: 8 },
-      limits: { trials: 300 },
+      limits: { trials: 140 },
     }),
   );
   assert.equal((await beltflow(["study", file, "--out", out])).status, 0);

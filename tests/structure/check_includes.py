@@ -1,5 +1,5 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
-micro <- run, inside api json <- scenario <- results <- http, openapi, inside server base <- http, store <- run
+micro <- run, inside api json <- scenario <- results <- http, openapi, scenario <- study, inside server base <- http, store <- run
 <- daemon, cli; and every outside header is included only where it belongs."""
 
 import re

@@ -6,6 +6,7 @@
 #include "api/results/measurement.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/submission.h"
+#include "api/study/study_document.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -100,6 +101,7 @@ static void every_member_of_a_document_is_listed(void **unused)
     check_lines(&scenario_members, "");
     check_lines(&submission_members, "");
     check_lines(&measurement_members, "");
+    check_lines(&study_document_members, "");
 }
 
 static void every_route_is_listed(void **unused)

@@ -149,108 +149,107 @@ static void numbers_that_a_scenario_cannot_have_are_faults_of_the_trial(void **s
     study_document_fini(&d);
 }
 
+// Documents, each with the place that must be reported.
+static const struct {
+    const char *text, *pointer;
+} cases[] = {
+    { WITH("", "{'pointer': '/obstacles/1/angle_deg', 'range': [1, 2]}", THROUGHPUT,
+           "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", "{'pointer': '/obstacles/0x/angle_deg', 'range': [1, 2]}", THROUGHPUT,
+           "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", "{'pointer': 'duration_s', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", "{'pointer': '/counters/0/id', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", "{'pointer': '/macro', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", "{'pointer': '/substream', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0/pointer" },
+    { WITH("", ANGLE ", " ANGLE, THROUGHPUT, "'type': 'lhs'", ""), "/parameters/1/pointer" },
+    { WITH("", "{'pointer': '/duration_s', 'range': [2, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0" },
+    { WITH("", "{'pointer': '/duration_s', 'range': [1, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
+      "/parameters/0" },
+    { WITH("", "{'pointer': '/duration_s', 'range': [0, 1], 'scale': 'log'}", THROUGHPUT,
+           "'type': 'lhs'", ""),
+      "/parameters/0" },
+    { WITH("", "{'pointer': '/duration_s', 'values': [1]}", THROUGHPUT, "'type': 'direct'", ""),
+      "/parameters/0" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'list'", ""), "/parameters/0" },
+    { WITH("",
+           "{'pointer': '/duration_s', 'values': [1, 2]}, {'pointer': '/macro/cell_m', "
+           "'values': [0.1]}",
+           THROUGHPUT, "'type': 'list'", ""),
+      "/parameters/1" },
+    { WITH("", ANGLE, "{'figure': 'queue_end_m'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
+    { WITH(", 'model': 'micro'", ANGLE, "{'figure': 'queue_end_m'}",
+           "'type': 'screen', 'indifference': 1", ""),
+      "/objectives/0/figure" },
+    { WITH("", ANGLE, "{'figure': 'speed'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
+    { WITH("", ANGLE, "{'figure': 'offered'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
+    { WITH("", ANGLE, "{'figure': 'content.mean'}", "'type': 'lhs'", ""), "/objectives/0/of" },
+    { WITH("", ANGLE, "{'figure': 'content.mean', 'of': 'c'}", "'type': 'lhs'", ""),
+      "/objectives/0/of" },
+    { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'of': 'a'}", "'type': 'lhs'", ""),
+      "/objectives/0/of" },
+    { WITH("", ANGLE, "", "'type': 'lhs'", ""), "/objectives" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'calibrate'", ""), "/objectives" },
+    { WITH("", ANGLE, "", "'type': 'calibrate'", ""), "/curves" },
+    { WITH("", ANGLE, "", "'type': 'calibrate'",
+           ", 'curves': [{'counter': 'c', 't_s': [0, 1], 'count': [1, 0]}]"),
+      "/curves/0" },
+    { WITH("", ANGLE, "", "'type': 'calibrate'",
+           ", 'curves': [{'counter': 'a', 't_s': [0, 0], 'count': [1, 0]}]"),
+      "/curves/0" },
+    { WITH("", ANGLE, "", "'type': 'calibrate'",
+           ", 'curves': [{'counter': 'a', 't_s': [0, 1], 'count': [1, 0, 0]}]"),
+      "/curves/0" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'points': 1000000000", ""), "/method/points" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 1000000000}"),
+      "/limits/trials" },
+    { WITH("", "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 1000000000}", THROUGHPUT,
+           "'type': 'grid'", ""),
+      "/parameters/0/steps" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'grid'", ", 'limits': {'trials': 4}"),
+      "/limits/trials" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1", ", 'replications': 1"),
+      "/replications" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'points': 3", ""), "/method/points" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'anneal'", ""), "/method/type" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'screen'", ""), "/method/indifference" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 0", ""),
+      "/method/indifference" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes', 'tolerance': 0", ""), "/method/tolerance" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1, 'confidence': 1", ""),
+      "/method/confidence" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'limits': {'workers': 1000}"),
+      "/limits/workers" },
+    { WITH("", "", THROUGHPUT, "'type': 'lhs'", ""), "/parameters" },
+    { "{'base': {'base': {'scenario': " SCENARIO "}}, 'parameters': [" ANGLE
+      "], 'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
+      "/base/base" },
+    { "{'base': {'scenario': {'duration_s': 1}}, 'parameters': [{'pointer': '/duration_s', "
+      "'range': [1, 2]}], "
+      "'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
+      "/base/scenario/domain" },
+    { WITH("",
+           "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 100000}, {'pointer': "
+           "'/macro/cell_m', 'range': [1, 2]}",
+           THROUGHPUT, "'type': 'grid'", ""),
+      "/parameters" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'replications': 0"), "/replications" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 0}"),
+      "/limits/trials" },
+    { "{}", "/base" },
+    { "[]", "" },
+    { "{", "" },
+};
+
 static void what_cannot_be_studied_is_refused_at_its_place(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
-        { WITH("", "{'pointer': '/obstacles/1/angle_deg', 'range': [1, 2]}", THROUGHPUT,
-               "'type': 'lhs'", ""),
-          "/parameters/0/pointer" },
-        { WITH("", "{'pointer': '/obstacles/0x/angle_deg', 'range': [1, 2]}", THROUGHPUT,
-               "'type': 'lhs'", ""),
-          "/parameters/0/pointer" },
-        { WITH("", "{'pointer': 'duration_s', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
-          "/parameters/0/pointer" },
-        { WITH("", "{'pointer': '/counters/0/id', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'",
-               ""),
-          "/parameters/0/pointer" },
-        { WITH("", "{'pointer': '/macro', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
-          "/parameters/0/pointer" },
-        { WITH("", "{'pointer': '/substream', 'range': [1, 2]}", THROUGHPUT, "'type': 'lhs'", ""),
-          "/parameters/0/pointer" },
-        { WITH("", ANGLE ", " ANGLE, THROUGHPUT, "'type': 'lhs'", ""), "/parameters/1/pointer" },
-        { WITH("", "{'pointer': '/duration_s', 'range': [2, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
-          "/parameters/0" },
-        { WITH("", "{'pointer': '/duration_s', 'range': [1, 1]}", THROUGHPUT, "'type': 'lhs'", ""),
-          "/parameters/0" },
-        { WITH("", "{'pointer': '/duration_s', 'range': [0, 1], 'scale': 'log'}", THROUGHPUT,
-               "'type': 'lhs'", ""),
-          "/parameters/0" },
-        { WITH("", "{'pointer': '/duration_s', 'values': [1]}", THROUGHPUT, "'type': 'direct'", ""),
-          "/parameters/0" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'list'", ""), "/parameters/0" },
-        { WITH("",
-               "{'pointer': '/duration_s', 'values': [1, 2]}, {'pointer': '/macro/cell_m', "
-               "'values': [0.1]}",
-               THROUGHPUT, "'type': 'list'", ""),
-          "/parameters/1" },
-        { WITH("", ANGLE, "{'figure': 'queue_end_m'}", "'type': 'lhs'", ""),
-          "/objectives/0/figure" },
-        { WITH(", 'model': 'micro'", ANGLE, "{'figure': 'queue_end_m'}",
-               "'type': 'screen', 'indifference': 1", ""),
-          "/objectives/0/figure" },
-        { WITH("", ANGLE, "{'figure': 'speed'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
-        { WITH("", ANGLE, "{'figure': 'offered'}", "'type': 'lhs'", ""), "/objectives/0/figure" },
-        { WITH("", ANGLE, "{'figure': 'content.mean'}", "'type': 'lhs'", ""), "/objectives/0/of" },
-        { WITH("", ANGLE, "{'figure': 'content.mean', 'of': 'c'}", "'type': 'lhs'", ""),
-          "/objectives/0/of" },
-        { WITH("", ANGLE, "{'figure': 'throughput_per_h', 'of': 'a'}", "'type': 'lhs'", ""),
-          "/objectives/0/of" },
-        { WITH("", ANGLE, "", "'type': 'lhs'", ""), "/objectives" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'calibrate'", ""), "/objectives" },
-        { WITH("", ANGLE, "", "'type': 'calibrate'", ""), "/curves" },
-        { WITH("", ANGLE, "", "'type': 'calibrate'",
-               ", 'curves': [{'counter': 'c', 't_s': [0, 1], 'count': [1, 0]}]"),
-          "/curves/0" },
-        { WITH("", ANGLE, "", "'type': 'calibrate'",
-               ", 'curves': [{'counter': 'a', 't_s': [0, 0], 'count': [1, 0]}]"),
-          "/curves/0" },
-        { WITH("", ANGLE, "", "'type': 'calibrate'",
-               ", 'curves': [{'counter': 'a', 't_s': [0, 1], 'count': [1, 0, 0]}]"),
-          "/curves/0" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'points': 1000000000", ""),
-          "/method/points" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 1000000000}"),
-          "/limits/trials" },
-        { WITH("", "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 1000000000}", THROUGHPUT,
-               "'type': 'grid'", ""),
-          "/parameters/0/steps" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'grid'", ", 'limits': {'trials': 4}"),
-          "/limits/trials" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1", ", 'replications': 1"),
-          "/replications" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'points': 3", ""), "/method/points" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'anneal'", ""), "/method/type" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen'", ""), "/method/indifference" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 0", ""),
-          "/method/indifference" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes', 'tolerance': 0", ""), "/method/tolerance" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1, 'confidence': 1", ""),
-          "/method/confidence" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'limits': {'workers': 1000}"),
-          "/limits/workers" },
-        { WITH("", "", THROUGHPUT, "'type': 'lhs'", ""), "/parameters" },
-        { "{'base': {'base': {'scenario': " SCENARIO "}}, 'parameters': [" ANGLE
-          "], 'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
-          "/base/base" },
-        { "{'base': {'scenario': {'duration_s': 1}}, 'parameters': [{'pointer': '/duration_s', "
-          "'range': [1, 2]}], "
-          "'objectives': [" THROUGHPUT "], 'method': {'type': 'lhs'}}",
-          "/base/scenario/domain" },
-        { WITH("",
-               "{'pointer': '/duration_s', 'range': [1, 2], 'steps': 100000}, {'pointer': "
-               "'/macro/cell_m', 'range': [1, 2]}",
-               THROUGHPUT, "'type': 'grid'", ""),
-          "/parameters" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs'", ", 'replications': 0"), "/replications" },
-        { WITH("", ANGLE, THROUGHPUT, "'type': 'cmaes'", ", 'limits': {'trials': 0}"),
-          "/limits/trials" },
-        { "{}", "/base" },
-        { "[]", "" },
-        { "{", "" },
-    };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         study_document d;
         const bf_status status = read_text(cases[k].text, &d);
@@ -260,6 +259,52 @@ static void what_cannot_be_studied_is_refused_at_its_place(void **state)
             fail_msg("case %zu: no fault at %s, but at %s: %s", k, cases[k].pointer,
                      faults.items[0].pointer, faults.items[0].text);
     }
+}
+
+// A document with n items of a list.
+static bf_status read_items(const char *before, const char *item, size_t n, const char *after)
+{
+    bf_buffer text = { 0 };
+    study_document d;
+
+    assert_int_equal(buffer_printf(&text, "%s", before), BF_OK);
+    for (size_t k = 0; k < n; k++)
+        assert_int_equal(buffer_printf(&text, "%s%s", k == 0 ? "" : ",", item), BF_OK);
+    assert_int_equal(buffer_printf(&text, "%s", after), BF_OK);
+    const bf_status status = read_text(text.bytes, &d);
+    if (status == BF_OK)
+        study_document_fini(&d);
+    buffer_fini(&text);
+    return status;
+}
+
+static void lists_beyond_their_limits_are_refused(void **state)
+{
+    (void)state;
+#define BASE "{'base': {'scenario': " SCENARIO "}, "
+    static const struct {
+        const char *before, *item, *after, *pointer;
+        size_t most;
+    } lists[] = {
+        { BASE "'parameters': [" ANGLE "], 'method': {'type': 'lhs'}, 'objectives': [", THROUGHPUT,
+          "]}", "/objectives", STUDY_VALUES },
+        { BASE "'parameters': [" ANGLE "], 'method': {'type': 'calibrate'}, 'curves': [",
+          "{'counter': 'a', 't_s': [0, 1], 'count': [1, 1]}", "]}", "/curves",
+          STUDY_DOCUMENT_CURVES },
+        { BASE "'method': {'type': 'grid'}, 'objectives': [" THROUGHPUT
+               "], 'parameters': [{'pointer': '/duration_s', 'values': [",
+          "1", "]}]}", "/parameters/0/values", STUDY_DOCUMENT_VALUES },
+    };
+#undef BASE
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+        assert_int_equal(read_items(lists[k].before, lists[k].item, lists[k].most, lists[k].after),
+                         BF_OK);
+        assert_int_not_equal(
+            read_items(lists[k].before, lists[k].item, lists[k].most + 1, lists[k].after), BF_OK);
+        assert_true(document_has_fault(&faults, lists[k].pointer));
+    }
+    assert_int_not_equal(read_items("{'parameters': [", ANGLE, STUDY_PARAMETERS + 1, "]}"), BF_OK);
+    assert_true(document_has_fault(&faults, "/parameters"));
 }
 
 // One curve of 1 part more than computed until 1 s, where it ends: its mean square is 1; objectives are key figures.
@@ -388,6 +433,7 @@ int main(void)
         cmocka_unit_test(a_trial_has_the_numbers_of_its_point_and_the_substream),
         cmocka_unit_test(numbers_that_a_scenario_cannot_have_are_faults_of_the_trial),
         cmocka_unit_test(what_cannot_be_studied_is_refused_at_its_place),
+        cmocka_unit_test(lists_beyond_their_limits_are_refused),
         cmocka_unit_test(values_are_key_figures_or_distances_of_curves),
         cmocka_unit_test(lines_of_trials_read_back),
         cmocka_unit_test(the_best_point_is_told_with_its_intervals),

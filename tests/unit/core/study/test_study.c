@@ -270,6 +270,20 @@ static void studies_beyond_their_limits_are_refused(void **state)
     assert_int_equal(study_create(&d, &s, &err), BF_ELIMIT);
 }
 
+// Of 5,000 trials DIRECT alone would make half.
+static void a_search_ends_with_its_most_points(void **state)
+{
+    (void)state;
+    study_definition d = definition_of(4);
+    d.n_replications = 1;
+    d.n_trials_max = 5000;
+    d.d = 5;
+    study *s = begin(&d);
+    finish(s, 1);
+    assert_in_range(study_points(s), STUDY_SEARCH_MAX / 2, STUDY_SEARCH_MAX);
+    study_destroy(s);
+}
+
 // Each allocation of two rounds fails once; the study is as it was, and goes on.
 static void without_memory_a_study_stays_as_it_was(void **state)
 {
@@ -315,6 +329,7 @@ int main(void)
         cmocka_unit_test(a_selection_that_lacks_trials_is_not_decided),
         cmocka_unit_test(a_study_of_runs_that_all_fail_ends_without_a_best_point),
         cmocka_unit_test(studies_beyond_their_limits_are_refused),
+        cmocka_unit_test(a_search_ends_with_its_most_points),
         cmocka_unit_test(without_memory_a_study_stays_as_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
