@@ -2,6 +2,8 @@
 
 #include "api/json/json_out.h"
 #include "api/json/number.h"
+#include "api/scenario/review_members.h"
+#include "core/base/memory.h"
 #include "core/study/calibration.h"
 
 #include <math.h>
@@ -139,10 +141,40 @@ static void write_calibration(json_out *w, const study_document *d, const study 
     json_out_array_end(w);
 }
 
-bf_status study_best_write(const study_document *d, const study *s, bf_buffer *out, bf_error *err)
+// Reasons to doubt what was found at a point.
+static bf_status write_warnings(json_out *w, study_document *d, const study *s, size_t point,
+                                bf_error *err)
+{
+    const study_point p = study_point_at(s, point);
+    const run_model model =
+        d->method.type == STUDY_SCREEN ? RUN_MACRO : study_document_model(d, p.model);
+    bf_faults *faults = memory_alloc(1, sizeof *faults);
+    run_review *review = memory_alloc(1, sizeof *review);
+    scene scene_;
+
+    bf_status status = faults == NULL || review == NULL
+                           ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                           : study_document_scene(d, p.at, 0, model, &scene_, faults, err);
+    if (status == BF_OK) {
+        status = run_review_of(&scene_, model, review, err);
+        scene_fini(&scene_);
+    }
+    if (status == BF_OK) {
+        json_out_key(w, "warnings");
+        json_out_array(w);
+        review_write_warnings(w, review);
+        json_out_array_end(w);
+    }
+    memory_free(review);
+    memory_free(faults);
+    return status;
+}
+
+bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf_error *err)
 {
     const size_t best = study_best(s);
     json_out w = json_out_to(out);
+    bf_status status = BF_OK;
 
     json_out_object(&w);
     json_out_key_string(&w, "name", d->name);
@@ -159,8 +191,10 @@ bf_status study_best_write(const study_document *d, const study *s, bf_buffer *o
         write_confirmed(&w, d, s);
     if (d->method.type == STUDY_CALIBRATE)
         write_calibration(&w, d, s, best != SIZE_MAX);
+    if (best != SIZE_MAX)
+        status = write_warnings(&w, d, s, best, err);
     json_out_object_end(&w);
-    return json_out_status(&w, err);
+    return status == BF_OK ? json_out_status(&w, err) : status;
 }
 
 // ---- CSV

@@ -58,6 +58,8 @@ test("a sweep has a line for each trial, with the figures that solve has, and th
   const found = best(out);
   assert.deepEqual(JSON.parse(done.stdout), found);
   assert.equal(found.best.point, contents.indexOf(Math.min(...contents)));
+  // Its cells are not those that the models were compared with.
+  assert.ok(found.warnings.some((text) => text.includes("cell")), `${found.warnings}`);
   const scenario = plate(1);
   scenario.obstacles[0].angle_deg = Number(trials[5]["/obstacles/0/angle_deg"]);
   const solved = await beltflow(["solve", "-", "--out", other], { input: JSON.stringify(scenario) });
