@@ -107,6 +107,9 @@ static void check_values(json_in *in, const study_document *d, size_t k)
                    p->range[0]);
     else if (p->is_log && !(p->range[0] > 0.0))
         faults_add(in->faults, place, "a range on a log scale must be > 0");
+    else if (!isfinite(p->range[1] - p->range[0]) ||
+             (p->is_log && !isfinite(p->range[1] / p->range[0])))
+        faults_add(in->faults, place, "the range is too wide");
 }
 
 // The index of the item of an objective or curve among n ids.
