@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const study_best_states[] = { "succeeded", "failed", "infeasible" };
+const char *const study_best_states[] = { "succeeded", "failed", "infeasible", "pruned" };
 _Static_assert(sizeof study_best_states / sizeof *study_best_states == STUDY_TRIAL_STATES,
                "a word each");
 

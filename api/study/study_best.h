@@ -10,6 +10,7 @@ typedef enum study_best_state {
     STUDY_TRIAL_SUCCEEDED,
     STUDY_TRIAL_FAILED,     ///< its run failed
     STUDY_TRIAL_INFEASIBLE, ///< its scenario is not valid
+    STUDY_TRIAL_PRUNED,     ///< its run could not become the best any more
     STUDY_TRIAL_STATES
 } study_best_state;
 

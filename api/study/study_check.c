@@ -215,6 +215,9 @@ static void check_limits(json_in *in, study_document *d)
 {
     const double n = first_trials(d);
 
+    if (d->method.is_pruning && d->replications > 1)
+        faults_add(in->faults, "/method/prune",
+                   "of replications the mean counts, not a single run");
     if (d->method.type == STUDY_SCREEN && d->replications < 2)
         faults_add(in->faults, "/replications", "a selection needs two at least");
     if (d->trials_max == STUDY_NOT_GIVEN && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)

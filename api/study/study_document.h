@@ -76,6 +76,7 @@ typedef struct study_document_method {
     double confidence;    ///< of a selection, and of profiles
     double indifference;  ///< STUDY_SCREEN: in units of the first objective
     double tolerance;     ///< of searches, relative to the ranges
+    bool is_pruning;      ///< sweeps: runs that cannot be the best any more are stopped
     double n_independent; ///< STUDY_CALIBRATE
 } study_document_method;
 

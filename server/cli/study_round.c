@@ -1,31 +1,59 @@
 #include "server/cli/study_round.h"
 
 #include "core/base/memory.h"
+#include "core/study/pruning.h"
 #include "server/run/run_control.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
 
+enum {
+    PRUNING_CALLS = 64
+}; // of find_requested() between looks at the key figures of a run that may be pruned
+
 // What the threads have in common.
 typedef struct common {
     study_round *trials;
     pthread_mutex_t lock; // of all below, of the document and of trials->ended
     size_t next;          // trial to begin
+    double best;          // objective of a trial that has ended; NAN: none
     bf_status status;     // of the first failure
     bf_error err;
 } common;
 
 // A run that is being solved: what is taken from its frames.
 typedef struct solving {
+    common *common;
+    const scene *scene;
     run_control control;
     bf_buffer figures; // values of the newest FRAME_FIGURES
     bool has_curve;    // it is wanted
     bf_buffer t;       // its times
     bf_buffer columns; // and rows
     size_t n_columns;
+    bool is_pruning;
+    unsigned n_calls;
+    bool is_hopeless; // it is pruned
     bool is_stopped;
 } solving;
+
+// True if the run cannot become better than the best trial any more.
+static bool is_hopeless(const solving *s, const frame_figures *figures)
+{
+    common *c = s->common;
+    const study_document *document = c->trials->document;
+    const study_document_objective *o = &document->objectives[0];
+    const pruning_state now = { .figure = o->figure,
+                                .is_maximized = o->is_maximized,
+                                .t = figures->t,
+                                .value = figures->values[figure_at(s->scene, o->figure, o->item)] };
+
+    pthread_mutex_lock(&c->lock);
+    const bool is_so = pruning_is_hopeless(&now, c->best);
+    pthread_mutex_unlock(&c->lock);
+    return is_so;
+}
 
 static bf_status take_frame(void *context, const frame *f, bf_error *err)
 {
@@ -36,6 +64,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
         s->figures.n = 0;
         status =
             buffer_append(&s->figures, f->figures.values, f->figures.n * sizeof *f->figures.values);
+        s->is_hopeless = s->is_pruning && is_hopeless(s, &f->figures);
     } else if (f->type == FRAME_CURVE && s->has_curve) {
         s->n_columns = f->curve.n_columns;
         status = buffer_append(&s->t, f->curve.t, f->curve.n * sizeof *f->curve.t);
@@ -53,7 +82,10 @@ static unsigned find_requested(void *context)
 {
     solving *s = context;
 
-    return run_control_requested(&s->control);
+    if (s->is_hopeless)
+        return RUN_STOP;
+    const unsigned request = run_control_requested(&s->control);
+    return s->is_pruning && ++s->n_calls % PRUNING_CALLS == 0 ? request | RUN_REPORT : request;
 }
 
 static bf_status solve(const study_document *document, const scene *scene_, run_model model,
@@ -115,10 +147,21 @@ static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret
     return false;
 }
 
+// Take the objective of a trial into account.
+static void update_best(common *c, double value)
+{
+    const study_document *document = c->trials->document;
+    const bool is_maximized = document->n_objectives > 0 && document->objectives[0].is_maximized;
+
+    if (isfinite(value) && (isnan(c->best) || (is_maximized ? value > c->best : value < c->best)))
+        c->best = value;
+}
+
 static void end(common *c, size_t trial, const study_round_result *result)
 {
     bf_error err = { 0 };
 
+    update_best(c, result->values[0]);
     const bf_status status = c->trials->ended(c->trials->context, trial, result, &err);
     if (status != BF_OK)
         fail(c, status, &err);
@@ -129,10 +172,13 @@ static void solve_trial(common *c, const scene *s, run_model model, solving *sol
 {
     const study_document *document = c->trials->document;
 
+    solving_->common = c;
+    solving_->scene = s;
+    solving_->is_pruning = document->method.is_pruning;
     solving_->control = run_control_init(INT64_MAX / 2000000, 0);
     solving_->has_curve = document->n_curves > 0;
     if (solve(document, s, model, solving_, result->values, &result->fault) == BF_OK) {
-        result->state = STUDY_TRIAL_SUCCEEDED;
+        result->state = solving_->is_stopped ? STUDY_TRIAL_PRUNED : STUDY_TRIAL_SUCCEEDED;
         return;
     }
     result->state = STUDY_TRIAL_FAILED;
@@ -164,10 +210,10 @@ static void *work(void *argument)
             scene_fini(&scene_);
         }
         pthread_mutex_lock(&c->lock);
-        if (!s.is_stopped && result.fault.code != BF_ENOMEM)
-            end(c, trial, &result);
-        else if (!s.is_stopped)
+        if (result.fault.code == BF_ENOMEM)
             fail(c, BF_ENOMEM, &result.fault);
+        else if (!s.is_stopped || s.is_hopeless)
+            end(c, trial, &result);
         pthread_mutex_unlock(&c->lock);
         buffer_fini(&s.figures);
         buffer_fini(&s.t);
@@ -177,11 +223,13 @@ static void *work(void *argument)
 
 bf_status study_round_solve(study_round *t, bf_error *err)
 {
-    common c = { .trials = t, .status = BF_OK };
+    common c = { .trials = t, .status = BF_OK, .best = (double)NAN };
     pthread_t threads[STUDY_DOCUMENT_WORKERS];
     const size_t n = t->n < (size_t)t->n_workers ? t->n : (size_t)t->n_workers;
     size_t n_begun = 0;
 
+    for (size_t k = 0; k < study_trials(t->study); k++)
+        update_best(&c, study_values(t->study, k)[0]);
     pthread_mutex_init(&c.lock, NULL);
     while (n_begun + 1 < n && pthread_create(&threads[n_begun], NULL, work, &c) == 0)
         n_begun++;

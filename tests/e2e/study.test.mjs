@@ -101,6 +101,24 @@ test("a study that is interrupted and killed goes on with the same trials, and e
   assert.equal(best(out).is_ended, true);
 });
 
+// At 90 degrees a closed gate; where the plate leaves room the belt is empty long before the end.
+test("runs that cannot be the best any more are pruned, and the best one is the same", async (t) => {
+  const scenario = { ...plate(60), until: "drained" };
+  scenario.macro.mollifier_per_m2 = 10000;
+  const study = studyOf({
+    base: { scenario },
+    parameters: [{ pointer: "/obstacles/0/length_m", values: [0.2, 0.6, 0.6001, 0.6002] }],
+    objectives: [{ figure: "drained_at_s" }],
+    method: { type: "list", prune: true },
+  });
+  const { file, out } = write(t, study);
+  assert.equal((await beltflow(["study", file, "--out", out, "--workers", "1"])).status, 0);
+  assert.equal(best(out).best.point, 0);
+  const states = rows(out).map((trial) => trial.state);
+  assert.equal(states[0], "succeeded");
+  assert.ok(states.includes("pruned"), `${states}`);
+});
+
 test("both models screen a plate's angle: each confirmed point has what both say", async (t) => {
   const scenario = plate(2);
   scenario.initial.hexagonal = { ...scenario.initial.hexagonal, rows: 4, columns: 4, first_m: [0.5, 0.4] };

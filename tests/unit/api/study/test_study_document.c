@@ -248,6 +248,8 @@ static const struct {
     { WITH("", "{'pointer': '/duration_s', 'range': [1e-308, 1e308], 'scale': 'log'}", THROUGHPUT,
            "'type': 'lhs'", ""),
       "/parameters/0" },
+    { WITH("", ANGLE, THROUGHPUT, "'type': 'lhs', 'prune': true", ", 'replications': 2"),
+      "/method/prune" },
     { "{}", "/base" },
     { "[]", "" },
     { "{", "" },
