@@ -1,12 +1,15 @@
 #include "server/run/run_control.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <time.h>
 
 static const int64_t ns_per_ms = 1000000;
 
-static volatile sig_atomic_t is_stop_requested;
+// Set by a signal's handler, read by every thread that solves.
+static atomic_bool is_stop_requested;
+_Static_assert(ATOMIC_BOOL_LOCK_FREE == 2, "a handler may set it");
 
 static int64_t read_clock_ns(void)
 {
@@ -33,7 +36,7 @@ unsigned run_control_requested(void *context)
 {
     run_control *p = context;
 
-    if (is_stop_requested)
+    if (run_control_is_stopped())
         return p->on_stop;
     int64_t now = read_clock_ns();
     unsigned requested = RUN_GO_ON;
@@ -51,7 +54,7 @@ unsigned run_control_requested(void *context)
 static void request_stop(int signal_number)
 {
     (void)signal_number;
-    is_stop_requested = 1;
+    atomic_store_explicit(&is_stop_requested, true, memory_order_relaxed);
 }
 
 void run_control_catch(int signal_number, run_control_catching catching)
@@ -66,5 +69,5 @@ void run_control_catch(int signal_number, run_control_catching catching)
 
 bool run_control_is_stopped(void)
 {
-    return is_stop_requested != 0;
+    return atomic_load_explicit(&is_stop_requested, memory_order_relaxed);
 }
