@@ -1,5 +1,6 @@
 #include "api/json/json_pointer.h"
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -66,4 +67,45 @@ void json_pointer_leave(json_pointer *p, size_t mark)
 {
     p->n = mark;
     p->text[mark] = '\0';
+}
+
+// One token of a pointer, from behind its '/', without escapes. Returns what follows; NULL: it is too long.
+static const char *next_token(const char *at, char *ret_token, size_t size)
+{
+    size_t n = 0;
+
+    for (; *at != '\0' && *at != '/'; at++) {
+        char c = *at;
+        if (c == '~' && (at[1] == '0' || at[1] == '1'))
+            c = *++at == '0' ? '~' : '/';
+        if (n + 1 >= size)
+            return NULL;
+        ret_token[n++] = c;
+    }
+    ret_token[n] = '\0';
+    return at;
+}
+
+static json_t *item_at(json_t *array, const char *token)
+{
+    size_t index = 0;
+
+    if (*token == '\0' || (token[0] == '0' && token[1] != '\0') || strlen(token) > 9)
+        return NULL;
+    for (; *token >= '0' && *token <= '9'; token++)
+        index = 10 * index + (size_t)(*token - '0');
+    return *token == '\0' ? json_array_get(array, index) : NULL;
+}
+
+json_t *json_pointer_find(json_t *root, const char *pointer)
+{
+    char token[BF_POINTER_SIZE];
+    json_t *value = root;
+
+    for (const char *at = pointer; value != NULL && *at != '\0';) {
+        if (*at != '/' || (at = next_token(at + 1, token, sizeof token)) == NULL)
+            return NULL;
+        value = json_is_array(value) ? item_at(value, token) : json_object_get(value, token);
+    }
+    return value;
 }

@@ -1,4 +1,4 @@
-/// JSON pointers (RFC 6901) that grow and shrink while a document is walked.
+/// JSON pointers (RFC 6901): those that grow and shrink while a document is walked, and what one leads to.
 
 #pragma once
 
@@ -21,3 +21,8 @@ size_t json_pointer_enter_index(json_pointer *p, size_t index);
 
 /// Go back to the place before the json_pointer_enter...() that returned mark.
 void json_pointer_leave(json_pointer *p, size_t mark);
+
+struct json_t;
+
+/// The value in a document that a pointer leads to, borrowed; NULL: none, or a name has BF_POINTER_SIZE bytes or more.
+struct json_t *json_pointer_find(struct json_t *root, const char *pointer);

@@ -23,53 +23,11 @@ static study_method sweep_of(const study_document *d)
     return is_sweep(method) ? method : STUDY_METHODS;
 }
 
-// One token of a pointer, from behind its '/', without escapes. Returns what follows; NULL: it is too long.
-static const char *next_token(const char *at, char *ret_token, size_t size)
-{
-    size_t n = 0;
-
-    for (; *at != '\0' && *at != '/'; at++) {
-        char c = *at;
-        if (c == '~' && (at[1] == '0' || at[1] == '1'))
-            c = *++at == '0' ? '~' : '/';
-        if (n + 1 >= size)
-            return NULL;
-        ret_token[n++] = c;
-    }
-    ret_token[n] = '\0';
-    return at;
-}
-
-static json_t *item_at(json_t *array, const char *token)
-{
-    size_t index = 0;
-
-    if (*token == '\0' || (token[0] == '0' && token[1] != '\0') || strlen(token) > 9)
-        return NULL;
-    for (; *token >= '0' && *token <= '9'; token++)
-        index = 10 * index + (size_t)(*token - '0');
-    return *token == '\0' ? json_array_get(array, index) : NULL;
-}
-
-// The value that a pointer leads to; NULL: none.
-static json_t *find(json_t *root, const char *pointer)
-{
-    char token[BF_POINTER_SIZE];
-    json_t *value = root;
-
-    for (const char *at = pointer; value != NULL && *at != '\0';) {
-        if (*at != '/' || (at = next_token(at + 1, token, sizeof token)) == NULL)
-            return NULL;
-        value = json_is_array(value) ? item_at(value, token) : json_object_get(value, token);
-    }
-    return value;
-}
-
 static void check_pointer(json_in *in, study_document *d, size_t k)
 {
     study_document_parameter *p = &d->parameters[k];
     char place[BF_POINTER_SIZE];
-    json_t *value = find(d->scenario, p->pointer);
+    json_t *value = json_pointer_find(d->scenario, p->pointer);
 
     snprintf(place, sizeof place, "/parameters/%zu/pointer", k);
     if (value == NULL)
@@ -195,25 +153,10 @@ static void check_base(json_in *in, study_document *d)
         faults_add(in->faults, "/objectives", "there must be one at least");
 }
 
-// The trials that a study begins with; SIZE_MAX: too many to count.
-static double first_trials(const study_document *d)
-{
-    const study_definition definition = study_document_definition(d);
-    double n = 1.0;
-
-    if (sweep_of(d) == STUDY_METHODS)
-        return (double)d->replications;
-    if (sweep_of(d) == STUDY_GRID)
-        for (size_t k = 0; k < d->n_parameters; k++)
-            n *= (double)definition.steps[k];
-    else
-        n = (double)definition.n_points;
-    return d->method.type == STUDY_SCREEN ? n : n * (double)d->replications;
-}
-
 static void check_limits(json_in *in, study_document *d)
 {
-    const double n = first_trials(d);
+    const study_definition definition = study_document_definition(d);
+    const size_t n = study_first_trials(&definition);
 
     if (d->method.is_pruning && d->replications > 1)
         faults_add(in->faults, "/method/prune",
@@ -221,14 +164,15 @@ static void check_limits(json_in *in, study_document *d)
     if (d->method.type == STUDY_SCREEN && d->replications < 2)
         faults_add(in->faults, "/replications", "a selection needs two at least");
     if (d->trials_max == STUDY_NOT_GIVEN && is_sweep(d->method.type) && n <= STUDY_TRIALS_MAX)
-        d->trials_max = (uint64_t)n;
+        d->trials_max = n;
     else if (d->trials_max == STUDY_NOT_GIVEN)
         d->trials_max = TRIALS_DEFAULT;
     if (n > STUDY_TRIALS_MAX)
         faults_add_limit(in->faults, "/parameters",
-                         "the study has %.9g trials; at most %d are allowed", n, STUDY_TRIALS_MAX);
-    else if (n > (double)d->trials_max)
-        faults_add_limit(in->faults, "/limits/trials", "the study begins with %.0f trials", n);
+                         "the study has %.9g trials; at most %d are allowed", (double)n,
+                         STUDY_TRIALS_MAX);
+    else if (n > d->trials_max)
+        faults_add_limit(in->faults, "/limits/trials", "the study begins with %zu trials", n);
 }
 
 void study__check(json_in *in, study_document *d)

@@ -6,15 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-// Trials of the sweep, at least.
-static size_t first_trials(const study_definition *d)
+size_t study_first_trials(const study_definition *d)
 {
     if (d->method == STUDY_DIRECT || d->method == STUDY_CMAES)
         return d->n_replications;
     const bool is_screen = d->method == STUDY_SCREEN;
     const size_t n_points = study_sweep_points(d, is_screen ? d->sweep : d->method);
     const size_t n_each = is_screen ? 1 : d->n_replications;
-    return n_points > STUDY_TRIALS_MAX || n_each > STUDY_TRIALS_MAX ? SIZE_MAX : n_points * n_each;
+    return n_points > SIZE_MAX / n_each ? SIZE_MAX : n_points * n_each;
 }
 
 bf_status study_create(const study_definition *definition, study **ret_study, bf_error *err)
@@ -23,7 +22,7 @@ bf_status study_create(const study_definition *definition, study **ret_study, bf
 
     BF_CHECK(d->d >= 1 && d->d <= STUDY_PARAMETERS && d->n_values >= 1 &&
              d->n_values <= STUDY_VALUES && d->n_replications >= 1);
-    if (d->n_trials_max > STUDY_TRIALS_MAX || first_trials(d) > d->n_trials_max)
+    if (d->n_trials_max > STUDY_TRIALS_MAX || study_first_trials(d) > d->n_trials_max)
         return bf_fail(err, BF_ELIMIT, "",
                        "the study begins with more than its %zu trials; at most %d are allowed",
                        d->n_trials_max, STUDY_TRIALS_MAX);

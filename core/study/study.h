@@ -57,15 +57,14 @@ typedef enum study_model {
 
 /// What a study is.
 typedef struct study_definition {
-    study_method method; ///< see above
-    size_t d;            ///< parameters
-    size_t n_values;     ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
-    bool is_maximized;   ///< the largest objective is best; else the least
-    uint64_t seed;       ///< of what is drawn
-    size_t n_trials_max; ///< trials, at most
-    size_t
-        n_replications; ///< trials of each point; STUDY_SCREEN: of each confirmed one at first, >= 2
-    study_method sweep;             ///< STUDY_SCREEN: its sweep
+    study_method method;   ///< see above
+    size_t d;              ///< parameters
+    size_t n_values;       ///< of each trial; the first one is the objective, see STUDY_CALIBRATE
+    bool is_maximized;     ///< the largest objective is best; else the least
+    uint64_t seed;         ///< of what is drawn
+    size_t n_trials_max;   ///< trials, at most
+    size_t n_replications; ///< trials of each point; STUDY_SCREEN: at first, of each confirmed one
+    study_method sweep;    ///< STUDY_SCREEN: its sweep
     size_t steps[STUDY_PARAMETERS]; ///< STUDY_GRID: values of each parameter
     size_t n_points;      ///< STUDY_LIST, STUDY_LHS, STUDY_SOBOL: points; STUDY_CALIBRATE: starts
     double tolerance;     ///< of all searches: length in the cube below which they end
@@ -88,13 +87,16 @@ typedef struct study_point {
     study_model model;  ///< that solves it
     size_t first_trial; ///< the number of its first trial; the others may have any
     size_t n_trials;    ///< its trials
-    size_t
-        confirmed;   ///< STUDY_SCREEN: the point of the sweep that this one confirms; else SIZE_MAX
-    bool is_dropped; ///< STUDY_SCREEN: the selection has dropped it
+    size_t confirmed;   ///< STUDY_SCREEN: point of the sweep that it confirms; else SIZE_MAX
+    bool is_dropped;    ///< STUDY_SCREEN: the selection has dropped it
 } study_point;
 
 /// A study; opaque, on the heap.
 typedef struct study study;
+
+/// The trials that a study has at least: those of its sweep, of STUDY_CALIBRATE those of its starts, else one point;
+/// SIZE_MAX where they are more than fit.
+size_t study_first_trials(const study_definition *definition);
 
 /// Begin a study. The caller owns *ret_study: study_destroy(). BF_ELIMIT: its sweep has more trials than it may have, or
 /// more than STUDY_TRIALS_MAX. BF_ENOMEM.

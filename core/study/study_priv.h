@@ -36,10 +36,9 @@ struct study {
     size_t n_told;                   ///< trials that were told
     struct calibration *calibration; ///< STUDY_CALIBRATE: its searches
     cmaes evolution;                 ///< STUDY_CMAES: the generation under way
-    size_t
-        n_first_stage; ///< STUDY_SCREEN, STUDY_DIRECT: points of the sweep, of DIRECT; 0: it goes on
-    bool is_ended;     ///< nothing more to try
-    bool is_decided;   ///< see study_is_decided()
+    size_t n_first_stage;            ///< points of the sweep or of DIRECT; 0: it goes on
+    bool is_ended;                   ///< nothing more to try
+    bool is_decided;                 ///< see study_is_decided()
 };
 
 /// Make room for so many more points and trials.

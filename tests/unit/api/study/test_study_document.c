@@ -214,6 +214,10 @@ static const struct {
       "/parameters/0/steps" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'grid'", ", 'limits': {'trials': 4}"),
       "/limits/trials" },
+    { WITH("", ANGLE, "", "'type': 'calibrate', 'points': 9",
+           ", 'curves': [{'counter': 'a', 't_s': [0, 1], 'count': [1, 0]}], 'limits': {'trials': "
+           "8}"),
+      "/limits/trials" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'screen', 'indifference': 1", ", 'replications': 1"),
       "/replications" },
     { WITH("", ANGLE, THROUGHPUT, "'type': 'grid', 'points': 3", ""), "/method/points" },
