@@ -14,7 +14,8 @@
 typedef struct study_files study_files;
 
 /// Open a directory, which is made if it is missing, for a document of n bytes. The caller owns *ret_files:
-/// study_files_close(). BF_EINPUT: it is that of another study. BF_ESYSTEM, BF_ENOMEM.
+/// study_files_close(). BF_EINPUT: it is that of another study; BF_EBUSY: another process has it open. BF_ESYSTEM,
+/// BF_ENOMEM.
 BF_MUST_CHECK bf_status study_files_open(const char *path, const char *json, size_t n,
                                          study_files **ret_files, bf_error *err);
 

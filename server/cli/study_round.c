@@ -8,14 +8,13 @@
 #include <pthread.h>
 #include <string.h>
 
-enum {
-    PRUNING_CALLS = 64
-}; // of find_requested() between looks at the key figures of a run that may be pruned
+// Of find_requested() between looks at the key figures of a run that may be pruned.
+enum { PRUNING_CALLS = 64 };
 
 // What the threads have in common.
 typedef struct common {
-    study_round *trials;
-    pthread_mutex_t lock; // of all below, of the document and of trials->ended
+    study_round *round;
+    pthread_mutex_t lock; // of all below, of the document and of round->ended
     size_t next;          // trial to begin
     double best;          // objective of a trial that has ended; NAN: none
     bf_status status;     // of the first failure
@@ -42,7 +41,7 @@ typedef struct solving {
 static bool is_hopeless(const solving *s, const frame_figures *figures)
 {
     common *c = s->common;
-    const study_document *document = c->trials->document;
+    const study_document *document = c->round->document;
     const study_document_objective *o = &document->objectives[0];
     const pruning_state now = { .figure = o->figure,
                                 .is_maximized = o->is_maximized,
@@ -88,20 +87,20 @@ static unsigned find_requested(void *context)
     return s->is_pruning && ++s->n_calls % PRUNING_CALLS == 0 ? request | RUN_REPORT : request;
 }
 
-static bf_status solve(const study_document *document, const scene *scene_, run_model model,
+static bf_status solve(const study_document *document, const scene *trial_scene, run_model model,
                        solving *s, double *ret_values, bf_error *err)
 {
     const run_sink sink = { .context = s, .take = take_frame, .requested = find_requested };
     run *r = NULL;
 
-    bf_status status = run_create(scene_, model, 1, &r, err);
+    bf_status status = run_create(trial_scene, model, 1, &r, err);
     if (status == BF_OK)
         status = run_execute(r, &sink, err);
     run_destroy(r);
     if (status != BF_OK || s->is_stopped)
         return status;
     const study_document_outcome outcome = {
-        .scene = scene_,
+        .scene = trial_scene,
         .figures = (const double *)(const void *)s->figures.bytes,
         .n = s->t.n / sizeof(double),
         .t = (const double *)(const void *)s->t.bytes,
@@ -123,7 +122,7 @@ static void fail(common *c, bf_status status, const bf_error *err)
 static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret_model,
                   bool *ret_has_scene, study_round_result *ret_result)
 {
-    study_round *t = c->trials;
+    study_round *t = c->round;
     bf_faults *faults = NULL;
 
     if (c->next == t->n || c->status != BF_OK || run_control_is_stopped())
@@ -150,7 +149,7 @@ static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret
 // Take the objective of a trial into account.
 static void update_best(common *c, double value)
 {
-    const study_document *document = c->trials->document;
+    const study_document *document = c->round->document;
     const bool is_maximized = document->n_objectives > 0 && document->objectives[0].is_maximized;
 
     if (isfinite(value) && (isnan(c->best) || (is_maximized ? value > c->best : value < c->best)))
@@ -162,23 +161,23 @@ static void end(common *c, size_t trial, const study_round_result *result)
     bf_error err = { 0 };
 
     update_best(c, result->values[0]);
-    const bf_status status = c->trials->ended(c->trials->context, trial, result, &err);
+    const bf_status status = c->round->ended(c->round->context, trial, result, &err);
     if (status != BF_OK)
         fail(c, status, &err);
 }
 
-static void solve_trial(common *c, const scene *s, run_model model, solving *solving_,
+static void solve_trial(common *c, const scene *s, run_model model, solving *job,
                         study_round_result *result)
 {
-    const study_document *document = c->trials->document;
+    const study_document *document = c->round->document;
 
-    solving_->common = c;
-    solving_->scene = s;
-    solving_->is_pruning = document->method.is_pruning;
-    solving_->control = run_control_init(INT64_MAX / 2000000, 0);
-    solving_->has_curve = document->n_curves > 0;
-    if (solve(document, s, model, solving_, result->values, &result->fault) == BF_OK) {
-        result->state = solving_->is_stopped ? STUDY_TRIAL_PRUNED : STUDY_TRIAL_SUCCEEDED;
+    job->common = c;
+    job->scene = s;
+    job->is_pruning = document->method.is_pruning;
+    job->control = run_control_init(INT64_MAX / 2000000, 0);
+    job->has_curve = document->n_curves > 0;
+    if (solve(document, s, model, job, result->values, &result->fault) == BF_OK) {
+        result->state = job->is_stopped ? STUDY_TRIAL_PRUNED : STUDY_TRIAL_SUCCEEDED;
         return;
     }
     result->state = STUDY_TRIAL_FAILED;
@@ -193,7 +192,7 @@ static void *work(void *argument)
     for (;;) {
         study_round_result result = { .state = STUDY_TRIAL_INFEASIBLE };
         solving s = { 0 };
-        scene scene_;
+        scene trial_scene;
         run_model model = RUN_MACRO;
         bool has_scene = false;
         size_t trial = 0;
@@ -201,13 +200,13 @@ static void *work(void *argument)
         for (size_t k = 0; k < STUDY_VALUES; k++)
             result.values[k] = (double)NAN;
         pthread_mutex_lock(&c->lock);
-        const bool has_trial = begin(c, &trial, &scene_, &model, &has_scene, &result);
+        const bool has_trial = begin(c, &trial, &trial_scene, &model, &has_scene, &result);
         pthread_mutex_unlock(&c->lock);
         if (!has_trial)
             return NULL;
         if (has_scene) {
-            solve_trial(c, &scene_, model, &s, &result);
-            scene_fini(&scene_);
+            solve_trial(c, &trial_scene, model, &s, &result);
+            scene_fini(&trial_scene);
         }
         pthread_mutex_lock(&c->lock);
         if (result.fault.code == BF_ENOMEM)
@@ -223,7 +222,7 @@ static void *work(void *argument)
 
 bf_status study_round_solve(study_round *t, bf_error *err)
 {
-    common c = { .trials = t, .status = BF_OK, .best = (double)NAN };
+    common c = { .round = t, .status = BF_OK, .best = (double)NAN };
     pthread_t threads[STUDY_DOCUMENT_WORKERS];
     const size_t n = t->n < (size_t)t->n_workers ? t->n : (size_t)t->n_workers;
     size_t n_begun = 0;

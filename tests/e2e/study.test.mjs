@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
@@ -194,6 +194,20 @@ test("numbers that a scenario cannot have make trials infeasible, with their pla
   const trials = rows(out);
   assert.deepEqual(trials.map((trial) => trial.state), ["succeeded", "infeasible", "succeeded"]);
   assert.match(trials[1].fault, /^"?\/macro\/cell_m: /);
+});
+
+test("a directory that another process has open is refused, and left as it is", async (t) => {
+  const { file, out } = write(t, studyOf({}));
+  mkdirSync(out);
+  const holder = spawn("flock", [out, "sh", "-c", "echo held; exec cat"], { stdio: ["pipe", "pipe", "inherit"] });
+  const ended = once(holder, "close");
+  await within(once(holder.stdout, "data"), "the lock");
+  const refused = await beltflow(["study", file, "--out", out]);
+  holder.stdin.end();
+  await within(ended, "the end of the holder");
+  assert.equal(refused.status, 1);
+  assert.match(refused.stderr, /is used by another study/);
+  assert.deepEqual(readdirSync(out), []);
 });
 
 test("what is wrong with a study, its directory or its flags is said, and leaves with 2", async (t) => {
