@@ -97,31 +97,49 @@ static void a_curve_that_is_left_out_shows_how_well_it_is_predicted(void **state
     study_destroy(s);
 }
 
-// One parameter x whose curve is off by 20 (x - 1/2) parts: mse = 400 (x - 1/2)^2. Next to the answer, 1/500 away, it is
-// 0.0016, the near cost two thirds of that. At the first places, 1/16 away, mse is 1.5625 and the distance sqrt(30 ln
-// ((1.5625 + 1/12)/(0.0032/3 + 1/12))) = 9.440; 1.96 of it is at 1/16 1.96/9.440 = 0.01298.
-static void the_profile_of_one_parameter_is_the_one_derived_by_hand(void **state)
+static double slope(double x)
 {
-    (void)state;
+    return 20.0 * (x - 0.5);
+}
+
+static double jumps(double x)
+{
+    return 8.0 * sin(1e5 * x);
+}
+
+// A calibration of one parameter to one curve, which is off by error(x) parts.
+static study *calibrate_one(size_t n_points, double tolerance, double n_independent,
+                            double (*error)(double x))
+{
     const study_definition definition = { .method = STUDY_CALIBRATE,
                                           .d = 1,
                                           .n_values = 1,
                                           .seed = 2,
                                           .n_trials_max = 200,
                                           .n_replications = 1,
-                                          .n_points = 4,
-                                          .tolerance = 1e-6,
+                                          .n_points = n_points,
+                                          .tolerance = tolerance,
                                           .confidence = 0.95,
-                                          .n_independent = 30 };
+                                          .n_independent = n_independent };
     study *s = NULL;
     assert_int_equal(study_create(&definition, &s, NULL), BF_OK);
     for (size_t told = 0; !study_is_ended(s);) {
         assert_int_equal(study_advance(s, NULL), BF_OK);
         for (; told < study_trials(s); told++) {
-            const double gap = study_point_at(s, study_trial_at(s, told).point).at[0] - 0.5;
-            study_tell(s, told, &(double){ 400.0 * gap * gap });
+            const double e = error(study_point_at(s, study_trial_at(s, told).point).at[0]);
+            study_tell(s, told, &(double){ e * e });
         }
     }
+    return s;
+}
+
+// One parameter x whose curve is off by 20 (x - 1/2) parts: mse = 400 (x - 1/2)^2. Next to the answer, 1/500 away, it is
+// 0.0016, the near cost two thirds of that. At the first places, 1/16 away, mse is 1.5625 and the distance sqrt(30 ln
+// ((1.5625 + 1/12)/(0.0032/3 + 1/12))) = 9.440; 1.96 of it is at 1/16 1.96/9.440 = 0.01298.
+static void the_profile_of_one_parameter_is_the_one_derived_by_hand(void **state)
+{
+    (void)state;
+    study *s = calibrate_one(4, 1e-6, 30, slope);
     const calibration_profile profile = calibration_profile_of(s, 0);
     assert_near(study_point_at(s, study_best(s)).at[0], 0.5, 1e-5);
     assert_near(profile.low, 0.5 - 0.01298, 1e-4);
@@ -135,26 +153,7 @@ static void the_profile_of_one_parameter_is_the_one_derived_by_hand(void **state
 static void a_lucky_point_of_a_curve_that_jumps_is_not_identified(void **state)
 {
     (void)state;
-    const study_definition definition = { .method = STUDY_CALIBRATE,
-                                          .d = 1,
-                                          .n_values = 1,
-                                          .seed = 2,
-                                          .n_trials_max = 200,
-                                          .n_replications = 1,
-                                          .n_points = 32,
-                                          .tolerance = 1e-4,
-                                          .confidence = 0.95,
-                                          .n_independent = 20 };
-    study *s = NULL;
-    assert_int_equal(study_create(&definition, &s, NULL), BF_OK);
-    for (size_t told = 0; !study_is_ended(s);) {
-        assert_int_equal(study_advance(s, NULL), BF_OK);
-        for (; told < study_trials(s); told++) {
-            const double x = study_point_at(s, study_trial_at(s, told).point).at[0];
-            const double jump = 8.0 * sin(1e5 * x);
-            study_tell(s, told, &(double){ jump * jump });
-        }
-    }
+    study *s = calibrate_one(32, 1e-4, 20, jumps);
     assert_true(study_sample(s, study_best(s), 0).mean < 1.0);
     assert_false(calibration_profile_of(s, 0).is_identifiable);
     study_destroy(s);
