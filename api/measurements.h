@@ -1,5 +1,5 @@
-/// Measurements as the services of the API take and return them, and the sizes of what runs and measurements have in
-/// common.
+/// Measurements as the services of the API take and return them, and the sizes of what runs, studies and measurements
+/// have in common.
 
 #pragma once
 
@@ -13,7 +13,9 @@
 enum {
     API_ID_SIZE = 37,            ///< bytes of an id (UUIDv7, lower case) with its terminator
     API_LABEL_SIZE = 101,        ///< bytes of a label with its terminator
-    API_LIST_MAX = 200,          ///< runs or measurements a page of a list
+    API_CLIENT_SIZE = 64,        ///< bytes of a client's address with its terminator
+    API_KEY_SIZE = 256,          ///< bytes of an idempotency key with its terminator
+    API_LIST_MAX = 200,          ///< runs, studies or measurements a page of a list
     API_MEASUREMENTS_MAX = 2000, ///< measurements that are kept
     API_MEASUREMENT_SAMPLES_MAX = 100000, ///< samples of one
 };

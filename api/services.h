@@ -12,6 +12,7 @@
 #include "api/quotas.h"
 #include "api/run_state.h"
 #include "api/snapshots.h"
+#include "api/studies.h"
 #include "core/base/buffer.h"
 #include "core/base/grid.h"
 #include "core/base/status.h"
@@ -22,11 +23,9 @@
 #include <stdint.h>
 
 enum {
-    API_CLIENT_SIZE = 64,     ///< bytes of a client's address with its terminator
     API_FIGURES_SIZE = 1024,  ///< bytes of the run's own key figures as JSON with its terminator
     API_PRIORITY_MAX = 100,   ///< priorities go from -100 to 100, higher first
     API_STREAM_RUNS_MAX = 32, ///< runs one event stream can follow
-    API_KEY_SIZE = 256,       ///< bytes of an idempotency key with its terminator
     API_ANY_REVISION = 0,     ///< whatever the revision is
 };
 
@@ -51,6 +50,7 @@ typedef struct api_run {
     api_parts parts;                ///< of its snapshots; n_values = 0: none
     bool has_summary;               ///< summary.json is there
     char owner[API_OWNER_SIZE];     ///< whose it is; "": nobody's
+    char study[API_ID_SIZE];        ///< whose trial it is; "": no study's
     bool is_cached;                 ///< its results are those of a run before it
     char figures[API_FIGURES_SIZE]; ///< key figures of the run alone, a JSON object; "" if none
     bf_error error;                 ///< code BF_OK: none
@@ -88,6 +88,7 @@ typedef struct api_list_query {
     int model;                  ///< run_model, or -1: any
     char owner[API_OWNER_SIZE]; ///< "": everybody's
     char label[API_LABEL_SIZE]; ///< "": any
+    char study[API_ID_SIZE];    ///< whose trials; "": only runs that are nobody's trials
     char before[API_ID_SIZE];   ///< only runs older than this id; "": from the newest
     size_t limit;               ///< 1 .. API_LIST_MAX
 } api_list_query;
@@ -230,6 +231,25 @@ typedef struct api_services {
     /// Append the text of one that is no curve to *out.
     bf_status (*read_measurement_csv)(void *context, const char *id, bf_buffer *out, bf_error *err);
     bf_status (*remove_measurement)(void *context, const char *id, bf_error *err);
+    /// Accept a study: durable when this returns. Checked in the order of submit, and with its errors; BF_EBUSY: there are
+    /// too many that have not ended.
+    bf_status (*submit_study)(void *context, const api_study_submission *submission,
+                              api_acceptance *ret_acceptance, bf_error *err);
+    bf_status (*find_study)(void *context, const char *id, api_study *ret_study, bf_error *err);
+    bf_status (*list_studies)(void *context, const api_study_query *query, api_study_list *ret_list,
+                              bf_error *err);
+    /// revision as for cancel. BF_EINPUT: it has another one; BF_ECONFLICT: it has ended, or is to be resumed and not
+    /// paused, or paused already.
+    bf_status (*change_study)(void *context, const char *id, uint64_t revision,
+                              api_study_change change, api_study *ret_study, bf_error *err);
+    /// Cancel a study if need be and remove it with its trials; their runs go soon after. revision as for cancel.
+    bf_status (*remove_study)(void *context, const char *id, uint64_t revision, bf_error *err);
+    /// Append a stored text to *out. BF_ECONFLICT: there is nothing best yet.
+    bf_status (*read_study)(void *context, const char *id, api_study_text which, bf_buffer *out,
+                            bf_error *err);
+    /// Give the trials of a study to take.
+    bf_status (*read_trials)(void *context, const char *id, const api_trial_query *query,
+                             api_trial_fn *take, void *take_context, bf_error *err);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
     bf_status (*ready)(void *context, bf_error *err);
     /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.
