@@ -6,17 +6,6 @@
 
 const char *const api_measured_words[] = { "curve", "profile", "schedule", NULL };
 
-const char *api_event_word(api_event_type type)
-{
-    static const char *const words[] = {
-#define X(type, word) [type] = word,
-        API_EVENT_LIST(X)
-#undef X
-    };
-    BF_CHECK(type < API_EVENT_TYPE_COUNT);
-    return words[type];
-}
-
 size_t api_count_columns(const bf_buffer *columns)
 {
     size_t n = 1;

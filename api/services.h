@@ -8,6 +8,7 @@
 #pragma once
 
 #include "api/access.h"
+#include "api/event.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
 #include "api/run_state.h"
@@ -116,38 +117,6 @@ typedef struct api_curve {
     bf_buffer values;  ///< n rows of n_columns doubles
 } api_curve;
 
-/// Kinds of events with their words in streams.
-#define API_EVENT_LIST(X)                                                                          \
-    X(API_EVENT_STATUS, "status")                                                                  \
-    X(API_EVENT_PROGRESS, "progress")                                                              \
-    X(API_EVENT_CURVE, "curve")                                                                    \
-    X(API_EVENT_SNAPSHOT, "snapshot")                                                              \
-    X(API_EVENT_END, "end")                                                                        \
-    X(API_EVENT_FIGURES, "figures")                                                                \
-    X(API_EVENT_EYE, "photo_eye")                                                                  \
-    X(API_EVENT_ACTION, "action")
-
-/// The values stand in the store: never renumber.
-typedef enum api_event_type {
-#define X(type, word) type,
-    API_EVENT_LIST(X)
-#undef X
-        API_EVENT_TYPE_COUNT
-} api_event_type;
-
-/// One stored event.
-typedef struct api_event {
-    uint64_t id;           ///< rising over all runs of a store, never reused
-    char run[API_ID_SIZE]; ///< of this run
-    api_event_type type;   ///< kind
-    uint64_t snapshot;     ///< API_EVENT_SNAPSHOT: its index; _EYE, _ACTION: frame_change.index
-    size_t n;              ///< bytes of data
-    const char *data;      ///< JSON object, one line; valid during api_event_fn
-} api_event;
-
-/// Take one event while events are read; not BF_OK stops the reading and is passed on.
-typedef bf_status api_event_fn(void *context, const api_event *event, bf_error *err);
-
 /// The table. context is given to every function.
 typedef struct api_services {
     void *context; ///< first argument of every function
@@ -255,9 +224,6 @@ typedef struct api_services {
     /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.
     bf_status (*metrics)(void *context, bf_buffer *out, bf_error *err);
 } api_services;
-
-/// The word of an event type. Never NULL.
-const char *api_event_word(api_event_type type);
 
 /// How many columns "a,b,c" has.
 size_t api_count_columns(const bf_buffer *columns);

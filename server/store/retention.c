@@ -5,6 +5,7 @@
 // Pages that become free stay in the file and are used again, so the file is as long as it ever had to
 // be; the limit of bytes counts pages in use, which every removal lowers, so that it is reached.
 
+#include "server/store/idempotency.h"
 #include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 

@@ -1,3 +1,4 @@
+#include "server/store/columns.h"
 #include "server/store/store_priv.h"
 
 #include "server/base/clock.h"
@@ -5,50 +6,6 @@
 #include <math.h>
 #include <sqlite3.h>
 #include <string.h>
-
-// Codes are stored by their words, so that the list of codes may grow anywhere.
-static bf_status find_code(const char *word)
-{
-    for (int code = BF_OK + 1; code < BF_STATUS_COUNT; code++)
-        if (strcmp(word, bf_status_word((bf_status)code)) == 0)
-            return (bf_status)code;
-    return BF_OK;
-}
-
-// How a column of each kind is read into its member, and bound.
-#define READ_INTEGER(member) member = (__typeof__(member))sqlite3_column_int64(q->statement, i)
-#define READ_REAL(member)    member = store__column_real(q, i)
-#define READ_TEXT(member)    store__column_text(q, i, member, sizeof member)
-#define READ_ID(member)      is_whole = read_id(q, i, member)
-#define READ_CODE(member)    member = read_code(q, i)
-#define BIND_INTEGER(member) store__bind_integer(q, (int64_t)member)
-#define BIND_REAL(member)    store__bind_real(q, member)
-#define BIND_TEXT(member)    store__bind_text(q, member, strlen(member))
-#define BIND_ID(member)      BIND_TEXT(member)
-#define BIND_CODE(member)    bind_code(q, member)
-
-static bf_status read_code(const store__query *q, int column)
-{
-    char word[32];
-
-    store__column_text(q, column, word, sizeof word);
-    return find_code(word);
-}
-
-// False: it is longer or shorter than an id.
-static bool read_id(const store__query *q, int column, char ret_id[API_ID_SIZE])
-{
-    store__column_text(q, column, ret_id, API_ID_SIZE);
-    return strlen(ret_id) == API_ID_SIZE - 1 &&
-           sqlite3_column_bytes(q->statement, column) == API_ID_SIZE - 1;
-}
-
-static void bind_code(store__query *q, bf_status code)
-{
-    const char *word = code == BF_OK ? "" : bf_status_word(code);
-
-    store__bind_text(q, word, strlen(word));
-}
 
 // Pages of an old store have no sums, and another program may have written a row. A number that stands for nothing, and
 // an id by which the run is not found again, must not get any further.

@@ -34,7 +34,7 @@ typedef enum store__results {
 } store__results;
 
 typedef struct store__operation store__operation;
-typedef struct store__key store__key; ///< of a submission under way; see submit.c
+typedef struct store__key store__key; ///< of a submission under way; see idempotency.h
 /// Do a write on the store's thread in a transaction that is open; not BF_OK undoes what it wrote.
 typedef bf_status store__apply(store__connection *writer, store__operation *operation,
                                bf_error *err);
@@ -218,10 +218,6 @@ BF_MUST_CHECK bf_status store__collect_results(store__connection *writer, int64_
 /// Remove a run, and one step of its results; see store__collect_results().
 BF_MUST_CHECK bf_status store__remove_row(store__connection *writer, const store__row *row,
                                           bool *ret_is_over, bf_error *err);
-
-/// Delete the answers to idempotency keys from before a time.
-BF_MUST_CHECK bf_status store__expire_keys(store__connection *writer, int64_t before_ms,
-                                           bf_error *err);
 
 /// Store what an item has of a snapshot, unless that is stored already; grid and parts are its arrays, compressed. The row
 /// counts a snapshot that is complete. BF_ECORRUPT: a gap, or another size.

@@ -1,11 +1,8 @@
 // Accepting runs. In one transaction: the first answer to the key is looked for; without one, known
 // results; without them, there is a new run to be solved, if the quotas of client and owner and then the queue
 // have room; and the answer is stored under the key.
-//
-// The first answer to a request with an idempotency key is stored in the transaction of the run that it
-// describes, so that the same request gets it again, whatever happened in between (I11). Its table is called
-// `answers`.
 
+#include "server/store/idempotency.h"
 #include "server/store/quotas.h"
 #include "server/store/store_priv.h"
 
@@ -22,129 +19,10 @@
 #include <stdio.h>
 #include <string.h>
 
-// Keys of different routes and owners are different keys; those of nobody are the route's alone.
-#define ROUTE "POST /v1/runs"
-
-enum { ROUTE_SIZE = sizeof ROUTE + API_OWNER_SIZE };
-enum { KEYS_MAX = 100000 }; // answers that are stored for requests that come again
-
-/// A key that a request uses at the moment; on its caller's stack.
-struct store__key {
-    char route[ROUTE_SIZE];                   ///< and after a space the owner, if there is one
-    const char *text;                         ///< the key; "": none
-    unsigned char digest[STORE__DIGEST_SIZE]; ///< of the request's body
-    store__key *next;                         ///< in the store's list
-};
-
-static bool are_same(const store__key *a, const store__key *b)
-{
-    return strcmp(a->text, b->text) == 0 && strcmp(a->route, b->route) == 0;
-}
-
-static bf_status use_key(store *s, store__key *key, const void *body, size_t n_body, bf_error *err)
-{
-    if (key->text[0] == '\0')
-        return BF_OK;
-    (void)crypto_hash_sha256(key->digest, body, n_body);
-    lock_acquire(&s->lock);
-    const store__key *used = s->keys;
-    while (used != NULL && !are_same(used, key))
-        used = used->next;
-    if (used == NULL) {
-        key->next = s->keys;
-        s->keys = key;
-    }
-    lock_release(&s->lock);
-    if (used == NULL)
-        return BF_OK;
-    return bf_fail(err, BF_ECONFLICT, "",
-                   "a request with this Idempotency-Key is being answered: try again");
-}
-
-static void free_key(store *s, store__key *key)
-{
-    if (key->text[0] == '\0')
-        return;
-    lock_acquire(&s->lock);
-    store__key **at = &s->keys;
-    while (*at != key)
-        at = &(*at)->next;
-    *at = key->next;
-    lock_release(&s->lock);
-}
-
-bf_status store__expire_keys(store__connection *writer, int64_t before_ms, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_EXPIRE_KEYS);
-    store__bind_integer(&q, before_ms);
-    return store__run(&q, err);
-}
-
-static bf_status read_answer(const store__query *q, const store__key *key, api_acceptance *accepted,
-                             bf_error *err)
-{
-    const void *digest = sqlite3_column_blob(q->statement, 0);
-
-    if (digest == NULL || sqlite3_column_bytes(q->statement, 0) != STORE__DIGEST_SIZE ||
-        memcmp(digest, key->digest, STORE__DIGEST_SIZE) != 0)
-        return bf_fail(err, BF_EINPUT, "",
-                       "the Idempotency-Key was used before with another body: take a new one");
-    (void)snprintf(accepted->id, sizeof accepted->id, "%s",
-                   (const char *)sqlite3_column_text(q->statement, 1));
-    accepted->revision = (uint64_t)sqlite3_column_int64(q->statement, 2);
-    accepted->is_replay = true;
-    return store__column_bytes(q, 3, &accepted->answer, err);
-}
-
-static bf_status find_answer(store__connection *writer, const store__key *key, int64_t since_ms,
-                             api_acceptance *accepted, bf_error *err)
-{
-    bool has_row = false;
-
-    if (key->text[0] == '\0')
-        return BF_OK;
-    bf_status status = store__expire_keys(writer, since_ms, err);
-    if (status != BF_OK)
-        return status;
-    store__query q = store__begin(writer, STORE__SQL_FIND_KEY);
-    store__bind_text(&q, key->route, strlen(key->route));
-    store__bind_text(&q, key->text, strlen(key->text));
-    status = store__next(&q, &has_row, err);
-    if (status == BF_OK && has_row)
-        status = read_answer(&q, key, accepted, err);
-    store__end(&q);
-    return status;
-}
-
-// The oldest go when there are too many. Their numbers rise without gaps.
-static bf_status trim_keys(store__connection *writer, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_TRIM_KEYS);
-    store__bind_integer(&q, sqlite3_last_insert_rowid(writer->db) - KEYS_MAX);
-    return store__run(&q, err);
-}
-
-static bf_status insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
-                               const api_acceptance *accepted, bf_error *err)
-{
-    if (key->text[0] == '\0')
-        return BF_OK;
-    store__query q = store__begin(writer, STORE__SQL_INSERT_KEY);
-    store__bind_text(&q, key->route, strlen(key->route));
-    store__bind_text(&q, key->text, strlen(key->text));
-    store__bind_blob(&q, key->digest, sizeof key->digest);
-    store__bind_text(&q, accepted->id, strlen(accepted->id));
-    store__bind_integer(&q, (int64_t)accepted->revision);
-    store__bind_integer(&q, at_ms);
-    store__bind_text(&q, accepted->answer.bytes, accepted->answer.n);
-    bf_status status = store__run(&q, err);
-    return status == BF_OK ? trim_keys(writer, err) : status;
-}
-
 /// A submission, and what becomes of it.
 typedef struct submit_context {
     const api_submission *submission;
-    const store *store;                       ///< for its limits
+    store *store;                             ///< for its limits
     store__key key;                           ///< which it came with
     unsigned char digest[STORE__DIGEST_SIZE]; ///< of what is to be solved
     store__row row;                           ///< of the new run
@@ -286,15 +164,15 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
         return status;
     memcpy(accepted->id, record->id, API_ID_SIZE);
     accepted->revision = record->revision;
-    return insert_answer(writer, &context->key, record->created_ms, accepted, err);
+    return store__insert_answer(writer, &context->key, record->created_ms, accepted, err);
 }
 
 static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
 {
     submit_context *context = operation->context;
-    int64_t since_ms = context->row.run.created_ms - context->store->idempotency_ms;
 
-    bf_status status = find_answer(writer, &context->key, since_ms, &context->accepted, err);
+    bf_status status = store__find_answer(writer, context->store, &context->key,
+                                          context->row.run.created_ms, &context->accepted, err);
     if (status != BF_OK || context->accepted.is_replay)
         return status;
     status = store__check_room(context->store, err);
@@ -335,21 +213,18 @@ static void fill_row(const api_submission *submission, store__row *row)
 bf_status store_submit(store *s, const api_submission *submission, api_acceptance *ret_acceptance,
                        bf_error *err)
 {
-    submit_context context = { .submission = submission,
-                               .store = s,
-                               .key = { .text = submission->key } };
+    submit_context context = { .submission = submission, .store = s };
 
-    (void)snprintf(context.key.route, sizeof context.key.route, "%s%s%s", ROUTE,
-                   submission->owner[0] == '\0' ? "" : " ", submission->owner);
     bf_status status = run_id_make(context.row.run.id, err);
     if (status == BF_OK)
-        status = use_key(s, &context.key, submission->body, submission->n_body, err);
+        status = store__use_key(s, &context.key, "POST /v1/runs", submission->owner,
+                                submission->key, submission->body, submission->n_body, err);
     if (status != BF_OK)
         return status;
     fill_row(submission, &context.row);
     digest_work(submission, context.digest);
     status = store__write(s, apply_submit, &context, err);
-    free_key(s, &context.key);
+    store__free_key(s, &context.key);
     if (status == BF_OK)
         *ret_acceptance = context.accepted;
     else

@@ -1,6 +1,6 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
-micro <- run, inside api json <- scenario <- results <- http, openapi, scenario <- study, inside server base <- http, store <- run
-<- daemon, cli; and every outside header is included only where it belongs."""
+micro <- run, inside api json <- scenario <- results <- http, openapi, scenario <- study, inside server base <- http, store <- run,
+study <- daemon, run <- cli; and every outside header is included only where it belongs."""
 
 import re
 
@@ -24,7 +24,7 @@ ARROWS = {
                  "core/run"},
     "core/compare": {"core/base", "core/compare"},
     "core/study": {"core/base", "core/feed", "core/figures", "core/study"},
-    "api": {"core/base", "core/scene", "core/run", "api"},
+    "api": {"core/base", "core/scene", "core/run", "core/study", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
     "api/study": API_CORE | {"api", "api/json", "api/scenario", "api/study"},
@@ -38,8 +38,9 @@ for folder, known in {
     "server/http": {"server/base"},
     "server/store": {"server/base"},
     "server/run": {"server/base", "server/store"},
+    "server/study": {"server/base", "server/store"},
     "server/cli": {"server/base", "server/run"},
-    "server/daemon": {"server/base", "server/http", "server/store", "server/run"},
+    "server/daemon": {"server/base", "server/http", "server/store", "server/run", "server/study"},
 }.items():
     ARROWS[folder] = API_CORE | API | known | {folder}
 

@@ -1,0 +1,31 @@
+#include "server/store/columns.h"
+
+static bf_status find_code(const char *word)
+{
+    for (int code = BF_OK + 1; code < BF_STATUS_COUNT; code++)
+        if (strcmp(word, bf_status_word((bf_status)code)) == 0)
+            return (bf_status)code;
+    return BF_OK;
+}
+
+bf_status store__column_code(const store__query *q, int column)
+{
+    char word[32];
+
+    store__column_text(q, column, word, sizeof word);
+    return find_code(word);
+}
+
+void store__bind_code(store__query *q, bf_status code)
+{
+    const char *word = code == BF_OK ? "" : bf_status_word(code);
+
+    store__bind_text(q, word, strlen(word));
+}
+
+bool store__column_id(const store__query *q, int column, char ret_id[API_ID_SIZE])
+{
+    store__column_text(q, column, ret_id, API_ID_SIZE);
+    return strlen(ret_id) == API_ID_SIZE - 1 &&
+           sqlite3_column_bytes(q->statement, column) == API_ID_SIZE - 1;
+}

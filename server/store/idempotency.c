@@ -1,0 +1,117 @@
+#include "server/store/idempotency.h"
+
+#include <sodium.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { KEYS_MAX = 100000 }; // answers that are stored for requests that come again
+
+static bool are_same(const store__key *a, const store__key *b)
+{
+    return strcmp(a->text, b->text) == 0 && strcmp(a->route, b->route) == 0;
+}
+
+bf_status store__use_key(store *s, store__key *key, const char *route, const char *owner,
+                         const char *text, const void *body, size_t n_body, bf_error *err)
+{
+    key->text = text;
+    if (text[0] == '\0')
+        return BF_OK;
+    (void)snprintf(key->route, sizeof key->route, "%s%s%s", route, owner[0] == '\0' ? "" : " ",
+                   owner);
+    (void)crypto_hash_sha256(key->digest, body, n_body);
+    lock_acquire(&s->lock);
+    const store__key *used = s->keys;
+    while (used != NULL && !are_same(used, key))
+        used = used->next;
+    if (used == NULL) {
+        key->next = s->keys;
+        s->keys = key;
+    }
+    lock_release(&s->lock);
+    if (used == NULL)
+        return BF_OK;
+    return bf_fail(err, BF_ECONFLICT, "",
+                   "a request with this Idempotency-Key is being answered: try again");
+}
+
+void store__free_key(store *s, store__key *key)
+{
+    if (key->text[0] == '\0')
+        return;
+    lock_acquire(&s->lock);
+    store__key **at = &s->keys;
+    while (*at != key)
+        at = &(*at)->next;
+    *at = key->next;
+    lock_release(&s->lock);
+}
+
+bf_status store__expire_keys(store__connection *writer, int64_t before_ms, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_EXPIRE_KEYS);
+    store__bind_integer(&q, before_ms);
+    return store__run(&q, err);
+}
+
+static bf_status read_answer(const store__query *q, const store__key *key, api_acceptance *accepted,
+                             bf_error *err)
+{
+    const void *digest = sqlite3_column_blob(q->statement, 0);
+
+    if (digest == NULL || sqlite3_column_bytes(q->statement, 0) != STORE__DIGEST_SIZE ||
+        memcmp(digest, key->digest, STORE__DIGEST_SIZE) != 0)
+        return bf_fail(err, BF_EINPUT, "",
+                       "the Idempotency-Key was used before with another body: take a new one");
+    (void)snprintf(accepted->id, sizeof accepted->id, "%s",
+                   (const char *)sqlite3_column_text(q->statement, 1));
+    accepted->revision = (uint64_t)sqlite3_column_int64(q->statement, 2);
+    accepted->is_replay = true;
+    return store__column_bytes(q, 3, &accepted->answer, err);
+}
+
+bf_status store__find_answer(store__connection *writer, const store *s, const store__key *key,
+                             int64_t now_ms, api_acceptance *accepted, bf_error *err)
+{
+    bool has_row = false;
+
+    if (key->text[0] == '\0')
+        return BF_OK;
+    bf_status status = store__expire_keys(writer, now_ms - s->idempotency_ms, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(writer, STORE__SQL_FIND_KEY);
+    store__bind_text(&q, key->route, strlen(key->route));
+    store__bind_text(&q, key->text, strlen(key->text));
+    status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = read_answer(&q, key, accepted, err);
+    store__end(&q);
+    return status;
+}
+
+// The oldest go when there are too many. Their numbers rise without gaps.
+static bf_status trim_keys(store__connection *writer, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_TRIM_KEYS);
+    store__bind_integer(&q, sqlite3_last_insert_rowid(writer->db) - KEYS_MAX);
+    return store__run(&q, err);
+}
+
+bf_status store__insert_answer(store__connection *writer, const store__key *key, int64_t at_ms,
+                               const api_acceptance *accepted, bf_error *err)
+{
+    if (key->text[0] == '\0')
+        return BF_OK;
+    store__query q = store__begin(writer, STORE__SQL_INSERT_KEY);
+    store__bind_text(&q, key->route, strlen(key->route));
+    store__bind_text(&q, key->text, strlen(key->text));
+    store__bind_blob(&q, key->digest, sizeof key->digest);
+    store__bind_text(&q, accepted->id, strlen(accepted->id));
+    store__bind_integer(&q, (int64_t)accepted->revision);
+    store__bind_integer(&q, at_ms);
+    store__bind_text(&q, accepted->answer.bytes, accepted->answer.n);
+    bf_status status = store__run(&q, err);
+    return status == BF_OK ? trim_keys(writer, err) : status;
+}
