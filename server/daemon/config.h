@@ -20,7 +20,8 @@
       "loopback, proxy or open: who may reach the address to listen on without TLS")               \
     X(data, TEXT, "beltflow-data", 0, 0, RESTART, "directory of the store, created if missing")    \
     X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
-    X(program, TEXT, "", 0, 0, RESTART, "the beltflow program; empty: beside beltflowd")           \
+    X(program, TEXT, "", 0, 0, RESTART,                                                            \
+      "what solves a run; empty: beltflow-worker beside beltflowd")                                \
     X(workers, NUMBER, "1", 1, 64, RELOAD, "runs that are solved at once")                         \
     X(threads, NUMBER, "1", 1, 256, RELOAD, "threads of each run")                                 \
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \

@@ -116,7 +116,7 @@ bf_status config_locate(config *c, const char *folder, bf_error *err)
     char path[PATH_SIZE];
 
     if (c->program[0] == '\0') {
-        (void)snprintf(path, sizeof path, "%s/beltflow", folder);
+        (void)snprintf(path, sizeof path, "%s/beltflow-worker", folder);
         if (strlen(path) >= sizeof c->program)
             return bf_fail(err, BF_ELIMIT, "", "the path of this program is too long: %.100s",
                            folder);

@@ -1,7 +1,5 @@
 #include "server/run/confinement.h"
 
-#include "server/base/log.h"
-
 #include <errno.h>
 #include <grp.h>
 #include <linux/landlock.h>
@@ -98,30 +96,6 @@ unsigned confinement_find(void)
            (abi >= ABI_TCP ? 1U << METRICS_LAYER_TCP : 0) |
            (abi >= ABI_SCOPES ? 1U << METRICS_LAYER_SIGNALS : 0) |
            (has_seccomp() ? 1U << METRICS_LAYER_CALLS : 0);
-}
-
-static const char *word_of(bool is_there)
-{
-    return is_there ? "yes" : "no";
-}
-
-void confinement_report(void)
-{
-    const unsigned wanted = 1U << METRICS_LAYER_FILES | 1U << METRICS_LAYER_CALLS;
-    const unsigned layers = confinement_find();
-    const bool is_whole = (layers & wanted) == wanted;
-
-    for (unsigned layer = 0; layer < METRICS_LAYER_COUNT; layer++)
-        metrics_set(METRICS_CONFINEMENT, layer, layers >> layer & 1);
-    log_event(is_whole ? LOG_LEVEL_INFO : LOG_LEVEL_WARN,
-              is_whole ? "solvers_confined" : "solvers_not_confined",
-              "files=%s tcp=%s signals=%s system_calls=%s%s",
-              word_of(layers >> METRICS_LAYER_FILES & 1), word_of(layers >> METRICS_LAYER_TCP & 1),
-              word_of(layers >> METRICS_LAYER_SIGNALS & 1),
-              word_of(layers >> METRICS_LAYER_CALLS & 1),
-              is_whole       ? ""
-              : IS_SANITIZED ? " why=\"a build with a sanitizer\""
-                             : " why=\"the kernel has no Landlock or no seccomp\"");
 }
 
 bool confinement_leave_root(void)

@@ -1,4 +1,4 @@
-/// The executor of this machine: each job is a child process, `beltflow worker`, in a process group of its
+/// The executor of this machine: each job is a child process, `beltflow-worker`, in a process group of its
 /// own. The job (and checkpoint) frames go to its standard input, its frames come from its standard
 /// output, and what it writes to stderr goes to the log (`run_said`).
 ///

@@ -42,7 +42,7 @@ if [[ ${1:-} == --inside ]]; then
     getent passwd beltflow >/dev/null || fail "there is no user beltflow"
     [[ $(stat -c '%U %a' /var/lib/beltflow) == "beltflow 750" ]] || fail "/var/lib/beltflow is open"
     dpkg --listfiles beltflow >"$work/files"
-    for file in /usr/bin/beltflow /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
+    for file in /usr/bin/beltflow /usr/bin/beltflow-worker /usr/bin/beltflowd /lib/systemd/system/beltflow.service \
         /etc/beltflow/beltflow.conf; do
         grep -qx "$file" "$work/files" || fail "$file is not in the package"
     done

@@ -83,7 +83,7 @@ int helper_world_setup(void **state)
     assert_non_null(w);
     strcpy(w->directory, "/tmp/beltflow-world-XXXXXX");
     assert_non_null(mkdtemp(w->directory));
-    strcpy(w->program, PROGRAM_DIR "/beltflow");
+    strcpy(w->program, PROGRAM_DIR "/beltflow-worker");
     w->options =
         (supervisor_options){ .n_workers = 1, .n_threads = 1, .cpu_s = 600, .checkpoint_ms = 20 };
     lock_init(&w->lock);

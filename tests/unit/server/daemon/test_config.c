@@ -447,7 +447,7 @@ static void what_lies_beside_the_program_is_found(void **state)
     (void)snprintf(bin, sizeof bin, "%s/bin", folder);
     config_init(&c);
     assert_int_equal(config_locate(&c, bin, NULL), BF_OK);
-    (void)snprintf(expected, sizeof expected, "%s/beltflow", bin);
+    (void)snprintf(expected, sizeof expected, "%s/beltflow-worker", bin);
     assert_string_equal(c.program, expected);
     assert_string_equal(c.web, "");
 

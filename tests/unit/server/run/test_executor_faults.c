@@ -110,7 +110,7 @@ static bf_status solve(bf_error *err)
                                  .n_threads = 1,
                                  .scenario = &scenario,
                                  .checkpoint = &checkpoint };
-    bf_status status = local_executor_create(PROGRAM_DIR "/beltflow", &e, err);
+    bf_status status = local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, err);
     if (status != BF_OK)
         return status;
     status = e->functions->start(e, &work, &job, err);

@@ -273,7 +273,7 @@ static void a_run_stopped_by_others_goes_back_to_the_queue(void **state)
 
     snprintf(lines, sizeof lines,
              "if mkdir '%s/first' 2>/dev/null; then kill -TERM $$; sleep 10; fi\nexec '%s' \"$@\"",
-             w->directory, PROGRAM_DIR "/beltflow");
+             w->directory, PROGRAM_DIR "/beltflow-worker");
     helper_world_fake(w, lines);
     helper_supervise(w);
     api_run record = helper_world_submit(w, helper_short_belt);

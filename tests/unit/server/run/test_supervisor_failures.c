@@ -64,7 +64,7 @@ static void a_crash_costs_one_run_and_says_so(void **state)
     assert_says(&err, BF_ESYSTEM, "killed from outside (SIGKILL)");
     assert_null(strstr(err.text, "out of memory"));
     // The service goes on.
-    strcpy(w->program, PROGRAM_DIR "/beltflow");
+    strcpy(w->program, PROGRAM_DIR "/beltflow-worker");
     api_run record = helper_world_submit(w, helper_short_belt);
     helper_await_state(w, record.id, RUN_SUCCEEDED);
 }
