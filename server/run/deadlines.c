@@ -130,9 +130,9 @@ int supervisor__find_timeout(const supervisor *s)
         if (task->lost_at_ms >= 0 && !task->write.is_pending)
             timeout_ms = sooner(task->lost_at_ms, now_ms, timeout_ms);
     }
-    if (s->claim_at_ms != 0 && s->n_tasks < s->options.n_workers)
+    if (s->claim_at_ms != 0 && supervisor__has_room(s))
         timeout_ms = sooner(s->claim_at_ms, now_ms, timeout_ms);
-    else if (s->held_until_ms != 0 && s->n_tasks < s->options.n_workers)
+    else if (s->held_until_ms != 0 && supervisor__has_room(s))
         timeout_ms = sooner(s->held_until_ms, now_ms, timeout_ms);
     return timeout_ms;
 }

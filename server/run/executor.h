@@ -22,6 +22,7 @@
 #include "core/base/status.h"
 #include "core/run/run.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -118,4 +119,5 @@ typedef struct executor_functions {
 struct executor {
     const executor_functions *functions; ///< never NULL
     int wake_fd;                         ///< readable when poll() may find something new
+    bool outlives_daemon; ///< its jobs go on when the daemon ends: attach() may find them
 };

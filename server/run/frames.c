@@ -144,12 +144,12 @@ static api_parts parts_of(const frame_begin *begin)
     return (api_parts){ .n_parts = is_fixed ? begin->n_parts : 0, .n_values = begin->n_values };
 }
 
-// Begin to store what has come, with the checkpoint that came last (NULL: none).
-static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
+// Put what has come into task->batch, with the checkpoint that came last (NULL: none).
+static bf_status make_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
 {
     bf_status status = add_progress(task, err);
 
-    if (status != BF_OK || (task->items.n == 0 && checkpoint == NULL))
+    if (status != BF_OK)
         return status;
     uint64_t step = task->progress.step, n_steps = task->begin.n_steps;
     task->batch = (store_batch){
@@ -166,8 +166,25 @@ static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoi
         .checkpoint = checkpoint == NULL ? NULL : checkpoint->bytes,
         .n_checkpoint = checkpoint == NULL ? 0 : checkpoint->n,
     };
-    supervisor__begin_write(task, SUPERVISOR_WRITE_BATCH);
     return BF_OK;
+}
+
+static bf_status begin_batch(supervisor__task *task, const frame_bytes *checkpoint, bf_error *err)
+{
+    bf_status status = make_batch(task, checkpoint, err);
+
+    if (status == BF_OK && (task->batch.n > 0 || checkpoint != NULL))
+        supervisor__begin_write(task, SUPERVISOR_WRITE_BATCH);
+    return status;
+}
+
+const store_batch *supervisor__last_batch(supervisor__task *task)
+{
+    bf_error err = { 0 };
+
+    if (!task->failed && make_batch(task, NULL, &err) != BF_OK)
+        supervisor__fail(task, &err);
+    return task->failed || task->batch.n == 0 ? NULL : &task->batch;
 }
 
 void supervisor__finish_batch(supervisor__task *task)
@@ -223,10 +240,15 @@ static bool is_in_order(const supervisor__task *task, const frame *f)
     return (f->type == FRAME_BEGIN) != task->has_begun && snapshots_may_come(&task->coming, f);
 }
 
+static bf_status fail_order(bf_error *err)
+{
+    return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
+}
+
 static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *err)
 {
     if (!is_in_order(task, f))
-        return bf_fail(err, BF_ECORRUPT, "", "the solver sent frames out of order");
+        return fail_order(err);
     switch (f->type) {
     case FRAME_BEGIN:
         return take_begin(task, &f->begin, err);
@@ -277,7 +299,10 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
             status = take_frame(task, &f, err);
         task->n_decoded += used; // a multiple of 8, so the next one is aligned
     }
-    return status != BF_OK || task->write.is_pending ? status : begin_batch(task, NULL, err);
+    // What comes last is stored together with the end of the run.
+    return status != BF_OK || task->write.is_pending || task->has_ended
+               ? status
+               : begin_batch(task, NULL, err);
 }
 
 // Room for the whole of a large frame that has begun, so that it is not moved while it comes.
@@ -314,26 +339,44 @@ static bf_status read_output(supervisor__task *task, bf_error *err)
     return BF_OK;
 }
 
+// Wait for the end of a job that has sent its last frame. What came before stays in place: items point into it.
+static bf_status await_exit(supervisor__task *task, bf_error *err)
+{
+    executor *e = task->supervisor->executor;
+    char rest[64];
+    size_t n = 0;
+
+    task->state = e->functions->poll(e, task->job, rest, sizeof rest, &n, &task->exit);
+    task->has_more = false;
+    return n == 0 ? BF_OK : fail_order(err);
+}
+
 static bool is_over(const supervisor__task *task)
 {
     return task->state == EXECUTOR_ENDED || task->state == EXECUTOR_LOST;
 }
 
-void supervisor__read_frames(supervisor__task *task)
+static bf_status read_frames(supervisor__task *task, bf_error *err)
 {
-    bf_error err = { 0 };
     bf_status status = BF_OK;
 
+    if (task->has_ended && !task->failed)
+        return is_over(task) ? BF_OK : await_exit(task, err);
     buffer_drop(&task->output, task->n_decoded);
     task->n_decoded = 0;
     // Frames that a checkpoint left behind come first, so that output does not grow; what the executor has
     // is then read in the next turn.
     if (task->failed || !task->has_frames)
-        status = is_over(task) ? BF_OK : read_output(task, &err);
+        status = is_over(task) ? BF_OK : read_output(task, err);
     else
         task->has_more = true;
-    if (status == BF_OK && !task->failed)
-        status = take_frames(task, &err);
-    if (status != BF_OK)
+    return status == BF_OK && !task->failed ? take_frames(task, err) : status;
+}
+
+void supervisor__read_frames(supervisor__task *task)
+{
+    bf_error err = { 0 };
+
+    if (read_frames(task, &err) != BF_OK)
         supervisor__fail(task, &err);
 }

@@ -69,7 +69,7 @@ bool supervisor__may_work_later(bf_status code)
 // room.
 void supervisor__defer(supervisor *s, const char *run_id, run_state state, double cpu_s)
 {
-    BF_CHECK(s->n_pending < SUPERVISOR_WORKERS_MAX);
+    BF_CHECK(s->n_pending < SUPERVISOR_TASKS_MAX);
     supervisor__pending_update *update = &s->pending[s->n_pending++];
     update->state = state;
     update->cpu_s = cpu_s;
@@ -107,6 +107,15 @@ static bool is_claiming(const supervisor *s)
     return false;
 }
 
+bool supervisor__has_room(const supervisor *s)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < s->n_tasks; i++)
+        n += !s->tasks[i]->is_solved;
+    return n < s->options.n_workers && s->n_tasks < SUPERVISOR_TASKS_MAX;
+}
+
 // True if something may be queued that was not looked at yet, or again.
 static bool take_may_claim(supervisor *s)
 {
@@ -122,25 +131,32 @@ static bool take_may_claim(supervisor *s)
     return is_time;
 }
 
-void supervisor__claim(supervisor *s)
+supervisor__task *supervisor__create_claiming(supervisor *s)
 {
     bf_error err = { 0 };
 
-    if (is_claiming(s) || s->n_tasks >= s->options.n_workers)
-        return;
+    if (is_claiming(s) || !supervisor__has_room(s))
+        return NULL;
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
-        return;
+        return NULL;
     s->claim_at_ms = 0;
     if (!retry_pending(s) || !take_may_claim(s))
-        return;
+        return NULL;
     if (s->executor->functions->ready(s->executor, &err) != BF_OK) {
         supervisor__note_trouble(s, &err);
-        return;
+        return NULL;
     }
     supervisor__task *task = supervisor__task_create(s);
     if (task == NULL)
         supervisor__backoff(s);
-    else
+    return task;
+}
+
+void supervisor__claim(supervisor *s)
+{
+    supervisor__task *task = supervisor__create_claiming(s);
+
+    if (task != NULL)
         supervisor__begin_write(task, SUPERVISOR_WRITE_CLAIM);
 }
 
@@ -154,7 +170,7 @@ static void fail_start(supervisor__task *task, const bf_error *err)
     task->ending = (store_ending){ .run_id = task->claimed.run.id,
                                    .state = may_work_later ? RUN_QUEUED : RUN_FAILED,
                                    .error = *err };
-    supervisor__begin_write(task, SUPERVISOR_WRITE_END);
+    supervisor__begin_end(task, NULL);
 }
 
 static void start_claimed(supervisor__task *task)
@@ -167,7 +183,8 @@ static void start_claimed(supervisor__task *task)
     } else if (supervisor__task_start(task, NULL, &err) == BF_OK) {
         log_event(LOG_LEVEL_INFO, "run_started", "run=%s job=%s", task->claimed.run.id,
                   task->external_id);
-        supervisor__begin_write(task, SUPERVISOR_WRITE_ID);
+        if (s->executor->outlives_daemon)
+            supervisor__begin_write(task, SUPERVISOR_WRITE_ID);
         return;
     } else if (supervisor__may_work_later(err.code)) {
         supervisor__note_trouble(s, &err);
@@ -230,12 +247,12 @@ static void attach_run(supervisor *s, const store_running *running)
 
 void supervisor__attach(supervisor *s)
 {
-    store_running running[SUPERVISOR_WORKERS_MAX];
+    store_running running[SUPERVISOR_TASKS_MAX];
     bf_error err = { 0 };
     size_t n = 0;
     char quoted[LOG_QUOTED_SIZE];
 
-    if (store_list_running(s->store, SUPERVISOR_WORKERS_MAX, running, &n, &err) != BF_OK)
+    if (store_list_running(s->store, SUPERVISOR_TASKS_MAX, running, &n, &err) != BF_OK)
         log_event(LOG_LEVEL_ERROR, "queue_not_read", "error=%s", log_quote(err.text, quoted));
     for (size_t i = 0; i < n; i++)
         attach_run(s, &running[i]);

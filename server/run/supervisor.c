@@ -52,11 +52,11 @@ static bool take_may_stop(supervisor *s)
 // next commit.
 static void read_stop_requests(supervisor *s)
 {
-    store_running running[SUPERVISOR_WORKERS_MAX];
+    store_running running[SUPERVISOR_TASKS_MAX];
     size_t n = 0;
 
     if (!take_may_stop(s) ||
-        store_list_running(s->store, SUPERVISOR_WORKERS_MAX, running, &n, NULL) != BF_OK)
+        store_list_running(s->store, SUPERVISOR_TASKS_MAX, running, &n, NULL) != BF_OK)
         return;
     for (size_t i = 0; i < s->n_tasks; i++) {
         supervisor__task *task = s->tasks[i];
@@ -67,14 +67,29 @@ static void read_stop_requests(supervisor *s)
     }
 }
 
-// The job is over and everything it has sent is stored.
+static void allow_claim(supervisor *s)
+{
+    lock_acquire(&s->lock);
+    s->may_claim = true;
+    lock_release(&s->lock);
+}
+
+// The job is over, and of what it has sent only the last is not stored. The place of a run that has succeeded is free:
+// the next one is claimed together with its end. One that ends in another way may have met what the next would meet.
 static void begin_end(supervisor__task *task)
 {
+    const store_batch *last = supervisor__last_batch(task);
+    supervisor *s = task->supervisor;
+
     metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
     task->ending = supervisor__classify_exit(task);
+    task->ending.last = last;
     task->ending.cpu_s = supervisor__cpu_s(task);
     task->phase = SUPERVISOR_ENDING;
-    supervisor__begin_write(task, SUPERVISOR_WRITE_END);
+    task->is_solved = task->ending.state == RUN_SUCCEEDED;
+    if (task->is_solved)
+        allow_claim(s);
+    supervisor__begin_end(task, task->is_solved ? supervisor__create_claiming(s) : NULL);
 }
 
 static void finish_end(supervisor *s, supervisor__task *task)
@@ -92,8 +107,9 @@ static void finish_end(supervisor *s, supervisor__task *task)
         supervisor__note_trouble(s, &task->ending.error);
     else if (is_back_unasked || (task->failed && task->error.code == BF_ESYSTEM))
         supervisor__backoff(s);
+    if (!task->is_solved)
+        supervisor_wake(s); // there is room for another run
     supervisor__task_destroy(task);
-    supervisor_wake(s); // there is room for another run
 }
 
 // Take the result of the task's write. False: it is still pending, or the task was freed.
@@ -252,8 +268,8 @@ static supervisor_options complete(const supervisor_options *options)
 static supervisor *create_supervisor(const supervisor_options *options)
 {
     supervisor *s = memory_alloc(1, sizeof *s);
-    supervisor__task **tasks = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof(supervisor__task *));
-    supervisor__pending_update *pending = memory_alloc(SUPERVISOR_WORKERS_MAX, sizeof *pending);
+    supervisor__task **tasks = memory_alloc(SUPERVISOR_TASKS_MAX, sizeof(supervisor__task *));
+    supervisor__pending_update *pending = memory_alloc(SUPERVISOR_TASKS_MAX, sizeof *pending);
 
     if (s == NULL || tasks == NULL || pending == NULL) {
         memory_free(s);
@@ -315,9 +331,7 @@ bool supervisor_is_alive(supervisor *s)
 
 void supervisor_wake(supervisor *s)
 {
-    lock_acquire(&s->lock);
-    s->may_claim = true;
-    lock_release(&s->lock);
+    allow_claim(s);
     supervisor__wake_loop(s);
 }
 

@@ -13,6 +13,7 @@
 #include "server/base/metrics.h"
 #include "server/run/snapshots.h"
 #include "server/run/supervisor.h"
+#include "server/run/writers.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -22,7 +23,7 @@
 enum {
     SUPERVISOR_BACKOFF_FIRST_MS = 1000,  ///< of claiming after a failure; doubles each time
     SUPERVISOR_READ_BYTES = 1024 * 1024, ///< of one job in one turn, and so about in one batch
-    SUPERVISOR_WRITERS = 2,              ///< threads that wait for the store
+    SUPERVISOR_TASKS_MAX = 2 * SUPERVISOR_WORKERS_MAX, ///< being solved, and ending
     SUPERVISOR_TROUBLE_MS = 60000, ///< how long trouble counts, and between its lines in the log
 };
 
@@ -41,40 +42,6 @@ typedef enum supervisor__phase {
     SUPERVISOR_ENDING,   ///< its job is over: how the run ends is being stored
 } supervisor__phase;
 
-/// What a task has the store do. Batches are taken by store_begin_append(); for the others one of the
-/// supervisor's writing threads waits.
-typedef enum supervisor__write_kind {
-    SUPERVISOR_WRITE_CLAIM, ///< store_claim() into claimed
-    SUPERVISOR_WRITE_ID,    ///< the job's external id
-    SUPERVISOR_WRITE_BATCH, ///< batch
-    SUPERVISOR_WRITE_END,   ///< ending
-} supervisor__write_kind;
-
-typedef struct supervisor__task supervisor__task;
-
-/// A write on its way into the store. From its begin until is_done the supervisor's thread leaves the members
-/// of the task alone that it is about.
-typedef struct supervisor__write {
-    supervisor__write_kind kind; ///< what is written
-    bool is_pending;             ///< begun, and its result not taken yet
-    int64_t begin_ms;            ///< when, clock_monotonic_ms()
-    atomic_bool is_done;         ///< status and error are set
-    bf_status status;            ///< of the store
-    bf_error error;              ///< of the store
-    supervisor__task *next;      ///< in the queue of the writing threads
-} supervisor__write;
-
-/// The writing threads, so that neither a commit nor the making of a summary holds up the supervisor.
-typedef struct supervisor__writers {
-    lock lock;                             ///< guards what follows
-    lock_condition queued;                 ///< first, or is_stopping
-    supervisor__task *first;               ///< queue of tasks
-    supervisor__task *last;                ///< its end
-    bool is_stopping;                      ///< the threads end when the queue is empty
-    unsigned n_threads;                    ///< that were started
-    pthread_t threads[SUPERVISOR_WRITERS]; ///< n_threads
-} supervisor__writers;
-
 /// One run that is being solved.
 struct supervisor__task {
     supervisor *supervisor;             ///< whose
@@ -87,23 +54,24 @@ struct supervisor__task {
     size_t n_columns;                   ///< of claimed.columns
     supervisor__stop requested;         ///< how it is to stop
     supervisor__stop signalled;         ///< how much of that the job was signalled
-    int64_t kill_at_ms;      ///< when it is stopped by force; -1: not planned, INT64_MAX: done
-    int64_t lost_at_ms;      ///< when it counts as lost; -1: not planned
-    double start_s;          ///< when the job was started, clock_monotonic_s()
-    executor_state state;    ///< as of the last poll
-    executor_end exit;       ///< valid if state is EXECUTOR_ENDED
-    bool has_more;           ///< the job may have more bytes than one turn takes
-    bool has_begun;          ///< FRAME_BEGIN came
-    bool has_ended;          ///< FRAME_END came
-    bool failed;             ///< it fails with error, regardless of later frames
-    bool is_trouble;         ///< the error is the store's, not the run's: it is queued again
-    bool is_beyond_output;   ///< it sent more than output_bytes
-    bool timed_out;          ///< it was stopped by force because a time was over
-    int64_t moved_ms;        ///< when it was last seen to go on, clock_monotonic_ms()
-    frame_begin begin;       ///< valid if has_begun
-    frame_end end;           ///< valid if has_ended
-    bf_error error;          ///< why it fails: sent by the job, or found here
-    bool has_progress;       ///< progress is not stored yet
+    int64_t kill_at_ms;    ///< when it is stopped by force; -1: not planned, INT64_MAX: done
+    int64_t lost_at_ms;    ///< when it counts as lost; -1: not planned
+    double start_s;        ///< when the job was started, clock_monotonic_s()
+    executor_state state;  ///< as of the last poll
+    executor_end exit;     ///< valid if state is EXECUTOR_ENDED
+    bool has_more;         ///< the job may have more bytes than one turn takes
+    bool has_begun;        ///< FRAME_BEGIN came
+    bool has_ended;        ///< FRAME_END came
+    bool failed;           ///< it fails with error, regardless of later frames
+    bool is_trouble;       ///< the error is the store's, not the run's: it is queued again
+    bool is_beyond_output; ///< it sent more than output_bytes
+    bool is_solved;        ///< it has succeeded: while its end is stored the next run may be solved
+    bool timed_out;        ///< it was stopped by force because a time was over
+    int64_t moved_ms;      ///< when it was last seen to go on, clock_monotonic_ms()
+    frame_begin begin;     ///< valid if has_begun
+    frame_end end;         ///< valid if has_ended
+    bf_error error;        ///< why it fails: sent by the job, or found here
+    bool has_progress;     ///< progress is not stored yet
     frame_progress progress; ///< the newest
     bool has_figures;        ///< key figures are not stored yet
     double figures_t;        ///< of the newest key figures, s
@@ -144,9 +112,9 @@ struct supervisor {
     int64_t backoff_ms;    ///< how long the next backoff is
     int64_t logged_ms;     ///< when trouble was last logged; 0: never
     size_t n_tasks;        ///< tasks
-    supervisor__task **tasks; ///< room for SUPERVISOR_WORKERS_MAX
+    supervisor__task **tasks; ///< room for SUPERVISOR_TASKS_MAX
     size_t n_pending;         ///< pending updates; nothing is claimed while there are any
-    supervisor__pending_update *pending; ///< room for SUPERVISOR_WORKERS_MAX
+    supervisor__pending_update *pending; ///< room for SUPERVISOR_TASKS_MAX
     lock lock;                           ///< guards what follows
     bool may_claim;                      ///< something may be queued
     bool may_stop;                       ///< there may be new stop requests
@@ -162,15 +130,6 @@ struct supervisor {
 
 /// Make wake_fd readable, so that the loop takes another turn.
 void supervisor__wake_loop(supervisor *s);
-
-/// Start the writing threads. BF_ESYSTEM: none could be started.
-BF_MUST_CHECK bf_status supervisor__start_writers(supervisor *s, bf_error *err);
-
-/// Wait until the writing threads have finished all queued writes, and join them.
-void supervisor__stop_writers(supervisor *s);
-
-/// Begin a write of a task that has none pending.
-void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind);
 
 /// A task without a run, in the list of tasks. NULL: no memory.
 supervisor__task *supervisor__task_create(supervisor *s);
@@ -188,6 +147,9 @@ void supervisor__read_frames(supervisor__task *task);
 
 /// Discard the batch that has been stored; end the task if it could not be stored.
 void supervisor__finish_batch(supervisor__task *task);
+
+/// What the task has not stored yet when its job is over, as a batch; NULL: nothing. A failure fails the task.
+const store_batch *supervisor__last_batch(supervisor__task *task);
 
 /// Count a frame of n bytes that the job has sent. BF_ELIMIT: it has sent more than output_bytes.
 BF_MUST_CHECK bf_status supervisor__count_output(supervisor__task *task, frame_type type, size_t n,
@@ -225,6 +187,12 @@ void supervisor__free_items(supervisor__task *task);
 
 /// Take over the runs that the daemon before left running and whose jobs go on.
 void supervisor__attach(supervisor *s);
+
+/// True if another run may be solved at once.
+bool supervisor__has_room(const supervisor *s);
+
+/// A task without a run that is to claim one, if there is room and this is the time; else NULL.
+supervisor__task *supervisor__create_claiming(supervisor *s);
 
 /// Begin to claim a run from the queue, if there is room and this is the time.
 void supervisor__claim(supervisor *s);

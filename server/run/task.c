@@ -15,7 +15,7 @@ supervisor__task *supervisor__task_create(supervisor *s)
 
     if (task == NULL)
         return NULL;
-    BF_CHECK(s->n_tasks < SUPERVISOR_WORKERS_MAX);
+    BF_CHECK(s->n_tasks < SUPERVISOR_TASKS_MAX);
     task->supervisor = s;
     task->kill_at_ms = task->lost_at_ms = -1;
     s->tasks[s->n_tasks++] = task;

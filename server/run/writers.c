@@ -1,5 +1,4 @@
-// Writes of tasks into the store, none of which the supervisor's thread waits for. A task has one at a time,
-// so they come into the store in order; those of different tasks go side by side and share commits.
+#include "server/run/writers.h"
 
 #include "server/run/supervisor_priv.h"
 
@@ -8,21 +7,6 @@
 
 #include <signal.h>
 #include <string.h>
-
-static bf_status do_write(supervisor__task *task, bf_error *err)
-{
-    store *s = task->supervisor->store;
-
-    switch (task->write.kind) {
-    case SUPERVISOR_WRITE_CLAIM:
-        return store_claim(s, &task->claimed, err);
-    case SUPERVISOR_WRITE_ID:
-        return store_set_external_id(s, task->claimed.run.id, task->external_id, err);
-    default:
-        BF_CHECK(task->write.kind == SUPERVISOR_WRITE_END);
-        return supervisor__store_ending(task, err);
-    }
-}
 
 // The next task, under the lock; NULL: the queue is empty and no more will come.
 static supervisor__task *take_next(supervisor__writers *w)
@@ -53,6 +37,44 @@ static void set_done(void *context, bf_status status, const bf_error *err)
     supervisor__wake_loop(s);
 }
 
+// The claim is made with the end where that can be, else behind it.
+static void end_and_claim(supervisor__task *task)
+{
+    store *s = task->supervisor->store;
+    supervisor__task *follower = task->write.follower;
+    store_next next = { .status = BF_ECONFLICT };
+    bf_error err = { 0 };
+
+    task->ending.next = follower == NULL ? NULL : &next;
+    bf_status status = supervisor__store_ending(task, &err);
+    set_done(task, status, &err);
+    if (follower == NULL)
+        return;
+    follower->claimed = next.job;
+    if (next.status == BF_ECONFLICT)
+        next.status = store_claim(s, &follower->claimed, &next.error);
+    set_done(follower, next.status, &next.error);
+}
+
+static void do_write(supervisor__task *task)
+{
+    store *s = task->supervisor->store;
+    bf_error err = { 0 };
+
+    switch (task->write.kind) {
+    case SUPERVISOR_WRITE_CLAIM:
+        set_done(task, store_claim(s, &task->claimed, &err), &err);
+        return;
+    case SUPERVISOR_WRITE_ID:
+        set_done(task, store_set_external_id(s, task->claimed.run.id, task->external_id, &err),
+                 &err);
+        return;
+    default:
+        BF_CHECK(task->write.kind == SUPERVISOR_WRITE_END);
+        end_and_claim(task);
+    }
+}
+
 static void *run_writer(void *context)
 {
     supervisor *s = context;
@@ -62,9 +84,7 @@ static void *run_writer(void *context)
     lock_acquire(&w->lock);
     while ((task = take_next(w)) != NULL) {
         lock_release(&w->lock);
-        bf_error err = { 0 };
-        bf_status status = do_write(task, &err);
-        set_done(task, status, &err);
+        do_write(task);
         lock_acquire(&w->lock);
     }
     lock_release(&w->lock);
@@ -83,14 +103,19 @@ static void enqueue(supervisor__writers *w, supervisor__task *task)
     lock_release(&w->lock);
 }
 
+static void begin(supervisor__task *task, supervisor__write_kind kind)
+{
+    BF_CHECK(!task->write.is_pending);
+    task->write =
+        (supervisor__write){ .kind = kind, .is_pending = true, .begin_ms = clock_monotonic_ms() };
+}
+
 void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind)
 {
     supervisor *s = task->supervisor;
     bf_error err = { 0 };
 
-    BF_CHECK(!task->write.is_pending);
-    task->write =
-        (supervisor__write){ .kind = kind, .is_pending = true, .begin_ms = clock_monotonic_ms() };
+    begin(task, kind);
     if (kind != SUPERVISOR_WRITE_BATCH) {
         enqueue(&s->writers, task);
         return;
@@ -98,6 +123,15 @@ void supervisor__begin_write(supervisor__task *task, supervisor__write_kind kind
     bf_status status = store_begin_append(s->store, &task->batch, set_done, task, &err);
     if (status != BF_OK)
         set_done(task, status, &err);
+}
+
+void supervisor__begin_end(supervisor__task *task, supervisor__task *follower)
+{
+    begin(task, SUPERVISOR_WRITE_END);
+    task->write.follower = follower;
+    if (follower != NULL)
+        begin(follower, SUPERVISOR_WRITE_CLAIM);
+    enqueue(&task->supervisor->writers, task);
 }
 
 bf_status supervisor__start_writers(supervisor *s, bf_error *err)

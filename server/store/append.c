@@ -1,5 +1,5 @@
+#include "server/store/finish.h"
 #include "server/store/quotas.h"
-#include "server/store/store_priv.h"
 
 #include "api/results/events.h"
 #include "core/base/check.h"
@@ -10,38 +10,43 @@
 #include <sqlite3.h>
 #include <string.h>
 
-/// A batch on its way into the store; freed by finish_append().
-typedef struct append_context {
-    store__operation operation;
+/// A batch on its way into the store.
+struct store__appending {
     const store_batch *batch;
     bf_buffer *compressed; ///< two for each item, empty but for snapshots; one for the checkpoint
     store__row row;
-    bf_buffer columns;        ///< of the curve; empty until it is needed
-    size_t n_columns;         ///< of them
-    bool has_changes;         ///< the next one is known
-    uint64_t n_changes;       ///< changes of the run that are stored
-    size_t n_bytes;           ///< of samples that were stored
+    bf_buffer columns;  ///< of the curve; empty until it is needed
+    size_t n_columns;   ///< of them
+    bool has_changes;   ///< the next one is known
+    uint64_t n_changes; ///< changes of the run that are stored
+    size_t n_bytes;     ///< of samples that were stored
+};
+
+/// The operation of store_begin_append(); freed by finish_append().
+typedef struct append_operation {
+    store__operation operation;
+    store__appending *appending;
     store_appended *appended; ///< called at the end
     void *appended_context;
-} append_context;
+} append_operation;
 
 // Which of the compressed ones: grid and parts of item i, and the checkpoint.
-static bf_buffer *compressed_grid(const append_context *context, size_t i)
+static bf_buffer *compressed_grid(const store__appending *context, size_t i)
 {
     return &context->compressed[2 * i];
 }
 
-static bf_buffer *compressed_parts(const append_context *context, size_t i)
+static bf_buffer *compressed_parts(const store__appending *context, size_t i)
 {
     return &context->compressed[2 * i + 1];
 }
 
-static bf_buffer *compressed_checkpoint(const append_context *context)
+static bf_buffer *compressed_checkpoint(const store__appending *context)
 {
     return &context->compressed[2 * context->batch->n];
 }
 
-static bf_status pack_item(const append_context *context, size_t i, store__packer *packer,
+static bf_status pack_item(const store__appending *context, size_t i, store__packer *packer,
                            bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
@@ -58,18 +63,36 @@ static bf_status pack_item(const append_context *context, size_t i, store__packe
     return status;
 }
 
-// Compressing takes longer than writing, so it is done on the preparing thread.
-static bf_status pack_all(append_context *context, bf_error *err)
+static bf_status pack_items(const store__appending *context, store__packer *packer, bf_error *err)
 {
     const store_batch *batch = context->batch;
-    store__packer *packer = store__packer_create();
-    bf_status status = packer == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory") : BF_OK;
+    bf_status status = BF_OK;
 
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = pack_item(context, i, packer, err);
     if (status == BF_OK && batch->checkpoint != NULL)
         status = store__pack(packer, batch->checkpoint, batch->n_checkpoint,
                              compressed_checkpoint(context), err);
+    return status;
+}
+
+static bool has_arrays(const store_batch *batch)
+{
+    bool has_any = batch->checkpoint != NULL;
+
+    for (size_t i = 0; i < batch->n; i++)
+        has_any = has_any || batch->items[i].type == API_EVENT_SNAPSHOT;
+    return has_any;
+}
+
+bf_status store__pack_batch(const store__appending *context, bf_error *err)
+{
+    if (!has_arrays(context->batch))
+        return BF_OK;
+    store__packer *packer = store__packer_create();
+    if (packer == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = pack_items(context, packer, err);
     store__packer_destroy(packer);
     return status;
 }
@@ -93,7 +116,7 @@ static bf_status note_sizes(store__row *row, const bf_grid *grid, const api_part
     return BF_OK;
 }
 
-static bf_status need_columns(store__connection *writer, append_context *context, bf_error *err)
+static bf_status need_columns(store__connection *writer, store__appending *context, bf_error *err)
 {
     if (context->columns.n > 0)
         return BF_OK;
@@ -105,7 +128,7 @@ static bf_status need_columns(store__connection *writer, append_context *context
     return BF_OK;
 }
 
-static bf_status check_curve(const append_context *context, const store_item *item, bf_error *err)
+static bf_status check_curve(const store__appending *context, const store_item *item, bf_error *err)
 {
     uint64_t n_stored = context->row.run.n_samples;
 
@@ -120,7 +143,7 @@ static bf_status check_curve(const append_context *context, const store_item *it
     return BF_OK;
 }
 
-static bf_status insert_samples(store__connection *writer, append_context *context,
+static bf_status insert_samples(store__connection *writer, store__appending *context,
                                 const frame_curve *c, bf_error *err)
 {
     store__query q = store__begin(writer, STORE__SQL_INSERT_SAMPLES);
@@ -138,7 +161,7 @@ static bf_status insert_samples(store__connection *writer, append_context *conte
 }
 
 // An item that is stored in part has an event of the rest only.
-static bf_status emit_rest(store__connection *writer, append_context *context,
+static bf_status emit_rest(store__connection *writer, store__appending *context,
                            const frame_curve *rest, bf_error *err)
 {
     bf_buffer data = { 0 };
@@ -151,7 +174,7 @@ static bf_status emit_rest(store__connection *writer, append_context *context,
     return status;
 }
 
-static bf_status append_curve(store__connection *writer, append_context *context,
+static bf_status append_curve(store__connection *writer, store__appending *context,
                               const store_item *item, bf_error *err)
 {
     bf_status status = need_columns(writer, context, err);
@@ -178,7 +201,7 @@ static bf_status append_curve(store__connection *writer, append_context *context
                                err);
 }
 
-static bf_status append_snapshot(store__connection *writer, append_context *context, size_t i,
+static bf_status append_snapshot(store__connection *writer, store__appending *context, size_t i,
                                  bf_error *err)
 {
     return store__append_snapshot(writer, &context->row, &context->batch->items[i],
@@ -197,7 +220,7 @@ static bf_status replace_figures(store__connection *writer, store__row *row, con
 }
 
 // How many changes the run has.
-static bf_status count_changes(store__connection *writer, append_context *context, bf_error *err)
+static bf_status count_changes(store__connection *writer, store__appending *context, bf_error *err)
 {
     bool has_row = false;
 
@@ -213,7 +236,7 @@ static bf_status count_changes(store__connection *writer, append_context *contex
     return status;
 }
 
-static bf_status append_change(store__connection *writer, append_context *context,
+static bf_status append_change(store__connection *writer, store__appending *context,
                                const store_item *item, bf_error *err)
 {
     bf_status status = count_changes(writer, context, err);
@@ -229,7 +252,7 @@ static bf_status append_change(store__connection *writer, append_context *contex
     return store__insert_event(writer, &context->row, item->type, item->first, &item->event, err);
 }
 
-static bf_status append_item(store__connection *writer, append_context *context, size_t i,
+static bf_status append_item(store__connection *writer, store__appending *context, size_t i,
                              bf_error *err)
 {
     const store_item *item = &context->batch->items[i];
@@ -247,7 +270,7 @@ static bf_status append_item(store__connection *writer, append_context *context,
 }
 
 // It comes in the same transaction as all that came before it (I5).
-static bf_status replace_checkpoint(store__connection *writer, append_context *context,
+static bf_status replace_checkpoint(store__connection *writer, store__appending *context,
                                     bf_error *err)
 {
     const store_batch *batch = context->batch;
@@ -263,7 +286,7 @@ static bf_status replace_checkpoint(store__connection *writer, append_context *c
     return status;
 }
 
-static bf_status grow_results(store__connection *writer, const append_context *context,
+static bf_status grow_results(store__connection *writer, const store__appending *context,
                               bf_error *err)
 {
     if (context->n_bytes == 0)
@@ -306,76 +329,112 @@ static bool brings_nothing_visible(const store_batch *batch)
     return is_nothing;
 }
 
-static bf_status apply_append(store__connection *writer, store__operation *operation, bf_error *err)
+bf_status store__apply_batch(store__connection *writer, store__appending *context, store__row *row,
+                             bf_error *err)
 {
-    append_context *context = operation->context;
     const store_batch *batch = context->batch;
-    store__row *row = &context->row;
-
-    bf_status status = store__find_row(writer, batch->run_id, row, err);
-    if (status != BF_OK)
-        return status;
-    if (row->run.state != RUN_RUNNING)
-        return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
-                       run_state_word(row->run.state));
     const store__row before = *row;
-    status = note_sizes(row, batch->grid, &batch->parts, err);
+
+    context->row = *row;
+    context->n_bytes = 0;
+    context->has_changes = false;
+    bf_status status = note_sizes(&context->row, batch->grid, &batch->parts, err);
     for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         status = append_item(writer, context, i, err);
     if (status == BF_OK)
         status = grow_results(writer, context, err);
     if (status == BF_OK)
         status = replace_checkpoint(writer, context, err);
-    if (status != BF_OK || brings_nothing_visible(batch))
+    if (status != BF_OK)
         return status;
-    memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    *row = context->row;
+    if (brings_nothing_visible(batch))
+        return BF_OK;
     note_progress(batch, row);
     if (has_grown(row, &before))
         row->attempts = 0;
-    status = store__charge(writer, row, batch->cpu_s, err);
-    return status == BF_OK ? store__save_row(writer, row, err) : status;
+    return store__charge(writer, row, batch->cpu_s, err);
 }
 
+static bf_status apply_append(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    const append_operation *o = operation->context;
+    const store_batch *batch = o->appending->batch;
+    store__row row;
+
+    bf_status status = store__find_row(writer, batch->run_id, &row, err);
+    if (status == BF_OK)
+        status = store__check_running(&row, err);
+    if (status == BF_OK)
+        status = store__apply_batch(writer, o->appending, &row, err);
+    if (status != BF_OK || brings_nothing_visible(batch))
+        return status;
+    memcpy(operation->changed, row.run.id, API_ID_SIZE);
+    return store__save_row(writer, &row, err);
+}
+
+// Compressing takes longer than writing, so it is done on the preparing thread.
 static bf_status prepare_append(store__operation *operation, bf_error *err)
 {
-    return pack_all(operation->context, err);
+    const append_operation *o = operation->context;
+
+    return store__pack_batch(o->appending, err);
 }
 
 static void finish_append(store__operation *operation)
 {
-    append_context *context = operation->context;
+    append_operation *o = operation->context;
+
+    store__appending_destroy(o->appending, operation->status);
+    // From here on the batch is its owner's again.
+    o->appended(o->appended_context, operation->status, &operation->error);
+    memory_free(o);
+}
+
+store__appending *store__appending_create(const store_batch *batch)
+{
+    store__appending *context = memory_alloc(1, sizeof *context);
+    bf_buffer *compressed = memory_alloc(2 * batch->n + 1, sizeof *compressed);
+
+    if (context == NULL || compressed == NULL) {
+        memory_free(context);
+        memory_free(compressed);
+        return NULL;
+    }
+    *context = (store__appending){ .batch = batch, .compressed = compressed };
+    return context;
+}
+
+void store__appending_destroy(store__appending *context, bf_status status)
+{
     const store_batch *batch = context->batch;
 
-    for (size_t i = 0; i < batch->n && operation->status == BF_OK; i++)
+    for (size_t i = 0; i < batch->n && status == BF_OK; i++)
         metrics_add(METRICS_FRAMES, batch->items[i].type, !is_hidden(&batch->items[i]));
     for (size_t i = 0; i <= 2 * batch->n; i++)
         buffer_fini(&context->compressed[i]);
     memory_free(context->compressed);
     buffer_fini(&context->columns);
-    // From here on the batch is its owner's again.
-    context->appended(context->appended_context, operation->status, &operation->error);
     memory_free(context);
 }
 
 bf_status store_begin_append(store *s, const store_batch *batch, store_appended *appended,
                              void *appended_context, bf_error *err)
 {
-    append_context *context = memory_alloc(1, sizeof *context);
-    bf_buffer *compressed = memory_alloc(2 * batch->n + 1, sizeof *compressed);
+    append_operation *o = memory_alloc(1, sizeof *o);
+    store__appending *appending = o == NULL ? NULL : store__appending_create(batch);
 
-    if (context == NULL || compressed == NULL) {
-        memory_free(context);
-        memory_free(compressed);
+    if (appending == NULL) {
+        memory_free(o);
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     }
-    *context = (append_context){ .operation = { .apply = apply_append,
-                                                .prepare = prepare_append,
-                                                .finish = finish_append,
-                                                .context = context },
-                                 .batch = batch,
-                                 .compressed = compressed,
-                                 .appended = appended,
-                                 .appended_context = appended_context };
-    store__begin_write(s, &context->operation);
+    *o = (append_operation){ .operation = { .apply = apply_append,
+                                            .prepare = prepare_append,
+                                            .finish = finish_append,
+                                            .context = o },
+                             .appending = appending,
+                             .appended = appended,
+                             .appended_context = appended_context };
+    store__begin_write(s, &o->operation);
     return BF_OK;
 }

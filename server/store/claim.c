@@ -1,11 +1,12 @@
-// The transitions of runs that are asked for: claim, finish, cancel, remove; and what the supervisor and others
+// The transitions of runs that are asked for: claim, cancel, remove; and what the supervisor and others
 // leave for each other of running runs.
 //
 // Claiming has two steps: read the next run with all it needs, then make it running if it still waits. All
-// that can fail or takes long (reading, decompressing a checkpoint) comes before the change.
+// that can fail or takes long (reading, decompressing a checkpoint) comes before the change. A run without a checkpoint
+// may be claimed in one step, in the commit in which another ends (store_finish()).
 
+#include "server/store/finish.h"
 #include "server/store/quotas.h"
-#include "server/store/store_priv.h"
 
 #include "server/base/log.h"
 
@@ -77,22 +78,40 @@ static bf_status peek_next(store *s, store_job *job, bf_error *err)
     return status;
 }
 
+static bf_status begin_run(store__connection *writer, store__operation *operation, store__row *row,
+                           store_job *job, bf_error *err)
+{
+    row->attempts++;
+    bf_status status = store__transition(writer, row, RUN_RUNNING, err);
+    if (status == BF_OK)
+        status = store__end_turn(writer, row->run.owner, err);
+    if (status != BF_OK)
+        return status;
+    job->run = row->run;
+    memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    return BF_OK;
+}
+
 static bf_status apply_claim(store__connection *writer, store__operation *operation, bf_error *err)
 {
     store_job *job = operation->context;
     store__row row;
 
     bf_status status = store__find_row(writer, job->run.id, &row, err);
-    row.attempts++;
+    return status == BF_OK ? begin_run(writer, operation, &row, job, err) : status;
+}
+
+bf_status store__apply_next(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    store__claiming *claiming = operation->context;
+    store__row row;
+
+    bf_status status = store__find_next(writer, claiming->store, &row, err);
+    if (status == BF_OK && row.checkpoint_step != 0)
+        return bf_fail(err, BF_ECONFLICT, "", "the checkpoint of the next run is to be read first");
     if (status == BF_OK)
-        status = store__transition(writer, &row, RUN_RUNNING, err);
-    if (status == BF_OK)
-        status = store__end_turn(writer, row.run.owner, err);
-    if (status != BF_OK)
-        return status;
-    job->run = row.run;
-    memcpy(operation->changed, row.run.id, API_ID_SIZE);
-    return BF_OK;
+        status = read_texts(writer, &row, &claiming->job, err);
+    return status == BF_OK ? begin_run(writer, operation, &row, &claiming->job, err) : status;
 }
 
 bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
@@ -199,8 +218,7 @@ bf_status store_read_job(store *s, const char *id, store_job *ret_job, bf_error 
 /// A change of one run, and what became of it.
 typedef struct change_context {
     const char *id;
-    uint64_t revision;          ///< that the run must have, or API_ANY_REVISION
-    const store_ending *ending; ///< of store_finish()
+    uint64_t revision; ///< that the run must have, or API_ANY_REVISION
     store__row row;
 } change_context;
 
@@ -221,47 +239,6 @@ static bf_status find_changed(store__connection *writer, store__operation *opera
         status = check_revision(&context->row.run, context->revision, err);
     if (status == BF_OK)
         memcpy(operation->changed, context->row.run.id, API_ID_SIZE);
-    return status;
-}
-
-static bf_status put_summary(store__connection *writer, const store_ending *ending, store__row *row,
-                             bf_error *err)
-{
-    if (ending->summary == NULL)
-        return BF_OK;
-    row->run.has_summary = true;
-    return store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, ending->summary,
-                           ending->n_summary, err);
-}
-
-static bf_status apply_finish(store__connection *writer, store__operation *operation, bf_error *err)
-{
-    change_context *context = operation->context;
-    store__row *row = &context->row;
-
-    bf_status status = find_changed(writer, operation, err);
-    if (status != BF_OK)
-        return status;
-    if (row->run.state != RUN_RUNNING)
-        return bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
-                       run_state_word(row->run.state));
-    if (context->ending->state == RUN_QUEUED && row->attempts > 0)
-        row->attempts--;
-    if (context->ending->state == RUN_FAILED)
-        row->run.error = context->ending->error;
-    status = store__charge(writer, row, context->ending->cpu_s, err);
-    if (status == BF_OK)
-        status = put_summary(writer, context->ending, row, err);
-    return status == BF_OK ? store__transition(writer, row, context->ending->state, err) : status;
-}
-
-bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
-{
-    change_context context = { .id = ending->run_id, .ending = ending };
-
-    bf_status status = store__write_freeing(s, apply_finish, &context, err);
-    if (status == BF_OK)
-        *ret_run = context.row.run;
     return status;
 }
 

@@ -141,6 +141,10 @@ BF_MUST_CHECK bf_status store__write(store *s, store__apply *apply, void *contex
 BF_MUST_CHECK bf_status store__write_freeing(store *s, store__apply *apply, void *context,
                                              bf_error *err);
 
+/// Let the store's thread do n operations in one commit, each alone, and wait until they are on disk. Their statuses say
+/// what became of them.
+void store__write_group(store *s, store__operation *operations, size_t n);
+
 /// Let the store's threads prepare, do and finish an operation, without waiting for it. Operations that are
 /// begun one after the other are applied in that order.
 void store__begin_write(store *s, store__operation *operation);
@@ -227,6 +231,9 @@ BF_MUST_CHECK bf_status store__append_snapshot(store__connection *writer, store_
 
 /// Bytes of a snapshot's density, or of its parts where the run has a fixed number. UINT64_MAX: more than there can be.
 uint64_t store__array_bytes(const api_run *record, store__blob kind);
+
+/// BF_ECONFLICT: the run is not running.
+BF_MUST_CHECK bf_status store__check_running(const store__row *row, bf_error *err);
 
 /// Find a snapshot's row. BF_ENOTFOUND.
 BF_MUST_CHECK bf_status store__find_snapshot(store__connection *reader, int64_t results,

@@ -311,14 +311,27 @@ void store__begin_write(store *s, store__operation *operation)
     lock_release(&s->lock);
 }
 
-static bf_status write_and_wait(store *s, store__operation *operation, bf_error *err)
+static bool are_done(const store__operation *operations, size_t n)
 {
+    for (size_t i = 0; i < n; i++)
+        if (!operations[i].is_done)
+            return false;
+    return true;
+}
 
+void store__write_group(store *s, store__operation *operations, size_t n)
+{
     lock_acquire(&s->lock);
-    enqueue(s, &s->writing, operation);
-    while (!operation->is_done)
+    for (size_t i = 0; i < n; i++)
+        enqueue(s, &s->writing, &operations[i]);
+    while (!are_done(operations, n))
         lock_wait(&s->done, &s->lock, -1);
     lock_release(&s->lock);
+}
+
+static bf_status write_and_wait(store *s, store__operation *operation, bf_error *err)
+{
+    store__write_group(s, operation, 1);
     if (operation->status != BF_OK && err != NULL)
         *err = operation->error;
     return operation->status;

@@ -86,18 +86,29 @@ BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
                                            store_appended *appended, void *appended_context,
                                            bf_error *err);
 
+/// The run that is claimed together with the end of another.
+typedef struct store_next {
+    bf_status
+        status; ///< as of store_claim(); BF_ECONFLICT: none was claimed, store_claim() has to be called
+    bf_error error; ///< of a status that is not BF_OK
+    store_job job;  ///< of BF_OK: the caller's
+} store_next;
+
 /// How a run ends or goes back to the queue.
 typedef struct store_ending {
     const char *run_id; ///< whose
     run_state state;    ///< an end, or RUN_QUEUED to hand it back
     bf_error error; ///< of RUN_FAILED; of another state why the store took no other, for the log
-    const char *summary; ///< summary.json, n_summary bytes; NULL: none
-    size_t n_summary;    ///< bytes
-    double cpu_s;        ///< CPU time of all attempts; less than was charged (0) charges nothing
+    const char *summary;     ///< summary.json, n_summary bytes; NULL: none
+    size_t n_summary;        ///< bytes
+    const store_batch *last; ///< what it sent last, stored in the same transaction; NULL: nothing
+    double cpu_s; ///< CPU time of all attempts; less than was charged (0) charges nothing
+    store_next
+        *next; ///< claim a run in the same commit, whatever becomes of this one; NULL: do not
 } store_ending;
 
 /// Move a running run on: an end (with its status and end events; the checkpoint is dropped) or
-/// back to the queue. BF_ECONFLICT: not running.
+/// back to the queue. BF_ECONFLICT: not running; of `last` BF_ECORRUPT as of a batch.
 BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run,
                                      bf_error *err);
 

@@ -200,7 +200,8 @@ helper_executor *helper_executor_create(void)
     helper_executor *e = calloc(1, sizeof *e);
 
     assert_non_null(e);
-    e->base = (executor){ &functions, eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK) };
+    e->base =
+        (executor){ &functions, eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), .outlives_daemon = true };
     assert_true(e->base.wake_fd >= 0);
     e->chunk = SIZE_MAX;
     lock_init(&e->lock);

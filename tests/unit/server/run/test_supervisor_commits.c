@@ -88,6 +88,40 @@ static void a_job_is_not_read_while_its_batch_is_stored(void **state)
     helper_jobs_assert_data(f->world, record.id, 1 + FRAMES * N, 0);
 }
 
+// What comes with the last frame is stored with the end of the run, when its job has ended, and the next run is claimed in
+// the same commit.
+static void an_end_is_one_commit_with_the_last_samples_and_the_next_claim(void **state)
+{
+    static const double t = 0.01, values[] = { 1.0, 0.5 };
+    const frame sample = { .type = FRAME_CURVE,
+                           .curve = {
+                               .first = 1, .n = 1, .n_columns = 2, .t = &t, .values = values } };
+    const frame end = { .type = FRAME_END, .end = { .n_steps = 10 } };
+    helper_jobs *f = *state;
+    helper_executor *e = f->executor;
+    bf_buffer bytes = { 0 };
+
+    helper_executor_base(e)->outlives_daemon = false; // there is no id to be stored
+    f->world->options.stop_grace_ms = 5000;
+    api_run first = helper_jobs_start(f), second = helper_world_submit(f->world, helper_jobs_belt);
+    helper_executor_begin(e, 0);
+    helper_executor_samples(e, 0, 0, 1, 0.0);
+    helper_await_samples(f->world, first.id, 1);
+    double n_commits = helper_read_metric("\nbeltflow_store_commit_operations_count ");
+    helper_encode(&sample, &bytes);
+    helper_encode(&end, &bytes);
+    helper_executor_send_bytes(e, 0, bytes.bytes, bytes.n);
+    while (helper_executor_job(e, 0).n_unread > 0)
+        usleep(1000);
+    helper_executor_end(e, 0, EXECUTOR_EXITED);
+    helper_executor_await(e, 2);
+    assert_true(helper_read_metric("\nbeltflow_store_commit_operations_count ") == n_commits + 1);
+    assert_string_equal(helper_executor_job(e, 1).run_id, second.id);
+    helper_await_state(f->world, first.id, RUN_SUCCEEDED);
+    helper_jobs_assert_data(f->world, first.id, 2, 0);
+    buffer_fini(&bytes);
+}
+
 int main(void)
 {
 #define TEST(function)                                                                             \
@@ -96,6 +130,7 @@ int main(void)
         TEST(a_stop_is_enforced_while_a_commit_is_slow),
         TEST(batches_of_several_runs_share_a_commit),
         TEST(a_job_is_not_read_while_its_batch_is_stored),
+        TEST(an_end_is_one_commit_with_the_last_samples_and_the_next_claim),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,110 @@
+// How a run that was running ends or goes back to the queue. What it sent last is stored in the same transaction.
+
+#include "server/store/finish.h"
+#include "server/store/quotas.h"
+
+#include <string.h>
+
+/// An end, and what became of it.
+typedef struct finish_context {
+    const store_ending *ending;
+    store__appending *last; ///< of ending->last; NULL: nothing
+    store__row row;
+} finish_context;
+
+bf_status store__check_running(const store__row *row, bf_error *err)
+{
+    return row->run.state == RUN_RUNNING
+               ? BF_OK
+               : bf_fail(err, BF_ECONFLICT, "", "the run is %s, not running",
+                         run_state_word(row->run.state));
+}
+
+static bf_status put_summary(store__connection *writer, const store_ending *ending, store__row *row,
+                             bf_error *err)
+{
+    if (ending->summary == NULL)
+        return BF_OK;
+    row->run.has_summary = true;
+    return store__put_text(writer, row->rowid, STORE__TEXT_SUMMARY, ending->summary,
+                           ending->n_summary, err);
+}
+
+static bf_status apply_finish(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    finish_context *context = operation->context;
+    const store_ending *ending = context->ending;
+    store__row *row = &context->row;
+
+    bf_status status = store__find_row(writer, ending->run_id, row, err);
+    if (status == BF_OK)
+        status = store__check_running(row, err);
+    if (status == BF_OK && context->last != NULL)
+        status = store__apply_batch(writer, context->last, row, err);
+    if (status != BF_OK)
+        return status;
+    memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    if (ending->state == RUN_QUEUED && row->attempts > 0)
+        row->attempts--;
+    if (ending->state == RUN_FAILED)
+        row->run.error = ending->error;
+    status = store__charge(writer, row, ending->cpu_s, err);
+    if (status == BF_OK)
+        status = put_summary(writer, ending, row, err);
+    return status == BF_OK ? store__transition(writer, row, ending->state, err) : status;
+}
+
+static bf_status prepare_last(finish_context *context, bf_error *err)
+{
+    if (context->ending->last == NULL)
+        return BF_OK;
+    context->last = store__appending_create(context->ending->last);
+    return context->last == NULL ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                                 : store__pack_batch(context->last, err);
+}
+
+// The end, and behind it in the same commit the claim of the next run, if there is room for what that sends.
+static void write_and_claim(store *s, store__operation *end, store_next *next)
+{
+    store__claiming claiming = { .store = s };
+    store__operation operations[] = { *end, { .apply = store__apply_next, .context = &claiming } };
+
+    next->status = store__check_room(s, &next->error);
+    store__write_group(s, operations, next->status == BF_OK ? 2 : 1);
+    *end = operations[0];
+    if (next->status != BF_OK)
+        return;
+    next->status = operations[1].status;
+    next->error = operations[1].error;
+    if (next->status == BF_OK)
+        next->job = claiming.job;
+    else
+        store_job_fini(&claiming.job);
+}
+
+static bf_status write(store *s, finish_context *context, bf_error *err)
+{
+    store__operation end = { .apply = apply_finish, .context = context, .may_use_reserve = true };
+
+    if (context->ending->next != NULL)
+        write_and_claim(s, &end, context->ending->next);
+    else
+        store__write_group(s, &end, 1);
+    if (end.status != BF_OK && err != NULL)
+        *err = end.error;
+    return end.status;
+}
+
+bf_status store_finish(store *s, const store_ending *ending, api_run *ret_run, bf_error *err)
+{
+    finish_context context = { .ending = ending };
+
+    bf_status status = prepare_last(&context, err);
+    if (status == BF_OK)
+        status = write(s, &context, err);
+    if (context.last != NULL)
+        store__appending_destroy(context.last, status);
+    if (status == BF_OK)
+        *ret_run = context.row.run;
+    return status;
+}
