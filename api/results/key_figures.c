@@ -73,20 +73,27 @@ static size_t figures_of(figure_scope scope)
     return (size_t)(figure_first(scope + 1) - figure_first(scope));
 }
 
+// BF_OK if the items have n values.
+static bf_status check_items(const items *all, size_t n, bf_error *err)
+{
+    size_t n_there = 0;
+
+    for (figure_scope scope = 0; scope < FIGURE_SCOPES; scope++) {
+        if (all->n[scope] > ITEMS_MAX)
+            return bf_fail(err, BF_ECORRUPT, "", "the curve has too many columns");
+        n_there += all->n[scope] * figures_of(scope);
+    }
+    if (n != n_there)
+        return bf_fail(err, BF_ECORRUPT, "", "%zu key figures, not %zu", n, n_there);
+    return BF_OK;
+}
+
 bf_status key_figures_check(const key_figures *figures, bf_error *err)
 {
     items all;
-    size_t n = 0;
 
     find_items(figures->columns, &all);
-    for (figure_scope scope = 0; scope < FIGURE_SCOPES; scope++) {
-        if (all.n[scope] > ITEMS_MAX)
-            return bf_fail(err, BF_ECORRUPT, "", "the curve has too many columns");
-        n += all.n[scope] * figures_of(scope);
-    }
-    if (figures->n != n)
-        return bf_fail(err, BF_ECORRUPT, "", "%zu key figures, not %zu", figures->n, n);
-    return BF_OK;
+    return check_items(&all, figures->n, err);
 }
 
 // Writes the figures of an item into an object that is open. Those that share a word are neighbours.
@@ -144,6 +151,14 @@ void key_figures_write(json_out *w, const key_figures *figures)
     json_out_object_end(w);
 }
 
+// The number of a figure in the object of an item; NULL or none: it is missing.
+static const json_t *find_figure(const json_t *object, const figure *f)
+{
+    const json_t *value = json_object_get(object, f->word);
+
+    return f->part == NULL ? value : json_object_get(value, f->part);
+}
+
 static bf_status append_rows(figure_scope scope, const json_t *object, bf_buffer *out)
 {
     const char *of = json_string_value(json_object_get(object, "id"));
@@ -152,10 +167,8 @@ static bf_status append_rows(figure_scope scope, const json_t *object, bf_buffer
     for (figure_id id = figure_first(scope); id < figure_first(scope + 1) && status == BF_OK;
          id++) {
         const figure *f = &figure_table[id];
-        const json_t *value = json_object_get(object, f->word);
+        const json_t *value = find_figure(object, f);
         char number[NUMBER_SIZE];
-        if (f->part != NULL)
-            value = json_object_get(value, f->part);
         if (!json_is_number(value))
             continue;
         (void)number_format(json_number_value(value), number);
@@ -180,20 +193,63 @@ static bf_status append_all(const json_t *object, bf_buffer *out)
     return status;
 }
 
+static bf_status parse(const char *json, size_t n, json_t **ret_root, bf_error *err)
+{
+    bf_faults faults = { 0 };
+    json_in in = json_in_to(&faults);
+
+    *ret_root = json_in_parse(&in, json, n);
+    if (*ret_root != NULL)
+        return BF_OK;
+    return in.has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
+                         : bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
+}
+
 bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *err)
 {
     const size_t start = out->n;
-    bf_faults faults = { 0 };
-    json_in in = json_in_to(&faults);
-    json_t *root = json_in_parse(&in, json, n);
+    json_t *root = NULL;
 
-    if (root == NULL)
-        return in.has_failed ? bf_fail(err, BF_ENOMEM, "", "out of memory")
-                             : bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
-    bf_status status = append_all(root, out);
+    bf_status status = parse(json, n, &root, err);
+    if (status != BF_OK)
+        return status;
+    status = append_all(root, out);
     json_in_free(root);
     if (status == BF_OK)
         return BF_OK;
     buffer_truncate(out, start);
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+static double *read_item(figure_scope scope, const json_t *object, double *values)
+{
+    for (figure_id id = figure_first(scope); id < figure_first(scope + 1); id++) {
+        const json_t *value = find_figure(object, &figure_table[id]);
+        *values++ = json_is_number(value) ? json_number_value(value) : (double)NAN;
+    }
+    return values;
+}
+
+bf_status key_figures_read(const char *json, size_t n_json, const char *columns, size_t n,
+                           double *ret_values, bf_error *err)
+{
+    json_t *root = NULL;
+    items all;
+
+    find_items(columns, &all);
+    bf_status status = check_items(&all, n, err);
+    if (status == BF_OK)
+        status = parse(json, n_json, &root, err);
+    if (status != BF_OK)
+        return status;
+    ret_values = read_item(FIGURE_OF_RUN, root, ret_values);
+    for (figure_scope scope = FIGURE_OF_RUN + 1; scope < FIGURE_SCOPES; scope++) {
+        const json_t *list = json_object_get(root, scopes[scope].list);
+        if (json_array_size(list) != all.n[scope])
+            status = bf_fail(err, BF_ECORRUPT, "", "stored key figures are damaged");
+        for (size_t k = 0; k < all.n[scope]; k++)
+            ret_values = read_item(scope, json_array_get(list, k), ret_values);
+    }
+    json_in_free(root);
+    return status;
 }

@@ -37,3 +37,8 @@ void key_figures_write_run(json_out *w, const double *values);
 /// Append a stored object as CSV: a header "figure,of,id,value,unit", then a line for each figure that is there, as
 /// "residence_s.p95,run,,3.25,s" or "wait_s.mean,feed,infeed,0.5,s". BF_ECORRUPT: not such an object.
 BF_MUST_CHECK bf_status key_figures_csv(const char *json, size_t n, bf_buffer *out, bf_error *err);
+
+/// Read the object that key_figures_write() wrote of a run with these columns: n values in the order of figure.h, bit by bit;
+/// NAN: missing. BF_ECORRUPT: it is not such an object, or there are not n values. BF_ENOMEM.
+BF_MUST_CHECK bf_status key_figures_read(const char *json, size_t n_json, const char *columns,
+                                         size_t n, double *ret_values, bf_error *err);

@@ -19,7 +19,8 @@ typedef struct body {
     bool is_fresh;
 } body;
 
-static const bf_range priorities = { .minimum = -API_PRIORITY_MAX, .maximum = API_PRIORITY_MAX };
+const bf_range submission_priorities = { .minimum = -API_PRIORITY_MAX,
+                                         .maximum = API_PRIORITY_MAX };
 
 #define AT(place) offsetof(body, place)
 static const member members[] = {
@@ -31,7 +32,7 @@ static const member members[] = {
     MEMBER(
         "priority", int, AT(priority),
         "higher ones first; above 0 wants a token with the scope priority, where there are tokens",
-        .range = &priorities, .flags = MEMBER_INIT),
+        .range = &submission_priorities, .flags = MEMBER_INIT),
     MEMBER("fresh", bool, AT(is_fresh), "solve it even if the results are known",
            .flags = MEMBER_INIT),
 };
@@ -81,17 +82,17 @@ static bf_status write_identity(const scene *s, bf_buffer *out, bf_error *err)
     return scenario_write(&nameless, out, err);
 }
 
-static bf_status make_submission(const body *b, api_submission *ret_submission, bf_error *err)
+bf_status submission_make(const scene *s, run_model model, api_submission *ret_submission,
+                          bf_error *err)
 {
-    api_submission made = { .model = b->model, .priority = b->priority, .is_fresh = b->is_fresh };
+    api_submission made = { .model = model };
 
-    snprintf(made.label, sizeof made.label, "%s", b->label);
-    snprintf(made.name, sizeof made.name, "%s", b->scenario.name);
-    bf_status status = scenario_write(&b->scenario, &made.scenario, err);
+    snprintf(made.name, sizeof made.name, "%s", s->name);
+    bf_status status = scenario_write(s, &made.scenario, err);
     if (status == BF_OK)
-        status = scenario_columns(&b->scenario, &made.columns, err);
+        status = scenario_columns(s, &made.columns, err);
     if (status == BF_OK)
-        status = write_identity(&b->scenario, &made.identity, err);
+        status = write_identity(s, &made.identity, err);
     if (status == BF_OK)
         *ret_submission = made;
     else
@@ -113,7 +114,12 @@ bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
     bf_status status = read_body(&in, root, &b, err);
     json_in_free(root);
     if (status == BF_OK)
-        status = make_submission(&b, ret_submission, err);
+        status = submission_make(&b.scenario, b.model, ret_submission, err);
+    if (status == BF_OK) {
+        snprintf(ret_submission->label, sizeof ret_submission->label, "%s", b.label);
+        ret_submission->priority = b.priority;
+        ret_submission->is_fresh = b.is_fresh;
+    }
     scene_fini(&b.scenario);
     return status;
 }

@@ -16,6 +16,9 @@
 /// The body as a table. Its struct is the reader's own.
 extern const member_table submission_members;
 
+/// Priorities that a client may give.
+extern const bf_range submission_priorities;
+
 enum { SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024 }; ///< bytes of all texts that a scenario may name
 
 /// Read a body, resolve and check its scenario. All faults that can be found are noted in *faults.
@@ -27,6 +30,11 @@ enum { SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024 }; ///< bytes of all texts that a 
 BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, json_in_texts *texts,
                                         api_submission *ret_submission, bf_faults *faults,
                                         bf_error *err);
+
+/// Make the submission of a scenario that is resolved and checked for the model, with no label, priority or key. BF_OK:
+/// *ret_submission is the caller's, submission_fini(). BF_ENOMEM.
+BF_MUST_CHECK bf_status submission_make(const scene *s, run_model model,
+                                        api_submission *ret_submission, bf_error *err);
 
 /// What POST /v1/validate answers to a submission that is valid; the struct is the writer's own.
 extern const member_table submission_validation_members;

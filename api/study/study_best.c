@@ -1,22 +1,13 @@
 #include "api/study/study_best.h"
 
 #include "api/json/json_out.h"
-#include "api/json/number.h"
 #include "api/scenario/review_members.h"
 #include "core/base/memory.h"
 #include "core/study/calibration.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
-
-const char *const study_best_states[] = { "succeeded", "failed", "infeasible", "pruned" };
-_Static_assert(sizeof study_best_states / sizeof *study_best_states == STUDY_TRIAL_STATES,
-               "a word each");
 
 static const double confidence = 0.95;
-
-// ---- JSON
 
 static void write_interval(json_out *w, double low, double high)
 {
@@ -195,106 +186,4 @@ bf_status study_best_write(study_document *d, const study *s, bf_buffer *out, bf
         status = write_warnings(&w, d, s, best, err);
     json_out_object_end(&w);
     return status == BF_OK ? json_out_status(&w, err) : status;
-}
-
-// ---- CSV
-
-static bf_status append_text(bf_buffer *out, const char *text)
-{
-    bf_status status = BF_OK;
-
-    if (strpbrk(text, ",\"\r\n") == NULL)
-        return buffer_printf(out, "%s", text);
-    status = buffer_printf(out, "\"");
-    for (const char *at = text; *at != '\0' && status == BF_OK; at++)
-        status = buffer_printf(out, *at == '"' ? "\"\"" : "%c", *at == '\n' ? ' ' : *at);
-    return status == BF_OK ? buffer_printf(out, "\"") : status;
-}
-
-static bf_status append_number(bf_buffer *out, double value)
-{
-    char text[NUMBER_SIZE] = "";
-
-    if (isfinite(value))
-        (void)number_format(value, text);
-    return buffer_printf(out, ",%s", text);
-}
-
-static bf_status no_memory(bf_status status, bf_error *err)
-{
-    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
-}
-
-bf_status study_best_csv_header(const study_document *d, bf_buffer *out, bf_error *err)
-{
-    const size_t n_values = study_document_definition(d).n_values;
-    char name[STUDY_DOCUMENT_COLUMN];
-    bf_status status = buffer_printf(out, "trial,point,model,substream");
-
-    for (size_t k = 0; k < d->n_parameters && status == BF_OK; k++)
-        if ((status = buffer_printf(out, ",")) == BF_OK)
-            status = append_text(out, d->parameters[k].pointer);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",state");
-    for (size_t k = 0; k < n_values && status == BF_OK; k++) {
-        study_document_column(d, k, name);
-        status = buffer_printf(out, ",%s", name);
-    }
-    if (status == BF_OK)
-        status = buffer_printf(out, ",fault\n");
-    return no_memory(status, err);
-}
-
-bf_status study_best_csv_line(const study_document *d, const study *s, size_t trial,
-                              study_best_state state, const double *values, const char *fault,
-                              bf_buffer *out, bf_error *err)
-{
-    const study_trial t = study_trial_at(s, trial);
-    const study_point p = study_point_at(s, t.point);
-    const size_t n_values = study_document_definition(d).n_values;
-
-    bf_status status = buffer_printf(out, "%zu,%zu,%s,%llu", trial, t.point,
-                                     run_model_words[study_document_model(d, p.model)],
-                                     (unsigned long long)(d->substream + t.substream));
-    for (size_t k = 0; k < d->n_parameters && status == BF_OK; k++)
-        status = append_number(out, study_document_value(&d->parameters[k], p.at[k]));
-    if (status == BF_OK)
-        status = buffer_printf(out, ",%s", study_best_states[state]);
-    for (size_t k = 0; k < n_values && status == BF_OK; k++)
-        status = append_number(out, values[k]);
-    if (status == BF_OK)
-        status = buffer_printf(out, ",");
-    if (status == BF_OK)
-        status = append_text(out, fault != NULL ? fault : "");
-    if (status == BF_OK)
-        status = buffer_printf(out, "\n");
-    return no_memory(status, err);
-}
-
-bool study_best_csv_read(const study_document *d, const char *line, size_t n, size_t *ret_trial,
-                         double *ret_values)
-{
-    const size_t n_values = study_document_definition(d).n_values;
-    const size_t n_before = 4 + d->n_parameters + 1; // fields before the values
-    const char *at = line, *end = line + n;
-    double number;
-
-    for (size_t field = 0; field < n_before + n_values; field++) {
-        const char *comma = memchr(at, ',', (size_t)(end - at));
-        if (comma == NULL)
-            return false;
-        const size_t n_field = (size_t)(comma - at);
-        const bool is_number = number_read(at, n_field, &number) == 0;
-        if (field == 0 && (!is_number || number < 0.0 || number >= STUDY_TRIALS_MAX))
-            return false;
-        if (field == 0)
-            *ret_trial = (size_t)number;
-        if (field >= n_before) {
-            if (!is_number && n_field > 0)
-                return false;
-            ret_values[field - n_before] = n_field > 0 ? number : (double)NAN;
-        }
-        at = comma + 1;
-    }
-    return true;
 }

@@ -4,6 +4,7 @@
 #include "api/study/study_priv.h"
 #include "core/base/memory.h"
 #include "core/compare/compare.h"
+#include "core/study/pruning.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -150,4 +151,27 @@ bf_status study_document_values(const study_document *d, const study_document_ou
     for (size_t k = 0; k < d->n_curves && status == BF_OK; k++)
         status = mean_square(&d->curves[k], outcome, &ret_values[k], err);
     return status;
+}
+
+double study_document_better(const study_document *d, double a, double b)
+{
+    const bool is_maximized = d->n_objectives > 0 && d->objectives[0].is_maximized;
+
+    if (!isfinite(a) || !isfinite(b))
+        return isfinite(a) ? a : isfinite(b) ? b : (double)NAN;
+    return is_maximized ? fmax(a, b) : fmin(a, b);
+}
+
+bool study_document_is_hopeless(const study_document *d, const scene *s, double t,
+                                const double *figures, double best)
+{
+    const study_document_objective *o = &d->objectives[0];
+
+    if (!d->method.is_pruning)
+        return false;
+    const pruning_state now = { .figure = o->figure,
+                                .is_maximized = o->is_maximized,
+                                .t = t,
+                                .value = figures[figure_at(s, o->figure, o->item)] };
+    return pruning_is_hopeless(&now, best);
 }

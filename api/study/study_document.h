@@ -97,6 +97,7 @@ typedef struct study_document {
     uint64_t substream;  ///< of the base: that of the first replication
     uint64_t trials_max; ///< limit
     int workers;         ///< at a time; 0: as many as there are cores
+    int priority;        ///< in the service, see API_PRIORITY_MAX
 } study_document;
 
 /// The document as a table, and the words of methods and of a trial's models.
@@ -145,3 +146,11 @@ typedef struct study_document_outcome {
 BF_MUST_CHECK bf_status study_document_values(const study_document *document,
                                               const study_document_outcome *outcome,
                                               double *ret_values, bf_error *err);
+
+/// The better one of two values of the first objective; NAN: there is none.
+double study_document_better(const study_document *document, double a, double b);
+
+/// True if trials of this study may be pruned, and one whose run has these key figures, until the time t of its scene, will
+/// be worse than `best`, a value of the first objective, whatever happens. False if best is NAN.
+bool study_document_is_hopeless(const study_document *document, const scene *s, double t,
+                                const double *figures, double best);

@@ -2,6 +2,7 @@
 
 #include "api/json/schema.h"
 #include "api/scenario/scenario_members.h"
+#include "api/scenario/submission.h"
 #include "api/study/study_priv.h"
 
 #include <jansson.h>
@@ -252,6 +253,10 @@ static const member members[] = {
         "runs of each point, at successive substreams; of screen, of each confirmed one at first",
         .range = &replications_range, .default_text = "1; of screen 10"),
     MEMBER("seed", seed, AT(seed), "of what is drawn", .flags = MEMBER_INIT),
+    MEMBER("priority", int, AT(priority),
+           "in the service: higher ones first; above 0 wants a token with the scope priority, "
+           "where there are tokens",
+           .range = &submission_priorities, .flags = MEMBER_INIT),
     MEMBER("limits", object, 0, "what it may use", .table = &limit_table, .default_text = "{}"),
 };
 #undef AT

@@ -26,6 +26,7 @@ typedef struct study_arguments {
 // A study under way.
 typedef struct studying {
     study_document document;
+    study_columns columns; // of its trials
     study *study;
     study_files *files;
     bf_buffer header; // of trials.csv
@@ -48,22 +49,16 @@ static void show_progress(studying *s, bool is_last)
             (unsigned long long)s->document.trials_max, is_last ? "\n" : "");
 }
 
-static bf_status take_result(void *context, size_t trial, const study_round_result *result,
-                             bf_error *err)
+static bf_status take_trial(void *context, const api_trial *trial, bf_error *err)
 {
     studying *s = context;
-    char fault[BF_POINTER_SIZE + BF_TEXT_SIZE + 2] = "";
 
-    if (result->state != STUDY_TRIAL_SUCCEEDED)
-        snprintf(fault, sizeof fault, "%s%s%s", result->fault.pointer,
-                 result->fault.pointer[0] != '\0' ? ": " : "", result->fault.text);
     s->line.n = 0;
-    bf_status status = study_best_csv_line(&s->document, s->study, trial, result->state,
-                                           result->values, fault, &s->line, err);
+    bf_status status = study_trial_csv_line(trial, &s->line, err);
     if (status == BF_OK)
-        status = study_files_add(s->files, trial, &s->line, err);
+        status = study_files_add(s->files, trial->number, &s->line, err);
     if (status == BF_OK) {
-        study_tell(s->study, trial, result->values);
+        study_tell(s->study, trial->number, trial->values);
         s->n_ended++;
         s->n_solved++;
         show_progress(s, false);
@@ -83,7 +78,7 @@ static bf_status solve_round(studying *s, size_t from, int n_workers, bf_error *
     if (s->pending == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     for (size_t trial = from; trial < from + n; trial++) {
-        if (study_files_find(s->files, &s->document, trial, values)) {
+        if (study_files_find(s->files, &s->columns, trial, values)) {
             study_tell(s->study, trial, values);
             s->n_ended++;
         } else {
@@ -96,7 +91,7 @@ static bf_status solve_round(studying *s, size_t from, int n_workers, bf_error *
                           .n = n_pending,
                           .n_workers = n_workers,
                           .context = s,
-                          .ended = take_result };
+                          .ended = take_trial };
     return n_pending == 0 ? BF_OK : study_round_solve(&round, err);
 }
 
@@ -144,13 +139,14 @@ static cmd_exit perform(studying *s, const study_arguments *a, const bf_buffer *
     const int asked = a->n_workers > 0 ? a->n_workers : s->document.workers;
     bf_error err = { 0 };
 
+    study_columns_of(&s->document, &s->columns);
     bf_status status = study_create(&definition, &s->study, &err);
     if (status == BF_OK)
-        status = study_best_csv_header(&s->document, &s->header, &err);
+        status = study_trial_csv_header(&s->columns, &s->header, &err);
     if (status == BF_OK)
         status = study_files_open(a->out, text->bytes, text->n, &s->files, &err);
     if (status == BF_OK)
-        status = study_files_resume(s->files, &s->document, &s->header, &err);
+        status = study_files_resume(s->files, &s->columns, &s->header, &err);
     if (status == BF_OK)
         status = run_rounds(s, asked > 0 ? asked : cores(), &err);
     if (status == BF_OK)

@@ -116,7 +116,7 @@ static bf_status write_sorted(const study_files *f, const bf_buffer *header, bf_
     return status;
 }
 
-static bf_status read_lines(study_files *f, const study_document *document, const bf_buffer *text,
+static bf_status read_lines(study_files *f, const study_columns *columns, const bf_buffer *text,
                             size_t from, bf_error *err)
 {
     double values[STUDY_VALUES];
@@ -129,15 +129,15 @@ static bf_status read_lines(study_files *f, const study_document *document, cons
         if (end == NULL)
             break;
         const size_t n = (size_t)(end - line) + 1;
-        if (study_best_csv_read(document, line, n, &trial, values))
+        if (study_trial_csv_read(columns, line, n, &trial, values))
             status = set_line(f, trial, line, n, err);
         from += n;
     }
     return status;
 }
 
-bf_status study_files_resume(study_files *f, const study_document *document,
-                             const bf_buffer *header, bf_error *err)
+bf_status study_files_resume(study_files *f, const study_columns *columns, const bf_buffer *header,
+                             bf_error *err)
 {
     bf_buffer text = { 0 };
 
@@ -146,7 +146,7 @@ bf_status study_files_resume(study_files *f, const study_document *document,
         if (text.n < header->n || memcmp(text.bytes, header->bytes, header->n) != 0)
             status = bf_fail(err, BF_EINPUT, "", "trials.csv is not that of this study");
         else
-            status = read_lines(f, document, &text, header->n, err);
+            status = read_lines(f, columns, &text, header->n, err);
     }
     buffer_fini(&text);
     if (status == BF_OK)
@@ -158,14 +158,14 @@ bf_status study_files_resume(study_files *f, const study_document *document,
     return status;
 }
 
-bool study_files_find(const study_files *f, const study_document *document, size_t trial,
+bool study_files_find(const study_files *f, const study_columns *columns, size_t trial,
                       double *ret_values)
 {
     size_t read = 0;
 
     return trial < f->n_lines && f->lines[trial] != NULL &&
-           study_best_csv_read(document, f->lines[trial], strlen(f->lines[trial]), &read,
-                               ret_values);
+           study_trial_csv_read(columns, f->lines[trial], strlen(f->lines[trial]), &read,
+                                ret_values);
 }
 
 bf_status study_files_add(study_files *f, size_t trial, const bf_buffer *line, bf_error *err)

@@ -8,7 +8,7 @@
 
 #pragma once
 
-#include "api/study/study_best.h"
+#include "api/study/study_trial.h"
 
 /// The directory of a study; opaque, on the heap.
 typedef struct study_files study_files;
@@ -19,11 +19,11 @@ typedef struct study_files study_files;
 BF_MUST_CHECK bf_status study_files_open(const char *path, const char *json, size_t n,
                                          study_files **ret_files, bf_error *err);
 
-/// Values of a trial that ended in an earlier session. False: it did not.
-bool study_files_find(const study_files *f, const study_document *document, size_t trial,
+/// Values of a trial with these columns that ended in an earlier session. False: it did not.
+bool study_files_find(const study_files *f, const study_columns *columns, size_t trial,
                       double *ret_values);
 
-/// Add a trial that has ended; line is that of study_best_csv_line(). It is in the file when this returns.
+/// Add a trial that has ended; line is that of study_trial_csv_line(). It is in the file when this returns.
 /// BF_ESYSTEM, BF_ENOMEM.
 BF_MUST_CHECK bf_status study_files_add(study_files *f, size_t trial, const bf_buffer *line,
                                         bf_error *err);
@@ -34,7 +34,7 @@ BF_MUST_CHECK bf_status study_files_finish(study_files *f, const bf_buffer *head
 
 /// Read the lines of an earlier session, those of the header's study, and begin the file anew with them. BF_EINPUT: it has
 /// another header. BF_ESYSTEM, BF_ENOMEM.
-BF_MUST_CHECK bf_status study_files_resume(study_files *f, const study_document *document,
+BF_MUST_CHECK bf_status study_files_resume(study_files *f, const study_columns *columns,
                                            const bf_buffer *header, bf_error *err);
 
 /// Free a directory. NULL is fine.

@@ -1,7 +1,6 @@
 #include "server/cli/study_round.h"
 
 #include "core/base/memory.h"
-#include "core/study/pruning.h"
 #include "server/run/run_control.h"
 
 #include <math.h>
@@ -41,15 +40,10 @@ typedef struct solving {
 static bool is_hopeless(const solving *s, const frame_figures *figures)
 {
     common *c = s->common;
-    const study_document *document = c->round->document;
-    const study_document_objective *o = &document->objectives[0];
-    const pruning_state now = { .figure = o->figure,
-                                .is_maximized = o->is_maximized,
-                                .t = figures->t,
-                                .value = figures->values[figure_at(s->scene, o->figure, o->item)] };
 
     pthread_mutex_lock(&c->lock);
-    const bool is_so = pruning_is_hopeless(&now, c->best);
+    const bool is_so = study_document_is_hopeless(c->round->document, s->scene, figures->t,
+                                                  figures->values, c->best);
     pthread_mutex_unlock(&c->lock);
     return is_so;
 }
@@ -63,7 +57,7 @@ static bf_status take_frame(void *context, const frame *f, bf_error *err)
         s->figures.n = 0;
         status =
             buffer_append(&s->figures, f->figures.values, f->figures.n * sizeof *f->figures.values);
-        s->is_hopeless = s->is_pruning && is_hopeless(s, &f->figures);
+        s->is_hopeless = is_hopeless(s, &f->figures);
     } else if (f->type == FRAME_CURVE && s->has_curve) {
         s->n_columns = f->curve.n_columns;
         status = buffer_append(&s->t, f->curve.t, f->curve.n * sizeof *f->curve.t);
@@ -118,9 +112,8 @@ static void fail(common *c, bf_status status, const bf_error *err)
     }
 }
 
-// Take the next trial and make its scenario. False: there is none. A scenario that is not valid leaves *ret_has_scene false.
-static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret_model,
-                  bool *ret_has_scene, study_round_result *ret_result)
+// Take the next trial and make its scenario. False: there is none. One whose scenario is not valid is infeasible.
+static bool begin(common *c, api_trial *ret_trial, scene *ret_scene)
 {
     study_round *t = c->round;
     bf_faults *faults = NULL;
@@ -132,42 +125,31 @@ static bool begin(common *c, size_t *ret_trial, scene *ret_scene, run_model *ret
         fail(c, BF_ENOMEM, &(bf_error){ .code = BF_ENOMEM, .text = "out of memory" });
         return false;
     }
-    *ret_trial = t->trials[c->next++];
-    const study_trial trial = study_trial_at(t->study, *ret_trial);
+    const size_t number = t->trials[c->next++];
+    const study_trial trial = study_trial_at(t->study, number);
     const study_point point = study_point_at(t->study, trial.point);
-    *ret_model = study_document_model(t->document, point.model);
-    bf_status status = study_document_scene(t->document, point.at, trial.substream, *ret_model,
-                                            ret_scene, faults, &ret_result->fault);
+    study_trial_of(t->document, t->study, number, ret_trial);
+    bf_status status = study_document_scene(t->document, point.at, trial.substream,
+                                            ret_trial->model, ret_scene, faults, &ret_trial->fault);
     memory_free(faults);
-    *ret_has_scene = status == BF_OK;
+    ret_trial->state = status == BF_OK ? API_TRIAL_RUNNING : API_TRIAL_INFEASIBLE;
     if (status == BF_OK || status == BF_EINPUT || status == BF_ELIMIT)
         return true;
-    fail(c, status, &ret_result->fault);
+    fail(c, status, &ret_trial->fault);
     return false;
 }
 
-// Take the objective of a trial into account.
-static void update_best(common *c, double value)
-{
-    const study_document *document = c->round->document;
-    const bool is_maximized = document->n_objectives > 0 && document->objectives[0].is_maximized;
-
-    if (isfinite(value) && (isnan(c->best) || (is_maximized ? value > c->best : value < c->best)))
-        c->best = value;
-}
-
-static void end(common *c, size_t trial, const study_round_result *result)
+static void end(common *c, const api_trial *trial)
 {
     bf_error err = { 0 };
 
-    update_best(c, result->values[0]);
-    const bf_status status = c->round->ended(c->round->context, trial, result, &err);
+    c->best = study_document_better(c->round->document, c->best, trial->values[0]);
+    const bf_status status = c->round->ended(c->round->context, trial, &err);
     if (status != BF_OK)
         fail(c, status, &err);
 }
 
-static void solve_trial(common *c, const scene *s, run_model model, solving *job,
-                        study_round_result *result)
+static void solve_trial(common *c, const scene *s, solving *job, api_trial *trial)
 {
     const study_document *document = c->round->document;
 
@@ -176,13 +158,13 @@ static void solve_trial(common *c, const scene *s, run_model model, solving *job
     job->is_pruning = document->method.is_pruning;
     job->control = run_control_init(INT64_MAX / 2000000, 0);
     job->has_curve = document->n_curves > 0;
-    if (solve(document, s, model, job, result->values, &result->fault) == BF_OK) {
-        result->state = job->is_stopped ? STUDY_TRIAL_PRUNED : STUDY_TRIAL_SUCCEEDED;
+    if (solve(document, s, trial->model, job, trial->values, &trial->fault) == BF_OK) {
+        trial->state = job->is_stopped ? API_TRIAL_PRUNED : API_TRIAL_SUCCEEDED;
         return;
     }
-    result->state = STUDY_TRIAL_FAILED;
+    trial->state = API_TRIAL_FAILED;
     for (size_t k = 0; k < STUDY_VALUES; k++)
-        result->values[k] = (double)NAN;
+        trial->values[k] = (double)NAN;
 }
 
 static void *work(void *argument)
@@ -190,29 +172,24 @@ static void *work(void *argument)
     common *c = argument;
 
     for (;;) {
-        study_round_result result = { .state = STUDY_TRIAL_INFEASIBLE };
         solving s = { 0 };
+        api_trial trial;
         scene trial_scene;
-        run_model model = RUN_MACRO;
-        bool has_scene = false;
-        size_t trial = 0;
 
-        for (size_t k = 0; k < STUDY_VALUES; k++)
-            result.values[k] = (double)NAN;
         pthread_mutex_lock(&c->lock);
-        const bool has_trial = begin(c, &trial, &trial_scene, &model, &has_scene, &result);
+        const bool has_trial = begin(c, &trial, &trial_scene);
         pthread_mutex_unlock(&c->lock);
         if (!has_trial)
             return NULL;
-        if (has_scene) {
-            solve_trial(c, &trial_scene, model, &s, &result);
+        if (trial.state == API_TRIAL_RUNNING) {
+            solve_trial(c, &trial_scene, &s, &trial);
             scene_fini(&trial_scene);
         }
         pthread_mutex_lock(&c->lock);
-        if (result.fault.code == BF_ENOMEM)
-            fail(c, BF_ENOMEM, &result.fault);
+        if (trial.fault.code == BF_ENOMEM)
+            fail(c, BF_ENOMEM, &trial.fault);
         else if (!s.is_stopped || s.is_hopeless)
-            end(c, trial, &result);
+            end(c, &trial);
         pthread_mutex_unlock(&c->lock);
         buffer_fini(&s.figures);
         buffer_fini(&s.t);
@@ -228,7 +205,7 @@ bf_status study_round_solve(study_round *t, bf_error *err)
     size_t n_begun = 0;
 
     for (size_t k = 0; k < study_trials(t->study); k++)
-        update_best(&c, study_values(t->study, k)[0]);
+        c.best = study_document_better(t->document, c.best, study_values(t->study, k)[0]);
     pthread_mutex_init(&c.lock, NULL);
     while (n_begun + 1 < n && pthread_create(&threads[n_begun], NULL, work, &c) == 0)
         n_begun++;

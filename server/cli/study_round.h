@@ -6,13 +6,6 @@
 
 #include <stdbool.h>
 
-/// What is told of a trial that has ended, one at a time. A failure ends the round.
-typedef struct study_round_result {
-    study_best_state state;      ///< how it ended
-    double values[STUDY_VALUES]; ///< NAN: the run cannot say, or failed
-    bf_error fault;              ///< why it failed
-} study_round_result;
-
 /// The trials to solve.
 typedef struct study_round {
     study_document *document; ///< of the study; not to be used meanwhile
@@ -21,8 +14,8 @@ typedef struct study_round {
     size_t n;                 ///< how many
     int n_workers;            ///< at a time
     void *context;            ///< given to ended
-    bf_status (*ended)(void *context, size_t trial, const study_round_result *result,
-                       bf_error *err); ///< called by one thread at a time
+    bf_status (*ended)(void *context, const api_trial *trial,
+                       bf_error *err); ///< a trial has ended; called by one thread at a time
 } study_round;
 
 /// Solve them until all have ended or a caught signal has come (run_control_is_stopped()); then those under way are dropped.

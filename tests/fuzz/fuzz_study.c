@@ -2,36 +2,41 @@
 
 #include "tests/fuzz/fuzz.h"
 
-#include "api/study/study_best.h"
+#include "api/study/study_trial.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { TRIALS = 4, TRIALS_MAX = 1000 };
 
-static void make_trial(study_document *d, const study *s, size_t trial)
+static void make_trial(study_document *d, const study *s, size_t number)
 {
-    const study_trial t = study_trial_at(s, trial);
+    const study_trial t = study_trial_at(s, number);
     const study_point p = study_point_at(s, t.point);
-    double values[STUDY_VALUES], read[STUDY_VALUES];
+    double values[STUDY_VALUES];
     bf_faults faults = { 0 };
     bf_buffer line = { 0 };
-    size_t number = 0;
+    study_columns columns;
     bf_error err = { 0 };
+    api_trial trial;
+    size_t read = 0;
     scene made;
 
-    for (size_t k = 0; k < STUDY_VALUES; k++)
-        values[k] = (double)NAN;
+    study_columns_of(d, &columns);
+    study_trial_of(d, s, number, &trial);
     for (size_t k = 0; k < d->n_parameters; k++)
-        fuzz_require(isfinite(study_document_value(&d->parameters[k], p.at[k])),
-                     "parameters are numbers");
-    if (study_document_scene(d, p.at, t.substream, study_document_model(d, p.model), &made, &faults,
-                             &err) == BF_OK)
+        fuzz_require(isfinite(trial.parameters[k]), "parameters are numbers");
+    if (study_document_scene(d, p.at, t.substream, trial.model, &made, &faults, &trial.fault) ==
+        BF_OK)
         scene_fini(&made);
-    fuzz_require(study_best_csv_line(d, s, trial, STUDY_TRIAL_FAILED, values, err.text, &line,
-                                     &err) == BF_OK &&
-                     study_best_csv_read(d, line.bytes, line.n, &number, read) && number == trial,
+    fuzz_require(study_trial_csv_line(&trial, &line, &err) == BF_OK &&
+                     study_trial_csv_read(&columns, line.bytes, line.n, &read, values) &&
+                     read == number,
                  "the line of a trial can be read");
+    line.n = 0;
+    fuzz_require(study_columns_write(&columns, &line, &err) == BF_OK &&
+                     study_columns_read(line.bytes, line.n, &columns, &err) == BF_OK,
+                 "its columns can be read");
     buffer_fini(&line);
 }
 

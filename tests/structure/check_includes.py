@@ -1,5 +1,5 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
-micro <- run, inside api json <- scenario <- results <- http, openapi, scenario <- study, inside server base <- http, store <- run,
+micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
 study <- daemon, run <- cli; and every outside header is included only where it belongs."""
 
 import re
@@ -27,7 +27,7 @@ ARROWS = {
     "api": {"core/base", "core/scene", "core/run", "core/study", "api"},
     "api/json": {"core/base", "core/scene", "api/json"},
     "api/scenario": {"core/base", "core/scene", "core/run", "api", "api/json", "api/scenario"},
-    "api/study": API_CORE | {"api", "api/json", "api/scenario", "api/study"},
+    "api/study": API_CORE | {"api", "api/json", "api/scenario", "api/results", "api/study"},
     "api/results": API_CORE | {"api", "api/json", "api/scenario", "api/results"},
     "api/http": API_CORE | API,
     "api/openapi": API_CORE | API,

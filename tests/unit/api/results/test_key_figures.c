@@ -102,6 +102,34 @@ static void as_csv_each_figure_is_a_line(void **state)
     buffer_fini(&out);
 }
 
+// All are numbers of 17 digits but some that are missing.
+static void values_read_back_bit_by_bit(void **state)
+{
+    (void)state;
+    double values[N_VALUES], read[N_VALUES];
+    const key_figures figures = make(values);
+    bf_buffer out = { 0 };
+    json_out w = json_out_to(&out);
+    for (size_t k = 0; k < N_VALUES; k++)
+        values[k] = k % 3 == 0 ? (double)NAN : 1.0 / (double)(k + 1);
+    key_figures_write(&w, &figures);
+    assert_int_equal(key_figures_read(out.bytes, out.n, columns, N_VALUES, read, NULL), BF_OK);
+    for (size_t k = 0; k < N_VALUES; k++)
+        assert_true(isnan(values[k]) ? isnan(read[k]) : read[k] == values[k]);
+    buffer_fini(&out);
+}
+
+static void values_of_other_columns_are_damage(void **state)
+{
+    (void)state;
+    double read[N_VALUES];
+    bf_error err;
+    assert_int_equal(key_figures_read(text, strlen(text), columns, N_VALUES - 1, read, &err),
+                     BF_ECORRUPT);
+    assert_int_equal(key_figures_read("{}", 2, columns, N_VALUES, read, &err), BF_ECORRUPT);
+    assert_int_equal(key_figures_read("{", 1, columns, N_VALUES, read, &err), BF_ECORRUPT);
+}
+
 static void what_is_no_json_is_damage(void **state)
 {
     (void)state;
@@ -148,6 +176,8 @@ int main(void)
         cmocka_unit_test(a_wrong_number_of_values_is_damage),
         cmocka_unit_test(those_of_the_run_alone_are_short),
         cmocka_unit_test(as_csv_each_figure_is_a_line),
+        cmocka_unit_test(values_read_back_bit_by_bit),
+        cmocka_unit_test(values_of_other_columns_are_damage),
         cmocka_unit_test(what_is_no_json_is_damage),
         cmocka_unit_test(an_event_has_the_time_of_the_figures),
         cmocka_unit_test(no_memory_leaves_nothing_behind),

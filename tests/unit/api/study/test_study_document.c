@@ -352,38 +352,6 @@ static void values_are_key_figures_or_distances_of_curves(void **state)
     study_document_fini(&d);
 }
 
-static void lines_of_trials_read_back(void **state)
-{
-    (void)state;
-    study_document d =
-        read_good(WITH("", ANGLE, THROUGHPUT ", {'figure': 'jam.count'}", "'type': 'grid'", ""));
-    const study_definition def = study_document_definition(&d);
-    const double given[2] = { 1.0 / 3.0, NAN };
-    double values[2];
-    study *s = NULL;
-    bf_buffer line = { 0 };
-    size_t trial = 0;
-    assert_int_equal(study_create(&def, &s, NULL), BF_OK);
-    assert_int_equal(study_advance(s, NULL), BF_OK);
-    assert_int_equal(study_best_csv_header(&d, &line, NULL), BF_OK);
-    assert_string_equal(line.bytes, "trial,point,model,substream,/obstacles/0/angle_deg,state,"
-                                    "throughput_per_h,jam.count,fault\n");
-    line.n = 0;
-    assert_int_equal(
-        study_best_csv_line(&d, s, 2, STUDY_TRIAL_FAILED, given, "a, \"b\"", &line, NULL), BF_OK);
-    assert_string_equal(line.bytes, "2,2,macro,3,60,failed,0.3333333333333333,,\"a, \"\"b\"\"\"\n");
-    assert_true(study_best_csv_read(&d, line.bytes, line.n, &trial, values));
-    assert_int_equal(trial, 2);
-    assert_true(values[0] == 1.0 / 3.0 && isnan(values[1]));
-    assert_false(study_best_csv_read(&d, line.bytes, 20, &trial, values));
-    assert_false(study_best_csv_read(&d, "x,2,macro,3,60,failed,1,2,\n", 27, &trial, values));
-    assert_false(study_best_csv_read(&d, "-1,2,macro,3,60,failed,1,2,\n", 28, &trial, values));
-    assert_false(study_best_csv_read(&d, "2,2,macro,3,60,failed,1x,2,\n", 28, &trial, values));
-    buffer_fini(&line);
-    study_destroy(s);
-    study_document_fini(&d);
-}
-
 // Two replications of 1 and 3 with a jam in one of them: mean 2, deviation sqrt(2), t(0.975; 1) = 12.7062, hence 2 -+
 // 12.7062; Wilson's interval of 1 of 2 is 1/2 -+ 0.4055 by hand: z^2 = 3.8415, z/(2 + z^2) sqrt(1/2 + z^2/4).
 static void the_best_point_is_told_with_its_intervals(void **state)
@@ -447,7 +415,6 @@ int main(void)
         cmocka_unit_test(what_cannot_be_studied_is_refused_at_its_place),
         cmocka_unit_test(lists_beyond_their_limits_are_refused),
         cmocka_unit_test(values_are_key_figures_or_distances_of_curves),
-        cmocka_unit_test(lines_of_trials_read_back),
         cmocka_unit_test(the_best_point_is_told_with_its_intervals),
         cmocka_unit_test(without_memory_no_document_is_read),
     };

@@ -1,0 +1,108 @@
+// Trials as lines of CSV.
+
+#include "api/study/study_trial.h"
+
+#include "api/json/number.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static bf_status append_text(bf_buffer *out, const char *text)
+{
+    bf_status status = BF_OK;
+
+    if (strpbrk(text, ",\"\r\n") == NULL)
+        return buffer_printf(out, "%s", text);
+    status = buffer_printf(out, "\"");
+    for (const char *at = text; *at != '\0' && status == BF_OK; at++)
+        status = buffer_printf(out, *at == '"' ? "\"\"" : "%c", *at == '\n' ? ' ' : *at);
+    return status == BF_OK ? buffer_printf(out, "\"") : status;
+}
+
+static bf_status append_numbers(bf_buffer *out, const double *values, size_t n)
+{
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < n && status == BF_OK; k++) {
+        char text[NUMBER_SIZE] = "";
+        if (isfinite(values[k]))
+            (void)number_format(values[k], text);
+        status = buffer_printf(out, ",%s", text);
+    }
+    return status;
+}
+
+static bf_status no_memory(bf_status status, bf_error *err)
+{
+    return status == BF_OK ? BF_OK : bf_fail(err, status, "", "out of memory");
+}
+
+bf_status study_trial_csv_header(const study_columns *columns, bf_buffer *out, bf_error *err)
+{
+    bf_status status = buffer_printf(out, "trial,point,model,substream");
+
+    for (size_t k = 0; k < columns->n_parameters && status == BF_OK; k++)
+        if ((status = buffer_printf(out, ",")) == BF_OK)
+            status = append_text(out, columns->parameters[k]);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",state");
+    for (size_t k = 0; k < columns->n_values && status == BF_OK; k++)
+        status = buffer_printf(out, ",%s", columns->values[k]);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",fault\n");
+    return no_memory(status, err);
+}
+
+bf_status study_trial_csv_line(const api_trial *trial, bf_buffer *out, bf_error *err)
+{
+    const bf_error *f = &trial->fault;
+    char fault[BF_POINTER_SIZE + BF_TEXT_SIZE + 2] = "";
+
+    if (f->code != BF_OK)
+        snprintf(fault, sizeof fault, "%s%s%s", f->pointer, f->pointer[0] != '\0' ? ": " : "",
+                 f->text);
+    bf_status status = buffer_printf(out, "%" PRIu64 ",%" PRIu64 ",%s,%" PRIu64, trial->number,
+                                     trial->point, run_model_words[trial->model], trial->substream);
+    if (status == BF_OK)
+        status = append_numbers(out, trial->parameters, trial->n_parameters);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",%s", api_trial_state_word(trial->state));
+    if (status == BF_OK)
+        status = append_numbers(out, trial->values, trial->n_values);
+    if (status == BF_OK)
+        status = buffer_printf(out, ",");
+    if (status == BF_OK)
+        status = append_text(out, fault);
+    if (status == BF_OK)
+        status = buffer_printf(out, "\n");
+    return no_memory(status, err);
+}
+
+bool study_trial_csv_read(const study_columns *columns, const char *line, size_t n,
+                          size_t *ret_number, double *ret_values)
+{
+    const size_t n_before = 4 + columns->n_parameters + 1; // fields before the values
+    const char *at = line, *end = line + n;
+    double number;
+
+    for (size_t field = 0; field < n_before + columns->n_values; field++) {
+        const char *comma = memchr(at, ',', (size_t)(end - at));
+        if (comma == NULL)
+            return false;
+        const size_t n_field = (size_t)(comma - at);
+        const bool is_number = number_read(at, n_field, &number) == 0;
+        if (field == 0 && (!is_number || number < 0.0 || number >= STUDY_TRIALS_MAX))
+            return false;
+        if (field == 0)
+            *ret_number = (size_t)number;
+        if (field >= n_before) {
+            if (!is_number && n_field > 0)
+                return false;
+            ret_values[field - n_before] = n_field > 0 ? number : (double)NAN;
+        }
+        at = comma + 1;
+    }
+    return true;
+}
