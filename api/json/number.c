@@ -4,11 +4,95 @@
 #include <limits.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { DOUBLE_DIGITS_MAX = 17, FLOAT_DIGITS_MAX = 9, READ_SIZE = 64 };
+
+__extension__ typedef unsigned __int128 wide;
+
+// A positive number, significand * 2^-shift, as a type with n_bits bits has it.
+typedef struct binary {
+    uint64_t significand;
+    int shift;
+} binary;
+
+// A decimal number, digits * 10^-n_decimals.
+typedef struct decimal {
+    uint64_t digits;
+    int n_decimals;
+} decimal;
+
+// 10^exponent for 0 to 20.
+static wide power_of_ten(int exponent)
+{
+    static const uint64_t powers[] = { 1,       10,       100,       1000,       10000,      100000,
+                                       1000000, 10000000, 100000000, 1000000000, 10000000000 };
+
+    return (wide)powers[exponent / 2] * powers[(exponent + 1) / 2];
+}
+
+// The nearest decimal number with so many decimals, ties to even, as printf() rounds. True if it reads back: if it is
+// nearer to the number than half of the distance to its neighbours.
+static bool round_decimal(const binary *b, int n_decimals, decimal *ret_decimal)
+{
+    const wide unit = power_of_ten(n_decimals), scaled = b->significand * unit;
+    const wide half = (wide)1 << (b->shift - 1), rest = scaled & (2 * half - 1);
+    wide digits = scaled >> b->shift;
+
+    digits += rest > half || (rest == half && (digits & 1) != 0);
+    const wide read = digits << b->shift;
+    const wide apart = 2 * (read > scaled ? read - scaled : scaled - read);
+    *ret_decimal = (decimal){ .digits = (uint64_t)digits, .n_decimals = n_decimals };
+    return apart < unit || (apart == unit && (b->significand & 1) == 0);
+}
+
+static int write_decimal(decimal d, bool is_negative, char *text)
+{
+    char reversed[NUMBER_SIZE];
+    int n = 0, n_text = 0;
+
+    for (; d.n_decimals > 0 && d.digits % 10 == 0; d.n_decimals--)
+        d.digits /= 10;
+    for (int i = 0; i <= d.n_decimals || d.digits > 0; i++, d.digits /= 10) {
+        if (i == d.n_decimals && i > 0)
+            reversed[n++] = '.';
+        reversed[n++] = (char)('0' + d.digits % 10);
+    }
+    if (is_negative)
+        reversed[n++] = '-';
+    while (n > 0)
+        text[n_text++] = reversed[--n];
+    text[n_text] = '\0';
+    return n_text;
+}
+
+// format_shortest() for numbers of moderate size, which it writes without an exponent, in integers. 0: not one of these.
+static int format_moderate(double value, int digits, int digits_max, int n_bits, char *text)
+{
+    const double magnitude = fabs(value);
+    int exponent;
+    decimal d;
+
+    if (!(magnitude >= 1e-4 && magnitude < (n_bits == DBL_MANT_DIG ? 1e14 : 1e5)))
+        return 0;
+    const binary b = { .significand = (uint64_t)ldexp(frexp(magnitude, &exponent), n_bits),
+                       .shift = n_bits - exponent };
+    // The neighbour below a power of two is nearer than the one above.
+    if ((b.significand & (b.significand - 1)) == 0)
+        return 0;
+    // The number of decimals that leave this many digits, by log10(2) = 0.30103, or one more.
+    int n_decimals = digits - 1 - (int)floor((exponent - 1) * 0.30103);
+    if ((b.significand * power_of_ten(n_decimals)) >> b.shift >= power_of_ten(digits))
+        n_decimals--;
+    while (!round_decimal(&b, n_decimals, &d) && digits < digits_max) {
+        digits++;
+        n_decimals++;
+    }
+    return write_decimal(d, value < 0.0, text);
+}
 
 static bool reads_back(const char *text, double value, bool is_float)
 {
@@ -40,6 +124,9 @@ int number_format(double value, char *ret_text)
 {
     if (value == 0.0)
         return format_zero(value, ret_text);
+    int n = format_moderate(value, DBL_DIG, DOUBLE_DIGITS_MAX, DBL_MANT_DIG, ret_text);
+    if (n > 0)
+        return n;
     // Subnormal numbers have fewer digits than 15.
     int digits = fabs(value) < DBL_MIN ? 1 : DBL_DIG;
     return format_shortest(value, digits, DOUBLE_DIGITS_MAX, false, ret_text);
@@ -49,6 +136,9 @@ int number_format_float(float value, char *ret_text)
 {
     if (value == 0.0F)
         return format_zero((double)value, ret_text);
+    int n = format_moderate((double)value, FLT_DIG, FLOAT_DIGITS_MAX, FLT_MANT_DIG, ret_text);
+    if (n > 0)
+        return n;
     int digits = fabsf(value) < FLT_MIN ? 1 : FLT_DIG;
     return format_shortest((double)value, digits, FLOAT_DIGITS_MAX, true, ret_text);
 }

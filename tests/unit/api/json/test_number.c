@@ -192,6 +192,52 @@ static void floats_take_few_digits(void **unused)
     assert_string_equal(text, "0.33333334");
 }
 
+// As the C library prints it, with the least precision from that of all decimals on that reads back.
+static void expect_printed(double value)
+{
+    char text[NUMBER_SIZE], expected[NUMBER_SIZE];
+    int digits = DBL_DIG - 1;
+
+    do
+        snprintf(expected, sizeof expected, "%.*g", ++digits, value);
+    while (strtod(expected, NULL) != value);
+    assert_int_equal(number_format(value, text), strlen(expected));
+    assert_string_equal(text, expected);
+}
+
+static void expect_float_printed(float value)
+{
+    char text[NUMBER_SIZE], expected[NUMBER_SIZE];
+    int digits = FLT_DIG - 1;
+
+    do
+        snprintf(expected, sizeof expected, "%.*g", ++digits, (double)value);
+    while (strtof(expected, NULL) != value);
+    assert_int_equal(number_format_float(value, text), strlen(expected));
+    assert_string_equal(text, expected);
+}
+
+// Around the powers of 2 and 10, decimals, and any numbers, of the sizes that are written without an exponent and next to them.
+static void numbers_of_moderate_size_are_written_as_printf_does(void **unused)
+{
+    (void)unused;
+    random_init(&generator, 5);
+    for (int k = 0; k < 6000; k++) {
+        const int a = k % 7 - 3, b = k / 7 % 80;
+        double values[] = { ldexp(1.0, b - 20), pow(10.0, b % 23 - 6),
+                            floor(1e6 * random_unit(&generator)) / pow(10.0, b % 9),
+                            ldexp(random_unit(&generator), b - 20) };
+        for (size_t i = 0; i < 4; i++) {
+            for (int j = 0; i < 2 && j < abs(a); j++)
+                values[i] = nextafter(values[i], a < 0 ? 0.0 : INFINITY);
+            if (values[i] == 0.0)
+                continue;
+            expect_printed(k % 2 == 0 ? values[i] : -values[i]);
+            expect_float_printed((float)values[i]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -203,6 +249,7 @@ int main(void)
         cmocka_unit_test(decimals_come_out_as_they_were_written),
         cmocka_unit_test(no_shorter_text_reads_back),
         cmocka_unit_test(floats_take_few_digits),
+        cmocka_unit_test(numbers_of_moderate_size_are_written_as_printf_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
