@@ -256,7 +256,7 @@ static bf_status take_snapshot(void *solver, float *ret_rho, run_load *ret_load,
         return status;
     for (size_t c = 0; c < n_cells; c++) {
         ret_rho[c] = (float)run->rho[c];
-        peak = fmax(peak, run->rho[c]);
+        peak = run->rho[c] > peak ? run->rho[c] : peak; // fmax() here makes GCC 12 for AArch64 fail
     }
     *ret_load = measure_run(run);
     ret_load->peak = peak;

@@ -13,9 +13,11 @@ export const packages = process.env.BELTFLOW_NPM_DIR ?? path.join(root, "build/r
 export const web = path.join(binaries, "../web");
 export const hasPage = existsSync(web);
 export const isSanitized = process.env.BELTFLOW_SANITIZED === "1";
+// The programs are those of another processor.
+export const isEmulated = process.env.BELTFLOW_EMULATED === "1";
 
 // How long anything may take before a story fails, ms. Generous: it only ends what hangs.
-export const patience = isSanitized ? 120_000 : 60_000;
+export const patience = isEmulated ? 1_800_000 : isSanitized ? 120_000 : 60_000;
 
 // A folder that is removed after the story.
 export function temporaryFolder(t) {

@@ -248,12 +248,12 @@ static void check_peaks(store *s, const char *id, size_t n)
         bf_buffer rho = { 0 };
         api_snapshot snapshot;
         bf_grid grid;
-        double peak = 0.0;
+        float peak = 0.0F;
         assert_int_equal(store_read_snapshot(s, id, i, &snapshot, &grid, &rho, NULL), BF_OK);
         const float *cell = (const float *)(const void *)rho.bytes;
         for (size_t k = 0; k < rho.n / sizeof *cell; k++)
-            peak = fmax(peak, (double)cell[k]);
-        assert_true(fabs(peak - snapshot.peak) <= FLT_EPSILON * snapshot.peak);
+            peak = fmaxf(peak, cell[k]);
+        assert_true(fabs((double)peak - snapshot.peak) <= FLT_EPSILON * snapshot.peak);
         buffer_fini(&rho);
     }
 }
