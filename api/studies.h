@@ -120,11 +120,18 @@ typedef struct api_study_list {
     api_study items[API_LIST_MAX]; ///< the page
 } api_study_list;
 
+/// An order of trials, and which of them are in it.
+typedef enum api_trial_order {
+    API_TRIALS_BY_NUMBER, ///< all, by number
+    API_TRIALS_BY_END,    ///< those that have ended, in the order in which they did
+    API_TRIALS_OPEN,      ///< those that have not ended, by number
+} api_trial_order;
+
 /// Which trials are read.
 typedef struct api_trial_query {
-    bool is_by_end; ///< those that have ended, in the order in which they did; else all, by number
-    uint64_t from; ///< the first one: by end its place among those that have ended, else its number
-    size_t limit;  ///< most trials
+    api_trial_order order; ///< in which
+    uint64_t from;         ///< the first one: API_TRIALS_BY_END its place, else its number
+    size_t limit;          ///< most trials, 1 .. API_TRIALS_PAGE_MAX
 } api_trial_query;
 
 /// Take one trial while trials are read; not BF_OK stops the reading and is passed on.

@@ -57,9 +57,12 @@ _Static_assert(sizeof(bf_grid) == 6 * 8, "a grid is written as it stands in memo
 _Static_assert(sizeof(bf_status) == 4, "so is the code of an error");
 
 // The payload of each type, in order: encoder and decoder both follow it.
-static const field job_fields[] = {
-    { COPY(job.model) }, { COPY(job.n_threads) }, { REST(job.document, job.n_document) }, { END }
-};
+static const field job_fields[] = { { COPY(job.model) },
+                                    { COPY(job.n_threads) },
+                                    { COPY(job.is_without_snapshots) },
+                                    { ZEROS(4) },
+                                    { REST(job.document, job.n_document) },
+                                    { END } };
 static const field bytes_fields[] = { { COPY(bytes.step) },
                                       { REST(bytes.bytes, bytes.n) },
                                       { END } };

@@ -44,18 +44,17 @@ typedef enum frame_type {
     FRAME_TYPE_COUNT
 } frame_type;
 
-/// Longest payload, and longest array, that a reader accepts, bytes.
+/// Longest payload, and longest array, that a reader accepts; and every slice but the last of an array, bytes.
 #define FRAME_PAYLOAD_MAX (UINT64_C(1) << 32)
-
-/// Bytes of every slice but the last of an array.
 #define FRAME_SLICE_BYTES 131072
 
 /// The job.
 typedef struct frame_job {
-    uint32_t model;       ///< run_model of core/run/run.h
-    uint32_t n_threads;   ///< threads to use
-    size_t n_document;    ///< bytes of the scenario document
-    const char *document; ///< the scenario as JSON
+    uint32_t model;                ///< run_model of core/run/run.h
+    uint32_t n_threads;            ///< threads to use
+    size_t n_document;             ///< bytes of the scenario document
+    const char *document;          ///< the scenario as JSON
+    uint32_t is_without_snapshots; ///< 1: neither snapshots nor parts are sent; else 0
 } frame_job;
 
 /// Bytes of FRAME_RESUME and FRAME_CHECKPOINT.
@@ -237,7 +236,7 @@ uint64_t frame_array_bytes(const frame *f);
 /// the array ends there.
 bool frame_slice_at(const frame *f, uint64_t at, frame *ret_slice);
 
-/// Append the bytes of a frame to *out, of a snapshot or parts those without the array. BF_ENOMEM: *out is as before.
+/// Append the bytes of a frame to *out, but for an array's. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status frame_encode(const frame *f, bf_buffer *out, bf_error *err);
 
 /// Bytes of the whole frame that the n bytes begin with, as its header says; 0: the header is not complete, or of no frame.

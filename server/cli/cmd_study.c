@@ -3,6 +3,7 @@
 #include "api/study/study_best.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
+#include "server/base/cores.h"
 #include "server/base/file_io.h"
 #include "server/cli/study_files.h"
 #include "server/cli/study_round.h"
@@ -127,9 +128,9 @@ static bf_status finish(studying *s, bf_error *err)
 
 static int cores(void)
 {
-    const long n = sysconf(_SC_NPROCESSORS_ONLN);
+    const unsigned n = cores_count();
 
-    return n < 1 ? 1 : n > STUDY_DOCUMENT_WORKERS ? STUDY_DOCUMENT_WORKERS : (int)n;
+    return n > STUDY_DOCUMENT_WORKERS ? STUDY_DOCUMENT_WORKERS : (int)n;
 }
 
 static cmd_exit perform(studying *s, const study_arguments *a, const bf_buffer *text,

@@ -47,6 +47,7 @@ typedef struct worker_arguments {
 typedef struct working {
     bf_buffer out;
     run_control run_control;
+    bool is_without_snapshots;
     bool is_reader_gone;
 } working;
 
@@ -72,11 +73,14 @@ static bf_status put_frame(working *w, const frame *f, bool is_urgent, bf_error 
 
 static bf_status take_frame(void *context, const frame *f, bf_error *err)
 {
-    const bool is_urgent =
-        f->type != FRAME_CURVE && f->type != FRAME_SNAPSHOT && f->type != FRAME_PARTS;
+    const working *w = context;
+    const bool is_snapshot = f->type == FRAME_SNAPSHOT || f->type == FRAME_PARTS;
+    const bool is_urgent = f->type != FRAME_CURVE && !is_snapshot;
     bf_status status = BF_OK;
     frame slice;
 
+    if (is_snapshot && w->is_without_snapshots)
+        return BF_OK;
     for (uint64_t at = 0; status == BF_OK && frame_slice_at(f, at, &slice); at += slice.slice.n)
         status = put_frame(context, &slice, false, err);
     return status == BF_OK ? put_frame(context, f, is_urgent, err) : status;
@@ -134,6 +138,7 @@ static bf_status solve(working *w, const scene *s, const frame_job *job, bf_buff
 
     if (job->model >= RUN_MODEL_COUNT || job->n_threads < 1 || job->n_threads > INT16_MAX)
         return bf_fail(err, BF_ECORRUPT, "", "the job names no model or no threads");
+    w->is_without_snapshots = job->is_without_snapshots != 0;
     bf_status status = run_create(s, (run_model)job->model, (int)job->n_threads, &r, err);
     if (status == BF_OK)
         status = resume(r, rest, err);

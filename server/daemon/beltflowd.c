@@ -9,6 +9,7 @@
 //          a watchdog main sleeps until a signal comes, or it is time to write down the last uses of tokens.
 
 #include "server/base/clock.h"
+#include "server/base/cores.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
@@ -129,13 +130,22 @@ static void set_commit_listener(commit_listener *listener, supervisor *s, http *
     lock_release(&listener->lock);
 }
 
+static unsigned count_workers(const config *c)
+{
+    const unsigned n = cores_count();
+
+    if (c->workers > 0)
+        return (unsigned)c->workers;
+    return n > SUPERVISOR_WORKERS_MAX ? SUPERVISOR_WORKERS_MAX : n;
+}
+
 static supervisor_options options_of_supervisor(const parts *p)
 {
     const config *c = &p->settings;
 
     return (supervisor_options){ .store = p->service.store,
                                  .executor = p->executor,
-                                 .n_workers = (unsigned)c->workers,
+                                 .n_workers = count_workers(c),
                                  .n_threads = (unsigned)c->threads,
                                  .memory_bytes = c->run_memory_bytes,
                                  .cpu_s = c->run_cpu_s,

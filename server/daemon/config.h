@@ -22,7 +22,7 @@
     X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
     X(program, TEXT, "", 0, 0, RESTART,                                                            \
       "what solves a run; empty: beltflow-worker beside beltflowd")                                \
-    X(workers, NUMBER, "1", 1, 64, RELOAD, "runs that are solved at once")                         \
+    X(workers, NUMBER, "0", 0, 64, RELOAD, "runs that are solved at once; 0: one for each core")   \
     X(threads, NUMBER, "1", 1, 256, RELOAD, "threads of each run")                                 \
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
       "address space of a run; 0: unlimited")                                                      \

@@ -36,6 +36,7 @@ typedef struct executor_work {
     const char *run_id;          ///< for logs
     run_model model;             ///< to solve with
     unsigned n_threads;          ///< of the solver, >= 1
+    bool is_trial;               ///< of a study: no snapshots, and others come first
     const bf_buffer *scenario;   ///< resolved document
     const bf_buffer *checkpoint; ///< to resume from; n = 0: from t = 0
     uint64_t step;               ///< of the checkpoint

@@ -28,6 +28,7 @@
 #include <unistd.h>
 
 enum {
+    TRIAL_NICE = 10,
     PIPE_BYTES = 1024 * 1024, // asked for in the pipe of a child's output
     LINE_SIZE = 240,          // of a line of stderr with its terminator; the rest is left out
     LINES_LOGGED_MAX = 100,   // of a job
@@ -204,7 +205,8 @@ static bf_status encode_input(const executor_work *work, bf_buffer *out, bf_erro
                         .job = { .model = (uint32_t)work->model,
                                  .n_threads = work->n_threads,
                                  .n_document = work->scenario->n,
-                                 .document = work->scenario->bytes } };
+                                 .document = work->scenario->bytes,
+                                 .is_without_snapshots = work->is_trial } };
     const frame resume = {
         .type = FRAME_RESUME,
         .bytes = { .step = work->step, .n = work->checkpoint->n, .bytes = work->checkpoint->bytes }
@@ -289,6 +291,9 @@ static int start_child(local_executor *e, const executor_work *work, executor_jo
     close_fd(&p.in.read);
     close_fd(&p.out.write);
     close_fd(&p.err.write);
+    // Runs by themselves are solved beside trials, and are to have the cores.
+    if (work->is_trial)
+        (void)setpriority(PRIO_PROCESS, (id_t)pid, TRIAL_NICE);
     job->pid = pid;
     job->in = p.in.write;
     job->out = p.out.read;

@@ -107,32 +107,43 @@ static bool is_claiming(const supervisor *s)
     return false;
 }
 
-bool supervisor__has_room(const supervisor *s)
+static size_t count_solving(const supervisor *s, bool with_trials)
 {
     size_t n = 0;
 
     for (size_t i = 0; i < s->n_tasks; i++)
-        n += !s->tasks[i]->is_solved;
-    return n < s->options.n_workers && s->n_tasks < SUPERVISOR_TASKS_MAX;
+        n += !s->tasks[i]->is_solved &&
+             (with_trials || s->tasks[i]->claimed.run.study[0] == '\0');
+    return n;
+}
+
+// Trials take no places of runs by themselves.
+bool supervisor__has_room(const supervisor *s)
+{
+    return count_solving(s, false) < s->options.n_workers && s->n_tasks < SUPERVISOR_TASKS_MAX;
 }
 
 // True if something may be queued that was not looked at yet, or again.
-static bool take_may_claim(supervisor *s)
+static bool take_may_claim(supervisor *s, bool with_trials)
 {
-    const bool is_due = s->held_until_ms != 0 && clock_monotonic_ms() >= s->held_until_ms;
+    const bool is_due = (s->held_until_ms != 0 && clock_monotonic_ms() >= s->held_until_ms) ||
+                        (s->has_left_trials && with_trials);
 
     lock_acquire(&s->lock);
     bool is_time = (s->may_claim || is_due) && !s->is_stopping;
     if (is_time)
         s->may_claim = false;
     lock_release(&s->lock);
-    if (is_time || is_due)
+    if (is_time || is_due) {
         s->held_until_ms = 0;
+        s->has_left_trials = false;
+    }
     return is_time;
 }
 
 supervisor__task *supervisor__create_claiming(supervisor *s)
 {
+    const bool with_trials = count_solving(s, true) < s->options.n_workers;
     bf_error err = { 0 };
 
     if (is_claiming(s) || !supervisor__has_room(s))
@@ -140,15 +151,18 @@ supervisor__task *supervisor__create_claiming(supervisor *s)
     if (s->claim_at_ms != 0 && clock_monotonic_ms() < s->claim_at_ms)
         return NULL;
     s->claim_at_ms = 0;
-    if (!retry_pending(s) || !take_may_claim(s))
+    if (!retry_pending(s) || !take_may_claim(s, with_trials))
         return NULL;
     if (s->executor->functions->ready(s->executor, &err) != BF_OK) {
         supervisor__note_trouble(s, &err);
         return NULL;
     }
     supervisor__task *task = supervisor__task_create(s);
-    if (task == NULL)
+    if (task == NULL) {
         supervisor__backoff(s);
+        return NULL;
+    }
+    task->with_trials = with_trials;
     return task;
 }
 
@@ -196,6 +210,7 @@ void supervisor__finish_claim(supervisor__task *task)
 {
     supervisor *s = task->supervisor;
     const bf_error err = task->write.error;
+    const bool with_trials = task->with_trials;
     bf_status status = task->write.status;
 
     if (status == BF_OK) {
@@ -207,6 +222,7 @@ void supervisor__finish_claim(supervisor__task *task)
         return;
     }
     supervisor__task_destroy(task);
+    s->has_left_trials = !with_trials;
     if (status == BF_ELIMIT)
         s->held_until_ms = clock_monotonic_ms() + HELD_MS;
     if (status == BF_ENOTFOUND || status == BF_ELIMIT) {

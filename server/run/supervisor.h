@@ -16,13 +16,14 @@
 
 #include <stdbool.h>
 
-enum { SUPERVISOR_WORKERS_MAX = 64 }; ///< runs at once at most
+enum { SUPERVISOR_WORKERS_MAX = 64 }; ///< n_workers at most
 
 /// How to solve runs.
 typedef struct supervisor_options {
     store *store;          ///< where runs come from and results go
     executor *executor;    ///< where they are solved; the supervisor's thread's while that runs
-    unsigned n_workers;    ///< runs at once, 1 to SUPERVISOR_WORKERS_MAX
+    unsigned n_workers;    ///< runs by themselves at once, and where they are fewer trials beside
+                           ///< them, 1 to SUPERVISOR_WORKERS_MAX
     unsigned n_threads;    ///< threads of each run, >= 1
     uint64_t memory_bytes; ///< address space of a job; 0: unlimited
     uint64_t cpu_s;        ///< CPU seconds of a job; 0: unlimited

@@ -23,7 +23,8 @@
 enum {
     SUPERVISOR_BACKOFF_FIRST_MS = 1000,  ///< of claiming after a failure; doubles each time
     SUPERVISOR_READ_BYTES = 1024 * 1024, ///< of one job in one turn, and so about in one batch
-    SUPERVISOR_TASKS_MAX = 2 * SUPERVISOR_WORKERS_MAX, ///< being solved, and ending
+    /// Being solved, runs by themselves and trials, and ending.
+    SUPERVISOR_TASKS_MAX = 3 * SUPERVISOR_WORKERS_MAX,
     SUPERVISOR_TROUBLE_MS = 60000, ///< how long trouble counts, and between its lines in the log
 };
 
@@ -47,6 +48,7 @@ struct supervisor__task {
     supervisor *supervisor;             ///< whose
     supervisor__phase phase;            ///< where it is
     supervisor__write write;            ///< at most one is pending
+    bool with_trials;                   ///< a trial may be claimed, too
     store_job claimed;                  ///< the run as it was claimed
     executor_job *job;                  ///< what solves it
     char external_id[EXECUTOR_ID_SIZE]; ///< the job's name
@@ -109,6 +111,7 @@ struct supervisor {
     int wake_fd;                ///< eventfd
     int64_t claim_at_ms;        ///< no claiming before; 0: at once
     int64_t held_until_ms; ///< when runs beyond their owners' quotas are looked at again; 0: none
+    bool has_left_trials;  ///< the last claim that found nothing did not look for trials
     int64_t backoff_ms;    ///< how long the next backoff is
     int64_t logged_ms;     ///< when trouble was last logged; 0: never
     size_t n_tasks;        ///< tasks

@@ -49,6 +49,7 @@ static bf_status start_job(supervisor__task *task, bf_error *err)
     const executor_work work = { .run_id = task->claimed.run.id,
                                  .model = task->claimed.run.model,
                                  .n_threads = options->n_threads,
+                                 .is_trial = task->claimed.run.study[0] != '\0',
                                  .scenario = &task->claimed.scenario,
                                  .checkpoint = &task->claimed.checkpoint,
                                  .step = task->claimed.step,

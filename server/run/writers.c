@@ -46,13 +46,14 @@ static void end_and_claim(supervisor__task *task)
     bf_error err = { 0 };
 
     task->ending.next = follower == NULL ? NULL : &next;
+    next.with_trials = follower != NULL && follower->with_trials;
     bf_status status = supervisor__store_ending(task, &err);
     set_done(task, status, &err);
     if (follower == NULL)
         return;
     follower->claimed = next.job;
     if (next.status == BF_ECONFLICT)
-        next.status = store_claim(s, &follower->claimed, &next.error);
+        next.status = store_claim(s, follower->with_trials, &follower->claimed, &next.error);
     set_done(follower, next.status, &next.error);
 }
 
@@ -63,7 +64,7 @@ static void do_write(supervisor__task *task)
 
     switch (task->write.kind) {
     case SUPERVISOR_WRITE_CLAIM:
-        set_done(task, store_claim(s, &task->claimed, &err), &err);
+        set_done(task, store_claim(s, task->with_trials, &task->claimed, &err), &err);
         return;
     case SUPERVISOR_WRITE_ID:
         set_done(task, store_set_external_id(s, task->claimed.run.id, task->external_id, &err),

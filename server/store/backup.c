@@ -176,6 +176,15 @@ static const question questions[] = {
       "(SELECT coalesce(sum(n_bytes), 0) FROM runs WHERE runs.owner = o.owner) + "
       "(SELECT coalesce(sum(n_bytes), 0) FROM results WHERE number IN "
       "(SELECT results FROM runs WHERE runs.owner = o.owner))" },
+    { "I17", "a study's trials are numbered without gaps, and counted",
+      "SELECT count(*) FROM (SELECT s.*, count(t.number) AS n, coalesce(max(t.number) + 1, 0) AS "
+      "behind, count(t.ended) FILTER (WHERE t.ended > 0) AS n_ended, coalesce(max(t.ended), 0) AS "
+      "last FROM studies AS s LEFT JOIN trials AS t ON t.study = s.number WHERE s.stop_request < 2 "
+      "GROUP BY s.number) WHERE n <> n_trials OR behind <> n OR last <> n_ended OR n_ended <> "
+      "n_succeeded + n_failed + n_infeasible + n_pruned + n_cancelled" },
+    { "I17", "runs of trials belong to studies",
+      "SELECT count(*) FROM runs WHERE parent <> '' AND NOT EXISTS "
+      "(SELECT 1 FROM studies WHERE studies.id = parent)" },
 };
 
 /// A verification on its way.

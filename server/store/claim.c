@@ -7,6 +7,7 @@
 
 #include "server/store/finish.h"
 #include "server/store/quotas.h"
+#include "server/store/turns.h"
 
 #include "server/base/log.h"
 
@@ -47,12 +48,12 @@ static bf_status begin_again_if_damaged(bf_status status, store_job *job)
     return BF_OK;
 }
 
-static bf_status read_next(const store *s, store__connection *reader, store_job *job,
-                           bf_buffer *compressed, bf_error *err)
+static bf_status read_next(const store *s, store__connection *reader, bool with_trials,
+                           store_job *job, bf_buffer *compressed, bf_error *err)
 {
     store__row row;
 
-    bf_status status = store__find_next(reader, s, &row, err);
+    bf_status status = store__find_next(reader, s, with_trials, &row, err);
     if (status == BF_OK)
         status = read_texts(reader, &row, job, err);
     if (status != BF_OK)
@@ -62,7 +63,7 @@ static bf_status read_next(const store *s, store__connection *reader, store_job 
     return begin_again_if_damaged(status, job);
 }
 
-static bf_status peek_next(store *s, store_job *job, bf_error *err)
+static bf_status peek_next(store *s, bool with_trials, store_job *job, bf_error *err)
 {
     store__connection *reader = NULL;
     bf_buffer compressed = { 0 };
@@ -70,7 +71,7 @@ static bf_status peek_next(store *s, store_job *job, bf_error *err)
     bf_status status = store__acquire_reader(&s->pool, &reader, err);
     if (status != BF_OK)
         return status;
-    status = read_next(s, reader, job, &compressed, err);
+    status = read_next(s, reader, with_trials, job, &compressed, err);
     store__release_reader(&s->pool, reader);
     if (status == BF_OK && compressed.n > 0)
         status = begin_again_if_damaged(store__unpack(&compressed, &job->checkpoint, err), job);
@@ -82,9 +83,11 @@ static bf_status begin_run(store__connection *writer, store__operation *operatio
                            store_job *job, bf_error *err)
 {
     row->attempts++;
-    bf_status status = store__transition(writer, row, RUN_RUNNING, err);
+    bf_status status = store__check_study(writer, row, err);
     if (status == BF_OK)
-        status = store__end_turn(writer, row->run.owner, err);
+        status = store__transition(writer, row, RUN_RUNNING, err);
+    if (status == BF_OK)
+        status = store__end_turn(writer, row, err);
     if (status != BF_OK)
         return status;
     job->run = row->run;
@@ -106,7 +109,7 @@ bf_status store__apply_next(store__connection *writer, store__operation *operati
     store__claiming *claiming = operation->context;
     store__row row;
 
-    bf_status status = store__find_next(writer, claiming->store, &row, err);
+    bf_status status = store__find_next(writer, claiming->store, claiming->with_trials, &row, err);
     if (status == BF_OK && row.checkpoint_step != 0)
         return bf_fail(err, BF_ECONFLICT, "", "the checkpoint of the next run is to be read first");
     if (status == BF_OK)
@@ -114,7 +117,7 @@ bf_status store__apply_next(store__connection *writer, store__operation *operati
     return status == BF_OK ? begin_run(writer, operation, &row, &claiming->job, err) : status;
 }
 
-bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
+bf_status store_claim(store *s, bool with_trials, store_job *ret_job, bf_error *err)
 {
     store_job job = { 0 };
     bf_status status = BF_OK;
@@ -122,7 +125,7 @@ bf_status store_claim(store *s, store_job *ret_job, bf_error *err)
 
     do {
         store_job_fini(&job);
-        status = peek_next(s, &job, err);
+        status = peek_next(s, with_trials, &job, err);
         if (status == BF_OK)
             status = store__check_room(s, err);
         if (status != BF_OK)

@@ -66,7 +66,7 @@ static bf_status prepare_last(finish_context *context, bf_error *err)
 // The end, and behind it in the same commit the claim of the next run, if there is room for what that sends.
 static void write_and_claim(store *s, store__operation *end, store_next *next)
 {
-    store__claiming claiming = { .store = s };
+    store__claiming claiming = { .store = s, .with_trials = next->with_trials };
     store__operation operations[] = { *end, { .apply = store__apply_next, .context = &claiming } };
 
     next->status = store__check_room(s, &next->error);

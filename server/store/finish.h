@@ -23,6 +23,7 @@ void store__appending_destroy(store__appending *a, bf_status status);
 /// What store__apply_next() works on: the store, whose limits count, and the run that it claims.
 typedef struct store__claiming {
     const store *store; ///< given
+    bool with_trials;   ///< given: a trial will do, too
     store_job job;      ///< the caller's, also after a failure
 } store__claiming;
 

@@ -1,4 +1,4 @@
-// What owners use of the service, and which of them is next.
+// What owners use of the service.
 //
 // CPU time is kept in sums by hour, of which the last QUOTA_HOURS count: charging is one row, and each owner has no more
 // rows than hours. Bytes are one number an owner; triggers of the schema change it together with the rows that it sums
@@ -46,8 +46,8 @@ bf_status store__charge(store__connection *writer, store__row *row, double cpu_s
     return status;
 }
 
-// A column of what a statement finds for an owner; 0 without a row.
-static bf_status read_for(store__connection *c, store__sql sql, int column, const char *owner,
+// The number that a statement finds for an owner; 0 without a row.
+static bf_status read_for(store__connection *c, store__sql sql, const char *owner,
                           uint64_t *ret_value, bf_error *err)
 {
     bool has_row = false;
@@ -56,7 +56,7 @@ static bf_status read_for(store__connection *c, store__sql sql, int column, cons
     store__bind_text(&q, owner, strlen(owner));
     bf_status status = store__next(&q, &has_row, err);
     if (status == BF_OK)
-        *ret_value = has_row ? (uint64_t)sqlite3_column_int64(q.statement, column) : 0;
+        *ret_value = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
     store__end(&q);
     return status;
 }
@@ -114,9 +114,9 @@ static bf_status read_quotas(store__connection *c, const store_quotas *allowed, 
                      .bytes = { .allowed = allowed->n_bytes } };
 
     memcpy(q.owner, owner, strlen(owner) + 1);
-    bf_status status = read_for(c, STORE__SQL_COUNT_QUEUED_OWNED, 0, owner, &q.waiting.used, err);
+    bf_status status = read_for(c, STORE__SQL_COUNT_QUEUED_OWNED, owner, &q.waiting.used, err);
     if (status == BF_OK)
-        status = read_for(c, STORE__SQL_GET_OWNER, 0, owner, &q.bytes.used, err);
+        status = read_for(c, STORE__SQL_GET_OWNER, owner, &q.bytes.used, err);
     if (status == BF_OK)
         status = read_cpu(c, owner, clock_unix_ms(), &q.cpu_s, err);
     if (status == BF_OK)
@@ -150,7 +150,7 @@ bf_status store__check_bytes(store__connection *writer, const store *s, const ch
 
     if (owner[0] == '\0' || bytes.allowed == 0)
         return BF_OK;
-    bf_status status = read_for(writer, STORE__SQL_GET_OWNER, 0, owner, &bytes.used, err);
+    bf_status status = read_for(writer, STORE__SQL_GET_OWNER, owner, &bytes.used, err);
     if (status != BF_OK || !is_used_up(&bytes))
         return status;
     metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_BYTES, 1);
@@ -167,8 +167,7 @@ static bf_status check_waiting(store__connection *writer, uint64_t allowed, cons
 
     if (allowed == 0)
         return BF_OK;
-    bf_status status =
-        read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, 0, owner, &waiting.used, err);
+    bf_status status = read_for(writer, STORE__SQL_COUNT_QUEUED_OWNED, owner, &waiting.used, err);
     if (status != BF_OK || !is_used_up(&waiting))
         return status;
     metrics_add(METRICS_QUOTA_REFUSALS, METRICS_QUOTA_QUEUE, 1);
@@ -207,92 +206,21 @@ bf_status store__check_owner(store__connection *writer, const store *s, const ch
     return status == BF_OK ? check_cpu(writer, allowed.cpu_s, owner, ret_retry_s, err) : status;
 }
 
-/// A run that waits, the next one of its owner.
-typedef struct candidate {
-    store__row row;
-    int64_t turn; ///< when its owner was served last
-} candidate;
-
-static bool comes_before(const candidate *a, const candidate *b)
-{
-    if (a->row.run.priority != b->row.run.priority)
-        return a->row.run.priority > b->row.run.priority;
-    if (a->turn != b->turn)
-        return a->turn < b->turn;
-    return strcmp(a->row.run.id, b->row.run.id) < 0;
-}
-
-static bf_status is_held(store__connection *reader, const store_quotas *allowed, const char *owner,
+bf_status store__is_held(store__connection *reader, const store *s, const char *owner,
                          bool *ret_is_held, bf_error *err)
 {
-    api_quota cpu = { .allowed = allowed->cpu_s }, bytes = { .allowed = allowed->n_bytes };
+    const store_quotas allowed = store__quotas(s);
+    api_quota cpu = { .allowed = allowed.cpu_s }, bytes = { .allowed = allowed.n_bytes };
     bf_status status = BF_OK;
 
     *ret_is_held = false;
     if (owner[0] == '\0' || (cpu.allowed == 0 && bytes.allowed == 0))
         return BF_OK;
-    status = read_for(reader, STORE__SQL_GET_OWNER, 0, owner, &bytes.used, err);
+    status = read_for(reader, STORE__SQL_GET_OWNER, owner, &bytes.used, err);
     if (status == BF_OK)
         status = read_cpu(reader, owner, clock_unix_ms(), &cpu, err);
     *ret_is_held = is_used_up(&cpu) || is_used_up(&bytes);
     return status;
-}
-
-// Take what waits into account. Quotas are read only of what would be next.
-static bf_status consider(store__connection *reader, const store_quotas *allowed, candidate *c,
-                          candidate *best, bool *has_best, bf_error *err)
-{
-    uint64_t turn = 0;
-    bool is_over = false;
-
-    bf_status status = read_for(reader, STORE__SQL_GET_OWNER, 1, c->row.run.owner, &turn, err);
-    c->turn = (int64_t)turn;
-    if (status != BF_OK || (*has_best && !comes_before(c, best)))
-        return status;
-    status = is_held(reader, allowed, c->row.run.owner, &is_over, err);
-    if (status != BF_OK || is_over)
-        return status;
-    *best = *c;
-    *has_best = true;
-    return BF_OK;
-}
-
-bf_status store__find_next(store__connection *reader, const store *s, store__row *ret_row,
-                           bf_error *err)
-{
-    const store_quotas allowed = store__quotas(s);
-    candidate c = { .turn = 0 }, best;
-    bool has_row = false, has_best = false, has_any = false;
-
-    // No name comes before nobody's.
-    bf_status status =
-        store__find_first(reader, STORE__SQL_NEXT_QUEUED_OWNED, "", &c.row, &has_row, err);
-    if (status == BF_OK && !has_row)
-        status =
-            store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, "", &c.row, &has_row, err);
-    while (status == BF_OK && has_row) {
-        has_any = true;
-        status = consider(reader, &allowed, &c, &best, &has_best, err);
-        if (status == BF_OK)
-            status = store__find_first(reader, STORE__SQL_NEXT_QUEUED_BEHIND, c.row.run.owner,
-                                       &c.row, &has_row, err);
-    }
-    if (status != BF_OK)
-        return status;
-    if (has_best)
-        *ret_row = best.row;
-    else if (has_any)
-        return bf_fail(err, BF_ELIMIT, "", "all runs that wait are beyond their owners' quotas");
-    else
-        return bf_fail(err, BF_ENOTFOUND, "", "no run is queued");
-    return BF_OK;
-}
-
-bf_status store__end_turn(store__connection *writer, const char *owner, bf_error *err)
-{
-    store__query q = store__begin(writer, STORE__SQL_END_TURN);
-    store__bind_text(&q, owner, strlen(owner));
-    return store__run(&q, err);
 }
 
 bf_status store__forget_use(store__connection *writer, bf_error *err)

@@ -1,4 +1,4 @@
-/// Inside the store: what owners use and may use, and whose run is next.
+/// Inside the store: what owners use and may use.
 
 #pragma once
 
@@ -20,15 +20,9 @@ BF_MUST_CHECK bf_status store__check_bytes(store__connection *writer, const stor
 BF_MUST_CHECK bf_status store__check_owner(store__connection *writer, const store *s,
                                            const char *owner, unsigned *ret_retry_s, bf_error *err);
 
-/// Find the run that is next: of those with the highest priority of owners within their quotas, that of the owner who was
-/// served longest ago, and of theirs the oldest. BF_ENOTFOUND: no run waits; BF_ELIMIT: only such of owners beyond
-/// their quotas.
-BF_MUST_CHECK bf_status store__find_next(store__connection *reader, const store *s,
-                                         store__row *ret_row, bf_error *err);
-
-/// The owner was served: all others come first.
-BF_MUST_CHECK bf_status store__end_turn(store__connection *writer, const char *owner,
-                                        bf_error *err);
+/// True if an owner's runs wait until less of a quota is used.
+BF_MUST_CHECK bf_status store__is_held(store__connection *reader, const store *s, const char *owner,
+                                       bool *ret_is_held, bf_error *err);
 
 /// Delete what no quota counts any more, and owners without runs.
 BF_MUST_CHECK bf_status store__forget_use(store__connection *writer, bf_error *err);

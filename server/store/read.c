@@ -68,6 +68,7 @@ static store__query begin_list(store__connection *reader, const api_list_query *
     store__bind_integer(&q, query->state);
     store__bind_text(&q, query->label, strlen(query->label));
     store__bind_text(&q, query->owner, strlen(query->owner));
+    store__bind_text(&q, query->study, strlen(query->study));
     return q;
 }
 

@@ -255,9 +255,80 @@ static const char schema_10[] =
     "    WHERE owner IN (SELECT owner FROM runs WHERE results = new.number);"
     "END;";
 
+// Studies and their trials. Their runs have the study as their parent, and stand in lists and in the queue apart from those
+// of nobody: the indices begin with what parts them.
+static const char schema_11[] =
+    "CREATE TABLE studies ("
+    "  number INTEGER PRIMARY KEY,"
+    "  id TEXT NOT NULL UNIQUE,"
+    "  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 5)," // an api_study_state
+    "  method INTEGER NOT NULL,"
+    "  model INTEGER NOT NULL,"
+    "  priority INTEGER NOT NULL,"
+    "  name TEXT NOT NULL,"
+    "  owner TEXT NOT NULL,"
+    "  client TEXT NOT NULL,"
+    "  created_ms INTEGER NOT NULL,"
+    "  trials_max INTEGER NOT NULL,"
+    "  revision INTEGER NOT NULL DEFAULT 0,"
+    "  started_ms INTEGER NOT NULL DEFAULT 0,"
+    "  finished_ms INTEGER NOT NULL DEFAULT 0,"
+    "  n_trials INTEGER NOT NULL DEFAULT 0,"
+    "  n_succeeded INTEGER NOT NULL DEFAULT 0,"
+    "  n_failed INTEGER NOT NULL DEFAULT 0,"
+    "  n_infeasible INTEGER NOT NULL DEFAULT 0,"
+    "  n_pruned INTEGER NOT NULL DEFAULT 0,"
+    "  n_cancelled INTEGER NOT NULL DEFAULT 0,"
+    "  error_code TEXT NOT NULL DEFAULT '',"
+    "  error_pointer TEXT NOT NULL DEFAULT '',"
+    "  error_text TEXT NOT NULL DEFAULT '',"
+    "  stop_request INTEGER NOT NULL DEFAULT 0," // a store_stop
+    "  turn INTEGER NOT NULL DEFAULT 0"          // as of owners
+    ") STRICT;"
+    "CREATE INDEX studies_by_state ON studies (state, priority DESC, id);"
+    "CREATE INDEX studies_by_end ON studies (finished_ms) WHERE finished_ms > 0;"
+    "CREATE INDEX studies_by_turn ON studies (turn);"
+    "CREATE INDEX studies_by_owners_turn ON studies (owner, turn);"
+    "CREATE INDEX studies_to_stop ON studies (stop_request, id) WHERE stop_request > 0;"
+
+    "CREATE TABLE study_texts ("
+    "  study INTEGER NOT NULL REFERENCES studies (number) ON DELETE CASCADE,"
+    "  kind INTEGER NOT NULL," // an api_study_text
+    "  data TEXT NOT NULL,"
+    "  PRIMARY KEY (study, kind)"
+    ") STRICT;"
+
+    "CREATE TABLE trials ("
+    "  study INTEGER NOT NULL REFERENCES studies (number) ON DELETE CASCADE,"
+    "  number INTEGER NOT NULL,"
+    "  point INTEGER NOT NULL,"
+    "  model INTEGER NOT NULL,"
+    "  substream INTEGER NOT NULL,"
+    "  state INTEGER NOT NULL CHECK (state BETWEEN 0 AND 6)," // an api_trial_state
+    "  ended INTEGER NOT NULL CHECK ((ended = 0) = (state = 0)),"
+    "  run TEXT NOT NULL," // '': there was none
+    "  parameters BLOB NOT NULL,"
+    "  vals BLOB NOT NULL,"
+    "  error_code TEXT NOT NULL DEFAULT '',"
+    "  error_pointer TEXT NOT NULL DEFAULT '',"
+    "  error_text TEXT NOT NULL DEFAULT '',"
+    "  PRIMARY KEY (study, number)"
+    ") STRICT, WITHOUT ROWID;"
+    "CREATE UNIQUE INDEX trials_by_end ON trials (study, ended) WHERE ended > 0;"
+    "CREATE INDEX trials_open ON trials (study, number) WHERE ended = 0;"
+    "CREATE INDEX trials_by_run ON trials (run) WHERE ended = 0;"
+
+    "DROP INDEX runs_by_owner;"
+    "CREATE INDEX runs_by_owner ON runs (owner, parent, id);"
+    "DROP INDEX runs_waiting;"
+    "CREATE INDEX runs_waiting ON runs (owner, priority DESC, id) WHERE state = 0 AND parent = '';"
+    "CREATE INDEX trials_waiting ON runs (parent, id) WHERE state = 0 AND parent <> '';"
+    "CREATE INDEX runs_by_parent ON runs (parent, id);";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2, schema_3, schema_4, schema_5,
-                                          schema_6, schema_7, schema_8, schema_9, schema_10 };
+const char *const store__migrations[] = { schema_1, schema_2,  schema_3, schema_4,
+                                          schema_5, schema_6,  schema_7, schema_8,
+                                          schema_9, schema_10, schema_11 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

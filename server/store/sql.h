@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "server/store/sql_studies.h"
+
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
 /// X(kind, column, member). A kind is INTEGER, REAL (not finite: NULL), TEXT (characters with their
 /// terminator) or CODE (bf_status by its word). Those that only an insert sets:
@@ -16,7 +18,7 @@
     X(INTEGER, results, results)                                                                   \
     X(INTEGER, is_cached, run.is_cached)                                                           \
     X(TEXT, client, client)                                                                        \
-    X(TEXT, parent, parent)                                                                        \
+    X(TEXT, parent, run.study)                                                                     \
     X(TEXT, owner, run.owner)
 
 /// Those that every update writes, next to `state`.
@@ -65,9 +67,10 @@
 #define STORE__RUN_COLUMNS "number" STORE__RUN_LIST(STORE__NAME)
 
 /// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1,
-/// ?4 state or -1, ?5 label or '', ?6 owner or ''.
+/// ?4 state or -1, ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or ''.
 #define STORE__LIST(condition)                                                                     \
-    "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id < ?1 AND (?3 < 0 OR model = ?3) "            \
+    "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE parent = ?7 AND id < ?1 "                       \
+    "AND (?3 < 0 OR model = ?3) "                                                                  \
     "AND " condition " ORDER BY id DESC LIMIT ?2"
 
 /// The columns of a measurement without its samples, in the order in which they are read.
@@ -95,20 +98,21 @@
                     "ORDER BY id LIMIT 1")                                                         \
     X(REQUEST_STOP, "UPDATE runs SET stop_request = ?2 WHERE number = ?1")                         \
     X(SET_EXTERNAL_ID, "UPDATE runs SET external_id = ?2 WHERE id = ?1 AND state = 1")             \
-    X(COUNT_QUEUED, "SELECT count(*) FROM runs WHERE state = 0")                                   \
+    X(COUNT_QUEUED, "SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
+                    "AND parent = ''")                                                             \
     X(COUNT_QUEUED_OF, "SELECT count(*) FROM runs INDEXED BY runs_by_client WHERE state = 0 "      \
                        "AND client <> '' AND client = ?1")                                         \
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
-                     "ORDER BY id LIMIT 1")                                                        \
+                     "AND parent = '' ORDER BY id LIMIT 1")                                        \
     X(COUNT_QUEUED_OWNED, "SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "     \
-                          "AND owner = ?1")                                                        \
+                          "AND parent = '' AND owner = ?1")                                        \
     X(NEXT_QUEUED_OWNED,                                                                           \
       "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
-      "AND owner = ?1 ORDER BY priority DESC, id LIMIT 1")                                         \
+      "AND parent = '' AND owner = ?1 ORDER BY priority DESC, id LIMIT 1")                         \
     X(NEXT_QUEUED_BEHIND,                                                                          \
       "SELECT " STORE__RUN_COLUMNS " FROM runs INDEXED BY runs_waiting WHERE state = 0 "           \
-      "AND owner > ?1 ORDER BY owner, priority DESC, id LIMIT 1")                                  \
+      "AND parent = '' AND owner > ?1 ORDER BY owner, priority DESC, id LIMIT 1")                  \
     X(END_TURN, "UPDATE owners SET turn = (SELECT max(turn) + 1 FROM owners) WHERE owner = ?1")    \
     X(GET_OWNER, "SELECT n_bytes, turn FROM owners WHERE owner = ?1")                              \
     X(CHARGE, "INSERT INTO cpu_sums (owner, hour, cpu_s) VALUES (?1, ?2, ?3) "                     \
@@ -211,11 +215,14 @@
       "(expires_ms > 0 AND expires_ms <= ?1) ORDER BY id LIMIT 1)")                                \
     X(REVOKE_TOKEN, "UPDATE tokens SET revoked_ms = ?2 WHERE id = ?1 AND revoked_ms = 0")          \
     X(USE_TOKEN, "UPDATE tokens SET used_ms = max(used_ms, ?2) WHERE id = ?1")                     \
-    X(OLDEST_ENDED, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                    \
-                    "ORDER BY finished_ms, id LIMIT 1")                                            \
+    X(OLDEST_ENDED,                                                                                \
+      "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state >= 2 "                                  \
+      "AND NOT EXISTS (SELECT 1 FROM trials WHERE trials.run = runs.id AND ended = 0) "            \
+      "ORDER BY finished_ms, id LIMIT 1")                                                          \
     X(COUNT_ENDED, "SELECT count(*) FROM runs WHERE state >= 2")                                   \
     X(PAGE_SIZE, "PRAGMA page_size")                                                               \
     X(COUNT_PAGES, "PRAGMA page_count")                                                            \
     X(SHRINK_FILE, "PRAGMA incremental_vacuum(512)")                                               \
     X(COUNT_FREE_PAGES, "PRAGMA freelist_count")                                                   \
-    X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")
+    X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")                            \
+    STORE__SQL_STUDIES(X)

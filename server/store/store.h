@@ -31,6 +31,8 @@
 ///       checksum does not fit is BF_ESYSTEM. (Not in databases that versions before this made.)
 ///   I16 What an owner uses of CPU time and bytes is written in the transaction of the batch, the end or the removal
 ///       that changes it; nothing that was charged is charged again.
+///   I17 The trials of a study are numbered from 0 without gaps, and those that have ended from 1; each ends once, with
+///       its values, and one that has not ended keeps its run. The counts of a study are those of its trials.
 ///
 /// Threads  all functions may be called from any thread. Writes are handed to the store's thread,
 ///          which commits what waits in one synced transaction (group commit), and return after it.

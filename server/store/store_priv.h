@@ -120,7 +120,6 @@ typedef struct store__row {
     uint64_t checkpoint_step; ///< 0 if there is none
     int64_t results; ///< key of samples, snapshots and chunks, which other runs may have, too
     char client[API_CLIENT_SIZE]; ///< who submitted it; "": no quota counts it
-    char parent[API_ID_SIZE];     ///< the run that it was made for; "": none
     double cpu_s;                 ///< CPU time of all attempts that was charged, s
     uint64_t n_bytes;             ///< of its scenario and its events, which no other run has
     uint64_t attempts;       ///< that were begun since the run last went on, and not handed back

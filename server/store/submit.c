@@ -2,6 +2,7 @@
 // results; without them, there is a new run to be solved, if the quotas of client and owner and then the queue
 // have room; and the answer is stored under the key.
 
+#include "server/store/submit.h"
 #include "server/store/idempotency.h"
 #include "server/store/quotas.h"
 #include "server/store/store_priv.h"
@@ -77,22 +78,16 @@ static bf_status enter_queue(store__connection *writer, size_t limit, bf_error *
     return BF_OK;
 }
 
-static bf_status accept_new(store__connection *writer, submit_context *context, bf_error *err)
+// Insert a run that will be solved, whose row is filled in but for its results.
+static bf_status insert_new(store__connection *writer, const api_submission *submission,
+                            const unsigned char digest[STORE__DIGEST_SIZE], store__row *row,
+                            bf_error *err)
 {
-    const api_submission *submission = context->submission;
     const bf_buffer *scenario = &submission->scenario, *columns = &submission->columns;
-    bool is_nameable = submission->identity.n > 0;
-    store__row *row = &context->row;
 
     row->run.state = RUN_QUEUED;
-    bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
-    if (status == BF_OK)
-        status = store__check_owner(writer, context->store, row->run.owner,
-                                    &context->accepted.retry_after_s, err);
-    if (status == BF_OK)
-        status = enter_queue(writer, context->store->queue_limit, err);
-    if (status == BF_OK)
-        status = store__insert_results(writer, is_nameable ? context->digest : NULL, row, err);
+    bf_status status =
+        store__insert_results(writer, submission->identity.n > 0 ? digest : NULL, row, err);
     if (status == BF_OK)
         status = store__insert_row(writer, row, err);
     if (status == BF_OK)
@@ -103,6 +98,20 @@ static bf_status accept_new(store__connection *writer, submit_context *context, 
                                  columns->n, err);
     row->n_bytes = scenario->n;
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
+}
+
+static bf_status accept_new(store__connection *writer, submit_context *context, bf_error *err)
+{
+    store__row *row = &context->row;
+
+    bf_status status = check_quota(writer, row->client, context->store->client_quota, err);
+    if (status == BF_OK)
+        status = store__check_owner(writer, context->store, row->run.owner,
+                                    &context->accepted.retry_after_s, err);
+    if (status == BF_OK)
+        status = enter_queue(writer, context->store->queue_limit, err);
+    return status == BF_OK ? insert_new(writer, context->submission, context->digest, row, err)
+                           : status;
 }
 
 // The summary of a solved run becomes the new one's.
@@ -121,17 +130,17 @@ static bf_status adapt_summary(store__connection *writer, const store__row *solv
 }
 
 // False with BF_OK: there are no stored results, or they are damaged.
-static bf_status accept_solved(store__connection *writer, submit_context *context,
+static bf_status accept_solved(store__connection *writer, const api_submission *submission,
+                               const unsigned char digest[STORE__DIGEST_SIZE], store__row *row,
                                bool *ret_is_solved, bf_error *err)
 {
-    const api_submission *submission = context->submission;
     bf_buffer summary = { 0 };
     bool is_solved = false;
     store__row solved;
 
     if (submission->is_fresh || submission->identity.n == 0)
         return BF_OK;
-    bf_status status = store__find_solved(writer, context->digest, &solved, &is_solved, err);
+    bf_status status = store__find_solved(writer, digest, &solved, &is_solved, err);
     if (status != BF_OK || !is_solved)
         return status;
     status = adapt_summary(writer, &solved, &submission->scenario, &summary, err);
@@ -140,8 +149,7 @@ static bf_status accept_solved(store__connection *writer, submit_context *contex
         return BF_OK;
     }
     if (status == BF_OK)
-        status = store__reuse_results(writer, &solved, &submission->scenario, &summary,
-                                      &context->row, err);
+        status = store__reuse_results(writer, &solved, &submission->scenario, &summary, row, err);
     buffer_fini(&summary);
     *ret_is_solved = status == BF_OK;
     return status;
@@ -155,7 +163,8 @@ static bf_status accept(store__connection *writer, submit_context *context, bf_e
 
     bf_status status = store__check_bytes(writer, context->store, record->owner, err);
     if (status == BF_OK)
-        status = accept_solved(writer, context, &is_solved, err);
+        status = accept_solved(writer, context->submission, context->digest, &context->row,
+                               &is_solved, err);
     if (status == BF_OK && !is_solved)
         status = accept_new(writer, context, err);
     if (status == BF_OK)
@@ -182,13 +191,16 @@ static bf_status apply_submit(store__connection *writer, store__operation *opera
     return status;
 }
 
-static void digest_work(const api_submission *submission,
+// The results of a trial have no snapshots, so they are not those of a run by itself.
+static void digest_work(const api_submission *submission, bool is_trial,
                         unsigned char ret_digest[STORE__DIGEST_SIZE])
 {
     const char *model = run_model_words[submission->model];
     crypto_hash_sha256_state s;
 
     (void)crypto_hash_sha256_init(&s);
+    if (is_trial)
+        (void)crypto_hash_sha256_update(&s, (const unsigned char *)"trial", sizeof "trial");
     // The word's terminator parts it from the document.
     (void)crypto_hash_sha256_update(&s, (const unsigned char *)model, strlen(model) + 1);
     (void)crypto_hash_sha256_update(&s, (const unsigned char *)submission->identity.bytes,
@@ -222,7 +234,7 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
     if (status != BF_OK)
         return status;
     fill_row(submission, &context.row);
-    digest_work(submission, context.digest);
+    digest_work(submission, false, context.digest);
     status = store__write(s, apply_submit, &context, err);
     store__free_key(s, &context.key);
     if (status == BF_OK)
@@ -231,5 +243,26 @@ bf_status store_submit(store *s, const api_submission *submission, api_acceptanc
         buffer_fini(&context.accepted.answer);
     if (status == BF_ELIMIT)
         ret_acceptance->retry_after_s = context.accepted.retry_after_s;
+    return status;
+}
+
+bf_status store__submit_trial(store__connection *writer, const api_submission *submission,
+                              const char *study_id, char ret_run[API_ID_SIZE], bf_error *err)
+{
+    unsigned char digest[STORE__DIGEST_SIZE];
+    store__row row = { .rowid = 0 };
+    bool is_solved = false;
+
+    bf_status status = run_id_make(row.run.id, err);
+    if (status != BF_OK)
+        return status;
+    fill_row(submission, &row);
+    memcpy(row.run.study, study_id, API_ID_SIZE);
+    digest_work(submission, true, digest);
+    status = accept_solved(writer, submission, digest, &row, &is_solved, err);
+    if (status == BF_OK && !is_solved)
+        status = insert_new(writer, submission, digest, &row, err);
+    if (status == BF_OK)
+        memcpy(ret_run, row.run.id, API_ID_SIZE);
     return status;
 }

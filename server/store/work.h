@@ -16,10 +16,11 @@ typedef struct store_job {
     double cpu_s;         ///< CPU time of earlier attempts
 } store_job;
 
-/// Take the next queued run and make it running: of the runs with the highest priority that of the owner who was served
-/// longest ago, and of his the oldest. Runs of owners beyond their quotas of CPU time or bytes wait. BF_ENOTFOUND: none is
-/// queued; BF_ELIMIT: only such ones; BF_ENOSPACE: the disk has no room for what it would send.
-BF_MUST_CHECK bf_status store_claim(store *s, store_job *ret_job, bf_error *err);
+/// Take the next queued run and make it running: of the runs by themselves with the highest priority that of the owner who
+/// was served longest ago, and of his the oldest; where there is none, with_trials, a trial of the study whose turn it is.
+/// Runs of owners beyond their quotas of CPU time or bytes wait. BF_ENOTFOUND: none is queued; BF_ELIMIT: only such ones;
+/// BF_ENOSPACE: the disk has no room for what it would send.
+BF_MUST_CHECK bf_status store_claim(store *s, bool with_trials, store_job *ret_job, bf_error *err);
 
 /// Read a run that is running already, as store_claim() returned it but without its checkpoint: for a
 /// supervisor that takes over its job after a restart. BF_ECONFLICT: the run is not running.
@@ -88,6 +89,7 @@ BF_MUST_CHECK bf_status store_begin_append(store *s, const store_batch *batch,
 
 /// The run that is claimed together with the end of another.
 typedef struct store_next {
+    bool with_trials; ///< given: as of store_claim()
     bf_status
         status; ///< as of store_claim(); BF_ECONFLICT: none was claimed, store_claim() has to be called
     bf_error error; ///< of a status that is not BF_OK

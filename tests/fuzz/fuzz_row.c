@@ -321,7 +321,7 @@ static void read_store(void)
     for (int k = 0; k < 2; k++)
         read_measurement(s, measurements[k]);
     for (int k = 0; k < N_RUNS && status == BF_OK; k++) {
-        status = store_claim(s, &job, NULL);
+        status = store_claim(s, true, &job, NULL);
         require_answer(status);
         store_job_fini(&job);
     }

@@ -137,7 +137,7 @@ api_run helper_claim(store *s)
     store_job job = { 0 };
     bf_error err = { 0 };
 
-    if (store_claim(s, &job, &err) != BF_OK)
+    if (store_claim(s, true, &job, &err) != BF_OK)
         fail_msg("%s", err.text);
     api_run record = job.run;
     store_job_fini(&job);

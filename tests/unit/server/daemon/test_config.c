@@ -51,7 +51,7 @@ static void defaults_are_those_of_the_table(void **state)
     config_init(&c);
     assert_string_equal(c.listen, "127.0.0.1:8080");
     assert_string_equal(c.web, "");
-    assert_int_equal(c.workers, 1);
+    assert_int_equal(c.workers, 0);
     assert_int_equal(c.body_bytes, 1048576);
     assert_int_equal(config_log_level(&c), LOG_LEVEL_INFO);
 }
@@ -75,7 +75,7 @@ static void a_bad_value_is_refused_and_changes_nothing(void **state)
     static const struct {
         const char *name, *value;
     } cases[] = {
-        { "workers", "0" },      { "workers", "65" },  { "workers", "" },
+        { "threads", "0" },      { "workers", "65" },  { "workers", "" },
         { "workers", "-1" },     { "workers", "1.5" }, { "workers", " 1" },
         { "workers", "0x10" },   { "workers", "1k" },  { "run_cpu_s", "18446744073709551616" },
         { "log_level", "loud" }, { "log_level", "" },
@@ -279,7 +279,7 @@ static void it_is_known_where_a_setting_comes_from(void **state)
                      BF_OK);
     (void)snprintf(expected, sizeof expected, "%s:2", path);
     assert_string_equal(c.origins[CONFIG_workers], expected);
-    assert_int_equal(config_set(&c, "workers", "0", "--workers", NULL), BF_EINPUT);
+    assert_int_equal(config_set(&c, "workers", "65", "--workers", NULL), BF_EINPUT);
     assert_string_equal(c.origins[CONFIG_workers], expected);
     assert_int_equal(config_set(&c, "workers", "4", "--workers", NULL), BF_OK);
     assert_string_equal(c.origins[CONFIG_workers], "--workers");
@@ -350,7 +350,7 @@ static void a_reload_takes_what_it_can_and_tells_of_the_rest(void **state)
     assert_int_equal(config_set(&fresh, "data", "elsewhere", "f:2", NULL), BF_OK);
     assert_int_equal(config_set(&fresh, "log_level", "warn", "f:3", NULL), BF_OK);
     config_reload(&c, &fresh, note_change, told);
-    assert_string_equal(told, "data beltflow-data>elsewhere later;workers 1>5 now;"
+    assert_string_equal(told, "data beltflow-data>elsewhere later;workers 0>5 now;"
                               "log_level info>warn now;");
     assert_int_equal(c.workers, 5);
     assert_string_equal(c.origins[CONFIG_workers], "f:1");

@@ -177,7 +177,7 @@ static void a_long_run_tells_its_progress_seldom(void **state)
     size_t n = 0;
 
     api_run record = helper_world_submit(w, helper_medium_jam);
-    assert_int_equal(store_claim(w->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(w->store, true, &job, NULL), BF_OK);
     store_job_fini(&job);
     store_batch batch = { .run_id = record.id, .wall_s = 1e6 };
     assert_int_equal(helper_store_append(w->store, &batch, NULL), BF_OK);
@@ -254,7 +254,7 @@ static void stopping_hands_back_and_a_resumed_run_gives_the_same_bytes(void **st
     assert_true(n_stops > 0);
     assert_int_equal(record.state, RUN_QUEUED);
     // Its checkpoint, and its solving time so far.
-    assert_int_equal(store_claim(w->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(w->store, true, &job, NULL), BF_OK);
     assert_true(job.checkpoint.n > 0 && job.step > 0 && job.wall_s > 0.0);
     store_job_fini(&job);
     helper_world_reopen(w);

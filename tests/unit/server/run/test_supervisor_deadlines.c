@@ -90,7 +90,7 @@ static void all_attempts_together_must_not_take_too_long(void **state)
     store_batch batch = { .run_id = record.id, .wall_s = 3601 };
     store_ending ending = { .run_id = record.id, .state = RUN_QUEUED };
 
-    assert_int_equal(store_claim(f->world->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(f->world->store, true, &job, NULL), BF_OK);
     store_job_fini(&job);
     assert_int_equal(helper_store_append(f->world->store, &batch, NULL), BF_OK);
     assert_int_equal(store_finish(f->world->store, &ending, &record, NULL), BF_OK);

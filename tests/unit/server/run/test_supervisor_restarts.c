@@ -8,7 +8,7 @@ static api_run leave_running(helper_jobs *f, const char *external_id)
     store_job job = { .step = 0 };
 
     api_run record = helper_world_submit(f->world, helper_jobs_belt);
-    assert_int_equal(store_claim(f->world->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(f->world->store, true, &job, NULL), BF_OK);
     store_job_fini(&job);
     assert_int_equal(store_set_external_id(f->world->store, record.id, external_id, NULL), BF_OK);
     return record;

@@ -54,7 +54,7 @@ static void a_claim_brings_all_that_solving_needs(void **state)
     store_job job = { 0 };
 
     api_run submitted = helper_submit(s, "", 0);
-    assert_int_equal(store_claim(s, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(s, true, &job, NULL), BF_OK);
     assert_string_equal(job.run.id, submitted.id);
     assert_int_equal(job.run.state, RUN_RUNNING);
     assert_true(job.run.revision > submitted.revision);
@@ -67,7 +67,7 @@ static void a_claim_brings_all_that_solving_needs(void **state)
     store_job_fini(&job);
 
     job.step = 77;
-    assert_int_equal(store_claim(s, &job, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_claim(s, true, &job, NULL), BF_ENOTFOUND);
     assert_int_equal(job.step, 77);
 }
 
@@ -87,7 +87,7 @@ static void a_damaged_checkpoint_costs_no_more_than_itself(void **state)
     helper_store_close(h);
     helper_store_sql(h, "UPDATE chunks SET data = zeroblob(8)");
     helper_store_open(h);
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_OK);
     assert_string_equal(job.run.id, record.id);
     assert_int_equal(job.checkpoint.n, 0);
     assert_int_equal(job.step, 0);
@@ -200,7 +200,7 @@ static void a_queued_run_is_cancelled_at_once(void **state)
     assert_int_equal(events.type, API_EVENT_END);
     buffer_fini(&events.data);
     store_job job = { 0 };
-    assert_int_equal(store_claim(s, &job, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_claim(s, true, &job, NULL), BF_ENOTFOUND);
 }
 
 static void a_running_run_is_left_to_the_supervisor(void **state)

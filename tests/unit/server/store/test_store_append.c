@@ -324,7 +324,7 @@ static void a_run_that_is_handed_back_goes_on_from_its_checkpoint(void **state)
     append_checkpoint(h->store, record.id, 200, &noise.rho);
     helper_append_samples(h->store, record.id, 0, 1);
     hand_back(h->store, record.id);
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_OK);
     assert_int_equal(job.step, 200);
     assert_true(helper_snapshot_is(&job.checkpoint, 7));
     // helper_append_samples() says 1.5 s, and comes last.

@@ -128,7 +128,7 @@ static _Noreturn void live(helper_store *h, int out)
         store_job job = { 0 };
         api_run record = helper_submit(h->store, "", 0);
         tell_run(out, &record);
-        if (store_claim(h->store, &job, NULL) != BF_OK)
+        if (store_claim(h->store, true, &job, NULL) != BF_OK)
             _exit(1);
         tell_run(out, &job.run);
         solve(h->store, out, &job);
@@ -240,7 +240,7 @@ static void check_queue(helper_store *h)
     store_job job = { 0 };
     uint64_t step = 0;
 
-    while (store_claim(h->store, &job, NULL) == BF_OK) {
+    while (store_claim(h->store, true, &job, NULL) == BF_OK) {
         assert_true(job.step <= job.run.n_samples);
         assert_true((job.checkpoint.n == 0) == (job.step == 0));
         if (job.checkpoint.n == sizeof step)

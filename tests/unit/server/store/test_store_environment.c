@@ -201,7 +201,7 @@ static bool claim(store *s, const char *id)
     store_job job = { 0 };
     bf_error err = { 0 };
 
-    const bf_status status = store_claim(s, &job, &err);
+    const bf_status status = store_claim(s, true, &job, &err);
     assert_is_answer(status, &err);
     if (status != BF_OK)
         return false;

@@ -32,7 +32,7 @@ static bf_status try_claim(store *s, const char *id, bf_error *err)
     store_job job = { .step = 77 };
     (void)id;
 
-    bf_status status = store_claim(s, &job, err);
+    bf_status status = store_claim(s, true, &job, err);
     if (status == BF_OK)
         store_job_fini(&job);
     else

@@ -156,7 +156,7 @@ static void a_run_begins_again_in_a_store_that_was_brought_up_to_date(void **sta
 
     make_old(h, 1);
     helper_store_open(h);
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_OK);
     assert_string_equal(job.run.id, run_b);
     assert_int_equal(job.step, 0);
     assert_int_equal(job.checkpoint.n, 0);
@@ -293,7 +293,7 @@ static void check_half_way(helper_store *h)
 {
     store_job job = { 0 };
 
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_OK);
     assert_string_equal(job.run.id, half_way);
     assert_int_equal(job.step, 0);
     assert_int_equal(job.checkpoint.n, 0);

@@ -79,7 +79,7 @@ static void owners_take_turns(void **state)
     // Who was served longest ago comes first, also after a while without runs.
     assert_int_equal(submit(s, "bob", 0), BF_OK);
     expect_claims(s, "ba");
-    assert_int_equal(store_claim(s, &(store_job){ .step = 0 }, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_claim(s, true, &(store_job){ .step = 0 }, NULL), BF_ENOTFOUND);
 }
 
 static void a_higher_priority_comes_before_turns(void **state)
@@ -183,7 +183,7 @@ static void cpu_time_of_all_attempts_is_charged_over_a_restart(void **state)
     helper_store_close(h);
     helper_store_open(h);
     assert_int_equal(quotas_of(h->store, "alice").cpu_s.used, 7);
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_OK);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_OK);
     assert_true(job.cpu_s == 7.0);
     store_ending ending = { .run_id = record.id, .state = RUN_FAILED, .cpu_s = job.cpu_s + 2.0 };
     assert_int_equal(store_finish(h->store, &ending, &record, NULL), BF_OK);
@@ -204,7 +204,7 @@ static void who_has_used_the_cpu_time_waits_while_others_overtake(void **state)
     use(h->store, "alice", 0.0, 60.0);
     assert_int_equal(submit(h->store, "bob", -50), BF_OK);
     expect_claims(h->store, "b");
-    assert_int_equal(store_claim(h->store, &job, NULL), BF_ELIMIT);
+    assert_int_equal(store_claim(h->store, true, &job, NULL), BF_ELIMIT);
     assert_int_equal(try_submit(h->store, "alice", 0, &accepted, &err), BF_ELIMIT);
     assert_string_equal(err.text, "runs of alice have used 60 CPU seconds in 24 hours, of 60 "
                                   "allowed (owner_cpu_s)");
@@ -280,7 +280,7 @@ static void runs_wait_until_there_are_bytes_left(void **state)
     api_run first = solve(s, "alice");
     assert_int_equal(submit(s, "alice", 0), BF_OK);
     store_set_quotas(s, &(store_quotas){ .n_bytes = 100000 });
-    assert_int_equal(store_claim(s, &(store_job){ .step = 0 }, NULL), BF_ELIMIT);
+    assert_int_equal(store_claim(s, true, &(store_job){ .step = 0 }, NULL), BF_ELIMIT);
     assert_int_equal(store_remove(s, first.id, API_ANY_REVISION, NULL), BF_OK);
     expect_claims(s, "a");
 }

@@ -112,7 +112,7 @@ static void expect_no_room(store *s)
     assert_int_equal(
         store_add_measurement(s, &measurement, &curve, &(bf_buffer){ 0 }, &added, &err),
         BF_ENOSPACE);
-    assert_int_equal(store_claim(s, &job, &err), BF_ENOSPACE);
+    assert_int_equal(store_claim(s, true, &job, &err), BF_ENOSPACE);
     assert_int_equal(store_ready(s, &err), BF_ENOSPACE);
     assert_non_null(strstr(err.text, "MiB left"));
 }

@@ -1,0 +1,84 @@
+#include "api/study/study_json.h"
+
+#include "api/results/run_json.h"
+#include "api/study/study_document.h"
+
+#include <string.h>
+
+static void write_state(json_out *w, const member *m, const void *item)
+{
+    api_study_state state;
+
+    memcpy(&state, (const char *)item + m->offset, sizeof state);
+    json_out_string(w, api_study_state_word(state));
+}
+
+static const member_kind member_state = { .type = "#StudyStatus", .write = write_state };
+
+static bool has_owner(const void *item)
+{
+    const api_study *about = item;
+
+    return about->owner[0] != '\0';
+}
+
+#define AT(place)                 offsetof(api_study, place)
+#define ENDED(name, state, help_) MEMBER(name, size, AT(n_ended[state]), help_)
+static const member trials_members[] = {
+    MEMBER("limit", size, AT(trials_max), "Most trials"),
+    MEMBER("begun", size, AT(n_trials), "Made so far; those that have not ended wait or run"),
+    ENDED("succeeded", API_TRIAL_SUCCEEDED, "Ended with values"),
+    ENDED("failed", API_TRIAL_FAILED, "Their runs failed"),
+    ENDED("infeasible", API_TRIAL_INFEASIBLE, "Their scenarios are not valid"),
+    ENDED("pruned", API_TRIAL_PRUNED, "Stopped, as they could not become the best any more"),
+    ENDED("cancelled", API_TRIAL_CANCELLED, "Cancelled, with the study or by themselves"),
+};
+static const member_table trials_table = { MEMBER_TABLE("StudyTrials", trials_members) };
+
+#define LINK(name, path_, help_) MEMBER(name, link, AT(id), help_, .path = "/v1/studies/{id}" path_)
+static const member link_members[] = {
+    LINK("self", "", "The study"),
+    LINK("document", "/document", "What was submitted, with what it named by ids"),
+    LINK("trials", "/trials", "Its trials so far"),
+    LINK("best", "/best", "What it found so far"),
+    LINK("events", "/events", "Its event stream"),
+    LINK("pause", "/pause", "POST here to begin no further trial"),
+    LINK("resume", "/resume", "POST here to go on"),
+    LINK("cancel", "/cancel", "POST here to end it"),
+};
+static const member_table links_table = { MEMBER_TABLE("StudyLinks", link_members) };
+
+static const member study_members[] = {
+    MEMBER("id", text, AT(id), "Identifier of the study", .type = "#Id"),
+    MEMBER_OF("status", &member_state, AT(state), "State of the study"),
+    MEMBER("name", text, AT(name), "For people; empty if none was given"),
+    MEMBER("method", enum, AT(method), "How its points are chosen",
+           .words = study_document_methods),
+    MEMBER("model", enum, AT(model), "Which solver its base asks for", .words = run_model_words,
+           .type = "#Model"),
+    MEMBER("priority", int, AT(priority), "Studies of higher priority come first"),
+    MEMBER("created_at", time, AT(created_ms), "When it was accepted"),
+    MEMBER("started_at", time, AT(started_ms), "When it was first started", .null = "never"),
+    MEMBER("finished_at", time, AT(finished_ms), "When it ended", .null = "not yet"),
+    MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
+    MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
+           .applies = has_owner),
+    MEMBER("trials", object, 0, "How many trials it has", .table = &trials_table),
+    MEMBER("links", object, 0, "Its resources", .table = &links_table),
+};
+const member_table study_json = { MEMBER_TABLE("Study", study_members), .size = sizeof(api_study) };
+#undef AT
+
+static const member list_members[] = {
+    MEMBER("studies", array, offsetof(api_study_list, items), "A page of the list, newest first",
+           .offset_n = offsetof(api_study_list, n), .table = &study_json),
+};
+const member_table study_json_list = { MEMBER_TABLE("StudyList", list_members) };
+
+bf_status study_json_write(const api_study *about, bf_buffer *out, bf_error *err)
+{
+    json_out w = json_out_to(out);
+
+    members_write(&w, &study_json, about);
+    return json_out_status(&w, err);
+}

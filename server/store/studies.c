@@ -1,0 +1,435 @@
+// Studies: accepted, found, listed, changed and removed. Their trials stand in trials.c.
+
+#include "server/store/studies.h"
+
+#include "server/store/columns.h"
+#include "server/store/idempotency.h"
+#include "server/store/quotas.h"
+#include "server/store/studies_priv.h"
+
+#include "api/study/study_json.h"
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+#include "server/base/run_id.h"
+
+#include <stdio.h>
+
+// Numbers that stand for nothing must not get any further; see store__read_row().
+static bool is_possible(const store__study *row)
+{
+    return (unsigned)row->study.state < API_STUDY_STATES &&
+           (unsigned)row->study.method < STUDY_METHODS &&
+           (unsigned)row->study.model < RUN_MODEL_COUNT &&
+           (unsigned)row->stop_request <= STORE_STOP_KILL;
+}
+
+bf_status store__read_study(const store__query *q, store__study *ret_row, bf_error *err)
+{
+    store__study row = { .rowid = sqlite3_column_int64(q->statement, 0) };
+    bool is_whole = false;
+    int i = 0;
+
+#define X(kind, column, member)                                                                    \
+    i++;                                                                                           \
+    READ_##kind(row.member);
+    STORE__STUDY_LIST(X)
+#undef X
+    if (!is_whole || !is_possible(&row))
+        return bf_fail(err, BF_ECORRUPT, "", "the row of the study %.40s is damaged", row.study.id);
+    *ret_row = row;
+    return BF_OK;
+}
+
+bf_status store__find_study(store__connection *c, const char *id, store__study *ret_row,
+                            bf_error *err)
+{
+    bool has_row = false;
+
+    store__query q = store__begin(c, STORE__SQL_FIND_STUDY);
+    store__bind_text(&q, id, strlen(id));
+    bf_status status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__read_study(&q, ret_row, err);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
+    return status;
+}
+
+bf_status store__find_visible_study(store__connection *c, const char *id, store__study *ret_row,
+                                    bf_error *err)
+{
+    bf_status status = store__find_study(c, id, ret_row, err);
+
+    if (status == BF_OK && ret_row->stop_request == STORE_STOP_KILL)
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
+    return status;
+}
+
+#define X(kind, column, member) BIND_##kind(row->member);
+
+static bf_status insert_study(store__connection *writer, store__study *row, bf_error *err)
+{
+    store__query used = store__begin(writer, STORE__SQL_INSERT_STUDY), *q = &used;
+
+    STORE__STUDY_LIST(X)
+    bf_status status = store__run(q, err);
+    if (status == BF_OK)
+        row->rowid = sqlite3_last_insert_rowid(writer->db);
+    return status;
+}
+
+bf_status store__save_study(store__connection *writer, store__study *row, bf_error *err)
+{
+    store__query used = store__begin(writer, STORE__SQL_UPDATE_STUDY), *q = &used;
+
+    row->study.revision++;
+    BIND_INTEGER(row->study.state);
+    STORE__STUDY_CHANGING(X)
+    BIND_INTEGER(row->rowid);
+    return store__run(q, err);
+}
+
+#undef X
+
+bf_status store__put_study_text(store__connection *writer, const store__study *row,
+                                api_study_text kind, const bf_buffer *text, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_PUT_STUDY_TEXT);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, kind);
+    store__bind_text(&q, text->bytes, text->n);
+    return store__run(&q, err);
+}
+
+bf_status store__move_study(store__study *row, api_study_state to, bf_error *err)
+{
+    api_study *about = &row->study;
+
+    if (api_study_state_is_end(about->state))
+        return bf_fail(err, BF_ECONFLICT, "", "the study has ended: it is %s",
+                       api_study_state_word(about->state));
+    about->state = to;
+    if (to == API_STUDY_RUNNING && about->started_ms == 0)
+        about->started_ms = clock_unix_ms();
+    if (api_study_state_is_end(to))
+        about->finished_ms = clock_unix_ms();
+    if (api_study_state_is_end(to) && row->stop_request == STORE_STOP_CANCEL)
+        row->stop_request = STORE_STOP_NONE;
+    return BF_OK;
+}
+
+/// A study to be accepted, and what becomes of it.
+typedef struct submit_context {
+    const api_study_submission *submission;
+    store *store;   ///< for its limits
+    store__key key; ///< which it came with
+    store__study row;
+    api_acceptance accepted;
+} submit_context;
+
+static bf_status check_count(store__connection *writer, store__sql sql, int64_t limit,
+                             const char *what, bf_error *err)
+{
+    int64_t n = 0;
+
+    bf_status status = store__read_number(writer, sql, &n, err);
+    if (status == BF_OK && n >= limit)
+        return bf_fail(err, BF_EBUSY, "", "there are %lld studies%s, the limit is %lld",
+                       (long long)n, what, (long long)limit);
+    return status;
+}
+
+static bf_status accept(store__connection *writer, submit_context *context, bf_error *err)
+{
+    const api_study_submission *submission = context->submission;
+    api_acceptance *accepted = &context->accepted;
+    store__study *row = &context->row;
+
+    bf_status status = store__check_bytes(writer, context->store, row->study.owner, err);
+    if (status == BF_OK)
+        status = check_count(writer, STORE__SQL_COUNT_OPEN_STUDIES, STORE_STUDIES_OPEN_MAX,
+                             " that have not ended", err);
+    if (status == BF_OK)
+        status = check_count(writer, STORE__SQL_COUNT_STUDIES, STORE_STUDIES_MAX,
+                             ": remove some first", err);
+    if (status == BF_OK)
+        status = insert_study(writer, row, err);
+    if (status == BF_OK)
+        status = store__put_study_text(writer, row, API_STUDY_DOCUMENT, &submission->document, err);
+    if (status == BF_OK)
+        status = store__put_study_text(writer, row, API_STUDY_COLUMNS, &submission->columns, err);
+    if (status == BF_OK)
+        status = study_json_write(&row->study, &accepted->answer, err);
+    if (status != BF_OK)
+        return status;
+    memcpy(accepted->id, row->study.id, API_ID_SIZE);
+    accepted->revision = row->study.revision;
+    return store__insert_answer(writer, &context->key, row->study.created_ms, accepted, err);
+}
+
+static bf_status apply_submit(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    submit_context *context = operation->context;
+
+    bf_status status = store__find_answer(writer, context->store, &context->key,
+                                          context->row.study.created_ms, &context->accepted, err);
+    if (status != BF_OK || context->accepted.is_replay)
+        return status;
+    status = store__check_room(context->store, err);
+    if (status == BF_OK)
+        status = accept(writer, context, err);
+    memcpy(operation->changed, context->row.study.id, API_ID_SIZE);
+    return status;
+}
+
+static void fill_row(const api_study_submission *submission, store__study *row)
+{
+    api_study *about = &row->study;
+
+    snprintf(row->client, sizeof row->client, "%s", submission->client);
+    snprintf(about->owner, sizeof about->owner, "%s", submission->owner);
+    snprintf(about->name, sizeof about->name, "%s", submission->name);
+    about->method = submission->method;
+    about->model = submission->model;
+    about->priority = submission->priority;
+    about->trials_max = submission->trials_max;
+    about->created_ms = clock_unix_ms();
+    about->revision = 1;
+}
+
+bf_status store_submit_study(store *s, const api_study_submission *submission,
+                             api_acceptance *ret_acceptance, bf_error *err)
+{
+    submit_context context = { .submission = submission, .store = s };
+
+    bf_status status = run_id_make(context.row.study.id, err);
+    if (status == BF_OK)
+        status = store__use_key(s, &context.key, "POST /v1/studies", submission->owner,
+                                submission->key, submission->body, submission->n_body, err);
+    if (status != BF_OK)
+        return status;
+    fill_row(submission, &context.row);
+    status = store__write(s, apply_submit, &context, err);
+    store__free_key(s, &context.key);
+    if (status == BF_OK)
+        *ret_acceptance = context.accepted;
+    else
+        buffer_fini(&context.accepted.answer);
+    return status;
+}
+
+bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_error *err)
+{
+    store__connection *reader = NULL;
+    store__study row;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = store__find_visible_study(reader, id, &row, err);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK)
+        *ret_study = row.study;
+    return status;
+}
+
+// One row more than the page holds is asked for: if it comes, there are more.
+static bf_status read_list(store__connection *reader, const api_study_query *query,
+                           api_study_list *list, bf_error *err)
+{
+    const char *before = query->before[0] == '\0' ? "~" : query->before;
+    bool has_row = true;
+    bf_status status = BF_OK;
+    store__study row;
+
+    store__query q = store__begin(reader, STORE__SQL_LIST_STUDIES);
+    store__bind_text(&q, before, strlen(before));
+    store__bind_integer(&q, (int64_t)query->limit + 1);
+    store__bind_integer(&q, query->state);
+    store__bind_text(&q, query->owner, strlen(query->owner));
+    while (status == BF_OK && !list->has_more) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        status = store__read_study(&q, &row, err);
+        list->has_more = list->n == query->limit;
+        if (status == BF_OK && !list->has_more)
+            list->items[list->n++] = row.study;
+    }
+    store__end(&q);
+    return status;
+}
+
+bf_status store_list_studies(store *s, const api_study_query *query, api_study_list *ret_list,
+                             bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    if (query->limit < 1 || query->limit > API_LIST_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d studies, not %zu", API_LIST_MAX,
+                       query->limit);
+    api_study_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status == BF_OK) {
+        status = read_list(reader, query, list, err);
+        store__release_reader(&s->pool, reader);
+    }
+    if (status == BF_OK)
+        *ret_list = *list;
+    memory_free(list);
+    return status;
+}
+
+static const struct {
+    store__sql sql;
+    int state; // of what the statement asks for; -1: it does not
+} works[] = {
+    [STORE_STUDIES_RUNNING] = { STORE__SQL_LIST_STUDIES_IN, API_STUDY_RUNNING },
+    [STORE_STUDIES_QUEUED] = { STORE__SQL_LIST_STUDIES_IN, API_STUDY_QUEUED },
+    [STORE_STUDIES_TO_STOP] = { STORE__SQL_LIST_STUDIES_TO_STOP, -1 },
+};
+
+bf_status store_list_work(store *s, store_studies which, size_t size, store_study *ret_studies,
+                          size_t *ret_n, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = true;
+    store__study row;
+    size_t n = 0;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, works[which].sql);
+    store__bind_integer(&q, (int64_t)size);
+    if (works[which].state >= 0)
+        store__bind_integer(&q, works[which].state);
+    while (status == BF_OK) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        status = store__read_study(&q, &row, err);
+        if (status == BF_OK)
+            ret_studies[n++] =
+                (store_study){ .study = row.study, .stop_request = row.stop_request };
+    }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK)
+        *ret_n = n;
+    return status;
+}
+
+/// A study to be changed.
+typedef struct change_context {
+    const char *id;
+    uint64_t revision; ///< that it must have, or API_ANY_REVISION
+    api_study_change change;
+    store__study row;
+} change_context;
+
+static bf_status find_changed(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+    const api_study *about = &context->row.study;
+
+    bf_status status = store__find_visible_study(writer, context->id, &context->row, err);
+    if (status == BF_OK && context->revision != API_ANY_REVISION &&
+        about->revision != context->revision)
+        return bf_fail(err, BF_EINPUT, "", "the study has revision %llu, not %llu",
+                       (unsigned long long)about->revision, (unsigned long long)context->revision);
+    if (status == BF_OK)
+        memcpy(operation->changed, about->id, API_ID_SIZE);
+    return status;
+}
+
+static bf_status apply_change(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+    store__study *row = &context->row;
+
+    bf_status status = find_changed(writer, operation, err);
+    if (status != BF_OK)
+        return status;
+    const api_study_state state = row->study.state;
+    const bool is_stopping = row->stop_request != STORE_STOP_NONE;
+    const bool is_paused = state == API_STUDY_PAUSED;
+    if (api_study_state_is_end(state) || is_stopping)
+        return bf_fail(err, BF_ECONFLICT, "", "the study %s: it is %s",
+                       is_stopping ? "is being cancelled" : "has ended",
+                       api_study_state_word(state));
+    if (context->change == API_STUDY_PAUSE && is_paused)
+        return bf_fail(err, BF_ECONFLICT, "", "the study is paused already");
+    if (context->change == API_STUDY_RESUME && !is_paused)
+        return bf_fail(err, BF_ECONFLICT, "", "the study is not paused: it is %s",
+                       api_study_state_word(state));
+    if (context->change == API_STUDY_CANCEL)
+        row->stop_request = STORE_STOP_CANCEL;
+    else
+        row->study.state = context->change == API_STUDY_PAUSE ? API_STUDY_PAUSED : API_STUDY_QUEUED;
+    return store__save_study(writer, row, err);
+}
+
+bf_status store_change_study(store *s, const char *id, uint64_t revision, api_study_change change,
+                             api_study *ret_study, bf_error *err)
+{
+    change_context context = { .id = id, .revision = revision, .change = change };
+
+    bf_status status = store__write_freeing(s, apply_change, &context, err);
+    if (status == BF_OK)
+        *ret_study = context.row.study;
+    return status;
+}
+
+static bf_status apply_remove(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    change_context *context = operation->context;
+
+    bf_status status = find_changed(writer, operation, err);
+    context->row.stop_request = STORE_STOP_KILL;
+    return status == BF_OK ? store__save_study(writer, &context->row, err) : status;
+}
+
+bf_status store_remove_study(store *s, const char *id, uint64_t revision, bf_error *err)
+{
+    change_context context = { .id = id, .revision = revision };
+
+    return store__write_freeing(s, apply_remove, &context, err);
+}
+
+static bf_status read_text(store__connection *reader, const char *id, api_study_text which,
+                           bf_buffer *out, bf_error *err)
+{
+    store__study row;
+    bool has_row = false;
+
+    bf_status status = store__find_study(reader, id, &row, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_GET_STUDY_TEXT);
+    store__bind_integer(&q, row.rowid);
+    store__bind_integer(&q, which);
+    status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__column_bytes(&q, 0, out, err);
+    store__end(&q);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ECONFLICT, "", "no trial of the study has ended yet");
+    return status;
+}
+
+bf_status store_read_study(store *s, const char *id, api_study_text which, bf_buffer *out,
+                           bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = read_text(reader, id, which, out, err);
+    store__release_reader(&s->pool, reader);
+    return status;
+}

@@ -1,0 +1,311 @@
+// Trials of studies: a step of a study writes the ends of some and the begins of others in one transaction, so that who works
+// on it goes on from any step. What is known of a trial's run stands in the run.
+
+#include "server/store/columns.h"
+#include "server/store/studies_priv.h"
+#include "server/store/submit.h"
+
+#include "core/base/memory.h"
+#include "server/base/run_id.h"
+
+#include <stdio.h>
+
+enum { TRIALS_A_STEP = 1000 }; // that are removed in one transaction
+
+static uint64_t count_ended(const api_study *about)
+{
+    uint64_t n = 0;
+
+    for (size_t state = 0; state < API_TRIAL_STATES; state++)
+        n += about->n_ended[state];
+    return n;
+}
+
+static void bind_end(store__query *q, const api_trial *trial, uint64_t ended)
+{
+    store__bind_integer(q, trial->state);
+    store__bind_integer(q, (int64_t)ended);
+}
+
+static void bind_outcome(store__query *q, const api_trial *trial)
+{
+    store__bind_blob(q, trial->values, trial->n_values * sizeof *trial->values);
+    store__bind_code(q, trial->fault.code);
+    store__bind_text(q, trial->fault.pointer, strlen(trial->fault.pointer));
+    store__bind_text(q, trial->fault.text, strlen(trial->fault.text));
+}
+
+static bf_status end_trial(store__connection *writer, store__study *row, const api_trial *trial,
+                           bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_END_TRIAL);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, (int64_t)trial->number);
+    bind_end(&q, trial, count_ended(&row->study) + 1);
+    bind_outcome(&q, trial);
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK && sqlite3_changes(writer->db) == 1)
+        row->study.n_ended[trial->state]++;
+    return status;
+}
+
+static bf_status insert_trial(store__connection *writer, store__study *row,
+                              const store_trial_begin *begin, bf_error *err)
+{
+    const api_trial *trial = &begin->trial;
+    const bool has_ended = api_trial_state_is_end(trial->state);
+
+    store__query q = store__begin(writer, STORE__SQL_INSERT_TRIAL);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, (int64_t)trial->number);
+    store__bind_integer(&q, (int64_t)trial->point);
+    store__bind_integer(&q, trial->model);
+    store__bind_integer(&q, (int64_t)trial->substream);
+    bind_end(&q, trial, has_ended ? count_ended(&row->study) + 1 : 0);
+    store__bind_text(&q, begin->run, strlen(begin->run));
+    store__bind_blob(&q, trial->parameters, trial->n_parameters * sizeof *trial->parameters);
+    bind_outcome(&q, trial);
+    bf_status status = store__run(&q, err);
+    if (status == BF_OK) {
+        row->study.n_trials++;
+        row->study.n_ended[trial->state] += has_ended;
+    }
+    return status;
+}
+
+static bf_status begin_trial(store__connection *writer, store__study *row, store_trial_begin *begin,
+                             bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    if (begin->trial.number != row->study.n_trials)
+        return bf_fail(err, BF_ECORRUPT, "", "a study's trials have a gap");
+    begin->run[0] = '\0';
+    if (begin->submission != NULL)
+        status = store__submit_trial(writer, begin->submission, row->study.id, begin->run, err);
+    return status == BF_OK ? insert_trial(writer, row, begin, err) : status;
+}
+
+/// A step, and the study that it is of.
+typedef struct step_context {
+    store *store;
+    const store_study_step *step;
+    store__study row;
+} step_context;
+
+static bf_status write_trials(store__connection *writer, step_context *context, bf_error *err)
+{
+    const store_study_step *step = context->step;
+    store__study *row = &context->row;
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < step->n_ends && status == BF_OK; k++)
+        status = end_trial(writer, row, &step->ends[k], err);
+    if (step->n_begins > 0 && status == BF_OK)
+        status = store__check_room(context->store, err);
+    for (size_t k = 0; k < step->n_begins && status == BF_OK; k++)
+        status = begin_trial(writer, row, &step->begins[k], err);
+    return status;
+}
+
+static bf_status apply_step(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    step_context *context = operation->context;
+    const store_study_step *step = context->step;
+    store__study *row = &context->row;
+
+    bf_status status = store__find_study(writer, step->id, row, err);
+    if (status != BF_OK)
+        return status;
+    const bool is_running =
+        row->study.state == API_STUDY_RUNNING && row->stop_request == STORE_STOP_NONE;
+    if (api_study_state_is_end(row->study.state) || (step->n_begins > 0 && !is_running))
+        return bf_fail(err, BF_ECONFLICT, "", "the study is %s",
+                       api_study_state_word(row->study.state));
+    status = write_trials(writer, context, err);
+    if (status == BF_OK && step->best != NULL)
+        status = store__put_study_text(writer, row, API_STUDY_BEST, step->best, err);
+    if (status == BF_OK && step->state < API_STUDY_STATES) {
+        row->study.error = step->error;
+        status = store__move_study(row, step->state, err);
+    }
+    memcpy(operation->changed, row->study.id, API_ID_SIZE);
+    return status == BF_OK ? store__save_study(writer, row, err) : status;
+}
+
+bf_status store_step_study(store *s, const store_study_step *step, api_study *ret_study,
+                           bf_error *err)
+{
+    step_context context = { .store = s, .step = step };
+
+    // Ends need no room of their own, begins have checked for theirs.
+    bf_status status = store__write_freeing(s, apply_step, &context, err);
+    if (status == BF_OK)
+        *ret_study = context.row.study;
+    return status;
+}
+
+static bool read_doubles(const store__query *q, int column, double *ret_values, size_t size,
+                         size_t *ret_n)
+{
+    const size_t n_bytes = (size_t)sqlite3_column_bytes(q->statement, column);
+    const void *bytes = sqlite3_column_blob(q->statement, column);
+
+    *ret_n = n_bytes / sizeof(double);
+    if (n_bytes % sizeof(double) != 0 || *ret_n > size)
+        return false;
+    if (n_bytes > 0)
+        memcpy(ret_values, bytes, n_bytes);
+    return true;
+}
+
+// Of an open trial the state is that of its run: one that has ended will be told of soon.
+static api_trial_state state_of(const store__query *q, int state, int column)
+{
+    if (state != API_TRIAL_QUEUED)
+        return (api_trial_state)state;
+    return sqlite3_column_int(q->statement, column) == RUN_QUEUED ? API_TRIAL_QUEUED
+                                                                  : API_TRIAL_RUNNING;
+}
+
+static bf_status read_trial(const store__query *q, api_trial *ret_trial, bf_error *err)
+{
+    api_trial t = { .number = (uint64_t)sqlite3_column_int64(q->statement, 0),
+                    .point = (uint64_t)sqlite3_column_int64(q->statement, 1),
+                    .model = (run_model)sqlite3_column_int(q->statement, 2),
+                    .substream = (uint64_t)sqlite3_column_int64(q->statement, 3),
+                    .ended = (uint64_t)sqlite3_column_int64(q->statement, 5) };
+    const int state = sqlite3_column_int(q->statement, 4);
+
+    store__column_text(q, 6, t.run, sizeof t.run);
+    t.fault.code = store__column_code(q, 9);
+    store__column_text(q, 10, t.fault.pointer, sizeof t.fault.pointer);
+    store__column_text(q, 11, t.fault.text, sizeof t.fault.text);
+    if ((unsigned)t.model >= RUN_MODEL_COUNT || (unsigned)state >= API_TRIAL_STATES ||
+        !read_doubles(q, 7, t.parameters, STUDY_PARAMETERS, &t.n_parameters) ||
+        !read_doubles(q, 8, t.values, STUDY_VALUES, &t.n_values))
+        return bf_fail(err, BF_ECORRUPT, "", "the stored trial %llu is damaged",
+                       (unsigned long long)t.number);
+    t.state = state_of(q, state, 12);
+    *ret_trial = t;
+    return BF_OK;
+}
+
+static const store__sql orders[] = { [API_TRIALS_BY_NUMBER] = STORE__SQL_LIST_TRIALS,
+                                     [API_TRIALS_BY_END] = STORE__SQL_LIST_ENDED_TRIALS,
+                                     [API_TRIALS_OPEN] = STORE__SQL_LIST_OPEN_TRIALS };
+
+// A page of trials, which is given on without a reader.
+static bf_status read_page(store *s, const char *id, const api_trial_query *query,
+                           api_trial *ret_trials, size_t *ret_n, bf_error *err)
+{
+    store__connection *reader = NULL;
+    store__study row = { .rowid = 0 };
+    bool has_row = true;
+    size_t n = 0;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = store__find_study(reader, id, &row, err);
+    store__query q = store__begin(reader, orders[query->order]);
+    store__bind_integer(&q, row.rowid);
+    store__bind_integer(&q, (int64_t)query->from);
+    store__bind_integer(&q, (int64_t)query->limit);
+    while (status == BF_OK) {
+        status = store__next(&q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        status = read_trial(&q, &ret_trials[n], err);
+        n += status == BF_OK;
+    }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    *ret_n = n;
+    return status;
+}
+
+bf_status store_read_trials(store *s, const char *id, const api_trial_query *query,
+                            api_trial_fn *take, void *take_context, bf_error *err)
+{
+    size_t n = 0;
+
+    if (query->limit < 1 || query->limit > API_TRIALS_PAGE_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d trials, not %zu",
+                       API_TRIALS_PAGE_MAX, query->limit);
+    api_trial *trials = memory_alloc(query->limit, sizeof *trials);
+    if (trials == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = read_page(s, id, query, trials, &n, err);
+    for (size_t k = 0; k < n && status == BF_OK; k++)
+        status = take(take_context, &trials[k], err);
+    memory_free(trials);
+    return status;
+}
+
+bf_status store_find_run_of_study(store *s, const char *id, api_run *ret_run, bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = false;
+    store__row row;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    status = store__find_first(reader, STORE__SQL_NEXT_RUN_OF_STUDY, id, &row, &has_row, err);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "the study has no runs");
+    if (status == BF_OK)
+        *ret_run = row.run;
+    return status;
+}
+
+/// A study that is removed step by step.
+typedef struct forget_context {
+    const char *id;
+    bool is_over; ///< nothing is left
+} forget_context;
+
+static bf_status delete_rows(store__connection *writer, const store__study *row, bool *ret_is_over,
+                             bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_DELETE_TRIALS);
+    store__bind_integer(&q, row->rowid);
+    store__bind_integer(&q, TRIALS_A_STEP);
+    bf_status status = store__run(&q, err);
+    if (status != BF_OK || sqlite3_changes(writer->db) == TRIALS_A_STEP)
+        return status;
+    *ret_is_over = true;
+    q = store__begin(writer, STORE__SQL_DELETE_STUDY);
+    store__bind_integer(&q, row->rowid);
+    return store__run(&q, err);
+}
+
+static bf_status apply_forget(store__connection *writer, store__operation *operation, bf_error *err)
+{
+    forget_context *context = operation->context;
+    bool has_run = false;
+    store__study row;
+    store__row left;
+
+    bf_status status = store__find_study(writer, context->id, &row, err);
+    if (status == BF_OK)
+        status = store__find_first(writer, STORE__SQL_NEXT_RUN_OF_STUDY, context->id, &left,
+                                   &has_run, err);
+    if (status == BF_OK && (has_run || (row.stop_request != STORE_STOP_KILL &&
+                                        !api_study_state_is_end(row.study.state))))
+        return bf_fail(err, BF_ECONFLICT, "", "the study is at work or has runs");
+    memcpy(operation->changed, row.study.id, API_ID_SIZE);
+    return status == BF_OK ? delete_rows(writer, &row, &context->is_over, err) : status;
+}
+
+bf_status store_forget_study(store *s, const char *id, bf_error *err)
+{
+    forget_context context = { .id = id };
+    bf_status status = BF_OK;
+
+    while (status == BF_OK && !context.is_over)
+        status = store__write_freeing(s, apply_forget, &context, err);
+    return status;
+}

@@ -1,0 +1,495 @@
+// Unit tests of the store: studies, their trials, and whose run is next. I1 ... I17 are the invariants of
+// server/store/store.h.
+
+#include "tests/unit/server/helper_store.h"
+
+#include "server/store/backup.h"
+#include "server/store/studies.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void fill(bf_buffer *buffer, const char *text)
+{
+    assert_int_equal(buffer_append(buffer, text, strlen(text)), BF_OK);
+}
+
+static bf_status try_submit(store *s, const char *owner, int priority, const char *key,
+                            const char *body, api_acceptance *ret_accepted)
+{
+    api_study_submission submission = { .method = STUDY_GRID,
+                                        .model = RUN_MACRO,
+                                        .priority = priority,
+                                        .trials_max = 9,
+                                        .body = body };
+
+    snprintf(submission.name, sizeof submission.name, "which angle");
+    snprintf(submission.owner, sizeof submission.owner, "%s", owner);
+    snprintf(submission.key, sizeof submission.key, "%s", key);
+    submission.n_body = strlen(body);
+    fill(&submission.document, "{\"base\":{}}");
+    fill(&submission.columns, "[]");
+    *ret_accepted = (api_acceptance){ .revision = 0 };
+    bf_status status = store_submit_study(s, &submission, ret_accepted, NULL);
+    buffer_fini(&submission.document);
+    buffer_fini(&submission.columns);
+    buffer_fini(&ret_accepted->answer);
+    return status;
+}
+
+static api_study submit_study(store *s, const char *owner, int priority)
+{
+    api_acceptance accepted;
+    api_study found;
+
+    assert_int_equal(try_submit(s, owner, priority, "", "", &accepted), BF_OK);
+    assert_int_equal(store_find_study(s, accepted.id, &found, NULL), BF_OK);
+    return found;
+}
+
+static bf_status move(store *s, const char *id, api_study_state to)
+{
+    api_study after;
+
+    return store_step_study(s, &(store_study_step){ .id = id, .state = to }, &after, NULL);
+}
+
+static api_study start_study(store *s, const char *owner, int priority)
+{
+    api_study found = submit_study(s, owner, priority);
+
+    assert_int_equal(move(s, found.id, API_STUDY_RUNNING), BF_OK);
+    return found;
+}
+
+// Begin n trials from number `from` on, whose scenarios follow from their numbers.
+static bf_status begin_trials(store *s, const api_study *of, uint64_t from, size_t n,
+                              char (*ret_runs)[API_ID_SIZE])
+{
+    api_submission submissions[8] = { { .model = RUN_MACRO } };
+    store_trial_begin begins[8] = { { .submission = NULL } };
+    store_study_step step = {
+        .id = of->id, .n_begins = n, .begins = begins, .state = API_STUDY_STATES
+    };
+    char text[32];
+    api_study after;
+
+    assert_in_range(n, 1, 8);
+    for (size_t k = 0; k < n; k++) {
+        snprintf(text, sizeof text, "{\"duration_s\":%d}", (int)(from + k));
+        fill(&submissions[k].scenario, text);
+        fill(&submissions[k].identity, text);
+        fill(&submissions[k].columns, "upstream,left_domain");
+        snprintf(submissions[k].owner, sizeof submissions[k].owner, "%s", of->owner);
+        begins[k] = (store_trial_begin){ .trial = { .number = from + k,
+                                                    .point = from + k,
+                                                    .model = RUN_MACRO,
+                                                    .n_parameters = 1,
+                                                    .parameters = { (double)(from + k) } },
+                                         .submission = &submissions[k] };
+    }
+    bf_status status = store_step_study(s, &step, &after, NULL);
+    for (size_t k = 0; k < n; k++) {
+        if (ret_runs != NULL)
+            memcpy(ret_runs[k], begins[k].run, API_ID_SIZE);
+        buffer_fini(&submissions[k].scenario);
+        buffer_fini(&submissions[k].identity);
+        buffer_fini(&submissions[k].columns);
+    }
+    return status;
+}
+
+static bf_status end_trial(store *s, const api_study *of, uint64_t number, api_trial_state state)
+{
+    const api_trial end = {
+        .number = number, .state = state, .n_values = 2, .values = { 0.1 * (double)number, NAN }
+    };
+    const store_study_step step = {
+        .id = of->id, .n_ends = 1, .ends = &end, .state = API_STUDY_STATES
+    };
+    api_study after;
+
+    return store_step_study(s, &step, &after, NULL);
+}
+
+// Trials as they are read.
+typedef struct reading {
+    size_t n;
+    api_trial trials[16];
+} reading;
+
+static bf_status take(void *context, const api_trial *trial, bf_error *err)
+{
+    reading *r = context;
+
+    (void)err;
+    r->trials[r->n++] = *trial;
+    return BF_OK;
+}
+
+static reading read_trials(store *s, const api_study *of, api_trial_order order, uint64_t from)
+{
+    const api_trial_query query = { .order = order, .from = from, .limit = 16 };
+    reading r = { .n = 0 };
+
+    assert_int_equal(store_read_trials(s, of->id, &query, take, &r, NULL), BF_OK);
+    return r;
+}
+
+static api_study find_study(store *s, const char *id)
+{
+    api_study found;
+
+    assert_int_equal(store_find_study(s, id, &found, NULL), BF_OK);
+    return found;
+}
+
+static void note_fault(void *context, const char *name, const char *claim, const char *finding)
+{
+    (void)context;
+    if (finding != NULL)
+        fail_msg("%s: %s: %s", name, claim, finding);
+}
+
+static void check_soundness(const helper_store *h)
+{
+    char path[128];
+    bool is_sound = false;
+
+    snprintf(path, sizeof path, "%s/beltflow.db", h->directory);
+    assert_int_equal(store_verify(path, note_fault, NULL, &is_sound, NULL), BF_OK);
+    assert_true(is_sound);
+}
+
+static void a_study_is_there_with_its_texts_after_a_restart(void **state)
+{
+    helper_store *h = *state;
+    bf_buffer text = { 0 };
+
+    const api_study before = submit_study(h->store, "alice", 3);
+    helper_store_close(h);
+    helper_store_open(h);
+    const api_study after = find_study(h->store, before.id);
+    assert_string_equal(after.name, "which angle");
+    assert_string_equal(after.owner, "alice");
+    assert_int_equal(after.state, API_STUDY_QUEUED);
+    assert_int_equal(after.priority, 3);
+    assert_int_equal(after.trials_max, 9);
+    assert_int_equal(after.revision, 1);
+    assert_int_equal(store_read_study(h->store, before.id, API_STUDY_DOCUMENT, &text, NULL), BF_OK);
+    assert_string_equal(text.bytes, "{\"base\":{}}");
+    assert_int_equal(store_read_study(h->store, before.id, API_STUDY_BEST, &text, NULL),
+                     BF_ECONFLICT);
+    buffer_fini(&text);
+}
+
+// I11
+static void a_key_makes_one_study(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_acceptance first, second;
+    api_study_list list;
+
+    assert_int_equal(try_submit(s, "", 0, "k", "one", &first), BF_OK);
+    assert_int_equal(try_submit(s, "", 0, "k", "one", &second), BF_OK);
+    assert_true(second.is_replay);
+    assert_string_equal(first.id, second.id);
+    assert_int_equal(try_submit(s, "", 0, "k", "two", &second), BF_EINPUT);
+    assert_int_equal(
+        store_list_studies(s, &(api_study_query){ .state = -1, .limit = 9 }, &list, NULL), BF_OK);
+    assert_int_equal(list.n, 1);
+    // A run may have the same key: it is another route's.
+    api_submission submission = { .model = RUN_MACRO, .key = "k", .body = "one", .n_body = 3 };
+    fill(&submission.columns, "upstream,left_domain");
+    helper_accept(s, &submission);
+    buffer_fini(&submission.columns);
+}
+
+static void studies_are_listed_newest_first_by_state_and_owner(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study a = submit_study(s, "alice", 0), b = submit_study(s, "bob", 0),
+                    c = start_study(s, "alice", 0);
+    api_study_list list;
+    api_study_query query = { .state = -1, .limit = 2 };
+
+    assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
+    assert_int_equal(list.n, 2);
+    assert_true(list.has_more);
+    assert_string_equal(list.items[0].id, c.id);
+    memcpy(query.before, list.items[1].id, sizeof query.before);
+    assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
+    assert_int_equal(list.n, 1);
+    assert_string_equal(list.items[0].id, a.id);
+    query = (api_study_query){ .state = API_STUDY_QUEUED, .owner = "bob", .limit = 2 };
+    assert_int_equal(store_list_studies(s, &query, &list, NULL), BF_OK);
+    assert_int_equal(list.n, 1);
+    assert_string_equal(list.items[0].id, b.id);
+}
+
+static void trials_are_read_by_number_by_end_and_as_far_as_they_are_open(void **state)
+{
+    helper_store *h = *state;
+    store *s = h->store;
+    const api_study of = start_study(s, "", 0);
+
+    assert_int_equal(begin_trials(s, &of, 0, 3, NULL), BF_OK);
+    const api_run first = helper_claim(s);
+    assert_string_equal(first.study, of.id);
+    reading all = read_trials(s, &of, API_TRIALS_BY_NUMBER, 0);
+    assert_int_equal(all.n, 3);
+    assert_int_equal(all.trials[0].state, API_TRIAL_RUNNING);
+    assert_int_equal(all.trials[1].state, API_TRIAL_QUEUED);
+    assert_string_equal(all.trials[0].run, first.id);
+    assert_true(all.trials[2].parameters[0] == 2.0);
+    assert_int_equal(end_trial(s, &of, 2, API_TRIAL_FAILED), BF_OK);
+    assert_int_equal(end_trial(s, &of, 0, API_TRIAL_SUCCEEDED), BF_OK);
+    // One that has ended ends no further time.
+    assert_int_equal(end_trial(s, &of, 2, API_TRIAL_SUCCEEDED), BF_OK);
+    reading ended = read_trials(s, &of, API_TRIALS_BY_END, 1);
+    assert_int_equal(ended.n, 2);
+    assert_int_equal(ended.trials[0].number, 2);
+    assert_int_equal(ended.trials[0].state, API_TRIAL_FAILED);
+    assert_int_equal(ended.trials[1].number, 0);
+    assert_int_equal(ended.trials[1].ended, 2);
+    assert_true(isnan(ended.trials[1].values[1]));
+    assert_int_equal(read_trials(s, &of, API_TRIALS_BY_END, 2).n, 1);
+    reading open = read_trials(s, &of, API_TRIALS_OPEN, 0);
+    assert_int_equal(open.n, 1);
+    assert_int_equal(open.trials[0].number, 1);
+    const api_study after = find_study(s, of.id);
+    assert_int_equal(after.n_trials, 3);
+    assert_int_equal(after.n_ended[API_TRIAL_SUCCEEDED], 1);
+    assert_int_equal(after.n_ended[API_TRIAL_FAILED], 1);
+    check_soundness(h);
+}
+
+// I17
+static void trials_with_a_gap_are_refused(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+
+    assert_int_equal(begin_trials(s, &of, 1, 1, NULL), BF_ECORRUPT);
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    assert_int_equal(begin_trials(s, &of, 1, 2, NULL), BF_ECORRUPT);
+    assert_int_equal(find_study(s, of.id).n_trials, 2);
+}
+
+static void the_same_trial_of_another_study_has_its_results_at_once(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study a = start_study(s, "", 0), b = start_study(s, "", 0);
+    char runs[1][API_ID_SIZE];
+    api_run after;
+
+    assert_int_equal(begin_trials(s, &a, 0, 1, NULL), BF_OK);
+    const api_run solved = helper_claim(s);
+    const store_ending ending = { .run_id = solved.id, .state = RUN_SUCCEEDED };
+    assert_int_equal(store_finish(s, &ending, &after, NULL), BF_OK);
+    assert_int_equal(begin_trials(s, &b, 0, 1, runs), BF_OK);
+    const api_run reused = helper_find(s, runs[0]);
+    assert_int_equal(reused.state, RUN_SUCCEEDED);
+    assert_true(reused.is_cached);
+    // The results of a trial have no snapshots, so a run by itself is solved.
+    api_submission submission = { .model = RUN_MACRO };
+    fill(&submission.scenario, "{\"duration_s\":0}");
+    fill(&submission.identity, "{\"duration_s\":0}");
+    fill(&submission.columns, "upstream,left_domain");
+    assert_int_equal(helper_accept(s, &submission).state, RUN_QUEUED);
+    buffer_fini(&submission.scenario);
+    buffer_fini(&submission.identity);
+    buffer_fini(&submission.columns);
+}
+
+static void a_run_by_itself_comes_before_trials(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 100);
+    store_job job = { 0 };
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    const api_run single = helper_submit(s, "", -100);
+    assert_string_equal(helper_claim(s).id, single.id);
+    assert_int_equal(store_claim(s, false, &job, NULL), BF_ENOTFOUND);
+    assert_string_equal(helper_claim(s).study, of.id);
+}
+
+// The studies of the next trials, as the letters of their names in `of`.
+static void expect_turns(store *s, const api_study *of, const char *letters)
+{
+    for (; *letters != '\0'; letters++)
+        assert_string_equal(helper_claim(s).study, of[*letters - 'a'].id);
+}
+
+static void studies_take_turns_and_so_do_their_owners(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of[] = { start_study(s, "alice", 0), start_study(s, "alice", 0),
+                             start_study(s, "bob", 0), start_study(s, "bob", 1) };
+
+    for (size_t k = 0; k < 3; k++)
+        assert_int_equal(begin_trials(s, &of[k], 0, 4, NULL), BF_OK);
+    assert_int_equal(begin_trials(s, &of[3], 0, 1, NULL), BF_OK);
+    // The one with the higher priority, and then alice, as bob was served last.
+    expect_turns(s, of,
+                 "dacbc"
+                 "acbc");
+}
+
+static void what_is_paused_begins_no_trial_until_it_goes_on(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    store_study work[4];
+    store_job job = { 0 };
+    api_study after;
+    size_t n = 0;
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    assert_int_equal(store_change_study(s, of.id, 1, API_STUDY_PAUSE, &after, NULL), BF_EINPUT);
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_RESUME, &after, NULL),
+                     BF_ECONFLICT);
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_PAUSE, &after, NULL),
+                     BF_OK);
+    assert_int_equal(after.state, API_STUDY_PAUSED);
+    assert_int_equal(store_claim(s, true, &job, NULL), BF_ENOTFOUND);
+    assert_int_equal(begin_trials(s, &of, 2, 1, NULL), BF_ECONFLICT);
+    assert_int_equal(end_trial(s, &of, 1, API_TRIAL_SUCCEEDED), BF_OK);
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_RESUME, &after, NULL),
+                     BF_OK);
+    assert_int_equal(store_list_work(s, STORE_STUDIES_QUEUED, 4, work, &n, NULL), BF_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(move(s, of.id, API_STUDY_RUNNING), BF_OK);
+    assert_string_equal(helper_claim(s).study, of.id);
+}
+
+static void what_is_to_be_cancelled_begins_no_trial_and_ends_once(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    store_study work[4];
+    store_job job = { 0 };
+    api_study after;
+    size_t n = 0;
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_CANCEL, &after, NULL),
+                     BF_OK);
+    assert_int_equal(after.state, API_STUDY_RUNNING);
+    assert_int_equal(store_change_study(s, of.id, API_ANY_REVISION, API_STUDY_PAUSE, &after, NULL),
+                     BF_ECONFLICT);
+    assert_int_equal(store_claim(s, true, &job, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_list_work(s, STORE_STUDIES_TO_STOP, 4, work, &n, NULL), BF_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(work[0].stop_request, STORE_STOP_CANCEL);
+    assert_int_equal(end_trial(s, &of, 0, API_TRIAL_CANCELLED), BF_OK);
+    assert_int_equal(end_trial(s, &of, 1, API_TRIAL_CANCELLED), BF_OK);
+    assert_int_equal(move(s, of.id, API_STUDY_CANCELLED), BF_OK);
+    assert_int_equal(move(s, of.id, API_STUDY_RUNNING), BF_ECONFLICT);
+    assert_true(find_study(s, of.id).finished_ms > 0);
+    assert_int_equal(store_list_work(s, STORE_STUDIES_TO_STOP, 4, work, &n, NULL), BF_OK);
+    assert_int_equal(n, 0);
+}
+
+// I9
+static void a_study_goes_with_all_it_has_when_its_runs_have_gone(void **state)
+{
+    helper_store *h = *state;
+    store *s = h->store;
+    const api_study of = start_study(s, "", 0);
+    api_study found;
+    api_run left;
+
+    assert_int_equal(begin_trials(s, &of, 0, 2, NULL), BF_OK);
+    assert_int_equal(store_forget_study(s, of.id, NULL), BF_ECONFLICT);
+    assert_int_equal(store_remove_study(s, of.id, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(store_find_study(s, of.id, &found, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_remove_study(s, of.id, API_ANY_REVISION, NULL), BF_ENOTFOUND);
+    assert_int_equal(store_forget_study(s, of.id, NULL), BF_ECONFLICT);
+    while (store_find_run_of_study(s, of.id, &left, NULL) == BF_OK)
+        assert_int_equal(store_remove(s, left.id, API_ANY_REVISION, NULL), BF_OK);
+    assert_int_equal(store_forget_study(s, of.id, NULL), BF_OK);
+    check_soundness(h);
+    helper_store_close(h);
+    assert_int_equal(helper_store_sql(h, "SELECT (SELECT count(*) FROM studies) + (SELECT count(*) "
+                                         "FROM trials) + (SELECT count(*) FROM study_texts) + "
+                                         "(SELECT count(*) FROM runs)"),
+                     0);
+    helper_store_open(h);
+}
+
+static void lists_of_runs_have_trials_only_where_they_are_asked_for(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    const api_run single = helper_submit(s, "", 0);
+    api_list_query query = { .state = -1, .model = -1, .limit = 9 };
+    api_run_list *list = calloc(1, sizeof *list);
+
+    assert_int_equal(begin_trials(s, &of, 0, 3, NULL), BF_OK);
+    assert_int_equal(store_list(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 1);
+    assert_string_equal(list->runs[0].id, single.id);
+    query.state = RUN_QUEUED;
+    assert_int_equal(store_list(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 1);
+    memcpy(query.study, of.id, sizeof query.study);
+    assert_int_equal(store_list(s, &query, list, NULL), BF_OK);
+    assert_int_equal(list->n, 3);
+    free(list);
+}
+
+// A study's runs, which it lets wait a few at a time, are none of the queue that clients fill.
+static void trials_take_no_room_in_the_queue(void **state)
+{
+    helper_store *h = *state;
+    const api_study of = start_study(h->store, "alice", 0);
+    api_quotas quotas;
+
+    store_set_queue_limit(h->store, 1);
+    assert_int_equal(begin_trials(h->store, &of, 0, 8, NULL), BF_OK);
+    assert_int_equal(store_read_quotas(h->store, "alice", &quotas, NULL), BF_OK);
+    assert_int_equal(quotas.waiting.used, 0);
+    helper_submit(h->store, "", 0);
+}
+
+// I17: the value that the study is to be told would be lost.
+static void retention_leaves_runs_of_trials_that_are_open(void **state)
+{
+    helper_store *h = *state;
+    const api_study of = start_study(h->store, "", 0);
+
+    assert_int_equal(begin_trials(h->store, &of, 0, 2, NULL), BF_OK);
+    const api_run ended = helper_claim(h->store), open = helper_claim(h->store);
+    helper_finish(h->store, ended.id, RUN_SUCCEEDED);
+    helper_finish(h->store, open.id, RUN_SUCCEEDED);
+    assert_int_equal(end_trial(h->store, &of, 0, API_TRIAL_SUCCEEDED), BF_OK);
+    store_set_retention(h->store, &(store_retention){ .n_bytes = 1 });
+    helper_await_sql(h, "SELECT count(*) FROM runs", 1);
+    assert_string_equal(helper_find(h->store, open.id).id, open.id);
+}
+
+int main(void)
+{
+#define CASE(name) cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
+    const struct CMUnitTest tests[] = {
+        CASE(a_study_is_there_with_its_texts_after_a_restart),
+        CASE(a_key_makes_one_study),
+        CASE(studies_are_listed_newest_first_by_state_and_owner),
+        CASE(trials_are_read_by_number_by_end_and_as_far_as_they_are_open),
+        CASE(trials_with_a_gap_are_refused),
+        CASE(the_same_trial_of_another_study_has_its_results_at_once),
+        CASE(a_run_by_itself_comes_before_trials),
+        CASE(studies_take_turns_and_so_do_their_owners),
+        CASE(what_is_paused_begins_no_trial_until_it_goes_on),
+        CASE(what_is_to_be_cancelled_begins_no_trial_and_ends_once),
+        CASE(a_study_goes_with_all_it_has_when_its_runs_have_gone),
+        CASE(lists_of_runs_have_trials_only_where_they_are_asked_for),
+        CASE(trials_take_no_room_in_the_queue),
+        CASE(retention_leaves_runs_of_trials_that_are_open),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
