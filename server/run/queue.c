@@ -112,8 +112,7 @@ static size_t count_solving(const supervisor *s, bool with_trials)
     size_t n = 0;
 
     for (size_t i = 0; i < s->n_tasks; i++)
-        n += !s->tasks[i]->is_solved &&
-             (with_trials || s->tasks[i]->claimed.run.study[0] == '\0');
+        n += !s->tasks[i]->is_solved && (with_trials || s->tasks[i]->claimed.run.study[0] == '\0');
     return n;
 }
 
