@@ -19,7 +19,7 @@ struct store__appending {
     size_t n_columns;   ///< of them
     bool has_changes;   ///< the next one is known
     uint64_t n_changes; ///< changes of the run that are stored
-    size_t n_bytes;     ///< of samples that were stored
+    size_t n_bytes;     ///< of what was stored for the results, not counted there yet
 };
 
 /// The operation of store_begin_append(); freed by finish_append().
@@ -205,7 +205,8 @@ static bf_status append_snapshot(store__connection *writer, store__appending *co
                                  bf_error *err)
 {
     return store__append_snapshot(writer, &context->row, &context->batch->items[i],
-                                  compressed_grid(context, i), compressed_parts(context, i), err);
+                                  compressed_grid(context, i), compressed_parts(context, i),
+                                  &context->n_bytes, err);
 }
 
 static bf_status replace_figures(store__connection *writer, store__row *row, const store_item *item,

@@ -61,7 +61,7 @@ static bf_status check_stored(store__connection *writer, const store__row *row, 
     return status;
 }
 
-// What is not whole is not counted.
+// Of a snapshot that came in pieces, when it is whole.
 static bf_status count_bytes(store__connection *writer, const store__row *row, uint64_t index,
                              bf_error *err)
 {
@@ -89,7 +89,7 @@ static bf_status complete(store__connection *writer, store__row *row, const stor
         status = check_stored(writer, row, STORE__BLOB_PARTS, index, n_parts, err);
     if (status == BF_OK)
         status = insert_snapshot(writer, row->results, &item->snapshot, err);
-    if (status == BF_OK)
+    if (status == BF_OK && item->rho_at + item->parts_at > 0)
         status = count_bytes(writer, row, index, err);
     if (status == BF_OK)
         status = store__insert_event(writer, row, API_EVENT_SNAPSHOT, index, &item->event, err);
@@ -99,7 +99,8 @@ static bf_status complete(store__connection *writer, store__row *row, const stor
 }
 
 bf_status store__append_snapshot(store__connection *writer, store__row *row, const store_item *item,
-                                 const bf_buffer *grid, const bf_buffer *parts, bf_error *err)
+                                 const bf_buffer *grid, const bf_buffer *parts, size_t *n_bytes,
+                                 bf_error *err)
 {
     const uint64_t index = item->snapshot.index, n_stored = row->run.n_snapshots;
 
@@ -114,5 +115,9 @@ bf_status store__append_snapshot(store__connection *writer, store__row *row, con
     if (status == BF_OK)
         status = store__insert_chunks(writer, row->results, STORE__BLOB_PARTS, index,
                                       item->parts_at, parts, err);
-    return status != BF_OK || item->is_open ? status : complete(writer, row, item, err);
+    if (status != BF_OK || item->is_open)
+        return status;
+    if (item->rho_at + item->parts_at == 0)
+        *n_bytes += grid->n + parts->n;
+    return complete(writer, row, item, err);
 }

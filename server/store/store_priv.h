@@ -223,10 +223,12 @@ BF_MUST_CHECK bf_status store__remove_row(store__connection *writer, const store
                                           bool *ret_is_over, bf_error *err);
 
 /// Store what an item has of a snapshot, unless that is stored already; grid and parts are its arrays, compressed. The row
-/// counts a snapshot that is complete. BF_ECORRUPT: a gap, or another size.
+/// counts a snapshot that is complete; *n_bytes rises by what the caller is to add to the bytes of the results.
+/// BF_ECORRUPT: a gap, or another size.
 BF_MUST_CHECK bf_status store__append_snapshot(store__connection *writer, store__row *row,
                                                const store_item *item, const bf_buffer *grid,
-                                               const bf_buffer *parts, bf_error *err);
+                                               const bf_buffer *parts, size_t *n_bytes,
+                                               bf_error *err);
 
 /// Bytes of a snapshot's density, or of its parts where the run has a fixed number. UINT64_MAX: more than there can be.
 uint64_t store__array_bytes(const api_run *record, store__blob kind);
