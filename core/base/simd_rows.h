@@ -74,8 +74,8 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
     } };
 }
 
-/// Write columns 0 to 3 of SIMD_LANES rows of a length, doubles, that follow one another.
-static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
+/// Write columns 0 to 3 of a table's rows; a row that occurs twice must have the same values.
+static inline void simd_quad_scatter(double *table, const uint32_t *at, const simd_quad *quad)
 {
     const simd *c = quad->column;
     simd ab0 = __builtin_shufflevector(c[0], c[1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -89,9 +89,9 @@ static inline void simd_quad_store(double *rows, size_t length, const simd_quad 
         __builtin_shufflevector(ab1, cd1, 4, 5, 12, 13, 6, 7, 14, 15),
     };
     for (int k = 0; k < 4; k++) {
-        double *at = rows + (size_t)(k / 2 * 4 + k % 2) * length;
-        simd_row_store(at, __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
-        simd_row_store(at + 2 * length, __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
+        const int row = k / 2 * 4 + k % 2;
+        simd_row_store(table + at[row], __builtin_shufflevector(pair[k], pair[k], 0, 1, 2, 3));
+        simd_row_store(table + at[row + 2], __builtin_shufflevector(pair[k], pair[k], 4, 5, 6, 7));
     }
 }
 
@@ -118,13 +118,13 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
                             simd_row_load(table + at[2]), simd_row_load(table + at[3]));
 }
 
-static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
+static inline void simd_quad_scatter(double *table, const uint32_t *at, const simd_quad *quad)
 {
     const simd *c = quad->column;
     simd_quad turned = simd_quad_turned(c[0], c[1], c[2], c[3]);
 
     for (int k = 0; k < SIMD_LANES; k++)
-        simd_row_store(rows + (size_t)k * length, turned.column[k]);
+        simd_row_store(table + at[k], turned.column[k]);
 }
 
 #else
@@ -142,16 +142,26 @@ static inline simd_quad simd_quad_load(const double *table, const uint32_t *at)
     return quad;
 }
 
-static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
+static inline void simd_quad_scatter(double *table, const uint32_t *at, const simd_quad *quad)
 {
     for (int half = 0; half < 2; half++) {
         simd a = quad->column[2 * half], b = quad->column[2 * half + 1];
-        simd_store(rows + half * SIMD_LANES, (simd){ a[0], b[0] });
-        simd_store(rows + length + half * SIMD_LANES, (simd){ a[1], b[1] });
+        simd_store(table + at[0] + half * SIMD_LANES, (simd){ a[0], b[0] });
+        simd_store(table + at[1] + half * SIMD_LANES, (simd){ a[1], b[1] });
     }
 }
 
 #endif
+
+/// Write columns 0 to 3 of SIMD_LANES rows of a length, doubles, that follow one another.
+static inline void simd_quad_store(double *rows, size_t length, const simd_quad *quad)
+{
+    uint32_t at[SIMD_LANES];
+
+    for (uint32_t k = 0; k < SIMD_LANES; k++)
+        at[k] = k * (uint32_t)length;
+    simd_quad_scatter(rows, at, quad);
+}
 
 /// Write one column of SIMD_LANES rows that follow one another; rows begins at that column.
 static inline void simd_column_store(double *rows, simd x)

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "core/base/memory.h"
+#include "core/base/simd_rows.h"
 #include "core/micro/disk/disk_priv.h"
 
 enum {
@@ -89,6 +90,12 @@ static inline implicit_block *implicit_lane(const implicit_state *z, const impli
     return &z->blocks[p->block + at / IMPLICIT_WIDTH];
 }
 
+/// The row of a body of a pair, at end 0 or 1.
+static inline size_t implicit_body(const implicit_block *block, int end, size_t lane)
+{
+    return block->row[end][lane] / SIMD_QUAD;
+}
+
 /// Pair k of a piece.
 implicit_pair disk_implicit__pair(const disk_state *s, const implicit_state *z,
                                   const implicit_piece *p, size_t k);
@@ -127,6 +134,11 @@ void disk_implicit__set_pair(implicit_state *z, const implicit_piece *p, size_t 
 
 /// Set the law of pairs of parts of the first kind, z->laws[0].
 void disk_implicit__set_common_law(const disk_state *s, implicit_state *z);
+
+/// Set the law of a pair whose bodies have a gap, m.
+void disk_implicit__set_law(const disk_state *s, const implicit_state *z,
+                            const implicit_block *block, size_t lane, double gap,
+                            implicit_law *law);
 
 /// Contacts of a piece: pairs whose surfaces come nearer than `margin`, m, with the impulses of the last step,
 /// which are applied to the bodies.

@@ -1,4 +1,4 @@
-// Contacts of pairs in an implicit step: which pairs are near, where they touch, and the laws of these contacts.
+// Contacts of pairs in an implicit step: which pairs are near, where they touch, and work on them.
 
 #include "core/base/simd_rows.h"
 #include "core/micro/disk/implicit.h"
@@ -89,96 +89,17 @@ static bool find_contact_with_boundary(const disk_state *s, const disk *part, si
     return is_near;
 }
 
-// The row of a body of a pair.
-static size_t body_of(const implicit_block *block, int end, size_t lane)
-{
-    return block->row[end][lane] / SIMD_QUAD;
-}
-
 // The contact of a pair; false if it has none. Parts that left before the list was made stand behind the others.
 static bool find_contact(const disk_state *s, const implicit_state *z, const implicit_block *block,
                          size_t lane, double margin, contact_geometry *ret_m)
 {
-    const size_t a = body_of(block, 0, lane), b = body_of(block, 1, lane);
+    const size_t a = implicit_body(block, 0, lane), b = implicit_body(block, 1, lane);
 
     if (a >= s->n_live || (b >= s->n_live && b < z->first_feature))
         return false;
     return b < s->n_live ? find_contact_of_parts(&s->now[a], &s->now[b], margin, ret_m)
                          : find_contact_with_boundary(
                                s, &s->now[a], z->features[b - z->first_feature], margin, ret_m);
-}
-
-// The numbers of a law.
-typedef struct pair_law {
-    double stiffness;   // N/m
-    double damping;     // N s/m
-    double friction;    // mu
-    double rate;        // lambda, s/m
-    double lower_bound; // of J
-    double radius[2];   // m
-    double inv_mass[2]; // 1/kg
-} pair_law;
-
-static pair_law law_of_parts(const disk_state *s, const disk *a, const disk *b)
-{
-    return (pair_law){ .stiffness = s->cargo.line / (a->compliance + b->compliance),
-                       .damping = s->cargo.damping,
-                       .friction = s->cargo.friction,
-                       .rate = s->cargo.tanh_linear,
-                       .radius = { a->radius, b->radius },
-                       .inv_mass = { a->inv_mass, b->inv_mass } };
-}
-
-static pair_law law_with_boundary(const disk_state *s, const disk *part, size_t feature)
-{
-    return (pair_law){ .stiffness = s->handling.line / (part->compliance + s->handling_compliance),
-                       .damping = s->handling.damping,
-                       .friction = feature < s->n_faces ? s->faces[feature].friction
-                                                        : s->arcs[feature - s->n_faces].friction,
-                       .rate = s->handling.tanh_linear,
-                       .radius = { part->radius, 0.0 },
-                       .inv_mass = { part->inv_mass, 0.0 } };
-}
-
-static void set_law(implicit_law *law, size_t lane, const pair_law *of, double h)
-{
-    const double joint = h * of->stiffness + of->damping;
-    const double scale = 1.0 / (1.0 + h * joint * (of->inv_mass[0] + of->inv_mass[1]));
-
-    law->joint[lane] = joint;
-    law->damping[lane] = of->damping;
-    law->scale[lane] = scale;
-    law->gain[lane] = h * joint * scale;
-    law->lower_bound[lane] = of->lower_bound;
-    law->friction[lane] = of->friction;
-    law->rate[lane] = of->rate;
-    for (int end = 0; end < 2; end++) {
-        law->radius[end][lane] = of->radius[end];
-        law->inv_mass[end][lane] = of->inv_mass[end];
-    }
-}
-
-void disk_implicit__set_common_law(const disk_state *s, implicit_state *z)
-{
-    const disk *part = &s->kinds[0].part;
-    const pair_law law = law_of_parts(s, part, part);
-
-    for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
-        set_law(&z->laws[0], lane, &law, s->def.dt);
-}
-
-// The law of the contact of a pair with a gap, m.
-static void set_own_law(const disk_state *s, const implicit_state *z, const implicit_block *block,
-                        size_t lane, double gap, implicit_law *law)
-{
-    const disk *part = &s->now[body_of(block, 0, lane)];
-    const size_t b = body_of(block, 1, lane);
-    pair_law own = b < z->first_feature
-                       ? law_of_parts(s, part, &s->now[b])
-                       : law_with_boundary(s, part, z->features[b - z->first_feature]);
-
-    own.lower_bound = s->def.tension && gap < 0.0 ? -HUGE_VAL : 0.0;
-    set_law(law, lane, &own, s->def.dt);
 }
 
 // Blocks of a piece with its contacts.
@@ -191,6 +112,13 @@ static implicit_blocks blocks_of(const implicit_state *z, const implicit_piece *
                               .is_one_law = p->is_one_law };
 }
 
+// Count an overlap, m, of parts of which the smaller one has the radius `small`, m.
+static void note_overlap(implicit_piece *p, double overlap, double small)
+{
+    p->overlap = overlap > p->overlap ? overlap : p->overlap;
+    p->overlap_share = overlap > p->overlap_share * small ? overlap / small : p->overlap_share;
+}
+
 // Contact k at the front of a piece. The boundary has a body of its own for it.
 static void set_contact(const disk_state *s, implicit_state *z, implicit_piece *p, size_t k,
                         const contact_geometry *m)
@@ -198,7 +126,7 @@ static void set_contact(const disk_state *s, implicit_state *z, implicit_piece *
     const size_t at = k / IMPLICIT_WIDTH, lane = k % IMPLICIT_WIDTH;
     const implicit_block *block = &z->blocks[p->block + at];
     implicit_contacts *contacts = &z->contacts[p->block + at];
-    const size_t b = body_of(block, 1, lane);
+    const size_t b = implicit_body(block, 1, lane);
     const double small =
         m->radius[1] > 0.0 && m->radius[1] < m->radius[0] ? m->radius[1] : m->radius[0];
 
@@ -206,11 +134,10 @@ static void set_contact(const disk_state *s, implicit_state *z, implicit_piece *
     contacts->ny[lane] = m->ny;
     contacts->overlap[lane] = -m->gap;
     if (!p->is_one_law)
-        set_own_law(s, z, block, lane, m->gap, &z->laws[p->law + at]);
+        disk_implicit__set_law(s, z, block, lane, m->gap, &z->laws[p->law + at]);
     if (b >= z->first_feature)
         z->bodies.rows[b] = (solver_body){ .vx = m->vx, .vy = m->vy };
-    p->overlap = -m->gap > p->overlap ? -m->gap : p->overlap;
-    p->overlap_share = -m->gap > p->overlap_share * small ? -m->gap / small : p->overlap_share;
+    note_overlap(p, -m->gap, small);
 }
 
 // Set n doubles of a lane to zero: those of an implicit_contacts or of an implicit_law.
@@ -273,6 +200,69 @@ static void clear_rest(const implicit_state *z, const implicit_piece *p)
         if (!p->is_one_law)
             clear_lane(z->laws[p->law + at].joint, sizeof *z->laws / sizeof z->laws->joint, lane);
     }
+}
+
+// The same as bring_near() for a piece whose pairs are all of parts.
+static void bring_near_parts(const disk_state *s, const implicit_state *z, implicit_piece *p,
+                             double margin)
+{
+    implicit_block *blocks = &z->blocks[p->block];
+    const size_t end = p->n_blocks * IMPLICIT_WIDTH;
+    size_t first = end - (p->n - p->n_front);
+    _Alignas(64) implicit_contacts unused;
+
+    for (size_t block = first / IMPLICIT_WIDTH; block < p->n_blocks; block++) {
+        const size_t begin = block * IMPLICIT_WIDTH, skipped = first > begin ? first - begin : 0;
+        unsigned near =
+            z->kernels->find_contacts(s, &blocks[block], margin, &unused) >> skipped << skipped;
+        for (; near != 0; near &= near - 1) {
+            const size_t at = begin + (size_t)__builtin_ctz(near);
+            copy_pair(blocks, p->n_front++, at);
+            copy_pair(blocks, at, first++);
+        }
+    }
+}
+
+// The overlaps, and laws if each block has its own, of the first n contacts of a block of pairs of parts.
+static void note_contacts(const disk_state *s, implicit_state *z, implicit_piece *p, size_t at,
+                          size_t n)
+{
+    const implicit_block *block = &z->blocks[p->block + at];
+    const implicit_contacts *contacts = &z->contacts[p->block + at];
+    double small = s->kinds[0].part.radius;
+
+    for (size_t lane = 0; lane < n; lane++) {
+        const double overlap = contacts->overlap[lane];
+        if (!p->is_one_law) {
+            implicit_law *law = &z->laws[p->law + at];
+            disk_implicit__set_law(s, z, block, lane, -overlap, law);
+            small = law->radius[0][lane] < law->radius[1][lane] ? law->radius[0][lane]
+                                                                : law->radius[1][lane];
+        }
+        note_overlap(p, overlap, small);
+    }
+}
+
+// The contacts of a piece whose pairs are all of parts, block by block. A pair that is not near goes to the end, and
+// the one that takes its place is looked at along with its block again.
+static void find_contacts_of_parts(const disk_state *s, implicit_state *z, implicit_piece *p,
+                                   double margin)
+{
+    bring_near_parts(s, z, p, margin);
+    for (size_t first = 0; first < p->n_front;) {
+        const size_t at = first / IMPLICIT_WIDTH;
+        const size_t n = p->n_front - first < IMPLICIT_WIDTH ? p->n_front - first : IMPLICIT_WIDTH;
+        const unsigned far = ~z->kernels->find_contacts(s, &z->blocks[p->block + at], margin,
+                                                        &z->contacts[p->block + at]) &
+                             ((1U << n) - 1);
+        if (far != 0) {
+            send_away(z, p, first + (size_t)__builtin_ctz(far));
+            continue;
+        }
+        note_contacts(s, z, p, at, n);
+        first += n;
+    }
+    clear_rest(z, p);
 }
 
 static void find_contacts(const disk_state *s, implicit_state *z, implicit_piece *p, double margin)
@@ -363,6 +353,8 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
     z->bodies.rows[p->static_body] = (solver_body){ .vx = 0.0 };
     if (p->is_rest)
         find_contacts_in_order(s, z, p, margin);
+    else if (piece >= z->group_piece[IMPLICIT_BOUNDARY])
+        find_contacts_of_parts(s, z, p, margin);
     else
         find_contacts(s, z, p, margin);
     work_on(z, p, z->kernels->warm_start);
@@ -380,7 +372,7 @@ void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_
         for (size_t k = 0; k < p->n; k++) {
             size_t lane;
             const implicit_block *block = implicit_lane(z, p, k, &lane);
-            const size_t a = body_of(block, 0, lane), b = body_of(block, 1, lane);
+            const size_t a = implicit_body(block, 0, lane), b = implicit_body(block, 1, lane);
             contact_geometry m;
             if (a < s->n_live && b < s->n_live &&
                 find_contact_of_parts(&s->now[a], &s->now[b], s->radius_min, &m))

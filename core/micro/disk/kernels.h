@@ -190,6 +190,11 @@ typedef struct implicit_step {
 
 /// Implicit steps for one instruction set.
 typedef struct implicit_kernels {
+    /// Where the pairs of parts of a block would touch, all in *ret. Bit k of what is returned is set where the
+    /// surfaces of pair k are nearer than `margin`, m, of two parts that had not left when the list was made.
+    unsigned (*find_contacts)(const disk_state *s, const implicit_block *block, double margin,
+                              implicit_contacts *ret);
+
     /// Apply the impulses of the blocks to their bodies.
     void (*warm_start)(solver_body *bodies, const implicit_blocks *blocks);
 
