@@ -46,6 +46,7 @@ typedef struct commit_listener {
     lock lock;              // guards what follows
     http *http;             // NULL while there is none
     supervisor *supervisor; // NULL while there is none
+    studies *studies;       // NULL while there are none
 } commit_listener;
 
 // The daemon: its settings and parts.
@@ -117,15 +118,21 @@ static void on_commit(void *context, const char *run_id)
     lock_acquire(&listener->lock);
     if (listener->supervisor != NULL)
         supervisor_notify(listener->supervisor);
+    if (listener->studies != NULL)
+        studies_notify(listener->studies, run_id);
     if (listener->http != NULL)
         http_notify(listener->http, run_id);
     lock_release(&listener->lock);
 }
 
-static void set_commit_listener(commit_listener *listener, supervisor *s, http *h)
+// Whom commits are told, with the studies if there are any.
+static void set_commit_listener(parts *p, supervisor *s, http *h)
 {
+    commit_listener *listener = &p->commit_listener;
+
     lock_acquire(&listener->lock);
     listener->supervisor = s;
+    listener->studies = s == NULL ? NULL : p->service.studies;
     listener->http = h;
     lock_release(&listener->lock);
 }
@@ -223,7 +230,26 @@ static bf_status start_supervisor(parts *p, bf_error *err)
 
     bf_status status = supervisor_start(&options, &p->service.supervisor, err);
     if (status == BF_OK)
-        set_commit_listener(&p->commit_listener, p->service.supervisor, NULL);
+        set_commit_listener(p, p->service.supervisor, NULL);
+    return status;
+}
+
+static void take_queued(void *context)
+{
+    supervisor_wake(((parts *)context)->service.supervisor);
+}
+
+static bf_status start_studies(parts *p, bf_error *err)
+{
+    const studies_options options = { .store = p->service.store,
+                                      .n_workers = count_workers(&p->settings),
+                                      .age_ms = retention_of(&p->settings).age_ms,
+                                      .queued = take_queued,
+                                      .context = p };
+
+    bf_status status = studies_start(&options, &p->service.studies, err);
+    if (status == BF_OK)
+        set_commit_listener(p, p->service.supervisor, NULL);
     return status;
 }
 
@@ -236,7 +262,7 @@ static bf_status start_http(parts *p, bf_error *err)
     options.has_tokens = tokens_exist(p->service.tokens);
     bf_status status = http_start(&options, &p->http, err);
     if (status == BF_OK)
-        set_commit_listener(&p->commit_listener, p->service.supervisor, p->http);
+        set_commit_listener(p, p->service.supervisor, p->http);
     return status;
 }
 
@@ -252,6 +278,8 @@ static bf_status start(parts *p, bf_error *err)
     if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)
+        status = start_studies(p, err);
+    if (status == BF_OK)
         status = start_http(p, err);
     return status;
 }
@@ -260,9 +288,10 @@ static void stop(parts *p)
 {
     service_drain(&p->service);
     // Requests that wait for a run to end need the supervisor until HTTP has stopped.
-    set_commit_listener(&p->commit_listener, p->service.supervisor, NULL);
+    set_commit_listener(p, p->service.supervisor, NULL);
     p->http = http_stop(p->http);
-    set_commit_listener(&p->commit_listener, NULL, NULL);
+    set_commit_listener(p, NULL, NULL);
+    p->service.studies = studies_stop(p->service.studies);
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
     p->executor = local_executor_destroy(p->executor);
@@ -323,6 +352,7 @@ static void apply(parts *p)
     store_set_quotas(p->service.store, &quotas);
     store_set_retention(p->service.store, &retention);
     supervisor_reconfigure(p->service.supervisor, &supervising);
+    studies_reconfigure(p->service.studies, supervising.n_workers, retention.age_ms);
     if (http_reconfigure(p->http, &serving, &err) != BF_OK)
         log_event(LOG_LEVEL_ERROR, "page_not_changed", "error=%s", log_quote(err.text, quoted));
 }
@@ -352,15 +382,16 @@ static void beat(const parts *p)
 {
     bool has_store = store_is_alive(p->service.store);
     bool has_supervisor = supervisor_is_alive(p->service.supervisor);
+    bool has_studies = studies_is_alive(p->service.studies);
     bool has_http = http_is_alive(p->http);
     char text[STATUS_SIZE];
 
-    if (has_store && has_supervisor && has_http)
+    if (has_store && has_supervisor && has_studies && has_http)
         notify_alive("%s", describe(p, text));
     else
-        log_event(LOG_LEVEL_ERROR, "part_hangs", "store=%s supervisor=%s http=%s",
+        log_event(LOG_LEVEL_ERROR, "part_hangs", "store=%s supervisor=%s studies=%s http=%s",
                   has_store ? "alive" : "hangs", has_supervisor ? "alive" : "hangs",
-                  has_http ? "alive" : "hangs");
+                  has_studies ? "alive" : "hangs", has_http ? "alive" : "hangs");
 }
 
 // The next signal; 0: until_ms (clock_monotonic_ms(), -1: never) has come.

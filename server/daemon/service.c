@@ -233,6 +233,63 @@ static bf_status remove_measurement(void *context, const char *id, bf_error *err
     return store_remove_measurement(((service *)context)->store, id, err);
 }
 
+static bf_status submit_study(void *context, const api_study_submission *submission,
+                              api_acceptance *ret_acceptance, bf_error *err)
+{
+    service *s = context;
+
+    if (atomic_load(&s->is_draining))
+        return refuse_draining(err);
+    bf_status status = store_submit_study(s->store, submission, ret_acceptance, err);
+    if (status == BF_OK)
+        studies_wake(s->studies);
+    return status;
+}
+
+static bf_status find_study(void *context, const char *id, api_study *ret_study, bf_error *err)
+{
+    return store_find_study(((service *)context)->store, id, ret_study, err);
+}
+
+static bf_status list_studies(void *context, const api_study_query *query, api_study_list *ret_list,
+                              bf_error *err)
+{
+    return store_list_studies(((service *)context)->store, query, ret_list, err);
+}
+
+static bf_status change_study(void *context, const char *id, uint64_t revision,
+                              api_study_change change, api_study *ret_study, bf_error *err)
+{
+    service *s = context;
+
+    bf_status status = store_change_study(s->store, id, revision, change, ret_study, err);
+    if (status == BF_OK)
+        studies_wake(s->studies);
+    return status;
+}
+
+static bf_status remove_study(void *context, const char *id, uint64_t revision, bf_error *err)
+{
+    service *s = context;
+
+    bf_status status = store_remove_study(s->store, id, revision, err);
+    if (status == BF_OK)
+        studies_wake(s->studies);
+    return status;
+}
+
+static bf_status read_study(void *context, const char *id, api_study_text which, bf_buffer *out,
+                            bf_error *err)
+{
+    return store_read_study(((service *)context)->store, id, which, out, err);
+}
+
+static bf_status read_trials(void *context, const char *id, const api_trial_query *query,
+                             api_trial_fn *take, void *take_context, bf_error *err)
+{
+    return store_read_trials(((service *)context)->store, id, query, take, take_context, err);
+}
+
 static bf_status ready(void *context, bf_error *err)
 {
     service *s = context;
@@ -294,6 +351,13 @@ api_services service_table(service *s)
                            .read_measurement = read_measurement,
                            .read_measurement_csv = read_measurement_csv,
                            .remove_measurement = remove_measurement,
+                           .submit_study = submit_study,
+                           .find_study = find_study,
+                           .list_studies = list_studies,
+                           .change_study = change_study,
+                           .remove_study = remove_study,
+                           .read_study = read_study,
+                           .read_trials = read_trials,
                            .ready = ready,
                            .metrics = write_metrics };
 }

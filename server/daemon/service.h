@@ -1,4 +1,4 @@
-/// What the daemon offers to the API: store and supervisor behind the table of api/services.h.
+/// What the daemon offers to the API: store, supervisor and studies behind the table of api/services.h.
 ///
 /// Threads  everything here may be called from any thread, as the table demands.
 
@@ -10,6 +10,7 @@
 #include "server/store/store.h"
 #include "server/store/tickets.h"
 #include "server/store/tokens.h"
+#include "server/study/studies.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -20,6 +21,7 @@ typedef struct service_waiter service_waiter;
 typedef struct service {
     store *store;             ///< open
     supervisor *supervisor;   ///< running
+    studies *studies;         ///< at work
     tokens *tokens;           ///< open
     tickets tickets;          ///< drawn
     atomic_bool is_draining;  ///< the daemon stops: nothing new is accepted

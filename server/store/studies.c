@@ -433,3 +433,26 @@ bf_status store_read_study(store *s, const char *id, api_study_text which, bf_bu
     store__release_reader(&s->pool, reader);
     return status;
 }
+
+bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_SIZE], bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = false;
+    store__study row;
+
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_OLDEST_ENDED_STUDY);
+    store__bind_integer(&q, before_ms);
+    status = store__next(&q, &has_row, err);
+    if (status == BF_OK && has_row)
+        status = store__read_study(&q, &row, err);
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    if (status == BF_OK && !has_row)
+        return bf_fail(err, BF_ENOTFOUND, "", "no study ended so long ago");
+    if (status == BF_OK)
+        memcpy(ret_id, row.study.id, API_ID_SIZE);
+    return status;
+}

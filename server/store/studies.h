@@ -79,6 +79,10 @@ BF_MUST_CHECK bf_status store_step_study(store *s, const store_study_step *step,
 /// Remove a study that has ended, or is to be removed, and has no runs any more, in small steps. BF_ECONFLICT: it has.
 BF_MUST_CHECK bf_status store_forget_study(store *s, const char *id, bf_error *err);
 
+/// Find the study that ended first, if that was before a time. BF_ENOTFOUND: there is none.
+BF_MUST_CHECK bf_status store_find_old_study(store *s, int64_t before_ms, char ret_id[API_ID_SIZE],
+                                             bf_error *err);
+
 /// Find the first run of a study that is left. BF_ENOTFOUND: none is.
 BF_MUST_CHECK bf_status store_find_run_of_study(store *s, const char *id, api_run *ret_run,
                                                 bf_error *err);

@@ -1,0 +1,358 @@
+// One study: what its trials found is told to core/study in the order of their ends, which does not matter there, and
+// trials are put into the queue by their numbers. A turn writes both in one transaction.
+
+#include "server/study/studies_priv.h"
+
+#include "api/scenario/submission.h"
+#include "api/study/study_best.h"
+#include "api/study/study_trial.h"
+#include "core/base/check.h"
+#include "core/base/memory.h"
+#include "server/base/clock.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    BEST_MS = 1000,       // between what was found so far
+    BEGINS_MAX = 64,      // trials that begin in a step
+    AHEAD_OF_WORKERS = 4, // trials that wait or run for each worker
+};
+
+static bf_status no_memory(bf_error *err)
+{
+    return bf_fail(err, BF_ENOMEM, "", "out of memory");
+}
+
+bool study__may_work_later(bf_status code)
+{
+    return code == BF_EBUSY || code == BF_ENOMEM || code == BF_ESYSTEM || code == BF_ENOSPACE;
+}
+
+static void tell(study__task *t, const api_trial *trial)
+{
+    study_tell(t->core, trial->number, trial->values);
+    t->best = study_document_better(&t->document, t->best, trial->values[0]);
+    t->n_told++;
+    t->has_news = true;
+}
+
+// Without a lock: nobody else knows the task yet, or the caller has it.
+static void add_open(study__task *t, const api_trial *trial)
+{
+    BF_CHECK(t->n_open < STUDIES_OPEN_MAX);
+    t->open[t->n_open++] = (study__open){ .trial = *trial, .is_changed = true };
+}
+
+static bool are_same(const api_trial *a, const api_trial *b)
+{
+    return a->point == b->point && a->model == b->model && a->substream == b->substream &&
+           a->n_parameters == b->n_parameters && a->n_values == b->n_values &&
+           memcmp(a->parameters, b->parameters, a->n_parameters * sizeof *a->parameters) == 0;
+}
+
+// A trial that an earlier session has made, by number.
+static bf_status take_stored(void *context, const api_trial *stored, bf_error *err)
+{
+    study__task *t = context;
+    bf_status status = BF_OK;
+    api_trial made;
+
+    if (stored->number == study_trials(t->core) && t->n_told == stored->number)
+        status = study_advance(t->core, err);
+    if (status != BF_OK)
+        return status;
+    if (stored->number < study_trials(t->core))
+        study_trial_of(&t->document, t->core, stored->number, &made);
+    if (stored->number >= study_trials(t->core) || stored->number != t->n_begun ||
+        !are_same(stored, &made) || t->n_open == STUDIES_OPEN_MAX)
+        return bf_fail(err, BF_ECORRUPT, "",
+                       "trial %llu is not the one that this version of Beltflow would make",
+                       (unsigned long long)stored->number);
+    t->n_begun++;
+    if (api_trial_state_is_end(stored->state))
+        tell(t, stored);
+    else
+        add_open(t, stored);
+    return BF_OK;
+}
+
+static bf_status replay(study__task *t, bf_error *err)
+{
+    api_trial_query query = { .limit = API_TRIALS_PAGE_MAX };
+    bf_status status = BF_OK;
+
+    do {
+        query.from = t->n_begun;
+        status = store_read_trials(t->owner->options.store, t->id, &query, take_stored, t, err);
+    } while (status == BF_OK && t->n_begun == query.from + query.limit);
+    return status;
+}
+
+static bf_status read_document(study__task *t, bf_error *err)
+{
+    bf_faults *faults = memory_alloc(1, sizeof *faults);
+    bf_buffer text = { 0 };
+
+    if (faults == NULL)
+        return no_memory(err);
+    bf_status status =
+        store_read_study(t->owner->options.store, t->id, API_STUDY_DOCUMENT, &text, err);
+    if (status == BF_OK)
+        status = study_document_read(text.bytes, text.n, &t->document, faults, err);
+    buffer_fini(&text);
+    memory_free(faults);
+    return status;
+}
+
+static bf_status prepare(study__task *t, bf_error *err)
+{
+    bf_status status = read_document(t, err);
+
+    if (status != BF_OK)
+        return status;
+    const study_definition definition = study_document_definition(&t->document);
+    status = study_create(&definition, &t->core, err);
+    return status == BF_OK ? replay(t, err) : status;
+}
+
+bf_status study__task_create(studies *s, const api_study *about, study__task **ret_task,
+                             bf_error *err)
+{
+    study__task *t = memory_alloc(1, sizeof *t);
+
+    if (t == NULL)
+        return no_memory(err);
+    t->owner = s;
+    t->best = (double)NAN;
+    memcpy(t->id, about->id, sizeof t->id);
+    t->open = memory_alloc(STUDIES_OPEN_MAX, sizeof *t->open);
+    bf_status status = t->open == NULL ? no_memory(err) : prepare(t, err);
+    if (status == BF_OK)
+        *ret_task = t;
+    else
+        study__task_destroy(t);
+    return status;
+}
+
+void study__task_destroy(study__task *t)
+{
+    if (t == NULL)
+        return;
+    study_destroy(t->core);
+    study_document_fini(&t->document);
+    memory_free(t->open);
+    memory_free(t);
+}
+
+/// What a turn writes.
+typedef struct turn {
+    api_study about;                        ///< as it is
+    size_t n_ends;                          ///< of open trials
+    size_t n_begins;                        ///< of new ones
+    api_trial ends[STUDIES_OPEN_MAX];       ///< n_ends
+    store_trial_begin begins[BEGINS_MAX];   ///< n_begins
+    api_submission submissions[BEGINS_MAX]; ///< of those that are not infeasible
+    bf_buffer best;                         ///< n = 0: it is not due
+} turn;
+
+static void free_turn(turn *u)
+{
+    for (size_t k = 0; k < u->n_begins; k++)
+        submission_fini(&u->submissions[k]);
+    buffer_fini(&u->best);
+    memory_free(u);
+}
+
+static bool take_change(study__task *t, size_t index)
+{
+    lock_acquire(&t->owner->lock);
+    const bool is_changed = t->open[index].is_changed;
+    t->open[index].is_changed = false;
+    lock_release(&t->owner->lock);
+    return is_changed;
+}
+
+static void close_open(study__task *t, size_t index)
+{
+    lock_acquire(&t->owner->lock);
+    t->open[index] = t->open[--t->n_open];
+    lock_release(&t->owner->lock);
+}
+
+// The ends of trials whose runs have changed.
+static bf_status take_ends(study__task *t, turn *u, bf_error *err)
+{
+    bf_status status = BF_OK;
+
+    for (size_t k = 0; k < t->n_open && status == BF_OK;) {
+        bool has_ended = false;
+        if (take_change(t, k))
+            status = study__look(t, &t->open[k], &has_ended, err);
+        if (status != BF_OK || !has_ended) {
+            k++;
+            continue;
+        }
+        u->ends[u->n_ends] = t->open[k].trial;
+        tell(t, &u->ends[u->n_ends++]);
+        close_open(t, k);
+    }
+    return status;
+}
+
+static size_t room_of(study__task *t)
+{
+    const size_t n_of_document = (size_t)t->document.workers;
+
+    lock_acquire(&t->owner->lock);
+    const size_t n_workers = t->owner->options.n_workers;
+    lock_release(&t->owner->lock);
+    size_t n = n_of_document > 0 ? n_of_document : AHEAD_OF_WORKERS * n_workers;
+    if (n > STUDIES_OPEN_MAX)
+        n = STUDIES_OPEN_MAX;
+    // By half of them, so that a commit begins several.
+    if (n_of_document == 0 && t->n_open > n / 2)
+        return 0;
+    return n > t->n_open ? n - t->n_open : 0;
+}
+
+static bf_status make_begin(study__task *t, turn *u, bf_error *err)
+{
+    const size_t k = u->n_begins;
+    store_trial_begin *begin = &u->begins[k];
+    api_trial *trial = &begin->trial;
+    bf_error why = { 0 };
+
+    study_trial_of(&t->document, t->core, t->n_begun + k, trial);
+    bf_status status = study__submission(t, &u->about, trial, &u->submissions[k], &why);
+    if (status == BF_OK) {
+        begin->submission = &u->submissions[k];
+    } else if (status == BF_EINPUT || status == BF_ELIMIT) {
+        trial->state = API_TRIAL_INFEASIBLE;
+        trial->fault = why;
+    } else {
+        return bf_fail(err, status, why.pointer, "%s", why.text);
+    }
+    u->n_begins++;
+    return BF_OK;
+}
+
+static bf_status make_begins(study__task *t, turn *u, bf_error *err)
+{
+    const size_t room = room_of(t);
+    bf_status status = BF_OK;
+
+    if (t->n_told == study_trials(t->core))
+        status = study_advance(t->core, err);
+    while (status == BF_OK && u->n_begins < room && u->n_begins < BEGINS_MAX &&
+           t->n_begun + u->n_begins < study_trials(t->core))
+        status = make_begin(t, u, err);
+    return status;
+}
+
+static bool has_ended(const study__task *t)
+{
+    return study_is_ended(t->core) && t->n_told == study_trials(t->core);
+}
+
+static bf_status write_best(study__task *t, turn *u, bf_error *err)
+{
+    const int64_t now_ms = clock_monotonic_ms();
+
+    if (!has_ended(t) && (!t->has_news || now_ms < t->best_ms + BEST_MS))
+        return BF_OK;
+    t->has_news = false;
+    t->best_ms = now_ms;
+    return study_best_write(&t->document, t->core, &u->best, err);
+}
+
+// What has begun is open, or told where it ended at once.
+static void take_begins(study__task *t, turn *u)
+{
+    lock_acquire(&t->owner->lock);
+    for (size_t k = 0; k < u->n_begins; k++) {
+        api_trial *trial = &u->begins[k].trial;
+        memcpy(trial->run, u->begins[k].run, sizeof trial->run);
+        if (!api_trial_state_is_end(trial->state))
+            add_open(t, trial);
+    }
+    lock_release(&t->owner->lock);
+    for (size_t k = 0; k < u->n_begins; k++) {
+        t->n_begun++;
+        if (api_trial_state_is_end(u->begins[k].trial.state))
+            tell(t, &u->begins[k].trial);
+    }
+}
+
+static bf_status write_turn(study__task *t, turn *u, bf_error *err)
+{
+    store_study_step step = { .id = t->id,
+                              .n_ends = u->n_ends,
+                              .ends = u->ends,
+                              .n_begins = u->n_begins,
+                              .begins = u->begins,
+                              .best = u->best.n > 0 ? &u->best : NULL,
+                              .state = API_STUDY_STATES };
+
+    if (has_ended(t) && study_best(t->core) == SIZE_MAX) {
+        step.state = API_STUDY_FAILED;
+        (void)bf_fail(&step.error, BF_EINPUT, "", "no trial has a value of what is to be best");
+    } else if (has_ended(t)) {
+        step.state = API_STUDY_SUCCEEDED;
+    }
+    if (u->n_ends == 0 && u->n_begins == 0 && step.best == NULL && step.state == API_STUDY_STATES)
+        return BF_OK;
+    return store_step_study(t->owner->options.store, &step, &u->about, err);
+}
+
+// True if none of the open trials is being solved.
+static bool is_resting(const study__task *t)
+{
+    api_run record;
+
+    for (size_t k = 0; k < t->n_open; k++)
+        if (store_find(t->owner->options.store, t->open[k].trial.run, &record, NULL) == BF_OK &&
+            record.state == RUN_RUNNING)
+            return false;
+    return true;
+}
+
+static bf_status take_turn(study__task *t, turn *u, bf_error *err)
+{
+    const bool is_running = u->about.state == API_STUDY_RUNNING;
+
+    bf_status status = take_ends(t, u, err);
+    if (status == BF_OK && is_running)
+        status = make_begins(t, u, err);
+    if (status == BF_OK)
+        status = write_best(t, u, err);
+    if (status == BF_OK)
+        status = write_turn(t, u, err);
+    if (status == BF_OK)
+        take_begins(t, u);
+    if (status == BF_OK && u->n_begins > 0)
+        t->owner->options.queued(t->owner->options.context);
+    return status;
+}
+
+bf_status study__task_turn(study__task *t, bool *ret_is_over, bf_error *err)
+{
+    bool has_more = true;
+
+    *ret_is_over = false;
+    while (has_more && !*ret_is_over) {
+        turn *u = memory_alloc(1, sizeof *u);
+        if (u == NULL)
+            return no_memory(err);
+        bf_status status = store_find_study(t->owner->options.store, t->id, &u->about, err);
+        if (status == BF_OK)
+            status = take_turn(t, u, err);
+        has_more = u->n_begins > 0;
+        *ret_is_over = status == BF_OK && (api_study_state_is_end(u->about.state) ||
+                                           (u->about.state != API_STUDY_RUNNING && is_resting(t)));
+        free_turn(u);
+        if (status != BF_OK)
+            return status;
+    }
+    return BF_OK;
+}
