@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "core/run/run.h"
+#include "tests/bench/resident.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,19 +33,6 @@ static double now_s(void)
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID,
                   &t); // of one thread, so that other programs do not count
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static long peak_kb(void)
-{
-    FILE *f = fopen("/proc/self/status", "r");
-    char line[256];
-    long kb = 0;
-
-    while (f != NULL && fgets(line, sizeof line, f) != NULL)
-        sscanf(line, "VmHWM: %ld", &kb);
-    if (f != NULL)
-        fclose(f);
-    return kb;
 }
 
 static bf_status take(void *context, const frame *f, bf_error *err)
@@ -116,7 +104,7 @@ int main(int n_arguments, char **arguments)
 
     make_scene(&s, n, length);
     l.period = s.duration / PERIODS;
-    const long before_kb = peak_kb();
+    const double before = resident_peak_bytes();
     if (run_create(&s, RUN_MICRO, 1, &r, &err) != BF_OK || run_execute(r, &sink, &err) != BF_OK) {
         fprintf(stderr, "%s\n", err.text);
         return EXIT_FAILURE;
@@ -129,8 +117,9 @@ int main(int n_arguments, char **arguments)
     printf("time of a step: %.4f ms in the second tenth, %.4f ms in the ninth\n",
            1e3 * (l.spent_s[2] - l.spent_s[1]) / per_period,
            1e3 * (l.spent_s[9] - l.spent_s[8]) / per_period);
-    printf("memory: %ld kB more than before the run, %.0f bytes for each part inside\n",
-           peak_kb() - before_kb, 1024.0 * (double)(peak_kb() - before_kb) / l.most_inside);
+    const double grown = resident_peak_bytes() - before;
+    printf("memory: %.0f kB more than before the run, %.0f bytes for each part inside\n",
+           grown / 1024.0, grown / l.most_inside);
     run_destroy(r);
     scene_fini(&s);
     return EXIT_SUCCESS;

@@ -6,10 +6,11 @@
 // number of parts, then the place of each; m and m/s. RESULT gets x, y, vx, vy and spin of each part
 // at the end. After WARMUP steps each repetition times STEPS of them, with 1 and with THREADS threads
 // in turn; both must have the same bits before anything is printed: threads, then seconds of the best
-// repetition. lammps/compare.py runs this next to LAMMPS.
+// repetition; at last the bytes that one solver takes for each part. lammps/compare.py runs this next to LAMMPS.
 
 #include "core/base/memory.h"
 #include "core/micro/micro.h"
+#include "tests/bench/resident.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -148,12 +149,14 @@ int main(int argc, char **argv)
         fail("usage: bench_jam SCENE RESULT WARMUP STEPS REPETITIONS [THREADS]");
     read_jam(argv[1], &j);
     define_jam(&j);
+    const double before = resident_bytes();
     for (int k = 0; k < TEAMS; k++) {
         j.def.n_threads = teams[k].n_threads;
         if (micro_create(&j.def, &teams[k].solver, &err) != BF_OK)
             fail(err.text);
     }
     time_teams(teams, strtoull(argv[3], NULL, 10), strtoull(argv[4], NULL, 10), atoi(argv[5]));
+    const double bytes = (resident_bytes() - before) / TEAMS / (double)j.n;
     if (micro_digest(teams[0].solver) != micro_digest(teams[1].solver))
         fail("the number of threads changes the result");
     write_parts(argv[2], teams[0].solver);
@@ -161,6 +164,7 @@ int main(int argc, char **argv)
         printf("%d %.6f\n", teams[k].n_threads, teams[k].best);
         micro_destroy(teams[k].solver);
     }
+    printf("bytes %.0f\n", bytes);
     memory_free(j.poses);
     return 0;
 }

@@ -1,7 +1,9 @@
 // How fast the macroscopic solver is, next to the direct sum as printed in the paper, in one run on
 // one thread and the same work.
 //
-//     bench_macro [THREADS]
+//     bench_macro [THREADS|memory]
+//
+// With `memory` the grid of 10,000 x 6,000 cells alone, and the memory that it takes.
 //
 // Each figure is the best of several repetitions. Before a figure is printed, its work is checked: both
 // solvers must give the same density, and Example 1 by the scheme roe the reference answers.
@@ -12,19 +14,27 @@
 #include "core/macro/velocity_field.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
+#include "tests/bench/resident.h"
 #include "tests/reference/direct.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
-enum { EXAMPLE_STEPS = 4800, DIRECT_STEPS = 40, DENSE_STEPS = 200, REPETITIONS = 7 };
+enum {
+    EXAMPLE_STEPS = 4800,
+    DIRECT_STEPS = 40,
+    DENSE_STEPS = 200,
+    JAM_STEPS = 600,
+    REPETITIONS = 7
+};
 
 static const double reference_upstream = 11.747285; // parts with x < 0.75 m at 6 s
 
-// Example 1 at the paper's grid, refined by a whole number in each direction.
+// Example 1 at the paper's grid, refined by a whole number in each direction, on a belt that goes on for a length.
 typedef struct work {
     scene scene;
     velocity_field *field;
@@ -47,13 +57,14 @@ static void fail(const char *what)
     exit(1);
 }
 
-static work make_work(int refinement, int n_threads)
+static work make_work(int refinement, double length, int n_threads)
 {
     work w = { 0 };
     scene_placement p = { 0 };
 
     helper_scene_example(&w.scene, 60.0, SCENE_SEALED);
     w.scene.obstacles[0].path[0] = (vec2){ 0.461325, 0.0 };
+    w.scene.domain.x_max = length;
     w.scene.macro.cell /= refinement;
     w.scene.macro.step /= refinement;
     if (velocity_field_create(&w.scene, &w.field, NULL) != BF_OK ||
@@ -164,7 +175,7 @@ static double rate_when_dense(const work *w)
 // Cell-steps per second of the first steps of the example on a finer grid.
 static double rate_when_refined(int refinement, int n_threads, int n_steps, uint64_t *ret_digest)
 {
-    work w = make_work(refinement, n_threads);
+    work w = make_work(refinement, 1.0, n_threads);
     double best = INFINITY;
 
     // The jam forms first, untimed; the mollifier spans more cells of a finer grid.
@@ -180,10 +191,39 @@ static double rate_when_refined(int refinement, int n_threads, int n_steps, uint
     return rate;
 }
 
+// Wall time of Example 1's jam at the plate, on a belt of a length: no cargo has gone far behind the plate.
+static double time_jam(double length)
+{
+    work w = make_work(1, length, 1);
+    double best = INFINITY;
+
+    for (int k = 0; k < REPETITIONS; k++) {
+        macro_solver *s = start(&w, w.rho);
+        best = fmin(best, time_steps(s, JAM_STEPS));
+        macro_destroy(s);
+    }
+    free_work(&w);
+    return best;
+}
+
+static void show_memory(void)
+{
+    const double before = resident_bytes();
+    work w = make_work(50, 1.0, 1);
+
+    w.def.mollifier *= 50.0 * 50.0; // spans the same number of cells
+    macro_solver *s = start(&w, w.rho);
+    time_steps(s, 2);
+    printf("10,000 x 6,000 cells            %.2f GiB\n",
+           (resident_peak_bytes() - before) / (1024.0 * 1024.0 * 1024.0));
+    macro_destroy(s);
+    free_work(&w);
+}
+
 // Example 1 by the scheme muscl, in the same steps.
 static void time_muscl(double wall_roe)
 {
-    work w = make_work(1, 1);
+    work w = make_work(1, 1.0, 1);
 
     w.def.scheme = SCENE_SCHEME_MUSCL;
     rate_of_direct_sum(&w);
@@ -195,8 +235,12 @@ static void time_muscl(double wall_roe)
 
 int main(int argc, char **argv)
 {
+    if (argc > 1 && strcmp(argv[1], "memory") == 0) {
+        show_memory();
+        return 0;
+    }
     const int n_threads = argc > 1 ? atoi(argv[1]) : 2;
-    work w = make_work(1, 1);
+    work w = make_work(1, 1.0, 1);
     double direct_rate = rate_of_direct_sum(&w);
     double wall = time_example(&w);
     double rate = (double)w.n_cells * EXAMPLE_STEPS / wall;
@@ -209,6 +253,8 @@ int main(int argc, char **argv)
     printf("rho > 1 everywhere, 1 thread    %.0f M cell-steps/s\n", rate_when_dense(&w) / 1e6);
     free_work(&w);
     time_muscl(wall);
+    printf("belt 8 times as long, 1 thread  %.2f times the time of the jam\n",
+           time_jam(8.0) / time_jam(1.0));
     double one = rate_when_refined(5, 1, 200, &digest_one);
     double many = rate_when_refined(5, n_threads, 200, &digest_many);
     if (digest_one != digest_many)

@@ -6,6 +6,7 @@ import unittest
 
 import check_dashboards
 import check_format
+import check_goals
 import check_headers
 import check_includes
 import check_invariants
@@ -135,6 +136,20 @@ class Checks(unittest.TestCase):
         self.put("README.md", README + table % "`tests/unit/helper.c`")
         self.assertEqual(check_readmes.check(self.root), ["README.md: the limit of 'kinds' names "
                                                           "`tests/unit/helper.c`, which is no test"])
+
+    def test_a_goal_at_fault_and_an_old_table_of_goals_are_found(self):
+        goal = "{ what = 'time', unit = 's', find = '(?P<figure>.+) s', %s }"
+        part = "[[part]]\nname = 'a'\nabout = 'b'\ncommand = 'bench_a'\ngoal = [" + goal + "]\n"
+        self.put("tests/bench/bench_a.c", "")
+        self.put("tests/bench/goals.toml", part % "at_most = 2")
+        self.put("tests/bench/README.md", "| `a` | b | time: ≤ 2 s |\n")
+        self.assertEqual(check_goals.check(self.root),
+                         ["tests/bench/README.md: its table is not what tests/bench/run --table prints"])
+        self.put("tests/bench/README.md", "| part | measures | goals |\n|---|---|---|\n"
+                 "| `a` | b | time: ≤ 2 s |\n")
+        self.assertEqual(check_goals.check(self.root), [])
+        self.put("tests/bench/goals.toml", part.replace("figure>", "value>").replace("bench_a", "bench_b") % "best = 'least'")
+        self.assertEqual(len(check_goals.check(self.root)), 3)
 
     def test_a_name_with_a_word_of_several_meanings_is_found(self):
         self.put("core/base/a.c", "// keep\nint n = floor(x);\nconst char *a = \"keep\";\n")

@@ -2,11 +2,14 @@
 """The explicit microscopic solver next to LAMMPS: same packing, contacts and step, in one run.
 
     compare.py [--programs DIR] [--rounds N] [--parts N ...]
+    compare.py --growth [--programs DIR] [--rounds N]
 
 Disks lie hexagonally, 12 layers deep, before a plate that stands at 60 degrees to the belt, and are
 pressed into a jam; more parts make the plate longer. The frame is turned so that the plate lies across
 x, which leaves no empty cells to either program. The programs take turns, each figure is its best.
 What both hold at the end is measured by one piece of code here and must agree, or the status is 1.
+
+With --growth the solver alone, from 1,000 to 1,000,000 parts: the time of a part's step, and memory.
 
 Needs LAMMPS as `lmp`, with `mpirun` for two cores:
     apt-get install -y --no-install-recommends lammps
@@ -28,6 +31,7 @@ LAYERS = 12
 CLEARANCE = 0.1  # upstream of the block, m
 VELOCITY = (SPEED * math.sin(math.radians(60)), SPEED * math.cos(math.radians(60)))
 STEP, WARMUP, REPETITIONS = 1e-5, 2000, 3
+GROWTH, GROWTH_WARMUP = (1000, 10_000, 100_000, 1_000_000), 100  # the packing is in touch from the start
 THREADS = 2
 
 # The contacts as the solver has them: (4b) of steel on steel and of steel on the plate.
@@ -82,11 +86,11 @@ def run_program(command):
     return done.stdout
 
 
-def time_ours(program, folder, steps):
-    """Seconds of the best repetition, by number of threads."""
-    out = run_program([program, folder / "jam.scene", folder / "ours", str(WARMUP), str(steps),
+def time_ours(program, folder, warmup, steps):
+    """Seconds of the best repetition by number of threads, and `bytes` of memory a part."""
+    out = run_program([program, folder / "jam.scene", folder / "ours", str(warmup), str(steps),
                        str(REPETITIONS), str(THREADS)])
-    return {int(threads): float(wall) for threads, wall in map(str.split, out.splitlines())}
+    return {name: float(value) for name, value in map(str.split, out.splitlines())}
 
 
 def time_lammps(folder, packing, steps, cores):
@@ -165,16 +169,30 @@ def compare(program, n, rounds):
         write_data(folder / "jam.data", packing)
         best = {}
         for _ in range(rounds):
-            ours = time_ours(program, folder, steps)
+            ours = time_ours(program, folder, WARMUP, steps)
             for cores in (1, THREADS):
                 theirs = time_lammps(folder, packing, steps, cores)
-                for key, wall in ((("ours", cores), ours[cores]), (("lammps", cores), theirs)):
+                for key, wall in ((("ours", cores), ours[str(cores)]), (("lammps", cores), theirs)):
                     best[key] = min(best.get(key, math.inf), wall)
         figures = [measure(folder / who, packing) for who in ("ours", "lammps")]
     for cores in (1, THREADS):
         ours, theirs = (n * steps / best[who, cores] / 1e6 for who in ("ours", "lammps"))
         print(f"{n:7} {cores:5} {ours:10.1f} {theirs:10.1f} {ours / theirs:7.2f}", flush=True)
     return n, figures
+
+
+def grow(program, rounds):
+    """Print the time of a part's step by number of parts, and the memory of the largest."""
+    times = []
+    for n in GROWTH:
+        steps = max(20, 20_000_000 // n)
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            write_scene(folder / "jam.scene", make_packing(n))
+            runs = [time_ours(program, folder, GROWTH_WARMUP, steps) for _ in range(rounds)]
+        times.append(min(run["1"] for run in runs) / steps / n * 1e9)
+        print(f"{n:7} parts: {times[-1]:6.2f} ns a part and step, {runs[0]['bytes']:.0f} bytes a part", flush=True)
+    print(f"the longest time is {max(times) / min(times):.2f} times the shortest")
 
 
 def report(n, figures):
@@ -197,14 +215,18 @@ def main():
                         help="folder of bench_jam")
     parser.add_argument("--rounds", type=int, default=2, help="how often the programs take turns")
     parser.add_argument("--parts", type=int, nargs="+", default=[192, 10000, 100000])
+    parser.add_argument("--growth", action="store_true", help="without LAMMPS, up to 1,000,000 parts")
     options = parser.parse_args()
+    program = pathlib.Path(options.programs) / "bench_jam"
+    if not program.exists():
+        sys.exit(f"compare: {program} is not there; cmake --build --preset release")
+    if options.growth:
+        grow(program, options.rounds)
+        return 0
     if shutil.which("lmp") is None or shutil.which("mpirun") is None:
         print("skipped: LAMMPS is not installed; "
               "apt-get install -y --no-install-recommends lammps")
         return 0
-    program = pathlib.Path(options.programs) / "bench_jam"
-    if not program.exists():
-        sys.exit(f"compare: {program} is not there; cmake --build --preset release")
     print("million particle-steps a second, explicit steps of 1e-5 s; "
           f"load before: {os.getloadavg()[0]:.1f}")
     print("  parts cores       ours     LAMMPS   ratio")

@@ -1,12 +1,12 @@
 """A daemon to be measured: started on a free port with a store of its own, asked over HTTP, stopped."""
 
+import concurrent.futures
 import http.client
 import json
 import os
 import pathlib
 import re
 import shutil
-import sqlite3
 import subprocess
 import tempfile
 import time
@@ -71,9 +71,21 @@ class Daemon:
         self.ask("GET", f"/v1/runs/{run}/events")
         return run
 
-    def resident_bytes(self):
+    def status_bytes(self, name):
         text = pathlib.Path(f"/proc/{self.pid}/status").read_text(encoding="ascii")
-        return int(re.search(r"VmRSS:\s+(\d+) kB", text).group(1)) * 1024
+        return int(re.search(rf"{name}:\s+(\d+) kB", text).group(1)) * 1024
+
+    def resident_bytes(self):
+        return self.status_bytes("VmRSS")
+
+    def peak_bytes(self):
+        """The most that was resident."""
+        return self.status_bytes("VmHWM")
+
+    def children_seconds(self):
+        """CPU time of the solvers that have ended."""
+        text = pathlib.Path(f"/proc/{self.pid}/stat").read_text(encoding="ascii")
+        return sum(map(int, text.rsplit(")", 1)[1].split()[13:15])) / os.sysconf("SC_CLK_TCK")
 
     def switches(self):
         """How often its threads have gone to sleep or been interrupted, all together."""
@@ -89,31 +101,23 @@ def folder():
     return tempfile.TemporaryDirectory(dir=ROOT / "build", prefix="bench-")
 
 
-def columns(db, table):
-    return [row[1] for row in db.execute(f"PRAGMA table_info({table})")]
+def multiply(d, n):
+    """Submit what was solved before until the daemon has n finished runs: such runs are finished at once."""
+    body = json.dumps({"scenario": SCENARIO}).encode()
 
+    def submit(count):
+        connection = d.connect()
+        for _ in range(count):
+            connection.request("POST", "/v1/runs", body, JSON_TYPE)
+            answer = connection.getresponse()
+            run = json.loads(answer.read())
+            if answer.status != 201 or run["status"] != "succeeded":
+                raise RuntimeError(str(run))
+        connection.close()
 
-def multiply(data, n):
-    """Give a stopped daemon's store n finished runs: copies of the one that it holds."""
-    db = sqlite3.connect(pathlib.Path(data) / "beltflow.db")
-    numbers = f"WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {n - 1})"
-    number, run = db.execute("SELECT number, id FROM runs").fetchone()
-    others = ", ".join(c for c in columns(db, "runs") if c not in ("number", "id"))
-    db.execute(f"{numbers} INSERT INTO runs (number, id, {others}) "
-               f"SELECT {number} + i, printf('%s%012x', substr(?, 1, 24), i), {others} FROM n, runs "
-               f"WHERE number = {number}", (run,))
-    tables = [row[0] for row in db.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")]
-    for table in tables:
-        names = columns(db, table)
-        if "run" not in names or table == "runs":
-            continue
-        rest = ", ".join(c for c in names if c not in ("run", "id"))
-        db.execute(f"{numbers} INSERT INTO {table} (run, {rest}) SELECT {number} + i, {rest} "
-                   f"FROM n, {table} WHERE run = {number}")
-    db.execute("UPDATE runs SET last_event = (SELECT max(id) FROM events WHERE run = number)")
-    db.commit()
-    db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    db.close()
+    clients = 8
+    with concurrent.futures.ThreadPoolExecutor(clients) as pool:
+        list(pool.map(submit, [n // clients + (k < n % clients) for k in range(clients)]))
 
 
 def need(*programs):
