@@ -35,7 +35,8 @@ static void destroy(void *state)
     memory_free(s->kinds);
     memory_free(s->kind_of);
     memory_free(s->list.first);
-    memory_free(s->list.rows.bytes);
+    memory_free(s->list.pair_first);
+    memory_free(s->list.pairs.bytes);
     memory_free(s->border_parts);
     memory_free(s->extremes);
     neighbours_cells_fini(&s->cells);

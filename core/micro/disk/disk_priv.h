@@ -97,17 +97,6 @@ typedef struct disk_tiling {
     uint64_t n_put_back;        ///< tiles that were undone
 } disk_tiling;
 
-/// The list of neighbours, by groups: row r of group g is the DISK_GROUP entries from
-/// neighbour[(first[g] + r) * DISK_GROUP] on, one for each part of the group: slots of neighbours times
-/// DISK_DOUBLES, which is where they begin; void_slot where a part has fewer. Group g has
-/// first[g + 1] - first[g] rows. Each part's neighbours are sorted by their ids; every pair stands twice.
-typedef struct disk_list {
-    uint32_t *first;      ///< number of a row, by group and one more
-    uint32_t *neighbour;  ///< see above; implicit: in disk_state.scratch, until a step is made
-    size_t rows_capacity; ///< room in neighbour, rows
-    memory_block rows;    ///< where neighbour is with MICRO_VERLET
-} disk_list;
-
 /// The planar solver.
 struct disk_state {
     micro_def def;                  ///< without its arrays
@@ -229,6 +218,9 @@ static inline void disk__swap(disk_state *s)
     s->now = s->next;
     s->next = parts;
 }
+
+/// The pairs of the present list, for MICRO_VERLET. BF_ENOMEM: incomplete.
+BF_MUST_CHECK bf_status disk__pair_up(disk_state *s);
 
 /// Allocate the data of tiles, in use from the next rebuild on. BF_ENOMEM: steps will be made one by one.
 BF_MUST_CHECK bf_status disk__tiling_init(disk_state *s);

@@ -97,17 +97,25 @@ typedef struct single_step {
     disk_extremes_line *extremes;
 } single_step;
 
+// Where the thread of a partition, or a member, leaves the forces of pairs.
+static double *forces_of(const disk_state *s, size_t k)
+{
+    return s->list.forces + k * s->list.forces_size;
+}
+
 static void advance_partition(const driver_member *m, size_t k)
 {
     disk_state *s = m->state;
     const single_step *step = m->step;
     const disk_partition *own = &s->partitions[k];
     driver_extremes *extremes = &step->extremes[k].of;
+    explicit_step of = step->of;
 
+    of.forces = forces_of(s, k);
     *extremes = (driver_extremes){ 0 };
-    s->kernels->add_boundary_forces(&step->of, own->candidate_first, own->candidate_last, extremes);
-    s->kernels->advance(&step->of, own->group_first, own->group_last, extremes);
-    disk__update_border_parts(s, step->of.next, own->border_first, own->border_last, DISK_GONE);
+    s->kernels->add_boundary_forces(&of, own->candidate_first, own->candidate_last, extremes);
+    s->kernels->advance(&of, own->group_first, own->group_last, extremes);
+    disk__update_border_parts(s, of.next, own->border_first, own->border_last, DISK_GONE);
 }
 
 static driver_outcome step(driver_member *m)
@@ -256,7 +264,7 @@ static void back_up_block(disk_state *s, const disk_block *block)
     }
 }
 
-static void advance_block(tile *w, int of_step, size_t of_block)
+static void advance_block(tile *w, int member, int of_step, size_t of_block)
 {
     disk_state *s = w->s;
     const disk_block *block = &s->tiling.blocks[of_block];
@@ -264,6 +272,7 @@ static void advance_block(tile *w, int of_step, size_t of_block)
     explicit_step step = w->step;
 
     step.belts = w->belts[of_step];
+    step.forces = forces_of(s, (size_t)member);
     step.now = of_step % 2 == 0 ? s->now : s->next;
     step.next = of_step % 2 == 0 ? s->next : s->now;
     if (of_step == 0)
@@ -304,7 +313,7 @@ static turn take_turn(tile *w, int member, int n_members)
         result = TURN_WAITS;
         if (!is_ready(w, k, block))
             continue;
-        advance_block(w, k, block);
+        advance_block(w, member, k, block);
         atomic_store_explicit(&w->levels[k].n_done, block + 1, memory_order_release);
         return TURN_MADE;
     }

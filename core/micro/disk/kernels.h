@@ -7,6 +7,7 @@
 #pragma once
 
 #include "core/base/cpu.h"
+#include "core/base/memory.h"
 #include "core/micro/driver.h"
 #include "core/scene/limits.h"
 
@@ -15,9 +16,11 @@
 #include <stdint.h>
 
 enum {
-    DISK_GROUP = 8,     ///< slots that are handled together
-    DISK_DOUBLES = 8,   ///< doubles in a disk, a face and an arc
-    IMPLICIT_WIDTH = 8, ///< pairs in a block
+    DISK_GROUP = 8,         ///< slots that are handled together
+    DISK_BLOCK_GROUPS = 16, ///< groups whose pairs are handled together
+    DISK_PAIR_DOUBLES = 8,  ///< doubles in the forces of a pair, see disk_list
+    DISK_DOUBLES = 8,       ///< doubles in a disk, a face and an arc
+    IMPLICIT_WIDTH = 8,     ///< pairs in a block
 };
 
 /// Coordinate of padding, m: beyond what a scene may hold.
@@ -88,16 +91,38 @@ typedef struct disk_belts {
     disk_belt of[SCENE_BELTS_MAX + 1]; ///< see there
 } disk_belts;
 
+/// The list of neighbours, by groups: row r of group g is the DISK_GROUP entries from
+/// neighbour[(first[g] + r) * DISK_GROUP] on, one for each part of the group: slots of neighbours times
+/// DISK_DOUBLES, which is where they begin; void_slot where a part has fewer. Group g has
+/// first[g + 1] - first[g] rows. Each part's neighbours are sorted by their ids; every pair stands twice.
+///
+/// For MICRO_VERLET block b, of DISK_BLOCK_GROUPS groups, has the pairs pair_first[b] .. pair_first[b + 1] - 1, a
+/// multiple of DISK_GROUP. In a step pair k of a block leaves x, y and torque on either part, 4 doubles each, from
+/// (1 + k) DISK_PAIR_DOUBLES of `forces` on; those before are 0. Where `neighbour` has a neighbour, `force` has
+/// where its force on the part stands.
+typedef struct disk_list {
+    uint32_t *first;      ///< number of a row, by group and one more
+    uint32_t *neighbour;  ///< see above; in disk_state.scratch, implicit: until a step is made
+    size_t rows_capacity; ///< room in neighbour, rows
+    uint32_t *force;      ///< see above, doubles
+    uint32_t *pair_first; ///< by block and one more
+    uint32_t *pair[2];    ///< where the two parts begin, doubles
+    double *forces;       ///< forces_size for each partition
+    size_t forces_size;   ///< doubles
+    memory_block pairs;   ///< where force, pair and forces are
+} disk_list;
+
 /// The numbers of an explicit step.
 typedef struct explicit_step {
     const disk_state *state; ///< laws and lists; its now and next do not count here
     const disk_belt *belts;  ///< in this step, by index; see disk__belts_in_step()
     const disk *now;         ///< parts before the step
-    disk *next;              ///< after it; before, in groups near the boundary, the forces of that
-    double *heading;         ///< by slot, updated
-    double dt;               ///< s, for positions and headings
-    double dt_force;         ///< s, for forces: dt, or 0 in the first step
-    double damping_factor;   ///< 1 - D dt, or 1 in the first step
+    disk *next; ///< after it; before, in groups near the boundary, the forces of that: x, y, torque
+    double *heading;            ///< by slot, updated
+    double *forces;             ///< scratch, of one thread: see disk_list
+    double dt;                  ///< s, for positions and headings
+    double dt_force;            ///< s, for forces: dt, or 0 in the first step
+    double damping_factor;      ///< 1 - D dt, or 1 in the first step
     double spin_damping_factor; ///< (1 - D)^dt, or 1 in the first step
 } explicit_step;
 
@@ -114,7 +139,7 @@ typedef struct explicit_kernels {
     void (*add_boundary_forces)(const explicit_step *step, size_t first, size_t last,
                                 driver_extremes *extremes);
 
-    /// One step for groups first <= g < last: contacts, belt, integration. Raises *extremes.
+    /// One step for groups first <= g < last, whole blocks: contacts, belt, integration. Raises *extremes.
     void (*advance)(const explicit_step *step, size_t first, size_t last,
                     driver_extremes *extremes);
 

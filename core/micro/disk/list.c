@@ -216,13 +216,12 @@ static void cut_pieces(making *m)
 static bf_status reserve_rows(disk_state *s, size_t n)
 {
     const size_t size = DISK_GROUP * sizeof *s->list.neighbour;
-    memory_block *block = s->def.integrator == MICRO_IMPLICIT ? &s->scratch : &s->list.rows;
-    const size_t n_present = block->capacity / (2 * size) * 2; // arrays take whole cache lines
+    const size_t n_present = s->scratch.capacity / (2 * size) * 2; // arrays take whole cache lines
 
     n = n > n_present ? n : n_present;
     s->list.rows_capacity = 0;
     if (n > UINT32_MAX ||
-        memory_lay_out(block, &(memory_array){ &s->list.neighbour, size, 0, n }, 1) != 0)
+        memory_lay_out(&s->scratch, &(memory_array){ &s->list.neighbour, size, 0, n }, 1) != 0)
         return BF_ENOMEM;
     s->list.rows_capacity = n;
     return BF_OK;
@@ -312,7 +311,7 @@ static size_t measure_work(const disk_state *s, size_t group)
     return s->list.first[group] + 3 * group;
 }
 
-// Cuts groups into partitions of about equal work, and candidates and border parts along with them.
+// Cuts blocks into partitions of about equal work, and candidates and border parts along with them.
 static void cut_partitions(disk_state *s)
 {
     const size_t n_groups = s->n_padded / DISK_GROUP, n = (size_t)s->n_partitions;
@@ -324,8 +323,8 @@ static void cut_partitions(disk_state *s)
         at.candidate_first = at.candidate_last;
         at.border_first = at.border_last;
         while (at.group_last < n_groups && measure_work(s, at.group_last) < work)
-            at.group_last++;
-        if (k + 1 == n)
+            at.group_last += DISK_BLOCK_GROUPS;
+        if (k + 1 == n || at.group_last > n_groups)
             at.group_last = n_groups;
         size_t end = at.group_last * DISK_GROUP;
         while (at.candidate_last < s->n_candidates && s->candidates[at.candidate_last].slot < end)
@@ -345,7 +344,8 @@ bf_status disk__rebuild(disk_state *s, bf_error *err)
         return status;
     s->n_partitions = count_partitions(s);
     if (list_neighbours(s) != BF_OK || disk__find_candidates(s) != BF_OK ||
-        disk__find_border_parts(s) != BF_OK)
+        disk__find_border_parts(s) != BF_OK ||
+        (s->def.integrator == MICRO_VERLET && disk__pair_up(s) != BF_OK))
         return bf_fail(err, BF_ENOMEM, "", "no memory for the neighbours of %zu parts", s->n_live);
     cut_partitions(s);
     disk__plan_tiles(s);

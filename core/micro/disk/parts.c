@@ -10,18 +10,21 @@ typedef struct sizes {
     size_t parts;
     size_t slots;
     size_t groups; // and one more
+    size_t blocks; // same
 } sizes;
 
 static sizes sizes_of(size_t capacity)
 {
     const size_t void_slot = disk__void_slot(capacity);
 
-    return (sizes){ capacity, void_slot + 1, void_slot / DISK_GROUP + 1 };
+    return (sizes){ capacity, void_slot + 1, void_slot / DISK_GROUP + 1,
+                    void_slot / DISK_GROUP / DISK_BLOCK_GROUPS + 2 };
 }
 
 static bf_status resize_arrays(disk_state *s, const sizes *old, const sizes *new)
 {
     const size_t n_own = s->is_uniform ? 0 : new->slots, n_kinds = s->n_kinds > 1 ? new->parts : 0;
+    const size_t n_blocks = s->def.integrator == MICRO_VERLET ? new->blocks : 0;
     const size_t n_next = s->def.integrator == MICRO_VERLET ? new->slots : 0;
     const size_t slots = s->now != NULL ? old->slots : 0, parts = s->now != NULL ? old->parts : 0;
     const memory_array arrays[] = {
@@ -36,6 +39,7 @@ static bf_status resize_arrays(disk_state *s, const sizes *old, const sizes *new
         { &s->is_gone, sizeof *s->is_gone, parts, new->parts },
         { &s->kind_of, sizeof *s->kind_of, s->kind_of != NULL ? parts : 0, n_kinds },
         { &s->list.first, sizeof *s->list.first, s->now != NULL ? old->groups : 0, new->groups },
+        { &s->list.pair_first, sizeof *s->list.pair_first, 0, n_blocks },
     };
 
     return memory_resize(arrays, sizeof arrays / sizeof *arrays) == 0 ? BF_OK : BF_ENOMEM;

@@ -68,6 +68,7 @@ static void step_with(const explicit_kernels *kernels, disk_state *s, disk *rows
                                  .now = s->now,
                                  .next = rows,
                                  .heading = heading,
+                                 .forces = s->list.forces,
                                  .dt = s->def.dt,
                                  .dt_force = s->def.dt,
                                  .damping_factor = 1.0 };
