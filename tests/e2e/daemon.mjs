@@ -37,6 +37,8 @@ class Daemon {
 
   flags() {
     const all = { listen: "127.0.0.1:0", data: this.data };
+    // What waits and what is solved at once does not depend on the machine's cores.
+    if (this.settings.config === undefined) all.workers = 1;
     if (isSanitized) all.run_memory_bytes = 0; // shadow memory needs the whole address space
     return Object.entries({ ...all, ...this.settings }).flatMap(([name, value]) => [
       `--${name.replaceAll("_", "-")}`,

@@ -38,7 +38,7 @@ test("a daemon that is told nonsense says which word and leaves with 2", async (
   for (const [flags, word] of [
     [["--wrkers", "2"], /wrkers/],
     [["--workers", "many"], /workers/],
-    [["--workers", "0"], /workers/],
+    [["--workers", "65"], /workers/],
     [["--listen", "nowhere"], /nowhere/],
     [["--config", path.join(data, "missing.conf")], /missing\.conf/],
     [["surplus"], /surplus/],
