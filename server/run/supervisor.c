@@ -39,6 +39,13 @@ static supervisor__stop stop_for(store_stop request)
                                           : SUPERVISOR_STOP_KILL;
 }
 
+static void expect_stop(supervisor *s)
+{
+    lock_acquire(&s->lock);
+    s->may_stop = true;
+    lock_release(&s->lock);
+}
+
 static bool take_may_stop(supervisor *s)
 {
     lock_acquire(&s->lock);
@@ -48,16 +55,21 @@ static bool take_may_stop(supervisor *s)
     return may_stop;
 }
 
-// Read the outstanding stop requests, if there may be new ones. What cannot be read is read with the
-// next commit.
+// Read the outstanding stop requests, if there may be new ones. What cannot be read is read in the next turn.
 static void read_stop_requests(supervisor *s)
 {
+    const uint64_t n_requests = store_count_stop_requests(s->store);
+    const bool may_stop = take_may_stop(s);
     store_running running[SUPERVISOR_TASKS_MAX];
     size_t n = 0;
 
-    if (!take_may_stop(s) ||
-        store_list_running(s->store, SUPERVISOR_TASKS_MAX, running, &n, NULL) != BF_OK)
+    if (!may_stop && n_requests == s->n_stop_requests)
         return;
+    if (store_list_running(s->store, SUPERVISOR_TASKS_MAX, running, &n, NULL) != BF_OK) {
+        expect_stop(s);
+        return;
+    }
+    s->n_stop_requests = n_requests;
     for (size_t i = 0; i < s->n_tasks; i++) {
         supervisor__task *task = s->tasks[i];
         for (size_t k = 0; k < n && task->phase == SUPERVISOR_SOLVING; k++) {
@@ -337,10 +349,8 @@ void supervisor_wake(supervisor *s)
 
 void supervisor_notify(supervisor *s)
 {
-    lock_acquire(&s->lock);
-    s->may_stop = true;
-    lock_release(&s->lock);
-    supervisor__wake_loop(s);
+    if (store_count_stop_requests(s->store) != s->n_stop_requests)
+        supervisor__wake_loop(s);
 }
 
 supervisor *supervisor_stop(supervisor *s, int64_t grace_ms)

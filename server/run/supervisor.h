@@ -60,8 +60,8 @@ BF_MUST_CHECK bf_status supervisor_ready(supervisor *s, bf_error *err);
 /// Something was queued or its priority matters: look at the queue.
 void supervisor_wake(supervisor *s);
 
-/// A commit has changed a run: look for stop requests. Does not call the store, so a store_listener may
-/// call it.
+/// A commit has changed a run: look for stop requests, if there are new ones. Does not wait for the store, so a
+/// store_listener may call it.
 void supervisor_notify(supervisor *s);
 
 /// Stop all: jobs write a checkpoint and end within grace_ms (then by force); their runs are queued

@@ -118,6 +118,7 @@ struct supervisor {
     supervisor__task **tasks; ///< room for SUPERVISOR_TASKS_MAX
     size_t n_pending;         ///< pending updates; nothing is claimed while there are any
     supervisor__pending_update *pending; ///< room for SUPERVISOR_TASKS_MAX
+    _Atomic uint64_t n_stop_requests;    ///< of the store, that were read
     lock lock;                           ///< guards what follows
     bool may_claim;                      ///< something may be queued
     bool may_stop;                       ///< there may be new stop requests

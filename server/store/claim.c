@@ -253,6 +253,7 @@ static bf_status request_stop(store__connection *writer, store__operation *opera
     if (row->stop_request >= how)
         return BF_OK;
     memcpy(operation->changed, row->run.id, API_ID_SIZE);
+    operation->asks_stop = true;
     store__query q = store__begin(writer, STORE__SQL_REQUEST_STOP);
     store__bind_integer(&q, row->rowid);
     store__bind_integer(&q, how);
@@ -273,6 +274,11 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
         return bf_fail(err, BF_ECONFLICT, "", "the run has ended: it is %s",
                        run_state_word(row->run.state));
     return store__transition(writer, row, RUN_CANCELLED, err);
+}
+
+uint64_t store_count_stop_requests(const store *s)
+{
+    return atomic_load(&s->n_stop_requests);
 }
 
 bf_status store_cancel(store *s, const char *id, uint64_t revision, api_run *ret_run, bf_error *err)

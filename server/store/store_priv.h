@@ -53,6 +53,7 @@ struct store__operation {
     store__finish *finish;     ///< how it ends; NULL: its caller waits for is_done
     void *context;             ///< for these
     bool may_use_reserve;      ///< it frees or ends something
+    bool asks_stop;            ///< set by apply: it asks for a run to be stopped
     char changed[API_ID_SIZE]; ///< set by apply: the run that it changed; "" none
     bf_status status;          ///< result, once it is done
     bf_error error;            ///< of a status that is not BF_OK
@@ -92,6 +93,7 @@ struct store {
     _Atomic size_t client_quota;      ///< see store_options
     store__quota_settings quotas;     ///< see store_options
     int64_t idempotency_ms;           ///< see store_options
+    _Atomic uint64_t n_stop_requests; ///< see store_count_stop_requests()
     store_listener *listener;         ///< NULL: none
     void *listener_context;           ///< given to it
     int lock_file;                    ///< descriptor that holds the flock; -1: none

@@ -114,8 +114,10 @@ static bool is_notified_before(const store__operation *first, const store__opera
     return false;
 }
 
-static void notify_listener(const store *s, const store__operation *first)
+static void notify_listener(store *s, const store__operation *first)
 {
+    for (const store__operation *o = first; o != NULL; o = o->next)
+        s->n_stop_requests += o->status == BF_OK && o->asks_stop;
     if (s->listener == NULL)
         return;
     for (const store__operation *o = first; o != NULL; o = o->next)

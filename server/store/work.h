@@ -119,6 +119,9 @@ BF_MUST_CHECK bf_status store_finish(store *s, const store_ending *ending, api_r
 BF_MUST_CHECK bf_status store_set_external_id(store *s, const char *id, const char *external_id,
                                               bf_error *err);
 
+/// How many stop requests were stored since the store was opened, of which the listener hears after that. Does not wait.
+uint64_t store_count_stop_requests(const store *s);
+
 /// Read the runs that are running, at most `size` of them, the oldest first.
 BF_MUST_CHECK bf_status store_list_running(store *s, size_t size, store_running *ret_runs,
                                            size_t *ret_n, bf_error *err);

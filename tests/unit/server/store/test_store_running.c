@@ -224,10 +224,27 @@ static void a_run_that_is_to_be_stopped_is_cancelled_after_its_last_attempt(void
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
+// I14: each is counted once it is stored.
+static void stop_requests_are_counted(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    api_run running = helper_start(s), queued = helper_submit(s, "", 0), after;
+
+    assert_int_equal(store_count_stop_requests(s), 0);
+    assert_int_equal(store_cancel(s, queued.id, API_ANY_REVISION, &after, NULL), BF_OK);
+    assert_int_equal(store_count_stop_requests(s), 0);
+    assert_int_equal(store_cancel(s, running.id, API_ANY_REVISION, &after, NULL), BF_OK);
+    assert_int_equal(store_cancel(s, running.id, API_ANY_REVISION, &after, NULL), BF_OK);
+    assert_int_equal(store_count_stop_requests(s), 1);
+    assert_int_equal(store_remove(s, running.id, API_ANY_REVISION, NULL), BF_ECONFLICT);
+    assert_int_equal(store_count_stop_requests(s), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         STORE_TEST(running_runs_are_listed_the_oldest_first),
+        STORE_TEST(stop_requests_are_counted),
         STORE_TEST(an_external_id_is_stored_while_its_run_is_running),
         STORE_TEST(a_running_run_is_asked_to_stop),
         STORE_TEST(a_run_that_is_asked_to_stop_is_not_queued_again),
