@@ -23,7 +23,7 @@ test("one worker solves one run at a time, two workers two", async (t) => {
 });
 
 test("higher priorities come first, equal ones in their order", async (t) => {
-  const d = await daemon(t);
+  const d = await daemon(t, { workers: 1 });
   const first = await d.submit(endless(), { priority: 100 });
   await d.reached(first.id, "running");
   const wanted = [];
