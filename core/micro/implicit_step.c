@@ -15,8 +15,11 @@ static const double move_planar = 0.08;       // of the smallest radius
 static const double move_spatial = 0.02;      // in space
 static const double move_limit = 0.25;        // of the same
 static const double iterations_chosen = 16.0; // at most, where the step is chosen
-static const double stiffness_weight = 0.03;  // of iterations^2, per layer of a jam
-static const double damping_weight = 0.4;     // of iterations^2
+static const double over_relaxation = 1.4;    // in the plane
+
+static const double stiffness_weight = 0.03; // of iterations^2, per layer of a jam
+static const double relaxed_weight = 0.008;  // the same with over-relaxation
+static const double damping_weight = 0.4;    // of iterations^2
 
 enum { ITERATIONS_MAX = 32 };
 
@@ -87,6 +90,11 @@ static extremes extremes_of(const micro_def *def)
     return e;
 }
 
+double implicit_step_excess(int iteration, int n_iterations)
+{
+    return iteration + 1 < n_iterations ? over_relaxation - 1.0 : 0.0;
+}
+
 // Longest step for which no part at the largest speed moves by more than `fraction` of the radius.
 static double step_of_move(const extremes *e, double fraction)
 {
@@ -99,16 +107,18 @@ typedef struct effort {
     double linear;
 } effort;
 
-static effort make_effort(size_t n_parts, double stiffness, double damping, double mass)
+static effort make_effort(double weight, size_t n_parts, double stiffness, double damping,
+                          double mass)
 {
-    return (effort){ stiffness_weight * sqrt((double)n_parts) * 2.0 * stiffness / mass,
+    return (effort){ weight * sqrt((double)n_parts) * 2.0 * stiffness / mass,
                      damping_weight * 2.0 * damping / mass };
 }
 
-int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
-                             double mass)
+int implicit_step_iterations(bool is_planar, size_t n_parts, double h, double stiffness,
+                             double damping, double mass)
 {
-    effort e = make_effort(n_parts, stiffness, damping, mass);
+    effort e = make_effort(is_planar ? relaxed_weight : stiffness_weight, n_parts, stiffness,
+                           damping, mass);
     double square = fmax(1.0, (e.quadratic * h + e.linear) * h);
 
     return (int)fmin(ceil(sqrt(square)), ITERATIONS_MAX);
@@ -116,7 +126,8 @@ int implicit_step_iterations(size_t n_parts, double h, double stiffness, double 
 
 static double step_of_iterations(const micro_def *def, const extremes *x)
 {
-    effort e = make_effort(micro__n_expected(def), x->stiffness, x->damping, x->mass);
+    effort e =
+        make_effort(stiffness_weight, micro__n_expected(def), x->stiffness, x->damping, x->mass);
     double square = iterations_chosen * iterations_chosen;
 
     return 2.0 * square / (e.linear + sqrt(e.linear * e.linear + 4.0 * e.quadratic * square));

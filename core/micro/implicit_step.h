@@ -13,15 +13,21 @@
 ///     iterations^2 = 0.03 sqrt(N) 2 h^2 k / m + 0.4 2 h d / m
 ///
 /// keep the outflow curve within 1 % of N of the explicit one and the kinetic energy of jams about the same: the
-/// residual is reduced in the next step, which starts from the impulses of this one. The step that is chosen is
-/// the shortest of
+/// residual is reduced in the next step, which starts from the impulses of this one.
+///
+/// In the plane normal impulses are over-relaxed (successive over-relaxation, Young 1950) by 1.4 in all iterations but
+/// the last one, so that a contact by itself is solved exactly. Then 0.008 instead of 0.03 does the same, measured on
+/// the Examples, on Example 1 enlarged to 3,072 and 9,408 parts, and on a jam of 10,000 in a box, with steps of 2 ms.
+///
+/// The step that is chosen is the shortest of
 ///
 ///     2 ms
 ///     0.08 r / v            parts move by less than a twelfth of a radius: directions of contacts remain valid;
 ///                           in space 0.02 r / v, as corners and faces of bodies that turn take over
 ///                           each other's load
 ///     0.2 / (lambda mu g), or 0.05 v / (mu g) if that is longer: the belt accelerates parts over many steps
-///     where iterations(h) = 16: stiffer contacts take shorter steps instead of more iterations
+///     where iterations(h) = 16 without over-relaxation: stiffer contacts take shorter steps instead of more
+///                           iterations
 ///
 /// with v the largest speed of a belt or of a plate at any time or of the parts at the start, and r the radius of a cylinder or
 /// half the least width of another footprint.
@@ -30,10 +36,13 @@
 
 #include "core/micro/micro.h"
 
-/// Iterations in a step for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a dashpot,
-/// N s/m, in steps of h, s.
-int implicit_step_iterations(size_t n_parts, double h, double stiffness, double damping,
-                             double mass);
+/// Iterations in a step, in the plane or in space, for n_parts of a mass, kg, whose contacts have a stiffness, N/m, and a
+/// dashpot, N s/m, in steps of h, s.
+int implicit_step_iterations(bool is_planar, size_t n_parts, double h, double stiffness,
+                             double damping, double mass);
+
+/// Over-relaxation, less 1, of an iteration in the plane: 0 <= iteration < n_iterations.
+double implicit_step_excess(int iteration, int n_iterations);
 
 /// The smallest r of any kind, m.
 double implicit_step_radius(const micro_def *def);

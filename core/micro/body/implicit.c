@@ -28,7 +28,7 @@ static int find_iterations(const body_state *s)
         const body_kind *kind = &s->kinds[k];
         double stiffness =
             fmax(s->cargo.stiffness / (2.0 * kind->compliance), kind->boundary_law.stiffness);
-        int own = implicit_step_iterations(micro__n_expected(&s->def), s->def.dt, stiffness,
+        int own = implicit_step_iterations(false, micro__n_expected(&s->def), s->def.dt, stiffness,
                                            damping, kind->mass);
         iterations = own > iterations ? own : iterations;
     }

@@ -13,7 +13,7 @@
 //                changes the inertia
 //
 // The coupled equations are solved contact by contact (Gauss-Seidel) from the impulses of the step
-// before; each iteration updates the secants and so converges to implicit Euler. Every impulse acts
+// before, with over-relaxation; each iteration updates the secants and so converges to implicit Euler. Every impulse acts
 // on both parts, so momentum is conserved however few iterations are made.
 //
 // The members of a team wait for each other between the phases of a step. In a phase every member works on some of
@@ -62,7 +62,7 @@ static int find_iterations(const disk_state *s)
         const disk *part = &s->kinds[k].part;
         double cargo = s->cargo.line / (2.0 * part->compliance);
         double handling = s->handling.line / (part->compliance + s->handling_compliance);
-        int own = implicit_step_iterations(micro__n_expected(&s->def), s->def.dt,
+        int own = implicit_step_iterations(true, micro__n_expected(&s->def), s->def.dt,
                                            fmax(cargo, handling), damping, 1.0 / part->inv_mass);
         iterations = own > iterations ? own : iterations;
     }
@@ -184,6 +184,7 @@ static driver_extremes join_chunks(const disk_state *s)
 typedef struct step_numbers {
     implicit_step step;
     double margin; // gaps that may close, m
+    double excess; // of the present iteration
 } step_numbers;
 
 static void predict_chunk(const driver_member *m, size_t chunk)
@@ -224,7 +225,9 @@ static void find_contacts_of_piece(const driver_member *m, size_t piece)
 
 static void solve_piece(const driver_member *m, size_t piece)
 {
-    disk_implicit__solve(state_of(m), piece);
+    const step_numbers *numbers = m->step;
+
+    disk_implicit__solve(state_of(m), piece, numbers->excess);
 }
 
 static void update_partition(const driver_member *m, size_t k)
@@ -256,6 +259,7 @@ static void make_phases(driver_member *m, double travel)
             driver_split(m, 0, n_chunks, apply_belt_friction_of_chunk);
             driver_wait(m);
         }
+        numbers.excess = implicit_step_excess(iteration, z->iterations);
         split_groups(m, solve_piece);
     }
     driver_split(m, 0, n_chunks, move_chunk);

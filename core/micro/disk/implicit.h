@@ -145,8 +145,8 @@ void disk_implicit__set_law(const disk_state *s, const implicit_state *z,
 void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t piece,
                                   double margin);
 
-/// One iteration over the contacts of a piece.
-void disk_implicit__solve(implicit_state *z, size_t piece);
+/// One iteration over the contacts of a piece, with an over-relaxation of 1 + excess.
+void disk_implicit__solve(implicit_state *z, size_t piece, double excess);
 
 /// Add the contacts of all pairs to *totals.
 void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals);

@@ -103,13 +103,14 @@ static bool find_contact(const disk_state *s, const implicit_state *z, const imp
 }
 
 // Blocks of a piece with its contacts.
-static implicit_blocks blocks_of(const implicit_state *z, const implicit_piece *p)
+static implicit_blocks blocks_of(const implicit_state *z, const implicit_piece *p, double excess)
 {
     return (implicit_blocks){ .n = (p->n_front + IMPLICIT_WIDTH - 1) / IMPLICIT_WIDTH,
                               .pairs = &z->blocks[p->block],
                               .contacts = &z->contacts[p->block],
                               .laws = &z->laws[p->law],
-                              .is_one_law = p->is_one_law };
+                              .is_one_law = p->is_one_law,
+                              .excess = excess };
 }
 
 // Count an overlap, m, of parts of which the smaller one has the radius `small`, m.
@@ -307,12 +308,12 @@ static void take_lane(double *to, const double *from, size_t n, size_t lane)
 }
 
 // Let a kernel work on each contact of the last group in a block of its own.
-static void work_in_order(implicit_state *z, const implicit_piece *p, kernel *work)
+static void work_in_order(implicit_state *z, const implicit_piece *p, double excess, kernel *work)
 {
     _Alignas(64) implicit_block pair = { .normal = { 0.0 } };
     _Alignas(64) implicit_contacts contact = { .nx = { 0.0 } };
     _Alignas(64) implicit_law law = { .joint = { 0.0 } };
-    const implicit_blocks one = { 1, &pair, &contact, &law, true };
+    const implicit_blocks one = { 1, &pair, &contact, &law, true, excess };
 
     for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane++)
         pair.row[0][lane] = pair.row[1][lane] = p->static_body * SIMD_QUAD;
@@ -334,12 +335,12 @@ static void work_in_order(implicit_state *z, const implicit_piece *p, kernel *wo
     }
 }
 
-static void work_on(implicit_state *z, const implicit_piece *p, kernel *work)
+static void work_on(implicit_state *z, const implicit_piece *p, double excess, kernel *work)
 {
-    const implicit_blocks blocks = blocks_of(z, p);
+    const implicit_blocks blocks = blocks_of(z, p, excess);
 
     if (p->is_rest)
-        work_in_order(z, p, work);
+        work_in_order(z, p, excess, work);
     else
         work(z->bodies.rows, &blocks);
 }
@@ -357,12 +358,12 @@ void disk_implicit__find_contacts(const disk_state *s, implicit_state *z, size_t
         find_contacts_of_parts(s, z, p, margin);
     else
         find_contacts(s, z, p, margin);
-    work_on(z, p, z->kernels->warm_start);
+    work_on(z, p, 0.0, z->kernels->warm_start);
 }
 
-void disk_implicit__solve(implicit_state *z, size_t piece)
+void disk_implicit__solve(implicit_state *z, size_t piece, double excess)
 {
-    work_on(z, &z->pieces[piece], z->kernels->solve);
+    work_on(z, &z->pieces[piece], excess, z->kernels->solve);
 }
 
 void disk_implicit__measure(const disk_state *s, const implicit_state *z, micro_totals *totals)

@@ -126,15 +126,17 @@ static void warm_start(solver_body *bodies, const implicit_blocks *blocks)
     }
 }
 
-// Normal impulse, with the present speed at which the bodies part without it.
-static inline simd normal_impulse(const ends *e, const implicit_law *law, size_t lane, simd parting)
+// Normal impulse, with the present speed at which the bodies part without it, and beyond it from the former one by the
+// share `excess` of the change.
+static inline simd normal_impulse(const ends *e, const implicit_law *law, size_t lane, simd parting,
+                                  simd former, double excess)
 {
     simd bias = (simd_load(law->joint + lane) * e->overlap -
                  simd_load(law->damping + lane) * simd_positive(e->overlap)) *
                 simd_load(law->scale + lane);
+    simd alone = bias - simd_load(law->gain + lane) * parting;
 
-    return simd_max(bias - simd_load(law->gain + lane) * parting,
-                    simd_load(law->lower_bound + lane));
+    return simd_max(alone + excess * (alone - former), simd_load(law->lower_bound + lane));
 }
 
 // Sliding impulse, with the secant at the present slip.
@@ -151,11 +153,12 @@ static inline simd friction_impulse(const ends *e, const implicit_law *law, size
     return simd_min(simd_max(-secant * free_slip / (theta.down + secant * inv_mass), -most), most);
 }
 
-// Each contact is solved for its impulses while all others are fixed. Inlined, or a call costs a tenth of it.
+// Each contact is solved for its impulses while all others are fixed, normal ones with over-relaxation. Inlined, or a call costs a tenth of it.
 static inline __attribute__((always_inline)) void solve_lanes(solver_body *bodies,
                                                               implicit_block *block,
                                                               const implicit_contacts *contacts,
-                                                              const implicit_law *law, size_t lane)
+                                                              const implicit_law *law, size_t lane,
+                                                              double excess)
 {
     ends e = load_ends(bodies, block, contacts, law, lane);
     const simd *a = e.a.column, *b = e.b.column;
@@ -163,7 +166,7 @@ static inline __attribute__((always_inline)) void solve_lanes(solver_body *bodie
     simd normal = simd_load(block->normal + lane), sliding = simd_load(block->sliding + lane);
     simd parting = vx * e.nx + vy * e.ny - (e.inv_mass[0] + e.inv_mass[1]) * normal;
     simd slip = vy * e.nx - vx * e.ny - a[2] * e.lever[0] - b[2] * e.lever[1];
-    simd new_normal = normal_impulse(&e, law, lane, parting);
+    simd new_normal = normal_impulse(&e, law, lane, parting, normal, excess);
     simd new_sliding = friction_impulse(&e, law, lane, size_of(new_normal), sliding, slip);
 
     apply_impulse(bodies, block, lane, &e, new_normal - normal, new_sliding - sliding);
@@ -173,9 +176,12 @@ static inline __attribute__((always_inline)) void solve_lanes(solver_body *bodie
 
 static void solve(solver_body *bodies, const implicit_blocks *blocks)
 {
+    const double excess = blocks->excess;
+
     for (size_t k = 0; k < blocks->n; k++)
         for (size_t lane = 0; lane < IMPLICIT_WIDTH; lane += SIMD_LANES)
-            solve_lanes(bodies, &blocks->pairs[k], &blocks->contacts[k], law_of(blocks, k), lane);
+            solve_lanes(bodies, &blocks->pairs[k], &blocks->contacts[k], law_of(blocks, k), lane,
+                        excess);
 }
 
 // Belts under SIMD_LANES parts.

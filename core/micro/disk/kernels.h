@@ -188,6 +188,7 @@ typedef struct implicit_blocks {
     const implicit_contacts *contacts; ///< n
     const implicit_law *laws;          ///< n, or one for all of them
     bool is_one_law;                   ///< see there
+    double excess;                     ///< of an iteration: over-relaxation less 1
 } implicit_blocks;
 
 /// Velocity of a body within a step, and how impulses turn it. The rows of slots are followed by those of static

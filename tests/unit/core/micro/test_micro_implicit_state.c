@@ -347,7 +347,7 @@ static void all_instruction_sets_give_the_same_bits(void **state)
     for (cpu_level level = CPU_BASE; level <= cpu_best(); level++) {
         const implicit_kernels *kernels = disk__implicit_kernels(level);
         block_case *c = &cases[level == CPU_BASE ? 0 : 1];
-        const implicit_blocks one = { 1, &c->block, &c->contacts, &c->law, false };
+        const implicit_blocks one = { 1, &c->block, &c->contacts, &c->law, false, 0.4 };
         fill_case(c);
         kernels->warm_start(c->bodies, &one);
         for (int iteration = 0; iteration < 3; iteration++)
