@@ -187,6 +187,8 @@ static void begin_study(studies *s, const api_study *about)
     lock_acquire(&s->lock);
     s->tasks[s->n_tasks++] = t;
     lock_release(&s->lock);
+    // Trials that it began before it was paused wait, and may be solved again.
+    s->options.queued(s->options.context);
 }
 
 // Those that were running go on before others begin.
