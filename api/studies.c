@@ -64,3 +64,12 @@ bool api_trial_state_is_end(api_trial_state state)
     BF_CHECK(state < API_TRIAL_STATES);
     return trials[state].is_end;
 }
+
+uint64_t api_study_ended(const api_study *about)
+{
+    uint64_t n = 0;
+
+    for (api_trial_state state = 0; state < API_TRIAL_STATES; state++)
+        n += about->n_ended[state];
+    return n;
+}

@@ -164,3 +164,6 @@ api_trial_state api_trial_state_find(const char *word);
 /// True if nothing may follow.
 bool api_study_state_is_end(api_study_state state);
 bool api_trial_state_is_end(api_trial_state state);
+
+/// How many trials of a study have ended.
+uint64_t api_study_ended(const api_study *about);

@@ -122,6 +122,15 @@ bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run, b
     return status;
 }
 
+bf_status access_find_study(const exchange *x, const char *id, api_study *ret_study, bf_error *err)
+{
+    bf_status status = x->services->find_study(x->services->context, id, ret_study, err);
+
+    if (status == BF_OK && !may_see(x, ret_study->owner))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no study %.40s", id);
+    return status;
+}
+
 bf_status access_find_measurement(const exchange *x, const char *id,
                                   api_measurement *ret_measurement, bf_error *err)
 {

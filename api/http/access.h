@@ -1,5 +1,5 @@
 /// Whether a request may go on, and what it may see: the one place that decides, from the scope of the route, the token
-/// that came with the request and the owners of runs and measurements.
+/// that came with the request and the owners of runs, studies and measurements.
 ///
 /// A token comes in `Authorization: Bearer` alone (RFC 6750, 2.1), never in the URL, where logs and histories keep it.
 /// For what a browser fetches by itself (EventSource, downloads, images) a ticket stands for it: `?ticket=` of a GET or
@@ -26,10 +26,12 @@ BF_MUST_CHECK bf_status access_check_priority(exchange *x, int priority, bf_erro
 /// What a list that the sender asks for is narrowed to: the sender's name; "": everybody's.
 const char *access_list_owner(const exchange *x);
 
-/// Find a run or a measurement that the sender may see: without tokens all, with the scope admin all, else those
+/// Find a run, a study or a measurement that the sender may see: without tokens all, with the scope admin all, else those
 /// of the same owner. BF_ENOTFOUND: there is none of this id, or it is somebody else's, which looks the same.
 BF_MUST_CHECK bf_status access_find_run(const exchange *x, const char *id, api_run *ret_run,
                                         bf_error *err);
+BF_MUST_CHECK bf_status access_find_study(const exchange *x, const char *id, api_study *ret_study,
+                                          bf_error *err);
 BF_MUST_CHECK bf_status access_find_measurement(const exchange *x, const char *id,
                                                 api_measurement *ret_measurement, bf_error *err);
 

@@ -253,6 +253,16 @@ bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err)
     return access_find_run(x, id, ret_run, err);
 }
 
+bf_status exchange__find_study(const exchange *x, api_study *ret_study, bf_error *err)
+{
+    const char *id = x->params.values[0];
+
+    BF_CHECK(x->params.n > 0);
+    if (!param_is_id(id))
+        return bf_fail(err, BF_ENOTFOUND, "", "there is no study '%s'", id);
+    return access_find_study(x, id, ret_study, err);
+}
+
 const char *exchange__text(const exchange *x, const char *name)
 {
     return query_value(&x->query, name);

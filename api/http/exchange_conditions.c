@@ -33,17 +33,16 @@ bf_status exchange__check_change(exchange *x, const char *const *tags, bf_error 
         is_wanted ? "one that If-None-Match excludes" : "not the one that If-Match names", tags[0]);
 }
 
-bf_status exchange__check_match(exchange *x, const api_run *record, uint64_t *ret_revision,
+bf_status exchange__check_match(exchange *x, uint64_t revision, uint64_t *ret_revision,
                                 bf_error *err)
 {
     char tag[EXCHANGE_ETAG_SIZE];
     const char *const tags[] = { tag, NULL };
 
-    snprintf(tag, sizeof tag, "r%" PRIu64, record->revision);
+    snprintf(tag, sizeof tag, "r%" PRIu64, revision);
     bf_status status = exchange__check_change(x, tags, err);
     if (status == BF_OK)
-        *ret_revision =
-            exchange__header(x, "If-Match") == NULL ? API_ANY_REVISION : record->revision;
+        *ret_revision = exchange__header(x, "If-Match") == NULL ? API_ANY_REVISION : revision;
     return status;
 }
 

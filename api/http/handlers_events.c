@@ -6,7 +6,7 @@
 #include "api/http/stream.h"
 
 // The header counts more: a browser that reconnects sends it, with the URL unchanged.
-static bf_status read_last_event(exchange *x, uint64_t *ret_id, bf_error *err)
+bf_status handlers__read_last_event(const exchange *x, uint64_t *ret_id, bf_error *err)
 {
     const char *last = exchange__header(x, "Last-Event-ID");
     uint64_t id = 0;
@@ -27,7 +27,7 @@ static bf_status begin_stream(exchange *x, char (*runs)[API_ID_SIZE], size_t n_r
     bool is_inline = exchange__whole(x, "inline") == 1;
     uint64_t after = 0;
 
-    bf_status status = read_last_event(x, &after, err);
+    bf_status status = handlers__read_last_event(x, &after, err);
     if (status == BF_OK)
         status = stream_begin(x->services, format, is_inline, (const char(*)[API_ID_SIZE])runs,
                               n_runs, after, &cursor, err);

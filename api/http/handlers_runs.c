@@ -13,33 +13,11 @@
 
 static const char *const body_types[] = { "application/json", NULL };
 
-// What a feed's profile or schedule names.
-static bf_status read_feed_text(const void *context, const char *id, const char *kind,
-                                bf_buffer *out, bf_error *err)
-{
-    const exchange *x = context;
-    const api_services *services = x->services;
-    bf_status status = BF_ENOTFOUND;
-    api_measurement about;
-
-    if (param_is_id(id))
-        status = access_find_measurement(x, id, &about, err);
-    if (status == BF_OK && strcmp(api_measured_words[about.kind], kind) != 0)
-        return bf_fail(err, BF_EINPUT, "", "the measurement %s is a %s, not a %s", id,
-                       api_measured_words[about.kind], kind);
-    if (status == BF_OK)
-        status = services->read_measurement_csv(services->context, id, out, err);
-    // It may have been removed meanwhile.
-    if (status == BF_ENOTFOUND)
-        return bf_fail(err, BF_EINPUT, "", "there is no measurement '%.64s'", id);
-    return status;
-}
-
 static bf_status read_submission(exchange *x, api_submission *ret_submission, bf_error *err)
 {
     const api_request *request = x->request;
     const char *body = request->body == NULL ? "" : request->body;
-    json_in_texts texts = { .context = x, .read = read_feed_text, .n_left = SUBMISSION_TEXTS_MAX };
+    json_in_texts texts = handlers__texts(x, SUBMISSION_TEXTS_MAX);
     size_t type;
 
     bf_status status = exchange__check_body(x, body_types, &type, err);
@@ -53,22 +31,6 @@ static bf_status read_submission(exchange *x, api_submission *ret_submission, bf
     return status;
 }
 
-// The body is compared when the key is used again.
-static bf_status read_key(const exchange *x, api_submission *submission, bf_error *err)
-{
-    submission->body = x->request->body;
-    submission->n_body = x->request->n_body;
-    return negotiation_read_key(exchange__header(x, "Idempotency-Key"), submission->key, err);
-}
-
-// The head of the answer to a submission.
-static void answer_head(exchange *x, const char *id, uint64_t revision)
-{
-    x->response->status = 201;
-    api_response_header(x->response, "Location", "/v1/runs/%s", id);
-    api_response_header(x->response, "ETag", "\"r%" PRIu64 "\"", revision);
-}
-
 // The run's current state. False: it was removed or cannot be read.
 static bool answer_now(exchange *x, const char *id)
 {
@@ -77,7 +39,7 @@ static bool answer_now(exchange *x, const char *id)
     if (access_find_run(x, id, &record, NULL) != BF_OK ||
         run_json_write(&record, &x->response->body, NULL) != BF_OK)
         return false;
-    answer_head(x, id, record.revision);
+    handlers__answer_head(x, "/v1/runs", id, record.revision);
     exchange__prefer_long_poll(x, &record);
     return true;
 }
@@ -96,10 +58,10 @@ static void answer_accepted(exchange *x, api_acceptance *accepted)
     }
     buffer_fini(&x->response->body);
     x->response->body = accepted->answer;
-    answer_head(x, accepted->id, accepted->revision);
+    handlers__answer_head(x, "/v1/runs", accepted->id, accepted->revision);
 }
 
-static bf_status answer_polled(exchange *x, bf_error *err)
+bf_status handlers__answer_polled(exchange *x, bf_error *err)
 {
     if (answer_now(x, x->request->polled->run))
         return BF_OK;
@@ -113,15 +75,22 @@ static bf_status submit(exchange *x, const api_submission *submission, bf_error 
     api_acceptance accepted = { 0 };
 
     bf_status status = x->services->submit(x->services->context, submission, &accepted, err);
-    if (status == BF_EINPUT)
-        x->refusal = 422; // the key was used with another body
-    if (status == BF_ELIMIT) {
-        x->refusal = 429;
-        x->retry_after_s = accepted.retry_after_s;
-    }
     if (status == BF_OK)
         answer_accepted(x, &accepted);
+    else
+        handlers__note_refusal(x, status, &accepted);
     return status;
+}
+
+// The body is compared when the key is used again.
+bf_status handlers__submit_run(exchange *x, api_submission *submission, const char *body, size_t n,
+                               bf_error *err)
+{
+    submission->body = body;
+    submission->n_body = n;
+    handlers__read_sender(x, submission->owner, submission->client);
+    const bf_status status = handlers__read_key(x, submission->key, err);
+    return status == BF_OK ? submit(x, submission, err) : status;
 }
 
 bf_status handlers_runs_submit(exchange *x, bf_error *err)
@@ -129,15 +98,10 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
     api_submission submission = { 0 };
 
     if (x->request->polled != NULL)
-        return answer_polled(x, err);
+        return handlers__answer_polled(x, err);
     bf_status status = read_submission(x, &submission, err);
     if (status == BF_OK)
-        status = read_key(x, &submission, err);
-    memcpy(submission.owner, x->who.owner, sizeof submission.owner);
-    if (x->request->client != NULL)
-        snprintf(submission.client, sizeof submission.client, "%s", x->request->client);
-    if (status == BF_OK)
-        status = submit(x, &submission, err);
+        status = handlers__submit_run(x, &submission, x->request->body, x->request->n_body, err);
     submission_fini(&submission);
     return status;
 }
@@ -158,11 +122,13 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
 {
     const char *state = exchange__text(x, "status");
     const char *model = exchange__text(x, "model");
+    const char *parent = exchange__text(x, "study");
     api_list_query list = { .state = -1, .model = -1, .limit = page->limit };
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
     memcpy(list.before, page->before, sizeof list.before);
+    snprintf(list.study, sizeof list.study, "%s", parent != NULL ? parent : "");
     if (state != NULL)
         list.state = (int)run_state_find(state);
     for (int i = 0; i < RUN_MODEL_COUNT && model != NULL; i++) {
@@ -176,11 +142,12 @@ static void add_next_link(exchange *x, const exchange_page *page, const api_list
                           const char *last_id)
 {
     bool has_state = list->state >= 0, has_model = list->model >= 0;
-    char filters[64];
+    char filters[128];
 
-    snprintf(filters, sizeof filters, "%s%s%s%s", has_state ? "&status=" : "",
+    snprintf(filters, sizeof filters, "%s%s%s%s%s%s", has_state ? "&status=" : "",
              has_state ? run_state_word((run_state)list->state) : "", has_model ? "&model=" : "",
-             has_model ? run_model_words[list->model] : "");
+             has_model ? run_model_words[list->model] : "", list->study[0] != '\0' ? "&study=" : "",
+             list->study);
     exchange__link_next(x, page, filters, last_id);
 }
 
@@ -242,7 +209,7 @@ static bf_status change_run(exchange *x, change_fn *change, api_run *ret_run, bf
         uint64_t revision = API_ANY_REVISION;
         status = exchange__find_run(x, &record, err);
         if (status == BF_OK)
-            status = exchange__check_match(x, &record, &revision, err);
+            status = exchange__check_match(x, record.revision, &revision, err);
         if (status != BF_OK)
             return status;
         status = change(x, x->params.values[0], revision, &record, err);

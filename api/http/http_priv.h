@@ -6,6 +6,7 @@
 #include "api/http/negotiation.h"
 #include "api/http/query.h"
 #include "api/http/routes.h"
+#include "api/json/json_in.h"
 #include "core/base/faults.h"
 
 #include <stdbool.h>
@@ -79,6 +80,10 @@ BF_MUST_CHECK bf_status exchange__check_body(exchange *x, const char *const *typ
 /// Find the run of the path's first parameter. BF_ENOTFOUND also for what cannot be an id.
 BF_MUST_CHECK bf_status exchange__find_run(const exchange *x, api_run *ret_run, bf_error *err);
 
+/// The same for a study.
+BF_MUST_CHECK bf_status exchange__find_study(const exchange *x, api_study *ret_study,
+                                             bf_error *err);
+
 /// Find the snapshot that the path's second parameter numbers. BF_ENOTFOUND: it is not a number, or the
 /// run does not have that snapshot yet.
 BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run *of,
@@ -88,9 +93,9 @@ BF_MUST_CHECK bf_status exchange__find_snapshot(const exchange *x, const api_run
 /// (ended by NULL). BF_EINPUT, as a 412: the first names other states, or the second this one.
 BF_MUST_CHECK bf_status exchange__check_change(exchange *x, const char *const *tags, bf_error *err);
 
-/// The same for a run. *ret_revision is the revision that a change of the run has to find: the run's,
+/// The same for a run or a study of a revision. *ret_revision is the one that a change has to find: this one,
 /// API_ANY_REVISION where the request has no If-Match.
-BF_MUST_CHECK bf_status exchange__check_match(exchange *x, const api_run *record,
+BF_MUST_CHECK bf_status exchange__check_match(exchange *x, uint64_t revision,
                                               uint64_t *ret_revision, bf_error *err);
 
 /// The requested page of a list, from the parameters label, cursor and limit.
@@ -147,6 +152,38 @@ route_handler_fn handlers_runs_show;
 route_handler_fn handlers_runs_cancel;
 route_handler_fn handlers_runs_remove;
 
+/// What becomes of submissions: the key, the owner and the client of a request for one; the status of a refusal, and when
+/// another try can help; and the head of the answer, for what was created below a path such as "/v1/runs".
+BF_MUST_CHECK bf_status handlers__read_key(const exchange *x, char *ret_key, bf_error *err);
+void handlers__read_sender(const exchange *x, char *ret_owner, char *ret_client);
+void handlers__note_refusal(exchange *x, bf_status status, const api_acceptance *accepted);
+void handlers__answer_head(exchange *x, const char *path, const char *id, uint64_t revision);
+
+/// The texts that a submission may name by the ids of measurements, n bytes of them; of the exchange, which is borrowed.
+json_in_texts handlers__texts(const exchange *x, size_t n);
+
+/// Accept a run for the sender, who may repeat the request with a key as long as the n bytes of body are the same; and
+/// answer with it, or with what is polled. The submission stays the caller's.
+BF_MUST_CHECK bf_status handlers__submit_run(exchange *x, api_submission *submission,
+                                             const char *body, size_t n, bf_error *err);
+BF_MUST_CHECK bf_status handlers__answer_polled(exchange *x, bf_error *err);
+
+/// Studies: accept, list, show, change, remove,
+route_handler_fn handlers_studies_submit;
+route_handler_fn handlers_studies_list;
+route_handler_fn handlers_studies_show;
+route_handler_fn handlers_studies_pause;
+route_handler_fn handlers_studies_resume;
+route_handler_fn handlers_studies_cancel;
+route_handler_fn handlers_studies_remove;
+
+/// and what they have: document, trials, what was found, events; a trial as a run of its own.
+route_handler_fn handlers_trials_document;
+route_handler_fn handlers_trials_list;
+route_handler_fn handlers_trials_best;
+route_handler_fn handlers_trials_events;
+route_handler_fn handlers_trials_run;
+
 /// The results of a run so far.
 route_handler_fn handlers_results_scenario;
 route_handler_fn handlers_results_summary;
@@ -163,6 +200,10 @@ route_handler_fn handlers_results_parts_series;
 
 /// All results at once.
 route_handler_fn handlers_results_archive;
+
+/// Id of the last event that the sender has seen, from Last-Event-ID or the query; 0: none. BF_EINPUT: it is none.
+BF_MUST_CHECK bf_status handlers__read_last_event(const exchange *x, uint64_t *ret_id,
+                                                  bf_error *err);
 
 /// Event streams of one run and of several.
 route_handler_fn handlers_results_events;
@@ -194,44 +235,3 @@ route_handler_fn handlers_meta_metrics;
 route_handler_fn handlers_meta_version;
 route_handler_fn handlers_meta_problem;
 route_handler_fn handlers_meta_openapi;
-
-/// Parameters of routes (routes_params.c), for their table: in the path,
-extern const param routes__run_id;
-extern const param routes__measurement_id;
-extern const param routes__snapshot_n;
-extern const param routes__example_name;
-extern const param routes__problem_word;
-
-/// in the query,
-extern const param routes__compared_a;
-extern const param routes__compared_b;
-extern const param routes__compared_runs;
-extern const param routes__reference;
-extern const param routes__column;
-extern const param routes__csv_label;
-extern const param routes__csv_counter;
-extern const param routes__csv_kind;
-extern const param routes__run_status;
-extern const param routes__run_model_word;
-extern const param routes__run_label;
-extern const param routes__measurement_label;
-extern const param routes__page_limit;
-extern const param routes__page_cursor;
-extern const param routes__wait_s;
-extern const param routes__format;
-extern const param routes__picture_width;
-extern const param routes__picture_colormap;
-extern const param routes__picture_max;
-extern const param routes__with_vtk;
-extern const param routes__followed_runs;
-extern const param routes__inline_grids;
-extern const param routes__last_event_id;
-
-/// in the header.
-extern const param routes__idempotency_key;
-extern const param routes__if_match;
-extern const param routes__if_none_match;
-extern const param routes__if_range;
-extern const param routes__last_event_id_header;
-extern const param routes__prefer;
-extern const param routes__range;

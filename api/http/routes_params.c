@@ -1,5 +1,7 @@
 // The parameters of routes: one row each, also where several routes have it.
 
+#include "api/http/routes_params.h"
+
 #include "api/http/http_priv.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
@@ -23,6 +25,11 @@ static bool is_model(const char *text)
     return model < RUN_MODEL_COUNT;
 }
 
+static bool is_study_state(const char *text)
+{
+    return api_study_state_find(text) != API_STUDY_STATES;
+}
+
 static bool is_measured_kind(const char *text)
 {
     int kind = 0;
@@ -40,6 +47,18 @@ static bool is_colormap(const char *text)
 const param routes__run_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which run"
 };
+
+const param routes__study_id = {
+    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which study"
+};
+
+const param routes__trial_number = { .name = "number",
+                                     .in = "path",
+                                     .kind = &param_whole,
+                                     .type = "#Count",
+                                     .most = UINT64_MAX,
+                                     .is_required = true,
+                                     .help = "Which trial, from 0" };
 
 const param routes__measurement_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which measurement"
@@ -144,6 +163,35 @@ const param routes__run_label = { .name = "label",
                                   .kind = &param_text,
                                   .most = API_LABEL_SIZE - 1,
                                   .help = "Only runs with this label" };
+
+const param routes__run_study = { .name = "study",
+                                  .in = "query",
+                                  .kind = &param_id,
+                                  .help = "The runs of this study's trials; if missing, only runs "
+                                          "that are nobody's trials" };
+
+const param routes__study_status = { .name = "status",
+                                     .in = "query",
+                                     .kind = &param_word,
+                                     .type = "#StudyStatus",
+                                     .is_word = is_study_state,
+                                     .help = "Only studies in this state" };
+
+const param routes__trials_from = { .name = "from",
+                                    .in = "query",
+                                    .kind = &param_whole,
+                                    .type = "#Count",
+                                    .default_text = "0",
+                                    .most = STUDY_TRIALS_MAX,
+                                    .help = "Of JSON: number of the first trial on the page" };
+
+const param routes__trials_limit = { .name = "limit",
+                                     .in = "query",
+                                     .kind = &param_whole,
+                                     .default_text = "100",
+                                     .least = 1,
+                                     .most = API_TRIALS_PAGE_MAX,
+                                     .help = "Of JSON: trials on a page" };
 
 const param routes__measurement_label = { .name = "label",
                                           .in = "query",

@@ -5,6 +5,8 @@
 #include "api/results/colormap.h"
 #include "api/run_state.h"
 #include "api/scenario/examples.h"
+#include "api/studies.h"
+#include "api/study/study_document.h"
 #include "core/run/run.h"
 
 #include <stdio.h>
@@ -31,7 +33,8 @@ static const struct {
 } tags[] = {
     { "Runs", "Submit, list, follow and end runs." },
     { "Results", "Results of a run, also while it is solved." },
-    { "Events", "Events of a run as a stream." },
+    { "Studies", "Vary numbers of a scenario and find what is best, and how sure that is." },
+    { "Events", "Events of a run or a study as a stream." },
     { "Comparison", "Measured curves and comparisons of results." },
     { "Scenarios", "Ready scenarios and validation." },
     { "Service", "State and version of the service." },
@@ -61,6 +64,16 @@ static const char *state_word(int state)
     return run_state_word((run_state)state);
 }
 
+static const char *study_state_word(int state)
+{
+    return api_study_state_word((api_study_state)state);
+}
+
+static const char *trial_state_word(int state)
+{
+    return api_trial_state_word((api_trial_state)state);
+}
+
 static const char *model_word(int model)
 {
     return run_model_words[model];
@@ -75,6 +88,26 @@ static const char *failure_word(int index)
 void openapi__write_states(json_out *w)
 {
     write_words(w, state_word, RUN_STATE_COUNT);
+}
+
+void openapi__write_study_states(json_out *w)
+{
+    write_words(w, study_state_word, API_STUDY_STATES);
+}
+
+void openapi__write_trial_states(json_out *w)
+{
+    write_words(w, trial_state_word, API_TRIAL_STATES);
+}
+
+static const char *method_word(int method)
+{
+    return study_document_methods[method];
+}
+
+void openapi__write_methods(json_out *w)
+{
+    write_words(w, method_word, STUDY_METHODS);
 }
 
 void openapi__write_models(json_out *w)

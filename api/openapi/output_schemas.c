@@ -14,6 +14,8 @@
 #include "api/scenario/examples.h"
 #include "api/scenario/review_members.h"
 #include "api/scenario/submission.h"
+#include "api/study/study_json.h"
+#include "api/study/study_trial.h"
 
 #define OBJECT(table_, help_)                                                                      \
     {                                                                                              \
@@ -88,11 +90,101 @@ LINE("FiguresLine", figures_line, "figures", "FiguresEvent");
 LINE("PhotoEyeLine", eye_line, "photo_eye", "PhotoEyeEvent");
 LINE("ActionLine", action_line, "action", "ActionEvent");
 
+// The same of a study; `status` has no id.
+#define STUDY_LINE(title, name, word, data, ...)                                                   \
+    static const member name##_members[] = {                                                       \
+        __VA_ARGS__ ROW("study", "#Id", "Identifier of the study"),                                \
+        ROW("event", "=" word, "Kind of event"),                                                   \
+        ROW("data", "#" data, "Data of the event"),                                                \
+    };                                                                                             \
+    ROWS(title, name)
+#define PLACE ROW("id", "#Count", "Place of the trial among those that have ended, from 1"),
+#define LAST  ROW("id", "#Count", "One more than that of the last trial"),
+STUDY_LINE("TrialLine", trial_line, "trial", "Trial", PLACE);
+STUDY_LINE("StudyStatusLine", study_status_line, "status", "Study", );
+STUDY_LINE("StudyEndLine", study_end_line, "end", "Study", LAST);
+
+static const member trial_list_members[] = {
+    ROW("trials", "[#Trial]", "A page of the list, by number"),
+};
+ROWS("TrialList", trial_list);
+
+static const member_table numbers_by_name = { .title = "NumbersByName" };
+static const member_table values_by_name = { .title = "ValuesByName" };
+
+static const member best_members[] = {
+    ROW("name", "string", "For people; empty if none was given"),
+    ROW("method", "#StudyMethodWord", "How its points are chosen"),
+    ROW("is_ended", "boolean", "There is nothing more to try"),
+    ROW("trials", "#Count", "Trials so far"),
+    ROW("points", "#Count", "Points so far"),
+    ROW("best", "#StudyPoint", "The best point so far", .null = "there is none yet"),
+    ROW("is_decided", "boolean", "Of screen: the selection ended by itself, with its confidence",
+        .flags = MEMBER_OPTIONAL),
+    ROW("confirmed", "[#ConfirmedPoint]", "Of screen: the points that the microscopic model tried",
+        .flags = MEMBER_OPTIONAL),
+    ROW("left_out", "[#LeftOutCurve]", "Of calibrate: each curve predicted from the others",
+        .flags = MEMBER_OPTIONAL),
+    ROW("profiles", "[#ParameterProfile]", "Of calibrate: what the curves say of each parameter",
+        .flags = MEMBER_OPTIONAL),
+    ROW("warnings", "[string]", "Reasons to doubt the best point", .flags = MEMBER_OPTIONAL),
+};
+ROWS("StudyBest", best);
+
+static const member point_members[] = {
+    ROW("point", "#Count", "Its number"),
+    ROW("model", "#Model", "Which solver"),
+    ROW("parameters", "#NumbersByName", "Its numbers, by their pointers"),
+    ROW("values", "#ValuesByName", "What its trials said"),
+};
+ROWS("StudyPoint", point);
+
+static const member value_members[] = {
+    ROW("n", "#Count", "Trials that have the value"),
+    ROW("mean", "number", "Of them", .null = "none has it"),
+    ROW("deviation", "number", "Standard deviation, of two trials or more",
+        .flags = MEMBER_OPTIONAL),
+    ROW("interval_95", "[number 2]", "Of the mean, by Student's distribution",
+        .flags = MEMBER_OPTIONAL),
+    ROW("jam_probability", "#StudyProbability", "Of jam.count: how many trials had jams",
+        .flags = MEMBER_OPTIONAL),
+};
+ROWS("StudyValue", value);
+
+static const member probability_members[] = {
+    ROW("mean", "number", "Share of the trials", .null = "none has the value"),
+    ROW("interval_95", "[number? 2]", "By Wilson's formula"),
+};
+ROWS("StudyProbability", probability);
+
+static const member confirmed_members[] = {
+    ROW("is_dropped", "boolean", "The selection has dropped it"),
+    ROW("micro", "#StudyPoint", "What the microscopic model said"),
+    ROW("macro", "#StudyPoint", "What the macroscopic model said"),
+    ROW("difference", "number", "Objective of the macroscopic model minus that of the other",
+        .null = "not known yet"),
+};
+ROWS("ConfirmedPoint", confirmed);
+
+static const member left_out_members[] = {
+    ROW("counter", "string", "Whose curve was left out"),
+    ROW("rmse", "number", "Its distance from the one computed with what the others gave",
+        .null = "not known yet", .unit = "parts"),
+};
+ROWS("LeftOutCurve", left_out);
+
+static const member profile_members[] = {
+    ROW("pointer", "string", "Which parameter"),
+    ROW("is_identifiable", "boolean", "The curves determine it"),
+    ROW("interval", "[number? 2]", "Where it lies with the confidence of the method"),
+};
+ROWS("ParameterProfile", profile);
+
 static const openapi_schema table[] = {
     TYPE("Id", "string",
          "\"pattern\":\"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$\","
          "\"examples\":[\"0190a0b0-0000-7000-8000-000000000001\"]",
-         "Name of a run or a measurement: a UUID of version 7, so that ids sort by time"),
+         "Name of a run, a study or a measurement: a UUID of version 7, so that ids sort by time"),
     TYPE("Time", "string", "\"format\":\"date-time\"", "A moment in UTC"),
     TYPE("Share", "number", "\"minimum\":0,\"maximum\":1", "A fraction, 0 to 1"),
     TYPE("Count", "integer", "\"minimum\":0", "A number of things, or an index"),
@@ -110,6 +202,9 @@ static const openapi_schema table[] = {
     TYPE("Pair", "[number 2]", NULL, "Two numbers, of x and of y"),
     TYPE("Shape2", "[#Count 2]", NULL, "Rows and columns"),
     WRITTEN("RunStatus", openapi__write_states, "State of a run"),
+    WRITTEN("StudyStatus", openapi__write_study_states, "State of a study"),
+    WRITTEN("TrialStatus", openapi__write_trial_states, "State of a trial"),
+    WRITTEN("StudyMethodWord", openapi__write_methods, "How a study chooses its points"),
     WRITTEN("Model", openapi__write_models, "A solver"),
     WRITTEN("MeasuredKind", openapi__write_measured_kinds, "What a measurement is"),
     WRITTEN("Colormap", openapi__write_colormaps,
@@ -117,9 +212,24 @@ static const openapi_schema table[] = {
     WRITTEN("ErrorCode", openapi__write_status_words, "A kind of failure"),
     WRITTEN("ProblemType", openapi__write_problem_types, "A kind of problem"),
     OBJECT(run_json, "A run"),
-    OBJECT(run_json_error, "Why a run failed"),
+    OBJECT(run_json_error, "Why a run, a trial or a study failed"),
     OBJECT(run_json_links, "The resources of a run"),
     OBJECT(run_json_list, "A page of the list of runs"),
+    OBJECT(study_json, "A study"),
+    OBJECT(study_json_trials, "Numbers of a study's trials"),
+    OBJECT(study_json_links, "The resources of a study"),
+    OBJECT(study_json_list, "A page of the list of studies"),
+    OBJECT(study_trial_members, "A trial of a study"),
+    OBJECT(trial_list, "A page of a study's trials"),
+    { .help = "A number for each name", .table = &numbers_by_name, .others = "number" },
+    { .help = "A value for each objective", .table = &values_by_name, .others = "#StudyValue" },
+    OBJECT(best, "What a study found so far"),
+    OBJECT(point, "A point of a study"),
+    OBJECT(value, "A value of a point, from the trials that it has"),
+    OBJECT(probability, "A probability"),
+    OBJECT(confirmed, "A point that both models tried"),
+    OBJECT(left_out, "A curve that was left out"),
+    OBJECT(profile, "What curves say of a parameter"),
     WRITTEN("KeyFigures", openapi__write_figures, "Key figures; what a run cannot say is missing"),
     WRITTEN("RunFigures", openapi__write_run_figures, "Key figures of a run alone"),
     WRITTEN("FeedFigures", openapi__write_feed_figures, "Key figures of a feed"),
@@ -186,13 +296,12 @@ static const openapi_schema table[] = {
     TYPE("Pvd", "string", NULL, "A ParaView collection: files and their times [s]"),
     TYPE("Zip", "string", "\"format\":\"binary\"", "An archive"),
     TYPE("Metrics", "string", NULL, "A line for each metric: its name, its labels, its value"),
-    TYPE(
-        "EventStream", "string",
-        "\"contentMediaType\":\"application/json\",\"contentSchema\":"
-        "{\"$ref\":\"#/components/schemas/EventData\"}",
-        "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
-        "photo_eye, action and end; `data` is an object in one line; `id` rises. A comment is sent "
-        "while there are no events"),
+    TYPE("EventStream", "string",
+         "\"contentMediaType\":\"application/json\",\"contentSchema\":"
+         "{\"$ref\":\"#/components/schemas/EventData\"}",
+         "Server-sent events. `event` is one of status, progress, curve, snapshot, figures, "
+         "photo_eye, action and end, of a study trial, status and end; `data` is an object in one "
+         "line; `id` rises. A comment is sent while there are no events"),
     TYPE(
         "EventLines", "string",
         "\"contentMediaType\":\"application/json\",\"contentSchema\":"
@@ -205,7 +314,7 @@ static const openapi_schema table[] = {
     { .name = "EventData",
       .help = "Data of an event",
       .one_of = "StatusEvent ProgressEvent CurveEvent SnapshotEvent EndEvent FiguresEvent "
-                "PhotoEyeEvent ActionEvent" },
+                "PhotoEyeEvent ActionEvent Trial Study" },
     OBJECT(events_status_data, "The run has changed its state; the whole run"),
     OBJECT(events_progress_data, "Progress of the run"),
     { .help = "Samples of the outflow curve: one list for each counter, under its id",
@@ -219,7 +328,7 @@ static const openapi_schema table[] = {
     { .name = "EventLine",
       .help = "An event",
       .one_of = "StatusLine ProgressLine CurveLine SnapshotLine EndLine FiguresLine PhotoEyeLine "
-                "ActionLine" },
+                "ActionLine TrialLine StudyStatusLine StudyEndLine" },
     OBJECT(status_line, "A status event"),
     OBJECT(progress_line, "A progress event"),
     OBJECT(curve_line, "A curve event"),
@@ -228,6 +337,9 @@ static const openapi_schema table[] = {
     OBJECT(figures_line, "A figures event"),
     OBJECT(eye_line, "An event of a photo eye"),
     OBJECT(action_line, "An event of an action"),
+    OBJECT(trial_line, "A trial of a study has ended"),
+    OBJECT(study_status_line, "A study has changed"),
+    OBJECT(study_end_line, "A study has ended; its last event"),
 };
 
 // Of the bodies of formats that are not JSON; a row each.

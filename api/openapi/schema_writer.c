@@ -7,6 +7,7 @@
 #include "api/results/measurement.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/submission.h"
+#include "api/study/study_document.h"
 #include "core/base/check.h"
 
 #include <ctype.h>
@@ -258,6 +259,7 @@ void openapi__write_input_schemas(json_out *w)
     seen resolved = { .n = 0 };
 
     write_tables(w, &submission_members, MEMBER_GIVEN, &given);
+    write_tables(w, &study_document_members, MEMBER_GIVEN, &given);
     write_tables(w, &measurement_members, MEMBER_GIVEN, &given);
     write_tables(w, &scenario_members, MEMBER_RESOLVED, &resolved);
 }

@@ -75,6 +75,13 @@ static bool has_owner(const void *item)
     return record->owner[0] != '\0';
 }
 
+static bool has_study(const void *item)
+{
+    const api_run *record = item;
+
+    return record->study[0] != '\0';
+}
+
 #define AT(place) offsetof(api_run, place)
 #define LINK(name, path_, ...)                                                                     \
     MEMBER(name, link, AT(id), __VA_ARGS__, .path = "/v1/runs/{id}" path_)
@@ -91,6 +98,8 @@ static const member link_members[] = {
     LINK("results", "/results.zip", "All its results in one archive, once it has ended"),
     LINK("events", "/events", "Its event stream"),
     LINK("cancel", "/cancel", "POST here to stop it"),
+    MEMBER("study", link, AT(study), "The study whose trial it is", .path = "/v1/studies/{id}",
+           .applies = has_study),
 };
 const member_table run_json_links = { MEMBER_TABLE("RunLinks", link_members) };
 
@@ -110,6 +119,8 @@ static const member run_members[] = {
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
            .applies = has_owner),
+    MEMBER("study", text, AT(study), "The study whose trial it is", .type = "#Id",
+           .applies = has_study),
     MEMBER("cached", bool, AT(is_cached), "Its results were known from an earlier run"),
     MEMBER("key_figures", figures, 0,
            "Its key figures so far, without those of feeds, counters and photo eyes",

@@ -11,27 +11,35 @@
 #include <stdio.h>
 #include <string.h>
 
+bf_status study__read_tree(json_in *in, const json_t *root, study_document *ret_document,
+                           bf_error *err)
+{
+    study_document d;
+
+    study__init(&d, 0);
+    members_read(in, root, &study_document_members, &d);
+    bf_status status = json_in_status(in, err);
+    if (status == BF_OK) {
+        study__check(in, &d);
+        status = json_in_status(in, err);
+    }
+    if (status == BF_OK)
+        *ret_document = d;
+    else
+        study_document_fini(&d);
+    return status;
+}
+
 bf_status study_document_read(const char *json, size_t n, study_document *ret_document,
                               bf_faults *faults, bf_error *err)
 {
     json_in in = json_in_to(faults);
     json_t *root = json_in_parse(&in, json, n);
-    study_document d;
 
     if (root == NULL)
         return json_in_status(&in, err);
-    study__init(&d, 0);
-    members_read(&in, root, &study_document_members, &d);
-    bf_status status = json_in_status(&in, err);
-    if (status == BF_OK) {
-        study__check(&in, &d);
-        status = json_in_status(&in, err);
-    }
+    const bf_status status = study__read_tree(&in, root, ret_document, err);
     json_in_free(root);
-    if (status == BF_OK)
-        *ret_document = d;
-    else
-        study_document_fini(&d);
     return status;
 }
 

@@ -60,6 +60,7 @@ typedef struct study_document_objective {
 /// A measured curve.
 typedef struct study_document_curve {
     char counter[SCENE_ID_SIZE]; ///< whose column it is compared with
+    unsigned form;               ///< 0: its samples are given
     const double *t;             ///< rising times, s
     size_t n_t;                  ///< how many
     const double *count;         ///< parts in the counter, one for each

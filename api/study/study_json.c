@@ -33,7 +33,7 @@ static const member trials_members[] = {
     ENDED("pruned", API_TRIAL_PRUNED, "Stopped, as they could not become the best any more"),
     ENDED("cancelled", API_TRIAL_CANCELLED, "Cancelled, with the study or by themselves"),
 };
-static const member_table trials_table = { MEMBER_TABLE("StudyTrials", trials_members) };
+const member_table study_json_trials = { MEMBER_TABLE("StudyTrials", trials_members) };
 
 #define LINK(name, path_, help_) MEMBER(name, link, AT(id), help_, .path = "/v1/studies/{id}" path_)
 static const member link_members[] = {
@@ -46,14 +46,14 @@ static const member link_members[] = {
     LINK("resume", "/resume", "POST here to go on"),
     LINK("cancel", "/cancel", "POST here to end it"),
 };
-static const member_table links_table = { MEMBER_TABLE("StudyLinks", link_members) };
+const member_table study_json_links = { MEMBER_TABLE("StudyLinks", link_members) };
 
 static const member study_members[] = {
     MEMBER("id", text, AT(id), "Identifier of the study", .type = "#Id"),
     MEMBER_OF("status", &member_state, AT(state), "State of the study"),
     MEMBER("name", text, AT(name), "For people; empty if none was given"),
-    MEMBER("method", enum, AT(method), "How its points are chosen",
-           .words = study_document_methods),
+    MEMBER("method", enum, AT(method), "How its points are chosen", .words = study_document_methods,
+           .type = "#StudyMethodWord"),
     MEMBER("model", enum, AT(model), "Which solver its base asks for", .words = run_model_words,
            .type = "#Model"),
     MEMBER("priority", int, AT(priority), "Studies of higher priority come first"),
@@ -63,8 +63,8 @@ static const member study_members[] = {
     MEMBER_OF("error", &run_json_error_kind, AT(error), "Why it failed", .null = "it did not"),
     MEMBER("owner", text, AT(owner), "Whose it is, where the service has tokens",
            .applies = has_owner),
-    MEMBER("trials", object, 0, "How many trials it has", .table = &trials_table),
-    MEMBER("links", object, 0, "Its resources", .table = &links_table),
+    MEMBER("trials", object, 0, "How many trials it has", .table = &study_json_trials),
+    MEMBER("links", object, 0, "Its resources", .table = &study_json_links),
 };
 const member_table study_json = { MEMBER_TABLE("Study", study_members), .size = sizeof(api_study) };
 #undef AT

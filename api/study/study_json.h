@@ -5,8 +5,10 @@
 #include "api/json/members.h"
 #include "api/services.h"
 
-/// A study; the struct is api_study.
+/// A study, the numbers of its trials, and its links; the struct of all is api_study.
 extern const member_table study_json;
+extern const member_table study_json_trials;
+extern const member_table study_json_links;
 
 /// A page of a list of studies; the struct is api_study_list.
 extern const member_table study_json_list;

@@ -44,6 +44,20 @@ static void read_tree(json_in *in, const json_t *value, const member *m, void *i
 
 static const member_kind member_tree = { .text = "object", .type = "#Scenario", .read = read_tree };
 
+// ---- a measured curve by its id
+
+// Where there are texts the curve stands in its place already, or a fault was noted (study_submission.h).
+static void read_stored(json_in *in, const json_t *value, const member *m, void *item)
+{
+    (void)value;
+    (void)m;
+    (void)item;
+    if (in->texts == NULL)
+        json_in_fault(in, "names a stored measurement, which needs a daemon: give t_s and count");
+}
+
+static const member_kind member_stored = { .text = "id", .type = "#Id", .read = read_stored };
+
 // ---- key figures by their words
 
 void study__figure_word(figure_id id, char *ret_word)
@@ -152,6 +166,9 @@ static const member_table objective_table = { MEMBER_TABLE("studyObjective", obj
                                               .init = init_objective };
 
 #define AT(place) offsetof(study_document_curve, place)
+static const char *const sampled_form[] = { "t_s", "count", NULL };
+static const char *const stored_form[] = { "measurement", NULL };
+static const char *const *const curve_forms[] = { sampled_form, stored_form, NULL };
 static const member curve_members[] = {
     MEMBER("counter", text, AT(counter), "id of the counter that was measured", .least = 1,
            .limit = SCENE_ID_SIZE),
@@ -159,6 +176,7 @@ static const member curve_members[] = {
            .least = 2, .limit = STUDY_DOCUMENT_SAMPLES),
     MEMBER("count", numbers, AT(count), "parts in the counter, one for each time",
            .offset_n = AT(n_count), .least = 2, .limit = STUDY_DOCUMENT_SAMPLES),
+    MEMBER("measurement", stored, 0, "both from a stored measurement, in the service"),
 };
 #undef AT
 
@@ -170,7 +188,10 @@ static void init_curve(void *item, size_t place)
 
 static const member_table curve_table = { MEMBER_TABLE("studyCurve", curve_members),
                                           .size = sizeof(study_document_curve),
-                                          .init = init_curve };
+                                          .init = init_curve,
+                                          .choice = MEMBER_ONE_FORM,
+                                          .offset_choice = offsetof(study_document_curve, form),
+                                          .forms = curve_forms };
 
 #define OF(method) (1U << (method))
 #define SEARCHES   (OF(STUDY_DIRECT) | OF(STUDY_CMAES) | OF(STUDY_CALIBRATE))
@@ -273,7 +294,7 @@ void study__init(void *item, size_t place)
     study__init_method(&document->method, 0);
 }
 
-const member_table study_document_members = { MEMBER_TABLE("study", members),
+const member_table study_document_members = { MEMBER_TABLE("studyDocument", members),
                                               .size = sizeof(study_document), .init = study__init };
 
 void study__check_ranges(json_in *in, const study_document *d)

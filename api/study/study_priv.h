@@ -19,3 +19,7 @@ void study__check(json_in *in, study_document *document);
 
 /// Note numbers that are out of the ranges of the tables.
 void study__check_ranges(json_in *in, const study_document *document);
+
+/// Read a parsed document and check it; see study_document_read(). Of the base's scenario the document shares the tree.
+BF_MUST_CHECK bf_status study__read_tree(json_in *in, const struct json_t *root,
+                                         study_document *ret_document, bf_error *err);

@@ -1,7 +1,5 @@
 #include "api/study/study_trial.h"
 
-#include "api/json/number.h"
-#include "api/json/schema.h"
 #include "api/results/run_json.h"
 
 #include <jansson.h>
@@ -126,15 +124,6 @@ static void write_values(json_out *w, const member *m, const void *item)
               of->columns->n_values);
 }
 
-static void describe_map(json_out *w, const member *m, member_view view)
-{
-    (void)m;
-    (void)view;
-    json_out_key_string(w, "type", "object");
-    json_out_key(w, "additionalProperties");
-    schema_write(w, "number", NULL, NULL);
-}
-
 static void write_whole(json_out *w, const member *m, const void *item)
 {
     const study_trial_item *of = item;
@@ -190,9 +179,9 @@ static bool has_fault(const void *item)
     return of->trial->fault.code != BF_OK;
 }
 
-static const member_kind member_parameters = { .write = write_parameters,
-                                               .write_schema = describe_map };
-static const member_kind member_values = { .write = write_values, .write_schema = describe_map };
+static const member_kind member_parameters = { .type = "#NumbersByName",
+                                               .write = write_parameters };
+static const member_kind member_values = { .type = "#NumbersByName", .write = write_values };
 static const member_kind member_trial_whole = { .type = "#Count", .write = write_whole };
 static const member_kind member_trial_model = { .type = "#Model", .write = write_model };
 static const member_kind member_trial_state = { .type = "#TrialStatus", .write = write_state };
@@ -213,5 +202,5 @@ static const member members[] = {
     MEMBER("error", trial_fault, 0, "Why it failed or is infeasible", .applies = has_fault),
 };
 #undef AT
-const member_table study_trial_members = { MEMBER_TABLE("StudyTrial", members),
+const member_table study_trial_members = { MEMBER_TABLE("Trial", members),
                                            .size = sizeof(study_trial_item) };

@@ -223,11 +223,14 @@ export function checkExchange(exchange, answer, counts = true) {
 const schemaOfEvent = (kind) =>
   `#/components/schemas/${kind.split("_").map((word) => word[0].toUpperCase() + word.slice(1)).join("")}Event`;
 
-// One event of a stream of server-sent events.
-export function checkEvent(event) {
+// One event of a stream of server-sent events. Of a study, data are the study or a trial, and `status` has no id.
+export function checkEvent(event, target) {
   if (validator === null || event.event === undefined) return;
-  assert.match(event.id, /^\d+$/);
-  assertFits(event.data, schemaOfEvent(event.event), `event ${event.event}`);
+  const isOfStudy = target.startsWith("/v1/studies/");
+  const ofStudy = `#/components/schemas/${event.event === "trial" ? "Trial" : "Study"}`;
+  if (isOfStudy && event.event === "status") assert.equal(event.id, undefined);
+  else assert.match(event.id, /^\d+$/);
+  assertFits(event.data, isOfStudy ? ofStudy : schemaOfEvent(event.event), `event ${event.event}`);
 }
 
 // The head of a stream, whose body is checked event by event.

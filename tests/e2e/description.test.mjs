@@ -12,7 +12,7 @@ import { daemon } from "./daemon.mjs";
 import { smallJam } from "./micro.mjs";
 import { beltflow } from "./processes.mjs";
 import * as prism from "./prism.mjs";
-import { isSanitized, root, within } from "./setup.mjs";
+import { isSanitized, root, until, within } from "./setup.mjs";
 
 const kept = readFileSync(path.join(root, "api/openapi.json"), "utf8");
 
@@ -41,7 +41,15 @@ async function makeValues(d) {
   for (const { id } of runs) await d.reached(id, "succeeded");
   const [a, b] = runs.map(({ id }) => id);
   const measured = await d.post("/v1/measurements", { t_s: [0, 1], count: [20, 0] });
+  const { json: study } = await d.post("/v1/studies", {
+    base: { scenario: smallJam() },
+    parameters: [{ pointer: "/duration_s", values: [0.1] }],
+    objectives: [{ figure: "peak_density" }],
+    method: { type: "list" },
+  });
+  await until(async () => (await d.get(study.links.self)).json.status === "succeeded", "the end of the study");
   return {
+    study: study.id,
     id: b, n: "0", name: "example-1", kind: "not-found", runs: `${a},${b}`,
     "/v1/measurements/{id}": measured.headers.location,
     "/v1/compare": `/v1/compare?a=${a}&b=${b}`,
@@ -55,7 +63,8 @@ function gets(values) {
     if (template in values) return [[template, get, values[template]]];
     const required = (get.parameters ?? []).filter((p) => p.in === "query" && p.required);
     const query = required.map(({ name }) => `${name}=${values[name]}`).join("&");
-    const pathname = template.replace(/\{(\w+)\}/g, (_, name) => values[name]);
+    const isOfStudy = template.startsWith("/v1/studies/");
+    const pathname = template.replace(/\{(\w+)\}/g, (_, name) => values[isOfStudy && name === "id" ? "study" : name]);
     return [[template, get, query === "" ? pathname : `${pathname}?${query}`]];
   });
 }
@@ -85,7 +94,7 @@ test("every resource comes in every format, by HEAD, and not again while nothing
 
 test("OPTIONS tells the methods of the document, and every other one is refused", async (t) => {
   const d = await daemon(t);
-  const values = { id: "0190a0b0-0000-7000-8000-000000000001", n: "0", name: "example-1" };
+  const values = { id: "0190a0b0-0000-7000-8000-000000000001", n: "0", number: "0", name: "example-1" };
   for (const [template, item] of Object.entries(document.paths)) {
     const target = template.replace(/\{(\w+)\}/g, (_, name) => values[name]);
     const known = ["get", "post", "put", "delete"].filter((method) => method in item);

@@ -14,7 +14,7 @@ export class EventStream {
         (response) => {
           try {
             checkStream(target, response.statusCode, response.headers);
-            resolve(new EventStream(request, response));
+            resolve(new EventStream(request, response, target));
           } catch (error) {
             request.destroy();
             reject(error);
@@ -26,8 +26,9 @@ export class EventStream {
     });
   }
 
-  constructor(request, response) {
+  constructor(request, response, target) {
     this.request = request;
+    this.target = target;
     this.status = response.statusCode;
     this.headers = response.headers;
     this.comments = 0;
@@ -59,7 +60,7 @@ export class EventStream {
         const whole = event.data === undefined ? null : { ...event, data: JSON.parse(event.data) };
         event = {};
         if (whole === null) continue;
-        checkEvent(whole);
+        checkEvent(whole, this.target);
         yield whole;
       } else if (line.startsWith(":")) {
         this.comments += 1;

@@ -52,9 +52,8 @@ test("the first steps are the README's, and do in Python and JavaScript what the
   const folder = temporaryFolder(t);
   // Debian's Python has Debian's NumPy.
   for (const [language, program, file] of [["python", "/usr/bin/python3", "steps.py"], ["js", process.execPath, "steps.mjs"]]) {
-    const blocks = blocksToPaste(language);
-    assert.equal(blocks.length, 1);
-    writeFileSync(path.join(folder, file), blocks[0].replaceAll("127.0.0.1:8080", `127.0.0.1:${d.port}`));
+    const [block] = blocksToPaste(language);
+    writeFileSync(path.join(folder, file), block.replaceAll("127.0.0.1:8080", `127.0.0.1:${d.port}`));
     const { status, output } = await run(program, [file], folder);
     assert.equal(status, 0, output);
     assert.match(output, /^at 6 s [\d.e-]+ parts are left$/m);
@@ -63,4 +62,18 @@ test("the first steps are the README's, and do in Python and JavaScript what the
   }
   const { runs } = (await d.get("/v1/runs")).json;
   assert.deepEqual(runs.map(({ status }) => status), Array(4).fill("succeeded"));
+});
+
+test("the first steps with studies answer their three questions", { skip: isSanitized }, async (t) => {
+  const d = await daemon(t);
+  const folder = temporaryFolder(t);
+  const [, block] = blocksToPaste("python");
+  writeFileSync(path.join(folder, "studies.py"), block.replaceAll("127.0.0.1:8080", `127.0.0.1:${d.port}`));
+  const { status, output } = await run("/usr/bin/python3", ["studies.py"], folder);
+  assert.equal(status, 0, output);
+  assert.match(output, /^the best angle is (60|70|80|90)$/m);
+  const [, low, high] = /^95 % interval of the throughput: \[([\d.]+), ([\d.]+)\]$/m.exec(output);
+  assert.ok(Number(low) < Number(high), output);
+  const [, friction] = /^the friction is ([\d.]+)$/m.exec(output);
+  assert.ok(Math.abs(Number(friction) - 0.25) < 0.05, output);
 });

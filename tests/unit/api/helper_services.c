@@ -15,7 +15,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static helper_run *lookup(helper_daemon *d, const char *id)
 {
@@ -78,6 +77,7 @@ static bool fits(const api_run *record, const api_list_query *query)
     return record->id[0] != '\0' && (query->state < 0 || (int)record->state == query->state) &&
            (query->model < 0 || (int)record->model == query->model) &&
            (query->label[0] == '\0' || strcmp(record->label, query->label) == 0) &&
+           strcmp(record->study, query->study) == 0 &&
            (query->before[0] == '\0' || strcmp(record->id, query->before) < 0);
 }
 
@@ -160,7 +160,9 @@ static bf_status do_read_text(void *context, const char *id, api_text which, bf_
 
     if (item == NULL)
         return no_run(err);
-    const char *const texts[] = { [API_TEXT_SCENARIO] = "{\"duration_s\":6.0}",
+    const char *const texts[] = { [API_TEXT_SCENARIO] = item->scenario != NULL
+                                                            ? item->scenario
+                                                            : "{\"duration_s\":6.0}",
                                   [API_TEXT_SUMMARY] = item->summary,
                                   [API_TEXT_FIGURES] = item->figures };
     const char *text = texts[which];
@@ -306,125 +308,6 @@ static bf_status do_read_changes(void *context, const char *id, api_event_fn *ta
     return status;
 }
 
-static helper_measurement *lookup_measurement(helper_daemon *d, const char *id)
-{
-    for (size_t i = 0; i < d->n_measurements; i++) {
-        if (strcmp(d->measurements[i].about.id, id) == 0)
-            return &d->measurements[i];
-    }
-    return NULL;
-}
-
-static bf_status no_measurement(bf_error *err)
-{
-    return bf_fail(err, BF_ENOTFOUND, "", "there is no such measurement");
-}
-
-static bf_status do_add_measurement(void *context, const api_measurement *measurement,
-                                    const api_curve *curve, const bf_buffer *csv,
-                                    api_measurement *ret_measurement, bf_error *err)
-{
-    helper_daemon *d = context;
-
-    if (d->refusal != BF_OK)
-        return bf_fail(err, d->refusal, "", "2000 measurements are stored");
-    helper_measurement *item = helper_add_measurement(d, measurement->counter);
-    if (measurement->kind == API_MEASURED_CURVE) {
-        assert_int_equal(curve->n, measurement->n_samples);
-        assert_int_equal(curve->n_columns, 1);
-        assert_string_equal(curve->columns.bytes, measurement->counter);
-    } else {
-        assert_true(curve->n == 0 && csv->n < sizeof item->csv);
-        memcpy(item->csv, csv->bytes, csv->n + 1);
-    }
-    item->about.kind = measurement->kind;
-    memcpy(item->about.label, measurement->label, sizeof item->about.label);
-    item->about.n_samples = measurement->n_samples;
-    item->about.t_start = measurement->t_start;
-    item->about.t_end = measurement->t_end;
-    size_t n_kept = curve->n < 8 ? curve->n : 8;
-    if (n_kept > 0) {
-        memcpy(item->t, curve->t.bytes, n_kept * sizeof(double));
-        memcpy(item->counts, curve->values.bytes, n_kept * sizeof(double));
-    }
-    *ret_measurement = item->about;
-    return BF_OK;
-}
-
-static bf_status do_find_measurement(void *context, const char *id,
-                                     api_measurement *ret_measurement, bf_error *err)
-{
-    const helper_measurement *item = lookup_measurement(context, id);
-
-    if (item == NULL)
-        return no_measurement(err);
-    *ret_measurement = item->about;
-    return BF_OK;
-}
-
-static bf_status do_list_measurements(void *context, const api_measurement_query *query,
-                                      api_measurement_list *ret_list, bf_error *err)
-{
-    const helper_daemon *d = context;
-
-    (void)err;
-    ret_list->n = 0;
-    ret_list->has_more = false;
-    for (size_t i = d->n_measurements; i-- > 0 && !ret_list->has_more;) {
-        const api_measurement *about = &d->measurements[i].about;
-        bool fits = about->id[0] != '\0' &&
-                    (query->label[0] == '\0' || strcmp(about->label, query->label) == 0) &&
-                    (query->before[0] == '\0' || strcmp(about->id, query->before) < 0);
-        if (fits && ret_list->n == query->limit)
-            ret_list->has_more = true;
-        else if (fits)
-            ret_list->items[ret_list->n++] = *about;
-    }
-    return BF_OK;
-}
-
-static bf_status do_read_measurement(void *context, const char *id, api_curve *ret_curve,
-                                     bf_error *err)
-{
-    const helper_measurement *item = lookup_measurement(context, id);
-    api_curve curve = { .n_columns = 1 };
-
-    if (item == NULL)
-        return no_measurement(err);
-    curve.n = (size_t)item->about.n_samples;
-    if (buffer_printf(&curve.columns, "%s", item->about.counter) != BF_OK ||
-        buffer_append(&curve.t, item->t, curve.n * sizeof(double)) != BF_OK ||
-        buffer_append(&curve.values, item->counts, curve.n * sizeof(double)) != BF_OK) {
-        api_curve_fini(&curve);
-        return no_memory(err);
-    }
-    *ret_curve = curve;
-    return BF_OK;
-}
-
-static bf_status do_read_measurement_csv(void *context, const char *id, bf_buffer *out,
-                                         bf_error *err)
-{
-    helper_daemon *d = context;
-    const helper_measurement *item = lookup_measurement(d, id);
-
-    if (item == NULL)
-        return no_measurement(err);
-    if (d->refusal != BF_OK)
-        return bf_fail(err, d->refusal, "", "the store failed");
-    return buffer_append(out, item->csv, strlen(item->csv)) == BF_OK ? BF_OK : no_memory(err);
-}
-
-static bf_status do_remove_measurement(void *context, const char *id, bf_error *err)
-{
-    helper_measurement *item = lookup_measurement(context, id);
-
-    if (item == NULL)
-        return no_measurement(err);
-    item->about.id[0] = '\0';
-    return BF_OK;
-}
-
 static bf_status do_metrics(void *context, bf_buffer *out, bf_error *err)
 {
     (void)context;
@@ -462,32 +345,30 @@ static bf_status do_read_quotas(void *context, const char *owner, api_quotas *re
 
 api_services helper_services(helper_daemon *d)
 {
-    return (api_services){ .context = d,
-                           .make_ticket = make_ticket,
-                           .submit = do_submit,
-                           .read_quotas = do_read_quotas,
-                           .find = do_find,
-                           .list = do_list,
-                           .cancel = do_cancel,
-                           .remove = do_remove,
-                           .read_text = do_read_text,
-                           .read_curve = do_read_curve,
-                           .list_snapshots = do_list_snapshots,
-                           .read_snapshot = do_read_snapshot,
-                           .read_parts = do_read_parts,
-                           .open_snapshot = do_open_snapshot,
-                           .open_parts = do_open_parts,
-                           .read_slice = helper_slices_read,
-                           .read_events = do_read_events,
-                           .read_changes = do_read_changes,
-                           .add_measurement = do_add_measurement,
-                           .find_measurement = do_find_measurement,
-                           .list_measurements = do_list_measurements,
-                           .read_measurement = do_read_measurement,
-                           .read_measurement_csv = do_read_measurement_csv,
-                           .remove_measurement = do_remove_measurement,
-                           .ready = do_ready,
-                           .metrics = do_metrics };
+    api_services services = { .context = d,
+                              .make_ticket = make_ticket,
+                              .submit = do_submit,
+                              .read_quotas = do_read_quotas,
+                              .find = do_find,
+                              .list = do_list,
+                              .cancel = do_cancel,
+                              .remove = do_remove,
+                              .read_text = do_read_text,
+                              .read_curve = do_read_curve,
+                              .list_snapshots = do_list_snapshots,
+                              .read_snapshot = do_read_snapshot,
+                              .read_parts = do_read_parts,
+                              .open_snapshot = do_open_snapshot,
+                              .open_parts = do_open_parts,
+                              .read_slice = helper_slices_read,
+                              .read_events = do_read_events,
+                              .read_changes = do_read_changes,
+                              .ready = do_ready,
+                              .metrics = do_metrics };
+
+    helper_serve_measurements(&services);
+    helper_serve_studies(&services);
+    return services;
 }
 
 helper_run *helper_add_run(helper_daemon *d, run_state state)
@@ -512,22 +393,6 @@ helper_run *helper_add_run(helper_daemon *d, run_state state)
     return item;
 }
 
-helper_measurement *helper_add_measurement(helper_daemon *d, const char *counter)
-{
-    assert_true(d->n_measurements < HELPER_MEASUREMENTS_MAX);
-    helper_measurement *item = &d->measurements[d->n_measurements++];
-
-    *item = (helper_measurement){ .t = { 0.0, 0.1 }, .counts = { 192.0, 191.0 } };
-    item->about =
-        (api_measurement){ .created_ms = 1769860800000 + 1000 * (int64_t)d->n_measurements,
-                           .n_samples = 2,
-                           .t_end = 0.1 };
-    snprintf(item->about.id, sizeof item->about.id, "0190a0b0-0000-7000-9000-%012zx",
-             d->n_measurements);
-    snprintf(item->about.counter, sizeof item->about.counter, "%s", counter);
-    return item;
-}
-
 uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type, const char *data)
 {
     assert_true(d->n_events < HELPER_EVENTS_MAX);
@@ -539,64 +404,4 @@ uint64_t helper_add_event(helper_daemon *d, helper_run *of, api_event_type type,
     of->record.last_event = id;
     of->record.revision++;
     return id;
-}
-
-// Header lines with the values that were asked for last.
-typedef struct header_lines {
-    const char *lines;
-    size_t n_asked;
-    char values[4][256];
-} header_lines;
-
-static const char *find_header(void *context, const char *name)
-{
-    header_lines *h = context;
-    size_t n = strlen(name);
-
-    for (const char *line = h->lines; line != NULL && *line != '\0';
-         line = strchr(line, '\n') + 1) {
-        if (strncasecmp(line, name, n) != 0 || strncmp(line + n, ": ", 2) != 0)
-            continue;
-        char *value = h->values[h->n_asked++ % 4];
-        snprintf(value, sizeof *h->values, "%.*s", (int)strcspn(line + n + 2, "\n"), line + n + 2);
-        return value;
-    }
-    return NULL;
-}
-
-void helper_request(helper_daemon *d, const char *method, const char *path, const char *query,
-                    const char *headers, const char *body, api_response *response)
-{
-    api_services services = helper_services(d);
-    header_lines lines = { .lines = headers };
-    api_request request = { .method = method,
-                            .path = path,
-                            .query = query == NULL ? "" : query,
-                            .header = find_header,
-                            .header_context = &lines,
-                            .body = body,
-                            .n_body = body == NULL ? 0 : strlen(body) };
-
-    api_handle(&services, &request, response);
-}
-
-const char *helper_header(const api_response *response, const char *name)
-{
-    for (size_t i = 0; i < response->n_headers; i++) {
-        if (strcasecmp(response->headers[i].name, name) == 0)
-            return response->headers[i].value;
-    }
-    return NULL;
-}
-
-json_t *helper_json(const api_response *response)
-{
-    json_error_t error;
-
-    assert_non_null(response->body.bytes);
-    json_t *root =
-        json_loadb(response->body.bytes, response->body.n, JSON_REJECT_DUPLICATES, &error);
-    if (root == NULL)
-        fail_msg("%s in %s", error.text, response->body.bytes);
-    return root;
 }

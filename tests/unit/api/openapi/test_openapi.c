@@ -5,9 +5,12 @@
 #include "api/openapi/openapi_priv.h"
 #include "api/results/picture.h"
 #include "api/services.h"
+#include "api/study/study_best.h"
 #include "core/base/memory.h"
 #include "tests/unit/api/helper_ask.h"
+#include "tests/unit/api/helper_document.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,6 +19,8 @@
 #include <string.h>
 
 #include <cmocka.h>
+
+#define STUDY_1 "/v1/studies/0190a0b0-0000-7000-a000-000000000001"
 
 static bf_buffer text;
 static json_t *document;
@@ -262,6 +267,9 @@ static void every_member_of_an_answer_is_described(void **state)
         { "/v1/runs/{id}/snapshots", RUN_1 "/snapshots", NULL },
         { "/v1/runs/{id}/snapshots/{n}", RUN_1 "/snapshots/0", "format=json" },
         { "/v1/runs/{id}/parts/{n}", RUN_1 "/parts/0", "format=json" },
+        { "/v1/studies", "/v1/studies", NULL },
+        { "/v1/studies/{id}", STUDY_1, NULL },
+        { "/v1/studies/{id}/trials", STUDY_1 "/trials", NULL },
         { "/v1/compare", "/v1/compare", "a=" ID_1 "&b=" ID_2 },
         { "/v1/compare", "/v1/compare", "runs=" ID_1 "," ID_2 },
         { "/v1/measurements", "/v1/measurements", NULL },
@@ -279,6 +287,7 @@ static void every_member_of_an_answer_is_described(void **state)
     of->record.error = (bf_error){ .code = BF_ENUMERIC, .text = "not finite" };
     ask_add_run(RUN_SUCCEEDED);
     helper_add_measurement(&ask_daemon, "upstream");
+    helper_add_trial(helper_add_study(&ask_daemon, API_STUDY_RUNNING), API_TRIAL_SUCCEEDED);
     of->parts = (api_parts){ .n_parts = 2, .n_values = 6 };
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
         ask_get(asked[k].path, asked[k].query, NULL, 200);
@@ -291,6 +300,52 @@ static void every_member_of_an_answer_is_described(void **state)
     ask("POST", "/v1/runs", NULL, IS_JSON, BAD_BODY, 422);
     assert_body_described("/v1/runs", "post", "422");
     ask_tear_down(state);
+}
+
+// What a study found, when each trial said how far its number is from the middle.
+static void check_best(const char *method)
+{
+    static const char form[] = "{'base': {'scenario': " DOCUMENT_WITH(
+        "'counters': [{'id': 'a', 'x_m': [0, 0.7]}]") "},"
+                                                      "'parameters': [{'pointer': '/duration_s', "
+                                                      "'range': [1, 3]}], 'method': {%s}}";
+    char given[1000];
+    bf_faults faults = { 0 };
+    bf_buffer out = { 0 };
+    study_document d;
+    study *s = NULL;
+
+    snprintf(given, sizeof given, form, method);
+    bf_buffer quoted = document_quote(given);
+    assert_int_equal(study_document_read(quoted.bytes, quoted.n, &d, &faults, NULL), BF_OK);
+    const study_definition definition = study_document_definition(&d);
+    assert_int_equal(study_create(&definition, &s, NULL), BF_OK);
+    for (size_t k = 0; !study_is_ended(s); k = study_trials(s)) {
+        assert_int_equal(study_advance(s, NULL), BF_OK);
+        for (; k < study_trials(s); k++) {
+            const double at = study_point_at(s, study_trial_at(s, k).point).at[0];
+            study_tell(s, k, (const double[]){ fabs(at - 0.5), 1.0 });
+        }
+    }
+    assert_int_equal(study_best_write(&d, s, &out, NULL), BF_OK);
+    json_t *found = json_loadb(out.bytes, out.n, 0, NULL);
+    assert_described(found, find("#/components/schemas/StudyBest"), "StudyBest");
+    json_decref(found);
+    study_destroy(s);
+    study_document_fini(&d);
+    buffer_fini(&out);
+    buffer_fini(&quoted);
+}
+
+static void every_member_of_what_studies_find_is_described(void **unused)
+{
+    (void)unused;
+    check_best("'type': 'grid'}, 'replications': 2, 'objectives': [{'figure': 'drained_at_s'}, "
+               "{'figure': 'jam.count'}], 'limits': {'trials': 20");
+    check_best("'type': 'screen', 'confirm': 2, 'points': 4, 'indifference': 0.1}, 'replications': "
+               "2, 'objectives': [{'figure': 'drained_at_s'}], 'limits': {'trials': 20");
+    check_best("'type': 'calibrate', 'points': 2}, 'curves': [{'counter': 'a', 't_s': [0, 1], "
+               "'count': [1, 0]}], 'limits': {'trials': 20");
 }
 
 static json_int_t number_at(const char *place)
@@ -397,6 +452,7 @@ int main(void)
         cmocka_unit_test(every_format_has_a_schema),
         cmocka_unit_test(what_is_referred_to_is_there_and_all_of_it_is_used),
         cmocka_unit_test(every_member_of_an_answer_is_described),
+        cmocka_unit_test(every_member_of_what_studies_find_is_described),
         cmocka_unit_test(limits_are_those_of_the_code),
         cmocka_unit_test(types_are_short_texts),
         cmocka_unit_test(without_memory_nothing_is_written),

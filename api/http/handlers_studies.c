@@ -1,0 +1,177 @@
+// Studies: accept, list, show, pause, resume, cancel, remove.
+
+#include "api/http/access.h"
+#include "api/http/http_priv.h"
+#include "api/study/study_json.h"
+#include "api/study/study_submission.h"
+#include "core/base/memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const body_types[] = { "application/json", NULL };
+
+static bf_status read_submission(exchange *x, api_study_submission *ret_submission, bf_error *err)
+{
+    const api_request *request = x->request;
+    const char *body = request->body == NULL ? "" : request->body;
+    json_in_texts texts = handlers__texts(x, STUDY_SUBMISSION_TEXTS_MAX);
+    size_t type;
+
+    bf_status status = exchange__check_body(x, body_types, &type, err);
+    if (status == BF_OK)
+        status =
+            study_submission_read(body, request->n_body, &texts, ret_submission, &x->faults, err);
+    if (status != BF_OK)
+        return status;
+    status = access_check_priority(x, ret_submission->priority, err);
+    if (status != BF_OK)
+        study_submission_fini(ret_submission);
+    return status;
+}
+
+// Nothing that can fail follows the submission; see the one of runs.
+static bf_status submit(exchange *x, const api_study_submission *submission, bf_error *err)
+{
+    api_acceptance accepted = { 0 };
+
+    bf_status status = x->services->submit_study(x->services->context, submission, &accepted, err);
+    if (status != BF_OK) {
+        handlers__note_refusal(x, status, &accepted);
+        return status;
+    }
+    if (accepted.is_replay)
+        api_response_header(x->response, "Idempotent-Replayed", "true");
+    x->response->body = accepted.answer;
+    handlers__answer_head(x, "/v1/studies", accepted.id, accepted.revision);
+    return BF_OK;
+}
+
+bf_status handlers_studies_submit(exchange *x, bf_error *err)
+{
+    api_study_submission submission = { .name = "" };
+
+    bf_status status = read_submission(x, &submission, err);
+    if (status != BF_OK)
+        return status;
+    submission.body = x->request->body;
+    submission.n_body = x->request->n_body;
+    handlers__read_sender(x, submission.owner, submission.client);
+    status = handlers__read_key(x, submission.key, err);
+    if (status == BF_OK)
+        status = submit(x, &submission, err);
+    study_submission_fini(&submission);
+    return status;
+}
+
+static bf_status write_list(exchange *x, const api_study_list *list, bf_error *err)
+{
+    json_out w = json_out_to(&x->response->body);
+
+    members_write(&w, &study_json_list, list);
+    return json_out_status(&w, err);
+}
+
+bf_status handlers_studies_list(exchange *x, bf_error *err)
+{
+    const exchange_page page = exchange__page(x);
+    const char *state = exchange__text(x, "status");
+    api_study_query wanted = { .state = -1, .limit = page.limit };
+    char filter[64] = "";
+
+    snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
+    memcpy(wanted.before, page.before, sizeof wanted.before);
+    if (state != NULL) {
+        wanted.state = (int)api_study_state_find(state);
+        snprintf(filter, sizeof filter, "&status=%s", state);
+    }
+    api_study_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = x->services->list_studies(x->services->context, &wanted, list, err);
+    if (status == BF_OK && list->has_more && list->n > 0)
+        exchange__link_next(x, &page, filter, list->items[list->n - 1].id);
+    exchange__cache_revalidate(x);
+    if (status == BF_OK)
+        status = write_list(x, list, err);
+    memory_free(list);
+    return status;
+}
+
+bf_status handlers_studies_show(exchange *x, bf_error *err)
+{
+    api_study about;
+
+    bf_status status = exchange__find_study(x, &about, err);
+    if (status != BF_OK)
+        return status;
+    exchange__cache_revalidate(x);
+    (void)exchange__match_etag(x, "r%" PRIu64, about.revision);
+    return study_json_write(&about, &x->response->body, err);
+}
+
+// Compares If-Match with the study as it is found, and the change compares the revision again; where another change came
+// between, the study is looked at anew. API_STUDY_CHANGES: it is removed.
+static bf_status change_study(exchange *x, api_study_change change, api_study *ret_study,
+                              bf_error *err)
+{
+    const api_services *services = x->services;
+    api_study about;
+    bf_status status;
+
+    do {
+        uint64_t revision = API_ANY_REVISION;
+        status = exchange__find_study(x, &about, err);
+        if (status == BF_OK)
+            status = exchange__check_match(x, about.revision, &revision, err);
+        if (status != BF_OK)
+            return status;
+        status = change == API_STUDY_CHANGES
+                     ? services->remove_study(services->context, about.id, revision, err)
+                     : services->change_study(services->context, about.id, revision, change, &about,
+                                              err);
+    } while (status == BF_EINPUT);
+    if (status == BF_OK)
+        *ret_study = about;
+    return status;
+}
+
+static bf_status answer_change(exchange *x, api_study_change change, bf_error *err)
+{
+    api_study about;
+
+    bf_status status = change_study(x, change, &about, err);
+    if (status != BF_OK)
+        return status;
+    const bool is_done = change == API_STUDY_CANCEL  ? api_study_state_is_end(about.state)
+                         : change == API_STUDY_PAUSE ? about.state == API_STUDY_PAUSED
+                                                     : true;
+    x->response->status = is_done ? 200 : 202;
+    return study_json_write(&about, &x->response->body, err);
+}
+
+bf_status handlers_studies_pause(exchange *x, bf_error *err)
+{
+    return answer_change(x, API_STUDY_PAUSE, err);
+}
+
+bf_status handlers_studies_resume(exchange *x, bf_error *err)
+{
+    return answer_change(x, API_STUDY_RESUME, err);
+}
+
+bf_status handlers_studies_cancel(exchange *x, bf_error *err)
+{
+    return answer_change(x, API_STUDY_CANCEL, err);
+}
+
+bf_status handlers_studies_remove(exchange *x, bf_error *err)
+{
+    api_study about;
+
+    bf_status status = change_study(x, API_STUDY_CHANGES, &about, err);
+    if (status == BF_OK)
+        x->response->status = 204;
+    return status;
+}

@@ -1,0 +1,143 @@
+// `/v1/studies`: a study is followed to its end, gives the bytes of the command line, is paused, resumed, cancelled and
+// removed; a trial is solved again with all its output; measured counts are named by their id.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import path from "node:path";
+import test from "node:test";
+
+import { daemon } from "./daemon.mjs";
+import { beltflow } from "./processes.mjs";
+import { jam } from "./scenarios.mjs";
+import { temporaryFolder, until } from "./setup.mjs";
+
+// A plate that ends at (0.75, 0.5) and leaves 0.1 m free.
+function plate(duration_s) {
+  const scenario = jam(duration_s, { curve_every_s: 0.05, snapshot_every_s: duration_s });
+  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
+  return scenario;
+}
+
+const studyOf = (changes) => ({
+  name: "which angle",
+  base: { scenario: plate(0.5) },
+  parameters: [{ pointer: "/obstacles/0/length_m", values: [0.4, 0.5, 0.6, -1] }],
+  objectives: [{ figure: "content.mean" }, { figure: "throughput_per_h", goal: "maximize" }],
+  method: { type: "list" },
+  ...changes,
+});
+
+async function begin(d, document) {
+  const answer = await d.post("/v1/studies", document);
+  assert.equal(answer.status, 201, answer.text);
+  assert.equal(answer.headers.location, `/v1/studies/${answer.json.id}`);
+  return answer.json;
+}
+
+async function show(d, id) {
+  return (await d.get(`/v1/studies/${id}`)).json;
+}
+
+const reached = (d, id, ...states) =>
+  until(async () => {
+    const study = await show(d, id);
+    return states.includes(study.status) ? study : null;
+  }, `the study to be ${states}`);
+
+test("a study that is followed to its end gives the bytes of the command line", async (t) => {
+  const d = await daemon(t);
+  const { id } = await begin(d, studyOf({}));
+  const events = await (await d.events(`/v1/studies/${id}/events`)).rest();
+  const trials = events.filter(({ event }) => event === "trial");
+  assert.deepEqual(trials.map((event) => Number(event.id)), [1, 2, 3, 4]);
+  assert.deepEqual(trials.map(({ data }) => data.trial).sort(), [0, 1, 2, 3]);
+  const end = events.at(-1);
+  assert.deepEqual([end.event, end.id, end.data.status], ["end", "5", "succeeded"]);
+  assert.deepEqual([end.data.trials.succeeded, end.data.trials.infeasible], [3, 1]);
+  // Behind any event the rest follows, and behind the last one nothing.
+  const rest = await (await d.events(`/v1/studies/${id}/events`, { "last-event-id": "3" })).rest();
+  assert.deepEqual(rest.filter((event) => event.id !== undefined).map((event) => event.id), ["4", "5"]);
+  assert.equal((await d.events(`/v1/studies/${id}/events`, { "last-event-id": "5" })).status, 204);
+
+  const folder = temporaryFolder(t);
+  const document = await d.get(`/v1/studies/${id}/document`);
+  writeFileSync(path.join(folder, "in.json"), document.text);
+  const done = await beltflow(["study", path.join(folder, "in.json"), "--out", path.join(folder, "out")]);
+  assert.equal(done.status, 0, done.stderr);
+  const kept = (name) => readFileSync(path.join(folder, "out", name), "utf8");
+  assert.equal((await d.get(`/v1/studies/${id}/trials?format=csv`)).text, kept("trials.csv"));
+  const best = await d.get(`/v1/studies/${id}/best`);
+  assert.equal(best.text.trim(), kept("best.json").trim());
+
+  const page = await d.get(`/v1/studies/${id}/trials?limit=3`);
+  assert.equal(page.json.trials.length, 3);
+  const next = /<(.*)>; rel="next"/.exec(page.headers.link)[1];
+  const [last] = (await d.get(next)).json.trials;
+  assert.deepEqual([last.trial, last.status, last.run], [3, "infeasible", undefined]);
+  assert.match(last.error.pointer, /^\/obstacles\/0/);
+  assert.deepEqual((await d.get("/v1/studies?status=succeeded")).json.studies.map((study) => study.id), [id]);
+});
+
+test("a trial is a run of its study, and is solved again with all its output", async (t) => {
+  const d = await daemon(t);
+  const { id } = await begin(d, studyOf({}));
+  await reached(d, id, "succeeded");
+  assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
+  const { runs } = (await d.get(`/v1/runs?study=${id}`)).json;
+  assert.deepEqual(runs.map((run) => run.study), [id, id, id]);
+  const { trials } = (await d.get(`/v1/studies/${id}/trials`)).json;
+  const again = await d.post(`/v1/studies/${id}/trials/1/run`, "", { prefer: "wait=30" });
+  assert.equal(again.status, 201, again.text);
+  assert.deepEqual([again.json.status, again.json.cached, again.json.study], ["succeeded", false, undefined]);
+  assert.ok((await d.get(`/v1/runs/${again.json.id}/snapshots`)).json.snapshots.length > 0);
+  const figures = (await d.get(`/v1/runs/${again.json.id}/key_figures`)).json;
+  assert.equal(figures.counters[0].content.mean, trials[1].values["content.mean"]);
+  assert.equal((await d.post(`/v1/studies/${id}/trials/3/run`, "")).status, 409);
+  assert.equal((await d.request("DELETE", `/v1/studies/${id}`)).status, 204);
+  assert.equal((await d.get(`/v1/studies/${id}`)).status, 404);
+  // The run that was made of a trial stays.
+  assert.deepEqual((await d.get("/v1/runs")).json.runs.map((run) => run.id), [again.json.id]);
+});
+
+test("a study is paused, resumed and cancelled", async (t) => {
+  const d = await daemon(t);
+  const parameters = [{ pointer: "/obstacles/0/angle_deg", range: [60, 90], steps: 2000 }];
+  const { id } = await begin(d, studyOf({ parameters, method: { type: "grid" } }));
+  await until(async () => (await show(d, id)).trials.succeeded >= 2, "two trials");
+  assert.ok([200, 202].includes((await d.post(`/v1/studies/${id}/pause`, "")).status));
+  const { trials } = await reached(d, id, "paused");
+  assert.ok(trials.succeeded < 2000);
+  assert.equal((await d.post(`/v1/studies/${id}/pause`, "")).status, 409);
+  assert.equal((await d.post(`/v1/studies/${id}/resume`, "")).status, 200);
+  await until(async () => (await show(d, id)).trials.succeeded > trials.succeeded + 2, "further trials");
+  assert.ok([200, 202].includes((await d.post(`/v1/studies/${id}/cancel`, "")).status));
+  const ended = await reached(d, id, "cancelled");
+  const { succeeded, cancelled, begun } = ended.trials;
+  assert.equal(succeeded + cancelled, begun);
+  assert.equal((await d.post(`/v1/studies/${id}/resume`, "")).status, 409);
+});
+
+test("a calibration names counts that were measured by their id", async (t) => {
+  const d = await daemon(t);
+  const scenario = plate(1);
+  const run = await d.submit(scenario);
+  await d.reached(run.id, "succeeded");
+  const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+  const measured = await d.post("/v1/measurements", { counter: "upstream", t_s: curve.t_s, count: curve.upstream });
+  const calibration = (measurement) => ({
+    base: { scenario },
+    parameters: [{ pointer: "/obstacles/0/length_m", range: [0.4, 0.6] }],
+    curves: [{ counter: "upstream", measurement }],
+    method: { type: "calibrate", points: 2 },
+    limits: { trials: 4 },
+  });
+  const { id } = await begin(d, calibration(measured.json.id));
+  const [stored] = (await d.get(`/v1/studies/${id}/document`)).json.curves;
+  assert.deepEqual(stored, { counter: "upstream", t_s: curve.t_s, count: curve.upstream });
+  assert.equal((await reached(d, id, "succeeded", "failed")).status, "succeeded");
+  const { best, profiles } = (await d.get(`/v1/studies/${id}/best`)).json;
+  assert.ok(best.values["mse:upstream"].mean >= 0);
+  assert.deepEqual(profiles.map(({ pointer }) => pointer), ["/obstacles/0/length_m"]);
+  const refused = await d.post("/v1/studies", calibration(run.id));
+  assert.deepEqual([refused.status, refused.json.errors[0].pointer], [422, "/curves/0/measurement"]);
+});
