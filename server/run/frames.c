@@ -42,6 +42,9 @@ static bf_status add_curve(supervisor__task *task, const frame_curve *c, bf_erro
         buffer_append(&item->values, c->values, (size_t)c->n * c->n_columns * sizeof *c->values) !=
             BF_OK)
         return fail_memory(err);
+    // Events of trials are hardly ever read: the store makes them of the samples when they are.
+    if (task->claimed.run.study[0] != '\0')
+        return BF_OK;
     return events_curve(task->claimed.run.id, c, task->claimed.columns.bytes, &item->event, err);
 }
 

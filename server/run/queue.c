@@ -122,6 +122,15 @@ bool supervisor__has_room(const supervisor *s)
     return count_solving(s, false) < s->options.n_workers && s->n_tasks < SUPERVISOR_TASKS_MAX;
 }
 
+// Where only trials are solved there is one more of them than workers, so that no core idles while the end of one is
+// stored and the next one starts.
+static bool has_room_for_trials(const supervisor *s)
+{
+    const size_t n_more = count_solving(s, false) == 0 ? 1 : 0;
+
+    return count_solving(s, true) < s->options.n_workers + n_more;
+}
+
 // True if something may be queued that was not looked at yet, or again.
 static bool take_may_claim(supervisor *s, bool with_trials)
 {
@@ -142,7 +151,7 @@ static bool take_may_claim(supervisor *s, bool with_trials)
 
 supervisor__task *supervisor__create_claiming(supervisor *s)
 {
-    const bool with_trials = count_solving(s, true) < s->options.n_workers;
+    const bool with_trials = has_room_for_trials(s);
     bf_error err = { 0 };
 
     if (is_claiming(s) || !supervisor__has_room(s))

@@ -195,7 +195,7 @@ static bf_status append_curve(store__connection *writer, store__appending *conte
     status = insert_samples(writer, context, &rest, err);
     if (status != BF_OK)
         return status;
-    if (n_known > 0)
+    if (n_known > 0 && item->event.n > 0)
         return emit_rest(writer, context, &rest, err);
     return store__insert_event(writer, &context->row, API_EVENT_CURVE, rest.first, &item->event,
                                err);

@@ -19,7 +19,7 @@ bf_status store__insert_event(store__connection *writer, store__row *row, api_ev
     store__bind_integer(&q, row->rowid);
     store__bind_integer(&q, type);
     store__bind_integer(&q, (int64_t)item);
-    store__bind_text(&q, data->bytes, data->n);
+    store__bind_text(&q, data->n > 0 ? data->bytes : "", data->n);
     bf_status status = store__run(&q, err);
     if (status == BF_OK) {
         row->run.last_event = (uint64_t)sqlite3_last_insert_rowid(writer->db);

@@ -19,6 +19,17 @@ enum {
     AHEAD_OF_WORKERS = 4, // trials that wait or run for each worker
 };
 
+/// What a turn writes.
+typedef struct study__turn {
+    api_study about;                        ///< as it is
+    size_t n_ends;                          ///< of open trials
+    size_t n_begins;                        ///< of new ones
+    api_trial ends[STUDIES_OPEN_MAX];       ///< n_ends
+    store_trial_begin begins[BEGINS_MAX];   ///< n_begins
+    api_submission submissions[BEGINS_MAX]; ///< of those that are not infeasible
+    bf_buffer best;                         ///< n = 0: it is not due
+} turn;
+
 static bf_status no_memory(bf_error *err)
 {
     return bf_fail(err, BF_ENOMEM, "", "out of memory");
@@ -127,7 +138,8 @@ bf_status study__task_create(studies *s, const api_study *about, study__task **r
     t->best = (double)NAN;
     memcpy(t->id, about->id, sizeof t->id);
     t->open = memory_alloc(STUDIES_OPEN_MAX, sizeof *t->open);
-    bf_status status = t->open == NULL ? no_memory(err) : prepare(t, err);
+    t->turn = memory_alloc(1, sizeof *t->turn);
+    bf_status status = t->open == NULL || t->turn == NULL ? no_memory(err) : prepare(t, err);
     if (status == BF_OK)
         *ret_task = t;
     else
@@ -141,27 +153,17 @@ void study__task_destroy(study__task *t)
         return;
     study_destroy(t->core);
     study_document_fini(&t->document);
+    memory_free(t->turn);
     memory_free(t->open);
     memory_free(t);
 }
 
-/// What a turn writes.
-typedef struct turn {
-    api_study about;                        ///< as it is
-    size_t n_ends;                          ///< of open trials
-    size_t n_begins;                        ///< of new ones
-    api_trial ends[STUDIES_OPEN_MAX];       ///< n_ends
-    store_trial_begin begins[BEGINS_MAX];   ///< n_begins
-    api_submission submissions[BEGINS_MAX]; ///< of those that are not infeasible
-    bf_buffer best;                         ///< n = 0: it is not due
-} turn;
-
-static void free_turn(turn *u)
+static void empty_turn(turn *u)
 {
     for (size_t k = 0; k < u->n_begins; k++)
         submission_fini(&u->submissions[k]);
+    u->n_begins = u->n_ends = 0;
     buffer_fini(&u->best);
-    memory_free(u);
 }
 
 static bool take_change(study__task *t, size_t index)
@@ -223,6 +225,7 @@ static bf_status make_begin(study__task *t, turn *u, bf_error *err)
     api_trial *trial = &begin->trial;
     bf_error why = { 0 };
 
+    *begin = (store_trial_begin){ .submission = NULL };
     study_trial_of(&t->document, t->core, t->n_begun + k, trial);
     bf_status status = study__submission(t, &u->about, trial, &u->submissions[k], &why);
     if (status == BF_OK) {
@@ -341,16 +344,14 @@ bf_status study__task_turn(study__task *t, bool *ret_is_over, bf_error *err)
 
     *ret_is_over = false;
     while (has_more && !*ret_is_over) {
-        turn *u = memory_alloc(1, sizeof *u);
-        if (u == NULL)
-            return no_memory(err);
+        turn *u = t->turn;
         bf_status status = store_find_study(t->owner->options.store, t->id, &u->about, err);
         if (status == BF_OK)
             status = take_turn(t, u, err);
         has_more = u->n_begins > 0;
         *ret_is_over = status == BF_OK && (api_study_state_is_end(u->about.state) ||
                                            (u->about.state != API_STUDY_RUNNING && is_resting(t)));
-        free_turn(u);
+        empty_turn(u);
         if (status != BF_OK)
             return status;
     }

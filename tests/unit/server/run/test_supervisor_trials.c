@@ -44,9 +44,10 @@ static void a_run_by_itself_begins_beside_trials(void **state)
     helper_jobs *f = *state;
     char runs[3][API_ID_SIZE];
 
-    f->world->options.n_workers = 2;
+    f->world->options.n_workers = 1;
     helper_supervise(f->world);
     begin_study(f, 3, runs);
+    // One more than workers, so that no core idles between two of them.
     helper_await_state(f->world, runs[0], RUN_RUNNING);
     helper_await_state(f->world, runs[1], RUN_RUNNING);
     const api_run single = helper_world_submit(f->world, helper_jobs_belt);
@@ -73,6 +74,7 @@ static void trials_go_on_when_runs_by_themselves_have_ended(void **state)
     api_run trial;
     assert_int_equal(store_find(f->world->store, runs[0], &trial, NULL), BF_OK);
     assert_int_equal(trial.state, RUN_QUEUED);
+    helper_executor_await(f->executor, 2);
     helper_executor_begin(f->executor, 1);
     helper_executor_finish(f->executor, 1, false);
     helper_executor_end(f->executor, 1, EXECUTOR_EXITED);
