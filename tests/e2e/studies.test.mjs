@@ -99,6 +99,29 @@ test("a trial is a run of its study, and is solved again with all its output", a
   assert.deepEqual((await d.get("/v1/runs")).json.runs.map((run) => run.id), [again.json.id]);
 });
 
+test("kill -9 while a study is made: it goes on, and ends with the bytes of the command line", async (t) => {
+  const d = await daemon(t, { workers: 2 });
+  const document = studyOf({
+    parameters: [{ pointer: "/obstacles/0/angle_deg", range: [60, 90] }],
+    method: { type: "cmaes" },
+    limits: { trials: 40 },
+  });
+  const { id } = await begin(d, document);
+  for (const n of [3, 11, 12, 25]) {
+    await until(async () => (await show(d, id)).trials.succeeded >= n, `${n} trials`);
+    await d.kill();
+    await d.start();
+  }
+  await reached(d, id, "succeeded");
+  const folder = temporaryFolder(t);
+  writeFileSync(path.join(folder, "in.json"), JSON.stringify(document));
+  const out = path.join(folder, "out");
+  assert.equal((await beltflow(["study", path.join(folder, "in.json"), "--out", out])).status, 0);
+  const trials = await d.get(`/v1/studies/${id}/trials?format=csv`);
+  assert.equal(trials.text, readFileSync(path.join(out, "trials.csv"), "utf8"));
+  assert.equal((await d.get(`/v1/studies/${id}/best`)).text.trim(), readFileSync(path.join(out, "best.json"), "utf8").trim());
+});
+
 test("a study is paused, resumed and cancelled", async (t) => {
   const d = await daemon(t);
   const parameters = [{ pointer: "/obstacles/0/angle_deg", range: [60, 90], steps: 2000 }];

@@ -266,6 +266,18 @@ static void trials_are_read_by_number_by_end_and_as_far_as_they_are_open(void **
     check_soundness(h);
 }
 
+static void a_page_of_trials_has_a_limit(void **state)
+{
+    store *s = ((helper_store *)*state)->store;
+    const api_study of = start_study(s, "", 0);
+    api_trial_query query = { .limit = API_TRIALS_PAGE_MAX + 1 };
+    reading r = { .n = 0 };
+
+    assert_int_equal(store_read_trials(s, of.id, &query, take, &r, NULL), BF_ELIMIT);
+    query.limit = API_TRIALS_PAGE_MAX;
+    assert_int_equal(store_read_trials(s, of.id, &query, take, &r, NULL), BF_OK);
+}
+
 // I17
 static void trials_with_a_gap_are_refused(void **state)
 {
@@ -480,6 +492,7 @@ int main(void)
         CASE(a_key_makes_one_study),
         CASE(studies_are_listed_newest_first_by_state_and_owner),
         CASE(trials_are_read_by_number_by_end_and_as_far_as_they_are_open),
+        CASE(a_page_of_trials_has_a_limit),
         CASE(trials_with_a_gap_are_refused),
         CASE(the_same_trial_of_another_study_has_its_results_at_once),
         CASE(a_run_by_itself_comes_before_trials),
