@@ -20,7 +20,7 @@ static const double progress_fraction = 1e-3;
 void supervisor__free_items(supervisor__task *task)
 {
     snapshots_drop_items(&task->items);
-    snapshots_forget(&task->coming);
+    snapshots_forget(&task->incoming);
 }
 
 static bf_status fail_memory(bf_error *err)
@@ -240,7 +240,7 @@ static bool is_in_order(const supervisor__task *task, const frame *f)
         return false;
     if (f->type == FRAME_ERROR)
         return true;
-    return (f->type == FRAME_BEGIN) != task->has_begun && snapshots_may_come(&task->coming, f);
+    return (f->type == FRAME_BEGIN) != task->has_begun && snapshots_may_come(&task->incoming, f);
 }
 
 static bf_status fail_order(bf_error *err)
@@ -260,7 +260,7 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
     case FRAME_SLICE:
     case FRAME_SNAPSHOT:
     case FRAME_PARTS:
-        return snapshots_take(&task->coming, task->claimed.run.id, &task->begin, f, &task->items,
+        return snapshots_take(&task->incoming, task->claimed.run.id, &task->begin, f, &task->items,
                               err);
     case FRAME_CHANGE:
         return add_change(task, &f->change, err);

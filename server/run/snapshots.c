@@ -39,19 +39,19 @@ void snapshots_fini_items(snapshots_items *items)
     *items = (snapshots_items){ .n = 0 };
 }
 
-void snapshots_forget(snapshots_coming *c)
+void snapshots_forget(snapshots_incoming *c)
 {
-    free_item(&c->told);
-    *c = (snapshots_coming){ .is_told = false };
+    free_item(&c->header);
+    *c = (snapshots_incoming){ .has_header = false };
 }
 
-bool snapshots_may_come(const snapshots_coming *c, const frame *f)
+bool snapshots_may_come(const snapshots_incoming *c, const frame *f)
 {
-    const frame_type next = c->is_told ? FRAME_PARTS : FRAME_SNAPSHOT;
+    const frame_type next = c->has_header ? FRAME_PARTS : FRAME_SNAPSHOT;
 
     if (f->type == FRAME_SLICE)
         return f->slice.of == (uint32_t)next;
-    if (c->n_density > 0 || c->is_told || f->type == FRAME_PARTS)
+    if (c->n_density > 0 || c->has_header || f->type == FRAME_PARTS)
         return f->type == next;
     return true;
 }
@@ -64,7 +64,7 @@ static store_item *find_open(const snapshots_items *items)
     return last != NULL && last->type == API_EVENT_SNAPSHOT && last->is_open ? last : NULL;
 }
 
-static store_item *open_item(const snapshots_coming *c, snapshots_items *items)
+static store_item *open_item(const snapshots_incoming *c, snapshots_items *items)
 {
     store_item *item = snapshots_add_item(items, API_EVENT_SNAPSHOT);
 
@@ -88,7 +88,7 @@ static uint64_t limit_of(const frame_begin *begin, bool is_parts)
     return frame_has_ids(begin->n_values) ? FRAME_PAYLOAD_MAX : frame_array_bytes(&parts);
 }
 
-static bool follows(const snapshots_coming *c, const frame_slice *s, uint64_t limit)
+static bool follows(const snapshots_incoming *c, const frame_slice *s, uint64_t limit)
 {
     const uint64_t n_before = s->of == FRAME_PARTS ? c->n_parts : c->n_density;
 
@@ -98,7 +98,7 @@ static bool follows(const snapshots_coming *c, const frame_slice *s, uint64_t li
 }
 
 // Density and parts may share an item; each further slice of an array is one of its own.
-static bf_status take_slice(snapshots_coming *c, const frame_begin *begin, const frame_slice *s,
+static bf_status take_slice(snapshots_incoming *c, const frame_begin *begin, const frame_slice *s,
                             snapshots_items *items, bf_error *err)
 {
     const bool is_parts = s->of == FRAME_PARTS;
@@ -117,20 +117,20 @@ static bf_status take_slice(snapshots_coming *c, const frame_begin *begin, const
     return BF_OK;
 }
 
-static bf_status complete(snapshots_coming *c, snapshots_items *items, bf_error *err)
+static bf_status complete(snapshots_incoming *c, snapshots_items *items, bf_error *err)
 {
     store_item *item = find_open(items);
 
     if (item == NULL && (item = open_item(c, items)) == NULL)
         return fail_memory(err);
     item->is_open = false;
-    item->snapshot = c->told.snapshot;
-    item->event = c->told.event;
-    *c = (snapshots_coming){ .is_told = false };
+    item->snapshot = c->header.snapshot;
+    item->event = c->header.event;
+    *c = (snapshots_incoming){ .has_header = false };
     return BF_OK;
 }
 
-static bf_status take_snapshot(snapshots_coming *c, const char *run_id, const frame_begin *begin,
+static bf_status take_snapshot(snapshots_incoming *c, const char *run_id, const frame_begin *begin,
                                const frame *f, snapshots_items *items, bf_error *err)
 {
     const frame_snapshot *s = &f->snapshot;
@@ -139,14 +139,14 @@ static bf_status take_snapshot(snapshots_coming *c, const char *run_id, const fr
     if (s->n1 != begin->grid.n1 || s->n2 != begin->grid.n2 || s->index != c->index ||
         frame_array_bytes(f) != c->n_density)
         return bf_fail(err, BF_ECORRUPT, "", "the solver sent a snapshot of another size");
-    c->is_told = true;
-    c->told.snapshot =
+    c->has_header = true;
+    c->header.snapshot =
         (api_snapshot){ .index = s->index, .t = s->t, .peak = s->peak, .mass = s->mass };
-    bf_status status = events_snapshot(run_id, s, has_parts, &c->told.event, err);
+    bf_status status = events_snapshot(run_id, s, has_parts, &c->header.event, err);
     return status == BF_OK && !has_parts ? complete(c, items, err) : status;
 }
 
-static bf_status take_parts(snapshots_coming *c, const frame_begin *begin, const frame *f,
+static bf_status take_parts(snapshots_incoming *c, const frame_begin *begin, const frame *f,
                             snapshots_items *items, bf_error *err)
 {
     const frame_parts *p = &f->parts;
@@ -158,7 +158,7 @@ static bf_status take_parts(snapshots_coming *c, const frame_begin *begin, const
     return complete(c, items, err);
 }
 
-bf_status snapshots_take(snapshots_coming *c, const char *run_id, const frame_begin *begin,
+bf_status snapshots_take(snapshots_incoming *c, const char *run_id, const frame_begin *begin,
                          const frame *f, snapshots_items *items, bf_error *err)
 {
     if (f->type == FRAME_SLICE)

@@ -18,13 +18,13 @@ typedef struct snapshots_items {
 } snapshots_items;
 
 /// The snapshot that a job is sending. Zero-initialise; snapshots_forget().
-typedef struct snapshots_coming {
+typedef struct snapshots_incoming {
     uint64_t index;     ///< of the snapshot
     uint64_t n_density; ///< bytes that came of its density; 0: no snapshot is under way
     uint64_t n_parts;   ///< bytes that came of its parts
-    bool is_told;       ///< its frame came, and its parts have not come yet:
-    store_item told;    ///< what the frame says
-} snapshots_coming;
+    bool has_header;    ///< its frame came, and its parts have not come yet:
+    store_item header;  ///< what the frame says
+} snapshots_incoming;
 
 /// Room for one more item, zeroed and counted. NULL: no memory.
 store_item *snapshots_add_item(snapshots_items *items, api_event_type type);
@@ -37,13 +37,13 @@ void snapshots_fini_items(snapshots_items *items);
 
 /// True if a frame may come now, as far as the snapshot under way decides that: from its first slice on nothing else
 /// comes until it is complete.
-bool snapshots_may_come(const snapshots_coming *c, const frame *f);
+bool snapshots_may_come(const snapshots_incoming *c, const frame *f);
 
 /// Take a slice, a snapshot or its parts: the items get what of it is to be stored, borrowed from the frame's bytes.
 /// BF_ECORRUPT: it does not follow the frame before it, or has another size than `begin` says; BF_ENOMEM.
-BF_MUST_CHECK bf_status snapshots_take(snapshots_coming *c, const char *run_id,
+BF_MUST_CHECK bf_status snapshots_take(snapshots_incoming *c, const char *run_id,
                                        const frame_begin *begin, const frame *f,
                                        snapshots_items *items, bf_error *err);
 
 /// Forget the snapshot that is under way.
-void snapshots_forget(snapshots_coming *c);
+void snapshots_forget(snapshots_incoming *c);

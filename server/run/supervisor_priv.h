@@ -89,7 +89,7 @@ struct supervisor__task {
     snapshots_items items;   ///< what is not stored yet
     store_batch batch;       ///< of SUPERVISOR_WRITE_BATCH; points into items and output
     store_ending ending;     ///< of SUPERVISOR_WRITE_END
-    snapshots_coming coming; ///< the snapshot that is being sent
+    snapshots_incoming incoming; ///< the snapshot that is being sent
 };
 
 /// A state that the store refused when the run ended here; it is written later.
