@@ -212,7 +212,7 @@ static void sort_by_colours(const body_state *s, body_solver *z)
     }
 }
 
-typedef void constraint_work(const body_solver *z, body_constraint *constraint);
+typedef void constraint_work(const body_state *s, body_constraint *constraint);
 
 static void sweep_boundaries(const driver_member *m, constraint_work *work)
 {
@@ -222,7 +222,7 @@ static void sweep_boundaries(const driver_member *m, constraint_work *work)
     for (size_t block = (size_t)m->index; block < s->n_blocks; block += (size_t)m->n_members) {
         const body_block_buffer *buffer = &z->buffers[block];
         for (size_t k = buffer->n_pairs; k < buffer->n; k++)
-            work(z, &z->constraints[buffer->first + k]);
+            work(s, &z->constraints[buffer->first + k]);
     }
 }
 
@@ -230,7 +230,8 @@ static void sweep_boundaries(const driver_member *m, constraint_work *work)
 /// them.
 static void sweep(const driver_member *m, constraint_work *work)
 {
-    const body_solver *z = ((const body_state *)m->state)->implicit;
+    const body_state *s = m->state;
+    const body_solver *z = s->implicit;
     const size_t *first = z->colour;
     bool is_alone = false;
 
@@ -246,7 +247,7 @@ static void sweep(const driver_member *m, constraint_work *work)
         size_t step = is_short ? n : BODY_SLICE;
         for (size_t k = (size_t)m->index * step; k < n; k += (size_t)m->n_members * step)
             for (size_t at = k; at < k + step && at < n; at++)
-                work(z, z->order[first[c] + at]);
+                work(s, z->order[first[c] + at]);
     }
     driver_wait(m);
 }

@@ -69,7 +69,7 @@ typedef struct body_constraint {
     vec3 axis[3];                ///< tangents and normal; the normal points from a to b, or to b
     const body_moving *moving;   ///< the plate if a is one that moves, else NULL
     vec3 lever[2];               ///< from the centres of a, or its pivot, and b to the middle, m
-    mat6 inertia;                ///< M
+    bool has_inertia;            ///< the inertia was computed: by the first solution in the step
     double impulse[6];           ///< so far, on b, in the axes: N s and N m s
     double friction;             ///< mu
     double rate;                 ///< lambda, s/m
@@ -77,7 +77,8 @@ typedef struct body_constraint {
     uint32_t n;                  ///< points
     bool is_flat;                ///< all normals of the points are axis[2]
     double normal_impulse;       ///< sum over the points, N s
-    body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there
+    mat6 inertia;                ///< M; only where has_inertia
+    body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there; n of them
 } body_constraint;
 
 #define BODY_STATIC UINT32_MAX ///< in place of the id of a part: a body that does not move
@@ -112,10 +113,13 @@ typedef struct implicit_solver {
 void body_implicit__find_contacts(body_state *s, size_t block, double margin);
 
 /// Apply the warm-start impulse of a constraint.
-void body_implicit__begin(const body_solver *z, body_constraint *constraint);
+void body_implicit__begin(const body_state *s, body_constraint *constraint);
+
+/// Compute the effective mass of a constraint, which one whose points stay apart in the step does not need.
+void body_implicit__find_inertia(const body_state *s, body_constraint *constraint);
 
 /// Solve a constraint while the impulses of all others are fixed.
-void body_implicit__solve_contact(const body_solver *z, body_constraint *constraint);
+void body_implicit__solve_contact(const body_state *s, body_constraint *constraint);
 
 /// Store the impulse of a constraint for the next step.
 void body_implicit__store_warm_start(body_constraint *constraint);

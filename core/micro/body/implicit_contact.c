@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /// Most points that overlap where others are within the margin.
@@ -167,86 +168,6 @@ static void take_impulse(const body_warm_start *before, body_constraint *p)
         p->point[k].normal_impulse = p->normal_impulse * p->point[k].weight / sum;
 }
 
-/// A vector in the axes of the constraint.
-static vec3 to_axes(const body_constraint *p, vec3 a)
-{
-    return (vec3){ vec3_dot(p->axis[0], a), vec3_dot(p->axis[1], a), vec3_dot(p->axis[2], a) };
-}
-
-/// Column k of a symmetric matrix in the axes of the constraint.
-static vec3 turn_column(const body_constraint *p, const mat3 *m, int k)
-{
-    return to_axes(p, mat3_apply(m, p->axis[k]));
-}
-
-/// r x a for the axis a = k.
-static vec3 cross_axis(vec3 r, int k)
-{
-    const vec3 rows[] = { { 0.0, r.z, -r.y }, { -r.z, 0.0, r.x }, { r.y, -r.x, 0.0 } };
-
-    return rows[k];
-}
-
-/// Add the inverse effective mass of a body in the middle of a constraint, in its axes.
-static void add_inv_effective_mass(const body_constraint *p, const body_solver_body *solver_body,
-                                   vec3 lever, mat6 *inv_effective_mass)
-{
-    const vec3 r = to_axes(p, lever);
-    mat3 j; // symmetric, so that its rows are its columns
-    vec3 arm[6], turn[6];
-
-    for (int k = 0; k < 3; k++) {
-        j.row[k] = turn_column(p, &solver_body->inv_inertia, k);
-        arm[k] = cross_axis(r, k);
-        arm[3 + k] = (vec3){ k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0 };
-    }
-    for (int k = 0; k < 6; k++)
-        turn[k] = k < 3 ? mat3_apply(&j, arm[k]) : j.row[k - 3];
-    for (int i = 0; i < 6; i++)
-        for (int k = 0; k <= i; k++)
-            inv_effective_mass->row[i][k] += vec3_dot(arm[i], turn[k]);
-    for (int k = 0; k < 3; k++)
-        inv_effective_mass->row[k][k] += solver_body->inv_mass;
-}
-
-/// The effective mass of one body in the middle of its constraint.
-static void find_own_inertia(const body_state *s, body_constraint *p)
-{
-    const body_body *body = &s->bodies[p->b];
-    const body_kind *kind = &s->kinds[body->kind];
-    const vec3 r = to_axes(p, p->lever[1]), i = kind->inertia;
-    double(*row)[6] = p->inertia.row, square = vec3_dot(r, r);
-    vec3 own[3];
-
-    for (int k = 0; k < 3; k++) {
-        own[k] = mat3_apply_back(&body->r, p->axis[k]);
-        row[k][k] = kind->mass;
-        for (int m = 0; m < 3; m++)
-            row[3 + k][m] = -kind->mass * vec3_component(cross_axis(r, m), k);
-        for (int m = 0; m <= k; m++)
-            row[3 + k][3 + m] = i.x * own[k].x * own[m].x + i.y * own[k].y * own[m].y +
-                                i.z * own[k].z * own[m].z -
-                                kind->mass * vec3_component(r, k) * vec3_component(r, m);
-        row[3 + k][3 + k] += kind->mass * square;
-    }
-}
-
-/// The effective mass of a constraint: for two bodies the inverses add up.
-static void find_inertia(const body_state *s, body_constraint *p)
-{
-    const body_solver *z = s->implicit;
-    mat6 inv_effective_mass = { { { 0.0 } } };
-
-    if (p->a == BODY_STATIC) {
-        find_own_inertia(s, p);
-        return;
-    }
-    add_inv_effective_mass(p, &z->solver_bodies[p->a], p->lever[0], &inv_effective_mass);
-    add_inv_effective_mass(p, &z->solver_bodies[p->b], p->lever[1], &inv_effective_mass);
-    mat6_factor(&inv_effective_mass);
-    mat6_invert(&inv_effective_mass, &p->inertia);
-}
-
 /// What a constraint is made from, beside the contact.
 typedef struct constraint_source {
     uint32_t a;                    // see body_constraint
@@ -275,13 +196,15 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     if (from.n == 0)
         return false;
     const vec3 middle = find_middle(&from, &normal);
-    *p = (body_constraint){ .a = source->a,
-                            .b = source->b,
-                            .belt_kind = source->belt_kind,
-                            .moving = source->moving,
-                            .is_flat = from.n == 1 || !contact->is_closed_form,
-                            .friction = source->law->friction,
-                            .rate = source->law->tanh_linear };
+    // Most of a constraint are the inertia and points, which are written where they are needed.
+    memset(p, 0, offsetof(body_constraint, inertia));
+    p->a = source->a;
+    p->b = source->b;
+    p->belt_kind = source->belt_kind;
+    p->moving = source->moving;
+    p->is_flat = from.n == 1 || !contact->is_closed_form;
+    p->friction = source->law->friction;
+    p->rate = source->law->tanh_linear;
     set_axes(source, normal, p);
     p->lever[1] = vec3_sub(middle, s->bodies[p->b].x);
     if (p->a != BODY_STATIC)
@@ -293,7 +216,6 @@ static bool make_constraint(const body_state *s, const constraint_source *source
         p->depth = k == 0 ? p->point[k].depth : fmax(p->depth, p->point[k].depth);
     find_gains(s, source->law, p);
     take_impulse(source->before, p);
-    find_inertia(s, p);
     return true;
 }
 

@@ -71,8 +71,8 @@ static void find_row(const body_constraint_point *point, double row[6])
     row[5] = point->x * n.y - point->y * n.x;
 }
 
-static double normal_impulse_at(const body_constraint *p, const body_constraint_point *point,
-                                const double q[6])
+static inline double normal_impulse_at(const body_constraint *p, const body_constraint_point *point,
+                                       const double q[6])
 {
     double row[6], speed = 0.0;
 
@@ -95,13 +95,20 @@ static unsigned find_active(const body_constraint *p, const double q[6])
     return active;
 }
 
-static void set_normal_impulses(body_constraint *p, const double q[6], unsigned active)
+/// Set the normal impulses for q. Returns the points that have one: a bit each.
+static unsigned set_normal_impulses(body_constraint *p, const double q[6])
 {
+    unsigned active = 0;
+
     p->normal_impulse = 0.0;
     for (uint32_t k = 0; k < p->n; k++) {
-        p->point[k].normal_impulse = active & 1U << k ? normal_impulse_at(p, &p->point[k], q) : 0.0;
+        double impulse = normal_impulse_at(p, &p->point[k], q);
+        bool is_active = p->point[k].can_pull || impulse > 0.0;
+        p->point[k].normal_impulse = is_active ? impulse : 0.0;
         p->normal_impulse += fabs(p->point[k].normal_impulse);
+        active |= (unsigned)is_active << k;
     }
+    return active;
 }
 
 /// Add a point where all normals are that of the constraint: its row is (0, 0, 1, y, -x, 0).
@@ -228,7 +235,9 @@ static void add_belt(const body_constraint *p, const double q[6], constraint_law
 static void find_law(const body_constraint *p, const double q[6], unsigned active,
                      constraint_law *law)
 {
-    *law = (constraint_law){ .start = { 0.0 } };
+    mat6_clear(&law->slope);
+    for (int k = 0; k < 6; k++)
+        law->start[k] = 0.0;
     add_normals(p, active, law);
     if (p->belt_kind != NULL)
         add_belt(p, q, law);
@@ -241,13 +250,13 @@ static void solve(const body_constraint *p, const constraint_law *law, const dou
                   double ret_dq[6], double ret_more[6])
 {
     double rest[6], slowed[6];
-    mat6 m = law->slope;
+    mat6 m;
 
     mat6_apply(&law->slope, q, slowed);
     for (int i = 0; i < 6; i++) {
         ret_dq[i] = rest[i] = law->start[i] - slowed[i] - p->impulse[i];
         for (int j = 0; j <= i; j++)
-            m.row[i][j] += p->inertia.row[i][j];
+            m.row[i][j] = law->slope.row[i][j] + p->inertia.row[i][j];
     }
     mat6_factor(&m);
     mat6_solve(&m, ret_dq);
@@ -265,14 +274,15 @@ static bool has_no_impulse(const body_constraint *p)
     return !has_impulse;
 }
 
-void body_implicit__begin(const body_solver *z, body_constraint *constraint)
+void body_implicit__begin(const body_state *s, body_constraint *constraint)
 {
     if (!has_no_impulse(constraint))
-        apply_impulse(z, constraint, constraint->impulse);
+        apply_impulse(s->implicit, constraint, constraint->impulse);
 }
 
-void body_implicit__solve_contact(const body_solver *z, body_constraint *constraint)
+void body_implicit__solve_contact(const body_state *s, body_constraint *constraint)
 {
+    const body_solver *z = s->implicit;
     double q[6], q_end[6], dq[6], more[6];
     constraint_law law;
 
@@ -280,6 +290,8 @@ void body_implicit__solve_contact(const body_solver *z, body_constraint *constra
     unsigned active = find_active(constraint, q);
     if (active == 0 && has_no_impulse(constraint))
         return;
+    if (!constraint->has_inertia)
+        body_implicit__find_inertia(s, constraint);
     for (int k = 0; k < 6; k++)
         q_end[k] = q[k];
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
@@ -289,8 +301,7 @@ void body_implicit__solve_contact(const body_solver *z, body_constraint *constra
         solve(constraint, &law, q, dq, more);
         for (int k = 0; k < 6; k++)
             q_end[k] = q[k] + dq[k];
-        active = find_active(constraint, q_end);
-        set_normal_impulses(constraint, q_end, active);
+        active = set_normal_impulses(constraint, q_end);
         if (active == before && constraint->normal_impulse <= SETTLED * normal_impulse)
             break;
     }
