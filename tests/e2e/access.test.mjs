@@ -193,6 +193,47 @@ test("what is somebody else's looks as if it were not there", async (t) => {
   assert.equal((await d.get(`/v1/compare?a=${run.id}&b=${own.id}`, root)).status, 200);
 });
 
+const studyOf = (changes) => ({
+  base: { scenario: tiny() },
+  parameters: [{ pointer: "/duration_s", values: [tiny().duration_s] }],
+  objectives: [{ figure: "peak_density" }],
+  method: { type: "list" },
+  ...changes,
+});
+
+test("somebody else's study and its trials look as if they were not there", async (t) => {
+  const { d, alice, bob, root, measurement } = await neighbours(t);
+  const made = await d.post("/v1/studies", studyOf({}), alice);
+  assert.equal(made.status, 201, made.text);
+  const { id } = made.json;
+  await until(async () => (await d.get(`/v1/studies/${id}`, alice)).json.status === "succeeded", "its end");
+  const nothing = "01234567-89ab-7cde-8f01-23456789abcd";
+  const targets = [
+    ...["", "/document", "/trials", "/trials?format=csv", "/best", "/events"].map((end) => ["GET", `/v1/studies/ID${end}`]),
+    ...["/pause", "/resume", "/cancel", "/trials/0/run"].map((end) => ["POST", `/v1/studies/ID${end}`]),
+    ["DELETE", "/v1/studies/ID"],
+  ];
+  const withoutId = (text, of) => text.replaceAll(of, "ID").replace(/"request_id": *"[^"]*"/, "");
+  for (const [method, target] of targets) {
+    const [others, absent] = await Promise.all([id, nothing].map(async (of) => {
+      const { status, text } = await d.request(method, target.replace("ID", of), { headers: bob });
+      return { status, text: withoutId(text, of) };
+    }));
+    assert.equal(others.status, 404, `${method} ${target}: ${others.text}`);
+    assert.deepEqual(others, absent, `${method} ${target}`);
+  }
+  const listed = async (target, who) => Object.values((await d.get(target, who)).json)[0].length;
+  for (const target of ["/v1/studies", `/v1/runs?study=${id}`])
+    assert.deepEqual([await listed(target, alice), await listed(target, bob), await listed(target, root)], [1, 0, 1], target);
+  const [{ run }] = (await d.get(`/v1/studies/${id}/trials`, alice)).json.trials;
+  assert.deepEqual([(await d.get(`/v1/runs/${run}`, bob)).status, (await d.get(`/v1/runs/${run}`, alice)).status], [404, 200]);
+  const curves = [{ counter: "upstream", measurement: measurement.id }];
+  const calibration = studyOf({ objectives: [], curves, method: { type: "calibrate", points: 1 }, limits: { trials: 1 } });
+  calibration.parameters[0] = { pointer: "/duration_s", range: [1, 2] };
+  const stolen = await d.post("/v1/studies", calibration, bob);
+  assert.deepEqual([stolen.status, stolen.json.errors[0].pointer], [422, "/curves/0/measurement"]);
+});
+
 test("lists show what is one's own, and an administrator everything", async (t) => {
   const { d, alice, bob, root, submit, run, measurement } = await neighbours(t);
   const own = await submit(bob);
