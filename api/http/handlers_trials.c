@@ -167,7 +167,6 @@ static bf_status read_scenario(exchange *x, const api_trial *trial, bf_buffer *o
     return status;
 }
 
-// The results of the trial's run are known, but not in full.
 static bf_status make_submission(exchange *x, const api_trial *trial,
                                  api_submission *ret_submission, bf_error *err)
 {
@@ -181,7 +180,6 @@ static bf_status make_submission(exchange *x, const api_trial *trial,
     if (status != BF_OK)
         return status;
     status = submission_make(&made, trial->model, ret_submission, err);
-    ret_submission->is_fresh = true;
     scene_fini(&made);
     return status;
 }

@@ -92,6 +92,10 @@ test("a trial is a run of its study, and is solved again with all its output", a
   assert.ok((await d.get(`/v1/runs/${again.json.id}/snapshots`)).json.snapshots.length > 0);
   const figures = (await d.get(`/v1/runs/${again.json.id}/key_figures`)).json;
   assert.equal(figures.counters[0].content.mean, trials[1].values["content.mean"]);
+  // What is known in full then is not solved a second time.
+  const known = await d.post(`/v1/studies/${id}/trials/1/run`, "", { prefer: "wait=30" });
+  assert.deepEqual([known.json.status, known.json.cached], ["succeeded", true]);
+  assert.equal((await d.request("DELETE", `/v1/runs/${known.json.id}`)).status, 204);
   assert.equal((await d.post(`/v1/studies/${id}/trials/3/run`, "")).status, 409);
   assert.equal((await d.request("DELETE", `/v1/studies/${id}`)).status, 204);
   assert.equal((await d.get(`/v1/studies/${id}`)).status, 404);

@@ -125,7 +125,7 @@ static void a_trial_is_solved_again_as_a_run(void **state)
     ask("POST", STUDY "/trials/0/run", NULL, NULL, NULL, 201);
     ask_assert_header("Location", "/v1/runs/" ID_2);
     assert_int_equal(ask_daemon.submitted.model, RUN_MICRO);
-    assert_true(ask_daemon.submitted.is_fresh);
+    assert_false(ask_daemon.submitted.is_fresh);
     assert_string_equal(ask_daemon.submitted.name, "one part");
     ask("POST", STUDY "/trials/1/run", NULL, NULL, NULL, 404);
     ask("POST", STUDY "/trials/x/run", NULL, NULL, NULL, 404);
