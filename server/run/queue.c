@@ -107,12 +107,18 @@ static bool is_claiming(const supervisor *s)
     return false;
 }
 
+// What is being claimed is not known here yet, and counts as a run by itself.
+static bool is_trial(const supervisor__task *task)
+{
+    return task->phase != SUPERVISOR_CLAIMING && task->claimed.run.study[0] != '\0';
+}
+
 static size_t count_solving(const supervisor *s, bool with_trials)
 {
     size_t n = 0;
 
     for (size_t i = 0; i < s->n_tasks; i++)
-        n += !s->tasks[i]->is_solved && (with_trials || s->tasks[i]->claimed.run.study[0] == '\0');
+        n += !s->tasks[i]->is_solved && (with_trials || !is_trial(s->tasks[i]));
     return n;
 }
 
