@@ -53,7 +53,8 @@ typedef enum executor_stop {
 
 /// What poll() finds.
 typedef enum executor_state {
-    EXECUTOR_RUNNING, ///< it is being solved, or waits for that
+    EXECUTOR_RUNNING, ///< it is being solved
+    EXECUTOR_WAITING, ///< nobody has begun to solve it: its times do not run yet
     EXECUTOR_ENDED,   ///< it has ended, and all its bytes have been taken
     EXECUTOR_LOST, ///< nothing more will come, for an unknown reason; all its bytes have been taken
     EXECUTOR_UNKNOWN, ///< the state is temporarily not known; it may still be running
@@ -82,6 +83,10 @@ typedef struct executor_functions {
     /// block. The one function that any thread may call.
     bf_status (*ready)(executor *e, bf_error *err);
 
+    /// True if it takes one more job now: of a trial, or of a run by itself. It makes wake_fd readable when it has
+    /// room again. NULL: supervisor_options.n_workers says how many there are.
+    bool (*has_room)(executor *e, bool is_trial);
+
     /// Start a job. The executor keeps nothing of *work. BF_EBUSY, BF_ENOMEM, BF_ESYSTEM: the executor is at
     /// fault, and it may work later; other errors: this job can never be started.
     bf_status (*start)(executor *e, const executor_work *work, executor_job **ret_job,
@@ -106,6 +111,11 @@ typedef struct executor_functions {
     executor_state (*poll)(executor *e, executor_job *job, void *bytes, size_t capacity,
                            size_t *ret_n, executor_end *ret_end);
 
+    /// What came of this job is damaged, or it could not be begun. True: who solves it may be at fault rather than the
+    /// run, which is to be queued again; the executor sees to it that the same one does not fail runs again and again.
+    /// NULL: the run is at fault.
+    bool (*blame)(executor *e, executor_job *job, const bf_error *why);
+
     /// CPU seconds that the job has used so far; once it has ended, all that it used. Never falls.
     double (*cpu_s)(executor *e, executor_job *job);
 
@@ -120,5 +130,6 @@ typedef struct executor_functions {
 struct executor {
     const executor_functions *functions; ///< never NULL
     int wake_fd;                         ///< readable when poll() may find something new
-    bool outlives_daemon; ///< its jobs go on when the daemon ends: attach() may find them
+    bool
+        outlives_daemon; ///< its jobs, but for those of trials, go on when the daemon ends: attach() may find them
 };

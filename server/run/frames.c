@@ -8,7 +8,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { READ_CHUNK = 256 * 1024 };
+enum {
+    READ_CHUNK = 256 * 1024,
+    FIRST_CHUNK = 4096, // of jobs that wait there may be thousands
+};
+
+// Of workers on other machines no longer frame is believed, so that a few wrong bytes do not take the memory: a
+// checkpoint, which has no slices, and any other.
+#define CHECKPOINT_BYTES_MAX (UINT64_C(1) << 30)
+#define FRAME_BYTES_MAX      (UINT64_C(1) << 24)
 
 // The rate follows changes of the last few seconds, not of single reports.
 static const double rate_memory_s = 2.0;
@@ -197,6 +205,8 @@ void supervisor__finish_batch(supervisor__task *task)
     if (task->write.status == BF_OK)
         return;
     task->is_trouble = !task->failed && supervisor__may_work_later(task->write.status);
+    if (!task->failed && task->write.status == BF_ECORRUPT)
+        (void)supervisor__blame(task, &task->write.error);
     supervisor__fail(task, &task->write.error);
 }
 
@@ -282,6 +292,29 @@ static bf_status take_frame(supervisor__task *task, const frame *f, bf_error *er
     }
 }
 
+// The type stands behind the magic.
+static bool is_checkpoint(const void *header)
+{
+    uint32_t type;
+
+    memcpy(&type, (const char *)header + sizeof type, sizeof type);
+    return type == FRAME_CHECKPOINT;
+}
+
+// The frame that has begun at n_decoded may be as long as its header says.
+static bf_status check_length(const supervisor__task *task, bf_error *err)
+{
+    const char *header = task->output.bytes + task->n_decoded;
+    const size_t n = task->output.n - task->n_decoded;
+    const uint64_t length = n == 0 ? 0 : frame_length(header, n);
+
+    if (length <= FRAME_BYTES_MAX || !supervisor__has_workers(task->supervisor) ||
+        (length <= CHECKPOINT_BYTES_MAX && is_checkpoint(header)))
+        return BF_OK;
+    return bf_fail(err, BF_ECORRUPT, "", "a frame would have %llu bytes",
+                   (unsigned long long)length);
+}
+
 // Take the whole frames at the start of the job's output, up to a checkpoint, which ends a batch.
 static bf_status take_frames(supervisor__task *task, bf_error *err)
 {
@@ -295,6 +328,7 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
         status = frame_decode(in->bytes + task->n_decoded, in->n - task->n_decoded, &f, &used, err);
         if (status != BF_OK || used == 0) {
             task->has_frames = false;
+            status = status == BF_OK ? check_length(task, err) : status;
             break;
         }
         status = supervisor__count_output(task, f.type, used, err);
@@ -319,6 +353,17 @@ static bf_status reserve_rest(supervisor__task *task, bf_error *err)
     return BF_OK;
 }
 
+// While a job waits for somebody who solves it, its times do not run.
+static void note_begin(supervisor__task *task)
+{
+    if (task->state == EXECUTOR_WAITING) {
+        task->start_s = 0.0;
+    } else if (task->start_s == 0.0) {
+        task->start_s = clock_monotonic_s();
+        task->moved_ms = clock_monotonic_ms();
+    }
+}
+
 // Take what the job has sent, about SUPERVISOR_READ_BYTES at most.
 static bf_status read_output(supervisor__task *task, bf_error *err)
 {
@@ -329,10 +374,12 @@ static bf_status read_output(supervisor__task *task, bf_error *err)
     if (status != BF_OK)
         return status;
     do {
-        char *end = buffer_reserve(&task->output, READ_CHUNK);
+        const size_t capacity = task->state == EXECUTOR_WAITING ? FIRST_CHUNK : READ_CHUNK;
+        char *end = buffer_reserve(&task->output, capacity);
         if (end == NULL)
             return fail_memory(err);
-        task->state = e->functions->poll(e, task->job, end, READ_CHUNK, &n, &task->exit);
+        task->state = e->functions->poll(e, task->job, end, capacity, &n, &task->exit);
+        note_begin(task);
         // After a failure only the job's end matters.
         if (!task->failed)
             task->output.n += n;
@@ -380,6 +427,10 @@ void supervisor__read_frames(supervisor__task *task)
 {
     bf_error err = { 0 };
 
-    if (read_frames(task, &err) != BF_OK)
-        supervisor__fail(task, &err);
+    const bf_status status = read_frames(task, &err);
+    if (status == BF_OK)
+        return;
+    if (status == BF_ECORRUPT && !task->failed)
+        (void)supervisor__blame(task, &err);
+    supervisor__fail(task, &err);
 }

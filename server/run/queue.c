@@ -122,10 +122,20 @@ static size_t count_solving(const supervisor *s, bool with_trials)
     return n;
 }
 
+bool supervisor__has_workers(const supervisor *s)
+{
+    return s->executor->functions->has_room != NULL;
+}
+
 // Trials take no places of runs by themselves.
 bool supervisor__has_room(const supervisor *s)
 {
-    return count_solving(s, false) < s->options.n_workers && s->n_tasks < SUPERVISOR_TASKS_MAX;
+    executor *e = s->executor;
+
+    if (supervisor__has_workers(s))
+        return s->n_tasks < SUPERVISOR_TASKS_MAX && e->functions->has_room(e, false);
+    return count_solving(s, false) < s->options.n_workers &&
+           s->n_tasks < SUPERVISOR_LOCAL_TASKS_MAX;
 }
 
 // Where only trials are solved there is one more of them than workers, so that no core idles while the end of one is
@@ -134,6 +144,8 @@ static bool has_room_for_trials(const supervisor *s)
 {
     const size_t n_more = count_solving(s, false) == 0 ? 1 : 0;
 
+    if (supervisor__has_workers(s))
+        return s->executor->functions->has_room(s->executor, true);
     return count_solving(s, true) < s->options.n_workers + n_more;
 }
 
@@ -211,7 +223,7 @@ static void start_claimed(supervisor__task *task)
     } else if (supervisor__task_start(task, NULL, &err) == BF_OK) {
         log_event(LOG_LEVEL_INFO, "run_started", "run=%s job=%s", task->claimed.run.id,
                   task->external_id);
-        if (s->executor->outlives_daemon)
+        if (s->executor->outlives_daemon && !is_trial(task))
             supervisor__begin_write(task, SUPERVISOR_WRITE_ID);
         return;
     } else if (supervisor__may_work_later(err.code)) {
@@ -277,7 +289,7 @@ static void attach_run(supervisor *s, const store_running *running)
 
 void supervisor__attach(supervisor *s)
 {
-    store_running running[SUPERVISOR_TASKS_MAX];
+    store_running *running = s->running;
     bf_error err = { 0 };
     size_t n = 0;
     char quoted[LOG_QUOTED_SIZE];

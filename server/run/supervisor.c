@@ -60,7 +60,7 @@ static void read_stop_requests(supervisor *s)
 {
     const uint64_t n_requests = store_count_stop_requests(s->store);
     const bool may_stop = take_may_stop(s);
-    store_running running[SUPERVISOR_TASKS_MAX];
+    store_running *running = s->running;
     size_t n = 0;
 
     if (!may_stop && n_requests == s->n_stop_requests)
@@ -70,10 +70,11 @@ static void read_stop_requests(supervisor *s)
         return;
     }
     s->n_stop_requests = n_requests;
-    for (size_t i = 0; i < s->n_tasks; i++) {
-        supervisor__task *task = s->tasks[i];
-        for (size_t k = 0; k < n && task->phase == SUPERVISOR_SOLVING; k++) {
-            if (strcmp(running[k].id, task->claimed.run.id) == 0)
+    for (size_t k = 0; k < n; k++) {
+        for (size_t i = 0; running[k].stop_request != STORE_STOP_NONE && i < s->n_tasks; i++) {
+            supervisor__task *task = s->tasks[i];
+            if (task->phase == SUPERVISOR_SOLVING &&
+                strcmp(running[k].id, task->claimed.run.id) == 0)
                 request_stop(task, stop_for(running[k].stop_request));
         }
     }
@@ -86,6 +87,21 @@ static void allow_claim(supervisor *s)
     lock_release(&s->lock);
 }
 
+// Of a job that ended before its run: what it sent ends inside a frame, or nothing could be started.
+static void blame_for_end(supervisor__task *task)
+{
+    const executor_cause cause = task->exit.cause;
+    bf_error why = task->exit.error;
+
+    if (task->failed || task->has_ended || task->state != EXECUTOR_ENDED)
+        return;
+    if ((cause == EXECUTOR_EXITED || cause == EXECUTOR_FAILED) && task->output.n > 0)
+        (void)bf_fail(&why, BF_ECORRUPT, "", "the solver's output ends inside a frame");
+    else if (cause != EXECUTOR_UNSTARTED)
+        return;
+    (void)supervisor__blame(task, &why);
+}
+
 // The job is over, and of what it has sent only the last is not stored. The place of a run that has succeeded is free:
 // the next one is claimed together with its end. One that ends in another way may have met what the next would meet.
 static void begin_end(supervisor__task *task)
@@ -94,6 +110,7 @@ static void begin_end(supervisor__task *task)
     supervisor *s = task->supervisor;
 
     metrics_add(METRICS_CHILD_EXITS, supervisor__exit_reason(task), 1);
+    blame_for_end(task);
     task->ending = supervisor__classify_exit(task);
     task->ending.last = last;
     task->ending.cpu_s = supervisor__cpu_s(task);
@@ -109,11 +126,15 @@ static void finish_end(supervisor *s, supervisor__task *task)
     // Where there is no job, that was noted when it could not be started.
     bool is_back_unasked = task->job != NULL && task->ending.state == RUN_QUEUED &&
                            task->requested == SUPERVISOR_STOP_NONE;
+    // Another worker takes the run.
+    bool is_of_worker = supervisor__has_workers(s) && !task->is_trouble;
 
     if (task->write.status != BF_OK)
         supervisor__defer(s, task->claimed.run.id,
                           task->requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED,
                           task->ending.cpu_s);
+    else if (is_back_unasked && is_of_worker)
+        supervisor_wake(s);
     // Trouble of the store or of the executor would make the next run end the same way.
     else if (is_back_unasked && task->ending.error.code != BF_OK)
         supervisor__note_trouble(s, &task->ending.error);
@@ -173,6 +194,21 @@ static void wait_for_events(supervisor *s)
         e->functions->update(e);
 }
 
+// Jobs of workers are left to the daemon after this one, which knows them by what is stored of them: workers hear of no
+// stop any more. Of trials nothing is stored, so they are queued again.
+static void leave_jobs(supervisor *s)
+{
+    for (size_t i = s->n_tasks; i > 0; i--) {
+        supervisor__task *task = s->tasks[i - 1];
+        if (task->phase != SUPERVISOR_SOLVING || task->write.is_pending)
+            continue;
+        if (task->claimed.run.study[0] != '\0')
+            task->state = EXECUTOR_LOST;
+        else
+            supervisor__task_destroy(task);
+    }
+}
+
 // While the supervisor is stopping, hand back every task. Returns true if there is nothing left to wait
 // for.
 static bool is_over(supervisor *s, int64_t *ret_grace_ms)
@@ -181,8 +217,11 @@ static bool is_over(supervisor *s, int64_t *ret_grace_ms)
     bool is_stopping = s->is_stopping;
     *ret_grace_ms = s->grace_ms;
     lock_release(&s->lock);
+    if (is_stopping && supervisor__has_workers(s))
+        leave_jobs(s);
     for (size_t i = 0; is_stopping && i < s->n_tasks; i++)
-        request_stop(s->tasks[i], SUPERVISOR_STOP_HAND_BACK);
+        if (!supervisor__has_workers(s) || s->tasks[i]->phase == SUPERVISOR_CLAIMING)
+            request_stop(s->tasks[i], SUPERVISOR_STOP_HAND_BACK);
     return is_stopping && s->n_tasks == 0;
 }
 
@@ -260,6 +299,7 @@ static void free_supervisor(supervisor *s)
     lock_fini(&s->lock);
     memory_free(s->tasks);
     memory_free(s->pending);
+    memory_free(s->running);
     memory_free(s);
 }
 
@@ -282,11 +322,13 @@ static supervisor *create_supervisor(const supervisor_options *options)
     supervisor *s = memory_alloc(1, sizeof *s);
     supervisor__task **tasks = memory_alloc(SUPERVISOR_TASKS_MAX, sizeof(supervisor__task *));
     supervisor__pending_update *pending = memory_alloc(SUPERVISOR_TASKS_MAX, sizeof *pending);
+    store_running *running = memory_alloc(SUPERVISOR_TASKS_MAX, sizeof *running);
 
-    if (s == NULL || tasks == NULL || pending == NULL) {
+    if (s == NULL || tasks == NULL || pending == NULL || running == NULL) {
         memory_free(s);
         memory_free(tasks);
         memory_free(pending);
+        memory_free(running);
         return NULL;
     }
     s->store = options->store;
@@ -294,6 +336,7 @@ static supervisor *create_supervisor(const supervisor_options *options)
     s->options = complete(options);
     s->tasks = tasks;
     s->pending = pending;
+    s->running = running;
     s->may_claim = s->may_stop = true;
     s->backoff_ms = SUPERVISOR_BACKOFF_FIRST_MS;
     s->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);

@@ -23,8 +23,9 @@
 enum {
     SUPERVISOR_BACKOFF_FIRST_MS = 1000,  ///< of claiming after a failure; doubles each time
     SUPERVISOR_READ_BYTES = 1024 * 1024, ///< of one job in one turn, and so about in one batch
-    /// Being solved, runs by themselves and trials, and ending.
-    SUPERVISOR_TASKS_MAX = 3 * SUPERVISOR_WORKERS_MAX,
+    SUPERVISOR_TASKS_MAX = 4096,         ///< waiting for workers, being solved and ending
+    /// Being solved, runs by themselves and trials, and ending, where n_workers says how many are solved.
+    SUPERVISOR_LOCAL_TASKS_MAX = 3 * SUPERVISOR_WORKERS_MAX,
     SUPERVISOR_TROUBLE_MS = 60000, ///< how long trouble counts, and between its lines in the log
 };
 
@@ -58,7 +59,7 @@ struct supervisor__task {
     supervisor__stop signalled;         ///< how much of that the job was signalled
     int64_t kill_at_ms;    ///< when it is stopped by force; -1: not planned, INT64_MAX: done
     int64_t lost_at_ms;    ///< when it counts as lost; -1: not planned
-    double start_s;        ///< when the job was started, clock_monotonic_s()
+    double start_s;        ///< when its solving began, clock_monotonic_s(); 0: nobody has begun
     executor_state state;  ///< as of the last poll
     executor_end exit;     ///< valid if state is EXECUTOR_ENDED
     bool has_more;         ///< the job may have more bytes than one turn takes
@@ -66,6 +67,7 @@ struct supervisor__task {
     bool has_ended;        ///< FRAME_END came
     bool failed;           ///< it fails with error, regardless of later frames
     bool is_trouble;       ///< the error is the store's, not the run's: it is queued again
+    bool is_blamed;        ///< who solved it is at fault, not the run: it is queued again
     bool is_beyond_output; ///< it sent more than output_bytes
     bool is_solved;        ///< it has succeeded: while its end is stored the next run may be solved
     bool timed_out;        ///< it was stopped by force because a time was over
@@ -118,6 +120,7 @@ struct supervisor {
     supervisor__task **tasks; ///< room for SUPERVISOR_TASKS_MAX
     size_t n_pending;         ///< pending updates; nothing is claimed while there are any
     supervisor__pending_update *pending; ///< room for SUPERVISOR_TASKS_MAX
+    store_running *running;              ///< room for SUPERVISOR_TASKS_MAX, filled where it is used
     _Atomic uint64_t n_stop_requests;    ///< of the store, that were read
     lock lock;                           ///< guards what follows
     bool may_claim;                      ///< something may be queued
@@ -178,6 +181,12 @@ metrics_reason supervisor__exit_reason(const supervisor__task *task);
 /// the run, or if the store is at fault the run goes back to the queue: task->ending is what was written. An error
 /// means that even that was refused. On a writing thread.
 BF_MUST_CHECK bf_status supervisor__store_ending(supervisor__task *task, bf_error *err);
+
+/// Ask the executor whether who solves the task is at fault, and note it. Returns what it says.
+bool supervisor__blame(supervisor__task *task, const bf_error *why);
+
+/// True if the executor, not n_workers, says how many jobs it takes.
+bool supervisor__has_workers(const supervisor *s);
 
 /// The newest key figures of a run that sent some.
 key_figures supervisor__figures(const supervisor__task *task);

@@ -75,6 +75,7 @@ bf_status supervisor__task_start(supervisor__task *task, const char *external_id
     task->n_columns = api_count_columns(&task->claimed.columns);
     task->start_s = clock_monotonic_s();
     task->moved_ms = clock_monotonic_ms();
+    task->state = EXECUTOR_WAITING;
     task->phase = SUPERVISOR_SOLVING;
     task->has_more = true;
     return BF_OK;
@@ -122,6 +123,18 @@ bf_status supervisor__count_output(supervisor__task *task, frame_type type, size
         "the run's results have more than %" PRIu64 " bytes, its limit (run_output_bytes)", limit);
 }
 
+bool supervisor__blame(supervisor__task *task, const bf_error *why)
+{
+    executor *e = task->supervisor->executor;
+
+    if (e->functions->blame == NULL || !e->functions->blame(e, task->job, why))
+        return false;
+    task->is_blamed = true;
+    if (!task->failed)
+        task->error = *why;
+    return true;
+}
+
 static run_state state_for(supervisor__stop requested)
 {
     return requested >= SUPERVISOR_STOP_CANCEL ? RUN_CANCELLED : RUN_QUEUED;
@@ -141,7 +154,7 @@ static store_ending end_failed(const supervisor__task *task)
                                    .state = RUN_FAILED,
                                    .error = task->error };
 
-    return task->is_trouble ? end_elsewhere(task, &task->error) : failure;
+    return task->is_trouble || task->is_blamed ? end_elsewhere(task, &task->error) : failure;
 }
 
 store_ending supervisor__classify_exit(const supervisor__task *task)
@@ -153,7 +166,7 @@ store_ending supervisor__classify_exit(const supervisor__task *task)
 
     if (task->requested == SUPERVISOR_STOP_KILL)
         ending.state = RUN_CANCELLED;
-    else if (task->failed)
+    else if (task->failed || task->is_blamed)
         ending = end_failed(task);
     else if (task->has_ended && !task->end.stopped)
         ending.state = RUN_SUCCEEDED;
@@ -240,7 +253,10 @@ bf_status supervisor__store_ending(supervisor__task *task, bf_error *err)
     ending->n_summary = summary.n;
     if (status == BF_OK)
         status = store_finish(s, ending, &after, err);
-    if (status != BF_OK && !supervisor__may_work_later(status)) {
+    // Only the supervisor's thread may ask who is at fault for what is damaged.
+    const bool may_be_workers =
+        status == BF_ECORRUPT && task->supervisor->executor->functions->blame != NULL;
+    if (status != BF_OK && !supervisor__may_work_later(status) && !may_be_workers) {
         *ending = (store_ending){
             .run_id = ending->run_id, .state = RUN_FAILED, .error = *err, .cpu_s = ending->cpu_s
         };

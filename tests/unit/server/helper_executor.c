@@ -35,6 +35,7 @@ struct helper_executor {
     bf_status refusal;
     bool ignores_stops;
     size_t chunk;
+    size_t room;
 };
 
 static void wake(helper_executor *e)
@@ -75,6 +76,7 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
         e->n_refused--;
         status = bf_fail(err, e->refusal, "", "there is no place for a job");
     } else {
+        e->room -= e->room > 0;
         size_t index = add_job(e, work->run_id, work->checkpoint->n == 0 ? 0 : work->step);
         *ret_job = &e->jobs[index];
     }
@@ -186,17 +188,47 @@ static void release(executor *base, executor_job *job)
     lock_release(&e->lock);
 }
 
+static bool has_room(executor *base, bool is_trial)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    (void)is_trial;
+    lock_acquire(&e->lock);
+    bool has = e->room > 0;
+    lock_release(&e->lock);
+    return has;
+}
+
+static bool blame(executor *base, executor_job *job, const bf_error *why)
+{
+    helper_executor *e = (helper_executor *)base;
+
+    assert_int_not_equal(why->code, BF_OK);
+    lock_acquire(&e->lock);
+    job->seen.n_blamed++;
+    lock_release(&e->lock);
+    return true;
+}
+
+#define FUNCTIONS                                                                                  \
+    .ready = ready, .start = start, .attach = attach, .stop = stop, .update = update,              \
+    .poll = poll_job, .cpu_s = cpu_s, .external_id = external_id, .release = release
+
+void helper_executor_employ(helper_executor *e, size_t n)
+{
+    static const executor_functions functions = { FUNCTIONS, .has_room = has_room, .blame = blame };
+
+    lock_acquire(&e->lock);
+    e->room = n;
+    if (e->base.functions != &functions) // before the supervisor has begun
+        e->base.functions = &functions;
+    lock_release(&e->lock);
+    wake(e);
+}
+
 helper_executor *helper_executor_create(void)
 {
-    static const executor_functions functions = { .ready = ready,
-                                                  .start = start,
-                                                  .attach = attach,
-                                                  .stop = stop,
-                                                  .update = update,
-                                                  .poll = poll_job,
-                                                  .cpu_s = cpu_s,
-                                                  .external_id = external_id,
-                                                  .release = release };
+    static const executor_functions functions = { FUNCTIONS };
     helper_executor *e = calloc(1, sizeof *e);
 
     assert_non_null(e);

@@ -21,6 +21,7 @@ typedef struct helper_job {
     uint64_t first_step; ///< of the checkpoint that it got; 0: none
     unsigned n_graceful; ///< stops of either kind that it got
     unsigned n_now;      ///< see n_graceful
+    unsigned n_blamed;   ///< times that who solves it was found at fault
     bool is_released;    ///< the supervisor has nothing more to do with it
     size_t n_unread;     ///< bytes that the supervisor has not taken
 } helper_job;
@@ -43,6 +44,10 @@ void helper_executor_ignore_stops(helper_executor *e);
 
 /// From now on poll() returns at most n bytes at a time.
 void helper_executor_deliver_slowly(helper_executor *e, size_t n);
+
+/// From now on it has workers with room for n further jobs, of trials or not, who may be at fault. First called before the
+/// supervisor is started.
+void helper_executor_employ(helper_executor *e, size_t n);
 
 /// Add a job as the daemon before would have left it, named "fake:<index>". Returns its index.
 size_t helper_executor_add(helper_executor *e, const char *run_id);
