@@ -9,6 +9,7 @@
 
 #include "api/access.h"
 #include "api/event.h"
+#include "api/leases.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
 #include "api/run_state.h"
@@ -219,6 +220,8 @@ typedef struct api_services {
     /// Give the trials of a study to take.
     bf_status (*read_trials)(void *context, const char *id, const api_trial_query *query,
                              api_trial_fn *take, void *take_context, bf_error *err);
+    /// What workers on other machines ask; NULL: the daemon solves runs itself.
+    const api_leases *leases;
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
     bf_status (*ready)(void *context, bf_error *err);
     /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.

@@ -221,6 +221,14 @@ route_handler_fn handlers_measurements_remove;
 BF_MUST_CHECK bf_status handlers__write_density(exchange *x, struct json_out *w, const char *a,
                                                 const char *b, size_t n_pairs, bf_error *err);
 
+/// Leases of workers: take, read its jobs, deliver frames, renew, leave; and the list of workers.
+route_handler_fn handlers_leases_take;
+route_handler_fn handlers_leases_jobs;
+route_handler_fn handlers_leases_deliver;
+route_handler_fn handlers_leases_renew;
+route_handler_fn handlers_leases_leave;
+route_handler_fn handlers_leases_list;
+
 /// Comparisons of runs and measurements.
 route_handler_fn handlers_compare_runs;
 

@@ -25,7 +25,8 @@
     X(MEDIA_ZIP, "zip", "application/zip", "application/zip")                                      \
     X(MEDIA_PROMETHEUS, "prometheus", "text/plain", "text/plain; version=0.0.4; charset=utf-8")    \
     X(MEDIA_SSE, "sse", "text/event-stream", "text/event-stream")                                  \
-    X(MEDIA_NDJSON, "ndjson", "application/x-ndjson", "application/x-ndjson")
+    X(MEDIA_NDJSON, "ndjson", "application/x-ndjson", "application/x-ndjson")                      \
+    X(MEDIA_FRAMES, "frames", "application/octet-stream", "application/octet-stream")
 
 /// The formats.
 typedef enum media_format {
@@ -39,7 +40,8 @@ typedef enum media_format {
     MEDIA_ZIP,
     MEDIA_PROMETHEUS,
     MEDIA_SSE,
-    MEDIA_NDJSON
+    MEDIA_NDJSON,
+    MEDIA_FRAMES
 } media_format;
 
 /// A row of the table.

@@ -52,6 +52,10 @@ const param routes__study_id = {
     .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which study"
 };
 
+const param routes__lease_id = {
+    .name = "id", .in = "path", .kind = &param_id, .is_required = true, .help = "Which lease"
+};
+
 const param routes__trial_number = { .name = "number",
                                      .in = "path",
                                      .kind = &param_whole,

@@ -28,6 +28,12 @@
             "The bytes that Range asked for", (binary)                                             \
     }
 
+#define LEASES(method_, path_, handle_, ...)                                                       \
+    {                                                                                              \
+        .method = (method_), .path = "/v1/leases" path_, .handle = handlers_leases_##handle_,      \
+        .cost = API_COST_STORE, .scope = API_SCOPE_WORK, .tag = "Workers", __VA_ARGS__             \
+    }
+
 static const route table[] = {
     { .method = "POST",
       .path = "/v1/runs",
@@ -554,6 +560,40 @@ static const route table[] = {
       .help = "This cannot be undone.",
       .refusals = "403 404 412 507",
       .answers = { { 204, NULL, "Cache-Control", "The measurement was removed" } } },
+    LEASES("POST", "", take, .formats = "json", .params = NO_PARAMS, .id = "takeLease",
+           .summary = "Lease jobs for a worker",
+           .help =
+               "Runs by themselves come before trials. A lease without jobs has no id. Where the "
+               "worker's solver is of another version than the service it is a 409.",
+           .body = "LeaseRequest", .refusals = "409 413 415 422",
+           .answers = { { 200, "Lease", "Cache-Control", "The lease" } }),
+    LEASES("GET", "", list, .formats = "json", .params = NO_PARAMS, .id = "listWorkers",
+           .summary = "List workers and their leases", .refusals = "409",
+           .help = "Those that were heard of lately.",
+           .answers = { { 200, "WorkerList", "Cache-Control", "The workers" } }),
+    LEASES("GET", "/{id}/jobs", jobs, .formats = "frames", .params = PARAMS(&routes__lease_id),
+           .id = "readLease", .summary = "The input of a lease's jobs", .refusals = "404 409",
+           .help = "One job after the other, each as long as its `bytes` say.",
+           .answers = { { 200, NULL, "Cache-Control", "The input" } }),
+    LEASES("PUT", "/{id}/frames", deliver, .formats = "json", .params = PARAMS(&routes__lease_id),
+           .id = "deliverFrames", .summary = "Send bytes of the frames of jobs",
+           .help =
+               "Sections of 16 bytes, little-endian (u32 job, u32 n, u64 offset of the first "
+               "byte in all of the job's frames), and n bytes. What came before is ignored; what "
+               "leaves a gap, or has no place now, is not taken: `next` says where to go on.",
+           .body = "LeaseRequest", .body_formats = "frames", .refusals = "404 409 413 415 422",
+           .answers = { { 200, "LeaseJobStates", "Cache-Control", "What was taken" } }),
+    LEASES("POST", "/{id}/renew", renew, .formats = "json", .params = PARAMS(&routes__lease_id),
+           .id = "renewLease", .summary = "Say that a worker goes on, and which jobs have ended",
+           .help =
+               "A job that has ended leaves the lease when all its bytes were taken. What is not "
+               "named is not the worker's any more.",
+           .body = "LeaseRenewal", .refusals = "404 409 413 415 422",
+           .answers = { { 200, "LeaseJobStates", "Cache-Control", "What is known of the jobs" } }),
+    LEASES("DELETE", "/{id}", leave, .formats = "json", .params = PARAMS(&routes__lease_id),
+           .id = "leaveLease", .summary = "End a lease; what has not ended is for other workers",
+           .help = "The worker asks for nothing more.", .refusals = "404 409",
+           .answers = { { 204, NULL, "Cache-Control", "The lease is over" } }),
     { .method = "GET",
       .path = "/v1/compare",
       .handle = handlers_compare_runs,

@@ -7,6 +7,7 @@
 #include "api/http/problem.h"
 #include "api/results/compare_json.h"
 #include "api/results/events.h"
+#include "api/results/lease_json.h"
 #include "api/results/measurement.h"
 #include "api/results/results.h"
 #include "api/results/run_json.h"
@@ -285,6 +286,13 @@ static const openapi_schema table[] = {
     OBJECT(service_json_ticket_members, "What stands for an access token in a URL"),
     OBJECT(service_json_quotas_members, "What an owner uses and may use"),
     OBJECT(service_json_quota_members, "What is used of a quota"),
+    OBJECT(lease_json_lease, "Jobs that a worker has for a time"),
+    OBJECT(lease_json_job, "A job: an attempt at a run"),
+    OBJECT(lease_json_states, "What is known of jobs"),
+    OBJECT(lease_json_state, "What is known of a job, and asked of its worker"),
+    OBJECT(lease_json_workers, "The workers"),
+    OBJECT(lease_json_worker, "A worker"),
+    OBJECT(lease_json_view, "A lease of a worker"),
     { .help = "An OpenAPI document", .table = &document, .others = "" },
     OBJECT(problem_kind_members, "What a kind of problem means"),
     OBJECT(problem_members, "Why a request was refused (RFC 9457)"),
@@ -295,6 +303,8 @@ static const openapi_schema table[] = {
     TYPE("Vtk", "string", "\"format\":\"binary\"", "A VTK XML file with raw bytes appended"),
     TYPE("Pvd", "string", NULL, "A ParaView collection: files and their times [s]"),
     TYPE("Zip", "string", "\"format\":\"binary\"", "An archive"),
+    TYPE("Frames", "string", "\"format\":\"binary\"",
+         "Bytes of frames, as solvers read and write them"),
     TYPE("Metrics", "string", NULL, "A line for each metric: its name, its labels, its value"),
     TYPE("EventStream", "string",
          "\"contentMediaType\":\"application/json\",\"contentSchema\":"
@@ -347,7 +357,7 @@ static const char *const format_schemas[] = {
     [MEDIA_JSON] = NULL,         [MEDIA_CSV] = "Csv",           [MEDIA_NPY] = "Npy",
     [MEDIA_PNG] = "Png",         [MEDIA_VTI] = "Vtk",           [MEDIA_VTP] = "Vtk",
     [MEDIA_PVD] = "Pvd",         [MEDIA_ZIP] = "Zip",           [MEDIA_PROMETHEUS] = "Metrics",
-    [MEDIA_SSE] = "EventStream", [MEDIA_NDJSON] = "EventLines",
+    [MEDIA_SSE] = "EventStream", [MEDIA_NDJSON] = "EventLines", [MEDIA_FRAMES] = "Frames",
 };
 
 const openapi_schema *openapi__schemas(size_t *ret_n)

@@ -4,6 +4,7 @@
 
 #include "api/openapi/openapi_priv.h"
 
+#include "api/results/lease_json.h"
 #include "api/results/measurement.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/submission.h"
@@ -14,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TABLES_MAX = 40, HELP_SIZE = 300 };
+enum { TABLES_MAX = 48, HELP_SIZE = 300 };
 
 // The tables that were written, so that none is written twice.
 typedef struct seen {
@@ -261,6 +262,8 @@ void openapi__write_input_schemas(json_out *w)
     write_tables(w, &submission_members, MEMBER_GIVEN, &given);
     write_tables(w, &study_document_members, MEMBER_GIVEN, &given);
     write_tables(w, &measurement_members, MEMBER_GIVEN, &given);
+    write_tables(w, &lease_json_worker_members, MEMBER_GIVEN, &given);
+    write_tables(w, &lease_json_renewal_members, MEMBER_GIVEN, &given);
     write_tables(w, &scenario_members, MEMBER_RESOLVED, &resolved);
 }
 

@@ -50,6 +50,8 @@ enum {
     X(METRICS__BY_REASON, "reason", METRICS_EXIT_COUNT)                                            \
     X(METRICS__BY_LAYER, "layer", METRICS_LAYER_COUNT)                                             \
     X(METRICS__BY_QUOTA, "quota", METRICS_QUOTA_COUNT)                                             \
+    X(METRICS__BY_PLACE, "place", METRICS_PLACE_COUNT)                                             \
+    X(METRICS__BY_MATCH, "match", METRICS_MATCH_COUNT)                                             \
     X(METRICS__BY_LEVEL, "level", LOG_LEVEL_COUNT)                                                 \
     X(METRICS__BY_VERSION, "version", 1)                                                           \
     X(METRICS__BY_COMPILER, "compiler", 1)
@@ -81,6 +83,8 @@ enum {
     X(REASON, REASON, NOTHING, NOTHING)                                                            \
     X(LAYER, LAYER, NOTHING, NOTHING)                                                              \
     X(QUOTA, QUOTA, NOTHING, NOTHING)                                                              \
+    X(PLACE, PLACE, NOTHING, NOTHING)                                                              \
+    X(MATCH, MATCH, NOTHING, NOTHING)                                                              \
     X(LEVEL, LEVEL, NOTHING, NOTHING)                                                              \
     X(BUILD, VERSION, COMPILER, NOTHING)
 

@@ -137,6 +137,26 @@ static const char *layer_word(size_t value)
     return words[value];
 }
 
+static const char *place_word(size_t value)
+{
+    static const char *const words[] = {
+#define X(place, word) word,
+        METRICS_PLACE_LIST(X)
+#undef X
+    };
+    return words[value];
+}
+
+static const char *match_word(size_t value)
+{
+    static const char *const words[] = {
+#define X(match, word) word,
+        METRICS_MATCH_LIST(X)
+#undef X
+    };
+    return words[value];
+}
+
 // Of the events only these are frames of a run.
 static const char *frame_word(api_event_type type)
 {
@@ -165,6 +185,10 @@ const char *metrics__word(metrics__dimension dimension, size_t value)
         return quota_word(value);
     case METRICS__BY_LAYER:
         return layer_word(value);
+    case METRICS__BY_PLACE:
+        return place_word(value);
+    case METRICS__BY_MATCH:
+        return match_word(value);
     case METRICS__BY_LEVEL:
         return log_level_word((log_level)value);
     case METRICS__BY_VERSION:

@@ -52,6 +52,15 @@
     X(COMMIT_FAILURES, COUNTER, "beltflow_store_commit_failures_total", "", NONE,                  \
       "Transactions that failed as a whole")                                                       \
     X(CHILD_EXITS, COUNTER, "beltflow_child_exits_total", "", REASON, "Ends of solver processes")  \
+    X(PULL_WORKERS, GAUGE, "beltflow_pull_workers", "", NONE, "Workers that were heard of lately") \
+    X(PULL_LEASES, GAUGE, "beltflow_pull_leases", "", NONE, "Leases of workers")                   \
+    X(PULL_JOBS, GAUGE, "beltflow_pull_jobs", "", PLACE, "Attempts at runs, by where they are")    \
+    X(PULL_LOST, COUNTER, "beltflow_pull_jobs_lost_total", "", NONE,                               \
+      "Attempts that were leased and whose worker fell silent, left or forgot them")               \
+    X(PULL_FAULTS, COUNTER, "beltflow_pull_faults_total", "", NONE,                                \
+      "Attempts that ended by a fault of their worker")                                            \
+    X(PULL_DUPLICATES, COUNTER, "beltflow_pull_duplicates_total", "", MATCH,                       \
+      "Ends of runs that another worker had ended before, by whether the digests are the same")    \
     X(CONFINEMENT, GAUGE, "beltflow_solver_confinement", "", LAYER,                                \
       "1: the kernel keeps solvers from these; 0: it cannot")                                      \
     X(LOG_LINES, COUNTER, "beltflow_log_lines_total", "", LEVEL, "Lines written to the log")       \
@@ -102,6 +111,32 @@ typedef enum metrics_quota {
 #undef X
         METRICS_QUOTA_COUNT
 } metrics_quota;
+
+/// Where an attempt is that workers take, X(symbol, word).
+#define METRICS_PLACE_LIST(X)                                                                      \
+    X(METRICS_PLACE_WAITING, "waiting")                                                            \
+    X(METRICS_PLACE_LEASED, "leased")
+
+/// The places.
+typedef enum metrics_place {
+#define X(place, word) place,
+    METRICS_PLACE_LIST(X)
+#undef X
+        METRICS_PLACE_COUNT
+} metrics_place;
+
+/// How the ends of two attempts compare, X(symbol, word).
+#define METRICS_MATCH_LIST(X)                                                                      \
+    X(METRICS_MATCH_EQUAL, "equal")                                                                \
+    X(METRICS_MATCH_UNEQUAL, "unequal")
+
+/// The results of that.
+typedef enum metrics_match {
+#define X(match, word) match,
+    METRICS_MATCH_LIST(X)
+#undef X
+        METRICS_MATCH_COUNT
+} metrics_match;
 
 /// What solvers are kept from, X(symbol, word); server/run/confinement.h says how.
 #define METRICS_LAYER_LIST(X)                                                                      \

@@ -18,6 +18,7 @@
 #include "server/daemon/notify.h"
 #include "server/daemon/service.h"
 #include "server/http/http.h"
+#include "server/pull/pull_executor.h"
 #include "server/run/confinement.h"
 #include "server/run/local_executor.h"
 
@@ -55,6 +56,7 @@ typedef struct parts {
     config settings;           // that count at the moment
     commit_listener commit_listener;
     executor *executor;
+    api_leases leases; // of executor = pull
     service service;
     http *http;
 } parts;
@@ -141,6 +143,8 @@ static unsigned count_workers(const config *c)
 {
     const unsigned n = cores_count();
 
+    if (config_is_pull(c))
+        return SUPERVISOR_WORKERS_MAX; // for studies: the executor knows how many there are
     if (c->workers > 0)
         return (unsigned)c->workers;
     return n > SUPERVISOR_WORKERS_MAX ? SUPERVISOR_WORKERS_MAX : n;
@@ -266,10 +270,23 @@ static bf_status start_http(parts *p, bf_error *err)
     return status;
 }
 
+static bf_status start_executor(parts *p, bf_error *err)
+{
+    if (!config_is_pull(&p->settings)) {
+        confinement_report();
+        return local_executor_create(p->settings.program, &p->executor, err);
+    }
+    bf_status status = pull_executor_create(&p->executor, err);
+    if (status == BF_OK) {
+        p->leases = pull_executor_leases(p->executor);
+        p->service.leases = &p->leases;
+    }
+    return status;
+}
+
 static bf_status start(parts *p, bf_error *err)
 {
-    confinement_report();
-    bf_status status = local_executor_create(p->settings.program, &p->executor, err);
+    bf_status status = start_executor(p, err);
 
     if (status == BF_OK)
         status = start_store(p, err);
@@ -294,7 +311,8 @@ static void stop(parts *p)
     p->service.studies = studies_stop(p->service.studies);
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
-    p->executor = local_executor_destroy(p->executor);
+    p->executor = config_is_pull(&p->settings) ? pull_executor_destroy(p->executor)
+                                               : local_executor_destroy(p->executor);
     p->service.tokens = tokens_close(p->service.tokens);
     p->service.store = store_close(p->service.store);
 }

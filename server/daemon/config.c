@@ -114,6 +114,9 @@ static bf_status set_text(config *c, size_t i, const char *value, const char *wh
     if (strlen(value) >= CONFIG_TEXT_SIZE)
         return bf_fail(err, BF_EINPUT, "", "%s: %s is longer than %d bytes", where, rows[i].name,
                        CONFIG_TEXT_SIZE - 1);
+    if (to == c->executor && strcmp(value, "local") != 0 && strcmp(value, "pull") != 0)
+        return bf_fail(err, BF_EINPUT, "", "%s: executor must be local or pull, not '%.40s'", where,
+                       value);
     if (to == c->log_level && log_level_find(value) == LOG_LEVEL_COUNT)
         return bf_fail(err, BF_EINPUT, "", "%s: log_level must be %s, not '%.40s'", where,
                        rows[i].help, value);
@@ -147,6 +150,11 @@ void config_init(config *c)
     memset(c, 0, sizeof *c);
     for (size_t i = 0; i < N_ROWS; i++)
         BF_CHECK(config_set(c, rows[i].name, rows[i].initial, "default", NULL) == BF_OK);
+}
+
+bool config_is_pull(const config *c)
+{
+    return strcmp(c->executor, "pull") == 0;
 }
 
 log_level config_log_level(const config *c)

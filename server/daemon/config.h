@@ -22,6 +22,8 @@
     X(web, TEXT, "", 0, 0, RELOAD, "directory of the page's files; empty: beside the program")     \
     X(program, TEXT, "", 0, 0, RESTART,                                                            \
       "what solves a run; empty: beltflow-worker beside beltflowd")                                \
+    X(executor, TEXT, "local", 0, 0, RESTART,                                                      \
+      "local: this machine solves runs; pull: workers that ask for them do")                       \
     X(workers, NUMBER, "0", 0, 64, RELOAD, "runs that are solved at once; 0: one for each core")   \
     X(threads, NUMBER, "1", 1, 256, RELOAD, "threads of each run")                                 \
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
@@ -133,6 +135,9 @@ BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
 /// web if there is one (installed, or in a build tree; else it stays empty).
 /// BF_ELIMIT: a path is too long.
 BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
+
+/// True if workers solve runs, not this machine.
+bool config_is_pull(const config *c);
 
 /// The level that log_level names.
 log_level config_log_level(const config *c);

@@ -358,6 +358,7 @@ api_services service_table(service *s)
                            .remove_study = remove_study,
                            .read_study = read_study,
                            .read_trials = read_trials,
+                           .leases = s->leases,
                            .ready = ready,
                            .metrics = write_metrics };
 }

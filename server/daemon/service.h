@@ -23,6 +23,7 @@ typedef struct service {
     supervisor *supervisor;   ///< running
     studies *studies;         ///< at work
     tokens *tokens;           ///< open
+    const api_leases *leases; ///< NULL: this machine solves runs
     tickets tickets;          ///< drawn
     atomic_bool is_draining;  ///< the daemon stops: nothing new is accepted
     lock lock;                ///< guards waiters

@@ -133,3 +133,6 @@ struct executor {
     bool
         outlives_daemon; ///< its jobs, but for those of trials, go on when the daemon ends: attach() may find them
 };
+
+/// Append what a solver reads of the work: FRAME_JOB, and FRAME_RESUME where there is a checkpoint. BF_ENOMEM; BF_ELIMIT.
+BF_MUST_CHECK bf_status executor_encode(const executor_work *work, bf_buffer *out, bf_error *err);

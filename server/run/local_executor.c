@@ -6,7 +6,6 @@
 
 #include "core/base/check.h"
 #include "core/base/memory.h"
-#include "core/run/frame.h"
 #include "server/base/log.h"
 
 #include <errno.h>
@@ -199,23 +198,6 @@ static bf_status fail_start(const char *program, int error, bf_error *err)
                    program, strerror(error));
 }
 
-static bf_status encode_input(const executor_work *work, bf_buffer *out, bf_error *err)
-{
-    const frame job = { .type = FRAME_JOB,
-                        .job = { .model = (uint32_t)work->model,
-                                 .n_threads = work->n_threads,
-                                 .n_document = work->scenario->n,
-                                 .document = work->scenario->bytes,
-                                 .is_without_snapshots = work->is_trial } };
-    const frame resume = {
-        .type = FRAME_RESUME,
-        .bytes = { .step = work->step, .n = work->checkpoint->n, .bytes = work->checkpoint->bytes }
-    };
-
-    bf_status status = frame_encode(&job, out, err);
-    return status != BF_OK || work->checkpoint->n == 0 ? status : frame_encode(&resume, out, err);
-}
-
 static bool watch_fd(const executor *e, executor_job *job, int fd, uint32_t events, source about)
 {
     struct epoll_event event = { .events = events, .data.ptr = &job->watches[about] };
@@ -336,7 +318,7 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
     job->pidfd = job->in = job->out = job->err = -1;
     job->cpu_s = work->cpu_s;
     snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
-    bf_status status = encode_input(work, &job->input, err);
+    bf_status status = executor_encode(work, &job->input, err);
     if (status == BF_OK) {
         int error = start_child(e, work, job);
         if (error != 0)

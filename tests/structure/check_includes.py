@@ -1,6 +1,6 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
 micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
-study <- daemon, run <- cli; and every outside header is included only where it belongs."""
+study <- daemon, run <- pull <- daemon, run <- cli; and every outside header is included only where it belongs."""
 
 import re
 
@@ -38,9 +38,11 @@ for folder, known in {
     "server/http": {"server/base"},
     "server/store": {"server/base"},
     "server/run": {"server/base", "server/store"},
+    "server/pull": {"server/base", "server/run"},
     "server/study": {"server/base", "server/store"},
     "server/cli": {"server/base", "server/run"},
-    "server/daemon": {"server/base", "server/http", "server/store", "server/run", "server/study"},
+    "server/daemon": {"server/base", "server/http", "server/store", "server/run", "server/pull",
+                      "server/study"},
 }.items():
     ARROWS[folder] = API_CORE | API | known | {folder}
 

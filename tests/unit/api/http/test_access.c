@@ -30,11 +30,14 @@ static bool is_public(const route *r)
     return false;
 }
 
-// The scopes of which a route needs one, from its method alone: validation is a POST that stores nothing.
+// The scopes of which a route needs one, from its method: validation is a POST that stores nothing, and leases are for
+// workers.
 static unsigned needed_by(const route *r)
 {
     if (strcmp(r->path, "/v1/tickets") == 0)
         return API_SCOPE_READ | API_SCOPE_SUBMIT | API_SCOPE_WORK | API_SCOPE_PRIORITY;
+    if (strncmp(r->path, "/v1/leases", 10) == 0)
+        return API_SCOPE_WORK;
     bool reads = strcmp(r->method, "GET") == 0 || strcmp(r->path, "/v1/validate") == 0;
     return reads ? API_SCOPE_READ : API_SCOPE_SUBMIT;
 }

@@ -193,7 +193,8 @@ static size_t count_braces(const char *template)
     return n;
 }
 
-// What changes something needs the right to write; what only reads does not, and every token may have a ticket.
+// What changes something needs the right to write; what only reads does not, every token may have a ticket, and leases are
+// for workers.
 static void scopes_follow_from_methods(void **state)
 {
     size_t n = 0;
@@ -204,8 +205,10 @@ static void scopes_follow_from_methods(void **state)
         bool is_get = strcmp(table[i].method, "GET") == 0;
         bool is_validation = strcmp(table[i].path, "/v1/validate") == 0;
         bool is_ticket = strcmp(table[i].path, "/v1/tickets") == 0;
+        bool is_lease = strncmp(table[i].path, "/v1/leases", 10) == 0;
         assert_int_equal(table[i].scope == API_SCOPE_SUBMIT,
-                         !is_get && !is_validation && !is_ticket);
+                         !is_get && !is_validation && !is_ticket && !is_lease);
+        assert_int_equal(table[i].scope == API_SCOPE_WORK, is_lease);
         assert_int_equal(table[i].scope == API_SCOPE_ANY, is_ticket);
         if (table[i].scope == API_SCOPE_NONE)
             assert_memory_not_equal(table[i].path, "/v1/", 4);

@@ -1,0 +1,29 @@
+/// The executor of workers that pull: a job waits until a worker on any machine leases it (api/leases.h), and its frames
+/// come over HTTP. The supervisor sees jobs (server/run/executor.h), requests see leases; what they have in common is
+/// under one lock.
+///
+/// Safety   what workers do wrong is theirs: a damaged stream or a job that cannot be begun brings the run back to the
+///          queue, and a worker with PULL_FAULTS_MAX of them gets nothing for PULL_BARRED_MS.
+/// Restart  a job outlives the daemon under the name "pull:RUN:ATTEMPT". After a restart it waits for its worker, which
+///          sends all its frames again.
+
+#pragma once
+
+#include "api/leases.h"
+#include "server/run/executor.h"
+
+enum {
+    PULL_JOB_BYTES_MAX = 1024 * 1024, ///< of a job that wait for the supervisor
+    PULL_FAULTS_MAX = 3,              ///< of a worker, until it gets no jobs for a while
+    PULL_BARRED_MS = 600000,          ///< how long
+};
+
+/// Create one. BF_ENOMEM, BF_ESYSTEM: no memory or descriptor.
+BF_MUST_CHECK bf_status pull_executor_create(executor **ret_executor, bf_error *err);
+
+/// Free it; all jobs that the supervisor took must have been released, and no request may be in it. NULL is fine. Always
+/// returns NULL.
+executor *pull_executor_destroy(executor *e);
+
+/// The services for workers; the executor must outlive their use.
+api_leases pull_executor_leases(executor *e);

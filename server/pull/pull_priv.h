@@ -1,0 +1,161 @@
+/// What the files of the pulling workers' executor have in common: pull_executor.c (what the supervisor calls), workers.c
+/// (who there is), leases.c (who has which jobs), delivery.c (bytes of frames), and ends.c (what was reported as ended).
+/// All functions but the executor's and the services' own are called with the lock held.
+
+#pragma once
+
+#include "server/base/lock.h"
+#include "server/base/metrics.h"
+#include "server/pull/pull_executor.h"
+
+enum {
+    PULL_TICK_MS = 1000,                 ///< between looks at who is silent
+    PULL_ENDS_KEPT = 4096,               ///< that later ones are compared with
+    PULL_TRIALS_A_CORE = 4,              ///< of a batch; as many again wait here
+    PULL_BATCH_S = 45,                   ///< of predicted time for each core of a worker
+    PULL_BATCH_BYTES = 16 * 1024 * 1024, ///< of input, unless it is one job
+};
+
+typedef struct pull__lease pull__lease;
+
+/// Where a job is.
+typedef enum pull__place {
+    PULL_WAITING, ///< for a worker who asks
+    PULL_AWAITED, ///< for the worker who had it before the daemon was started
+    PULL_LEASED,  ///< in a lease
+    PULL_ENDED,   ///< its worker has sent all and said how it ended
+    PULL_LOST,    ///< its worker is gone
+    PULL_PLACES
+} pull__place;
+
+/// A job of the supervisor. It is in the executor's list until the supervisor releases it.
+struct executor_job {
+    char id[EXECUTOR_ID_SIZE];    ///< "pull:RUN:ATTEMPT"
+    api_lease_job about;          ///< as workers see it
+    pull__place place;            ///< where it is
+    pull__lease *lease;           ///< PULL_LEASED: whose it is; else NULL
+    char worker[API_WORKER_SIZE]; ///< who had it last; "": nobody
+    int64_t until_ms;             ///< PULL_AWAITED: then it is lost
+    bf_buffer input;              ///< for the solver, until it has begun
+    bool has_begun;               ///< its worker has sent something, or used time
+    bf_buffer bytes;              ///< that came and were not taken
+    uint64_t n_received;          ///< bytes of its frames so far
+    api_job_stop stop;            ///< what its worker is to do
+    executor_end end;             ///< PULL_ENDED
+    double used_s;                ///< CPU time so far
+    executor_job *previous;       ///< in the list, by age
+    executor_job *next;           ///< same
+};
+
+/// A worker.
+typedef struct pull__worker {
+    api_worker about;        ///< as it describes itself
+    int64_t seen_ms;         ///< when it was last heard of
+    unsigned n_faults;       ///< of its, since it was last barred
+    int64_t barred_until_ms; ///< it gets nothing before that; 0: it does
+} pull__worker;
+
+/// A lease.
+struct pull__lease {
+    char id[API_ID_SIZE];         ///< as workers know it
+    char worker[API_WORKER_SIZE]; ///< whose
+    int64_t begun_ms;             ///< when it began
+    int64_t seen_ms;              ///< when its worker was last heard of
+    size_t n_jobs;                ///< that it began with
+    size_t n_open;                ///< of them, still in it
+    size_t n_done;                ///< of them, ended
+    uint64_t n_bytes;             ///< that came
+    executor_job **jobs;          ///< n_jobs; NULL: not in it any more
+};
+
+/// The end of an attempt, for comparison.
+typedef struct pull__end {
+    char run[API_ID_SIZE];        ///< "": none
+    uint64_t attempt;             ///< which
+    char worker[API_WORKER_SIZE]; ///< whose
+    char digest[API_DIGEST_SIZE]; ///< of its last frame
+} pull__end;
+
+/// The executor.
+typedef struct pull_executor {
+    executor base;            ///< first
+    int news_fd;              ///< eventfd: something has come for the supervisor
+    int timer_fd;             ///< ticks while there is anybody who could fall silent
+    bool is_ticking;          ///< it does
+    lock lock;                ///< guards what follows
+    uint64_t last_attempt;    ///< rises, also from one daemon to the next
+    executor_job *first;      ///< the oldest job
+    executor_job *last;       ///< the youngest
+    size_t n_at[PULL_PLACES]; ///< jobs at each place
+    uint32_t n_cores_used[2]; ///< by jobs that have not ended: runs by themselves, trials
+    uint32_t n_cores;         ///< of all workers
+    size_t n_workers;         ///< workers
+    pull__worker *workers;    ///< room for API_WORKERS_MAX
+    size_t n_leases;          ///< leases
+    pull__lease **leases;     ///< room for API_LEASES_MAX
+    size_t n_ends;            ///< ever noted
+    pull__end *ends;          ///< PULL_ENDS_KEPT, the newest ones, in a ring
+} pull_executor;
+
+/// Make wake_fd readable.
+void pull__wake(pull_executor *e);
+
+/// Move a job to another place: out of its lease, if it is in one, and out of the count of cores, if it has ended.
+void pull__move(pull_executor *e, executor_job *job, pull__place place);
+
+/// The executor of a table of functions for workers, with its lock held from here on.
+pull_executor *pull__enter(void *context);
+
+/// The worker of this name, or NULL.
+pull__worker *pull__find_worker(pull_executor *e, const char *name);
+
+/// Register a worker or bring it up to date. BF_ECONFLICT: another version of the solver; BF_EBUSY: there are too many.
+BF_MUST_CHECK bf_status pull__meet_worker(pull_executor *e, const api_worker *who,
+                                          pull__worker **ret_worker, bf_error *err);
+
+/// BF_ECONFLICT: the worker's solver is another version than this one's.
+BF_MUST_CHECK bf_status pull__check_version(const char *name, const char *solver, bf_error *err);
+
+/// Forget the workers that are silent and have no lease.
+void pull__drop_workers(pull_executor *e, int64_t now_ms);
+
+/// Describe all workers and their leases; *ret_list is the caller's.
+BF_MUST_CHECK bf_status pull__list(pull_executor *e, api_worker_list *ret_list, bf_error *err);
+
+/// A lease with n empty places. BF_EBUSY: too many; BF_ENOMEM.
+BF_MUST_CHECK bf_status pull__begin_lease(pull_executor *e, const char *id, const char *worker,
+                                          size_t n, pull__lease **ret_lease, bf_error *err);
+
+/// Put a job into a place of a lease.
+void pull__put(pull_executor *e, pull__lease *lease, size_t place, executor_job *job);
+
+/// The lease of this id, whose worker was heard of now, or NULL.
+pull__lease *pull__hear(pull_executor *e, const char *id);
+
+/// Free a lease without jobs, and say so in the log.
+void pull__end_lease(pull_executor *e, pull__lease *lease);
+
+/// A job is lost, for this reason. Counts it and says so in the log.
+void pull__lose_job(pull_executor *e, executor_job *job, const char *why);
+
+/// The jobs of a lease are lost. Ends it.
+void pull__lose_lease(pull_executor *e, pull__lease *lease, const char *why);
+
+/// Lose what was not heard of in time.
+void pull__expire(pull_executor *e, int64_t now_ms);
+
+/// The services, of api/leases.h.
+BF_MUST_CHECK bf_status pull__lease_jobs(void *context, const api_worker *who, api_lease *ret_lease,
+                                         bf_error *err);
+BF_MUST_CHECK bf_status pull__read_jobs(void *context, const char *id, bf_buffer *out,
+                                        bf_error *err);
+BF_MUST_CHECK bf_status pull__deliver(void *context, const char *id,
+                                      const api_lease_section *sections, size_t n,
+                                      api_job_states *ret_states, bf_error *err);
+BF_MUST_CHECK bf_status pull__renew(void *context, const char *id, const api_renewal *renewal,
+                                    api_job_states *ret_states, bf_error *err);
+BF_MUST_CHECK bf_status pull__leave(void *context, const char *id, bf_error *err);
+
+/// Note the end of an attempt that was completed, and compare that of another attempt at the same run with it.
+void pull__note_end(pull_executor *e, const char *worker, const api_job_end *end);
+void pull__compare_end(const pull_executor *e, const char *worker, const api_job_end *end);

@@ -1,0 +1,122 @@
+// `executor = pull`: workers lease jobs and send the bytes of frames; what they leave, lose or damage is solved again, also
+// by a daemon that was killed meanwhile, and results are those of `beltflow solve` and `beltflow study`.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import path from "node:path";
+import test, { after } from "node:test";
+
+import { daemon } from "./daemon.mjs";
+import { beltflow } from "./processes.mjs";
+import { PullWorker } from "./pull_worker.mjs";
+import { assertSameResults, solve } from "./results.mjs";
+import { jam, tiny } from "./scenarios.mjs";
+import { temporaryFolder, until } from "./setup.mjs";
+import { addToken } from "./tokens.mjs";
+
+const solved = solve({ after }, tiny());
+const pulling = { executor: "pull" };
+
+test("a run is solved by the worker that asks for it", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  assert.equal(run.status, "queued");
+  assert.equal(await new PullWorker(d, "one").work(), 1);
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solved);
+  const { workers } = (await d.get("/v1/leases")).json;
+  assert.deepEqual(workers.map(({ worker, cores, leases }) => [worker, cores, leases]), [["one", 1, []]]);
+  assert.match(d.log, /event=lease_ended lease=\S+ worker=one jobs=1 done=1/);
+});
+
+test("a worker that damages frames costs an attempt, not the run", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  const liar = new PullWorker(d, "liar");
+  const lease = await liar.lease();
+  const frames = await liar.solve(lease.inputs[0]);
+  frames[frames.length >> 1] ^= 4;
+  await liar.deliverAll(lease, 0, frames);
+  await until(() => d.log.includes(`event=worker_at_fault run=${run.id} worker=liar`), "the fault");
+  assert.equal(await new PullWorker(d, "honest").work(), 1);
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solved);
+  assert.match((await d.get("/metrics")).text, /beltflow_pull_faults_total 1\n/);
+});
+
+test("a worker that leaves gives its job back, and a cancelled run is gone for its worker", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  const first = new PullWorker(d, "first");
+  const lease = await first.lease();
+  assert.equal((await d.request("DELETE", `/v1/leases/${lease.id}`)).status, 204);
+  const second = new PullWorker(d, "second");
+  const again = await second.lease();
+  assert.ok(again.jobs[0].attempt > lease.jobs[0].attempt);
+  assert.deepEqual(await first.renew(lease, [0]), [{ job: 0, next: 0, stop: "gone" }]);
+  await d.post(`/v1/runs/${run.id}/cancel`, "");
+  await until(async () => (await second.renew(again, [0]))[0].stop !== "none", "the stop");
+  await second.renew(again, [], [{ job: 0, cause: "stopped", bytes: 0 }]);
+  await d.reached(run.id, "cancelled");
+});
+
+test("a daemon that was killed takes the whole of a job from its worker", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  const worker = new PullWorker(d, "one");
+  const lease = await worker.lease();
+  const frames = await worker.solve(lease.inputs[0]);
+  await worker.deliver(lease, 0, frames, 0, frames.length >> 1);
+  await d.reached(run.id, "running");
+  await d.kill();
+  await d.start();
+  assert.deepEqual(await worker.renew(lease, [0]), [{ job: 0, next: 0, stop: "none" }]);
+  await worker.deliverAll(lease, 0, frames);
+  await worker.renew(lease, [], [{ job: 0, bytes: frames.length }]);
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solved);
+});
+
+test("workers need the scope, the same solver, and a service that has jobs for them", async (t) => {
+  const local = await daemon(t);
+  assert.equal((await new PullWorker(local, "one").ask()).status, 409);
+  const d = await daemon(t, pulling);
+  const other = await new PullWorker(d, "one").ask({ solver: "0.0.0-other" });
+  assert.equal(other.status, 409);
+  assert.match(other.json.detail, /0\.0\.0-other/);
+  const bad = await new PullWorker(d, "no blanks").ask();
+  assert.deepEqual(bad.json.errors.map(({ pointer }) => pointer), ["/worker"]);
+  const reader = addToken(d.data, "reader", "--scopes", "read");
+  const worker = addToken(d.data, "worker", "--scopes", "work");
+  await until(async () => (await d.get("/v1/leases")).status === 401, "the tokens to count");
+  assert.equal((await d.get("/v1/leases", reader)).status, 403);
+  assert.equal((await d.get("/v1/leases", worker)).status, 200);
+});
+
+test("a study by two workers has the bytes of the command line", async (t) => {
+  const scenario = jam(0.2, { curve_every_s: 0.05, snapshot_every_s: 0.2 });
+  scenario.obstacles = [{ end_m: [0.75, 0.5], angle_deg: 60.0, length_m: 0.6 }];
+  const study = {
+    base: { scenario },
+    parameters: [{ pointer: "/obstacles/0/length_m", values: Array.from({ length: 20 }, (_, k) => 0.2 + 0.02 * k) }],
+    objectives: [{ figure: "content.mean" }],
+    method: { type: "list" },
+  };
+  const folder = temporaryFolder(t);
+  const file = path.join(folder, "study.json");
+  writeFileSync(file, JSON.stringify(study));
+  assert.equal((await beltflow(["study", file, "--out", path.join(folder, "out")])).status, 0);
+  const d = await daemon(t, pulling);
+  const begun = await d.post("/v1/studies", study);
+  assert.equal(begun.status, 201, begun.text);
+  const hasEnded = async () => (await d.get(`/v1/studies/${begun.json.id}`)).json.status === "succeeded";
+  const workers = [new PullWorker(d, "one"), new PullWorker(d, "two")];
+  await Promise.race([
+    Promise.all(workers.map(async (worker) => {
+      while (!(await hasEnded())) await worker.work();
+    })),
+    until(hasEnded, "the end of the study"),
+  ]);
+  const trials = await d.get(`/v1/studies/${begun.json.id}/trials?format=csv`);
+  assert.equal(trials.text, readFileSync(path.join(folder, "out", "trials.csv"), "utf8"));
+});
