@@ -19,6 +19,7 @@
 #include "core/base/grid.h"
 #include "core/base/status.h"
 #include "core/run/columns.h"
+#include "core/run/prediction.h"
 #include "core/run/run.h"
 
 #include <stddef.h>
@@ -45,6 +46,7 @@ typedef struct api_run {
     int64_t started_ms;             ///< last start; 0: never
     int64_t finished_ms;            ///< 0: not yet
     double eta_s;                   ///< wall seconds to the end; NAN: unknown
+    double predicted_s;             ///< CPU time that it will take while it waits; NAN: not known
     uint64_t n_samples;             ///< stored samples of the curve
     uint64_t n_snapshots;           ///< stored snapshots
     uint64_t last_event;            ///< id of the newest event of the run; 0: none
@@ -222,6 +224,8 @@ typedef struct api_services {
                              api_trial_fn *take, void *take_context, bf_error *err);
     /// What workers on other machines ask; NULL: the daemon solves runs itself.
     const api_leases *leases;
+    /// How fast the machine solves, which predictions need. False: not known yet.
+    bool (*read_speed)(void *context, prediction_speed *ret_speed);
     /// BF_OK if runs can be accepted; else why not (BF_EBUSY draining, BF_ENOSPACE disk, BF_ESYSTEM store or solver).
     bf_status (*ready)(void *context, bf_error *err);
     /// Append the service's figures in Prometheus' text form to *out. Never waits for the disk.

@@ -36,10 +36,11 @@ bf_status exchange__check_change(exchange *x, const char *const *tags, bf_error 
 bf_status exchange__check_match(exchange *x, uint64_t revision, uint64_t *ret_revision,
                                 bf_error *err)
 {
-    char tag[EXCHANGE_ETAG_SIZE];
-    const char *const tags[] = { tag, NULL };
+    char tag[EXCHANGE_ETAG_SIZE], predicted[EXCHANGE_ETAG_SIZE];
+    const char *const tags[] = { tag, predicted, NULL };
 
     snprintf(tag, sizeof tag, "r%" PRIu64, revision);
+    snprintf(predicted, sizeof predicted, "r%" PRIu64 "p", revision); // see handlers_runs_show()
     bf_status status = exchange__check_change(x, tags, err);
     if (status == BF_OK)
         *ret_revision = exchange__header(x, "If-Match") == NULL ? API_ANY_REVISION : revision;

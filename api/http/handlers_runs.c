@@ -8,6 +8,7 @@
 #include "core/base/memory.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -109,11 +110,13 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
 bf_status handlers_runs_validate(exchange *x, bf_error *err)
 {
     api_submission submission = { 0 };
+    prediction_speed speed;
 
     bf_status status = read_submission(x, &submission, err);
     if (status != BF_OK)
         return status;
-    status = submission_validation(&submission, &x->response->body, err);
+    const bool has_speed = x->services->read_speed(x->services->context, &speed);
+    status = submission_validation(&submission, has_speed ? &speed : NULL, &x->response->body, err);
     submission_fini(&submission);
     return status;
 }
@@ -189,7 +192,9 @@ bf_status handlers_runs_show(exchange *x, bf_error *err)
     if (status != BF_OK)
         return status;
     exchange__cache_revalidate(x);
-    if (exchange__match_etag(x, "r%" PRIu64, record.revision) || !has_state)
+    // What is predicted of a run that waits changes its representation, but not its revision.
+    const char *predicted = isnan(record.predicted_s) ? "" : "p";
+    if (exchange__match_etag(x, "r%" PRIu64 "%s", record.revision, predicted) || !has_state)
         exchange__long_poll(x, &record, seconds, has_state);
     return run_json_write(&record, &x->response->body, err);
 }

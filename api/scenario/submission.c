@@ -7,6 +7,7 @@
 #include "api/scenario/scenario_priv.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -138,6 +139,7 @@ typedef struct validation {
     const char *document; // the resolved one
     size_t n_document;
     run_review review;
+    double predicted_s; // NAN: not known
 } validation;
 
 static void write_warnings(json_out *w, const member *m, const void *item)
@@ -166,6 +168,9 @@ static const member validation_members[] = {
            .words = run_model_words, .type = "#Model"),
     MEMBER("warnings", warnings, 0,
            "Reasons to doubt the results; the summary will have them, too"),
+    MEMBER("predicted_s", number, AT(predicted_s),
+           "CPU time that the run will take on one core of the service's machine", .unit = "s",
+           .null = "not known in the first second of the service"),
     MEMBER("validity", object, AT(review.validity),
            "Of the macroscopic model: whether it was compared with moving parts for scenarios like "
            "this one",
@@ -177,10 +182,25 @@ const member_table submission_validation_members = { MEMBER_TABLE("Validation",
                                                                   validation_members) };
 #undef AT
 
-bf_status submission_validation(const api_submission *submission, bf_buffer *out, bf_error *err)
+static bf_status predict(const scene *s, run_model model, const prediction_speed *speed,
+                         double *ret_seconds, bf_error *err)
+{
+    prediction_work work;
+
+    if (speed == NULL)
+        return BF_OK;
+    const bf_status status = prediction_work_of(s, model, &work, err);
+    if (status == BF_OK)
+        *ret_seconds = prediction_seconds(&work, speed);
+    return status;
+}
+
+bf_status submission_validation(const api_submission *submission, const prediction_speed *speed,
+                                bf_buffer *out, bf_error *err)
 {
     validation of = { .document = submission->scenario.bytes,
-                      .n_document = submission->scenario.n };
+                      .n_document = submission->scenario.n,
+                      .predicted_s = (double)NAN };
     json_out w = json_out_to(out);
     scene s;
 
@@ -189,6 +209,8 @@ bf_status submission_validation(const api_submission *submission, bf_buffer *out
     if (status != BF_OK)
         return status;
     status = run_review_of(&s, submission->model, &of.review, err);
+    if (status == BF_OK)
+        status = predict(&s, submission->model, speed, &of.predicted_s, err);
     scene_fini(&s);
     if (status != BF_OK)
         return status;

@@ -39,9 +39,10 @@ BF_MUST_CHECK bf_status submission_make(const scene *s, run_model model,
 /// What POST /v1/validate answers to a submission that is valid; the struct is the writer's own.
 extern const member_table submission_validation_members;
 
-/// Append it: {"valid", "model", "warnings", "validity", "resolved"}, with `validity` where the model is
-/// the macroscopic one. BF_ENOMEM.
-BF_MUST_CHECK bf_status submission_validation(const api_submission *submission, bf_buffer *out,
+/// Append it: {"valid", "model", "warnings", "predicted_s", "validity", "resolved"}, with `validity` where the model is
+/// the macroscopic one, and no prediction without speed (NULL). BF_ENOMEM.
+BF_MUST_CHECK bf_status submission_validation(const api_submission *submission,
+                                              const prediction_speed *speed, bf_buffer *out,
                                               bf_error *err);
 
 /// Free what a submission owns and zero it. NULL is fine.

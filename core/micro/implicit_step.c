@@ -124,6 +124,14 @@ int implicit_step_iterations(bool is_planar, size_t n_parts, double h, double st
     return (int)fmin(ceil(sqrt(square)), ITERATIONS_MAX);
 }
 
+int implicit_step_effort(const micro_def *def, bool is_planar)
+{
+    const extremes e = extremes_of(def);
+
+    return implicit_step_iterations(is_planar, micro__n_expected(def), def->dt, e.stiffness,
+                                    e.damping, e.mass);
+}
+
 static double step_of_iterations(const micro_def *def, const extremes *x)
 {
     effort e =

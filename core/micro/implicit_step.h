@@ -41,6 +41,9 @@
 int implicit_step_iterations(bool is_planar, size_t n_parts, double h, double stiffness,
                              double damping, double mass);
 
+/// About the iterations in a step of a checked definition: those of its extremes.
+int implicit_step_effort(const micro_def *def, bool is_planar);
+
 /// Over-relaxation, less 1, of an iteration in the plane: 0 <= iteration < n_iterations.
 double implicit_step_excess(int iteration, int n_iterations);
 

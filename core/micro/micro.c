@@ -88,6 +88,17 @@ double micro_dt_chosen(const micro_def *def)
                : fmin(chosen_fraction * backend->dt_stable(def), micro_dt_plates(def));
 }
 
+bool micro_def_is_planar(const micro_def *def)
+{
+    return choose_backend(def) == &micro__disk;
+}
+
+int micro_iterations(const micro_def *def)
+{
+    return def->integrator == MICRO_IMPLICIT ? implicit_step_effort(def, micro_def_is_planar(def))
+                                             : 0;
+}
+
 double micro_dt_plates(const micro_def *def)
 {
     size_t fastest;

@@ -155,6 +155,12 @@ double micro_dt_plates(const micro_def *def);
 /// n_parts_expected.
 double micro_dt_chosen(const micro_def *def);
 
+/// True if the parts are solved in the plane.
+bool micro_def_is_planar(const micro_def *def);
+
+/// About the iterations in a step of dt; 0: MICRO_VERLET has none.
+int micro_iterations(const micro_def *def);
+
 /// Build a solver at t = 0. The caller owns *ret_solver: micro_destroy().
 /// BF_EINPUT: def not from micro_def_default(), or a member out of range or dt beyond
 /// micro_dt_stable() or micro_dt_plates(), which the text names, or a plate moves too fast for its contacts;

@@ -112,20 +112,11 @@ static macro_def def_of(const scene *s, const velocity_field *f, int n_threads)
     return def;
 }
 
-static bool has_moving_plates(const scene *s)
-{
-    bool has = false;
-
-    for (size_t k = 0; k < s->n_obstacles; k++)
-        has = has || scene_obstacle_moves(&s->obstacles[k]);
-    return has;
-}
-
 static bf_status create_solver(const scene *s, int n_threads, macro_run *run, bf_error *err)
 {
     velocity_field *f = NULL;
-    bf_status status = has_moving_plates(s) ? moving_plates_create(s, &run->plates, err)
-                                            : velocity_field_create(s, &f, err);
+    bf_status status = scene_has_moving_obstacles(s) ? moving_plates_create(s, &run->plates, err)
+                                                     : velocity_field_create(s, &f, err);
 
     if (status != BF_OK)
         return status;

@@ -372,6 +372,15 @@ bool scene_obstacle_moves(const scene_obstacle *o)
     return o->turn.n_times > 0 || o->presence.n_times > 0 || o->is_commanded;
 }
 
+bool scene_has_moving_obstacles(const scene *s)
+{
+    bool has = false;
+
+    for (size_t k = 0; k < s->n_obstacles; k++)
+        has = has || scene_obstacle_moves(&s->obstacles[k]);
+    return has;
+}
+
 void scene_fini(scene *s)
 {
     if (s == NULL)

@@ -49,6 +49,9 @@ BF_MUST_CHECK bf_status scene_resolve(scene *s, bf_error *err);
 /// True if an obstacle turns, comes or goes at any time, by itself or because an action may command it.
 bool scene_obstacle_moves(const scene_obstacle *o);
 
+/// True if any obstacle does.
+bool scene_has_moving_obstacles(const scene *s);
+
 /// Check a resolved scenario, whatever the model: ranges, ids, geometry, sizes, cargo outside or
 /// overlapping. The limits of one model are checked by run_check() (core/run/run.h). Adds every fault it can
 /// find, of each kind of cargo fault a few. No memory is noted like a fault, with BF_ENOMEM. The places of

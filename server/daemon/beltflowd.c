@@ -297,6 +297,8 @@ static bf_status start(parts *p, bf_error *err)
     if (status == BF_OK)
         status = start_studies(p, err);
     if (status == BF_OK)
+        status = predictor_start(p->service.store, &p->service.predictor, err);
+    if (status == BF_OK)
         status = start_http(p, err);
     return status;
 }
@@ -308,6 +310,7 @@ static void stop(parts *p)
     set_commit_listener(p, p->service.supervisor, NULL);
     p->http = http_stop(p->http);
     set_commit_listener(p, NULL, NULL);
+    p->service.predictor = predictor_stop(p->service.predictor);
     p->service.studies = studies_stop(p->service.studies);
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);

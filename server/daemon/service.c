@@ -47,8 +47,11 @@ static bf_status submit(void *context, const api_submission *submission,
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
     bf_status status = store_submit(s->store, submission, ret_acceptance, err);
-    if (status == BF_OK)
-        supervisor_wake(s->supervisor);
+    if (status != BF_OK)
+        return status;
+    supervisor_wake(s->supervisor);
+    if (!ret_acceptance->is_replay)
+        predictor_note(s->predictor, ret_acceptance->id);
     return status;
 }
 
@@ -58,15 +61,32 @@ static bf_status read_quotas(void *context, const char *owner, api_quotas *ret_q
     return store_read_quotas(((service *)context)->store, owner, ret_quotas, err);
 }
 
+// Trials are short, and their study says how it goes.
+static void add_prediction(service *s, api_run *record)
+{
+    if (record->state == RUN_QUEUED && record->study[0] == '\0')
+        record->predicted_s = predictor_seconds(s->predictor, record->id);
+}
+
 static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
 {
-    return store_find(((service *)context)->store, id, ret_run, err);
+    service *s = context;
+
+    bf_status status = store_find(s->store, id, ret_run, err);
+    if (status == BF_OK)
+        add_prediction(s, ret_run);
+    return status;
 }
 
 static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
-    return store_list(((service *)context)->store, query, ret_list, err);
+    service *s = context;
+
+    bf_status status = store_list(s->store, query, ret_list, err);
+    for (size_t k = 0; status == BF_OK && k < ret_list->n; k++)
+        add_prediction(s, &ret_list->runs[k]);
+    return status;
 }
 
 static bf_status cancel(void *context, const char *id, uint64_t revision, api_run *ret_run,
@@ -290,6 +310,11 @@ static bf_status read_trials(void *context, const char *id, const api_trial_quer
     return store_read_trials(((service *)context)->store, id, query, take, take_context, err);
 }
 
+static bool read_speed(void *context, prediction_speed *ret_speed)
+{
+    return predictor_speed(((service *)context)->predictor, ret_speed);
+}
+
 static bf_status ready(void *context, bf_error *err)
 {
     service *s = context;
@@ -359,6 +384,7 @@ api_services service_table(service *s)
                            .read_study = read_study,
                            .read_trials = read_trials,
                            .leases = s->leases,
+                           .read_speed = read_speed,
                            .ready = ready,
                            .metrics = write_metrics };
 }

@@ -6,6 +6,7 @@
 
 #include "api/services.h"
 #include "server/base/lock.h"
+#include "server/run/predictor.h"
 #include "server/run/supervisor.h"
 #include "server/store/store.h"
 #include "server/store/tickets.h"
@@ -22,6 +23,7 @@ typedef struct service {
     store *store;             ///< open
     supervisor *supervisor;   ///< running
     studies *studies;         ///< at work
+    predictor *predictor;     ///< running
     tokens *tokens;           ///< open
     const api_leases *leases; ///< NULL: this machine solves runs
     tickets tickets;          ///< drawn

@@ -219,7 +219,7 @@ static void fill_row(const api_submission *submission, store__row *row)
     snprintf(record->label, sizeof record->label, "%s", submission->label);
     snprintf(record->name, sizeof record->name, "%s", submission->name);
     record->created_ms = clock_unix_ms();
-    record->eta_s = NAN;
+    record->eta_s = record->predicted_s = NAN;
 }
 
 bf_status store_submit(store *s, const api_submission *submission, api_acceptance *ret_acceptance,

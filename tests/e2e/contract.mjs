@@ -53,6 +53,7 @@ function digestOfAnswer(answer) {
   const body = (text ?? "packed")
     .replace(/\d{4}-\d\d-\d\dT[\d:.]+Z/g, "{time}")
     .replace(/"(wall_time_s|eta_s|\w+_steps_per_s)": *[-+.\de]+/g, '"$1":0')
+    .replace(/"predicted_s": *(null|[-+.\de]+)/g, '"predicted_s":0')
     .replace(/127\.0\.0\.1:\d+/g, "{address}");
   return digest(withoutIds(headers + body));
 }

@@ -314,6 +314,13 @@ static bf_status do_metrics(void *context, bf_buffer *out, bf_error *err)
     return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
 }
 
+static bool do_read_speed(void *context, prediction_speed *ret_speed)
+{
+    (void)context;
+    (void)ret_speed;
+    return false;
+}
+
 static bf_status do_ready(void *context, bf_error *err)
 {
     const helper_daemon *d = context;
@@ -363,6 +370,7 @@ api_services helper_services(helper_daemon *d)
                               .read_slice = helper_slices_read,
                               .read_events = do_read_events,
                               .read_changes = do_read_changes,
+                              .read_speed = do_read_speed,
                               .ready = do_ready,
                               .metrics = do_metrics };
 
@@ -387,6 +395,7 @@ helper_run *helper_add_run(helper_daemon *d, run_state state)
                               .revision = d->n_runs,
                               .created_ms = 1769860800000 + 1000 * (int64_t)d->n_runs,
                               .eta_s = (double)NAN,
+                              .predicted_s = (double)NAN,
                               .n_samples = 2,
                               .n_snapshots = 2 };
     snprintf(item->record.id, sizeof item->record.id, "0190a0b0-0000-7000-8000-%012zx", d->n_runs);

@@ -27,6 +27,7 @@ static api_run make_run(void)
     record.started_ms = 1769860800000 + 7;
     record.progress = 0.25;
     record.eta_s = 1.5;
+    record.predicted_s = (double)NAN;
     record.priority = -3;
     memcpy(record.label, "night \"1\"", 10);
     memcpy(record.name, "Example 1", 10);
@@ -47,24 +48,25 @@ static void a_status_event_is_the_run_with_its_id_first(void **state)
 
     (void)state;
     assert_int_equal(events_status(&record, &out, NULL), BF_OK);
-    assert_text(&out,
-                "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\","
-                "\"id\":\"0190a0b0-0000-7000-8000-000000000001\","
-                "\"status\":\"running\",\"progress\":0.25,\"model\":\"macro\","
-                "\"label\":\"night \\\"1\\\"\",\"priority\":-3,\"name\":\"Example 1\","
-                "\"created_at\":\"2026-01-31T12:00:00.000Z\","
-                "\"started_at\":\"2026-01-31T12:00:00.007Z\",\"finished_at\":null,"
-                "\"eta_s\":1.5,\"error\":null,\"cached\":false,\"links\":{"
-                "\"self\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001\","
-                "\"scenario\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/scenario\","
-                "\"summary\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/summary\","
-                "\"curve\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/curve\","
-                "\"key_figures\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/key_figures\","
-                "\"snapshots\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots\","
-                "\"series\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots.pvd\","
-                "\"results\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/results.zip\","
-                "\"events\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/events\","
-                "\"cancel\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/cancel\"}}");
+    assert_text(
+        &out,
+        "{\"run\":\"0190a0b0-0000-7000-8000-000000000001\","
+        "\"id\":\"0190a0b0-0000-7000-8000-000000000001\","
+        "\"status\":\"running\",\"progress\":0.25,\"model\":\"macro\","
+        "\"label\":\"night \\\"1\\\"\",\"priority\":-3,\"name\":\"Example 1\","
+        "\"created_at\":\"2026-01-31T12:00:00.000Z\","
+        "\"started_at\":\"2026-01-31T12:00:00.007Z\",\"finished_at\":null,\"predicted_s\":null,"
+        "\"eta_s\":1.5,\"error\":null,\"cached\":false,\"links\":{"
+        "\"self\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001\","
+        "\"scenario\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/scenario\","
+        "\"summary\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/summary\","
+        "\"curve\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/curve\","
+        "\"key_figures\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/key_figures\","
+        "\"snapshots\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots\","
+        "\"series\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/snapshots.pvd\","
+        "\"results\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/results.zip\","
+        "\"events\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/events\","
+        "\"cancel\":\"/v1/runs/0190a0b0-0000-7000-8000-000000000001/cancel\"}}");
 }
 
 static void what_is_not_known_of_a_run_is_null(void **state)

@@ -233,12 +233,14 @@ static void a_model_that_is_not_built_in_is_refused(void **unused)
 }
 
 // What POST /v1/validate answers.
+static const prediction_speed same_speed = { { 1, 1, 1, 1, 1, 1, 1 } };
+
 static void validate(const char *text, bf_buffer *out)
 {
     api_submission submission;
 
     assert_int_equal(read_text(text, &submission, NULL), BF_OK);
-    assert_int_equal(submission_validation(&submission, out, NULL), BF_OK);
+    assert_int_equal(submission_validation(&submission, NULL, out, NULL), BF_OK);
     submission_fini(&submission);
 }
 
@@ -261,20 +263,26 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
 
     (void)unused;
     validate("{" SCENARIO "}", &free_belt);
-    assert_begins(&free_belt, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"validity\":{"
-                              "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
-                              "\"resolved\":{\"name\":\"N\",");
+    assert_begins(
+        &free_belt,
+        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"predicted_s\":null,\"validity\":{"
+        "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
+        "\"resolved\":{\"name\":\"N\",");
     validate("{" DEFLECTED "}", &macro);
 #define TEXT                                                                                       \
     "\"The share of parts that are no cylinders is 100 %; the model was compared with moving "     \
     "parts for cylinders alone.\""
-    assert_begins(&macro, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[" TEXT
-                          "],\"validity\":{\"closure\":\"dispersive\",\"compared\":false,"
-                          "\"outside\":[{\"what\":\"shape\","
-                          "\"value\":100,\"unit\":\"%\",\"min\":null,\"max\":0,"
-                          "\"pointer\":\"/cargo/shape\",\"detail\":" TEXT "}]},\"resolved\":{");
+    assert_begins(
+        &macro,
+        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[" TEXT
+        "],\"predicted_s\":null,\"validity\":{\"closure\":\"dispersive\",\"compared\":false,"
+        "\"outside\":[{\"what\":\"shape\","
+        "\"value\":100,\"unit\":\"%\",\"min\":null,\"max\":0,"
+        "\"pointer\":\"/cargo/shape\",\"detail\":" TEXT "}]},\"resolved\":{");
     validate("{" DEFLECTED ", 'model': 'micro'}", &micro);
-    assert_begins(&micro, "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"resolved\":{");
+    assert_begins(
+        &micro,
+        "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"predicted_s\":null,\"resolved\":{");
     buffer_fini(&free_belt);
     buffer_fini(&macro);
     buffer_fini(&micro);
@@ -290,7 +298,7 @@ static void a_validation_without_memory_is_reported(void **unused)
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer out = { 0 };
         memory_plan_fault(n, 0);
-        status = submission_validation(&submission, &out, NULL);
+        status = submission_validation(&submission, &same_speed, &out, NULL);
         memory_plan_fault(0, 0);
         if (status != BF_OK)
             assert_int_equal(status, BF_ENOMEM);

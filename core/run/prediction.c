@@ -1,0 +1,137 @@
+#include "core/run/prediction.h"
+
+#include "core/macro/mollifier.h"
+#include "core/run/prediction_load.h"
+#include "core/run/run_priv.h"
+
+const char *const prediction_kind_words[] = { "roe",
+                                              "muscl",
+                                              "congested",
+                                              "planar_verlet",
+                                              "planar_implicit",
+                                              "spatial_verlet",
+                                              "spatial_implicit",
+                                              NULL };
+
+/// Seconds for each amount. tests/bench/prediction.py fits them, and says how far off predictions are.
+static const double costs[PREDICTION_KIND_COUNT][PREDICTION_TERM_COUNT] = {
+    [PREDICTION_ROE] = { [PREDICTION_RUN] = 1e-3,
+                         [PREDICTION_ROW_STEPS] = 9e-8,
+                         [PREDICTION_CELL_STEPS] = 4e-10,
+                         [PREDICTION_SATURATED_STEPS] = 1.2e-9 },
+    [PREDICTION_MUSCL] = { [PREDICTION_RUN] = 1e-3,
+                           [PREDICTION_ROW_STEPS] = 9e-8,
+                           [PREDICTION_CELL_STEPS] = 4e-10,
+                           [PREDICTION_SATURATED_STEPS] = 1.2e-8 },
+    [PREDICTION_CONGESTED] = { [PREDICTION_RUN] = 1e-3,
+                               [PREDICTION_CELL_STEPS] = 8e-10,
+                               [PREDICTION_SATURATED_STEPS] = 1.2e-7 },
+    [PREDICTION_PLANAR_VERLET] = { [PREDICTION_RUN] = 1e-3,
+                                   [PREDICTION_STEPS] = 1.4e-7,
+                                   [PREDICTION_PAIR_STEPS] = 2.4e-8 },
+    [PREDICTION_PLANAR_IMPLICIT] = { [PREDICTION_RUN] = 1e-3,
+                                     [PREDICTION_PART_STEPS] = 6e-8,
+                                     [PREDICTION_PAIR_STEPS] = 5.6e-8 },
+    [PREDICTION_SPATIAL_VERLET] = { [PREDICTION_RUN] = 1e-3,
+                                    [PREDICTION_STEPS] = 4e-6,
+                                    [PREDICTION_PAIR_STEPS] = 9e-7 },
+    [PREDICTION_SPATIAL_IMPLICIT] = { [PREDICTION_RUN] = 1e-3,
+                                      [PREDICTION_STEPS] = 1.5e-6,
+                                      [PREDICTION_PAIR_STEPS] = 3e-6 },
+};
+
+static prediction_kind kind_of_macro(const scene_macro *macro)
+{
+    if (macro->closure == SCENE_CONGESTED)
+        return PREDICTION_CONGESTED;
+    return macro->scheme == SCENE_SCHEME_MUSCL ? PREDICTION_MUSCL : PREDICTION_ROE;
+}
+
+static prediction_kind kind_of_micro(const micro_def *def)
+{
+    const bool is_implicit = def->integrator == MICRO_IMPLICIT;
+
+    if (micro_def_is_planar(def))
+        return is_implicit ? PREDICTION_PLANAR_IMPLICIT : PREDICTION_PLANAR_VERLET;
+    return is_implicit ? PREDICTION_SPATIAL_IMPLICIT : PREDICTION_SPATIAL_VERLET;
+}
+
+// What depends on the grid; a snapshot of either model has one.
+static void set_grid(const scene *s, const prediction_load *load, double *amounts)
+{
+    const bf_grid grid = scene_grid(s);
+    const double n_cells = (double)grid_cells(&grid);
+    const double n_snapshots = scene_snapshots(s) * load->time / s->duration;
+
+    amounts[PREDICTION_RUN] = 1.0;
+    amounts[PREDICTION_CELLS] = n_cells;
+    amounts[PREDICTION_SNAPSHOT_CELLS] = n_cells * n_snapshots;
+}
+
+static void set_macro(const scene *s, const prediction_load *load, prediction_work *work)
+{
+    const bf_grid grid = scene_grid(s);
+    const double steps = load->time / scene_macro_step(s);
+    const double cells = steps / (s->macro.cell * s->macro.cell) / load->time;
+    const bool is_everywhere = s->macro.heaviside != SCENE_HEAVISIDE_SHARP;
+    const double area = grid.d1 * grid.d2 * (double)grid_cells(&grid) * load->time;
+    double *amounts = work->amounts;
+
+    work->kind = kind_of_macro(&s->macro);
+    amounts[PREDICTION_STEPS] = steps;
+    amounts[PREDICTION_ROW_STEPS] = (double)grid.n2 * steps;
+    amounts[PREDICTION_CELL_STEPS] = (double)grid_cells(&grid) * steps;
+    amounts[PREDICTION_MOVING_STEPS] =
+        scene_has_moving_obstacles(s) ? (double)grid_cells(&grid) * steps : 0.0;
+    amounts[PREDICTION_COVERED_STEPS] = load->area * cells;
+    amounts[PREDICTION_SATURATED_STEPS] = load->saturated_area * cells;
+    if (work->kind != PREDICTION_CONGESTED)
+        amounts[PREDICTION_SATURATED_STEPS] = (is_everywhere ? area : load->saturated_area) *
+                                              cells *
+                                              mollifier_reach(s->macro.mollifier, s->macro.cell);
+}
+
+static bf_status set_micro(const scene *s, const prediction_load *load, prediction_work *work,
+                           bf_error *err)
+{
+    run__micro_setup setup;
+    double *amounts = work->amounts;
+
+    const bf_status status = run__micro_init_setup(s, 1, &setup, err);
+    if (status != BF_OK)
+        return status;
+    const double per_s = 1.0 / setup.def.dt;
+    const int iterations = micro_iterations(&setup.def);
+    const double times = iterations > 0 ? iterations : 1.0;
+    work->kind = kind_of_micro(&setup.def);
+    run__micro_fini_setup(&setup);
+    amounts[PREDICTION_STEPS] = load->time * per_s;
+    amounts[PREDICTION_PART_STEPS] = load->parts * per_s;
+    amounts[PREDICTION_PAIR_STEPS] = load->pairs * per_s * times;
+    return BF_OK;
+}
+
+bf_status prediction_work_of(const scene *s, run_model model, prediction_work *ret_work,
+                             bf_error *err)
+{
+    prediction_load load;
+
+    bf_status status = prediction_load_of(s, &load, err);
+    if (status != BF_OK)
+        return status;
+    *ret_work = (prediction_work){ .kind = PREDICTION_KIND_COUNT };
+    set_grid(s, &load, ret_work->amounts);
+    if (model == RUN_MICRO)
+        return set_micro(s, &load, ret_work, err);
+    set_macro(s, &load, ret_work);
+    return BF_OK;
+}
+
+double prediction_seconds(const prediction_work *work, const prediction_speed *speed)
+{
+    double seconds = 0.0;
+
+    for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
+        seconds += costs[work->kind][i] * work->amounts[i];
+    return seconds * speed->factors[work->kind];
+}

@@ -1,0 +1,71 @@
+/// How long a run will take, before it is solved.
+///
+///     time = factor sum_i cost_i amount_i
+///
+/// The amounts follow from the scenario and from a run of it on a coarse grid (prediction_load.h), which takes
+/// milliseconds. The costs are constants of the solvers, fitted on one machine. The factor is the time that a
+/// small scenario takes here, divided by what the costs say of it; there is one for each kind of solver, because
+/// machines differ in instruction sets and memory.
+///
+/// Meant is the CPU time on one thread, with all results, until the run has ended; s.
+
+#pragma once
+
+#include "core/base/status.h"
+#include "core/run/run.h"
+#include "core/scene/scene.h"
+
+/// Solvers whose steps cost differently.
+typedef enum prediction_kind {
+    PREDICTION_ROE,       ///< dispersive closure, first order
+    PREDICTION_MUSCL,     ///< dispersive closure, second order
+    PREDICTION_CONGESTED, ///< congested closure
+    PREDICTION_PLANAR_VERLET,
+    PREDICTION_PLANAR_IMPLICIT,
+    PREDICTION_SPATIAL_VERLET,
+    PREDICTION_SPATIAL_IMPLICIT,
+    PREDICTION_KIND_COUNT
+} prediction_kind;
+
+/// What costs time.
+typedef enum prediction_term {
+    PREDICTION_RUN,             ///< 1
+    PREDICTION_CELLS,           ///< of the grid
+    PREDICTION_SNAPSHOT_CELLS,  ///< cells of all snapshots
+    PREDICTION_STEPS,           ///< of time
+    PREDICTION_ROW_STEPS,       ///< rows of the grid times steps
+    PREDICTION_CELL_STEPS,      ///< cells times steps
+    PREDICTION_COVERED_STEPS,   ///< of them, cells that cargo covers
+    PREDICTION_SATURATED_STEPS, ///< of them, cells of a jam; with the dispersive closure times the
+                                ///< cells that the mollifier reaches over
+    PREDICTION_MOVING_STEPS,    ///< cells times steps, where plates move
+    PREDICTION_PART_STEPS,      ///< parts in the domain times steps
+    PREDICTION_PAIR_STEPS,      ///< each times the density around it and, implicit, iterations
+    PREDICTION_TERM_COUNT
+} prediction_term;
+
+/// The work of a run.
+typedef struct prediction_work {
+    prediction_kind kind;                  ///< of solver
+    double amounts[PREDICTION_TERM_COUNT]; ///< see prediction_term
+} prediction_work;
+
+/// How fast a machine is: time here, divided by the time on the machine of the costs, for each kind.
+typedef struct prediction_speed {
+    double factors[PREDICTION_KIND_COUNT]; ///< > 0
+} prediction_speed;
+
+/// The words of the kinds, "roe" to "spatial_implicit"; NULL-terminated.
+extern const char *const prediction_kind_words[];
+
+/// The work of a scenario that was checked for the model. BF_ENOMEM.
+BF_MUST_CHECK bf_status prediction_work_of(const scene *s, run_model model,
+                                           prediction_work *ret_work, bf_error *err);
+
+/// The time of a run, s.
+double prediction_seconds(const prediction_work *work, const prediction_speed *speed);
+
+/// Solve a small scenario of a kind until least_s of CPU time have passed by the clock, and say how fast this machine is:
+/// the factor of the fastest of the runs. BF_ENOMEM.
+BF_MUST_CHECK bf_status prediction_measure(prediction_kind kind, double (*cpu_s)(void),
+                                           double least_s, double *ret_factor, bf_error *err);

@@ -1,0 +1,243 @@
+// A ring of the runs that it was told of last; a run's place in it follows from its number, and its number from a hash
+// table of places.
+
+#include "server/run/predictor.h"
+
+#include "api/scenario/scenario.h"
+#include "core/base/check.h"
+#include "core/base/digest.h"
+#include "core/base/memory.h"
+#include "server/base/lock.h"
+#include "server/base/log.h"
+
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { LOWER_PRIORITY = 10 };
+
+// For each kind; the fastest of the runs within it counts.
+static const double measured_s = 0.03;
+
+// A run that it was told of.
+typedef struct entry {
+    char run_id[API_ID_SIZE]; // "": none
+    double seconds;           // NAN: not known yet
+} entry;
+
+struct predictor {
+    store *store;
+    pthread_t thread;
+    atomic_bool is_stopping;
+    lock lock;           // guards what follows
+    lock_condition told; // of a run, or to stop
+    bool has_speed;
+    prediction_speed speed;
+    size_t n_waiting; // entries told and not predicted, the oldest first
+    char waiting[PREDICTOR_RUNS_MAX][API_ID_SIZE]; // a ring
+    size_t first;                                  // of them
+    entry entries
+        [PREDICTOR_RUNS_MAX]; // each at the place of its id; a newer one takes an older one's
+};
+
+static double read_cpu_s(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static entry *find_entry(predictor *p, const char *run_id)
+{
+    const uint64_t hash = digest_add(DIGEST_START, run_id, strlen(run_id));
+
+    return &p->entries[hash % PREDICTOR_RUNS_MAX];
+}
+
+void predictor_note(predictor *p, const char *run_id)
+{
+    lock_acquire(&p->lock);
+    if (p->n_waiting < PREDICTOR_RUNS_MAX) {
+        const size_t at = (p->first + p->n_waiting++) % PREDICTOR_RUNS_MAX;
+        memcpy(p->waiting[at], run_id, API_ID_SIZE);
+        lock_wake_one(&p->told);
+    }
+    lock_release(&p->lock);
+}
+
+double predictor_seconds(predictor *p, const char *run_id)
+{
+    lock_acquire(&p->lock);
+    const entry *e = find_entry(p, run_id);
+    const double seconds = strcmp(e->run_id, run_id) == 0 ? e->seconds : (double)NAN;
+    lock_release(&p->lock);
+    return seconds;
+}
+
+bool predictor_speed(predictor *p, prediction_speed *ret_speed)
+{
+    lock_acquire(&p->lock);
+    const bool has_speed = p->has_speed;
+    if (has_speed)
+        *ret_speed = p->speed;
+    lock_release(&p->lock);
+    return has_speed;
+}
+
+static bf_status measure_speed(predictor *p, bf_error *err)
+{
+    prediction_speed speed;
+    bf_status status = BF_OK;
+
+    for (int kind = 0; kind < PREDICTION_KIND_COUNT && status == BF_OK; kind++) {
+        if (atomic_load(&p->is_stopping))
+            return BF_OK;
+        status = prediction_measure((prediction_kind)kind, read_cpu_s, measured_s,
+                                    &speed.factors[kind], err);
+    }
+    if (status != BF_OK)
+        return status;
+    lock_acquire(&p->lock);
+    p->speed = speed;
+    p->has_speed = true;
+    lock_release(&p->lock);
+    return BF_OK;
+}
+
+// The runs that waited when the daemon was started.
+static bf_status note_queued(predictor *p, bf_error *err)
+{
+    api_list_query query = { .state = RUN_QUEUED, .model = -1, .limit = API_LIST_MAX };
+    api_run_list *page = memory_alloc(1, sizeof *page);
+    bf_status status = page == NULL ? bf_fail(err, BF_ENOMEM, "", "no memory for runs") : BF_OK;
+    bool has_more = true;
+
+    while (status == BF_OK && has_more && !atomic_load(&p->is_stopping)) {
+        status = store_list(p->store, &query, page, err);
+        has_more = status == BF_OK && page->has_more && page->n > 0;
+        for (size_t k = 0; status == BF_OK && k < page->n; k++)
+            predictor_note(p, page->runs[k].id);
+        if (has_more)
+            memcpy(query.before, page->runs[page->n - 1].id, API_ID_SIZE);
+    }
+    memory_free(page);
+    return status;
+}
+
+static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, bf_error *err)
+{
+    prediction_work work;
+    bf_buffer text = { 0 };
+    api_run record;
+    scene s;
+
+    bf_status status = store_find(p->store, run_id, &record, err);
+    if (status == BF_OK && record.state != RUN_QUEUED)
+        return BF_OK;
+    if (status == BF_OK)
+        status = store_read_text(p->store, run_id, API_TEXT_SCENARIO, &text, err);
+    if (status == BF_OK)
+        status = scenario_read_resolved(text.bytes, text.n, &s, err);
+    buffer_fini(&text);
+    if (status != BF_OK)
+        return status;
+    status = prediction_work_of(&s, record.model, &work, err);
+    scene_fini(&s);
+    if (status == BF_OK)
+        *ret_seconds = prediction_seconds(&work, &p->speed);
+    return status;
+}
+
+static void remember(predictor *p, const char *run_id, double seconds)
+{
+    lock_acquire(&p->lock);
+    entry *e = find_entry(p, run_id);
+    memcpy(e->run_id, run_id, API_ID_SIZE);
+    e->seconds = seconds;
+    lock_release(&p->lock);
+}
+
+// The next run; false: to be stopped.
+static bool take_next(predictor *p, char *ret_run_id)
+{
+    lock_acquire(&p->lock);
+    while (p->n_waiting == 0 && !atomic_load(&p->is_stopping))
+        (void)lock_wait(&p->told, &p->lock, -1);
+    const bool has_next = !atomic_load(&p->is_stopping);
+    if (has_next) {
+        memcpy(ret_run_id, p->waiting[p->first], API_ID_SIZE);
+        p->first = (p->first + 1) % PREDICTOR_RUNS_MAX;
+        p->n_waiting--;
+    }
+    lock_release(&p->lock);
+    return has_next;
+}
+
+static void *run_loop(void *context)
+{
+    predictor *p = context;
+    char run_id[API_ID_SIZE], quoted[LOG_QUOTED_SIZE];
+    bf_error err = { 0 };
+
+    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), LOWER_PRIORITY);
+    bf_status status = measure_speed(p, &err);
+    if (status == BF_OK)
+        status = note_queued(p, &err);
+    if (status != BF_OK) {
+        log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
+        return NULL;
+    }
+    while (take_next(p, run_id)) {
+        double seconds = (double)NAN;
+        // A run that cannot be predicted is one of which nothing is said.
+        if (predict(p, run_id, &seconds, &err) == BF_OK && isfinite(seconds))
+            remember(p, run_id, seconds);
+    }
+    return NULL;
+}
+
+bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err)
+{
+    predictor *p = memory_alloc(1, sizeof *p);
+    sigset_t all, before;
+
+    if (p == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the predictor");
+    p->store = s;
+    lock_init(&p->lock);
+    lock_condition_init(&p->told);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&p->thread, NULL, run_loop, p);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (error == 0) {
+        *ret_predictor = p;
+        return BF_OK;
+    }
+    lock_condition_fini(&p->told);
+    lock_fini(&p->lock);
+    memory_free(p);
+    return bf_fail(err, BF_ESYSTEM, "", "the predictor cannot be started: %s", strerror(error));
+}
+
+predictor *predictor_stop(predictor *p)
+{
+    if (p == NULL)
+        return NULL;
+    atomic_store(&p->is_stopping, true);
+    lock_acquire(&p->lock);
+    lock_wake_all(&p->told);
+    lock_release(&p->lock);
+    BF_CHECK(pthread_join(p->thread, NULL) == 0);
+    lock_condition_fini(&p->told);
+    lock_fini(&p->lock);
+    memory_free(p);
+    return NULL;
+}

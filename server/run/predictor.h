@@ -1,0 +1,34 @@
+/// The predictor: says of runs that wait how long they will take (core/run/prediction.h).
+///
+/// It first measures how fast this machine is, a fifth of a second, and then predicts the runs that it is told of, one
+/// after the other; each takes some milliseconds. What it has found is kept in memory, of the PREDICTOR_RUNS_MAX
+/// runs that it was told of last: after a restart it begins again with those that wait.
+///
+/// Threads  one of its own, at a low priority. The functions may be called from any thread.
+
+#pragma once
+
+#include "core/run/prediction.h"
+#include "server/store/store.h"
+
+#include <stdbool.h>
+
+enum { PREDICTOR_RUNS_MAX = 16384 }; ///< whose predictions are kept
+
+/// A running predictor; opaque.
+typedef struct predictor predictor;
+
+/// Start the thread; it reads scenarios from the store. BF_ENOMEM, BF_ESYSTEM.
+BF_MUST_CHECK bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err);
+
+/// A run was queued.
+void predictor_note(predictor *p, const char *run_id);
+
+/// CPU time that a run will take, s; NAN: not known, or not yet.
+double predictor_seconds(predictor *p, const char *run_id);
+
+/// How fast this machine is. False: not known yet.
+bool predictor_speed(predictor *p, prediction_speed *ret_speed);
+
+/// Stop the thread and free. NULL is fine. Always returns NULL.
+predictor *predictor_stop(predictor *p);
