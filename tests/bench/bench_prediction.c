@@ -1,6 +1,6 @@
 // Benchmark of the prediction of how long a run takes: for each scenario that is named its kind of solver, the CPU time
-// that was measured and predicted (s; that of this machine at factor 1), what the prediction itself took, and the
-// amounts of prediction.h, as CSV. tests/bench/prediction.py makes scenarios, judges, and fits the costs.
+// that was measured and predicted, what the prediction itself took, s, and the amounts of prediction.h, as CSV.
+// tests/bench/prediction.py makes scenarios, judges, and fits the costs.
 //
 //     bench_prediction macro|micro scenario.json...
 
@@ -17,6 +17,7 @@
 #include <time.h>
 
 enum { ROUNDS = 3 };                // of which the fastest counts
+static const double speed_s = 0.03; // as the daemon does
 static const double enough_s = 0.3; // of all rounds of a scenario
 
 static double now_s(void)
@@ -53,9 +54,18 @@ static double solve(const scene *s, run_model model)
     return best;
 }
 
-static bool measure(const char *path, run_model model)
+static prediction_speed measure_speed(void)
 {
-    const prediction_speed here = { { 1, 1, 1, 1, 1, 1, 1 } };
+    prediction_speed here;
+
+    for (int kind = 0; kind < PREDICTION_KIND_COUNT; kind++)
+        BF_CHECK(prediction_measure((prediction_kind)kind, now_s, speed_s, &here.factors[kind],
+                                    NULL) == BF_OK);
+    return here;
+}
+
+static bool measure(const char *path, run_model model, const prediction_speed *here)
+{
     bf_buffer text = { 0 };
     bf_faults faults = { 0 };
     bf_error err = { 0 };
@@ -72,7 +82,7 @@ static bool measure(const char *path, run_model model)
     BF_CHECK(prediction_work_of(&s, model, &work, &err) == BF_OK);
     const double spent = now_s() - begin;
     printf("%s,%s,%.6g,%.6g,%.6g", path, prediction_kind_words[work.kind], solve(&s, model),
-           prediction_seconds(&work, &here), spent);
+           prediction_seconds(&work, here), spent);
     for (size_t i = 0; i < PREDICTION_TERM_COUNT; i++)
         printf(",%.6g", work.amounts[i]);
     printf("\n");
@@ -86,8 +96,9 @@ int main(int n_arguments, char **arguments)
 {
     BF_CHECK(n_arguments > 1);
     const run_model model = strcmp(arguments[1], "micro") == 0 ? RUN_MICRO : RUN_MACRO;
+    const prediction_speed here = measure_speed();
     for (int k = 2; k < n_arguments; k++) {
-        if (!measure(arguments[k], model))
+        if (!measure(arguments[k], model, &here))
             fprintf(stderr, "%s cannot be solved\n", arguments[k]);
     }
     return EXIT_SUCCESS;
