@@ -66,8 +66,9 @@ bf_status handlers_leases_jobs(exchange *x, bf_error *err)
     const char *id = NULL;
 
     bf_status status = find_lease(x, &leases, &id, err);
-    return status == BF_OK ? leases->read_jobs(leases->context, id, &x->response->body, err)
-                           : status;
+    if (status == BF_OK)
+        status = leases->read_jobs(leases->context, id, &x->response->body, err);
+    return status == BF_OK ? exchange__reserve(x, (double)x->response->body.n, err) : status;
 }
 
 static bf_status answer_states(exchange *x, api_job_states *states, bf_error *err)

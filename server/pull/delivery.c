@@ -48,19 +48,22 @@ static void note_begin(executor_job *job)
 }
 
 // Take what is new of a section and has room. Without memory nothing is taken, and the worker tries again.
-static void take_section(pull__lease *lease, executor_job *job, const api_lease_section *section)
+static void take_section(pull_executor *e, pull__lease *lease, executor_job *job,
+                         const api_lease_section *section)
 {
     const uint64_t end = section->offset + section->n;
 
     if (section->offset > job->n_received || end <= job->n_received)
         return;
     const size_t skip = (size_t)(job->n_received - section->offset);
-    const size_t room = PULL_JOB_BYTES_MAX - job->bytes.n;
+    const size_t of_job = PULL_JOB_BYTES_MAX - job->bytes.n, of_all = PULL_BYTES_MAX - e->n_bytes;
+    const size_t room = of_job < of_all ? of_job : of_all;
     const size_t n = section->n - skip < room ? section->n - skip : room;
     if (n == 0 || buffer_append(&job->bytes, (const char *)section->bytes + skip, n) != BF_OK)
         return;
     note_begin(job);
     job->n_received += n;
+    e->n_bytes += n;
     lease->n_bytes += n;
 }
 
@@ -78,7 +81,7 @@ bf_status pull__deliver(void *context, const char *id, const api_lease_section *
             executor_job *job = job_at(lease, sections[k].job);
             a.is_named[sections[k].job] = true;
             if (job != NULL)
-                take_section(lease, job, &sections[k]);
+                take_section(e, lease, job, &sections[k]);
         }
         answer_named(&a, lease);
         *ret_states = a.states;

@@ -116,6 +116,7 @@ static void remove_job(pull_executor *e, executor_job *job)
         e->last = job->previous;
     else
         job->next->previous = job->previous;
+    e->n_bytes -= job->bytes.n;
     buffer_fini(&job->input);
     buffer_fini(&job->bytes);
     memory_free(job);
@@ -218,6 +219,7 @@ static void stop(executor *base, executor_job *job, executor_stop how)
     } else {
         job->end.cause = how == EXECUTOR_STOP_NOW ? EXECUTOR_KILLED : EXECUTOR_STOPPED;
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "", "the run was stopped");
+        e->n_bytes -= job->bytes.n;
         job->bytes.n = 0;
         pull__move(e, job, PULL_ENDED);
     }
@@ -262,6 +264,7 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
     if (n > 0)
         memcpy(bytes, job->bytes.bytes, n);
     buffer_drop(&job->bytes, n);
+    e->n_bytes -= n;
     *ret_n = n;
     if (n == 0 && job->place == PULL_LOST)
         state = EXECUTOR_LOST;

@@ -13,9 +13,10 @@
 #include "server/run/executor.h"
 
 enum {
-    PULL_JOB_BYTES_MAX = 1024 * 1024, ///< of a job that wait for the supervisor
-    PULL_FAULTS_MAX = 3,              ///< of a worker, until it gets no jobs for a while
-    PULL_BARRED_MS = 600000,          ///< how long
+    PULL_JOB_BYTES_MAX = 1024 * 1024,  ///< of a job that wait for the supervisor
+    PULL_BYTES_MAX = 64 * 1024 * 1024, ///< of all jobs together
+    PULL_FAULTS_MAX = 3,               ///< of a worker, until it gets no jobs for a while
+    PULL_BARRED_MS = 600000,           ///< how long
 };
 
 /// Create one. BF_ENOMEM, BF_ESYSTEM: no memory or descriptor.

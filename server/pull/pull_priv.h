@@ -88,6 +88,7 @@ typedef struct pull_executor {
     executor_job *last;       ///< the youngest
     size_t n_at[PULL_PLACES]; ///< jobs at each place
     uint32_t n_cores_used[2]; ///< by jobs that have not ended: runs by themselves, trials
+    size_t n_bytes;           ///< that came and were not taken, of all jobs
     uint32_t n_cores;         ///< of all workers
     size_t n_workers;         ///< workers
     pull__worker *workers;    ///< room for API_WORKERS_MAX

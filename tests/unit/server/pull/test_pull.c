@@ -209,6 +209,37 @@ static void a_full_job_takes_no_more(void **state)
     api_lease_fini(&l);
 }
 
+// Once the supervisor takes something there is room again, for any job.
+static void all_jobs_together_have_a_limit(void **state)
+{
+    enum { N = PULL_BYTES_MAX / PULL_JOB_BYTES_MAX };
+    fixture *f = *state;
+    char *bytes = memory_alloc(PULL_JOB_BYTES_MAX, 1);
+    executor_job *jobs[N + 1];
+    char text[8];
+
+    for (size_t k = 0; k <= N; k++)
+        jobs[k] = start(f, RUN_A, false);
+    api_lease l = lease(f, "one", N + 1);
+    assert_int_equal(l.n_jobs, N + 1);
+    for (uint32_t k = 0; k < N; k++)
+        deliver(f, l.id, k, 0, bytes, PULL_JOB_BYTES_MAX);
+    assert_int_equal(state_of(f, N - 1).next, PULL_JOB_BYTES_MAX);
+    deliver(f, l.id, N, 0, bytes, 100);
+    assert_int_equal(state_of(f, N).next, 0);
+    (void)poll_job(f, jobs[0], text, sizeof text);
+    deliver(f, l.id, N, 0, bytes, 100);
+    assert_int_equal(state_of(f, N).next, sizeof text - 1);
+    release(f, jobs[1]);
+    deliver(f, l.id, N, 0, bytes, 100);
+    assert_int_equal(state_of(f, N).next, 100);
+    for (size_t k = 0; k <= N; k++)
+        if (k != 1)
+            release(f, jobs[k]);
+    memory_free(bytes);
+    api_lease_fini(&l);
+}
+
 static void a_batch_has_runs_first_then_trials(void **state)
 {
     fixture *f = *state;
@@ -454,19 +485,13 @@ int main(void)
 {
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(bytes_come_through_in_order),
-        TEST(a_full_job_takes_no_more),
-        TEST(a_batch_has_runs_first_then_trials),
-        TEST(there_is_room_for_what_workers_take),
-        TEST(who_is_silent_loses_jobs),
-        TEST(who_leaves_or_forgets_loses_jobs),
-        TEST(a_stop_reaches_the_worker),
-        TEST(another_version_is_refused),
-        TEST(a_worker_at_fault_gets_nothing_for_a_while),
-        TEST(a_job_goes_on_after_a_restart),
-        TEST(a_job_nobody_comes_back_for_is_lost),
-        TEST(ends_that_come_twice_are_compared),
-        TEST(workers_are_listed),
+        TEST(bytes_come_through_in_order),         TEST(a_full_job_takes_no_more),
+        TEST(all_jobs_together_have_a_limit),      TEST(a_batch_has_runs_first_then_trials),
+        TEST(there_is_room_for_what_workers_take), TEST(who_is_silent_loses_jobs),
+        TEST(who_leaves_or_forgets_loses_jobs),    TEST(a_stop_reaches_the_worker),
+        TEST(another_version_is_refused),          TEST(a_worker_at_fault_gets_nothing_for_a_while),
+        TEST(a_job_goes_on_after_a_restart),       TEST(a_job_nobody_comes_back_for_is_lost),
+        TEST(ends_that_come_twice_are_compared),   TEST(workers_are_listed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
