@@ -93,10 +93,12 @@ static bool lay_out(macro_solver *s, congested *c)
     c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
     const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
     c->storage = memory_alloc((4 + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
+    c->is_uniform = memory_alloc(2 * n / (size_t)unit, sizeof *c->is_uniform);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
     c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);
-    if (c->storage == NULL || c->range == NULL || c->found == NULL || c->slots == NULL)
+    if (c->storage == NULL || c->is_uniform == NULL || c->range == NULL || c->found == NULL ||
+        c->slots == NULL)
         return false;
     float *at = c->storage;
     for (int colour = 0; colour < 2; colour++) {
@@ -176,6 +178,7 @@ congested *congested_destroy(congested *c)
     }
     memory_free(c->belts);
     memory_free(c->storage);
+    memory_free(c->is_uniform);
     memory_free(c->range);
     memory_free(c->found);
     memory_free(c->slots);

@@ -57,6 +57,15 @@ typedef struct congested_law {
     float *flux;      ///< G.e after the iteration
 } congested_law;
 
+/// The law (above) of open faces where v_stat is the first belt's velocity, as in most of a jam. Its offset is 0.
+typedef struct congested_uniform {
+    float slope; ///< of x1-faces
+    float most;  ///< of x1-faces
+    float least; ///< of x1-faces
+    float lower; ///< of x2-faces
+    float upper; ///< of x2-faces
+} congested_uniform;
+
 /// Cells first <= k < last of both half rows of a row, in whole units.
 typedef struct congested_range {
     ptrdiff_t first; ///< a multiple of CONGESTED_UNIT
@@ -134,17 +143,20 @@ struct congested {
     float *pressure[2];     ///< p/dx of red and black cells, m/s: a difference is the gradient
     float *excess[2];       ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
-    congested_range *range;             ///< per row: the active cells of this step
-    congested_range *found;             ///< per row: those that the row itself asks for
-    ptrdiff_t first_row;                ///< first row with active cells
-    ptrdiff_t last_row;                 ///< row after the last
-    double density_limit;               ///< density at which the run fails
-    float relaxation;                   ///< omega dx / (4 dt)
-    float lambda;                       ///< dt/dx
-    congested_slot *slots;              ///< two of each thread, used in turn
-    macro_state stage;     ///< density after the first stage and its spans (muscl; else NULL)
-    double *stage_storage; ///< of all rows below (muscl; else NULL)
-    congested_rows *rows;  ///< of each thread (muscl; else NULL)
+    congested_uniform uniform;          ///< of a forward solver
+    bool *
+        is_uniform; ///< per row, colour and unit: all faces around the cells have the law `uniform`
+    congested_range *range; ///< per row: the active cells of this step
+    congested_range *found; ///< per row: those that the row itself asks for
+    ptrdiff_t first_row;    ///< first row with active cells
+    ptrdiff_t last_row;     ///< row after the last
+    double density_limit;   ///< density at which the run fails
+    float relaxation;       ///< omega dx / (4 dt)
+    float lambda;           ///< dt/dx
+    congested_slot *slots;  ///< two of each thread, used in turn
+    macro_state stage;      ///< density after the first stage and its spans (muscl; else NULL)
+    double *stage_storage;  ///< of all rows below (muscl; else NULL)
+    congested_rows *rows;   ///< of each thread (muscl; else NULL)
 };
 
 /// Row j of half rows; cell k is element k.
@@ -153,11 +165,45 @@ static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j
     return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
 }
 
+/// Units of a half row for which the member is_uniform of the solver holds.
+static inline bool *congested__uniform_units(const congested *c, ptrdiff_t row, int colour)
+{
+    return c->is_uniform + (2 * row + colour) * (c->half_stride / CONGESTED_UNIT);
+}
+
 /// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of
 /// row j is the east face of the red cell k - 1 + shift, the one east of it the west face of k + shift.
 static inline ptrdiff_t congested__shift(ptrdiff_t row)
 {
     return (row & 1) == 0 ? 1 : 0;
+}
+
+/// The faces on one side of the cells of a half row.
+typedef struct congested_side_faces {
+    const congested_law *law; ///< in whose arrays they are
+    ptrdiff_t at;             ///< element of the face of cell 0; that of cell k is at + k
+} congested_side_faces;
+
+/// The faces around the cells of a half row.
+typedef struct congested_row_faces {
+    congested_side_faces side[CONGESTED_SIDES]; ///< by congested_side
+} congested_row_faces;
+
+/// colour 0: red cells, whose faces are their own; else black ones, whose faces are those of their neighbours.
+static inline congested_row_faces congested__faces(const congested *c, ptrdiff_t row, int colour)
+{
+    const ptrdiff_t shift = congested__shift(row);
+    const ptrdiff_t at = (row + 1) * c->half_stride + CONGESTED_UNIT;
+    const congested_law *west = &c->law[CONGESTED_WEST], *east = &c->law[CONGESTED_EAST];
+    const congested_law *south = &c->law[CONGESTED_SOUTH], *north = &c->law[CONGESTED_NORTH];
+
+    if (colour == 0)
+        return (
+            congested_row_faces){ { { west, at }, { east, at }, { south, at }, { north, at } } };
+    return (congested_row_faces){ { { east, at + shift - 1 },
+                                    { west, at + shift },
+                                    { north, at - c->half_stride },
+                                    { south, at + c->half_stride } } };
 }
 
 /// The value at an x1-face i, 0 <= i <= n1, west of cell i of row j: of law[] member `of`.

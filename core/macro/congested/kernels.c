@@ -4,81 +4,62 @@
 #include "core/base/simd_pairs.h"
 #include "core/macro/congested/congested_priv.h"
 
-// The law along the belt: slope 1, then `slope`, then none. It is concave, so the least of its pieces.
-static inline simd_float law_along(const congested_law *l, ptrdiff_t k, simd_float g)
+// The law along the belt: slope 1, then `slope`, then none. It is concave, so the least of its pieces; `outer` is the
+// second.
+static inline simd_float law_along(simd_float g, simd_float outer, simd_float most,
+                                   simd_float least)
 {
-    const simd_float outer = g * simd_float_load(l->slope + k) + simd_float_load(l->offset + k);
-    const simd_float all = simd_float_min(simd_float_min(g, outer), simd_float_load(l->most + k));
-
-    return simd_float_max(all, simd_float_load(l->least + k));
+    return simd_float_max(simd_float_min(simd_float_min(g, outer), most), least);
 }
 
 // The law across it: a threshold, then two bounds.
-static inline simd_float law_across(const congested_law *l, ptrdiff_t k, simd_float g)
+static inline simd_float law_across(simd_float g, simd_float threshold, simd_float lower,
+                                    simd_float upper)
 {
-    const simd_float threshold = simd_float_load(l->threshold + k);
     const simd_float inside = simd_float_min(simd_float_max(g, -threshold), threshold);
 
-    return simd_float_min(simd_float_max(g - inside, simd_float_load(l->lower + k)),
-                          simd_float_load(l->upper + k));
+    return simd_float_min(simd_float_max(g - inside, lower), upper);
 }
+
+static inline simd_float law_along_at(const congested_law *l, ptrdiff_t at, simd_float g)
+{
+    const simd_float outer = g * simd_float_load(l->slope + at) + simd_float_load(l->offset + at);
+
+    return law_along(g, outer, simd_float_load(l->most + at), simd_float_load(l->least + at));
+}
+
+static inline simd_float law_across_at(const congested_law *l, ptrdiff_t at, simd_float g)
+{
+    return law_across(g, simd_float_load(l->threshold + at), simd_float_load(l->lower + at),
+                      simd_float_load(l->upper + at));
+}
+
+// The laws that a loop reads: the uniform ones, those of a forward solver, where each face has one, or both.
+typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE } loop_kind;
 
 // G.e of faces by the pressure gradient g along e.
-static inline simd_float law(const congested_law *l, ptrdiff_t k, simd_float g, bool is_forward,
-                             bool is_x1)
+static inline __attribute__((always_inline)) simd_float law(const congested_uniform *uniform,
+                                                            congested_side_faces f, ptrdiff_t k,
+                                                            simd_float g, loop_kind kind,
+                                                            bool is_x1)
 {
-    if (is_forward)
-        return is_x1 ? law_along(l, k, g) : law_across(l, k, g);
-    const simd_float along = simd_float_load(l->along + k), across = simd_float_load(l->across + k);
-    const simd_float crosswise = simd_float_load(l->crosswise + k);
+    const congested_law *l = f.law;
+    const ptrdiff_t at = f.at + k;
 
-    return along * law_along(l, k, along * g - across * crosswise) +
-           across * law_across(l, k, across * g + along * crosswise);
-}
+    if (kind == LOOP_UNIFORM && is_x1)
+        return law_along(g, g * uniform->slope, simd_float_all(uniform->most),
+                         simd_float_all(uniform->least));
+    if (kind == LOOP_UNIFORM)
+        return law_across(g, simd_float_load(l->threshold + at), simd_float_all(uniform->lower),
+                          simd_float_all(uniform->upper));
+    if (kind == LOOP_FORWARD)
+        return is_x1 ? law_along_at(l, at, g) : law_across_at(l, at, g);
+    const simd_float along = simd_float_load(l->along + at);
+    const simd_float across = simd_float_load(l->across + at);
+    const simd_float crosswise = simd_float_load(l->crosswise + at);
 
-// The laws at the faces around the cells of a half row, each shifted so that element k belongs to cell k.
-typedef struct row_laws {
-    congested_law side[CONGESTED_SIDES];
-} row_laws;
-
-static inline congested_law shifted(const congested *c, congested_side side, ptrdiff_t row,
-                                    ptrdiff_t shift)
-{
-    const ptrdiff_t at = (row + 1) * c->half_stride + CONGESTED_UNIT + shift;
-    congested_law l = c->law[side];
-
-    l.slope += at;
-    l.offset += at;
-    l.most += at;
-    l.least += at;
-    l.threshold += at;
-    l.lower += at;
-    l.upper += at;
-    l.full_slip += at;
-    l.gain += at;
-    l.at_rest += at;
-    l.flux += at;
-    if (!c->is_forward) {
-        l.along += at;
-        l.across += at;
-        l.crosswise += at;
-    }
-    return l;
-}
-
-// colour 0: red cells, whose faces are their own; else black ones, whose faces are those of their neighbours.
-static inline row_laws laws_of(const congested *c, ptrdiff_t row, int colour)
-{
-    const ptrdiff_t shift = congested__shift(row);
-
-    if (colour == 0)
-        return (row_laws){ { shifted(c, CONGESTED_WEST, row, 0), shifted(c, CONGESTED_EAST, row, 0),
-                             shifted(c, CONGESTED_SOUTH, row, 0),
-                             shifted(c, CONGESTED_NORTH, row, 0) } };
-    return (row_laws){
-        { shifted(c, CONGESTED_EAST, row, shift - 1), shifted(c, CONGESTED_WEST, row, shift),
-          shifted(c, CONGESTED_NORTH, row - 1, 0), shifted(c, CONGESTED_SOUTH, row + 1, 0) }
-    };
+    return along * law_along_at(l, at, along * g - across * crosswise) +
+           across * law_across_at(l, at, across * g + along * crosswise);
 }
 
 // The pressures around the cells of a half row.
@@ -105,63 +86,93 @@ static inline row_pressures pressures_of(const congested *c, ptrdiff_t row, int 
 }
 
 // The excess of a register of cells with the correction of the present pressures.
-static inline simd_float residual_of(const row_laws *laws, const row_pressures *p,
-                                     const float *excess, ptrdiff_t k, float lambda,
-                                     bool is_forward)
+static inline __attribute__((always_inline)) simd_float residual_of(
+    float lambda, const congested_uniform *uniform, const congested_row_faces *faces,
+    const row_pressures *p, const float *excess, ptrdiff_t k, loop_kind kind)
 {
     const simd_float here = simd_float_load(p->own + k);
     const simd_float west = simd_float_load(p->west + k) - here;
     const simd_float east = here - simd_float_load(p->east + k);
     const simd_float south = simd_float_load(p->south + k) - here;
     const simd_float north = here - simd_float_load(p->north + k);
-    const simd_float in = law(&laws->side[CONGESTED_WEST], k, west, is_forward, true) -
-                          law(&laws->side[CONGESTED_EAST], k, east, is_forward, true) +
-                          law(&laws->side[CONGESTED_SOUTH], k, south, is_forward, false) -
-                          law(&laws->side[CONGESTED_NORTH], k, north, is_forward, false);
+    const simd_float in = law(uniform, faces->side[CONGESTED_WEST], k, west, kind, true) -
+                          law(uniform, faces->side[CONGESTED_EAST], k, east, kind, true) +
+                          law(uniform, faces->side[CONGESTED_SOUTH], k, south, kind, false) -
+                          law(uniform, faces->side[CONGESTED_NORTH], k, north, kind, false);
 
     return simd_float_load(excess + k) + lambda * in;
 }
 
-static inline float relax_row(const congested *c, ptrdiff_t row, int colour, bool is_forward)
+// A half row as the relaxation sees it.
+typedef struct half_row {
+    congested_row_faces faces;
+    row_pressures p;
+    const float *excess;
+} half_row;
+
+// Relaxes cells of a half row, whole units; returns the larger of `largest` and of the changes of their pressures.
+static inline __attribute__((always_inline)) simd_float relax_cells(const congested *c,
+                                                                    const half_row *r,
+                                                                    congested_range cells,
+                                                                    loop_kind kind,
+                                                                    simd_float largest)
 {
-    const row_laws laws = laws_of(c, row, colour);
-    const row_pressures p = pressures_of(c, row, colour);
-    const float *excess = congested__row(c, c->excess[colour], row);
+    const congested_uniform uniform = c->uniform; // a copy that no store to a pressure can change
     const simd_float none = simd_float_all(0.0F);
     const float relaxation = c->relaxation, lambda = c->lambda;
-    const congested_range cells = c->range[row];
-    simd_float largest = none;
 
     for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES) {
-        const simd_float here = simd_float_load(p.own + k);
-        const simd_float residual = residual_of(&laws, &p, excess, k, lambda, is_forward);
+        const simd_float here = simd_float_load(r->p.own + k);
+        const simd_float residual =
+            residual_of(lambda, &uniform, &r->faces, &r->p, r->excess, k, kind);
         const simd_float relaxed = simd_float_max(here + relaxation * residual, none);
         const simd_float change = relaxed - here;
         largest = simd_float_max(largest, simd_float_max(change, -change));
-        simd_float_store(p.own + k, relaxed);
+        simd_float_store(r->p.own + k, relaxed);
     }
-    return simd_float_largest(largest, 0.0F);
+    return largest;
 }
 
 static float relax(const congested *c, ptrdiff_t row, int colour)
 {
-    return c->is_forward ? relax_row(c, row, colour, true) : relax_row(c, row, colour, false);
+    const half_row r = { congested__faces(c, row, colour), pressures_of(c, row, colour),
+                         congested__row(c, c->excess[colour], row) };
+    const bool *is_uniform = congested__uniform_units(c, row, colour);
+    const congested_range cells = c->range[row];
+    simd_float largest = simd_float_all(0.0F);
+
+    for (congested_range run = { cells.first, cells.first }; run.first < cells.last;
+         run.first = run.last) {
+        const bool is_run_uniform = is_uniform[run.first / CONGESTED_UNIT];
+        do
+            run.last += CONGESTED_UNIT;
+        while (run.last < cells.last && is_uniform[run.last / CONGESTED_UNIT] == is_run_uniform);
+        if (is_run_uniform)
+            largest = relax_cells(c, &r, run, LOOP_UNIFORM, largest);
+        else if (c->is_forward)
+            largest = relax_cells(c, &r, run, LOOP_FORWARD, largest);
+        else
+            largest = relax_cells(c, &r, run, LOOP_OBLIQUE, largest);
+    }
+    return simd_float_largest(largest, 0.0F);
 }
 
-static inline void make_flux_row(const congested *c, ptrdiff_t row, bool is_forward)
+static inline __attribute__((always_inline)) void make_flux_row(const congested *c, ptrdiff_t row,
+                                                                loop_kind kind)
 {
-    const row_laws laws = laws_of(c, row, 0);
+    const congested_row_faces faces = congested__faces(c, row, 0);
     const row_pressures p = pressures_of(c, row, 0);
     const float *beside[CONGESTED_SIDES] = { p.west, p.east, p.south, p.north };
 
     for (int side = 0; side < CONGESTED_SIDES; side++) {
-        const congested_law *l = &laws.side[side];
+        const congested_side_faces f = faces.side[side];
         // Fluxes are taken towards rising x: into the cell on its west and south sides.
         const float sign = side == CONGESTED_WEST || side == CONGESTED_SOUTH ? 1.0F : -1.0F;
         const bool is_x1 = side == CONGESTED_WEST || side == CONGESTED_EAST;
         for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
             const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
-            simd_float_store(l->flux + k, law(l, k, sign * drop, is_forward, is_x1));
+            simd_float_store(f.law->flux + f.at + k,
+                             law(&c->uniform, f, k, sign * drop, kind, is_x1));
         }
     }
 }
@@ -169,41 +180,43 @@ static inline void make_flux_row(const congested *c, ptrdiff_t row, bool is_forw
 static void make_flux(const congested *c, ptrdiff_t row)
 {
     if (c->is_forward)
-        make_flux_row(c, row, true);
+        make_flux_row(c, row, LOOP_FORWARD);
     else
-        make_flux_row(c, row, false);
+        make_flux_row(c, row, LOOP_OBLIQUE);
 }
 
 // Slip of cargo against the belt at x1-faces: by how much the correction holds it back.
-static inline simd_float slip(const congested_law *l, ptrdiff_t k, simd_float full)
+static inline simd_float slip(congested_side_faces f, ptrdiff_t k, simd_float full)
 {
-    const simd_float held = -simd_float_load(l->flux + k);
+    const simd_float held = -simd_float_load(f.law->flux + f.at + k);
     const simd_float slip = simd_float_min(simd_float_max(held, simd_float_all(0.0F)), full);
 
-    return simd_float_max(slip, simd_float_load(l->at_rest + k));
+    return simd_float_max(slip, simd_float_load(f.law->at_rest + f.at + k));
 }
 
 static const float huge_factor = 1e30F; // times the slowest belt's speed is more than any threshold
 
 static void make_thresholds(const congested *c, ptrdiff_t row)
 {
-    const ptrdiff_t shift = 1 - congested__shift(row);
-    const congested_law west = shifted(c, CONGESTED_WEST, row, 0);
-    const congested_law east = shifted(c, CONGESTED_EAST, row, 0);
+    const congested_row_faces faces = congested__faces(c, row, 0);
 
     for (int side = CONGESTED_SOUTH; side <= CONGESTED_NORTH; side++) {
-        const ptrdiff_t other = side == CONGESTED_SOUTH ? row - 1 : row + 1;
-        const congested_law own = shifted(c, (congested_side)side, row, 0);
-        const congested_law other_west = shifted(c, CONGESTED_EAST, other, shift - 1);
-        const congested_law other_east = shifted(c, CONGESTED_WEST, other, shift);
+        // The cells beyond the face are black.
+        const congested_row_faces beyond =
+            congested__faces(c, side == CONGESTED_SOUTH ? row - 1 : row + 1, 1);
+        const congested_side_faces own = faces.side[side];
+        float *threshold = own.law->threshold + own.at;
+        const float *full_slip = own.law->full_slip + own.at, *gain = own.law->gain + own.at;
         for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
-            const simd_float full = simd_float_load(own.full_slip + k);
-            const simd_float sum = slip(&west, k, full) + slip(&east, k, full) +
-                                   slip(&other_west, k, full) + slip(&other_east, k, full);
-            const simd_float before = simd_float_load(own.threshold + k);
-            const simd_float after = 0.5F * before + 0.5F * simd_float_load(own.gain + k) * sum;
+            const simd_float full = simd_float_load(full_slip + k);
+            const simd_float sum = slip(faces.side[CONGESTED_WEST], k, full) +
+                                   slip(faces.side[CONGESTED_EAST], k, full) +
+                                   slip(beyond.side[CONGESTED_WEST], k, full) +
+                                   slip(beyond.side[CONGESTED_EAST], k, full);
+            const simd_float before = simd_float_load(threshold + k);
+            const simd_float after = 0.5F * before + 0.5F * simd_float_load(gain + k) * sum;
             // The second is negative unless full is 0: where the belt stands a threshold stays.
-            simd_float_store(own.threshold + k, simd_float_max(after, before - huge_factor * full));
+            simd_float_store(threshold + k, simd_float_max(after, before - huge_factor * full));
         }
     }
 }
@@ -215,11 +228,11 @@ typedef struct row_fluxes {
 
 static inline row_fluxes fluxes_of(const congested *c, ptrdiff_t row, int colour)
 {
-    const row_laws laws = laws_of(c, row, colour);
+    const congested_row_faces faces = congested__faces(c, row, colour);
     row_fluxes fluxes;
 
     for (int side = 0; side < CONGESTED_SIDES; side++)
-        fluxes.side[side] = laws.side[side].flux;
+        fluxes.side[side] = faces.side[side].law->flux + faces.side[side].at;
     return fluxes;
 }
 

@@ -123,6 +123,57 @@ static void set_axis(const macro_solver *s, const congested *c, int axis)
     }
 }
 
+// Sets c->uniform by a face that has both laws.
+static void set_uniform(const macro_solver *s, congested *c)
+{
+    const double speed = c->n_belts == 0 ? 0.0 : s->factors[0] * c->belts[0].x;
+    congested_uniform *u = &c->uniform;
+    float others[4];
+    const congested_law law = { .slope = &u->slope,
+                                .offset = &others[0],
+                                .most = &u->most,
+                                .least = &u->least,
+                                .lower = &u->lower,
+                                .upper = &u->upper,
+                                .full_slip = &others[1],
+                                .gain = &others[2],
+                                .at_rest = &others[3] };
+    const face_slot slot = { &law, 0 };
+    const face_state x = { .aperture = 1.0, .belt_e = speed, .stat_e = speed };
+
+    set_face(c, &slot, &x);
+}
+
+static bool has_uniform_law(const congested *c, const congested_row_faces *faces, ptrdiff_t k)
+{
+    const congested_uniform *u = &c->uniform;
+    bool has = true;
+
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        const congested_law *l = faces->side[side].law;
+        const ptrdiff_t at = faces->side[side].at + k;
+        if (side == CONGESTED_WEST || side == CONGESTED_EAST)
+            has = has && l->slope[at] == u->slope && l->offset[at] == 0.0F &&
+                  l->most[at] == u->most && l->least[at] == u->least;
+        else
+            has = has && l->lower[at] == u->lower && l->upper[at] == u->upper;
+    }
+    return has;
+}
+
+static void find_uniform_units(const macro_solver *s, congested *c, ptrdiff_t row, int colour)
+{
+    const congested_row_faces faces = congested__faces(c, row, colour);
+    bool *is_uniform = congested__uniform_units(c, row, colour);
+
+    for (ptrdiff_t first = 0; 2 * first < s->n1; first += CONGESTED_UNIT) {
+        bool are_uniform = true;
+        for (ptrdiff_t k = first; are_uniform && k < first + CONGESTED_UNIT; k++)
+            are_uniform = has_uniform_law(c, &faces, k);
+        is_uniform[first / CONGESTED_UNIT] = are_uniform;
+    }
+}
+
 void congested_update(macro_solver *s)
 {
     congested *c = s->congested;
@@ -132,6 +183,12 @@ void congested_update(macro_solver *s)
         c->has_standing |= s->factors[k] * vec2_length(c->belts[k]) == 0.0;
     set_axis(s, c, 0);
     set_axis(s, c, 1);
+    if (!c->is_forward)
+        return; // no unit is uniform
+    set_uniform(s, c);
+    for (ptrdiff_t row = 0; row < s->n2; row++)
+        for (int colour = 0; colour < 2; colour++)
+            find_uniform_units(s, c, row, colour);
 }
 
 // The gradient along a face and the slip at it, from the four faces of the other axis around it.
