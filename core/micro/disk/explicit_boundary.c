@@ -141,7 +141,8 @@ INLINED void boundary_forces_lanes(const explicit_step *step, const pair_law *la
         subtract_surface_velocity(&surfaces, &at, c.lever, &own);
     c.force = normal_force(law, stiffness, overlap, own.vx * at.nx + own.vy * at.ny, zero, presses);
     c.sliding = law->rate * (own.vx * at.ny - own.vy * at.nx + own.spin * c.lever);
-    contact_force f = add_friction(&c, at.friction, uniform);
+    friction_quotient tanh = friction_tanh(c.sliding);
+    contact_force f = add_friction(&c, at.friction, &tanh, uniform);
     *ret_forces = (simd_quad){ { f.x, f.y, -(f.friction * c.lever), zero } };
     overlap = simd_where_less(zero, presses, overlap);
     all->overlap = simd_max(overlap, all->overlap);

@@ -3,7 +3,7 @@
 
 #include "core/micro/disk/explicit_lanes.h"
 
-enum { CONTACTS_AT_ONCE = 8 };
+enum { CONTACTS_AT_ONCE = 16 };
 
 static void tanh_of(size_t n, const double *x, double *ret_y)
 {
@@ -14,65 +14,16 @@ static void tanh_of(size_t n, const double *x, double *ret_y)
     }
 }
 
-// Pairs: how the second part differs from the first, and what both have.
-typedef struct pairs {
-    simd dx, dy, dvx, dvy;
+// Pairs of which some overlap, their contacts, and where the forces go.
+typedef struct pair_contact {
+    simd dx, dy, dvx, dvy; // how the second part differs from the first
+    simd distance2, distance;
     simd spins;      // sum, if uniform
     simd_quad own;   // spin, radius, compliance; if not uniform
     simd_quad other; // same
-} pairs;
-
-INLINED pairs load_pairs(const disk *rows, const uint32_t *own, const uint32_t *other, bool uniform)
-{
-    simd_quad d = simd_quad_difference(&rows->x, other, own);
-    pairs p = { .dx = d.column[0], .dy = d.column[1], .dvx = d.column[2], .dvy = d.column[3] };
-
-    if (uniform) {
-        p.spins = simd_quad_sum(&rows->spin, own, other).column[0];
-    } else {
-        p.own = simd_quad_load(&rows->spin, own);
-        p.other = simd_quad_load(&rows->spin, other);
-    }
-    return p;
-}
-
-// The contacts of pairs, and the levers of the second parts; false if no pair overlaps.
-INLINED bool find_contact(const pair_law *law, const pairs *p, bool uniform, contact *c,
-                          simd *ret_other_lever, overlaps *all)
-{
-    const simd *own = p->own.column, *other = p->other.column; // spin, radius, compliance
-    simd distance2 = p->dx * p->dx + p->dy * p->dy;
-    simd contact_distance = uniform ? law->contact_distance : own[1] + other[1],
-         contact_distance2 = contact_distance * contact_distance;
-
-    if (simd_less(distance2, contact_distance2) == 0)
-        return false;
-    simd distance = simd_sqrt(distance2), inverse = 1.0 / distance;
-    simd overlap = contact_distance - distance, rolling, stiffness = law->stiffness;
-    c->nx = p->dx * inverse;
-    c->ny = p->dy * inverse;
-    all->overlap = simd_max(overlap, all->overlap);
-    if (uniform) {
-        c->lever = *ret_other_lever = 0.5 * distance;
-        rolling = p->spins * c->lever;
-    } else {
-        simd excess = own[1] - other[1];
-        stiffness = law->line / (own[2] + other[2]);
-        c->lever = 0.5 * (distance + excess);
-        *ret_other_lever = 0.5 * (distance - excess);
-        rolling = own[0] * c->lever + other[0] * *ret_other_lever;
-        all->ratio = simd_max(overlap / simd_min(own[1], other[1]), all->ratio);
-    }
-    c->force = normal_force(law, stiffness, overlap, p->dvx * c->nx + p->dvy * c->ny, distance2,
-                            contact_distance2);
-    c->sliding = law->rate * (p->dvx * c->ny - p->dvy * c->nx + rolling);
-    return true;
-}
-
-// A contact and where its forces go.
-typedef struct pair_contact {
-    contact of;
+    contact contact;
     simd other_lever; // of the second part
+    friction_quotient tanh;
     double *forces;
 } pair_contact;
 
@@ -82,10 +33,67 @@ static inline void clear_forces(double *forces)
         simd_store(forces + k * SIMD_LANES, simd_all(0.0));
 }
 
+INLINED simd contact_distance_of(const pair_law *law, const pair_contact *c, bool uniform)
+{
+    return uniform ? law->contact_distance : c->own.column[1] + c->other.column[1];
+}
+
+// Loads pairs; false, with forces cleared, if none of them overlaps.
+INLINED bool find_overlap(const pair_law *law, const disk *rows, const uint32_t *own,
+                          const uint32_t *other, bool uniform, pair_contact *c)
+{
+    const simd_quad d = simd_quad_difference(&rows->x, other, own);
+    const simd distance2 = d.column[0] * d.column[0] + d.column[1] * d.column[1];
+
+    c->dx = d.column[0];
+    c->dy = d.column[1];
+    c->dvx = d.column[2];
+    c->dvy = d.column[3];
+    if (uniform) {
+        c->spins = simd_quad_sum(&rows->spin, own, other).column[0];
+    } else {
+        c->own = simd_quad_load(&rows->spin, own);
+        c->other = simd_quad_load(&rows->spin, other);
+    }
+    c->distance2 = distance2;
+    c->distance = simd_sqrt(distance2);
+    const simd range = contact_distance_of(law, c, uniform);
+    if (simd_less(distance2, range * range) != 0)
+        return true;
+    clear_forces(c->forces);
+    return false;
+}
+
+INLINED void find_contact(const pair_law *law, bool uniform, pair_contact *p, overlaps *all)
+{
+    const simd *own = p->own.column, *other = p->other.column; // spin, radius, compliance
+    const simd range = contact_distance_of(law, p, uniform), distance = p->distance;
+    simd inverse = 1.0 / distance, overlap = range - distance, rolling, stiffness = law->stiffness;
+    contact *c = &p->contact;
+
+    c->nx = p->dx * inverse;
+    c->ny = p->dy * inverse;
+    all->overlap = simd_max(overlap, all->overlap);
+    if (uniform) {
+        c->lever = p->other_lever = 0.5 * distance;
+        rolling = p->spins * c->lever;
+    } else {
+        simd excess = own[1] - other[1];
+        stiffness = law->line / (own[2] + other[2]);
+        c->lever = 0.5 * (distance + excess);
+        p->other_lever = 0.5 * (distance - excess);
+        rolling = own[0] * c->lever + other[0] * p->other_lever;
+        all->ratio = simd_max(overlap / simd_min(own[1], other[1]), all->ratio);
+    }
+    c->force = normal_force(law, stiffness, overlap, p->dvx * c->nx + p->dvy * c->ny, p->distance2,
+                            range * range);
+    c->sliding = law->rate * (p->dvx * c->ny - p->dvy * c->nx + rolling);
+}
+
 // Leaves the forces on the parts: x, y, torque, and the torque on the other part.
 INLINED void store_forces(const pair_contact *c, const contact_force *f)
 {
-    const simd_quad on_own = { { f->x, f->y, -(f->friction * c->of.lever),
+    const simd_quad on_own = { { f->x, f->y, -(f->friction * c->contact.lever),
                                  -(f->friction * c->other_lever) } };
     simd_row_quad row[SIMD_LANES];
 
@@ -97,8 +105,9 @@ INLINED void store_forces(const pair_contact *c, const contact_force *f)
     }
 }
 
-// The forces of the pairs of a block. Contacts are found for some registers of pairs, then their friction: two short
-// chains of operations overlap better than one long one.
+// The forces of the pairs of a block, for some registers of pairs in passes. From places to forces a contact is a
+// chain of a root, two divisions and a tanh, too long for a processor to work on more than one or two of them; each pass
+// has a short part of it, so that contacts overlap: about a tenth of the cycles of a step.
 INLINED void add_pairs(const explicit_step *step, const pair_law *law, size_t block, bool uniform,
                        overlaps *all)
 {
@@ -110,16 +119,18 @@ INLINED void add_pairs(const explicit_step *step, const pair_law *law, size_t bl
     for (size_t pair = list->pair_first[block]; pair < end;) {
         size_t n = 0;
         for (; n < CONTACTS_AT_ONCE && pair < end; pair += SIMD_LANES) {
-            pairs p = load_pairs(step->now, list->pair[0] + pair, list->pair[1] + pair, uniform);
             found[n].forces = forces;
-            if (find_contact(law, &p, uniform, &found[n].of, &found[n].other_lever, all))
-                n++;
-            else
-                clear_forces(forces);
+            n += find_overlap(law, step->now, list->pair[0] + pair, list->pair[1] + pair, uniform,
+                              &found[n]);
             forces += SIMD_LANES * DISK_PAIR_DOUBLES;
         }
+        for (size_t k = 0; k < n; k++)
+            find_contact(law, uniform, &found[k], all);
+        for (size_t k = 0; k < n; k++)
+            found[k].tanh = friction_tanh(found[k].contact.sliding);
         for (size_t k = 0; k < n; k++) {
-            contact_force f = add_friction(&found[k].of, law->friction, uniform);
+            const contact_force f =
+                add_friction(&found[k].contact, law->friction, &found[k].tanh, uniform);
             store_forces(&found[k], &f);
         }
     }

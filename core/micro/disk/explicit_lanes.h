@@ -81,11 +81,12 @@ typedef struct contact_force {
     simd friction; ///< (7)
 } contact_force;
 
-INLINED contact_force add_friction(const contact *c, simd friction, bool uniform)
+/// tanh is that of 8 times the sliding.
+INLINED contact_force add_friction(const contact *c, simd friction, const friction_quotient *tanh,
+                                   bool uniform)
 {
-    friction_quotient t = friction_tanh(c->sliding);
     simd size = uniform ? c->force : simd_max(c->force, -c->force);
-    simd along = friction * size * (t.up / t.down);
+    simd along = friction * size * (tanh->up / tanh->down);
 
     return (contact_force){ .x = along * c->ny - c->force * c->nx,
                             .y = -(along * c->nx + c->force * c->ny),
