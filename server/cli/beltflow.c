@@ -13,6 +13,18 @@ typedef struct command {
     const char *help;
 } command;
 
+// Two things have this name: the child that solves one run, and the worker that leases runs and starts such children.
+static int run_worker(int argc, char **argv)
+{
+    static const char pull[] = "--pull";
+    const size_t n = sizeof pull - 1;
+
+    for (int i = 1; i < argc; i++)
+        if (strncmp(argv[i], pull, n) == 0 && (argv[i][n] == '\0' || argv[i][n] == '='))
+            return cmd_pull(argc, argv);
+    return cmd_worker(argc, argv);
+}
+
 static const command commands[] = {
     { "solve", "beltflow solve", cmd_solve, "solve a scenario and write its results" },
     { "study", "beltflow study", cmd_study, "vary numbers of a scenario, and say what is best" },
@@ -20,7 +32,8 @@ static const command commands[] = {
     { "compare", "beltflow compare", cmd_compare, "say how far two outflow curves are apart" },
     { "draw", "beltflow draw", cmd_draw, "draw outflow curves in the terminal" },
     { "openapi", "beltflow openapi", cmd_openapi, "print the description of the daemon's API" },
-    { "worker", "beltflow worker", cmd_worker, "solve for the daemon: frames in, frames out" },
+    { "worker", "beltflow worker", run_worker,
+      "solve for the daemon: frames in, frames out; --pull URL: lease its runs" },
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof *commands };

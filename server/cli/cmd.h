@@ -31,6 +31,7 @@ int cmd_compare(int argc, char **argv);
 int cmd_draw(int argc, char **argv);
 int cmd_openapi(int argc, char **argv);
 int cmd_worker(int argc, char **argv);
+int cmd_pull(int argc, char **argv); // `worker --pull`, of `beltflow` alone
 
 /// Print the error as "<pointer>: <text>", or, where it has no place in a document, as
 /// "<command>: <text>". Returns the exit code for it.

@@ -1,6 +1,6 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
 micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
-study <- daemon, run <- pull <- daemon, run <- cli; and every outside header is included only where it belongs."""
+study <- daemon, run <- pull <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
 
@@ -40,7 +40,8 @@ for folder, known in {
     "server/run": {"server/base", "server/store"},
     "server/pull": {"server/base", "server/run"},
     "server/study": {"server/base", "server/store"},
-    "server/cli": {"server/base", "server/run"},
+    "server/worker": {"server/base", "server/run"},
+    "server/cli": {"server/base", "server/run", "server/worker"},
     "server/daemon": {"server/base", "server/http", "server/store", "server/run", "server/pull",
                       "server/study"},
 }.items():
@@ -69,6 +70,7 @@ ONLY_IN = {
     "png.h": r"api/results/png\.c|tests/.+",
     "archive.h": r"api/results/zip_out\.c|tests/.+",
     "archive_entry.h": r"api/results/zip_out\.c|tests/.+",
+    "curl/curl.h": r"server/worker/http_call\.c",
     "microhttpd.h": r"server/http/.+",
     "sqlite3.h": r"server/store/.+|tests/unit/server/(store/)?\w+_store\w*\.c|tests/fuzz/fuzz_row\.c",
     "sodium.h": r"server/store/\w+\.c|tests/unit/server/store/test_store_golden\.c",

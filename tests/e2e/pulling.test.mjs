@@ -1,0 +1,99 @@
+// `beltflow worker --pull`: what it solves for a daemon has the bytes of `beltflow solve`, also when the worker is stopped, or
+// the daemon killed, in the middle; what is refused ends it.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { writeFileSync } from "node:fs";
+import path from "node:path";
+import test, { after } from "node:test";
+
+import { daemon } from "./daemon.mjs";
+import { beltflow, childrenOf, isAlive } from "./processes.mjs";
+import { assertSameResults, solve } from "./results.mjs";
+import { endless, jam, tiny } from "./scenarios.mjs";
+import { binaries, temporaryFolder, until, within } from "./setup.mjs";
+import { makeToken } from "./tokens.mjs";
+
+const solved = solve({ after }, tiny());
+const pulling = { executor: "pull" };
+
+// A worker of this story, which is stopped with it; { stop(signal), log(), pid }.
+function worker(t, d, name, ...more) {
+  const args = ["worker", "--pull", d.url, "--name", name, "--cores", "1", "--spool", temporaryFolder(t), ...more];
+  const child = spawn(path.join(binaries, "beltflow"), args, { stdio: ["ignore", "ignore", "pipe"] });
+  let log = "";
+  child.stderr.on("data", (chunk) => (log += chunk));
+  const exited = new Promise((resolve) => child.on("close", resolve));
+  const w = { pid: child.pid, log: () => log, exited };
+  w.stop = async (signal = "SIGTERM") => {
+    const children = childrenOf(child.pid);
+    child.kill(signal);
+    const status = await within(exited, `the end of worker ${name}; its log:\n${log}`);
+    await until(() => !children.some(isAlive), "the end of the children");
+    return status;
+  };
+  t.after(() => child.kill("SIGKILL"));
+  return w;
+}
+
+test("a worker with a token solves a run, and ends when it is idle", async (t) => {
+  const d = await daemon(t, pulling);
+  const run = await d.submit(tiny());
+  const file = path.join(temporaryFolder(t), "token");
+  writeFileSync(file, `${makeToken(d.data, "one", "--scopes", "work")}\n`);
+  const admin = { authorization: `Bearer ${makeToken(d.data, "all", "--scopes", "read,admin")}` };
+  await until(async () => (await d.get("/v1/leases")).status === 401, "the tokens to count");
+  const w = worker(t, d, "one", "--token-file", file, "--idle-s", "3");
+  assert.equal(await within(w.exited, "the idle worker's end"), 0, w.log());
+  const hasSucceeded = async () => (await d.get(`/v1/runs/${run.id}`, admin)).json.status === "succeeded";
+  await until(hasSucceeded, "the end of the run");
+  assert.match(w.log(), /event=lease_begun lease=\S+ jobs=1[^]*event=lease_ended/);
+});
+
+test("a worker that is stopped saves its run, and another goes on from there", async (t) => {
+  const d = await daemon(t, pulling);
+  const scenario = jam(60, { curve_every_s: 0.5, snapshot_every_s: 20 });
+  const run = await d.submit(scenario);
+  const first = worker(t, d, "first");
+  await until(async () => (await d.run(run.id)).progress > 0, "progress");
+  assert.equal(await first.stop(), 0, first.log());
+  await until(() => d.log.includes("state=queued"), "the end of the first attempt");
+  assert.deepEqual((await d.get("/v1/leases")).json.workers.flatMap(({ leases }) => leases), []);
+  const second = worker(t, d, "second");
+  await d.reached(run.id, "succeeded");
+  await assertSameResults(d, run.id, await solve(t, scenario));
+  assert.equal(await second.stop("SIGINT"), 0, second.log());
+});
+
+test("a daemon that was killed has the whole of a run from its worker", async (t) => {
+  const d = await daemon(t, { ...pulling, listen: "127.0.0.1:0" });
+  const run = await d.submit(endless());
+  const w = worker(t, d, "one");
+  await until(async () => (await d.run(run.id)).progress > 0, "progress");
+  const [child] = childrenOf(w.pid);
+  await d.kill();
+  d.settings.listen = `127.0.0.1:${d.port}`;
+  await until(() => w.log().includes("event=service_lost"), "the loss");
+  await d.start();
+  await until(() => w.log().includes("event=service_back"), "the daemon");
+  await until(async () => (await d.run(run.id)).progress > 0, "more progress");
+  assert.deepEqual(childrenOf(w.pid), [child]);
+  await d.post(`/v1/runs/${run.id}/cancel`, "");
+  await d.reached(run.id, "cancelled");
+  const again = await d.submit(tiny());
+  await d.reached(again.id, "succeeded");
+  await assertSameResults(d, again.id, await solved);
+  assert.equal(await w.stop(), 0, w.log());
+});
+
+test("a daemon that refuses ends the worker, and its words are told", async (t) => {
+  const local = await daemon(t);
+  const refused = await beltflow(["worker", "--pull", local.url]);
+  assert.equal(refused.status, 1);
+  assert.match(refused.stderr, /this service solves runs itself/);
+  const file = path.join(temporaryFolder(t), "token");
+  writeFileSync(file, "two words");
+  const bad = await beltflow(["worker", "--pull", local.url, "--token-file", file]);
+  assert.equal(bad.status, 2);
+  assert.match(bad.stderr, /holds more than a token/);
+});
