@@ -37,7 +37,7 @@ void worker__drop_job(worker *w, worker_job *job)
     if (job->spool >= 0)
         close(job->spool);
     w->n_spooled -= job->n_spooled;
-    job->n_spooled = 0;
+    job->n_spooled = job->n_taken = 0;
     job->spool = -1;
     job->child = NULL;
     job->state = WORKER_JOB_OVER;
