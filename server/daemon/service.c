@@ -47,11 +47,8 @@ static bf_status submit(void *context, const api_submission *submission,
     if (atomic_load(&s->is_draining))
         return refuse_draining(err);
     bf_status status = store_submit(s->store, submission, ret_acceptance, err);
-    if (status != BF_OK)
-        return status;
-    supervisor_wake(s->supervisor);
-    if (!ret_acceptance->is_replay)
-        predictor_note(s->predictor, ret_acceptance->id);
+    if (status == BF_OK)
+        supervisor_wake(s->supervisor);
     return status;
 }
 

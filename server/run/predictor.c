@@ -1,5 +1,4 @@
-// A ring of the runs that it was told of last; a run's place in it follows from its number, and its number from a hash
-// table of places.
+// Runs that were asked for wait in a ring; what was found is in a table, each run at the place that its id says.
 
 #include "server/run/predictor.h"
 
@@ -25,21 +24,21 @@ enum { LOWER_PRIORITY = 10 };
 // For each kind; the fastest of the runs within it counts.
 static const double measured_s = 0.03;
 
-// A run that it was told of.
+// A run that was asked for.
 typedef struct entry {
     char run_id[API_ID_SIZE]; // "": none
-    double seconds;           // NAN: not known yet
+    double seconds;           // NAN: not known, or not yet
 } entry;
 
 struct predictor {
     store *store;
     pthread_t thread;
     atomic_bool is_stopping;
-    lock lock;           // guards what follows
-    lock_condition told; // of a run, or to stop
+    lock lock;            // guards what follows
+    lock_condition asked; // for a run, or to stop
     bool has_speed;
     prediction_speed speed;
-    size_t n_waiting; // entries told and not predicted, the oldest first
+    size_t n_waiting;                              // runs that were asked for and not predicted
     char waiting[PREDICTOR_RUNS_MAX][API_ID_SIZE]; // a ring
     size_t first;                                  // of them
     entry entries
@@ -61,22 +60,26 @@ static entry *find_entry(predictor *p, const char *run_id)
     return &p->entries[hash % PREDICTOR_RUNS_MAX];
 }
 
-void predictor_note(predictor *p, const char *run_id)
+// Let the thread predict a run that was not asked for before; where too many wait already it is asked for again later.
+static void ask(predictor *p, entry *e, const char *run_id)
 {
-    lock_acquire(&p->lock);
-    if (p->n_waiting < PREDICTOR_RUNS_MAX) {
-        const size_t at = (p->first + p->n_waiting++) % PREDICTOR_RUNS_MAX;
-        memcpy(p->waiting[at], run_id, API_ID_SIZE);
-        lock_wake_one(&p->told);
-    }
-    lock_release(&p->lock);
+    if (p->n_waiting == PREDICTOR_RUNS_MAX)
+        return;
+    const size_t at = (p->first + p->n_waiting++) % PREDICTOR_RUNS_MAX;
+    memcpy(p->waiting[at], run_id, API_ID_SIZE);
+    memcpy(e->run_id, run_id, API_ID_SIZE);
+    e->seconds = (double)NAN;
+    lock_wake_one(&p->asked);
 }
 
 double predictor_seconds(predictor *p, const char *run_id)
 {
     lock_acquire(&p->lock);
-    const entry *e = find_entry(p, run_id);
-    const double seconds = strcmp(e->run_id, run_id) == 0 ? e->seconds : (double)NAN;
+    entry *e = find_entry(p, run_id);
+    const bool is_known = strcmp(e->run_id, run_id) == 0;
+    const double seconds = is_known ? e->seconds : (double)NAN;
+    if (!is_known)
+        ask(p, e, run_id);
     lock_release(&p->lock);
     return seconds;
 }
@@ -109,26 +112,6 @@ static bf_status measure_speed(predictor *p, bf_error *err)
     p->has_speed = true;
     lock_release(&p->lock);
     return BF_OK;
-}
-
-// The runs that waited when the daemon was started.
-static bf_status note_queued(predictor *p, bf_error *err)
-{
-    api_list_query query = { .state = RUN_QUEUED, .model = -1, .limit = API_LIST_MAX };
-    api_run_list *page = memory_alloc(1, sizeof *page);
-    bf_status status = page == NULL ? bf_fail(err, BF_ENOMEM, "", "no memory for runs") : BF_OK;
-    bool has_more = true;
-
-    while (status == BF_OK && has_more && !atomic_load(&p->is_stopping)) {
-        status = store_list(p->store, &query, page, err);
-        has_more = status == BF_OK && page->has_more && page->n > 0;
-        for (size_t k = 0; status == BF_OK && k < page->n; k++)
-            predictor_note(p, page->runs[k].id);
-        if (has_more)
-            memcpy(query.before, page->runs[page->n - 1].id, API_ID_SIZE);
-    }
-    memory_free(page);
-    return status;
 }
 
 static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, bf_error *err)
@@ -169,7 +152,7 @@ static bool take_next(predictor *p, char *ret_run_id)
 {
     lock_acquire(&p->lock);
     while (p->n_waiting == 0 && !atomic_load(&p->is_stopping))
-        (void)lock_wait(&p->told, &p->lock, -1);
+        (void)lock_wait(&p->asked, &p->lock, -1);
     const bool has_next = !atomic_load(&p->is_stopping);
     if (has_next) {
         memcpy(ret_run_id, p->waiting[p->first], API_ID_SIZE);
@@ -188,8 +171,6 @@ static void *run_loop(void *context)
 
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), LOWER_PRIORITY);
     bf_status status = measure_speed(p, &err);
-    if (status == BF_OK)
-        status = note_queued(p, &err);
     if (status != BF_OK) {
         log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
         return NULL;
@@ -212,7 +193,7 @@ bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "", "no memory for the predictor");
     p->store = s;
     lock_init(&p->lock);
-    lock_condition_init(&p->told);
+    lock_condition_init(&p->asked);
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = pthread_create(&p->thread, NULL, run_loop, p);
@@ -221,7 +202,7 @@ bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err)
         *ret_predictor = p;
         return BF_OK;
     }
-    lock_condition_fini(&p->told);
+    lock_condition_fini(&p->asked);
     lock_fini(&p->lock);
     memory_free(p);
     return bf_fail(err, BF_ESYSTEM, "", "the predictor cannot be started: %s", strerror(error));
@@ -233,10 +214,10 @@ predictor *predictor_stop(predictor *p)
         return NULL;
     atomic_store(&p->is_stopping, true);
     lock_acquire(&p->lock);
-    lock_wake_all(&p->told);
+    lock_wake_all(&p->asked);
     lock_release(&p->lock);
     BF_CHECK(pthread_join(p->thread, NULL) == 0);
-    lock_condition_fini(&p->told);
+    lock_condition_fini(&p->asked);
     lock_fini(&p->lock);
     memory_free(p);
     return NULL;

@@ -1,4 +1,4 @@
-// The predictor: runs that wait get a prediction, also those of before it was started.
+// The predictor: runs that wait get a prediction when somebody asks for it.
 
 #include "server/run/predictor.h"
 
@@ -44,24 +44,20 @@ static double await_seconds(predictor *p, const char *run_id)
     return seconds;
 }
 
-static void test_runs_that_wait_are_predicted(void **state)
+static void test_runs_that_wait_are_predicted_when_asked_for(void **state)
 {
     helper_store *h = *state;
     prediction_speed speed;
     predictor *p;
 
-    const api_run before = submit_scene(h->store);
+    const api_run first = submit_scene(h->store), second = submit_scene(h->store);
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
-    const double seconds = await_seconds(p, before.id);
+    const double seconds = await_seconds(p, first.id);
     assert_true(seconds > 0.0 && seconds < 60.0);
     assert_true(predictor_speed(p, &speed));
     for (size_t k = 0; k < PREDICTION_KIND_COUNT; k++)
         assert_true(speed.factors[k] > 0.0);
-
-    const api_run later = submit_scene(h->store);
-    assert_true(isnan(predictor_seconds(p, later.id)));
-    predictor_note(p, later.id);
-    assert_true(await_seconds(p, later.id) == seconds);
+    assert_true(await_seconds(p, second.id) == seconds);
     assert_null(predictor_stop(p));
 }
 
@@ -73,9 +69,8 @@ static void test_runs_that_do_not_wait_are_not_predicted(void **state)
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     const api_run gone = submit_scene(h->store);
     assert_int_equal(store_remove(h->store, gone.id, API_ANY_REVISION, NULL), BF_OK);
-    predictor_note(p, gone.id);
+    assert_true(isnan(predictor_seconds(p, gone.id)));
     const api_run waiting = submit_scene(h->store);
-    predictor_note(p, waiting.id);
     assert_true(await_seconds(p, waiting.id) > 0.0); // and the one before it was looked at
     assert_true(isnan(predictor_seconds(p, gone.id)));
     assert_null(predictor_stop(p));
@@ -84,8 +79,8 @@ static void test_runs_that_do_not_wait_are_not_predicted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_runs_that_wait_are_predicted, helper_store_setup,
-                                        helper_store_teardown),
+        cmocka_unit_test_setup_teardown(test_runs_that_wait_are_predicted_when_asked_for,
+                                        helper_store_setup, helper_store_teardown),
         cmocka_unit_test_setup_teardown(test_runs_that_do_not_wait_are_not_predicted,
                                         helper_store_setup, helper_store_teardown),
     };
