@@ -141,6 +141,8 @@ typedef struct api_services {
     bf_status (*read_quotas)(void *context, const char *owner, api_quotas *ret_quotas,
                              bf_error *err);
     bf_status (*find)(void *context, const char *id, api_run *ret_run, bf_error *err);
+    /// True if find() would not wait for the disk now.
+    bool (*holds)(void *context, const char *id);
     bf_status (*list)(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err);
     /// Ask a run to stop and keep what it has. A queued run is cancelled when this returns, a running

@@ -33,6 +33,17 @@ api_cost api_request_cost(const api_request *request)
     return is_text ? found->text_cost : found->cost;
 }
 
+// A long poll and what else a query may ask for is not looked at.
+bool api_request_is_at_hand(const api_services *services, const api_request *request)
+{
+    route_params params;
+    const route *found =
+        request->query[0] != '\0' ? NULL : routes_find(request->method, request->path, &params);
+
+    return found != NULL && found->handle == handlers_runs_show &&
+           services->holds(services->context, params.values[0]);
+}
+
 bool api_route_exists(const char *path)
 {
     char allow[ROUTES_ALLOW_SIZE];

@@ -85,6 +85,9 @@ typedef struct api_response {
 /// method, the path, the query's format and the Accept header; not the body.
 api_cost api_request_cost(const api_request *request);
 
+/// True if this request would not wait for the disk now, although requests like it do: its run is in memory.
+bool api_request_is_at_hand(const api_services *services, const api_request *request);
+
 /// What becomes of a request's body.
 typedef enum api_body {
     API_BODY_NEEDED,  ///< it is to be there when the request is handled

@@ -65,17 +65,25 @@ static void put_escaped(json_out *w, unsigned char c)
     put(w, text, (size_t)snprintf(text, sizeof text, "\\u%04x", (unsigned)c));
 }
 
+// True for ASCII that stands for itself, of which nearly all text is.
+static bool is_plain(char c)
+{
+    return c >= 0x20 && c < 0x7f && c != '"' && c != '\\';
+}
+
 static void put_text(json_out *w, const char *text)
 {
     const char *from = text;
     const char *at = text;
 
     put(w, "\"", 1);
-    while (*at != '\0') {
-        size_t n = text_utf8_size(at);
-        bool is_plain =
-            n > 1 || (n == 1 && (unsigned char)*at >= 0x20 && *at != '"' && *at != '\\');
-        if (is_plain) {
+    for (;;) {
+        while (is_plain(*at))
+            at++;
+        if (*at == '\0')
+            break;
+        const size_t n = text_utf8_size(at);
+        if (n > 1 || *at == 0x7f) {
             at += n;
             continue;
         }

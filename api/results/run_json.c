@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+enum { USUAL_BYTES = 2048 }; // of a run with its links, so that the answer need not grow
+
 static void write_status_word(json_out *w, const member *m, const void *item)
 {
     bf_status code;
@@ -143,6 +145,8 @@ bf_status run_json_write(const api_run *record, bf_buffer *out, bf_error *err)
 {
     json_out w = json_out_to(out);
 
+    if (buffer_reserve(out, USUAL_BYTES) == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
     members_write(&w, &run_json, record);
     return json_out_status(&w, err);
 }

@@ -68,11 +68,24 @@ static void add_prediction(service *s, api_run *record)
 static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
 {
     service *s = context;
+    const uint64_t n_commits = store_count_commits(s->store);
+    bf_status status = BF_OK;
 
-    bf_status status = store_find(s->store, id, ret_run, err);
+    if (!found_runs_look(&s->found, id, n_commits, ret_run)) {
+        status = store_find(s->store, id, ret_run, err);
+        if (status == BF_OK)
+            found_runs_remember(&s->found, n_commits, ret_run);
+    }
     if (status == BF_OK)
         add_prediction(s, ret_run);
     return status;
+}
+
+static bool holds(void *context, const char *id)
+{
+    service *s = context;
+
+    return found_runs_look(&s->found, id, store_count_commits(s->store), NULL);
 }
 
 static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
@@ -354,6 +367,7 @@ api_services service_table(service *s)
                            .submit = submit,
                            .read_quotas = read_quotas,
                            .find = find,
+                           .holds = holds,
                            .list = list,
                            .cancel = cancel,
                            .remove = remove_run,
@@ -395,10 +409,12 @@ void service_init(service *s)
 {
     lock_init(&s->lock);
     lock_condition_init(&s->committed);
+    found_runs_init(&s->found);
 }
 
 void service_fini(service *s)
 {
+    found_runs_fini(&s->found);
     lock_condition_fini(&s->committed);
     lock_fini(&s->lock);
 }

@@ -344,12 +344,25 @@ bool http__request_work(http_request *r)
 }
 
 // True if handling it can wait for the disk, so it needs a request thread. Of the health routes
-// only readiness does: it writes to the store.
-static bool can_block(const http_request *r)
+// only readiness does: it writes to the store. A run that is at hand now may not be in a moment; then it is read here.
+static bool can_block(http_request *r)
 {
-    return r->cost == API_COST_HEALTH
-               ? strcmp(r->path, "/readyz") == 0
-               : r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
+    const api_request request = view(r);
+
+    if (r->cost == API_COST_HEALTH)
+        return strcmp(r->path, "/readyz") == 0;
+    if (r->cost == API_COST_STORE && api_request_is_at_hand(&r->server->services, &request))
+        return false;
+    return r->cost > API_COST_HEALTH || http__page_may_have(r->server, r->path);
+}
+
+static void handle_at_once(http_request *r)
+{
+    const int64_t begun_ns = has_rate(r) ? clock_thread_cpu_ns() : 0;
+
+    handle(r);
+    http__answer_settle(r);
+    http__request_charge(r, begun_ns);
 }
 
 // MHD reads from the socket when a connection resumes that was suspended while it waited for more of the
@@ -361,7 +374,7 @@ static bool dispatch(http_request *r)
     if (!check_rate(r))
         return http__respond(r);
     if (!can_block(r)) {
-        handle(r);
+        handle_at_once(r);
         return http__respond(r);
     }
     r->stage = HTTP_STAGE_COMPLETE;

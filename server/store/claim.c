@@ -276,6 +276,11 @@ static bf_status apply_cancel(store__connection *writer, store__operation *opera
     return store__transition(writer, row, RUN_CANCELLED, err);
 }
 
+uint64_t store_count_commits(const store *s)
+{
+    return atomic_load(&s->writer.n_commits);
+}
+
 uint64_t store_count_stop_requests(const store *s)
 {
     return atomic_load(&s->n_stop_requests);

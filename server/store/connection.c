@@ -268,8 +268,10 @@ bf_status store__begin_transaction(store__connection *c, bf_error *err)
 
 bf_status store__end_transaction(store__connection *c, bf_status status, bf_error *err)
 {
-    if (status == BF_OK)
+    if (status == BF_OK) {
         status = store__run_plain(c, STORE__SQL_COMMIT, err);
+        atomic_fetch_add(&c->n_commits, 1); // also where it failed: nobody knows what is on the disk
+    }
     // After some failures SQLite has already rolled the transaction back. A rollback that fails is made up for
     // when the next transaction begins.
     if (status != BF_OK && sqlite3_get_autocommit(c->db) == 0) {

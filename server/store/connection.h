@@ -8,6 +8,7 @@
 #include "server/base/lock.h"
 #include "server/store/sql.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -35,6 +36,8 @@ typedef struct store__connection {
     struct sqlite3_stmt *statements[STORE__SQL_COUNT]; ///< NULL: not prepared yet
     int restart_pages;     ///< writer: pages of the log with which it is started again
     size_t queued_at_most; ///< writer: not more runs than these wait; SIZE_MAX: not counted yet
+    _Atomic uint64_t
+        n_commits; ///< writer: transactions that it has ended by a commit, also one that failed
 } store__connection;
 
 /// What a connection may do.

@@ -205,6 +205,10 @@ void store_set_quotas(store *s, const store_quotas *quotas);
 BF_MUST_CHECK bf_status store_read_quotas(store *s, const char *owner, api_quotas *ret_quotas,
                                           bf_error *err);
 
+/// How many transactions the store has committed. What was read after this number was n is what the store holds as
+/// long as it is n: it rises before anybody hears of a commit.
+uint64_t store_count_commits(const store *s);
+
 /// Probe the store's thread; true if it has answered all previous probes.
 bool store_is_alive(store *s);
 

@@ -314,6 +314,13 @@ static bf_status do_metrics(void *context, bf_buffer *out, bf_error *err)
     return buffer_printf(out, "beltflow_runs 0\n") == BF_OK ? BF_OK : no_memory(err);
 }
 
+static bool do_holds(void *context, const char *id)
+{
+    (void)context;
+    (void)id;
+    return false;
+}
+
 static bool do_read_speed(void *context, prediction_speed *ret_speed)
 {
     (void)context;
@@ -370,6 +377,7 @@ api_services helper_services(helper_daemon *d)
                               .read_slice = helper_slices_read,
                               .read_events = do_read_events,
                               .read_changes = do_read_changes,
+                              .holds = do_holds,
                               .read_speed = do_read_speed,
                               .ready = do_ready,
                               .metrics = do_metrics };
