@@ -270,7 +270,8 @@ bf_status store__end_transaction(store__connection *c, bf_status status, bf_erro
 {
     if (status == BF_OK) {
         status = store__run_plain(c, STORE__SQL_COMMIT, err);
-        atomic_fetch_add(&c->n_commits, 1); // also where it failed: nobody knows what is on the disk
+        atomic_fetch_add(&c->n_commits,
+                         1); // also where it failed: nobody knows what is on the disk
     }
     // After some failures SQLite has already rolled the transaction back. A rollback that fails is made up for
     // when the next transaction begins.

@@ -18,7 +18,8 @@ static bool is_possible(const store__row *row)
 
 bf_status store__read_row(const store__query *q, store__row *ret_row, bf_error *err)
 {
-    store__row row = { .rowid = sqlite3_column_int64(q->statement, 0) };
+    store__row row = { .rowid = sqlite3_column_int64(q->statement, 0),
+                       .run = { .predicted_s = (double)NAN } };
     bool is_whole = false;
     int i = 0;
 
@@ -104,7 +105,7 @@ bf_status store__transition(store__connection *writer, store__row *row, run_stat
         return bf_fail(err, BF_ECONFLICT, "", "the run is %s and cannot become %s",
                        run_state_word(row->run.state), run_state_word(to));
     row->run.state = to;
-    row->run.eta_s = row->run.predicted_s = NAN;
+    row->run.eta_s = NAN;
     row->stop_request = STORE_STOP_NONE;
     row->external_id[0] = '\0';
     if (to == RUN_RUNNING)

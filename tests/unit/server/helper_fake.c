@@ -6,6 +6,7 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,6 +77,7 @@ static bf_status find(void *context, const char *id, api_run *ret_run, bf_error 
     lock_acquire(&f->lock);
     ret_run->last_event = ret_run->revision = f->n_events;
     ret_run->n_snapshots = f->n_snapshots;
+    ret_run->predicted_s = (double)NAN;
     ret_run->grid = (bf_grid){ .n1 = FAKE_CELLS, .n2 = 1, .d1 = 1.0, .d2 = 1.0 };
     f->n_finds++;
     ret_run->state = f->has_ended ? RUN_SUCCEEDED : RUN_RUNNING;
@@ -209,6 +211,20 @@ static bf_status ready(void *context, bf_error *err)
     return BF_OK;
 }
 
+static bool holds(void *context, const char *id)
+{
+    (void)context;
+    (void)id;
+    return false;
+}
+
+static bool read_speed(void *context, prediction_speed *ret_speed)
+{
+    (void)context;
+    (void)ret_speed;
+    return false;
+}
+
 static bf_status list(void *context, const api_list_query *query, api_run_list *ret_list,
                       bf_error *err)
 {
@@ -235,6 +251,8 @@ api_services fake_services(fake *f)
 {
     return (api_services){ .context = f,
                            .find = find,
+                           .holds = holds,
+                           .read_speed = read_speed,
                            .list = list,
                            .read_text = read_text,
                            .read_curve = read_curve,

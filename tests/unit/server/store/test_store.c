@@ -21,7 +21,9 @@ static void a_submitted_run_is_queued_and_says_so(void **state)
     assert_true(record.created_ms > 0);
     assert_int_equal(record.started_ms, 0);
     assert_true(isnan(record.eta_s));
+    assert_true(isnan(record.predicted_s));
     api_run found = helper_find(s, record.id);
+    assert_true(isnan(found.predicted_s));
     assert_int_equal(found.revision, record.revision);
     assert_int_equal(found.last_event, record.last_event);
 
