@@ -37,6 +37,7 @@ static const struct {
     { "Events", "Events of a run or a study as a stream." },
     { "Comparison", "Measured curves and comparisons of results." },
     { "Scenarios", "Ready scenarios and validation." },
+    { "Workers", "Runs for workers on other machines." },
     { "Service", "State and version of the service." },
 };
 
