@@ -30,6 +30,8 @@
     X(QUEUE_LENGTH, GAUGE, "beltflow_queue_length", "", NONE, "Runs that wait")                    \
     X(QUEUE_AGE, GAUGE, "beltflow_queue_oldest_age_seconds", "seconds", NONE,                      \
       "Age of the oldest run that waits; 0 if none does")                                          \
+    X(QUEUE_PREDICTED, GAUGE, "beltflow_queue_predicted_seconds", "seconds", NONE,                 \
+      "CPU time that the runs that wait will take, as the oldest ones are predicted")              \
     X(QUOTA_REFUSALS, COUNTER, "beltflow_quota_refusals_total", "", QUOTA,                         \
       "Submissions that were refused for a quota of their client or owner")                        \
     X(RUNS, GAUGE, "beltflow_runs", "", STATE, "Stored runs")                                      \

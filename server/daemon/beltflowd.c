@@ -284,6 +284,15 @@ static bf_status start_executor(parts *p, bf_error *err)
     return status;
 }
 
+static bf_status start_predictor(parts *p, bf_error *err)
+{
+    bf_status status = predictor_start(p->service.store, &p->service.predictor, err);
+
+    if (status == BF_OK && config_is_pull(&p->settings))
+        pull_executor_set_predictor(p->executor, p->service.predictor);
+    return status;
+}
+
 static bf_status start(parts *p, bf_error *err)
 {
     bf_status status = start_executor(p, err);
@@ -293,11 +302,11 @@ static bf_status start(parts *p, bf_error *err)
     if (status == BF_OK)
         status = start_tokens(p, err);
     if (status == BF_OK)
+        status = start_predictor(p, err);
+    if (status == BF_OK)
         status = start_supervisor(p, err);
     if (status == BF_OK)
         status = start_studies(p, err);
-    if (status == BF_OK)
-        status = predictor_start(p->service.store, &p->service.predictor, err);
     if (status == BF_OK)
         status = start_http(p, err);
     return status;
@@ -310,10 +319,10 @@ static void stop(parts *p)
     set_commit_listener(p, p->service.supervisor, NULL);
     p->http = http_stop(p->http);
     set_commit_listener(p, NULL, NULL);
-    p->service.predictor = predictor_stop(p->service.predictor);
     p->service.studies = studies_stop(p->service.studies);
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
+    p->service.predictor = predictor_stop(p->service.predictor);
     p->executor = config_is_pull(&p->settings) ? pull_executor_destroy(p->executor)
                                                : local_executor_destroy(p->executor);
     p->service.tokens = tokens_close(p->service.tokens);

@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { REMOVE_MS = 60000 }; // for a run that is running to end
@@ -62,7 +63,7 @@ static bf_status read_quotas(void *context, const char *owner, api_quotas *ret_q
 static void add_prediction(service *s, api_run *record)
 {
     if (record->state == RUN_QUEUED && record->study[0] == '\0')
-        record->predicted_s = predictor_seconds(s->predictor, record->id);
+        record->predicted_s = predictor_seconds(s->predictor, record->id, "");
 }
 
 static bf_status find(void *context, const char *id, api_run *ret_run, bf_error *err)
@@ -345,6 +346,8 @@ static void read_figures(service *s)
     for (size_t state = 0; state < RUN_STATE_COUNT; state++)
         metrics_set(METRICS_RUNS, state, (int64_t)stats.n_runs[state]);
     metrics_set(METRICS_QUEUE_LENGTH, 0, (int64_t)stats.n_runs[RUN_QUEUED]);
+    const double queue_s = predictor_queue_seconds(s->predictor, stats.n_runs[RUN_QUEUED]);
+    metrics_set(METRICS_QUEUE_PREDICTED, 0, isfinite(queue_s) ? (int64_t)(1e9 * queue_s) : 0);
     metrics_set(METRICS_QUEUE_AGE, 0, age_ms > 0 ? age_ms * 1000000 : 0);
     metrics_set(METRICS_STORE_SIZE, 0, (int64_t)stats.file_bytes);
     metrics_set(METRICS_STORE_LOG_SIZE, 0, (int64_t)stats.log_bytes);

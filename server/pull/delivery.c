@@ -137,6 +137,8 @@ static void take_end(pull_executor *e, answer *a, const pull__lease *lease, cons
         (void)bf_fail(&job->end.error, BF_ESYSTEM, "",
                       "the solver ended before the end of the run");
     pull__note_end(e, worker, end);
+    if (e->predictor != NULL && job->study[0] != '\0' && end->cause == API_JOB_EXITED)
+        predictor_learn(e->predictor, job->study, job->used_s);
     a->is_named[end->report.job] = false;
     add_state(a, end->report.job, job->n_received, API_JOB_GO_ON);
     pull__move(e, job, PULL_ENDED);

@@ -158,6 +158,7 @@ static void add_waiting(batch *b, const pull_executor *e, bool is_trial, uint32_
     for (executor_job *job = e->first; job != NULL; job = job->next) {
         if (job->place != PULL_WAITING || job->about.is_trial != is_trial)
             continue;
+        job->about.predicted_s = pull__predict(e, job);
         if (b->n == API_LEASE_JOBS_MAX || !fits(b, job, n_cores))
             return;
         b->jobs[b->n++] = job;

@@ -44,6 +44,12 @@ static bool has_ended(pull__place place)
     return place == PULL_ENDED || place == PULL_LOST;
 }
 
+double pull__predict(const pull_executor *e, const executor_job *job)
+{
+    return e->predictor == NULL ? (double)NAN
+                                : predictor_seconds(e->predictor, job->about.run, job->study);
+}
+
 void pull__move(pull_executor *e, executor_job *job, pull__place place)
 {
     lock_assert_held(&e->lock);
@@ -131,7 +137,7 @@ static void describe(api_lease_job *about, const executor_work *work, size_t n_i
     about->memory_bytes = work->memory_bytes;
     about->cpu_s = work->cpu_s;
     about->step = work->checkpoint->n == 0 ? 0 : work->step;
-    about->predicted_s = (double)NAN;
+    about->predicted_s = (double)NAN; // until it is leased
     about->n_bytes = n_input;
 }
 
@@ -145,6 +151,9 @@ static bf_status start(executor *base, const executor_work *work, executor_job *
                                    : executor_encode(work, &job->input, err);
     if (status == BF_OK) {
         describe(&job->about, work, job->input.n);
+        if (work->is_trial)
+            snprintf(job->study, sizeof job->study, "%s", work->study_id);
+        (void)pull__predict(e, job); // so that it is known when somebody leases it
         *ret_job = job;
     }
     if (job != NULL)
@@ -370,6 +379,14 @@ static void close_fd(int fd)
 {
     if (fd >= 0)
         close(fd);
+}
+
+void pull_executor_set_predictor(executor *base, predictor *p)
+{
+    pull_executor *e = pull__enter(base);
+
+    e->predictor = p;
+    lock_release(&e->lock);
 }
 
 executor *pull_executor_destroy(executor *base)

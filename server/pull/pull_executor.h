@@ -11,6 +11,7 @@
 
 #include "api/leases.h"
 #include "server/run/executor.h"
+#include "server/run/predictor.h"
 
 enum {
     PULL_JOB_BYTES_MAX = 1024 * 1024,  ///< of a job that wait for the supervisor
@@ -21,6 +22,10 @@ enum {
 
 /// Create one. BF_ENOMEM, BF_ESYSTEM: no memory or descriptor.
 BF_MUST_CHECK bf_status pull_executor_create(executor **ret_executor, bf_error *err);
+
+/// From now on say of jobs how long they will take; the predictor must outlive the use of the executor's services. NULL, as
+/// at the beginning: nothing is said.
+void pull_executor_set_predictor(executor *e, predictor *p);
 
 /// Free it; all jobs that the supervisor took must have been released, and no request may be in it. NULL is fine. Always
 /// returns NULL.

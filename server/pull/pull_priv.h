@@ -32,6 +32,7 @@ typedef enum pull__place {
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];    ///< "pull:RUN:ATTEMPT"
     api_lease_job about;          ///< as workers see it
+    char study[API_ID_SIZE];      ///< whose trial it is; "": a run by itself
     pull__place place;            ///< where it is
     pull__lease *lease;           ///< PULL_LEASED: whose it is; else NULL
     char worker[API_WORKER_SIZE]; ///< who had it last; "": nobody
@@ -83,6 +84,7 @@ typedef struct pull_executor {
     int timer_fd;             ///< ticks while there is anybody who could fall silent
     bool is_ticking;          ///< it does
     lock lock;                ///< guards what follows
+    predictor *predictor;     ///< of jobs; NULL: none
     uint64_t last_attempt;    ///< rises, also from one daemon to the next
     executor_job *first;      ///< the oldest job
     executor_job *last;       ///< the youngest
@@ -103,6 +105,9 @@ void pull__wake(pull_executor *e);
 
 /// Move a job to another place: out of its lease, if it is in one, and out of the count of cores, if it has ended.
 void pull__move(pull_executor *e, executor_job *job, pull__place place);
+
+/// CPU time that a job will take, s; NAN: not known.
+double pull__predict(const pull_executor *e, const executor_job *job);
 
 /// The executor of a table of functions for workers, with its lock held from here on.
 pull_executor *pull__enter(void *context);

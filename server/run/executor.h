@@ -37,6 +37,7 @@ typedef struct executor_work {
     run_model model;             ///< to solve with
     unsigned n_threads;          ///< of the solver, >= 1
     bool is_trial;               ///< of a study: no snapshots, and others come first
+    const char *study_id;        ///< of a trial: whose it is
     const bf_buffer *scenario;   ///< resolved document
     const bf_buffer *checkpoint; ///< to resume from; n = 0: from t = 0
     uint64_t step;               ///< of the checkpoint

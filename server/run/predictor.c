@@ -1,4 +1,4 @@
-// Runs that were asked for wait in a ring; what was found is in a table, each run at the place that its id says.
+// Runs that were asked for wait in a ring; what was found is in a table, each run or study at the place that its id says.
 
 #include "server/run/predictor.h"
 
@@ -19,16 +19,26 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LOWER_PRIORITY = 10 };
+enum {
+    LOWER_PRIORITY = 10,
+    LEARNED_MAX = 16, // trials that the mean of a study goes back to
+};
 
 // For each kind; the fastest of the runs within it counts.
 static const double measured_s = 0.03;
 
-// A run that was asked for.
+// A run or a study that was asked for.
 typedef struct entry {
-    char run_id[API_ID_SIZE]; // "": none
-    double seconds;           // NAN: not known, or not yet
+    char id[API_ID_SIZE]; // "": none
+    double seconds;       // NAN: not known, or not yet
+    unsigned n_learned;   // trials that `seconds` is the mean of; 0: it is predicted
 } entry;
+
+// A run to predict.
+typedef struct question {
+    char run_id[API_ID_SIZE];
+    char id[API_ID_SIZE]; // of the entry
+} question;
 
 struct predictor {
     store *store;
@@ -38,9 +48,9 @@ struct predictor {
     lock_condition asked; // for a run, or to stop
     bool has_speed;
     prediction_speed speed;
-    size_t n_waiting;                              // runs that were asked for and not predicted
-    char waiting[PREDICTOR_RUNS_MAX][API_ID_SIZE]; // a ring
-    size_t first;                                  // of them
+    size_t n_waiting;                     // runs that were asked for and not predicted
+    question waiting[PREDICTOR_RUNS_MAX]; // a ring
+    size_t first;                         // of them
     entry entries
         [PREDICTOR_RUNS_MAX]; // each at the place of its id; a newer one takes an older one's
 };
@@ -53,35 +63,79 @@ static double read_cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static entry *find_entry(predictor *p, const char *run_id)
+// The place of an id; *ret_is_known: what is there is of this id.
+static entry *find_entry(predictor *p, const char *id, bool *ret_is_known)
 {
-    const uint64_t hash = digest_add(DIGEST_START, run_id, strlen(run_id));
+    const uint64_t hash = digest_add(DIGEST_START, id, strlen(id));
+    entry *e = &p->entries[hash % PREDICTOR_RUNS_MAX];
 
-    return &p->entries[hash % PREDICTOR_RUNS_MAX];
+    lock_assert_held(&p->lock);
+    *ret_is_known = strcmp(e->id, id) == 0;
+    return e;
+}
+
+static void set_entry(entry *e, const char *id, double seconds, unsigned n_learned)
+{
+    memcpy(e->id, id, API_ID_SIZE);
+    e->seconds = seconds;
+    e->n_learned = n_learned;
 }
 
 // Let the thread predict a run that was not asked for before; where too many wait already it is asked for again later.
-static void ask(predictor *p, entry *e, const char *run_id)
+static void ask(predictor *p, entry *e, const char *run_id, const char *id)
 {
     if (p->n_waiting == PREDICTOR_RUNS_MAX)
         return;
-    const size_t at = (p->first + p->n_waiting++) % PREDICTOR_RUNS_MAX;
-    memcpy(p->waiting[at], run_id, API_ID_SIZE);
-    memcpy(e->run_id, run_id, API_ID_SIZE);
-    e->seconds = (double)NAN;
+    question *q = &p->waiting[(p->first + p->n_waiting++) % PREDICTOR_RUNS_MAX];
+    memcpy(q->run_id, run_id, API_ID_SIZE);
+    memcpy(q->id, id, API_ID_SIZE);
+    set_entry(e, id, (double)NAN, 0);
     lock_wake_one(&p->asked);
 }
 
-double predictor_seconds(predictor *p, const char *run_id)
+double predictor_seconds(predictor *p, const char *run_id, const char *study_id)
 {
+    const char *id = study_id[0] == '\0' ? run_id : study_id;
+    bool is_known;
+
     lock_acquire(&p->lock);
-    entry *e = find_entry(p, run_id);
-    const bool is_known = strcmp(e->run_id, run_id) == 0;
+    entry *e = find_entry(p, id, &is_known);
     const double seconds = is_known ? e->seconds : (double)NAN;
     if (!is_known)
-        ask(p, e, run_id);
+        ask(p, e, run_id, id);
     lock_release(&p->lock);
     return seconds;
+}
+
+void predictor_learn(predictor *p, const char *study_id, double seconds)
+{
+    bool is_known;
+
+    lock_acquire(&p->lock);
+    entry *e = find_entry(p, study_id, &is_known);
+    if (!is_known)
+        set_entry(e, study_id, seconds, 0);
+    e->n_learned += e->n_learned < LEARNED_MAX;
+    e->seconds = e->n_learned == 1 ? seconds : e->seconds + (seconds - e->seconds) / e->n_learned;
+    lock_release(&p->lock);
+}
+
+double predictor_queue_seconds(predictor *p, uint64_t n)
+{
+    store_queued runs[PREDICTOR_SAMPLE];
+    size_t n_runs = 0, n_known = 0;
+    double sum = 0.0;
+
+    if (n == 0)
+        return 0.0;
+    if (store_list_queued(p->store, runs, PREDICTOR_SAMPLE, &n_runs, NULL) != BF_OK)
+        return (double)NAN;
+    for (size_t k = 0; k < n_runs; k++) {
+        const double seconds = predictor_seconds(p, runs[k].id, runs[k].study);
+        n_known += isfinite(seconds);
+        sum += isfinite(seconds) ? seconds : 0.0;
+    }
+    return n_known == 0 ? (double)NAN : (double)n * sum / (double)n_known;
 }
 
 bool predictor_speed(predictor *p, prediction_speed *ret_speed)
@@ -122,7 +176,7 @@ static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, 
     scene s;
 
     bf_status status = store_find(p->store, run_id, &record, err);
-    if (status == BF_OK && record.state != RUN_QUEUED)
+    if (status == BF_OK && run_state_is_end(record.state))
         return BF_OK;
     if (status == BF_OK)
         status = store_read_text(p->store, run_id, API_TEXT_SCENARIO, &text, err);
@@ -138,24 +192,26 @@ static bf_status predict(predictor *p, const char *run_id, double *ret_seconds, 
     return status;
 }
 
-static void remember(predictor *p, const char *run_id, double seconds)
+static void remember(predictor *p, const char *id, double seconds)
 {
+    bool is_known;
+
     lock_acquire(&p->lock);
-    entry *e = find_entry(p, run_id);
-    memcpy(e->run_id, run_id, API_ID_SIZE);
-    e->seconds = seconds;
+    entry *e = find_entry(p, id, &is_known);
+    if (!is_known || e->n_learned == 0)
+        set_entry(e, id, seconds, 0);
     lock_release(&p->lock);
 }
 
 // The next run; false: to be stopped.
-static bool take_next(predictor *p, char *ret_run_id)
+static bool take_next(predictor *p, question *ret_question)
 {
     lock_acquire(&p->lock);
     while (p->n_waiting == 0 && !atomic_load(&p->is_stopping))
         (void)lock_wait(&p->asked, &p->lock, -1);
     const bool has_next = !atomic_load(&p->is_stopping);
     if (has_next) {
-        memcpy(ret_run_id, p->waiting[p->first], API_ID_SIZE);
+        *ret_question = p->waiting[p->first];
         p->first = (p->first + 1) % PREDICTOR_RUNS_MAX;
         p->n_waiting--;
     }
@@ -166,7 +222,8 @@ static bool take_next(predictor *p, char *ret_run_id)
 static void *run_loop(void *context)
 {
     predictor *p = context;
-    char run_id[API_ID_SIZE], quoted[LOG_QUOTED_SIZE];
+    char quoted[LOG_QUOTED_SIZE];
+    question next;
     bf_error err = { 0 };
 
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), LOWER_PRIORITY);
@@ -175,11 +232,11 @@ static void *run_loop(void *context)
         log_event(LOG_LEVEL_WARN, "runs_not_predicted", "error=%s", log_quote(err.text, quoted));
         return NULL;
     }
-    while (take_next(p, run_id)) {
+    while (take_next(p, &next)) {
         double seconds = (double)NAN;
         // A run that cannot be predicted is one of which nothing is said.
-        if (predict(p, run_id, &seconds, &err) == BF_OK && isfinite(seconds))
-            remember(p, run_id, seconds);
+        if (predict(p, next.run_id, &seconds, &err) == BF_OK && isfinite(seconds))
+            remember(p, next.id, seconds);
     }
     return NULL;
 }

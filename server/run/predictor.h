@@ -1,8 +1,11 @@
-/// The predictor: says of runs that wait how long they will take (core/run/prediction.h).
+/// The predictor: says of runs that have not ended how long they will take (core/run/prediction.h).
 ///
 /// It first measures how fast this machine is, a fifth of a second. A run is predicted when somebody asks for the first
 /// time, which takes some milliseconds; so one that nobody looks at costs nothing. What was found is kept in memory, of
-/// the PREDICTOR_RUNS_MAX runs that were asked for last.
+/// the PREDICTOR_RUNS_MAX runs and studies that were asked for last.
+///
+/// Trials of a study are taken to be alike: what is predicted of the first one stands for all of them, until
+/// predictor_learn() has told what they took.
 ///
 /// Threads  one of its own, at a low priority. The functions may be called from any thread.
 
@@ -13,7 +16,10 @@
 
 #include <stdbool.h>
 
-enum { PREDICTOR_RUNS_MAX = 16384 }; ///< whose predictions are kept
+enum {
+    PREDICTOR_RUNS_MAX = 16384, ///< whose predictions are kept
+    PREDICTOR_SAMPLE = 64,      ///< runs of the queue that are looked at
+};
 
 /// A running predictor; opaque.
 typedef struct predictor predictor;
@@ -21,8 +27,16 @@ typedef struct predictor predictor;
 /// Start the thread; it reads scenarios from the store. BF_ENOMEM, BF_ESYSTEM.
 BF_MUST_CHECK bf_status predictor_start(store *s, predictor **ret_predictor, bf_error *err);
 
-/// CPU time that a run that waits will take, s; NAN: not known yet, or it does not wait any more. Does not wait itself.
-double predictor_seconds(predictor *p, const char *run_id);
+/// CPU time that a run will take, s; NAN: not known yet, or it has ended. study_id: whose trial it is, "" if it is a run by
+/// itself. Does not wait.
+double predictor_seconds(predictor *p, const char *run_id, const char *study_id);
+
+/// A trial of the study took this CPU time, s.
+void predictor_learn(predictor *p, const char *study_id, double seconds);
+
+/// CPU time that n runs in the queue will take, s: n times the mean of the oldest PREDICTOR_SAMPLE of them. NAN: nothing is
+/// known of any of these yet, or the store cannot be read. Does not wait for predictions.
+double predictor_queue_seconds(predictor *p, uint64_t n);
 
 /// How fast this machine is. False: not known yet.
 bool predictor_speed(predictor *p, prediction_speed *ret_speed);

@@ -50,6 +50,7 @@ static bf_status start_job(supervisor__task *task, bf_error *err)
                                  .model = task->claimed.run.model,
                                  .n_threads = options->n_threads,
                                  .is_trial = task->claimed.run.study[0] != '\0',
+                                 .study_id = task->claimed.run.study,
                                  .scenario = &task->claimed.scenario,
                                  .checkpoint = &task->claimed.checkpoint,
                                  .step = task->claimed.step,

@@ -105,6 +105,8 @@
     X(COUNT_STATES, "SELECT state, count(*) FROM runs INDEXED BY runs_by_state GROUP BY state")    \
     X(OLDEST_QUEUED, "SELECT created_ms FROM runs INDEXED BY runs_by_state WHERE state = 0 "       \
                      "AND parent = '' ORDER BY id LIMIT 1")                                        \
+    X(LIST_QUEUED, "SELECT id, parent FROM runs INDEXED BY runs_by_state WHERE state = 0 "         \
+                   "ORDER BY id LIMIT ?1")                                                         \
     X(COUNT_QUEUED_OWNED, "SELECT count(*) FROM runs INDEXED BY runs_waiting WHERE state = 0 "     \
                           "AND parent = '' AND owner = ?1")                                        \
     X(NEXT_QUEUED_OWNED,                                                                           \

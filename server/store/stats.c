@@ -69,6 +69,28 @@ void store_read_stats(store *s, store_stats *ret_stats)
     lock_release(&s->lock);
 }
 
+bf_status store_list_queued(store *s, store_queued *runs, size_t n_most, size_t *ret_n,
+                            bf_error *err)
+{
+    store__connection *reader = NULL;
+    bool has_row = true;
+
+    *ret_n = 0;
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status != BF_OK)
+        return status;
+    store__query q = store__begin(reader, STORE__SQL_LIST_QUEUED);
+    store__bind_integer(&q, (int64_t)n_most);
+    status = store__next(&q, &has_row, err);
+    for (; status == BF_OK && has_row; status = store__next(&q, &has_row, err)) {
+        store__column_text(&q, 0, runs[*ret_n].id, API_ID_SIZE);
+        store__column_text(&q, 1, runs[(*ret_n)++].study, API_ID_SIZE);
+    }
+    store__end(&q);
+    store__release_reader(&s->pool, reader);
+    return status;
+}
+
 void store_set_queue_limit(store *s, size_t limit)
 {
     s->queue_limit = limit;

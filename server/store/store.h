@@ -196,6 +196,16 @@ typedef struct store_stats {
 /// thread hangs. Never waits for the disk.
 void store_read_stats(store *s, store_stats *ret_stats);
 
+/// A run that waits.
+typedef struct store_queued {
+    char id[API_ID_SIZE];    ///< which
+    char study[API_ID_SIZE]; ///< whose trial it is; "": a run by itself
+} store_queued;
+
+/// The oldest runs that wait, trials among them, n_most at most.
+BF_MUST_CHECK bf_status store_list_queued(store *s, store_queued *runs, size_t n_most,
+                                          size_t *ret_n, bf_error *err);
+
 /// Let more or fewer runs wait, in all and of each client, or change what owners may use; see store_options.
 void store_set_queue_limit(store *s, size_t limit);
 void store_set_client_quota(store *s, size_t quota);

@@ -87,6 +87,7 @@ test("metrics tell of the queue, of what is being solved, and of open streams", 
   assert.equal(now['beltflow_solver_items{model="macro"}'], 100 * 60);
   assert.equal(now.beltflow_http_streams, 1);
   assert.ok(now.beltflow_queue_oldest_age_seconds > 0);
+  await until(async () => (await metrics(d)).beltflow_queue_predicted_seconds > 0, "the queue to be predicted");
   assert.ok(now.beltflow_http_requests_in_flight >= 2); // the stream and this one
   await d.post(`/v1/runs/${first.id}/cancel`, "");
   await stream.rest();
@@ -94,6 +95,7 @@ test("metrics tell of the queue, of what is being solved, and of open streams", 
   const after = await metricsWith(d, { beltflow_http_streams: 0 });
   assert.equal(after.beltflow_queue_length, 0);
   assert.equal(after.beltflow_queue_oldest_age_seconds, 0);
+  assert.equal(after.beltflow_queue_predicted_seconds, 0);
 });
 
 test("health and metrics are answered when all connections but the reserve are taken", async (t) => {

@@ -39,7 +39,7 @@ static double await_seconds(predictor *p, const char *run_id)
     const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
     double seconds;
 
-    while (isnan(seconds = predictor_seconds(p, run_id)) && clock_monotonic_ms() < until_ms)
+    while (isnan(seconds = predictor_seconds(p, run_id, "")) && clock_monotonic_ms() < until_ms)
         usleep(1000);
     return seconds;
 }
@@ -69,10 +69,42 @@ static void test_runs_that_do_not_wait_are_not_predicted(void **state)
     assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
     const api_run gone = submit_scene(h->store);
     assert_int_equal(store_remove(h->store, gone.id, API_ANY_REVISION, NULL), BF_OK);
-    assert_true(isnan(predictor_seconds(p, gone.id)));
+    assert_true(isnan(predictor_seconds(p, gone.id, "")));
     const api_run waiting = submit_scene(h->store);
     assert_true(await_seconds(p, waiting.id) > 0.0); // and the one before it was looked at
-    assert_true(isnan(predictor_seconds(p, gone.id)));
+    assert_true(isnan(predictor_seconds(p, gone.id, "")));
+    assert_null(predictor_stop(p));
+}
+
+// Of 1, 2, ..., 16 the mean is 8.5; after that a trial counts for a sixteenth.
+static void test_trials_take_as_long_on_average_as_those_before_them(void **state)
+{
+    static const char id[API_ID_SIZE] = "01890a5d-ac96-774b-bcce-b302099a8057";
+    helper_store *h = *state;
+    predictor *p;
+
+    assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
+    const api_run trial = submit_scene(h->store);
+    for (int n = 1; n <= 16; n++)
+        predictor_learn(p, id, n);
+    assert_true(fabs(predictor_seconds(p, trial.id, id) - 8.5) < 1e-12);
+    predictor_learn(p, id, 24.5);
+    assert_true(fabs(predictor_seconds(p, trial.id, id) - 9.5) < 1e-12);
+    assert_null(predictor_stop(p));
+}
+
+static void test_the_queue_takes_as_long_as_its_oldest_runs_on_average(void **state)
+{
+    helper_store *h = *state;
+    predictor *p;
+
+    assert_int_equal(predictor_start(h->store, &p, NULL), BF_OK);
+    assert_true(predictor_queue_seconds(p, 0) == 0.0);
+    const api_run first = submit_scene(h->store);
+    (void)submit_scene(h->store);
+    assert_true(isnan(predictor_queue_seconds(p, 2))); // asked for now
+    const double seconds = await_seconds(p, first.id);
+    assert_true(predictor_queue_seconds(p, 4) == 4.0 * seconds);
     assert_null(predictor_stop(p));
 }
 
@@ -80,6 +112,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_runs_that_wait_are_predicted_when_asked_for,
+                                        helper_store_setup, helper_store_teardown),
+        cmocka_unit_test_setup_teardown(test_trials_take_as_long_on_average_as_those_before_them,
+                                        helper_store_setup, helper_store_teardown),
+        cmocka_unit_test_setup_teardown(test_the_queue_takes_as_long_as_its_oldest_runs_on_average,
                                         helper_store_setup, helper_store_teardown),
         cmocka_unit_test_setup_teardown(test_runs_that_do_not_wait_are_not_predicted,
                                         helper_store_setup, helper_store_teardown),
