@@ -1,16 +1,17 @@
-"""C files are as clang-format leaves them; all text files follow .editorconfig."""
+"""C and C++ files are as clang-format leaves them; all text files follow .editorconfig."""
 
 import subprocess
 
 import tree
 
-TEXT = ("**/*.c", "**/*.h", "**/*.md", "**/*.py", "**/*.mjs", "**/*.js", "**/*.html", "**/*.css",
+TEXT = ("**/*.c", "**/*.cpp", "**/*.h", "**/*.md", "**/*.py", "**/*.mjs", "**/*.js", "**/*.html", "**/*.css",
         "**/*.json", "**/*.cmake", "**/CMakeLists.txt", "deploy/*", ".ci/*")
 
 
 def c_faults(root):
     """What clang-format would change, a line each."""
-    sources = [tree.name(root, path) for path in tree.sources(root, *tree.FLOORS, "tests")]
+    paths = tree.sources(root, *tree.FLOORS, "tests") + tree.files(root, "tests/**/*.cpp")
+    sources = [tree.name(root, path) for path in paths]
     if not sources:
         return []
     done = subprocess.run(["clang-format", "--dry-run", "-Werror", *sources], cwd=root,
