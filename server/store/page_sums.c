@@ -1,6 +1,7 @@
 #include "server/store/page_sums.h"
 
 #include "server/store/connection.h"
+#include "server/store/log_file.h"
 
 #include <pthread.h>
 #include <sodium.h>
@@ -171,11 +172,13 @@ static const sqlite3_io_methods methods = {
     .xShmUnmap = xShmUnmap,
 };
 
-// Logs and journals are the system's alone.
+// Rollback journals are the system's alone.
 static int open_file(sqlite3_vfs *vfs, const char *name, sqlite3_file *file, int flags,
                      int *ret_flags)
 {
     (void)vfs;
+    if ((flags & SQLITE_OPEN_WAL) != 0)
+        return store__open_log(below, name, file, flags, ret_flags);
     if ((flags & SQLITE_OPEN_MAIN_DB) == 0)
         return below->xOpen(below, name, file, flags, ret_flags);
     *(sums_file *)(void *)file = (sums_file){ .has = SUMS_UNKNOWN };
@@ -199,7 +202,8 @@ static void register_once(void)
         return;
     ours = *below;
     ours.zName = STORE__PAGE_SUMS;
-    ours.szOsFile += (int)sizeof(sums_file);
+    ours.szOsFile += (int)(sizeof(sums_file) > store__log_file_bytes ? sizeof(sums_file)
+                                                                     : store__log_file_bytes);
     ours.xOpen = open_file;
     registered = sqlite3_vfs_register(&ours, 0);
 }
