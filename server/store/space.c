@@ -152,7 +152,8 @@ static bool tend(store *s)
 void store__tend_space(store *s)
 {
     lock_assert_held(&s->lock);
-    if (s->writing.is_stopping || clock_monotonic_ms() < s->space.next_ms)
+    // Also before a stop: the next start may need the reserve.
+    if (clock_monotonic_ms() < s->space.next_ms)
         return;
     lock_release(&s->lock);
     bool goes_on = tend(s);

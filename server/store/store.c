@@ -274,7 +274,6 @@ static store *create(const store_options *options)
     lock_init(&s->lock);
     lock_condition_init(&s->preparing.filled);
     lock_condition_init(&s->writing.filled);
-    lock_condition_init(&s->done);
     return s;
 }
 
@@ -320,7 +319,6 @@ store *store_close(store *s)
     store__disconnect(&s->writer);
     if (s->lock_file >= 0)
         close(s->lock_file);
-    lock_condition_fini(&s->done);
     lock_condition_fini(&s->writing.filled);
     lock_condition_fini(&s->preparing.filled);
     lock_fini(&s->lock);

@@ -9,6 +9,7 @@
 #include "server/store/space.h"
 #include "server/store/work.h"
 
+#include <semaphore.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -50,14 +51,14 @@ typedef void store__finish(store__operation *operation);
 struct store__operation {
     store__apply *apply;       ///< what to do
     store__prepare *prepare;   ///< what to do before; NULL: nothing
-    store__finish *finish;     ///< how it ends; NULL: its caller waits for is_done
+    store__finish *finish;     ///< how it ends; NULL: its caller waits
     void *context;             ///< for these
     bool may_use_reserve;      ///< it frees or ends something
     bool asks_stop;            ///< set by apply: it asks for a run to be stopped
     char changed[API_ID_SIZE]; ///< set by apply: the run that it changed; "" none
     bf_status status;          ///< result, once it is done
     bf_error error;            ///< of a status that is not BF_OK
-    bool is_done;              ///< written under the store's lock
+    sem_t *done;               ///< of a caller that waits: posted when it is done
     store__operation *next;    ///< in a queue
 };
 
@@ -102,7 +103,6 @@ struct store {
     lock lock;                        ///< guards what follows
     store__queue preparing;           ///< operations that are prepared, one after the other
     store__queue writing;             ///< operations that are applied, by the store's thread
-    lock_condition done;              ///< operations are done
     store__key *keys;                 ///< of the submissions under way
     store_retention retention;        ///< see store_options
     store__retention_turn turn;       ///< the store's thread's
@@ -163,7 +163,7 @@ BF_MUST_CHECK bf_status store__find_first(store__connection *c, store__sql sql, 
 BF_MUST_CHECK bf_status store__find_row(store__connection *c, const char *id, store__row *ret_row,
                                         bf_error *err);
 
-/// Write a changed run back, with a new revision.
+/// Write a changed run back, with a new revision; its state is for store__transition().
 BF_MUST_CHECK bf_status store__save_row(store__connection *writer, store__row *row, bf_error *err);
 
 /// Insert a run; row->rowid follows. What is not known before it runs is for store__emit_events().

@@ -6,8 +6,8 @@
 // Operations without a waiting caller pass the preparing thread first, which compresses while the store's
 // thread writes and syncs.
 //
-// Threads  from store__write() until is_done, which is set under the lock, or from store__begin_write()
-//          until its `finish`, an operation belongs to the threads here. The writing connection belongs to
+// Threads  from store__write() until `done` is posted, or from store__begin_write() until its `finish`,
+//          an operation belongs to the threads here. The writing connection belongs to
 //          the store's thread alone while that runs (I2).
 
 #include "server/store/store_priv.h"
@@ -16,6 +16,7 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <string.h>
@@ -143,31 +144,19 @@ static void enqueue(store *s, store__queue *queue, store__operation *operation)
     else
         queue->last->next = operation;
     queue->last = operation;
-    lock_wake_all(&queue->filled);
 }
 
-// Operations without a waiting caller are finished before the lock is taken: they may take a while.
-static void finish_group(store *s, store__operation *first)
+// Each caller is woken by itself, without a lock that all of them would wait for again.
+static void finish_group(store__operation *first)
 {
-    store__operation *awaited = NULL;
-
     while (first != NULL) {
-        store__operation *next = first->next;
-        if (first->finish != NULL) {
+        store__operation *next = first->next; // an operation that is done is its owner's
+        if (first->finish != NULL)
             first->finish(first);
-        } else {
-            first->next = awaited;
-            awaited = first;
-        }
+        else
+            BF_CHECK(sem_post(first->done) == 0);
         first = next;
     }
-    lock_acquire(&s->lock);
-    while (awaited != NULL) {
-        store__operation *next = awaited->next;
-        awaited->is_done = true;
-        awaited = next;
-    }
-    lock_wake_all(&s->done);
 }
 
 // Count what the operations since the last time have changed, but not too often.
@@ -216,7 +205,8 @@ static void do_group(store *s, store__operation *first)
     if (frees_something(first))
         s->space.next_ms = 0;
     notify_listener(s, first);
-    finish_group(s, first);
+    finish_group(first);
+    lock_acquire(&s->lock);
     s->has_new_stats = true;
 }
 
@@ -259,8 +249,10 @@ static void *prepare_all(void *context)
         if (status != BF_OK)
             first->finish(first);
         lock_acquire(&s->lock);
-        if (status == BF_OK)
+        if (status == BF_OK) {
             enqueue(s, &s->writing, first);
+            lock_wake_one(&s->writing.filled);
+        }
     }
     lock_release(&s->lock);
     return NULL;
@@ -311,24 +303,26 @@ void store__begin_write(store *s, store__operation *operation)
     lock_acquire(&s->lock);
     enqueue(s, &s->preparing, operation);
     lock_release(&s->lock);
-}
-
-static bool are_done(const store__operation *operations, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        if (!operations[i].is_done)
-            return false;
-    return true;
+    lock_wake_one(&s->preparing.filled);
 }
 
 void store__write_group(store *s, store__operation *operations, size_t n)
 {
+    sem_t done;
+
+    BF_CHECK(sem_init(&done, 0, 0) == 0);
     lock_acquire(&s->lock);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
+        operations[i].done = &done;
         enqueue(s, &s->writing, &operations[i]);
-    while (!are_done(operations, n))
-        lock_wait(&s->done, &s->lock, -1);
+    }
     lock_release(&s->lock);
+    // Only now, so that the thread does not wake to wait for the lock.
+    lock_wake_one(&s->writing.filled);
+    for (size_t i = 0; i < n; i++)
+        while (sem_wait(&done) != 0)
+            BF_CHECK(errno == EINTR);
+    BF_CHECK(sem_destroy(&done) == 0);
 }
 
 static bf_status write_and_wait(store *s, store__operation *operation, bf_error *err)
