@@ -80,11 +80,14 @@ static void read_stop_requests(supervisor *s)
     }
 }
 
-static void allow_claim(supervisor *s)
+// True if that is news: else the loop was told already, and looks at the queue when it can.
+static bool allow_claim(supervisor *s)
 {
     lock_acquire(&s->lock);
+    const bool is_news = !s->may_claim;
     s->may_claim = true;
     lock_release(&s->lock);
+    return is_news;
 }
 
 // Of a job that ended before its run: what it sent ends inside a frame, or nothing could be started.
@@ -117,7 +120,7 @@ static void begin_end(supervisor__task *task)
     task->phase = SUPERVISOR_ENDING;
     task->is_solved = task->ending.state == RUN_SUCCEEDED;
     if (task->is_solved)
-        allow_claim(s);
+        (void)allow_claim(s);
     supervisor__begin_end(task, task->is_solved ? supervisor__create_claiming(s) : NULL);
 }
 
@@ -386,8 +389,8 @@ bool supervisor_is_alive(supervisor *s)
 
 void supervisor_wake(supervisor *s)
 {
-    allow_claim(s);
-    supervisor__wake_loop(s);
+    if (allow_claim(s))
+        supervisor__wake_loop(s);
 }
 
 void supervisor_notify(supervisor *s)
