@@ -20,7 +20,7 @@
 enum {
     N_LIVES = HELPER_AMOUNT(25, 6),       // of the child
     N_POWER_CUTS = HELPER_AMOUNT(60, 12), // of the machine
-    POWER_CHANGES_MAX = 400,              // of files, until one
+    POWER_CHANGES_MAX = 40,               // of files, until one
     LIFE_MS_MAX = 60,                     // after its first acknowledgement
     N_RUNS_MAX = 20000,                   // that are tracked
     N_STEPS = 4,                          // batches of a run
