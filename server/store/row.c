@@ -75,13 +75,22 @@ bf_status store__save_row(store__connection *writer, store__row *row, bf_error *
     store__query used = store__begin(writer, STORE__SQL_UPDATE_RUN), *q = &used;
 
     row->run.revision++;
-    BIND_INTEGER(row->run.state);
+    BIND_INTEGER(row->run.revision);
     STORE__RUN_CHANGING(X)
     BIND_INTEGER(row->rowid);
     return store__run(q, err);
 }
 
 #undef X
+
+static bf_status move_row(store__connection *writer, const store__row *row, bf_error *err)
+{
+    store__query q = store__begin(writer, STORE__SQL_MOVE_RUN);
+    store__bind_integer(&q, row->run.state);
+    store__bind_integer(&q, row->run.finished_ms);
+    store__bind_integer(&q, row->rowid);
+    return store__run(&q, err);
+}
 
 static bf_status close_row(store__connection *writer, store__row *row, bf_error *err)
 {
@@ -116,5 +125,7 @@ bf_status store__transition(store__connection *writer, store__row *row, run_stat
         status = store__delete_open_snapshots(writer, row->results, row->run.n_snapshots, err);
     if (status == BF_OK && run_state_is_end(to))
         status = close_row(writer, row, err);
+    if (status == BF_OK)
+        status = move_row(writer, row, err);
     return status == BF_OK ? store__emit_events(writer, row, err) : status;
 }

@@ -325,10 +325,20 @@ static const char schema_11[] =
     "CREATE INDEX trials_waiting ON runs (parent, id) WHERE state = 0 AND parent <> '';"
     "CREATE INDEX runs_by_parent ON runs (parent, id);";
 
+// Each index is a page of a submission's commit: those of runs without label and owner, and of results that some run has, are
+// never asked for.
+static const char schema_12[] =
+    "DROP INDEX runs_by_label;"
+    "CREATE INDEX runs_by_label ON runs (label, id) WHERE label <> '';"
+    "DROP INDEX runs_by_owner;"
+    "CREATE INDEX runs_by_owner ON runs (owner, parent, id) WHERE owner <> '';"
+    "DROP INDEX results_by_state;"
+    "CREATE INDEX results_orphaned ON results (number) WHERE state = 2;";
+
 // Text i brings the tables from version i to i + 1. Texts that stores have seen never change.
-const char *const store__migrations[] = { schema_1, schema_2,  schema_3, schema_4,
-                                          schema_5, schema_6,  schema_7, schema_8,
-                                          schema_9, schema_10, schema_11 };
+const char *const store__migrations[] = { schema_1, schema_2,  schema_3,  schema_4,
+                                          schema_5, schema_6,  schema_7,  schema_8,
+                                          schema_9, schema_10, schema_11, schema_12 };
 
 enum { VERSION = sizeof store__migrations / sizeof *store__migrations };
 

@@ -21,12 +21,11 @@
     X(TEXT, parent, run.study)                                                                     \
     X(TEXT, owner, run.owner)
 
-/// Those that every update writes, next to `state`.
+/// Those that every update writes, next to `revision`. No index has one of them: SQLite writes an index anew when a column
+/// of it is assigned, even the same value. `state` and `finished_ms` are for MOVE_RUN.
 #define STORE__RUN_CHANGING(X)                                                                     \
-    X(INTEGER, revision, run.revision)                                                             \
     X(REAL, progress, run.progress)                                                                \
     X(INTEGER, started_ms, run.started_ms)                                                         \
-    X(INTEGER, finished_ms, run.finished_ms)                                                       \
     X(REAL, eta_s, run.eta_s)                                                                      \
     X(REAL, wall_s, wall_s)                                                                        \
     X(INTEGER, n_samples, run.n_samples)                                                           \
@@ -55,6 +54,8 @@
 /// All of them but `number`, in the order of the texts below.
 #define STORE__RUN_LIST(X)                                                                         \
     X(INTEGER, state, run.state)                                                                   \
+    X(INTEGER, finished_ms, run.finished_ms)                                                       \
+    X(INTEGER, revision, run.revision)                                                             \
     STORE__RUN_CHANGING(X)                                                                         \
     STORE__RUN_FIXED(X)
 
@@ -90,8 +91,9 @@
     X(INSERT_RUN, "INSERT INTO runs (number" STORE__RUN_LIST(                                      \
                       STORE__NAME) ") "                                                            \
                                    "VALUES (NULL" STORE__RUN_LIST(STORE__VALUE) ")")               \
+    X(MOVE_RUN, "UPDATE runs SET state = ?1, finished_ms = ?2 WHERE number = ?3")                  \
     X(UPDATE_RUN,                                                                                  \
-      "UPDATE runs SET state = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")          \
+      "UPDATE runs SET revision = ?" STORE__RUN_CHANGING(STORE__ASSIGN) " WHERE number = ?")       \
     X(DELETE_RUN, "DELETE FROM runs WHERE number = ?1")                                            \
     X(FIND_RUN, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE id = ?1")                           \
     X(NEXT_RUNNING, "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE state = 1 AND id > ?1 "         \
@@ -122,14 +124,16 @@
     X(LIST_CPU_SUMS,                                                                               \
       "SELECT hour, cpu_s FROM cpu_sums WHERE owner = ?1 AND hour > ?2 AND hour <= ?3")            \
     X(EXPIRE_CPU_SUMS, "DELETE FROM cpu_sums WHERE hour <= ?1 OR hour > ?2")                       \
-    X(FORGET_OWNERS,                                                                               \
-      "DELETE FROM owners INDEXED BY owners_without_bytes WHERE n_bytes = 0 AND NOT EXISTS "       \
-      "(SELECT 1 FROM runs WHERE runs.owner = owners.owner)")                                      \
+    X(FORGET_OWNERS, "DELETE FROM owners INDEXED BY owners_without_bytes WHERE n_bytes = 0 AND "   \
+                     "owner <> '' AND NOT EXISTS "                                                 \
+                     "(SELECT 1 FROM runs WHERE runs.owner = owners.owner AND runs.owner <> '')")  \
     X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = '' AND ?6 = ''"))                                     \
     X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = '' AND ?6 = ''"))                               \
     X(LIST_OWNER,                                                                                  \
-      STORE__LIST("owner = ?6 AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5)"))            \
-    X(LIST_LABEL, STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5 AND ?6 = ''"))                \
+      STORE__LIST(                                                                                 \
+          "owner = ?6 AND owner <> '' AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5)"))    \
+    X(LIST_LABEL,                                                                                  \
+      STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5 AND label <> '' AND ?6 = ''"))            \
     X(PUT_TEXT, "INSERT OR REPLACE INTO texts (run, kind, data) VALUES (?1, ?2, ?3)")              \
     X(GET_TEXT, "SELECT data FROM texts WHERE run = ?1 AND kind = ?2")                             \
     X(INSERT_SAMPLES,                                                                              \
@@ -160,7 +164,8 @@
     X(COUNT_SNAPSHOT,                                                                              \
       "UPDATE results SET n_bytes = n_bytes + (SELECT coalesce(sum(length(data)), 0) FROM chunks " \
       "WHERE results = ?1 AND kind IN (?3, ?4) AND item = ?2) WHERE number = ?1")                  \
-    X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1")       \
+    X(INVALIDATE_RESULTS, "UPDATE results SET solver = '' WHERE state = 0 AND solver <> ?1 AND "   \
+                          "number IN (SELECT results FROM runs WHERE state IN (0, 1))")            \
     X(FIND_SOLVED,                                                                                 \
       "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE results = (SELECT number FROM results "       \
       "WHERE digest = ?1 AND solver = ?2 AND state = 1 ORDER BY number DESC LIMIT 1) "             \
