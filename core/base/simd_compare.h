@@ -18,6 +18,18 @@ static inline simd simd_where_less(simd a, simd b, simd x)
 #endif
 }
 
+/// x in lanes where a < b, else y.
+static inline simd simd_select_less(simd a, simd b, simd x, simd y)
+{
+#if defined(__AVX512F__)
+    __mmask8 less = _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+    return (simd)_mm512_mask_mov_pd((__m512d)y, less, (__m512d)x);
+#else
+    const simd_bits less = a < b;
+    return (simd)((less & (simd_bits)x) | (~less & (simd_bits)y));
+#endif
+}
+
 /// Bit k is set where a < b in lane k.
 static inline unsigned simd_less(simd a, simd b)
 {

@@ -1,13 +1,16 @@
-/// Symmetric, positive definite systems of six equations, for the inner loops of contacts in space.
+/// Symmetric, positive definite systems of six equations, one in each lane (core/base/simd.h), for the inner loops of
+/// contacts in space.
 ///
 /// Of a matrix only the lower triangle is read and written. All loops but that of squares are unrolled, which
 /// makes an implicit step of boxes a tenth shorter.
 
 #pragma once
 
-/// A symmetric matrix by its rows.
+#include "core/base/simd.h"
+
+/// Symmetric matrices by its rows.
 typedef struct mat6 {
-    double row[6][6]; ///< row[i][j] for j <= i; the others are unused
+    simd row[6][6]; ///< row[i][j] for j <= i; the others are unused
 } mat6;
 
 /// m = 0.
@@ -17,11 +20,11 @@ static inline void mat6_clear(mat6 *m)
     for (int i = 0; i < 6; i++)
 #pragma GCC unroll 6
         for (int j = 0; j <= i; j++)
-            m->row[i][j] = 0.0;
+            m->row[i][j] = simd_all(0.0);
 }
 
 /// m += weight a a^T.
-static inline void mat6_add_square(mat6 *m, double weight, const double a[6])
+static inline void mat6_add_square(mat6 *m, simd weight, const simd a[6])
 {
     for (int i = 0; i < 6; i++)
         for (int j = 0; j <= i; j++)
@@ -29,11 +32,11 @@ static inline void mat6_add_square(mat6 *m, double weight, const double a[6])
 }
 
 /// ret_b = m a.
-static inline void mat6_apply(const mat6 *m, const double a[6], double ret_b[6])
+static inline void mat6_apply(const mat6 *m, const simd a[6], simd ret_b[6])
 {
 #pragma GCC unroll 6
     for (int i = 0; i < 6; i++) {
-        double sum = 0.0;
+        simd sum = simd_all(0.0);
 #pragma GCC unroll 6
         for (int j = 0; j < 6; j++)
             sum += (j <= i ? m->row[i][j] : m->row[j][i]) * a[j];
@@ -46,7 +49,7 @@ static inline void mat6_factor(mat6 *m)
 {
 #pragma GCC unroll 6
     for (int i = 0; i < 6; i++) {
-        double scaled[6], pivot = m->row[i][i];
+        simd scaled[6], pivot = m->row[i][i];
 #pragma GCC unroll 6
         for (int j = 0; j < i; j++) {
             scaled[j] = m->row[i][j];
@@ -64,7 +67,7 @@ static inline void mat6_factor(mat6 *m)
 }
 
 /// Solve m x = b, in place, with the factors of m.
-static inline void mat6_solve(const mat6 *factors, double b[6])
+static inline void mat6_solve(const mat6 *factors, simd b[6])
 {
 #pragma GCC unroll 6
     for (int i = 1; i < 6; i++)
@@ -86,8 +89,8 @@ static inline void mat6_invert(const mat6 *factors, mat6 *ret_inverse)
 {
 #pragma GCC unroll 6
     for (int j = 0; j < 6; j++) {
-        double unit[6] = { 0.0 };
-        unit[j] = 1.0;
+        simd unit[6] = { 0 };
+        unit[j] = simd_all(1.0);
         mat6_solve(factors, unit);
 #pragma GCC unroll 6
         for (int i = j; i < 6; i++)

@@ -17,7 +17,8 @@
 ///     friction_tanh, friction_theta         lanes, within 1e-12: explicit steps in the plane
 ///     friction_theta_quick                  lanes, within 2e-4: the secants of implicit steps in the plane,
 ///                                           which are approximations anyway
-///     friction_theta_of                     one number, within 1e-12: bodies in space
+///     friction_theta_close, friction_theta_of
+///                                           lanes and one number, within 1e-12: bodies in space
 
 #pragma once
 
@@ -85,26 +86,41 @@ FRICTION_INLINED friction_quotient friction_theta_quick(simd z)
 }
 
 /// theta(z) for z >= 0: the fraction at z/8, doubled three times.
-static inline double friction_theta_of(double z)
+FRICTION_INLINED friction_quotient friction_theta_close(simd z)
 {
-    double y2 = z * z / 64.0;
-    double up = (y2 * 21.0 + 1260.0) * y2 + 10395.0;
-    double down = ((y2 + 210.0) * y2 + 4725.0) * y2 + 10395.0;
+    const simd end = simd_all(FRICTION_TANH_END), low = simd_min(z, end);
+    simd y2 = low * low / 64.0;
+    simd up = (y2 * 21.0 + 1260.0) * y2 + 10395.0;
+    simd down = ((y2 + 210.0) * y2 + 4725.0) * y2 + 10395.0;
 
-    if (z >= FRICTION_TANH_END)
-        return 1.0 / z;
-    for (int k = 0; k < 3; k++) {
-        double twice = up * down;
+    for (int k = 0; k < 3; k++, y2 *= 4.0) {
+        simd twice = up * down;
         down = y2 * (up * up) + down * down;
         up = twice;
-        y2 *= 4.0;
     }
-    return up / down;
+    return (friction_quotient){ simd_select_less(z, end, up, simd_all(1.0)),
+                                simd_select_less(z, end, down, z) };
 }
 
-/// The secant coefficient of (7), N s/m, for mu, a normal force or impulse, lambda and |u|; of (8), N m s,
-/// with mu r_s for mu and |w| for |u|.
+/// Secant coefficients of (7), N s/m, for mu, normal forces or impulses, lambda and |u|; of (8), N m s, with mu r_s for mu
+/// and |w| for |u|.
+FRICTION_INLINED simd friction_secants(simd mu, simd normal, simd lambda, simd speed)
+{
+    const friction_quotient theta = friction_theta_close(lambda * speed);
+
+    return mu * simd_max(normal, -normal) * lambda * (theta.up / theta.down);
+}
+
+/// theta(z) of one number, as friction_theta_close().
+static inline double friction_theta_of(double z)
+{
+    const friction_quotient theta = friction_theta_close(simd_all(z));
+
+    return theta.up[0] / theta.down[0];
+}
+
+/// A secant coefficient, as friction_secants().
 static inline double friction_secant(double mu, double normal, double lambda, double speed)
 {
-    return mu * fabs(normal) * lambda * friction_theta_of(lambda * speed);
+    return friction_secants(simd_all(mu), simd_all(normal), simd_all(lambda), simd_all(speed))[0];
 }

@@ -11,12 +11,27 @@
 #include <math.h>
 #include <string.h>
 
+#define X(suffix) extern const body_kernels body_kernels_##suffix;
+CPU_EACH_BUILD(X)
+#undef X
+
 /// Twice the displacement after which the list is built again, in bounding radii of the smallest part.
 #define SKIN 1.0
 
 /// Range of the map of plates, in bounding radii of the largest part: covers all plates that a part may come
 /// into contact with before the list is built again.
 #define PLATE_RANGE 2.0
+
+const body_kernels *body__implicit_kernels(cpu_level level)
+{
+    static const body_kernels *const builds[] = {
+#define X(suffix) &body_kernels_##suffix,
+        CPU_EACH_BUILD(X)
+#undef X
+    };
+
+    return builds[level];
+}
 
 /// The largest number of iterations that a kind of part requires.
 static int find_iterations(const body_state *s)
@@ -55,6 +70,7 @@ bf_status body__implicit_init(body_state *s, bf_error *err)
 
     if (z == NULL || memory_resize(arrays, body__implicit_arrays(z, 0, s->capacity, arrays)) != 0)
         return bf_fail(err, BF_ENOMEM, "/initial", "no memory for %zu parts", s->n);
+    z->kernels = body__implicit_kernels(cpu_best());
     z->iterations = find_iterations(s);
     z->damping_factor = exp(-s->def.damping * s->def.dt);
     s->list.skin = SKIN * s->bounding_radius_min;
@@ -73,7 +89,7 @@ void body__implicit_fini(body_state *s)
     memory_free(z->used_colours);
     memory_free(z->buffers);
     memory_free(z->constraints);
-    memory_free(z->order);
+    memory_free(z->batches);
     memory_free(z);
 }
 
@@ -88,13 +104,19 @@ static bf_status make_room(body_state *s, bf_error *err)
         const size_t begin = body__first_of(block), end = body__last_of(s, block);
         body_block_buffer *buffer = &z->buffers[block];
         buffer->first = n;
-        buffer->capacity = s->first_pair[end] - s->first_pair[begin] + 1;
-        for (size_t k = begin; k < end; k++)
-            buffer->capacity += 1 + body__count_boundaries(s, k, s->list.skin);
+        buffer->n_boundaries = buffer->most_boundaries = 0;
+        for (size_t k = begin; k < end; k++) {
+            const size_t n_own = 1 + body__count_boundaries(s, k, s->list.skin);
+            buffer->n_boundaries += n_own;
+            if (n_own > buffer->most_boundaries)
+                buffer->most_boundaries = n_own;
+        }
+        buffer->capacity = s->first_pair[end] - s->first_pair[begin] + buffer->n_boundaries + 1;
         n += buffer->capacity;
     }
     if (memory_reserve(&z->constraints, &z->constraints_capacity, n, sizeof *z->constraints) != 0 ||
-        memory_reserve(&z->order, &z->order_capacity, s->n_pairs, sizeof(void *)) != 0) {
+        memory_reserve(&z->batches, &z->batches_capacity, body_implicit__count_batches(s),
+                       sizeof *z->batches) != 0) {
         s->is_listed = false;
         return bf_fail(err, BF_ENOMEM, "", "no memory for the contacts of %zu parts", s->n);
     }
@@ -176,59 +198,34 @@ static void find_block_contacts(const driver_member *m, size_t block)
     body_implicit__find_contacts(m->state, block, *margin);
 }
 
-/// Assign each constraint of a pair the first colour that neither part has, in the order of the parts.
-static void choose_colours(body_solver *z, size_t n_blocks, size_t *count)
+typedef void batch_work(const body_state *s, body_batch *batch);
+
+static void warm_start(const body_state *s, body_batch *batch)
 {
-    for (size_t block = 0; block < n_blocks; block++) {
-        const body_block_buffer *buffer = &z->buffers[block];
-        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++) {
-            body_constraint *p = &z->constraints[k];
-            uint64_t free = ~(z->used_colours[p->a] | z->used_colours[p->b]);
-            p->colour = free != 0 ? (uint8_t)__builtin_ctzll(free) : BODY_COLOURS;
-            if (free != 0) {
-                z->used_colours[p->a] |= 1ULL << p->colour;
-                z->used_colours[p->b] |= 1ULL << p->colour;
-            }
-            count[p->colour]++;
-        }
-    }
+    body_implicit__fill_batch(s, batch);
+    s->implicit->kernels->warm_start(s->implicit->solver_bodies, batch);
 }
 
-static void sort_by_colours(const body_state *s, body_solver *z)
+static void solve(const body_state *s, body_batch *batch)
 {
-    size_t at[BODY_COLOURS + 1] = { 0 };
-
-    memset(z->used_colours, 0, s->n * sizeof *z->used_colours);
-    choose_colours(z, s->n_blocks, at);
-    z->colour[0] = 0;
-    for (int c = 0; c <= BODY_COLOURS; c++) {
-        z->colour[c + 1] = z->colour[c] + at[c];
-        at[c] = z->colour[c];
-    }
-    for (size_t block = 0; block < s->n_blocks; block++) {
-        const body_block_buffer *buffer = &z->buffers[block];
-        for (size_t k = buffer->first; k < buffer->first + buffer->n_pairs; k++)
-            z->order[at[z->constraints[k].colour]++] = &z->constraints[k];
-    }
+    s->implicit->kernels->solve(s->implicit->solver_bodies, batch);
 }
 
-typedef void constraint_work(const body_state *s, body_constraint *constraint);
-
-static void sweep_boundaries(const driver_member *m, constraint_work *work)
+static void sweep_boundaries(const driver_member *m, batch_work *work)
 {
     const body_state *s = m->state;
     const body_solver *z = s->implicit;
 
     for (size_t block = (size_t)m->index; block < s->n_blocks; block += (size_t)m->n_members) {
         const body_block_buffer *buffer = &z->buffers[block];
-        for (size_t k = buffer->n_pairs; k < buffer->n; k++)
-            work(s, &z->constraints[buffer->first + k]);
+        for (size_t k = 0; k < buffer->n_batches; k++)
+            work(s, &z->batches[buffer->first_batch + k]);
     }
 }
 
 /// Work on all constraints once. The first member alone does colours of one slice, without waiting between
 /// them.
-static void sweep(const driver_member *m, constraint_work *work)
+static void sweep(const driver_member *m, batch_work *work)
 {
     const body_state *s = m->state;
     const body_solver *z = s->implicit;
@@ -247,7 +244,7 @@ static void sweep(const driver_member *m, constraint_work *work)
         size_t step = is_short ? n : BODY_SLICE;
         for (size_t k = (size_t)m->index * step; k < n; k += (size_t)m->n_members * step)
             for (size_t at = k; at < k + step && at < n; at++)
-                work(s, z->order[first[c] + at]);
+                work(s, &z->batches[first[c] + at]);
     }
     driver_wait(m);
 }
@@ -258,7 +255,7 @@ static void note_constraint(const body_state *s, const body_constraint *p, body_
 
     if (p->a != BODY_STATIC)
         radius = fmin(radius, s->kinds[s->bodies[p->a].kind].radius);
-    if (p->belt_kind == NULL && p->normal_impulse > 0.0 && p->depth > 0.0)
+    if (p->belt_kind == NULL && p->batch->normal_impulse[p->lane] > 0.0 && p->depth > 0.0)
         body__note(report, p->depth, radius);
 }
 
@@ -304,11 +301,11 @@ static driver_outcome step(driver_member *m)
     m->step = &margin;
     split_blocks(m, find_block_contacts);
     if (m->index == 0)
-        sort_by_colours(s, s->implicit);
+        body_implicit__make_batches(s);
     driver_wait(m);
-    sweep(m, body_implicit__begin);
+    sweep(m, warm_start);
     for (int iteration = 0; iteration < s->implicit->iterations; iteration++)
-        sweep(m, body_implicit__solve_contact);
+        sweep(m, solve);
     split_blocks(m, move_block);
     return body__find_outcome(s);
 }

@@ -22,41 +22,29 @@
 ///          the same for all parts, so that results do not depend on when the list was built.
 /// Order    An iteration solves first all constraints with boundaries, part by part; then those of pairs
 ///          by colours, in none of which a part occurs twice; last those for which no colour was left.
-///          Colours are assigned in each step, by the ids of the parts, and need not be saved.
+///          Colours are assigned in each step, by the ids of the parts, and need not be saved. Constraints without a
+///          part in common are solved together in batches (batch.h), which does not change a bit.
 /// State    Warm starts, of pairs and parts, outlive a step and are saved; the rest is scratch.
 
 #pragma once
 
-#include "core/convex/mat6.h"
+#include "core/micro/body/batch.h"
 #include "core/micro/body/body_priv.h"
 
 enum {
-    BODY_CONSTRAINT_POINTS = 8, ///< of a constraint
-    BODY_COLOURS = 64,          ///< of constraints of pairs
-    BODY_SLICE = 16,            ///< constraints of a colour that a thread takes at a time
+    BODY_COLOURS = 64, ///< of constraints of pairs
+    BODY_SLICE = 2,    ///< batches of a colour that a thread takes at a time
 };
 
-/// A contact point, in the axes of its constraint.
+/// A contact point, in the axes of its constraint; more in body_batch_point.
 typedef struct body_constraint_point {
     double x;                ///< from the middle along the first tangent, m
     double y;                ///< along the second
     vec3 normal;             ///< of length 1
     double depth;            ///< m; < 0: apart
     double weight;           ///< of stiffness and dashpot
-    double bias;             ///< J = bias - gain u
-    double gain;             ///< N s per m/s
-    double normal_impulse;   ///< J by the last solution, N s
-    bool can_pull;           ///< J may be negative
     double belt_velocity[2]; ///< along the tangents, m/s
 } body_constraint_point;
-
-/// Velocities of a body within a step, and its inverse masses.
-typedef struct body_solver_body {
-    vec3 v;           ///< m/s
-    vec3 w;           ///< rad/s
-    double inv_mass;  ///< 1/m, 1/kg
-    mat3 inv_inertia; ///< inverse inertia in the world's frame, 1/(kg m2)
-} body_solver_body;
 
 /// The contact constraint of two bodies, see above.
 typedef struct body_constraint {
@@ -64,20 +52,18 @@ typedef struct body_constraint {
     uint32_t b;                  ///< part
     body_warm_start *warm_start; ///< where its impulse is stored; NULL: nowhere
     uint32_t key;                ///< of the warm start
-    uint8_t colour;              ///< of a constraint of two parts
+    uint32_t colour;             ///< of a pair; of a boundary: how many come before it at its part
+    body_batch *batch;           ///< that solves it
+    uint32_t lane;               ///< in that
     const body_kind *belt_kind;  ///< the part's kind if a is the belt, else NULL
     vec3 axis[3];                ///< tangents and normal; the normal points from a to b, or to b
     const body_moving *moving;   ///< the plate if a is one that moves, else NULL
     vec3 lever[2];               ///< from the centres of a, or its pivot, and b to the middle, m
-    bool has_inertia;            ///< the inertia was computed: by the first solution in the step
-    double impulse[6];           ///< so far, on b, in the axes: N s and N m s
-    double friction;             ///< mu
-    double rate;                 ///< lambda, s/m
+    double impulse[6];           ///< of the last step, on b, in the axes: N s and N m s
+    micro_law law;               ///< of the contact
     double depth;                ///< largest of the points, m
     uint32_t n;                  ///< points
     bool is_flat;                ///< all normals of the points are axis[2]
-    double normal_impulse;       ///< sum over the points, N s
-    mat6 inertia;                ///< M; only where has_inertia
     body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there; n of them
 } body_constraint;
 
@@ -89,8 +75,12 @@ typedef struct body_block_buffer {
     size_t n_pairs;  ///< constraints with other parts
     size_t n;        ///< of all constraints; those with boundaries and belts are last, part by part
     size_t capacity; ///< constraints that it has room for
-    double speed;    ///< largest of any point of a part, before the step or without contacts, m/s
-    double moved2;   ///< largest squared displacement since the list was built, m2
+    size_t n_boundaries;    ///< of these most with boundaries and belts
+    size_t most_boundaries; ///< most of them of one part
+    size_t first_batch;     ///< of those with boundaries and belts
+    size_t n_batches;       ///< same
+    double speed;  ///< largest of any point of a part, before the step or without contacts, m/s
+    double moved2; ///< largest squared displacement since the list was built, m2
 } body_block_buffer;
 
 /// What body_state.implicit points to.
@@ -104,22 +94,23 @@ typedef struct implicit_solver {
     body_block_buffer *buffers;          ///< by block of parts
     size_t constraints_capacity;         ///< room
     body_constraint *constraints;        ///< scratch, by blocks
-    size_t order_capacity;               ///< room
-    body_constraint **order;             ///< scratch: constraints of pairs by colours
-    size_t colour[BODY_COLOURS + 2];     ///< where each begins in order; the last one is the rest
+    size_t batches_capacity;             ///< room
+    body_batch *batches;                 ///< scratch: of pairs by colours, then by blocks
+    size_t colour[BODY_COLOURS + 2];     ///< first batch of each; the last one is the rest
+    const body_kernels *kernels;         ///< those of this processor
 } body_solver;
 
 /// Make the constraints of a block of parts for all contacts within `margin`, m.
 void body_implicit__find_contacts(body_state *s, size_t block, double margin);
 
-/// Apply the warm-start impulse of a constraint.
-void body_implicit__begin(const body_state *s, body_constraint *constraint);
+/// Most batches that the constraints until the list is stale can need.
+size_t body_implicit__count_batches(const body_state *s);
 
-/// Compute the effective mass of a constraint, which one whose points stay apart in the step does not need.
-void body_implicit__find_inertia(const body_state *s, body_constraint *constraint);
+/// Divide the constraints of all blocks into batches. By one thread.
+void body_implicit__make_batches(const body_state *s);
 
-/// Solve a constraint while the impulses of all others are fixed.
-void body_implicit__solve_contact(const body_state *s, body_constraint *constraint);
+/// Set the lanes of a batch from its constraints.
+void body_implicit__fill_batch(const body_state *s, body_batch *batch);
 
 /// Store the impulse of a constraint for the next step.
-void body_implicit__store_warm_start(body_constraint *constraint);
+void body_implicit__store_warm_start(const body_constraint *constraint);

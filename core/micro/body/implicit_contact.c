@@ -137,35 +137,15 @@ static void take_points(const contact_points *from, vec3 middle, body_constraint
     p->n = (uint32_t)(below + coming);
 }
 
-static void find_gains(const body_state *s, const micro_law *law, body_constraint *p)
-{
-    const double h = s->def.dt, joint = h * law->stiffness + law->damping;
-
-    for (uint32_t k = 0; k < p->n; k++) {
-        body_constraint_point *point = &p->point[k];
-        double overlap = point->depth > 0.0 ? point->depth : 0.0;
-        point->gain = point->weight * h * joint;
-        point->bias = point->weight * (joint * point->depth - law->damping * overlap);
-        point->can_pull = s->def.tension && point->depth > 0.0;
-    }
-}
-
-/// Take the impulse of the last step, in the axes of this one, distributed to the points by weight.
+/// Take the impulse of the last step, in the axes of this one.
 static void take_impulse(const body_warm_start *before, body_constraint *p)
 {
-    double sum = 0.0;
-
     if (before == NULL || before->key == 0)
         return;
     for (int k = 0; k < 3; k++) {
         p->impulse[k] = vec3_dot(p->axis[k], before->impulse);
         p->impulse[3 + k] = vec3_dot(p->axis[k], before->angular_impulse);
     }
-    p->normal_impulse = fmax(0.0, p->impulse[2]);
-    for (uint32_t k = 0; k < p->n; k++)
-        sum += p->point[k].weight;
-    for (uint32_t k = 0; k < p->n; k++)
-        p->point[k].normal_impulse = p->normal_impulse * p->point[k].weight / sum;
 }
 
 /// What a constraint is made from, beside the contact.
@@ -196,15 +176,14 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     if (from.n == 0)
         return false;
     const vec3 middle = find_middle(&from, &normal);
-    // Most of a constraint are the inertia and points, which are written where they are needed.
-    memset(p, 0, offsetof(body_constraint, inertia));
+    // Most of a constraint are points, which are written where they are needed.
+    memset(p, 0, offsetof(body_constraint, point));
     p->a = source->a;
     p->b = source->b;
     p->belt_kind = source->belt_kind;
     p->moving = source->moving;
     p->is_flat = from.n == 1 || !contact->is_closed_form;
-    p->friction = source->law->friction;
-    p->rate = source->law->tanh_linear;
+    p->law = *source->law;
     set_axes(source, normal, p);
     p->lever[1] = vec3_sub(middle, s->bodies[p->b].x);
     if (p->a != BODY_STATIC)
@@ -214,7 +193,6 @@ static bool make_constraint(const body_state *s, const constraint_source *source
     take_points(&from, middle, p);
     for (uint32_t k = 0; k < p->n; k++)
         p->depth = k == 0 ? p->point[k].depth : fmax(p->depth, p->point[k].depth);
-    find_gains(s, source->law, p);
     take_impulse(source->before, p);
     return true;
 }
@@ -260,6 +238,7 @@ typedef struct visitor {
     const body_warm_start *before; // of the part
     body_warm_start *after;        // same, being written
     size_t n_after;
+    uint32_t n_before; // constraints of the part
 } visitor;
 
 static const body_warm_start *find_warm_start(const body_warm_start *warm_starts, uint32_t key)
@@ -284,6 +263,7 @@ static body_constraint *add_boundary(visitor *v, size_t k, const micro_law *law,
     if (v->n_after < BODY_WARM_STARTS)
         constraint->warm_start = &v->after[v->n_after++];
     constraint->key = key;
+    constraint->colour = v->n_before++;
     v->buffer->n++;
     return constraint;
 }
