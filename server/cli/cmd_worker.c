@@ -160,7 +160,21 @@ static bf_status seed_hashes(bf_error *err)
     return BF_OK;
 }
 
-static bf_status work(working *w, bf_error *err)
+// Nothing of the job is known before the confinement. It may come a while after the start: from then on reports and
+// checkpoints are timed, and SIGTERM asks for one; before, there is nothing to be saved.
+static bf_status read_job(working *w, int64_t checkpoint_ms, bf_buffer *in, bf_error *err)
+{
+    bf_status status = seed_hashes(err);
+    if (status == BF_OK)
+        status = confinement_enter(err);
+    if (status == BF_OK)
+        status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, in, err);
+    run_control_catch(SIGTERM, RUN_CONTROL_CATCH_ALL);
+    w->run_control = run_control_init(REPORT_MS, checkpoint_ms);
+    return status;
+}
+
+static bf_status work(working *w, int64_t checkpoint_ms, bf_error *err)
 {
     bf_buffer in = { 0 };
     bf_faults faults = { 0 };
@@ -168,11 +182,7 @@ static bf_status work(working *w, bf_error *err)
     size_t used = 0;
     scene s;
 
-    bf_status status = file_io_read_fd(STDIN_FILENO, "the job", FRAME_PAYLOAD_MAX, &in, err);
-    if (status == BF_OK)
-        status = seed_hashes(err);
-    if (status == BF_OK)
-        status = confinement_enter(err);
+    bf_status status = read_job(w, checkpoint_ms, &in, err);
     if (status == BF_OK)
         status = next_frame(&in, FRAME_JOB, &f, &used, err);
     if (status == BF_OK)
@@ -222,7 +232,6 @@ static bool limit_process(const worker_arguments *a)
         set_limit(RLIMIT_CPU, a->cpu_s, a->cpu_s + CPU_GRACE_S);
     set_limit(RLIMIT_CORE, 0, 0);
     signal(SIGPIPE, SIG_IGN);
-    run_control_catch(SIGTERM, RUN_CONTROL_CATCH_ALL);
     return true;
 }
 
@@ -268,8 +277,7 @@ int cmd_worker(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);
     if (!limit_process(&arguments))
         return CMD_FAILED;
-    w.run_control = run_control_init(REPORT_MS, (int64_t)arguments.checkpoint_ms);
-    bf_status status = work(&w, &failure.error.error);
+    bf_status status = work(&w, (int64_t)arguments.checkpoint_ms, &failure.error.error);
     if (status != BF_OK && !w.is_reader_gone) {
         // The error stands on stderr too, for when there is no memory left to make a frame of it.
         fprintf(stderr, "%s\n", failure.error.error.text);

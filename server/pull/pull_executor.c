@@ -133,9 +133,9 @@ static void describe(api_lease_job *about, const executor_work *work, size_t n_i
     about->model = work->model;
     about->n_threads = work->n_threads;
     about->is_trial = work->is_trial;
-    about->checkpoint_ms = (uint64_t)work->checkpoint_ms;
-    about->memory_bytes = work->memory_bytes;
-    about->cpu_s = work->cpu_s;
+    about->checkpoint_ms = (uint64_t)work->limits.checkpoint_ms;
+    about->memory_bytes = work->limits.memory_bytes;
+    about->cpu_s = work->limits.cpu_s;
     about->step = work->checkpoint->n == 0 ? 0 : work->step;
     about->predicted_s = (double)NAN; // until it is leased
     about->n_bytes = n_input;

@@ -31,6 +31,13 @@ enum { EXECUTOR_ID_SIZE = 128 }; ///< bytes of an external id with its terminato
 typedef struct executor executor;
 typedef struct executor_job executor_job;
 
+/// What solvers are started with.
+typedef struct executor_limits {
+    int64_t checkpoint_ms; ///< between checkpoints
+    uint64_t memory_bytes; ///< address space; 0: unlimited
+    uint64_t cpu_s;        ///< CPU seconds; 0: unlimited
+} executor_limits;
+
 /// What a job has to do, and what it may use. Borrowed for the call of start().
 typedef struct executor_work {
     const char *run_id;          ///< for logs
@@ -41,9 +48,7 @@ typedef struct executor_work {
     const bf_buffer *scenario;   ///< resolved document
     const bf_buffer *checkpoint; ///< to resume from; n = 0: from t = 0
     uint64_t step;               ///< of the checkpoint
-    int64_t checkpoint_ms;       ///< between checkpoints
-    uint64_t memory_bytes;       ///< address space; 0: unlimited
-    uint64_t cpu_s;              ///< CPU seconds; 0: unlimited
+    executor_limits limits;      ///< of the solver
 } executor_work;
 
 /// How a job is asked to end; the later one is the stronger one.
@@ -87,6 +92,10 @@ typedef struct executor_functions {
     /// True if it takes one more job now: of a trial, or of a run by itself. It makes wake_fd readable when it has
     /// room again. NULL: supervisor_options.n_workers says how many there are.
     bool (*has_room)(executor *e, bool is_trial);
+
+    /// Do what can be done for the next job before it is known; it has these limits, as far as is known. Whether that
+    /// succeeds shows when the job starts. NULL: there is nothing.
+    void (*prepare)(executor *e, const executor_limits *limits);
 
     /// Start a job. The executor keeps nothing of *work. BF_EBUSY, BF_ENOMEM, BF_ESYSTEM: the executor is at
     /// fault, and it may work later; other errors: this job can never be started.

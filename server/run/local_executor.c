@@ -55,17 +55,17 @@ typedef struct watch {
 
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];
-    char run_id[64];     // for the log
-    uint64_t cpu_s;      // its limit, for the words about its end
-    pid_t pid;           // 0: reaped
-    int status;          // of wait4(), when reaped
-    double used_s;       // CPU time so far
-    uint64_t peak_bytes; // of memory that it had at once, when reaped
-    int pidfd;           // readable when it has ended
-    int in;              // its standard input, not blocking; -1 when all is written
-    int out;             // its standard output, not blocking; -1 at its end
-    int err;             // its standard error, not blocking; -1 at its end
-    bf_buffer input;     // what it is to read
+    char run_id[64];        // for the log
+    executor_limits limits; // that it was started with
+    pid_t pid;              // 0: reaped
+    int status;             // of wait4(), when reaped
+    double used_s;          // CPU time so far
+    uint64_t peak_bytes;    // of memory that it had at once, when reaped
+    int pidfd;              // readable when it has ended
+    int in;                 // its standard input, not blocking; -1 when all is written
+    int out;                // its standard output, not blocking; -1 at its end
+    int err;                // its standard error, not blocking; -1 at its end
+    bf_buffer input;        // what it is to read
     size_t n_written;
     bool has_output;      // there may be something to read from out
     char line[LINE_SIZE]; // of stderr, as far as it has come
@@ -82,6 +82,7 @@ typedef struct local_executor {
     executor base;
     const char *program;
     executor_job *released; // jobs that were released before their child had ended
+    executor_job *spare;    // whose child waits for its input; NULL: none
 } local_executor;
 
 // The two ends of a pipe.
@@ -166,7 +167,7 @@ static int spawn(const char *program, char *const *argv, const pipes *p, pid_t *
     return error;
 }
 
-static int spawn_worker(const char *program, const executor_work *work, const pipes *p,
+static int spawn_worker(const char *program, const executor_limits *limits, const pipes *p,
                         pid_t *ret_pid)
 {
     char memory[NUMBER_TEXT], cpu[NUMBER_TEXT], parent[NUMBER_TEXT], checkpoint[NUMBER_TEXT];
@@ -182,10 +183,10 @@ static int spawn_worker(const char *program, const executor_work *work, const pi
                      checkpoint,
                      NULL };
 
-    snprintf(memory, sizeof memory, "%" PRIu64, work->memory_bytes);
-    snprintf(cpu, sizeof cpu, "%" PRIu64, work->cpu_s);
+    snprintf(memory, sizeof memory, "%" PRIu64, limits->memory_bytes);
+    snprintf(cpu, sizeof cpu, "%" PRIu64, limits->cpu_s);
     snprintf(parent, sizeof parent, "%ld", (long)getpid());
-    snprintf(checkpoint, sizeof checkpoint, "%" PRId64, work->checkpoint_ms);
+    snprintf(checkpoint, sizeof checkpoint, "%" PRId64, limits->checkpoint_ms);
     return spawn(program, argv, p, ret_pid);
 }
 
@@ -210,8 +211,7 @@ static bool watch_job(const executor *e, executor_job *job)
 {
     return watch_fd(e, job, job->in, EPOLLOUT, SOURCE_INPUT) &&
            watch_fd(e, job, job->out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) &&
-           watch_fd(e, job, job->err, EPOLLIN, SOURCE_ERROR) &&
-           watch_fd(e, job, job->pidfd, EPOLLIN, SOURCE_EXIT);
+           watch_fd(e, job, job->err, EPOLLIN, SOURCE_ERROR);
 }
 
 static void close_job(executor_job *job)
@@ -259,13 +259,13 @@ static void kill_and_reap(executor_job *job)
         (void)poll(&end, 1, -1);
 }
 
-// Start the child; the descriptors of *job are set. Returns 0 or an errno.
-static int start_child(local_executor *e, const executor_work *work, executor_job *job)
+// Start the child, whose end is watched; the descriptors of *job are set. Returns 0 or an errno.
+static int start_child(local_executor *e, executor_job *job)
 {
     pipes p = { { -1, -1 }, { -1, -1 }, { -1, -1 } };
     pid_t pid = 0;
 
-    int error = open_pipes(&p) ? spawn_worker(e->program, work, &p, &pid) : errno;
+    int error = open_pipes(&p) ? spawn_worker(e->program, &job->limits, &p, &pid) : errno;
     if (error != 0) {
         close_pipes(&p);
         return error;
@@ -273,81 +273,56 @@ static int start_child(local_executor *e, const executor_work *work, executor_jo
     close_fd(&p.in.read);
     close_fd(&p.out.write);
     close_fd(&p.err.write);
-    // Runs by themselves are solved beside trials, and are to have the cores.
-    if (work->is_trial)
-        (void)setpriority(PRIO_PROCESS, (id_t)pid, TRIAL_NICE);
     job->pid = pid;
     job->in = p.in.write;
     job->out = p.out.read;
     job->err = p.err.read;
     job->pidfd = pidfd_open(pid, 0);
-    if (job->pidfd >= 0 && watch_job(&e->base, job))
+    if (job->pidfd >= 0 && watch_fd(&e->base, job, job->pidfd, EPOLLIN, SOURCE_EXIT))
         return 0;
     error = errno;
-    if (job->pidfd >= 0) {
-        kill_and_reap(job);
-    } else {
+    if (job->pidfd < 0) {
         kill(-pid, SIGKILL);
         waitpid(pid, NULL, 0);
+        job->pid = 0;
     }
     return error;
 }
 
-// The effective user counts, as in execve().
-static bf_status ready(executor *base, bf_error *err)
+static void destroy_job(executor_job *job)
 {
-    const local_executor *e = (const local_executor *)base;
-    struct stat info;
-    int error = stat(e->program, &info) != 0 ? errno : 0;
-
-    if (error == 0 && !S_ISREG(info.st_mode))
-        error = EACCES;
-    if (error == 0 && faccessat(AT_FDCWD, e->program, X_OK, AT_EACCESS) != 0)
-        error = errno;
-    return error == 0 ? BF_OK : fail_start(e->program, error, err);
+    kill_and_reap(job);
+    close_job(job);
+    memory_free(job);
 }
 
-static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
-                       bf_error *err)
+// A job whose child waits for its input. Returns 0 or an errno.
+static int create_job(local_executor *e, const executor_limits *limits, executor_job **ret_job)
 {
-    local_executor *e = (local_executor *)base;
     executor_job *job = memory_alloc(1, sizeof *job);
 
     if (job == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "no memory to start a run");
+        return ENOMEM;
     job->pidfd = job->in = job->out = job->err = -1;
-    job->cpu_s = work->cpu_s;
-    snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
-    bf_status status = executor_encode(work, &job->input, err);
-    if (status == BF_OK) {
-        int error = start_child(e, work, job);
-        if (error != 0)
-            status = fail_start(e->program, error, err);
-    }
-    if (status != BF_OK) {
-        close_job(job);
-        memory_free(job);
-        return status;
-    }
-    snprintf(job->id, sizeof job->id, "local:%ld", (long)job->pid);
-    *ret_job = job;
-    return BF_OK;
+    job->limits = *limits;
+    const int error = start_child(e, job);
+    if (error == 0)
+        *ret_job = job;
+    else
+        destroy_job(job);
+    return error;
 }
 
-static bf_status attach(executor *base, const char *external_id, executor_job **ret_job,
-                        bf_error *err)
+// The spare, if it still waits and has these limits; else there is none any more.
+static executor_job *take_spare(local_executor *e, const executor_limits *limits)
 {
-    (void)base;
-    (void)ret_job;
-    return bf_fail(err, BF_ENOTFOUND, "", "there is no child process %s any more", external_id);
-}
+    executor_job *spare = e->spare;
 
-static void stop(executor *base, executor_job *job, executor_stop how)
-{
-    (void)base;
-    if (job->pid > 0)
-        kill(how == EXECUTOR_STOP_NOW ? -job->pid : job->pid,
-             how == EXECUTOR_STOP_NOW ? SIGKILL : SIGTERM);
+    e->spare = NULL;
+    if (spare == NULL || (!reap(spare) && memcmp(&spare->limits, limits, sizeof *limits) == 0))
+        return spare;
+    destroy_job(spare);
+    return NULL;
 }
 
 // Write what the child's input takes; close it after the last byte, or when it is not read any more.
@@ -364,6 +339,80 @@ static void write_input(executor_job *job)
     }
     close_fd(&job->in);
     buffer_fini(&job->input);
+}
+
+// The effective user counts, as in execve().
+static bf_status ready(executor *base, bf_error *err)
+{
+    const local_executor *e = (const local_executor *)base;
+    struct stat info;
+    int error = stat(e->program, &info) != 0 ? errno : 0;
+
+    if (error == 0 && !S_ISREG(info.st_mode))
+        error = EACCES;
+    if (error == 0 && faccessat(AT_FDCWD, e->program, X_OK, AT_EACCESS) != 0)
+        error = errno;
+    return error == 0 ? BF_OK : fail_start(e->program, error, err);
+}
+
+// Give the child its work.
+static bf_status hand_over(const local_executor *e, const executor_work *work, executor_job *job,
+                           bf_error *err)
+{
+    bf_status status = executor_encode(work, &job->input, err);
+    if (status != BF_OK)
+        return status;
+    snprintf(job->id, sizeof job->id, "local:%ld", (long)job->pid);
+    snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
+    // Runs by themselves are solved beside trials, and are to have the cores.
+    if (work->is_trial)
+        (void)setpriority(PRIO_PROCESS, (id_t)job->pid, TRIAL_NICE);
+    if (!watch_job(&e->base, job))
+        return fail_start(e->program, errno, err);
+    write_input(job);
+    return BF_OK;
+}
+
+static bf_status start(executor *base, const executor_work *work, executor_job **ret_job,
+                       bf_error *err)
+{
+    local_executor *e = (local_executor *)base;
+    executor_job *job = take_spare(e, &work->limits);
+    int error = job == NULL ? create_job(e, &work->limits, &job) : 0;
+
+    if (error != 0)
+        return fail_start(e->program, error, err);
+    const bf_status status = hand_over(e, work, job, err);
+    if (status != BF_OK) {
+        destroy_job(job);
+        return status;
+    }
+    *ret_job = job;
+    return BF_OK;
+}
+
+static void prepare(executor *base, const executor_limits *limits)
+{
+    local_executor *e = (local_executor *)base;
+
+    if (e->spare == NULL)
+        (void)create_job(e, limits, &e->spare);
+}
+
+static bf_status attach(executor *base, const char *external_id, executor_job **ret_job,
+                        bf_error *err)
+{
+    (void)base;
+    (void)ret_job;
+    return bf_fail(err, BF_ENOTFOUND, "", "there is no child process %s any more", external_id);
+}
+
+static void stop(executor *base, executor_job *job, executor_stop how)
+{
+    (void)base;
+    if (job->pid > 0)
+        kill(how == EXECUTOR_STOP_NOW ? -job->pid : job->pid,
+             how == EXECUTOR_STOP_NOW ? SIGKILL : SIGTERM);
 }
 
 static void log_line(executor_job *job)
@@ -492,7 +541,7 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
     if (ret_end->cause == EXECUTOR_TIMED_OUT) {
         code = BF_ELIMIT;
         snprintf(text, sizeof text, "the solver used up its limit of %" PRIu64 " CPU seconds",
-                 job->cpu_s);
+                 job->limits.cpu_s);
     } else if (ret_end->cause == EXECUTOR_KILLED) {
         snprintf(text, sizeof text,
                  "the solver was killed from outside (SIGKILL); it had %" PRIu64
@@ -578,6 +627,7 @@ static void release(executor *base, executor_job *job)
 bf_status local_executor_create(const char *program, executor **ret_executor, bf_error *err)
 {
     static const executor_functions functions = { .ready = ready,
+                                                  .prepare = prepare,
                                                   .start = start,
                                                   .attach = attach,
                                                   .stop = stop,
@@ -605,6 +655,8 @@ executor *local_executor_destroy(executor *base)
 
     if (e == NULL)
         return NULL;
+    if (e->spare != NULL)
+        destroy_job(e->spare);
     while (e->released != NULL) {
         kill_and_reap(e->released);
         forget_released(e, e->released);

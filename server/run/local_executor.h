@@ -3,10 +3,12 @@
 /// output, and what it writes to stderr goes to the log (`run_said`).
 ///
 /// Safety   a child is started by posix_spawn with every descriptor but its three pipes closed and no signal
-///          blocked or ignored; it limits its own address space and CPU time before it reads anything, and
-///          confines itself (server/run/confinement.h) before it looks at what it has read. A
+///          blocked or ignored; it limits its own address space and CPU time and confines itself
+///          (server/run/confinement.h) before it reads anything. A
 ///          graceful stop is SIGTERM, a stop by force SIGKILL to its whole group. Its pid cannot be of
 ///          another process before it is reaped.
+/// Spare    prepare() starts the child of the next job, which waits for its input. A child serves one job; one that was
+///          started with other limits, or has ended, is replaced when the job starts.
 /// Restart  a child is killed by the kernel when the thread that started it ends (PR_SET_PDEATHSIG). So none
 ///          outlives the daemon, and attach() returns BF_ENOTFOUND.
 

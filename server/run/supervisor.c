@@ -145,6 +145,8 @@ static void finish_end(supervisor *s, supervisor__task *task)
         supervisor__backoff(s);
     if (!task->is_solved)
         supervisor_wake(s); // there is room for another run
+    else
+        supervisor__prepare_job(s); // a program that fails is not started without need
     supervisor__task_destroy(task);
 }
 

@@ -146,6 +146,9 @@ supervisor__task *supervisor__task_create(supervisor *s);
 BF_MUST_CHECK bf_status supervisor__task_start(supervisor__task *task, const char *external_id,
                                                bf_error *err);
 
+/// Let the executor do what it can for the next job.
+void supervisor__prepare_job(supervisor *s);
+
 /// Remove from the list, release the job and free; no write may be pending.
 void supervisor__task_destroy(supervisor__task *task);
 

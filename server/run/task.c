@@ -42,6 +42,21 @@ void supervisor__task_destroy(supervisor__task *task)
     memory_free(task);
 }
 
+static executor_limits limits_of(const supervisor *s)
+{
+    return (executor_limits){ .checkpoint_ms = s->options.checkpoint_ms,
+                              .memory_bytes = s->options.memory_bytes,
+                              .cpu_s = s->options.cpu_s };
+}
+
+void supervisor__prepare_job(supervisor *s)
+{
+    const executor_limits limits = limits_of(s);
+
+    if (s->executor->functions->prepare != NULL)
+        s->executor->functions->prepare(s->executor, &limits);
+}
+
 static bf_status start_job(supervisor__task *task, bf_error *err)
 {
     const supervisor_options *options = &task->supervisor->options;
@@ -54,9 +69,7 @@ static bf_status start_job(supervisor__task *task, bf_error *err)
                                  .scenario = &task->claimed.scenario,
                                  .checkpoint = &task->claimed.checkpoint,
                                  .step = task->claimed.step,
-                                 .checkpoint_ms = options->checkpoint_ms,
-                                 .memory_bytes = options->memory_bytes,
-                                 .cpu_s = options->cpu_s };
+                                 .limits = limits_of(task->supervisor) };
 
     return e->functions->start(e, &work, &task->job, err);
 }

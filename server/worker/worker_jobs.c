@@ -87,9 +87,9 @@ static bf_status start_child(worker *w, const worker_lease *lease, worker_job *j
                                  .scenario = &scenario,
                                  .checkpoint = &checkpoint,
                                  .step = job->about.step,
-                                 .checkpoint_ms = (int64_t)job->about.checkpoint_ms,
-                                 .memory_bytes = job->about.memory_bytes,
-                                 .cpu_s = job->about.cpu_s };
+                                 .limits = { .checkpoint_ms = (int64_t)job->about.checkpoint_ms,
+                                             .memory_bytes = job->about.memory_bytes,
+                                             .cpu_s = job->about.cpu_s } };
     return w->solver->functions->start(w->solver, &work, &job->child, err);
 }
 
