@@ -55,7 +55,7 @@ static executor_job *start(fixture *f, const char *run_id, bool is_trial)
                                  .is_trial = is_trial,
                                  .scenario = &scenario,
                                  .checkpoint = &none,
-                                 .checkpoint_ms = 1000 };
+                                 .limits = { .checkpoint_ms = 1000 } };
     assert_int_equal(f->executor->functions->start(f->executor, &work, &job, NULL), BF_OK);
     buffer_fini(&scenario);
     return job;

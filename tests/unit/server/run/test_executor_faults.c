@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <poll.h>
+#include <signal.h>
 #include <spawn.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -17,6 +18,9 @@
 #include <unistd.h>
 
 // ------------------------------------------------------------------------ what fails
+
+static int n_spawned;      // children
+static pid_t last_spawned; // the last of them
 
 // The functions below take the place of the C library's.
 
@@ -59,7 +63,12 @@ int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *
                 const posix_spawnattr_t *, char *const *, char *const *);
 
     helper_fault_next("posix_spawn", &next);
-    return helper_fault_is_due() ? errno : next(pid, path, actions, attributes, argv, environment);
+    if (helper_fault_is_due())
+        return errno;
+    const int error = next(pid, path, actions, attributes, argv, environment);
+    n_spawned++;
+    last_spawned = *pid;
+    return error;
 }
 
 // ------------------------------------------------------------------------ starts
@@ -96,11 +105,10 @@ static void run_to_its_end(executor *e, executor_job *job)
     assert_int_equal(end.cause, EXECUTOR_EXITED);
 }
 
-// Create an executor, solve a run with it, and destroy it.
-static bf_status solve(bf_error *err)
+// Solve a run to its end.
+static bf_status solve_with(executor *e, int64_t checkpoint_ms, bf_error *err)
 {
     bf_buffer scenario = { 0 }, checkpoint = { 0 };
-    executor *e = NULL;
     executor_job *job = NULL;
 
     scenario.bytes = (char *)(uintptr_t)helper_short_belt;
@@ -109,17 +117,27 @@ static bf_status solve(bf_error *err)
                                  .model = RUN_MACRO,
                                  .n_threads = 1,
                                  .scenario = &scenario,
-                                 .checkpoint = &checkpoint };
-    bf_status status = local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, err);
-    if (status != BF_OK)
-        return status;
-    status = e->functions->start(e, &work, &job, err);
+                                 .checkpoint = &checkpoint,
+                                 .limits = { .checkpoint_ms = checkpoint_ms } };
+    const bf_status status = e->functions->start(e, &work, &job, err);
     if (status == BF_OK) {
         run_to_its_end(e, job);
         e->functions->release(e, job);
     } else {
         assert_null(job);
     }
+    return status;
+}
+
+// Create an executor, solve a run with it, and destroy it.
+static bf_status solve(bf_error *err)
+{
+    executor *e = NULL;
+
+    bf_status status = local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, err);
+    if (status != BF_OK)
+        return status;
+    status = solve_with(e, 0, err);
     (void)local_executor_destroy(e);
     return status;
 }
@@ -180,6 +198,59 @@ static void any_allocation_may_fail(void **state)
     assert_true(n_allocations > 0);
 }
 
+// A child that waits serves one job, with the limits that it was started with, and only if it still waits.
+static void a_child_is_started_ahead(void **state)
+{
+    const executor_limits limits = { .checkpoint_ms = 1000 };
+    const size_t n_before = count_descriptors();
+    executor *e = NULL;
+    int n = n_spawned;
+
+    (void)state;
+    assert_int_equal(local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, NULL), BF_OK);
+    e->functions->prepare(e, &limits);
+    e->functions->prepare(e, &limits);
+    assert_int_equal(n_spawned, n + 1);
+    assert_int_equal(solve_with(e, limits.checkpoint_ms, NULL), BF_OK);
+    assert_int_equal(n_spawned, n + 1);
+    assert_int_equal(solve_with(e, limits.checkpoint_ms, NULL), BF_OK);
+    assert_int_equal(n_spawned, n + 2);
+    e->functions->prepare(e, &limits);
+    assert_int_equal(solve_with(e, limits.checkpoint_ms + 1, NULL), BF_OK);
+    assert_int_equal(n_spawned, n + 4);
+    e->functions->prepare(e, &limits);
+    assert_int_equal(kill(last_spawned, SIGTERM), 0);
+    struct pollfd wake = { .fd = e->wake_fd, .events = POLLIN };
+    assert_int_equal(poll(&wake, 1, 60000), 1);
+    assert_int_equal(solve_with(e, limits.checkpoint_ms, NULL), BF_OK);
+    assert_int_equal(n_spawned, n + 6);
+    e->functions->prepare(e, &limits);
+    (void)local_executor_destroy(e);
+    assert_true(helper_is_childless());
+    assert_int_equal(count_descriptors(), n_before);
+}
+
+// Whatever fails ahead of a job, the job starts.
+static void a_child_that_cannot_be_started_ahead_is_started_later(void **state)
+{
+    const executor_limits limits = { .checkpoint_ms = 1000 };
+    const size_t n_before = count_descriptors();
+    executor *e = NULL;
+
+    (void)state;
+    assert_int_equal(local_executor_create(PROGRAM_DIR "/beltflow-worker", &e, NULL), BF_OK);
+    for (size_t n = 1, n_calls = n; n_calls >= n; n++) {
+        helper_fault_plan(n, EMFILE);
+        e->functions->prepare(e, &limits);
+        n_calls = helper_fault_calls();
+        helper_fault_plan(0, 0);
+        assert_true(n_calls < n || helper_is_childless());
+        assert_int_equal(solve_with(e, limits.checkpoint_ms, NULL), BF_OK);
+    }
+    (void)local_executor_destroy(e);
+    assert_int_equal(count_descriptors(), n_before);
+}
+
 // The supervisor puts off what cannot be started now.
 static void a_run_is_solved_when_children_can_be_started_again(void **state)
 {
@@ -198,6 +269,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_call_may_fail),
         cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(a_child_is_started_ahead),
+        cmocka_unit_test(a_child_that_cannot_be_started_ahead_is_started_later),
         cmocka_unit_test_setup_teardown(a_run_is_solved_when_children_can_be_started_again,
                                         helper_world_setup, helper_world_teardown),
     };
