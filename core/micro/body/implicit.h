@@ -38,12 +38,10 @@ enum {
 
 /// A contact point, in the axes of its constraint; more in body_batch_point.
 typedef struct body_constraint_point {
-    double x;                ///< from the middle along the first tangent, m
-    double y;                ///< along the second
-    vec3 normal;             ///< of length 1
-    double depth;            ///< m; < 0: apart
-    double weight;           ///< of stiffness and dashpot
-    double belt_velocity[2]; ///< along the tangents, m/s
+    double x;      ///< from the middle along the first tangent, m
+    double y;      ///< along the second
+    double depth;  ///< m; < 0: apart
+    double weight; ///< of stiffness and dashpot
 } body_constraint_point;
 
 /// The contact constraint of two bodies, see above.
@@ -65,6 +63,8 @@ typedef struct body_constraint {
     uint32_t n;                  ///< points
     bool is_flat;                ///< all normals of the points are axis[2]
     body_constraint_point point[BODY_CONSTRAINT_POINTS]; ///< see there; n of them
+    vec3 normal[BODY_CLOSED_FORM_POINTS];       ///< of the points, in the axes; unless is_flat
+    vec2 belt_velocity[BODY_CONSTRAINT_POINTS]; ///< of the points, if a is the belt, m/s
 } body_constraint;
 
 #define BODY_STATIC UINT32_MAX ///< in place of the id of a part: a body that does not move
@@ -102,6 +102,12 @@ typedef struct implicit_solver {
 
 /// Make the constraints of a block of parts for all contacts within `margin`, m.
 void body_implicit__find_contacts(body_state *s, size_t block, double margin);
+
+/// A vector in the axes of a constraint.
+static inline vec3 body_implicit__to_axes(const body_constraint *p, vec3 a)
+{
+    return (vec3){ vec3_dot(p->axis[0], a), vec3_dot(p->axis[1], a), vec3_dot(p->axis[2], a) };
+}
 
 /// Most batches that the constraints until the list is stale can need.
 size_t body_implicit__count_batches(const body_state *s);

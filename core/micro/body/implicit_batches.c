@@ -116,12 +116,6 @@ void body_implicit__make_batches(const body_state *s)
     }
 }
 
-/// A vector in the axes of the constraint.
-static vec3 to_axes(const body_constraint *p, vec3 a)
-{
-    return (vec3){ vec3_dot(p->axis[0], a), vec3_dot(p->axis[1], a), vec3_dot(p->axis[2], a) };
-}
-
 /// r x a for the axis a = k.
 static vec3 cross_axis(vec3 r, int k)
 {
@@ -136,7 +130,7 @@ static void fill_inertia(const body_state *s, const body_constraint *p, size_t l
 {
     const body_body *body = &s->bodies[p->b];
     const body_kind *kind = &s->kinds[body->kind];
-    const vec3 r = to_axes(p, p->lever[1]), i = kind->inertia;
+    const vec3 r = body_implicit__to_axes(p, p->lever[1]), i = kind->inertia;
     const double square = vec3_dot(r, r);
     vec3 own[3];
 
@@ -181,9 +175,10 @@ static void fill_belt(const body_constraint *p, size_t lane, body_batch *batch)
     batch->spin_friction[lane] = law->friction * p->belt_kind->spin_radius;
     batch->spin_rate[lane] = law->tanh_spin;
     batch->gyration[lane] = p->belt_kind->flat_gyration;
-    for (uint32_t k = 0; k < p->n; k++)
-        for (int m = 0; m < 2; m++)
-            batch->point[k].belt_velocity[m][lane] = p->point[k].belt_velocity[m];
+    for (uint32_t k = 0; k < p->n; k++) {
+        batch->point[k].belt_velocity[0][lane] = p->belt_velocity[k].x;
+        batch->point[k].belt_velocity[1][lane] = p->belt_velocity[k].y;
+    }
 }
 
 /// The gains of the points, and the impulse of the last step distributed to them by weight.
@@ -191,7 +186,7 @@ static void fill_points(const body_state *s, const body_constraint *p, size_t la
                         body_batch *batch)
 {
     const double h = s->def.dt, joint = h * p->law.stiffness + p->law.damping;
-    const double normal_impulse = fmax(0.0, p->impulse[2]);
+    const double normal_impulse = p->impulse[2] > 0.0 ? p->impulse[2] : 0.0;
     const vec3 up = { 0.0, 0.0, 1.0 };
     double sum = 0.0;
 
@@ -204,7 +199,7 @@ static void fill_points(const body_state *s, const body_constraint *p, size_t la
         to->x[lane] = from->x;
         to->y[lane] = from->y;
         if (!batch->is_flat)
-            fill_vector(p->is_flat ? up : from->normal, lane, to->normal);
+            fill_vector(p->is_flat ? up : p->normal[k], lane, to->normal);
         to->gain[lane] = from->weight * h * joint;
         to->bias[lane] = from->weight * (joint * from->depth - p->law.damping * overlap);
         to->lower_bound[lane] = s->def.tension && from->depth > 0.0 ? -HUGE_VAL : 0.0;

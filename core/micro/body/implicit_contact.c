@@ -61,10 +61,10 @@ static void add_weighted(body_constraint_point *to, const body_constraint_point 
     to->weight += from->weight;
 }
 
-/// The weighted mean of n points of a face, which have one normal.
+/// The weighted mean of n points of a face.
 static body_constraint_point join_points(const body_constraint_point *points, size_t n)
 {
-    body_constraint_point joint = { .normal = points[0].normal };
+    body_constraint_point joint = { 0 };
 
     if (n == 1)
         return points[0];
@@ -112,29 +112,39 @@ static size_t reduce_points(body_constraint_point *points, size_t n, size_t most
     return most;
 }
 
-/// Take all points of the contact, in the axes of the constraint, those that overlap first, and reduce them.
+/// Reduce the points of a contact in place of which the constraint has fewer.
+static void take_fewer(const contact_points *from, size_t most_below, body_constraint_point *points,
+                       body_constraint *p)
+{
+    body_constraint_point *coming = &points[from->n_below];
+    const size_t n_below = reduce_points(points, from->n_below, most_below);
+    const size_t n_coming =
+        reduce_points(coming, from->n - from->n_below, BODY_CONSTRAINT_POINTS - n_below);
+
+    memcpy(p->point, points, n_below * sizeof *points);
+    memcpy(&p->point[n_below], coming, n_coming * sizeof *points);
+    p->n = (uint32_t)(n_below + n_coming);
+}
+
+/// Take all points of the contact, in the axes of the constraint, those that overlap first; fewer if it has more than there
+/// is room for.
 static void take_points(const contact_points *from, vec3 middle, body_constraint *p)
 {
-    body_constraint_point points[MANIFOLD_POINTS_MAX];
+    const size_t most_below = from->n > from->n_below ? BELOW_MAX : BODY_CONSTRAINT_POINTS;
+    const bool has_room = from->n <= BODY_CONSTRAINT_POINTS && from->n_below <= most_below;
+    body_constraint_point many[MANIFOLD_POINTS_MAX], *points = has_room ? p->point : many;
 
     for (size_t k = 0; k < from->n; k++) {
-        body_contact_point contact_point = contact_point_of(from, k);
-        vec3 to = vec3_sub(contact_point.at, middle), n = contact_point.normal;
-        points[k] = (body_constraint_point){
-            .x = vec3_dot(p->axis[0], to),
-            .y = vec3_dot(p->axis[1], to),
-            .normal = { vec3_dot(p->axis[0], n), vec3_dot(p->axis[1], n), vec3_dot(p->axis[2], n) },
-            .depth = contact_point.depth,
-            .weight = contact_point.weight,
-        };
+        const body_contact_point contact_point = contact_point_of(from, k);
+        const vec3 to = vec3_sub(contact_point.at, middle);
+        points[k] = (body_constraint_point){ vec3_dot(p->axis[0], to), vec3_dot(p->axis[1], to),
+                                             contact_point.depth, contact_point.weight };
+        if (!p->is_flat)
+            p->normal[k] = body_implicit__to_axes(p, contact_point.normal);
     }
-    size_t n_coming = from->n - from->n_below;
-    size_t below =
-        reduce_points(points, from->n_below, n_coming > 0 ? BELOW_MAX : BODY_CONSTRAINT_POINTS);
-    size_t coming = reduce_points(&points[from->n_below], n_coming, BODY_CONSTRAINT_POINTS - below);
-    memcpy(p->point, points, below * sizeof *points);
-    memcpy(&p->point[below], &points[from->n_below], coming * sizeof *points);
-    p->n = (uint32_t)(below + coming);
+    p->n = (uint32_t)from->n;
+    if (!has_room)
+        take_fewer(from, most_below, points, p);
 }
 
 /// Take the impulse of the last step, in the axes of this one.
@@ -192,7 +202,7 @@ static bool make_constraint(const body_state *s, const constraint_source *source
         p->lever[0] = vec3_sub(middle, p->moving->pivot);
     take_points(&from, middle, p);
     for (uint32_t k = 0; k < p->n; k++)
-        p->depth = k == 0 ? p->point[k].depth : fmax(p->depth, p->point[k].depth);
+        p->depth = k == 0 || p->point[k].depth > p->depth ? p->point[k].depth : p->depth;
     take_impulse(source->before, p);
     return true;
 }
@@ -285,11 +295,10 @@ static void find_belt_velocities(body_state *s, size_t k, body_constraint *const
     bool is_one = body__is_on_one_belt(s, k, &belt);
 
     for (uint32_t m = 0; m < constraint->n; m++) {
-        body_constraint_point *point = &constraint->point[m];
+        const body_constraint_point *point = &constraint->point[m];
         if (!is_one)
             belt = body__belt_at(s, middle.x + point->x, middle.y + point->y);
-        point->belt_velocity[0] = belt.x;
-        point->belt_velocity[1] = belt.y;
+        constraint->belt_velocity[m] = (vec2){ belt.x, belt.y };
     }
 }
 
