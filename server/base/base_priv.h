@@ -51,6 +51,7 @@ enum {
     X(METRICS__BY_LAYER, "layer", METRICS_LAYER_COUNT)                                             \
     X(METRICS__BY_QUOTA, "quota", METRICS_QUOTA_COUNT)                                             \
     X(METRICS__BY_PLACE, "place", METRICS_PLACE_COUNT)                                             \
+    X(METRICS__BY_TASK, "state", METRICS_TASK_COUNT)                                               \
     X(METRICS__BY_MATCH, "match", METRICS_MATCH_COUNT)                                             \
     X(METRICS__BY_LEVEL, "level", LOG_LEVEL_COUNT)                                                 \
     X(METRICS__BY_VERSION, "version", 1)                                                           \
@@ -84,6 +85,7 @@ enum {
     X(LAYER, LAYER, NOTHING, NOTHING)                                                              \
     X(QUOTA, QUOTA, NOTHING, NOTHING)                                                              \
     X(PLACE, PLACE, NOTHING, NOTHING)                                                              \
+    X(TASK, TASK, NOTHING, NOTHING)                                                                \
     X(MATCH, MATCH, NOTHING, NOTHING)                                                              \
     X(LEVEL, LEVEL, NOTHING, NOTHING)                                                              \
     X(BUILD, VERSION, COMPILER, NOTHING)

@@ -137,6 +137,16 @@ static const char *layer_word(size_t value)
     return words[value];
 }
 
+static const char *task_word(size_t value)
+{
+    static const char *const words[] = {
+#define X(task, word) word,
+        METRICS_TASK_LIST(X)
+#undef X
+    };
+    return words[value];
+}
+
 static const char *place_word(size_t value)
 {
     static const char *const words[] = {
@@ -187,6 +197,8 @@ const char *metrics__word(metrics__dimension dimension, size_t value)
         return layer_word(value);
     case METRICS__BY_PLACE:
         return place_word(value);
+    case METRICS__BY_TASK:
+        return task_word(value);
     case METRICS__BY_MATCH:
         return match_word(value);
     case METRICS__BY_LEVEL:

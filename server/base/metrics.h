@@ -63,6 +63,15 @@
       "Attempts that ended by a fault of their worker")                                            \
     X(PULL_DUPLICATES, COUNTER, "beltflow_pull_duplicates_total", "", MATCH,                       \
       "Ends of runs that another worker had ended before, by whether the digests are the same")    \
+    X(SLURM_WANTED, GAUGE, "beltflow_slurm_workers_wanted", "", NONE,                              \
+      "Workers that the runs which wait or are being solved would keep busy, up to slurm_workers") \
+    X(SLURM_TASKS, GAUGE, "beltflow_slurm_tasks", "", TASK, "Tasks in Slurm's queue, by state")    \
+    X(SLURM_SUBMITTED, COUNTER, "beltflow_slurm_tasks_submitted_total", "", NONE,                  \
+      "Tasks that Slurm took")                                                                     \
+    X(SLURM_CANCELLED, COUNTER, "beltflow_slurm_tasks_cancelled_total", "", NONE,                  \
+      "Tasks that Slurm could not launch and held")                                                \
+    X(SLURM_FAILURES, COUNTER, "beltflow_slurm_command_failures_total", "", NONE,                  \
+      "Commands of Slurm that failed")                                                             \
     X(CONFINEMENT, GAUGE, "beltflow_solver_confinement", "", LAYER,                                \
       "1: the kernel keeps solvers from these; 0: it cannot")                                      \
     X(LOG_LINES, COUNTER, "beltflow_log_lines_total", "", LEVEL, "Lines written to the log")       \
@@ -126,6 +135,19 @@ typedef enum metrics_place {
 #undef X
         METRICS_PLACE_COUNT
 } metrics_place;
+
+/// Where a task of Slurm is, X(symbol, word).
+#define METRICS_TASK_LIST(X)                                                                       \
+    X(METRICS_TASK_PENDING, "pending")                                                             \
+    X(METRICS_TASK_RUNNING, "running")
+
+/// The states.
+typedef enum metrics_task {
+#define X(task, word) task,
+    METRICS_TASK_LIST(X)
+#undef X
+        METRICS_TASK_COUNT
+} metrics_task;
 
 /// How the ends of two attempts compare, X(symbol, word).
 #define METRICS_MATCH_LIST(X)                                                                      \

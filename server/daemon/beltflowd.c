@@ -9,18 +9,15 @@
 //          a watchdog main sleeps until a signal comes, or it is time to write down the last uses of tokens.
 
 #include "server/base/clock.h"
-#include "server/base/cores.h"
 #include "server/base/lock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/daemon/config.h"
+#include "server/daemon/executors.h"
 #include "server/daemon/maintenance.h"
 #include "server/daemon/notify.h"
 #include "server/daemon/service.h"
 #include "server/http/http.h"
-#include "server/pull/pull_executor.h"
-#include "server/run/confinement.h"
-#include "server/run/local_executor.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -55,13 +52,19 @@ typedef struct parts {
     const config_flags *flags; // of the command line, for reading the settings again
     config settings;           // that count at the moment
     commit_listener commit_listener;
-    executor *executor;
-    api_leases leases; // of executor = pull
+    executors executors;
     service service;
     http *http;
 } parts;
 
 typedef bf_status write_settings(const config *c, bf_buffer *out, bf_error *err);
+
+static bf_status write_script(const config *c, bf_buffer *out, bf_error *err)
+{
+    const slurm_settings settings = executors_slurm_settings(c);
+
+    return slurm_write_script(&settings, out, err);
+}
 
 static bf_status write_sample(const config *c, bf_buffer *out, bf_error *err)
 {
@@ -69,14 +72,22 @@ static bf_status write_sample(const config *c, bf_buffer *out, bf_error *err)
     return config_sample(out, err);
 }
 
+static int fail(const char *program, const bf_error *err, bf_status status)
+{
+    (void)fprintf(stderr, "%s%s\n", program, err->text);
+    return status == BF_EINPUT ? EXIT_SETTINGS : EXIT_FAILURE;
+}
+
 static int print(const config *c, write_settings *write)
 {
     bf_buffer text = { 0 };
-    bool is_good = write(c, &text, NULL) == BF_OK &&
-                   fwrite(text.bytes, 1, text.n, stdout) == text.n && fflush(stdout) == 0;
+    bf_error err = { 0 };
 
+    bf_status status = write(c, &text, &err);
+    if (status == BF_OK && (fwrite(text.bytes, 1, text.n, stdout) != text.n || fflush(stdout) != 0))
+        status = bf_fail(&err, BF_ESYSTEM, "", "standard output takes nothing");
     buffer_fini(&text);
-    return is_good ? EXIT_SUCCESS : EXIT_FAILURE;
+    return status == BF_OK ? EXIT_SUCCESS : fail("beltflowd: ", &err, status);
 }
 
 // A descriptor below 3 that is closed would become that of a file or a client, and the log go there.
@@ -139,24 +150,13 @@ static void set_commit_listener(parts *p, supervisor *s, http *h)
     lock_release(&listener->lock);
 }
 
-static unsigned count_workers(const config *c)
-{
-    const unsigned n = cores_count();
-
-    if (config_is_pull(c))
-        return SUPERVISOR_WORKERS_MAX; // for studies: the executor knows how many there are
-    if (c->workers > 0)
-        return (unsigned)c->workers;
-    return n > SUPERVISOR_WORKERS_MAX ? SUPERVISOR_WORKERS_MAX : n;
-}
-
 static supervisor_options options_of_supervisor(const parts *p)
 {
     const config *c = &p->settings;
 
     return (supervisor_options){ .store = p->service.store,
-                                 .executor = p->executor,
-                                 .n_workers = count_workers(c),
+                                 .executor = p->executors.executor,
+                                 .n_workers = executors_count_workers(c),
                                  .n_threads = (unsigned)c->threads,
                                  .memory_bytes = c->run_memory_bytes,
                                  .cpu_s = c->run_cpu_s,
@@ -214,7 +214,7 @@ static bf_status start_store(parts *p, bf_error *err)
                                     .listener = on_commit,
                                     .listener_context = p,
                                     .still_runs = supervisor_still_runs,
-                                    .still_runs_context = p->executor,
+                                    .still_runs_context = p->executors.executor,
                                     .attempts_max = c->run_attempts,
                                     .idempotency_ms = (int64_t)c->idempotency_hours * HOUR_MS,
                                     .retention = retention_of(c) };
@@ -246,7 +246,7 @@ static void take_queued(void *context)
 static bf_status start_studies(parts *p, bf_error *err)
 {
     const studies_options options = { .store = p->service.store,
-                                      .n_workers = count_workers(&p->settings),
+                                      .n_workers = executors_count_workers(&p->settings),
                                       .age_ms = retention_of(&p->settings).age_ms,
                                       .queued = take_queued,
                                       .context = p };
@@ -272,15 +272,10 @@ static bf_status start_http(parts *p, bf_error *err)
 
 static bf_status start_executor(parts *p, bf_error *err)
 {
-    if (!config_is_pull(&p->settings)) {
-        confinement_report();
-        return local_executor_create(p->settings.program, &p->executor, err);
-    }
-    bf_status status = pull_executor_create(&p->executor, err);
-    if (status == BF_OK) {
-        p->leases = pull_executor_leases(p->executor);
-        p->service.leases = &p->leases;
-    }
+    bf_status status = executors_create(&p->executors, &p->settings, err);
+
+    if (status == BF_OK && p->executors.kind != CONFIG_LOCAL)
+        p->service.leases = &p->executors.leases;
     return status;
 }
 
@@ -288,8 +283,8 @@ static bf_status start_predictor(parts *p, bf_error *err)
 {
     bf_status status = predictor_start(p->service.store, &p->service.predictor, err);
 
-    if (status == BF_OK && config_is_pull(&p->settings))
-        pull_executor_set_predictor(p->executor, p->service.predictor);
+    if (status == BF_OK)
+        executors_set_predictor(&p->executors, p->service.predictor);
     return status;
 }
 
@@ -309,11 +304,14 @@ static bf_status start(parts *p, bf_error *err)
         status = start_studies(p, err);
     if (status == BF_OK)
         status = start_http(p, err);
+    if (status == BF_OK)
+        status = executors_start(&p->executors, &p->settings, p->service.store, err);
     return status;
 }
 
 static void stop(parts *p)
 {
+    executors_stop(&p->executors);
     service_drain(&p->service);
     // Requests that wait for a run to end need the supervisor until HTTP has stopped.
     set_commit_listener(p, p->service.supervisor, NULL);
@@ -323,8 +321,7 @@ static void stop(parts *p)
     p->service.supervisor =
         supervisor_stop(p->service.supervisor, (int64_t)p->settings.stop_grace_ms);
     p->service.predictor = predictor_stop(p->service.predictor);
-    p->executor = config_is_pull(&p->settings) ? pull_executor_destroy(p->executor)
-                                               : local_executor_destroy(p->executor);
+    executors_destroy(&p->executors);
     p->service.tokens = tokens_close(p->service.tokens);
     p->service.store = store_close(p->service.store);
 }
@@ -497,16 +494,12 @@ static int maintain_token(const config_flags *flags, const config *c)
 
 static int maintain(const config_flags *flags, const config *c)
 {
+    if (flags->command == CONFIG_SCRIPT)
+        return print(c, write_script);
     if (flags->command == CONFIG_TOKEN)
         return maintain_token(flags, c);
     return flags->command == CONFIG_BACKUP ? maintenance_backup(c->data, flags->subject)
                                            : maintenance_verify(c->data, flags->subject);
-}
-
-static int fail(const char *program, const bf_error *err, bf_status status)
-{
-    (void)fprintf(stderr, "%s%s\n", program, err->text);
-    return status == BF_EINPUT ? EXIT_SETTINGS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)

@@ -107,6 +107,20 @@ static bool is_sayable(const char *text)
     return strstr(text, " ;") == NULL;
 }
 
+static config_executor find_executor(const char *word)
+{
+    static const char *const words[] = {
+#define X(kind, name) name,
+        CONFIG_EXECUTOR_LIST(X)
+#undef X
+    };
+    size_t i = 0;
+
+    while (i < CONFIG_EXECUTOR_COUNT && strcmp(word, words[i]) != 0)
+        i++;
+    return (config_executor)i;
+}
+
 static bf_status set_text(config *c, size_t i, const char *value, const char *where, bf_error *err)
 {
     char *to = (char *)c + places[i].offset;
@@ -114,9 +128,9 @@ static bf_status set_text(config *c, size_t i, const char *value, const char *wh
     if (strlen(value) >= CONFIG_TEXT_SIZE)
         return bf_fail(err, BF_EINPUT, "", "%s: %s is longer than %d bytes", where, rows[i].name,
                        CONFIG_TEXT_SIZE - 1);
-    if (to == c->executor && strcmp(value, "local") != 0 && strcmp(value, "pull") != 0)
-        return bf_fail(err, BF_EINPUT, "", "%s: executor must be local or pull, not '%.40s'", where,
-                       value);
+    if (to == c->executor && find_executor(value) == CONFIG_EXECUTOR_COUNT)
+        return bf_fail(err, BF_EINPUT, "", "%s: executor must be local, pull or slurm, not '%.40s'",
+                       where, value);
     if (to == c->log_level && log_level_find(value) == LOG_LEVEL_COUNT)
         return bf_fail(err, BF_EINPUT, "", "%s: log_level must be %s, not '%.40s'", where,
                        rows[i].help, value);
@@ -152,9 +166,9 @@ void config_init(config *c)
         BF_CHECK(config_set(c, rows[i].name, rows[i].initial, "default", NULL) == BF_OK);
 }
 
-bool config_is_pull(const config *c)
+config_executor config_find_executor(const config *c)
 {
-    return strcmp(c->executor, "pull") == 0;
+    return find_executor(c->executor);
 }
 
 log_level config_log_level(const config *c)

@@ -23,7 +23,8 @@
     X(program, TEXT, "", 0, 0, RESTART,                                                            \
       "what solves a run; empty: beltflow-worker beside beltflowd")                                \
     X(executor, TEXT, "local", 0, 0, RESTART,                                                      \
-      "local: this machine solves runs; pull: workers that ask for them do")                       \
+      "local: this machine solves runs; pull: workers that ask for them; slurm: those that Slurm " \
+      "starts")                                                                                    \
     X(workers, NUMBER, "0", 0, 64, RELOAD, "runs that are solved at once; 0: one for each core")   \
     X(threads, NUMBER, "1", 1, 256, RELOAD, "threads of each run")                                 \
     X(run_memory_bytes, NUMBER, "8589934592", 0, 1e15, RELOAD,                                     \
@@ -77,6 +78,18 @@
     X(header_deadline_ms, NUMBER, "5000", 100, 600000, RELOAD, "for a complete request header")    \
     X(body_deadline_ms, NUMBER, "20000", 100, 600000, RELOAD, "for a complete request body")       \
     X(heartbeat_ms, NUMBER, "15000", 100, 600000, RELOAD, "between comments on idle streams")      \
+    X(slurm_url, TEXT, "", 0, 0, RESTART, "where workers that Slurm starts reach this service")    \
+    X(slurm_token_file, TEXT, "", 0, 0, RESTART,                                                   \
+      "with their access token, on compute nodes; empty: none")                                    \
+    X(slurm_program, TEXT, "", 0, 0, RESTART,                                                      \
+      "beltflow on compute nodes; empty: where it lies here, beside beltflowd")                    \
+    X(slurm_template, TEXT, "", 0, 0, RESTART,                                                     \
+      "of their batch script, which beltflowd slurm --dry-run prints; empty: a usual one")         \
+    X(slurm_workers, NUMBER, "8", 1, 10000, RESTART, "tasks that Slurm gets at once")              \
+    X(slurm_cores, NUMBER, "4", 1, 1024, RESTART, "of each task")                                  \
+    X(slurm_walltime_s, NUMBER, "14400", 300, 31536000, RESTART, "time limit of a task")           \
+    X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART, "without a run, until a worker ends")        \
+    X(slurm_interval_s, NUMBER, "60", 1, 3600, RESTART, "between looks at Slurm's queue")          \
     X(log_level, TEXT, "info", 0, 0, RELOAD, "error, warn, info or debug")
 
 enum {
@@ -131,13 +144,27 @@ BF_MUST_CHECK bf_status config_read_file(config *c, const char *path, bf_error *
 /// Take the BELTFLOW_... variables that name a setting; others are left alone.
 BF_MUST_CHECK bf_status config_read_environment(config *c, bf_error *err);
 
-/// Set empty paths to files in the folder of the running program: program, and
+/// Set empty paths to files in the folder of the running program: program, slurm_program, and
 /// web if there is one (installed, or in a build tree; else it stays empty).
 /// BF_ELIMIT: a path is too long.
 BF_MUST_CHECK bf_status config_locate(config *c, const char *folder, bf_error *err);
 
-/// True if workers solve runs, not this machine.
-bool config_is_pull(const config *c);
+/// Who solves runs, X(symbol, word of `executor`): this machine; workers that ask; workers that Slurm starts, which ask.
+#define CONFIG_EXECUTOR_LIST(X)                                                                    \
+    X(CONFIG_LOCAL, "local")                                                                       \
+    X(CONFIG_PULL, "pull")                                                                         \
+    X(CONFIG_SLURM, "slurm")
+
+/// The kinds.
+typedef enum config_executor {
+#define X(kind, word) kind,
+    CONFIG_EXECUTOR_LIST(X)
+#undef X
+        CONFIG_EXECUTOR_COUNT
+} config_executor;
+
+/// The kind that executor names.
+config_executor config_find_executor(const config *c);
 
 /// The level that log_level names.
 log_level config_log_level(const config *c);
@@ -161,6 +188,7 @@ typedef enum config_command {
     CONFIG_BACKUP, ///< backup FILE
     CONFIG_VERIFY, ///< verify [FILE], or --verify
     CONFIG_TOKEN,  ///< token add NAME, token list, token revoke ID
+    CONFIG_SCRIPT, ///< slurm --dry-run
 } config_command;
 
 /// What the command line of the daemon says. Its texts are argv's.
@@ -169,6 +197,7 @@ typedef struct config_flags {
     bool is_check;          ///< --check-config
     bool is_print;          ///< --print-config
     bool is_sample;         ///< --sample-config
+    bool is_dry_run;        ///< --dry-run
     config_command command; ///< what to do
     const char *action;     ///< of a token: add, list or revoke; NULL: none
     const char *subject;    ///< its FILE, NAME or ID; NULL: none

@@ -110,19 +110,33 @@ static void note_found(config *c, size_t row)
     (void)snprintf(c->origins[row], sizeof c->origins[row], "found beside this program");
 }
 
+// Sets an empty path of CONFIG_TEXT_SIZE bytes to a program in a folder.
+static bf_status locate_program(config *c, size_t row, char *setting, const char *folder,
+                                const char *name, bf_error *err)
+{
+    char path[PATH_SIZE];
+
+    if (setting[0] != '\0')
+        return BF_OK;
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (strlen(path) >= CONFIG_TEXT_SIZE)
+        return bf_fail(err, BF_ELIMIT, "", "the path of this program is too long: %.100s", folder);
+    memcpy(setting, path, strlen(path) + 1);
+    note_found(c, row);
+    return BF_OK;
+}
+
 bf_status config_locate(config *c, const char *folder, bf_error *err)
 {
     static const char *const web_places[] = { "../share/beltflow/web", "../web" };
     char path[PATH_SIZE];
 
-    if (c->program[0] == '\0') {
-        (void)snprintf(path, sizeof path, "%s/beltflow-worker", folder);
-        if (strlen(path) >= sizeof c->program)
-            return bf_fail(err, BF_ELIMIT, "", "the path of this program is too long: %.100s",
-                           folder);
-        memcpy(c->program, path, strlen(path) + 1);
-        note_found(c, CONFIG_program);
-    }
+    bf_status status =
+        locate_program(c, CONFIG_program, c->program, folder, "beltflow-worker", err);
+    if (status == BF_OK)
+        status = locate_program(c, CONFIG_slurm_program, c->slurm_program, folder, "beltflow", err);
+    if (status != BF_OK)
+        return status;
     for (size_t i = 0; c->web[0] == '\0' && i < sizeof web_places / sizeof *web_places; i++) {
         (void)snprintf(path, sizeof path, "%s/%s/index.html", folder, web_places[i]);
         if (access(path, R_OK) != 0 || strlen(path) - strlen("/index.html") >= sizeof c->web)

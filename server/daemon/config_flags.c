@@ -20,15 +20,16 @@ enum {
     KEY_OWNER,
     KEY_SCOPES,
     KEY_EXPIRES,
+    KEY_DRY_RUN,
     KEY_ROWS,
-    N_OTHERS = 8 // flags that are no settings
+    N_OTHERS = 9 // flags that are no settings
 };
 
 static void take_word(config_flags *f, const char *word, const struct argp_state *state)
 {
     if (f->command == CONFIG_TOKEN && f->action == NULL)
         f->action = word;
-    else if (f->command != CONFIG_SERVE && f->subject == NULL)
+    else if (f->command != CONFIG_SERVE && f->command != CONFIG_SCRIPT && f->subject == NULL)
         f->subject = word;
     else if (f->command == CONFIG_SERVE && strcmp(word, "backup") == 0)
         f->command = CONFIG_BACKUP;
@@ -36,6 +37,8 @@ static void take_word(config_flags *f, const char *word, const struct argp_state
         f->command = CONFIG_VERIFY;
     else if (f->command == CONFIG_SERVE && strcmp(word, "token") == 0)
         f->command = CONFIG_TOKEN;
+    else if (f->command == CONFIG_SERVE && strcmp(word, "slurm") == 0)
+        f->command = CONFIG_SCRIPT;
     else
         argp_error(state, "this is no command, and nothing else fits here: '%s'", word);
 }
@@ -57,6 +60,8 @@ static const char *find_fault(const config_flags *f)
             return has_subject ? "token add wants a NAME, and token revoke an ID"
                                : "token list wants nothing else";
     }
+    if (f->is_dry_run != (f->command == CONFIG_SCRIPT))
+        return f->is_dry_run ? "--dry-run is for slurm" : "slurm wants --dry-run";
     if (!is_add && (f->owner != NULL || f->scopes != NULL || f->expires != NULL))
         return "--owner, --scopes and --expires are for token add";
     return NULL;
@@ -74,6 +79,8 @@ static error_t take_flag(int key, char *value, struct argp_state *state)
         f->is_print = true;
     else if (key == KEY_SAMPLE)
         f->is_sample = true;
+    else if (key == KEY_DRY_RUN)
+        f->is_dry_run = true;
     else if (key >= KEY_ROWS && key < KEY_ROWS + CONFIG_COUNT)
         f->values[key - KEY_ROWS] = value;
     else if (key == KEY_VERIFY)
@@ -134,16 +141,18 @@ void config_parse_flags(int argc, char **argv, config_flags *ret_flags)
           "what it allows, of read,submit,work,admin,priority (default: read,submit)", 0 },
         { "expires", KEY_EXPIRES, "TIME", 0, "when it ends, such as 90d or 12h (default: never)",
           0 },
+        { "dry-run", KEY_DRY_RUN, NULL, 0, "with slurm: print the batch script and leave", 0 },
     };
     const struct argp argp = {
         .options = options,
         .parser = take_flag,
-        .args_doc = "\nbackup FILE\nverify [FILE]\ntoken add NAME\ntoken list\ntoken revoke ID",
+        .args_doc = "\nbackup FILE\nverify [FILE]\ntoken add NAME\ntoken list\ntoken revoke "
+                    "ID\nslurm --dry-run",
         .doc =
             "Solves material flow on conveyor belts and offers it over HTTP. With backup, copies "
             "the store to a new FILE, also while it is in use; with verify, checks the store, or a "
             "copy of it; with token, adds, lists or revokes access tokens, also while the daemon "
-            "runs."
+            "runs; with slurm, prints the batch script of workers that Slurm starts."
             "\vA flag goes before the environment (BELTFLOW_<NAME>), and that before FILE. SIGHUP "
             "lets the daemon read its settings again, SIGTERM and SIGINT stop it.",
     };
@@ -218,6 +227,9 @@ static bf_status check_pairs(const config *c, bf_error *err)
 {
     bf_error found = { 0 };
 
+    if (config_find_executor(c) == CONFIG_SLURM && c->slurm_url[0] == '\0')
+        return bf_fail(err, BF_EINPUT, "", "%s: executor = slurm needs slurm_url",
+                       c->origins[CONFIG_executor]);
     bf_status status = http_check_listen(c->listen, c->plaintext, &found);
     return status == BF_OK
                ? BF_OK

@@ -389,6 +389,24 @@ void pull_executor_set_predictor(executor *base, predictor *p)
     lock_release(&e->lock);
 }
 
+uint32_t pull_executor_count_cores(executor *base)
+{
+    pull_executor *e = pull__enter(base);
+    const uint32_t n = e->n_cores_used[false] + e->n_cores_used[true];
+
+    lock_release(&e->lock);
+    return n;
+}
+
+bool pull_executor_knows(executor *base, const char *worker)
+{
+    pull_executor *e = pull__enter(base);
+    const bool is_known = pull__find_worker(e, worker) != NULL;
+
+    lock_release(&e->lock);
+    return is_known;
+}
+
 executor *pull_executor_destroy(executor *base)
 {
     pull_executor *e = (pull_executor *)base;

@@ -31,5 +31,11 @@ void pull_executor_set_predictor(executor *e, predictor *p);
 /// returns NULL.
 executor *pull_executor_destroy(executor *e);
 
+/// Cores that jobs which wait or are being solved use.
+uint32_t pull_executor_count_cores(executor *e);
+
+/// True if a worker of this name was heard of in the last minute, or has a lease.
+bool pull_executor_knows(executor *e, const char *worker);
+
 /// The services for workers; the executor must outlive their use.
 api_leases pull_executor_leases(executor *e);

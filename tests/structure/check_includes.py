@@ -1,6 +1,6 @@
 """Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
 micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
-study <- daemon, run <- pull <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
+study <- daemon, run <- pull <- slurm <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
 
@@ -39,11 +39,12 @@ for folder, known in {
     "server/store": {"server/base"},
     "server/run": {"server/base", "server/store"},
     "server/pull": {"server/base", "server/run"},
+    "server/slurm": {"server/base", "server/store", "server/run", "server/pull"},
     "server/study": {"server/base", "server/store"},
     "server/worker": {"server/base", "server/run"},
     "server/cli": {"server/base", "server/run", "server/worker"},
     "server/daemon": {"server/base", "server/http", "server/store", "server/run", "server/pull",
-                      "server/study"},
+                      "server/slurm", "server/study"},
 }.items():
     ARROWS[folder] = API_CORE | API | known | {folder}
 
@@ -80,12 +81,12 @@ ONLY_IN = {
     "systemd/sd-daemon.h": r"server/daemon/notify\.c",
     "systemd/sd-journal.h": r"server/base/log_journal\.c|tests/unit/server/base/test_log\.c",
     "cmocka.h": r"tests/.+",
-    # Processes are the local executor's; the supervisor knows only jobs.
+    # Processes are the local executor's and those of Slurm's commands; the supervisor knows only jobs.
     "seccomp.h": r"server/run/confinement\.c|tests/unit/server/run/test_confinement\.c",
     "linux/landlock.h": r"server/run/confinement\.c",
-    "spawn.h": r"server/run/local_executor\.c|tests/unit/server/run/test_executor_faults\.c",
-    "sys/pidfd.h": r"server/run/local_executor\.c|tests/unit/server/run/test_executor_faults\.c",
-    "sys/wait.h": r"server/run/local_executor\.c|tests/.+",
+    "spawn.h": r"server/(run/local_executor|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
+    "sys/pidfd.h": r"server/(run/local_executor|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
+    "sys/wait.h": r"server/(run/local_executor|slurm/command)\.c|tests/.+",
 }
 
 

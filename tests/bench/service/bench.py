@@ -197,6 +197,7 @@ def read_streams(port, run, n):
     for _ in range(n):
         connection = socket.create_connection(("127.0.0.1", port))
         connection.sendall(request.encode())
+        connection.recv(1, socket.MSG_PEEK)  # not all at once, which would be refused
         selector.register(connection, selectors.EVENT_READ, [hashlib.sha256(), b""])
     contents = set()
     while selector.get_map():

@@ -485,9 +485,11 @@ static void what_was_set_is_not_looked_for(void **state)
     assert_int_equal(config_locate(&c, too_long, NULL), BF_ELIMIT);
     assert_string_equal(c.program, "");
     assert_int_equal(config_set(&c, "program", "/opt/beltflow", "--program", NULL), BF_OK);
+    assert_int_equal(config_set(&c, "slurm_program", "/opt/bf", "--slurm-program", NULL), BF_OK);
     assert_int_equal(config_set(&c, "web", "/opt/web", "--web", NULL), BF_OK);
     assert_int_equal(config_locate(&c, too_long, NULL), BF_OK);
     assert_string_equal(c.program, "/opt/beltflow");
+    assert_string_equal(c.slurm_program, "/opt/bf");
     assert_string_equal(c.web, "/opt/web");
 }
 

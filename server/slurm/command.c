@@ -1,0 +1,173 @@
+// Programs of Slurm, each in a process group of its own. What they say on both streams is taken together: a message is wanted
+// when one fails, and what squeue prints is told from messages by its form.
+
+#include "server/base/clock.h"
+#include "server/slurm/slurm_priv.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/pidfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { TURN_MS = 100, CHUNK = 65536 };
+
+extern char **environ;
+
+// Its descriptors; -1: none.
+typedef struct child {
+    pid_t pid;
+    int exit;   // readable when it has ended
+    int output; // what it prints; does not block
+} child;
+
+static void close_fd(int fd)
+{
+    if (fd >= 0)
+        (void)close(fd);
+}
+
+static int open_input(const bf_buffer *input)
+{
+    if (input == NULL)
+        return open("/dev/null", O_RDONLY | O_CLOEXEC);
+    const int fd = memfd_create("script", MFD_CLOEXEC);
+    if (fd >= 0 && write(fd, input->bytes, input->n) == (ssize_t)input->n &&
+        lseek(fd, 0, SEEK_SET) == 0)
+        return fd;
+    close_fd(fd);
+    return -1;
+}
+
+// Returns 0 or an errno.
+static int spawn(const char *const *argv, int input, int output, pid_t *ret_pid)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error != 0)
+        return error;
+    posix_spawnattr_init(&attributes);
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                              POSIX_SPAWN_SETPGROUP);
+    error = posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    if (error == 0)
+        error = posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+    if (error == 0) // it changes none of the texts, though its type does not say so
+        error = posix_spawnp(ret_pid, argv[0], &actions, &attributes,
+                             (char *const *)(uintptr_t)argv, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    return error;
+}
+
+static bf_status start(const slurm__command *c, child *ret_child, bf_error *err)
+{
+    int pipe[2] = { -1, -1 };
+    const int input = open_input(c->input);
+    int error = input < 0 || pipe2(pipe, O_CLOEXEC) != 0 ? errno : 0;
+
+    if (error == 0 && fcntl(pipe[0], F_SETFL, O_NONBLOCK) != 0)
+        error = errno;
+    if (error == 0)
+        error = spawn(c->argv, input, pipe[1], &ret_child->pid);
+    close_fd(input);
+    close_fd(pipe[1]);
+    if (error != 0) {
+        close_fd(pipe[0]);
+        return bf_fail(err, BF_ESYSTEM, "", "%s cannot be run: %s", c->argv[0], strerror(error));
+    }
+    ret_child->output = pipe[0];
+    ret_child->exit = pidfd_open(ret_child->pid, 0);
+    return BF_OK;
+}
+
+// Takes what is there. BF_ELIMIT, BF_ENOMEM.
+static bf_status take_output(const child *p, size_t limit, bf_buffer *out, bf_error *err)
+{
+    for (;;) {
+        char *room = buffer_reserve(out, CHUNK);
+        if (room == NULL)
+            return bf_fail(err, BF_ENOMEM, "", "no memory for what a command of Slurm prints");
+        const ssize_t n = read(p->output, room, CHUNK);
+        if (n <= 0)
+            return BF_OK;
+        out->n += (size_t)n;
+        if (out->n > limit)
+            return bf_fail(err, BF_ELIMIT, "", "a command of Slurm printed more than %d bytes",
+                           SLURM_OUTPUT_MAX);
+    }
+}
+
+// Until it has ended; BF_ESYSTEM: that takes too long, or is to stop.
+static bf_status await(const slurm__command *c, const child *p, bf_buffer *out, bf_error *err)
+{
+    const int64_t deadline_ms = clock_monotonic_ms() + SLURM_COMMAND_MS;
+    const size_t limit = out->n + SLURM_OUTPUT_MAX;
+
+    for (;;) {
+        struct pollfd fds[] = { { .fd = p->exit, .events = POLLIN },
+                                { .fd = p->output, .events = POLLIN } };
+        // The output of a program that has closed it stays readable: then only its end is waited for.
+        (void)poll(fds, 2, TURN_MS);
+        if ((fds[1].revents & (POLLHUP | POLLIN)) == POLLHUP)
+            (void)poll(fds, 1, TURN_MS);
+        bf_status status = take_output(p, limit, out, err);
+        if (status != BF_OK || (fds[0].revents & POLLIN) != 0)
+            return status;
+        if (atomic_load(c->must_stop) || clock_monotonic_ms() >= deadline_ms)
+            return bf_fail(err, BF_ESYSTEM, "", "%s did not end within %d s", c->argv[0],
+                           SLURM_COMMAND_MS / 1000);
+    }
+}
+
+// The last line, without its end.
+static void trim_to_last_line(bf_buffer *out, size_t from)
+{
+    while (out->n > from && out->bytes[out->n - 1] == '\n')
+        buffer_truncate(out, out->n - 1);
+    const char *line = out->n == from ? NULL : memrchr(out->bytes + from, '\n', out->n - from);
+    if (line != NULL)
+        buffer_drop(out, (size_t)(line + 1 - out->bytes));
+}
+
+bf_status slurm__run(const slurm__command *c, bf_buffer *out, bf_error *err)
+{
+    const size_t n_before = out->n;
+    child p = { .exit = -1, .output = -1 };
+    int code = 0;
+
+    bf_status status = start(c, &p, err);
+    if (status != BF_OK)
+        return status;
+    status = p.exit < 0 ? bf_fail(err, BF_ESYSTEM, "", "%s cannot be waited for", c->argv[0])
+                        : await(c, &p, out, err);
+    if (status != BF_OK)
+        (void)kill(-p.pid, SIGKILL);
+    while (waitpid(p.pid, &code, 0) < 0 && errno == EINTR)
+        continue;
+    close_fd(p.exit);
+    close_fd(p.output);
+    if (status == BF_OK && (!WIFEXITED(code) || WEXITSTATUS(code) != 0)) {
+        trim_to_last_line(out, n_before);
+        status = bf_fail(err, BF_ESYSTEM, "", "%s failed: %s", c->argv[0],
+                         out->n == 0 ? "without a message" : out->bytes);
+    }
+    return status;
+}
