@@ -241,6 +241,7 @@ static const openapi_schema table[] = {
            "Whether the macroscopic model was compared with moving parts for scenarios like this "
            "one"),
     OBJECT(review_outside_members, "A figure of a scenario that is out of its range"),
+    OBJECT(review_warning_members, "A reason to doubt the results; it is no fault"),
     { .help = "Outflow curve: one list for each counter, under its id, all of the same length",
       .table = &results_curve_members,
       .others = "[number]" },

@@ -7,23 +7,9 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-
-static void warn(json_out *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void warn(json_out *w, const char *format, ...)
-{
-    char text[BF_TEXT_SIZE];
-    va_list args;
-
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    json_out_string(w, text);
-}
 
 // What a summary is written from.
 typedef struct summary_view {
@@ -41,31 +27,68 @@ typedef struct summary_view {
     double work_per_s; // cell or particle steps
     double packing_density;
     run_review review;
+    review_warnings warnings; // with those of the review
     const key_figures *figures;
     const char *scenario;
     size_t n_scenario;
 } summary_view;
 
+static void warn_of_stop(summary_view *of)
+{
+    review_warning *item = review_add(&of->warnings, "", "The run was stopped before its end");
+
+    snprintf(item->meaning, sizeof item->meaning, "The results are those of %.6g s of %.6g s.",
+             of->end.t, of->begin.duration);
+}
+
+static void warn_of_density(summary_view *of)
+{
+    review_warning *item =
+        review_add(&of->warnings, "/macro", "The jam is denser than real parts can be");
+
+    snprintf(item->meaning, sizeof item->meaning, "It looks shorter than it will be.%s",
+             of->review.validity.is_compared
+                 ? " The outflow is as for moving parts all the same: for scenarios like this one "
+                   "they differed by at most 5 % of the parts."
+                 : "");
+    snprintf(item->detail, sizeof item->detail,
+             "The largest density, %.4g, is above %.4g of close packing.", of->end.peak,
+             run_density_trusted);
+}
+
+static void warn_of_overlap(summary_view *of)
+{
+    review_warning *item = review_add(&of->warnings, "/micro/modulus_reduction",
+                                      "The parts were computed softer than they are");
+
+    snprintf(item->meaning, sizeof item->meaning,
+             "They were pressed into each other in the jam, so that the outflow may differ "
+             "somewhat from that of hard parts.");
+    snprintf(item->detail, sizeof item->detail,
+             "Parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
+             "modulus_reduction makes them harder.",
+             of->end.largest_overlap, 100.0 * of->end.overlap_share, 100.0 * run_overlap_trusted);
+}
+
+static void collect_warnings(summary_view *of)
+{
+    const unsigned doubts = run_doubts(of->model, &of->end);
+
+    if (of->is_stopped)
+        warn_of_stop(of);
+    if ((doubts & RUN_DOUBT_DENSITY) != 0)
+        warn_of_density(of);
+    review_append(&of->warnings, &of->review.warnings);
+    if ((doubts & RUN_DOUBT_OVERLAP) != 0)
+        warn_of_overlap(of);
+}
+
 static void write_warnings(json_out *w, const member *m, const void *item)
 {
     const summary_view *of = item;
-    const frame_end *end = &of->end;
-    const unsigned doubts = run_doubts(of->model, end);
 
     (void)m;
-    json_out_array(w);
-    if (end->stopped != 0)
-        warn(w, "stopped on request at t = %.6g s of %.6g s", end->t, of->begin.duration);
-    if ((doubts & RUN_DOUBT_DENSITY) != 0)
-        warn(w, "the largest density, %.4g, is above %.4g of close packing", end->peak,
-             run_density_trusted);
-    review_write_warnings(w, &of->review);
-    if ((doubts & RUN_DOUBT_OVERLAP) != 0)
-        warn(w,
-             "parts overlapped by up to %.4g m, %.3g %% of a radius, more than %.3g %%: a smaller "
-             "/micro/modulus_reduction makes them harder",
-             end->largest_overlap, 100.0 * end->overlap_share, 100.0 * run_overlap_trusted);
-    json_out_array_end(w);
+    review_write_texts(w, &of->warnings);
 }
 
 static void write_path(json_out *w, const member *m, const void *item)
@@ -172,6 +195,11 @@ static const member summary_members[] = {
            "not say so",
            .applies = has_figures),
     MEMBER("warnings", warnings, 0, "Reasons to doubt the results"),
+    MEMBER("warning_details", array, AT(warnings.items),
+           "The same warnings, each with its parts; missing in summaries of versions that did not "
+           "say so",
+           .table = &review_warning_members, .offset_n = AT(warnings.n),
+           .limit = REVIEW_WARNINGS_MAX, .flags = MEMBER_OPTIONAL),
     MEMBER("validity", object, AT(review.validity),
            "Whether the model was compared with moving parts for scenarios like this one; missing "
            "in summaries of versions that did not say so",
@@ -226,6 +254,7 @@ bf_status results_summary(run_model model, const char *scenario, size_t n_scenar
     scene_fini(&s);
     if (status != BF_OK)
         return status;
+    collect_warnings(&of);
     members_write(&w, &results_summary_members, &of);
     status = json_out_status(&w, err);
     if (status != BF_OK)

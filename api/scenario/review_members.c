@@ -2,6 +2,8 @@
 
 #include "api/scenario/scenario_members.h"
 
+#include <stdio.h>
+
 #define AT(place) offsetof(validity_item, place)
 static const member outside_members[] = {
     MEMBER("what", enum, AT(figure), "Figure of the scenario", .words = validity_words),
@@ -28,8 +30,27 @@ static const member validity_members[] = {
 const member_table review_validity_members = { MEMBER_TABLE("Validity", validity_members) };
 #undef AT
 
-void review_write_warnings(json_out *w, const run_review *review)
+#define AT(place) offsetof(review_warning, place)
+static const member warning_members[] = {
+    MEMBER("title", text, AT(title), "What is the case"),
+    MEMBER("meaning", text, AT(meaning), "What it means for the results, in sentences"),
+    MEMBER("detail", text, AT(detail), "Figures and limits of the solver; empty if there are none"),
+    MEMBER("pointer", text, AT(pointer),
+           "What has to do with it, in the document of the scenario; empty: all of it",
+           .type = "#JsonPointer"),
+};
+const member_table review_warning_members = { MEMBER_TABLE("Warning", warning_members),
+                                              .size = sizeof(review_warning) };
+#undef AT
+
+void review_write_texts(json_out *w, const review_warnings *of)
 {
-    for (size_t k = 0; k < faults_kept(&review->warnings); k++)
-        json_out_string(w, review->warnings.items[k].text);
+    char text[2 * REVIEW_TEXT_SIZE];
+
+    json_out_array(w);
+    for (size_t k = 0; k < of->n; k++) {
+        snprintf(text, sizeof text, "%s. %s", of->items[k].title, of->items[k].meaning);
+        json_out_string(w, text);
+    }
+    json_out_array_end(w);
 }

@@ -10,5 +10,8 @@
 extern const member_table review_validity_members;
 extern const member_table review_outside_members;
 
-/// Write the texts of all warnings into an array that is open.
-void review_write_warnings(json_out *w, const run_review *review);
+/// A warning; the struct is warning.
+extern const member_table review_warning_members;
+
+/// Write the warnings as a list of texts, each with title and meaning.
+void review_write_texts(json_out *w, const review_warnings *of);

@@ -147,9 +147,7 @@ static void write_warnings(json_out *w, const member *m, const void *item)
     const validation *of = item;
 
     (void)m;
-    json_out_array(w);
-    review_write_warnings(w, &of->review);
-    json_out_array_end(w);
+    review_write_texts(w, &of->review.warnings);
 }
 
 static bool has_validity(const void *item)
@@ -168,6 +166,9 @@ static const member validation_members[] = {
            .words = run_model_words, .type = "#Model"),
     MEMBER("warnings", warnings, 0,
            "Reasons to doubt the results; the summary will have them, too"),
+    MEMBER("warning_details", array, AT(review.warnings.items),
+           "The same warnings, each with its parts", .table = &review_warning_members,
+           .offset_n = AT(review.warnings.n), .limit = REVIEW_WARNINGS_MAX),
     MEMBER("predicted_s", number, AT(predicted_s),
            "CPU time that the run will take on one core of the service's machine", .unit = "s",
            .null = "not known in the first second of the service"),

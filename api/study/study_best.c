@@ -152,9 +152,7 @@ static bf_status write_warnings(json_out *w, study_document *d, const study *s, 
     }
     if (status == BF_OK) {
         json_out_key(w, "warnings");
-        json_out_array(w);
-        review_write_warnings(w, review);
-        json_out_array_end(w);
+        review_write_texts(w, &review->warnings);
     }
     memory_free(review);
     memory_free(faults);

@@ -1,7 +1,9 @@
 // What is said about the results of a scenario before it is solved.
 
+#include "core/run/review.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
+#include "core/run/review_plates.h"
 #include "core/run/run.h"
 #include "core/scene/surroundings.h"
 
@@ -9,8 +11,25 @@
 
 enum { BEAM_POINTS = 101 }; ///< of a beam that belts are looked for under
 
+review_warning *review_add(review_warnings *w, const char *pointer, const char *title)
+{
+    review_warning *item = &w->items[w->n];
+
+    *item = (review_warning){ 0 };
+    snprintf(item->title, sizeof item->title, "%s", title);
+    snprintf(item->pointer, sizeof item->pointer, "%s", pointer);
+    w->n += w->n < REVIEW_WARNINGS_MAX;
+    return item;
+}
+
+void review_append(review_warnings *w, const review_warnings *others)
+{
+    for (size_t k = 0; k < others->n; k++)
+        *review_add(w, "", "") = others->items[k];
+}
+
 /// Warn of a rate that belts cannot carry away from the line of a feed.
-static bf_status review_rate(const scene *s, size_t k, bf_faults *warnings, bf_error *err)
+static bf_status review_rate(const scene *s, size_t k, review_warnings *ret_warnings, bf_error *err)
 {
     static const char *const members[SCENE_DEMAND_COUNT] = { "rate_per_s", "profile", "schedule" };
     const scene_feed *feed = &s->feeds[k];
@@ -24,12 +43,14 @@ static bf_status review_rate(const scene *s, size_t k, bf_faults *warnings, bf_e
     const double rate = feed_arrivals_largest_rate(arrivals);
     feed_arrivals_destroy(arrivals);
     snprintf(pointer, sizeof pointer, "/feeds/%zu/%s", k, members[feed->demand]);
-    if (rate > capacity)
-        faults_add(
-            warnings, pointer,
-            "The feed '%s' delivers up to %.4g parts/s, but belts carry at most %.4g parts/s "
-            "away from its line: the others wait.",
-            feed->id, rate, capacity);
+    if (rate <= capacity)
+        return BF_OK;
+    review_warning *item =
+        review_add(ret_warnings, pointer, "More parts arrive than the belt carries away");
+    snprintf(item->meaning, sizeof item->meaning,
+             "The feed '%s' delivers up to %.4g parts/s, but belts carry at most %.4g parts/s "
+             "away from its line: the others wait.",
+             feed->id, rate, capacity);
     return BF_OK;
 }
 
@@ -95,7 +116,7 @@ static bool stays(const standing *c, size_t belt)
 
 /// Warn of actions in a circle. The belts that stay are the largest set of which each one stays as long as the others
 /// do.
-static void review_actions(const scene *s, bf_faults *warnings)
+static void review_actions(const scene *s, review_warnings *ret_warnings)
 {
     standing c = { .s = s };
     char pointer[BF_POINTER_SIZE];
@@ -118,36 +139,51 @@ static void review_actions(const scene *s, bf_faults *warnings)
     }
     for (size_t k = 0; k < s->n_actions; k++) {
         const scene_action *a = &s->actions[k];
+        if (!stops_itself(&c, a))
+            continue;
         snprintf(pointer, sizeof pointer, "/actions/%zu", k);
-        if (stops_itself(&c, a))
-            faults_add(
-                warnings, pointer,
-                "Actions in a circle: cargo in the beam of '%s' stops the belt '%s' under it, "
-                "which nothing but photo eyes above standing belts starts again.",
-                s->eyes[a->eye].id, s->belts[a->target].id);
+        review_warning *item = review_add(ret_warnings, pointer, "Actions in a circle stop a belt");
+        snprintf(item->meaning, sizeof item->meaning,
+                 "Cargo in the beam of '%s' stops the belt '%s' under it, which nothing but photo "
+                 "eyes above standing belts starts again.",
+                 s->eyes[a->eye].id, s->belts[a->target].id);
     }
+}
+
+static void review_step(const scene *s, review_warnings *ret_warnings)
+{
+    const double step = scene_macro_step(s), positive = scene_step_positive(s);
+
+    if (step < positive)
+        return;
+    review_warning *item =
+        review_add(ret_warnings, "/macro/step_s", "The time step of the density model is long");
+    snprintf(item->meaning, sizeof item->meaning,
+             "Densities may become negative, and the figures wrong: choose a shorter step, or "
+             "leave the choice to the program.");
+    snprintf(item->detail, sizeof item->detail, "The step is %.6g s, and not below %.6g s.", step,
+             positive);
 }
 
 static bf_status review_density(const scene *s, run_review *review, bf_error *err)
 {
-    const double step = scene_macro_step(s), positive = scene_step_positive(s);
-
-    if (step >= positive)
-        faults_add(&review->warnings, "/macro/step_s",
-                   "the step, %.6g s, is not below %.6g s: densities may become negative", step,
-                   positive);
-    bf_status status = validity_of(s, &review->validity, err);
-    for (size_t k = 0; status == BF_OK && k < review->validity.n; k++)
-        faults_add(&review->warnings, review->validity.items[k].pointer, "%s",
-                   review->validity.items[k].detail);
-    return status;
+    review_step(s, &review->warnings);
+    const bf_status status = validity_of(s, &review->validity, err);
+    if (status != BF_OK)
+        return status;
+    for (size_t k = 0; k < review->validity.n; k++) {
+        const validity_item *of = &review->validity.items[k];
+        review_warning *item = review_add(&review->warnings, of->pointer, of->title);
+        snprintf(item->meaning, sizeof item->meaning, "%s", of->meaning);
+        snprintf(item->detail, sizeof item->detail, "%s", of->comparison);
+    }
+    return BF_OK;
 }
 
 bf_status run_review_of(const scene *s, run_model model, run_review *ret_review, bf_error *err)
 {
-    bf_status status = BF_OK;
-
     *ret_review = (run_review){ .model = model };
+    bf_status status = review_plates(s, &ret_review->warnings, err);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);

@@ -13,6 +13,7 @@
 #include "core/base/faults.h"
 #include "core/base/status.h"
 #include "core/run/frame.h"
+#include "core/run/review.h"
 #include "core/run/validity.h"
 #include "core/scene/scene.h"
 
@@ -64,12 +65,13 @@ void run_check(const scene *s, run_model model, bf_faults *faults);
 
 /// What is to be said about the results of a scenario before it is solved.
 typedef struct run_review {
-    run_model model;    ///< with which it would be solved
-    validity validity;  ///< of RUN_MACRO; of other models there is none
-    bf_faults warnings; ///< reasons to doubt the results; none of them is a fault
+    run_model model;          ///< with which it would be solved
+    validity validity;        ///< of RUN_MACRO; of other models there is none
+    review_warnings warnings; ///< reasons to doubt the results
 } run_review;
 
-/// Review a resolved and checked scenario for a model: rates of feeds that belts cannot carry (feed_capacity());
+/// Review a resolved and checked scenario for a model: cargo that begins behind a plate (review_plates.h); rates of
+/// feeds that belts cannot carry (feed_capacity());
 /// actions in a circle, where a belt is stopped by its own cargo in a beam, and nothing but photo eyes above belts
 /// that stand likewise starts it again; of the macroscopic model a step at which densities may become negative, see
 /// scene_step_positive(), and what lies outside its validity. BF_ENOMEM.

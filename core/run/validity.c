@@ -17,48 +17,58 @@
 typedef struct range_row {
     double minimum;    ///< see validity_item
     double maximum;    ///< see validity_item
-    const char *below; ///< what to expect of smaller values; NULL: nothing in particular
-    const char *above; ///< what to expect of larger values; NULL: nothing in particular
+    const char *below; ///< what to expect of smaller values; NULL: it was not measured
+    const char *above; ///< what to expect of larger values; NULL: it was not measured
 } range_row;
+
+/// What to expect where it was not measured.
+static const char unknown[] = "How well the density model predicts this was not measured: solve it "
+                              "with the microscopic model, too.";
 
 #define NOTHING -INFINITY
 
 static const range_row dispersive_ranges[VALIDITY_FIGURE_COUNT] = {
-    [VALIDITY_ANGLE] = { 30.0, 90.0, "It lets cargo slide too slowly along shallow plates.",
-                         "Cargo collects in the corner that the plate closes, and stays there." },
+    [VALIDITY_ANGLE] = { 30.0, 90.0,
+                         "The density model lets cargo slide too slowly along a flat deflector.",
+                         "Cargo collects in the corner that the deflector closes, and stays "
+                         "there." },
     [VALIDITY_OPENING] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
                            NULL },
     [VALIDITY_FUNNEL] = { 2.9, 12.5, "Parts may bridge the opening, which a density cannot show.",
                           NULL },
     [VALIDITY_HEAP] = { NOTHING, 62.0, NULL,
-                        "Such a heap saturates the opening, and the model lets it pass too fast." },
+                        "So much cargo fills the opening, and the density model lets it pass too "
+                        "fast." },
     [VALIDITY_PARTS] = { 24.0, 640.0, "A density says little about a few parts.", NULL },
-    [VALIDITY_SPEED] = { 0.2, 0.8, "The model lets cargo pass too slowly there.", NULL },
+    [VALIDITY_SPEED] = { 0.2, 0.8, "The density model lets cargo pass too slowly at such a speed.",
+                         NULL },
     [VALIDITY_SCHEDULES] = { NOTHING, 0.0, NULL, NULL },
     [VALIDITY_BELTS] = { NOTHING, 1.0, NULL, NULL },
-    [VALIDITY_PLATES] = { NOTHING, 1.0, NULL, "It holds cargo back between two plates." },
+    [VALIDITY_PLATES] = { NOTHING, 1.0, NULL,
+                          "The density model holds cargo back between two deflectors." },
     [VALIDITY_BENDS] = { NOTHING, 1.0, NULL, NULL },
     [VALIDITY_PIECES] = { NOTHING, LAYOUT_PIECES_MAX, NULL,
                           "Angles and openings of so many were not measured." },
     [VALIDITY_WALL] = { NOTHING, 0.0, NULL, "Cargo collects at such a wall." },
-    [VALIDITY_DIAMETER] = { 0.022, 0.036,
-                            "The widths of its bands and of its smoothing do not fit small parts.",
-                            "The widths of its bands and of its smoothing do not fit large "
-                            "parts." },
+    [VALIDITY_DIAMETER] = { 0.022, 0.036, "The density model is not laid out for such small parts.",
+                            "The density model is not laid out for such large parts." },
     [VALIDITY_SHAPE] = { NOTHING, 0.0, NULL, NULL },
     [VALIDITY_KINDS] = { NOTHING, 1.0, NULL, NULL },
     [VALIDITY_PLATE_FRICTION] = { 0.1, 0.5, NULL, NULL },
     [VALIDITY_PART_FRICTION] = { 0.05, 0.5, NULL, NULL },
     [VALIDITY_BELT_FRICTION] = { 0.3, 1.0, NULL, NULL },
     [VALIDITY_TREATMENT] = { NOTHING, 0.0, NULL,
-                             "Cargo leaks through field, and piles up in the corners of wall." },
-    [VALIDITY_CELL] = { 0.1, 0.25, NULL, "The model lets cargo pass too slowly on a coarse grid." },
+                             "In the density model cargo leaks through field, and piles up in the "
+                             "corners of wall." },
+    [VALIDITY_CELL] = { 0.1, 0.25, NULL,
+                        "The density model lets cargo pass too slowly on a coarse grid." },
     [VALIDITY_MOTIONS] = { NOTHING, 0.0, NULL, NULL },
 };
 
 static const range_row congested_ranges[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_ANGLE] = { 10.0, 90.0, NULL,
-                         "Cargo collects in the corner that the plate closes, and stays there." },
+                         "Cargo collects in the corner that the deflector closes, and stays "
+                         "there." },
     [VALIDITY_OPENING] = { 2.9, 9.0, "Parts may bridge the opening, which a density cannot show.",
                            NULL },
     [VALIDITY_FUNNEL] = { 6.0, 10.0, "Parts may bridge the opening, which a density cannot show.",
@@ -124,10 +134,10 @@ typedef struct figure_text {
 } figure_text;
 
 static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
-    [VALIDITY_ANGLE] = { "deg", "A plate stands at", " degrees to the belt", " degrees", NULL },
+    [VALIDITY_ANGLE] = { "deg", "A deflector stands at", " degrees to the belt", " degrees", NULL },
     [VALIDITY_OPENING] = { "diameters", "The narrowest opening is", " part diameters wide",
                            " diameters", NULL },
-    [VALIDITY_FUNNEL] = { "diameters", "The narrowest opening of several plates is",
+    [VALIDITY_FUNNEL] = { "diameters", "The narrowest opening of several deflectors is",
                           " part diameters wide", " diameters", NULL },
     [VALIDITY_HEAP] = { "parts/diameter", "The heap has",
                         " parts for each part diameter of the narrowest opening", "", NULL },
@@ -136,19 +146,20 @@ static const figure_text texts[VALIDITY_FIGURE_COUNT] = {
     [VALIDITY_SCHEDULES] = { NULL, "The number of belts whose speed changes is", "", "",
                              "constant speeds alone" },
     [VALIDITY_BELTS] = { NULL, "The number of different belt velocities is", "", "", "one alone" },
-    [VALIDITY_PLATES] = { NULL, "The number of plates is", "", "", NULL },
-    [VALIDITY_BENDS] = { NULL, "The number of bends of a plate is", "", "", NULL },
-    [VALIDITY_PIECES] = { NULL, "The number of straight pieces of the plates is", "", "", "a few" },
+    [VALIDITY_PLATES] = { NULL, "The number of deflectors is", "", "", NULL },
+    [VALIDITY_BENDS] = { NULL, "The number of bends of a deflector is", "", "", NULL },
+    [VALIDITY_PIECES] = { NULL, "The number of straight pieces of the deflectors is", "", "",
+                          "a few" },
     [VALIDITY_WALL] = { "deg", "A belt runs against a wall at", " degrees", "",
                         "walls along the belt" },
     [VALIDITY_DIAMETER] = { "m", "A part is", " m across", " m", NULL },
     [VALIDITY_SHAPE] = { "%", "The share of parts that are no cylinders is", " %", "",
                          "cylinders alone" },
     [VALIDITY_KINDS] = { NULL, "The number of kinds of cargo is", "", "", "one alone" },
-    [VALIDITY_PLATE_FRICTION] = { NULL, "The friction of parts on plates is", "", "", NULL },
+    [VALIDITY_PLATE_FRICTION] = { NULL, "The friction of parts on deflectors is", "", "", NULL },
     [VALIDITY_PART_FRICTION] = { NULL, "The friction of parts on parts is", "", "", NULL },
     [VALIDITY_BELT_FRICTION] = { NULL, "The friction of parts on belts is", "", "", NULL },
-    [VALIDITY_TREATMENT] = { NULL, "The number of obstacles that are not sealed is", "", "",
+    [VALIDITY_TREATMENT] = { NULL, "The number of deflectors that are not sealed is", "", "",
                              "sealed ones alone" },
     [VALIDITY_CELL] = { "diameters", "The edge of a cell is", " part diameters", " diameters",
                         NULL },
@@ -389,12 +400,16 @@ static void complete_item(validity_item *item, const range_row *range, int way)
     char value[32], between[96];
 
     if (is_closed)
-        then = "The plates close the belt: cargo collects at them, and stays there.";
+        then = "The deflectors close the belt: cargo collects at them, and stays there.";
     item->unit = text->unit;
     item->minimum = range->minimum;
     item->maximum = range->maximum;
+    item->meaning = then == NULL ? unknown : then;
     print_value(item->value, value, sizeof value);
     print_range(item, between, sizeof between);
+    snprintf(item->title, sizeof item->title, "%s %s%s", text->before, value, text->after);
+    snprintf(item->comparison, sizeof item->comparison,
+             "The density model was compared with moving parts for %s.", between);
     snprintf(item->detail, sizeof item->detail,
              "%s %s%s; the model was compared with moving parts for %s.%s%s", text->before, value,
              text->after, between, then == NULL ? "" : " ", then == NULL ? "" : then);

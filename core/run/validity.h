@@ -56,6 +56,9 @@ typedef struct validity_item {
     double minimum;                ///< of the range, -INFINITY: none
     double maximum;                ///< of the range, INFINITY: none
     char pointer[BF_POINTER_SIZE]; ///< what has that value, in the scenario's document
+    char title[96];                ///< for people: the value
+    const char *meaning;           ///< for people: what to expect
+    char comparison[160];          ///< for people: the range
     char detail[BF_TEXT_SIZE];     ///< for people: value, range, and what to expect
 } validity_item;
 

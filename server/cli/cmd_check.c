@@ -15,9 +15,11 @@ static cmd_exit print_warnings(const char *command, const scene *s, run_model mo
 
     if (run_review_of(s, model, &review, &err) != BF_OK)
         return cmd_fail(command, &err);
-    for (size_t k = 0; k < faults_kept(&review.warnings); k++)
-        fprintf(stderr, "warning: %s: %s\n", review.warnings.items[k].pointer,
-                review.warnings.items[k].text);
+    for (size_t k = 0; k < review.warnings.n; k++) {
+        const review_warning *item = &review.warnings.items[k];
+        fprintf(stderr, "warning: %s: %s. %s%s%s\n", item->pointer, item->title, item->meaning,
+                item->detail[0] == '\0' ? "" : " ", item->detail);
+    }
     return CMD_DONE;
 }
 

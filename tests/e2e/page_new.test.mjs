@@ -46,7 +46,7 @@ test("what the results would be doubted for stands above the button, and the run
   const warnings = page.getByRole("list", { name: "Warnings" });
   assert.equal(await warnings.count(), 0);
   await page.getByLabel("Obstacle angle").fill("20");
-  await warnings.getByText("A plate stands at 20 degrees to the belt").waitFor();
+  await warnings.getByText("A deflector stands at 20 degrees to the belt").waitFor();
   assert.ok(await page.getByRole("button", { name: "Start the run" }).isEnabled());
   await page.getByText("Microscopic", { exact: true }).click();
   await warnings.waitFor({ state: "hidden" });

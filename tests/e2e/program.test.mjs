@@ -116,7 +116,7 @@ test("check warns of results that are to be doubted, and says yes", async () => 
   const input = JSON.stringify(jam(1, {}));
   const macro = await beltflow(["check", "-"], { input });
   assert.equal(macro.status, 0);
-  assert.match(macro.stderr, /^warning: \/obstacles\/0: The narrowest opening is 0 part diameters wide; .+$/m);
+  assert.match(macro.stderr, /^warning: \/obstacles\/0: The narrowest opening is 0 part diameters wide\. The deflectors close the belt: .+$/m);
   const micro = await beltflow(["check", "-", "--model", "micro"], { input });
   assert.deepEqual([micro.status, micro.stderr], [0, ""]);
 });

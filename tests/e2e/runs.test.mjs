@@ -113,14 +113,27 @@ test("validating says before a run what its summary will say", async (t) => {
   const scenario = jam(0.1, { curve_every_s: 0.05, snapshot_every_s: 0.1 });
   const before = (await d.post("/v1/validate", { scenario })).json;
   assert.equal(before.validity.compared, false);
-  assert.deepEqual(before.validity.outside.map(({ detail }) => detail), before.warnings);
+  assert.deepEqual(before.validity.outside.map(({ pointer }) => pointer), before.warning_details.map(({ pointer }) => pointer));
+  assert.deepEqual(before.warning_details.map(({ title, meaning }) => `${title}. ${meaning}`), before.warnings);
   const opening = before.validity.outside.find(({ what }) => what === "opening");
   assert.deepEqual([opening.value, opening.pointer], [0, "/obstacles/0"]);
   const run = await d.submit(scenario);
   await d.reached(run.id, "succeeded");
-  const { validity, warnings } = (await d.get(`/v1/runs/${run.id}/summary`)).json;
+  const { validity, warnings, warning_details: details } = (await d.get(`/v1/runs/${run.id}/summary`)).json;
   assert.deepEqual(validity, before.validity);
   for (const text of before.warnings) assert.ok(warnings.includes(text), text);
+  assert.deepEqual(details.map(({ title, meaning }) => `${title}. ${meaning}`), warnings);
+});
+
+test("validating warns of a deflector that cargo passes behind", async (t) => {
+  const d = await daemon(t);
+  const { scenario } = (await readyExamples(d)).find(({ name }) => name === "example-1");
+  const tip = scenario.obstacles[0].to_m;
+  // Of 40 degrees: it begins at x = 0.154 m, and the cargo ends at x = 0.38 m.
+  scenario.obstacles[0].from_m = [tip[0] - tip[1] / Math.tan((40 * Math.PI) / 180), 0];
+  const { warning_details: details } = (await d.post("/v1/validate", { scenario })).json;
+  assert.deepEqual(details.map(({ title, pointer }) => [title, pointer]), [["Cargo starts behind a deflector", "/obstacles/0"]]);
+  assert.match(details[0].meaning, /^\d+ of 192 parts start behind 'singularizer', which does not hold them back: /);
 });
 
 test("the paper's Examples lie where the models were compared", async (t) => {

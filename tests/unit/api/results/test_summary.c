@@ -32,6 +32,12 @@ static double number_at(const json_t *object, const char *key)
     return json_number_value(value);
 }
 
+// A text of an object in a list.
+static const char *text_at(const json_t *list, size_t k, const char *key)
+{
+    return json_string_value(json_object_get(json_array_get(list, k), key));
+}
+
 static bf_buffer resolved_document(const char *text)
 {
     bf_buffer document = document_quote(text);
@@ -120,16 +126,22 @@ static void a_summary_warns(void **unused)
     dense.stopped = 1;
     json_t *root =
         summarise_scenario(DOCUMENT_WITH("'macro': {'step_s': 0.00212}"), &begin, &dense);
-    const json_t *warnings = json_object_get(root, "warnings");
-    assert_int_equal(json_array_size(warnings), 3);
+    const json_t *texts = json_object_get(root, "warnings");
+    assert_int_equal(json_array_size(texts), 3);
     assert_true(json_is_true(json_object_get(root, "stopped")));
-    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "stopped on request"));
-    assert_non_null(strstr(json_string_value(json_array_get(warnings, 1)), "1.41"));
-    assert_non_null(strstr(json_string_value(json_array_get(warnings, 2)), "0.00212"));
+    assert_non_null(strstr(json_string_value(json_array_get(texts, 0)), "stopped before its end"));
+    assert_non_null(strstr(json_string_value(json_array_get(texts, 1)), "denser than real parts"));
+    assert_non_null(strstr(json_string_value(json_array_get(texts, 2)), "time step"));
+    const json_t *details = json_object_get(root, "warning_details");
+    assert_int_equal(json_array_size(details), 3);
+    assert_string_equal(text_at(details, 0, "detail"), "");
+    assert_non_null(strstr(text_at(details, 1, "detail"), "1.41"));
+    assert_non_null(strstr(text_at(details, 2, "detail"), "0.00212"));
+    assert_string_equal(text_at(details, 2, "pointer"), "/macro/step_s");
     json_decref(root);
 }
 
-// One part before a deflector: what holds of heaps does not hold of it. The warning is the item's own text.
+// One part before a deflector: what holds of heaps does not hold of it. The warning leads to the same place.
 static void a_summary_says_whether_the_model_was_compared_for_such_a_scenario(void **unused)
 {
     static const char deflected[] =
@@ -150,9 +162,9 @@ static void a_summary_says_whether_the_model_was_compared_for_such_a_scenario(vo
     assert_true(number_at(item, "value") == 1.0);
     assert_true(number_at(item, "min") > 1.0);
     assert_string_equal(json_string_value(json_object_get(item, "pointer")), "/initial");
-    const json_t *warnings = json_object_get(root, "warnings");
-    assert_int_equal(json_array_size(warnings), 1);
-    assert_true(json_equal(json_array_get(warnings, 0), json_object_get(item, "detail")));
+    const json_t *details = json_object_get(root, "warning_details");
+    assert_int_equal(json_array_size(details), 1);
+    assert_string_equal(text_at(details, 0, "pointer"), "/initial");
     json_decref(root);
 }
 
@@ -213,11 +225,12 @@ static void a_microscopic_summary_warns_of_soft_parts_only(void **unused)
 {
     frame_end hard = micro_end;
     json_t *soft_root = summarise(&micro_begin, &micro_end);
-    json_t *warnings = json_object_get(soft_root, "warnings");
+    json_t *texts = json_object_get(soft_root, "warnings");
 
     (void)unused;
-    assert_int_equal(json_array_size(warnings), 1);
-    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)), "6.25 % of a radius"));
+    assert_int_equal(json_array_size(texts), 1);
+    const json_t *details = json_object_get(soft_root, "warning_details");
+    assert_non_null(strstr(text_at(details, 0, "detail"), "6.25 % of a radius"));
     json_decref(soft_root);
     hard.overlap_share = 0.05;
     json_t *hard_root = summarise(&micro_begin, &hard);

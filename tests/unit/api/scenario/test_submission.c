@@ -263,26 +263,29 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
 
     (void)unused;
     validate("{" SCENARIO "}", &free_belt);
-    assert_begins(
-        &free_belt,
-        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"predicted_s\":null,\"validity\":{"
-        "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
-        "\"resolved\":{\"name\":\"N\",");
+    assert_begins(&free_belt, "{\"valid\":true,\"model\":\"macro\",\"warnings\":[],\"warning_"
+                              "details\":[],\"predicted_s\":null,\"validity\":{"
+                              "\"closure\":\"dispersive\",\"compared\":true,\"outside\":[]},"
+                              "\"resolved\":{\"name\":\"N\",");
     validate("{" DEFLECTED "}", &macro);
-#define TEXT                                                                                       \
-    "\"The share of parts that are no cylinders is 100 %; the model was compared with moving "     \
-    "parts for cylinders alone.\""
+#define TITLE "The share of parts that are no cylinders is 100 %"
+#define MEANING                                                                                    \
+    "How well the density model predicts this was not measured: solve it with the microscopic "    \
+    "model, too."
     assert_begins(
         &macro,
-        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[" TEXT
-        "],\"predicted_s\":null,\"validity\":{\"closure\":\"dispersive\",\"compared\":false,"
+        "{\"valid\":true,\"model\":\"macro\",\"warnings\":[\"" TITLE ". " MEANING "\"],"
+        "\"warning_details\":[{\"title\":\"" TITLE "\",\"meaning\":\"" MEANING "\","
+        "\"detail\":\"The density model was compared with moving parts for cylinders alone.\","
+        "\"pointer\":\"/cargo/shape\"}],"
+        "\"predicted_s\":null,\"validity\":{\"closure\":\"dispersive\",\"compared\":false,"
         "\"outside\":[{\"what\":\"shape\","
         "\"value\":100,\"unit\":\"%\",\"min\":null,\"max\":0,"
-        "\"pointer\":\"/cargo/shape\",\"detail\":" TEXT "}]},\"resolved\":{");
+        "\"pointer\":\"/cargo/shape\",\"detail\":\"" TITLE
+        "; the model was compared with moving parts for cylinders alone.\"}]},\"resolved\":{");
     validate("{" DEFLECTED ", 'model': 'micro'}", &micro);
-    assert_begins(
-        &micro,
-        "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"predicted_s\":null,\"resolved\":{");
+    assert_begins(&micro, "{\"valid\":true,\"model\":\"micro\",\"warnings\":[],\"warning_details\":"
+                          "[],\"predicted_s\":null,\"resolved\":{");
     buffer_fini(&free_belt);
     buffer_fini(&macro);
     buffer_fini(&micro);

@@ -1,4 +1,4 @@
-// Warnings before a run: rates that belts cannot carry, and actions in a circle.
+// Warnings before a run: rates that belts cannot carry, actions in a circle, and plates that cargo gets past.
 
 #include "core/run/run.h"
 
@@ -34,7 +34,7 @@ static void make_scene(scene *s, bool has_second)
 }
 
 // The warnings about a scene, which is freed.
-static const bf_faults *warnings_of(scene *s)
+static const review_warnings *warnings_of(scene *s)
 {
     static run_review review;
     static bf_faults faults;
@@ -60,11 +60,11 @@ static void rates_beyond_the_belts_are_warned_of(void **unused)
     assert_int_equal(warnings_of(&s)->n, 0);
     make_scene(&s, false);
     s.feeds[0].rate = 338.6;
-    const bf_faults *warnings = warnings_of(&s);
-    assert_int_equal(warnings->n, 1);
-    assert_string_equal(warnings->items[0].pointer, "/feeds/0/rate_per_s");
+    const review_warnings *found = warnings_of(&s);
+    assert_int_equal(found->n, 1);
+    assert_string_equal(found->items[0].pointer, "/feeds/0/rate_per_s");
     assert_non_null(
-        strstr(warnings->items[0].text, "up to 338.6 parts/s, but belts carry at most 338.5"));
+        strstr(found->items[0].meaning, "up to 338.6 parts/s, but belts carry at most 338.5"));
 }
 
 // An action on a belt.
@@ -81,8 +81,8 @@ static const double both[][2] = { { 0.3, 0.3 }, { 0.7, 0.7 } };
 static const double across[][2] = { { 0.4, 0.6 } };
 
 // The warnings about one belt or two with photo eyes and actions.
-static const bf_faults *warnings_with(size_t n_belts, size_t n_eyes, const double (*eyes)[2],
-                                      size_t n_rules, const rule *rules)
+static const review_warnings *warnings_with(size_t n_belts, size_t n_eyes, const double (*eyes)[2],
+                                            size_t n_rules, const rule *rules)
 {
     scene s;
 
@@ -112,10 +112,10 @@ static void a_belt_that_its_own_cargo_stops_is_warned_of(void **unused)
     static const rule rules[] = { { 0, false, 0, 1.0 }, { 0, true, 0, 0.0 } };
 
     (void)unused;
-    const bf_faults *warnings = warnings_with(1, 1, late, 2, rules);
-    assert_int_equal(warnings->n, 1);
-    assert_string_equal(warnings->items[0].pointer, "/actions/1");
-    assert_non_null(strstr(warnings->items[0].text, "'eye-1' stops the belt 'main'"));
+    const review_warnings *found = warnings_with(1, 1, late, 2, rules);
+    assert_int_equal(found->n, 1);
+    assert_string_equal(found->items[0].pointer, "/actions/1");
+    assert_non_null(strstr(found->items[0].meaning, "'eye-1' stops the belt 'main'"));
 }
 
 static void a_belt_that_goes_slower_is_not_stopped(void **unused)
@@ -150,10 +150,10 @@ static void two_belts_may_wait_for_each_other(void **unused)
     };
 
     (void)unused;
-    const bf_faults *warnings = warnings_with(2, 2, both, 4, rules);
-    assert_int_equal(warnings->n, 2);
-    assert_string_equal(warnings->items[0].pointer, "/actions/0");
-    assert_string_equal(warnings->items[1].pointer, "/actions/1");
+    const review_warnings *found = warnings_with(2, 2, both, 4, rules);
+    assert_int_equal(found->n, 2);
+    assert_string_equal(found->items[0].pointer, "/actions/0");
+    assert_string_equal(found->items[1].pointer, "/actions/1");
 }
 
 // A beam across both belts clears as long as one of them moves.

@@ -121,7 +121,7 @@ static void assert_warned_of_step(double step, size_t n)
     assert_int_equal(review.warnings.n, n);
     if (n > 0) {
         assert_string_equal(review.warnings.items[0].pointer, "/macro/step_s");
-        assert_non_null(strstr(review.warnings.items[0].text, "0.0021097"));
+        assert_non_null(strstr(review.warnings.items[0].detail, "0.0021097"));
     }
     assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);
     assert_int_equal(review.warnings.n, 0);
@@ -153,7 +153,8 @@ static void a_review_warns_of_all_that_lies_outside_the_validity(void **state)
     assert_true(review.validity.n >= 2);
     assert_int_equal(review.warnings.n, 1 + review.validity.n);
     for (size_t k = 0; k < review.validity.n; k++) {
-        assert_string_equal(review.warnings.items[k + 1].text, review.validity.items[k].detail);
+        assert_string_equal(review.warnings.items[k + 1].title, review.validity.items[k].title);
+        assert_string_equal(review.warnings.items[k + 1].meaning, review.validity.items[k].meaning);
         assert_string_equal(review.warnings.items[k + 1].pointer, review.validity.items[k].pointer);
     }
     assert_int_equal(run_review_of(&s, RUN_MICRO, &review, NULL), BF_OK);

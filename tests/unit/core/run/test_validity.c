@@ -109,7 +109,7 @@ static void a_closed_belt_is_told_as_such(void **state)
     const validity_item item = find_only(&s);
     assert_int_equal(item.figure, VALIDITY_OPENING);
     assert_true(item.value == 0.0);
-    assert_non_null(strstr(item.detail, "The plates close the belt"));
+    assert_non_null(strstr(item.detail, "The deflectors close the belt"));
 }
 
 // 16 rows of 40 parts at 0.1 m: 640 parts, 153.6 for each diameter of the opening.
@@ -375,7 +375,7 @@ static void each_closure_has_ranges_of_its_own(void **state)
     s.micro.contact[SCENE_HANDLING_CARGO].friction = 0.3;
     const validity_item item = find_only(&s);
     assert_int_equal(item.figure, VALIDITY_PLATE_FRICTION);
-    assert_string_equal(item.detail, "The friction of parts on plates is 0.3; the model was "
+    assert_string_equal(item.detail, "The friction of parts on deflectors is 0.3; the model was "
                                      "compared with moving parts for 0.19.");
 }
 
