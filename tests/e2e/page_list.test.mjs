@@ -75,6 +75,22 @@ test("filters stand in the address, and pages follow the cursor there and back",
   assert.equal(await page.getByLabel("Label").inputValue(), "marked");
 });
 
+test("runs of one scenario are told apart by what they differ in, unless their names say it", async (t) => {
+  const d = await daemon(t);
+  const plate = (degrees) => ({ obstacles: [{ end_m: [0.2, 0.1], angle_deg: degrees, length_m: 0.05 }] });
+  await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(60) }));
+  await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(75) }));
+  await d.submit(tiny({ name: "gate, angle 80°", ...plate(80), duration_s: 0.2 }));
+  await d.submit(tiny({ name: "alone" }));
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  await page.locator(".chip", { hasText: "angle 75°" }).waitFor();
+  const chips = await page.locator("tbody tr").evaluateAll((rows) =>
+    rows.map((row) => [...row.querySelectorAll(".chip")].map((chip) => chip.textContent)));
+  assert.deepEqual(chips.map((all) => all.filter((chip) => !chip.startsWith("foot"))),
+    [[], ["duration 0.2 s"], ["angle 75°", "duration 0.1 s"], ["angle 60°", "duration 0.1 s"]]);
+});
+
 test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
   const page = await openPage(t, d);

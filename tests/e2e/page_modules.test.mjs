@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { dealKinds } from "../../web/src/cargo.js";
+import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson, locate } from "../../web/src/json_text.js";
@@ -175,4 +176,30 @@ test("a fed run's flow is the sum of its feeds and the exits, its content the co
     [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["exits", [0, 1]]]);
   assert.deepEqual(contentOf(scenario, { columns }),
     [["upstream", [0, 3]], ["a: waiting", [0, 1]], ["b: waiting", [0, 1]]]);
+});
+
+test("scenarios differ in what a planner calls it, however they were written", async (t) => {
+  const d = await daemon(t);
+  const written = (await d.get("/v1/examples/example-1")).json;
+  const { resolved } = (await d.post("/v1/validate", { scenario: written })).json;
+  assert.deepEqual(differences([written, resolved]).filter(({ isUsual }) => isUsual), []);
+  const steeper = structuredClone(resolved);
+  // Half a metre across the belt at 75 degrees.
+  steeper.obstacles[0].path_m[0][0] = 0.75 - 0.5 / Math.tan((75 * Math.PI) / 180);
+  steeper.belts[0].velocity_m_s = [0.5, 0];
+  steeper.macro.cell_m = 0.01;
+  const rows = differences([resolved, steeper]);
+  assert.deepEqual(rows.map(({ pointer, label }) => [pointer, label]),
+    [["/obstacles/0/angle_deg", "angle"], ["/belts/0/velocity_m_s", "belt speed"], ["/macro/cell_m", "cell"]]);
+  assert.deepEqual(chipsOf(rows, 1), ["angle 75°", "belt speed 0.5 m/s", "cell 0.01 m"]);
+
+  steeper.name = nameOfVariant(resolved, steeper);
+  assert.equal(steeper.name, "Example 1, angle 75°, belt speed 0.5 m/s, cell 0.01 m");
+  // Of a variant's variant the name says both, with the values that hold.
+  const longer = { ...structuredClone(steeper), duration_s: 9, macro: resolved.macro };
+  assert.equal(nameOfVariant(steeper, longer), "Example 1, angle 75°, belt speed 0.5 m/s, duration 9 s, cell 0.005 m");
+  assert.equal(nameOfVariant(resolved, structuredClone(resolved)), null);
+  // Lists that are too long to be said are numbered.
+  const [a, b] = [1, 2].map((x) => ({ ...resolved, initial: { positions_m: Array.from({ length: 5 }, (_, k) => [x, k]) } }));
+  assert.deepEqual(differences([a, b, a]).map(({ label, values }) => [label, values]), [["initial positions", ["list 1", "list 2", "list 1"]]]);
 });

@@ -63,10 +63,22 @@ test("what the form changes is what is submitted: angle, speed, duration, cell a
   await page.getByLabel("Cell").fill("0.01");
   await page.getByLabel("Label").fill("by form");
   await page.getByText("Ready: 6,000 cells, 0.05 s.").waitFor();
+  const made = "Example 1, angle 45°, belt speed 0.3 m/s, duration 0.05 s, cell 0.01 m";
+  const name = page.getByLabel("Name");
+  assert.equal(await name.inputValue(), made);
+  // A name of one's own stays; without it the parameters make one again.
+  await name.fill("mine");
+  await page.getByLabel("Duration").fill("0.06");
+  assert.equal(await name.inputValue(), "mine");
+  await name.fill("");
+  await page.getByLabel("Duration").fill("0.05");
+  assert.equal(await name.inputValue(), made);
+  await page.getByText("Ready: 6,000 cells, 0.05 s.").waitFor();
   await page.getByRole("button", { name: "Start the run" }).click();
   await page.locator(".pill", { hasText: "succeeded" }).waitFor();
 
   const [run] = (await d.get("/v1/runs?label=by+form")).json.runs;
+  assert.equal(run.name, made);
   const scenario = (await d.get(`/v1/runs/${run.id}/scenario`)).json;
   // The plate still ends at (0.75, 0.5) and begins at the wall: at 45 degrees 0.5 m before its end.
   const [[from], [to]] = [scenario.obstacles[0].path_m, scenario.obstacles[0].path_m.slice(1)];

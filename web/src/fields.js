@@ -1,37 +1,12 @@
 // The few numbers of a scenario that matter to a planner: one line each. `at` are the pointers whose faults
 // belong to the field; `get` and `set` work on a scenario as it was written.
 
-// The obstacle that an angle can be given to: the first one, if it is one straight plate that does not turn.
-function plateOf(scenario) {
-  const [o] = scenario.obstacles ?? [];
-  if (!o || o.motion) return null;
-  if (o.end_m && o.length_m > 0) {
-    const angle = (o.angle_deg * Math.PI) / 180;
-    return { from: [o.end_m[0] - o.length_m * Math.cos(angle), o.end_m[1] - o.length_m * Math.sin(angle)], to: o.end_m };
-  }
-  if (o.from_m && o.to_m) return { from: o.from_m, to: o.to_m };
-  return o.path_m?.length === 2 ? { from: o.path_m[0], to: o.path_m[1] } : null;
-}
+import { angleOf, plateOf, tidy, turnedTo, withPlate } from "./plate.js";
 
-function tidy(value, digits = 9) {
-  return Number(value.toPrecision(digits));
-}
+const plateIn = (scenario) => plateOf(scenario.obstacles?.[0]);
 
-function angleOf(scenario) {
-  const plate = plateOf(scenario);
-  if (!plate) return null;
-  return tidy((Math.atan2(plate.to[1] - plate.from[1], plate.to[0] - plate.from[0]) * 180) / Math.PI, 6);
-}
-
-// The plate's end and its extent across the belt, and so the opening, are unchanged; its start moves.
 function setAngle(scenario, angle) {
-  const { from, to } = plateOf(scenario);
-  const across = to[1] - from[1];
-  const length = Math.abs(across / Math.sin((angle * Math.PI) / 180));
-  const { end_m, angle_deg, length_m, from_m, to_m, path_m, ...rest } = scenario.obstacles[0];
-  const { id, ...more } = rest;
-  scenario.obstacles[0] = { ...(id ? { id } : {}), end_m: to.map((value) => tidy(value)), angle_deg: angle,
-    length_m: tidy(Math.max(length, 1e-6)), ...more };
+  scenario.obstacles[0] = { ...withPlate(scenario.obstacles[0], turnedTo(plateIn(scenario), angle)), angle_deg: angle };
 }
 
 function speedOf(scenario) {
@@ -57,7 +32,7 @@ function member(section, name, fallback) {
 
 export const fields = [
   { id: "angle", label: "Obstacle angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: 10, most: 170, step: 5,
-    hint: "from the direction of x; its end and the opening stay", get: angleOf, set: setAngle },
+    hint: "from the direction of x; its end and the opening stay", get: (scenario) => (plateIn(scenario) ? angleOf(plateIn(scenario)) : null), set: setAngle },
   { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
     get: speedOf, set: setSpeed },
   { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",

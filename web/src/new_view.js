@@ -2,8 +2,9 @@
 // The daemon validates it while it is edited; faults are shown at their fields and lines, warnings above the button.
 
 import { getJson, listRuns, paths, post, Problem } from "./api.js";
-import { fields, faultOf, limitsOf } from "./fields.js";
+import { nameOfVariant } from "./differences.js";
 import { h } from "./dom.js";
+import { fields, faultOf, limitsOf } from "./fields.js";
 import { age, nameOf } from "./format.js";
 import { JsonEditor } from "./json_editor.js";
 import { formatJson } from "./json_text.js";
@@ -83,15 +84,17 @@ export class NewView {
       this.judgeSoon(0);
     });
     this.chooseModel = models.choose;
-    this.nameBox = h("input", { type: "text", maxlength: "200", autocomplete: "off", on: { input: () =>
-      this.change((scenario) => (scenario.name = this.nameBox.value)) } });
+    this.nameBox = h("input", { type: "text", maxlength: "200", autocomplete: "off", on: {
+      input: () => this.takeName(),
+      change: () => (this.nameBox.value = this.scenario?.name ?? "") } });
     this.labelBox = h("input", { type: "text", maxlength: "100", autocomplete: "off", on: { input: () => this.judgeSoon() } });
     this.priorityBox = h("input", { type: "number", min: "-100", max: "100", step: "1", value: "0",
       on: { input: () => this.judgeSoon() } });
     return h("div", { class: "fields about" },
       h("div", { class: "field" }, h("span", {}, "Model"), models.element,
         h("small", { class: "hint" }, "density of cargo, or every part by itself")),
-      h("label", { class: "field" }, h("span", {}, "Name"), this.nameBox),
+      h("label", { class: "field" }, h("span", {}, "Name"), this.nameBox,
+        h("small", { class: "hint" }, "says what was changed, until you edit it")),
       h("label", { class: "field" }, h("span", {}, "Label"), this.labelBox, h("small", { class: "hint" }, "to find it again; may stay empty")),
       h("label", { class: "field" }, h("span", {}, "Priority"), this.priorityBox, h("small", { class: "hint" }, "−100 to 100; higher ones first")));
   }
@@ -157,6 +160,8 @@ export class NewView {
 
   setScenario(scenario) {
     this.scenario = scenario;
+    this.origin = structuredClone(scenario);
+    this.isNamed = false;
     this.editor.text = formatJson(scenario);
     this.fillForm();
     this.judgeSoon(0);
@@ -180,10 +185,27 @@ export class NewView {
     }
   }
 
+  // An empty name is made from the parameters again.
+  takeName() {
+    this.isNamed = this.nameBox.value !== "";
+    this.change((scenario) => (scenario.name = this.nameBox.value));
+  }
+
+  // Whether it has another name now.
+  nameIt() {
+    if (!this.scenario || this.isNamed) return false;
+    const name = nameOfVariant(this.origin, this.scenario) ?? this.origin.name;
+    if (name === undefined || name === this.scenario.name) return false;
+    this.scenario.name = name;
+    if (document.activeElement !== this.nameBox) this.nameBox.value = name;
+    return true;
+  }
+
   // A change by the form, into the scenario and its text.
   change(set) {
     if (!this.scenario) return;
     set(this.scenario);
+    this.nameIt();
     this.editor.text = formatJson(this.scenario);
     this.judgeSoon();
   }
@@ -207,6 +229,7 @@ export class NewView {
     } catch {
       this.scenario = null;
     }
+    this.isNamed ||= this.scenario !== null && (this.scenario.name ?? "") !== this.nameBox.value;
     this.fillForm();
     this.judgeSoon();
   }
@@ -298,6 +321,7 @@ export class NewView {
       this.firstBad().focus();
       return;
     }
+    if (this.nameIt()) this.editor.text = formatJson(this.scenario);
     this.submitButton.disabled = true;
     try {
       const run = await post("v1/runs", this.body());

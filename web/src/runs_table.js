@@ -39,6 +39,7 @@ export class RunRow {
     this.id = run.id;
     this.title = link(address("runs", run.id), "");
     this.label = h("small", { class: "label" });
+    this.chips = h("span", { class: "chips" });
     this.state = statePill(run);
     this.bar = h("progress", { max: "1" });
     this.share = h("span", { class: "figures" });
@@ -52,7 +53,7 @@ export class RunRow {
     this.model = h("span", { class: "model" });
     this.element = h("tr", { role: "row" },
       h("td", { role: "cell", class: "pick" }, h("label", {}, this.check, h("span", { class: "hidden" }, "Compare"))),
-      h("td", { role: "cell", class: "name" }, this.title, this.label),
+      h("td", { role: "cell", class: "name" }, this.title, this.label, this.chips),
       cell("Model", this.model), cell("State", this.state.pill),
       h("td", { role: "cell", class: "progress", "data-label": "Progress" }, this.bar, this.share, this.fault),
       this.through, this.throughput, cell("Age", this.age),
@@ -83,6 +84,14 @@ export class RunRow {
     this.cancel.classList.toggle("absent", isOver(run));
     for (const button of [this.cancel, this.remove]) button.setAttribute("aria-label", `${button.title} ${name}`);
     this.check.setAttribute("aria-label", `Select ${name} (${run.model}) to compare`);
+  }
+
+  // What distinguishes the run from its variants: ["angle 75°"].
+  showChips(chips) {
+    const key = chips.join();
+    if (this.shownChips === key) return;
+    this.shownChips = key;
+    this.chips.replaceChildren(...chips.map((chip) => h("span", { class: "chip" }, chip)));
   }
 
   showThrough(through) {

@@ -8,6 +8,7 @@ import { address, go } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { RunRow, states } from "./runs_table.js";
 import { Through } from "./through.js";
+import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
@@ -22,6 +23,7 @@ export class RunsView {
     this.rows = new Map();
     this.selected = new Map(); // id -> run
     this.through = new Through((id, value) => this.rows.get(id)?.showThrough(value));
+    this.variants = new Variants((id, chips) => this.rows.get(id)?.showChips(chips));
     this.stopEvents = () => {};
     this.followed = "";
   }
@@ -170,6 +172,7 @@ export class RunsView {
     this.showTray();
     this.showEmpty(runs.length);
     this.through.want(runs);
+    this.variants.want(runs);
     this.followActive(runs);
   }
 
