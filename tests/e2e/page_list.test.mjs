@@ -40,6 +40,14 @@ test("what is deleted is gone at once, comes back by undo, and else leaves the d
   await rowOf(page, "kept").waitFor({ state: "detached" });
   await page.getByRole("button", { name: "Undo" }).click();
   await rowOf(page, "kept").waitFor();
+  await page.waitForFunction(() => document.activeElement.getAttribute("aria-label") === "Delete kept");
+
+  // By key: the focus goes on to the next run, and back when that is undone by a key.
+  await page.keyboard.press("Enter");
+  await rowOf(page, "kept").waitFor({ state: "detached" });
+  assert.equal(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), "Delete lost");
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => document.activeElement.getAttribute("aria-label") === "Delete kept");
 
   await rowOf(page, "lost").getByRole("button", { name: "Delete lost" }).click();
   await rowOf(page, "lost").waitFor({ state: "detached" });
@@ -73,6 +81,38 @@ test("filters stand in the address, and pages follow the cursor there and back",
   await visit(page, new URL(address).hash);
   await page.getByText("No run matches.").waitFor();
   assert.equal(await page.getByLabel("Label").inputValue(), "marked");
+
+  // Pages of twenty. Loaded again, the third one knows which the second one was.
+  await visit(page, "#/?limit=20");
+  const first = (k) => page.locator("tbody tr", { hasText: `run ${k}` }).first().waitFor();
+  await first(59);
+  await page.getByRole("checkbox", { name: "Select run 59 " }).check();
+  await page.getByRole("button", { name: "Older" }).click();
+  await first(39);
+  await page.getByRole("button", { name: "Older" }).click();
+  await first(19);
+  // The bar of what is selected, which is on this page, too, covers no row beside it.
+  await page.evaluate(() => scrollTo(0, 0));
+  const [hit, text] = await page.evaluate(() => {
+    const { left, width, top, height } = document.querySelector(".list-foot").getBoundingClientRect();
+    const element = document.elementFromPoint(left + width / 2, top + height / 2);
+    return [element?.closest(".list-foot") !== null, document.querySelector(".tray").innerText];
+  });
+  assert.equal(hit, false);
+  assert.match(text, /1 selected/);
+  await page.getByRole("checkbox", { name: "Select run 3 " }).check();
+  await page.getByRole("button", { name: "Compare 2 runs" }).waitFor();
+  await page.reload();
+  await first(19);
+  await page.getByRole("button", { name: "Newer" }).click();
+  await first(39);
+  // The browser's way back leads from page to page, too.
+  await page.goBack();
+  await first(19);
+  await page.goBack();
+  await first(39);
+  await page.goBack();
+  await first(59);
 });
 
 test("runs of one scenario are told apart by what they differ in, unless their names say it", async (t) => {

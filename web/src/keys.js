@@ -9,6 +9,7 @@ const keys = [
   [", .", "slower, faster"],
   ["F", "follow a run that is still computed"],
   ["Tab to the belt, then arrows", "move the probe that shows the density; with Shift by single pixels"],
+  ["Ctrl+Z", "take back a deletion, while it is told"],
   ["?", "this list"],
 ];
 

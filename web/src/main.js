@@ -17,7 +17,7 @@ import { NewView } from "./new_view.js";
 import { startRouter } from "./router.js";
 import { RunView } from "./run_view.js";
 import { RunsView } from "./runs_view.js";
-import { toast } from "./toast.js";
+import { toast, undoLast } from "./toast.js";
 
 const root = document.getElementById("view");
 let view = null;
@@ -88,7 +88,9 @@ document.querySelector(".skip").addEventListener("click", (event) => {
 });
 document.getElementById("keys").addEventListener("click", showKeys);
 document.addEventListener("keydown", (event) => {
-  if (event.key === "?" && !event.target.closest?.("input, textarea, select")) showKeys();
+  if (event.target.closest?.("input:not([type='checkbox']), textarea, select")) return;
+  if (event.key === "?") showKeys();
+  if (event.key === "z" && (event.ctrlKey || event.metaKey) && undoLast()) event.preventDefault();
 });
 const signOutButton = document.getElementById("sign-out");
 signOutButton.addEventListener("click", signOut);

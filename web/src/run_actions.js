@@ -11,29 +11,30 @@ export function isGoing(id) {
   return going.has(id);
 }
 
-// Hides the run at once and deletes it after some seconds unless that is undone. onChange: hidden, back
-// again, or gone for good.
-export function removeLater(run, onChange) {
-  const removeNow = async () => {
-    try {
-      await removeRun(run.id);
-    } catch (error) {
-      if (error.status !== 404) {
-        going.delete(run.id);
-        tellFault(error);
-      }
-    }
-    onChange();
-  };
-  const dismiss = toast(`Deleted “${nameOf(run)}”.`, {
+async function removeOne({ id }) {
+  try {
+    await removeRun(id);
+  } catch (error) {
+    if (error.status === 404) return;
+    going.delete(id);
+    tellFault(error);
+  }
+}
+
+// Hides a run, or several, at once and deletes them after some seconds unless that is undone. onChange(isBack): hidden,
+// back again, or gone for good.
+export function removeLater(runs, onChange) {
+  const all = [runs].flat();
+  const what = all.length === 1 ? `“${nameOf(all[0])}”` : `${all.length} runs`;
+  const dismiss = toast(`Deleted ${what}.`, {
     undo: () => {
-      going.delete(run.id);
-      onChange();
+      for (const { id } of all) going.delete(id);
+      onChange(true);
     },
-    onGone: removeNow,
+    onGone: () => Promise.all(all.map(removeOne)).then(() => onChange(false)),
   });
-  going.set(run.id, dismiss);
-  onChange();
+  for (const { id } of all) going.set(id, dismiss);
+  onChange(false);
 }
 
 // Leaving the page confirms the deletion.

@@ -2,26 +2,24 @@
 
 import { isOver, listRuns } from "./api.js";
 import { onConnection } from "./connection.js";
-import { h, link } from "./dom.js";
+import { h, link, setText } from "./dom.js";
 import { applyToRun, follow } from "./events.js";
-import { address, go } from "./router.js";
+import { address } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { RunRow, states } from "./runs_table.js";
+import { Tray } from "./runs_tray.js";
+import { selected } from "./selection.js";
 import { Through } from "./through.js";
 import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
-const COMPARED_MAX = 4;
 const columns = ["Compare", "Run", "Model", "State", "Progress", "Parts through", "Throughput", "Age", "Actions"];
-
-const trail = []; // cursors of the pages before this one, for the way back
 
 export class RunsView {
   constructor() {
     this.title = "Runs";
     this.rows = new Map();
-    this.selected = new Map(); // id -> run
     this.through = new Through((id, value) => this.rows.get(id)?.showThrough(value));
     this.variants = new Variants((id, chips) => this.rows.get(id)?.showChips(chips));
     this.stopEvents = () => {};
@@ -30,6 +28,7 @@ export class RunsView {
 
   mount(root, { query }) {
     this.query = query;
+    this.trail = history.state?.trail ?? [];
     root.append(this.head(), this.filters(), this.table(), this.foot());
     this.stopConnection = onConnection((isAway) => !isAway && this.refresh());
     this.onShow = () => !document.hidden && this.refresh();
@@ -62,7 +61,7 @@ export class RunsView {
     this.labelBox = h("input", { type: "search", placeholder: "exact label", autocomplete: "off", spellcheck: "false",
       on: { input: () => {
         clearTimeout(timer);
-        timer = setTimeout(() => this.filter({ label: this.labelBox.value.trim() }), 300);
+        timer = setTimeout(() => this.filter({ label: this.labelBox.value.trim() }, true), 300);
       } } });
     this.labelBox.value = this.query.get("label") ?? "";
     return h("form", { class: "filters", role: "search", "aria-label": "Filter runs",
@@ -72,16 +71,18 @@ export class RunsView {
   }
 
   // Another filter begins at the newest run again, in the same view so that the field keeps its focus.
-  filter(change) {
-    trail.length = 0;
-    this.move({ cursor: "", ...change });
+  filter(change, isTyped = false) {
+    this.move({ cursor: "", ...change }, [], isTyped);
   }
 
-  move(change) {
+  // Another page, to which the browser's way back leads, too. trail: the cursors of the pages before it, kept with its entry
+  // in the history.
+  move(change, trail, isReplaced = false) {
     const query = { ...Object.fromEntries(this.query), ...change };
     const target = address("runs", "", query);
     this.query = new URLSearchParams(Object.entries(query).filter(([, value]) => value));
-    history.replaceState(null, "", target === "#/runs" ? "#/" : target);
+    this.trail = trail;
+    history[isReplaced ? "replaceState" : "pushState"]({ trail }, "", target === "#/runs" ? "#/" : target);
     this.refresh();
   }
 
@@ -97,37 +98,24 @@ export class RunsView {
 
   foot() {
     const button = (text, onClick) => h("button", { type: "button", hidden: true, on: { click: onClick } }, text);
-    this.newer = button("← Newer", () => this.move({ cursor: trail.pop() ?? "" }));
+    this.newer = button("← Newer", () => this.move({ cursor: this.trail.at(-1) ?? "" }, this.trail.slice(0, -1)));
     this.older = button("Older →", () => {
-      trail.push(this.query.get("cursor") ?? "");
-      this.move({ cursor: this.next });
+      this.move({ cursor: this.next }, [...this.trail, this.query.get("cursor") ?? ""]);
       this.list.scrollIntoView({ block: "start" });
     });
-    this.compare = h("button", { type: "button", class: "primary", on: {
-      click: () => go(address("compare", "", { runs: [...this.selected.keys()].join(",") })) } });
-    const clear = h("button", { type: "button", class: "quiet", on: { click: () => this.clearSelection() } }, "Clear");
-    this.tray = h("div", { class: "tray", hidden: true }, this.compare, clear);
-    return h("div", { class: "list-foot" }, h("nav", { class: "pager", "aria-label": "Pages" }, this.newer, this.older), this.tray);
-  }
-
-  clearSelection() {
-    this.selected.clear();
-    for (const row of this.rows.values()) row.check.checked = false;
-    this.showTray();
+    this.tray = new Tray((runs) => this.removeAll(runs), () => this.showSelection());
+    return h("div", { class: "list-foot" }, h("nav", { class: "pager", "aria-label": "Pages" }, this.newer, this.older), this.tray.element);
   }
 
   select(run, isChosen) {
-    if (isChosen) this.selected.set(run.id, run);
-    else this.selected.delete(run.id);
-    this.showTray();
+    if (isChosen) selected.set(run.id, run);
+    else selected.delete(run.id);
+    this.showSelection();
   }
 
-  showTray() {
-    const n = this.selected.size;
-    this.tray.hidden = n === 0;
-    this.compare.disabled = n < 2;
-    this.compare.textContent = n < 2 ? "Select another run to compare" : `Compare ${n} runs`;
-    for (const row of this.rows.values()) row.check.disabled = n >= COMPARED_MAX && !row.check.checked;
+  showSelection() {
+    for (const row of this.rows.values()) row.check.checked = selected.has(row.id);
+    this.tray.show();
   }
 
   async refresh() {
@@ -164,12 +152,12 @@ export class RunsView {
       if (seen.has(id)) continue;
       row.element.remove();
       this.rows.delete(id);
-      this.selected.delete(id);
     }
     runs.forEach((run, k) => this.showRow(run, k));
     this.newer.hidden = !this.query.get("cursor");
+    setText(this.newer, this.trail.length > 0 ? "← Newer" : "← Newest");
     this.older.hidden = this.next === null;
-    this.showTray();
+    this.showSelection();
     this.showEmpty(runs.length);
     this.through.want(runs);
     this.variants.want(runs);
@@ -181,15 +169,33 @@ export class RunsView {
     if (!row) {
       row = new RunRow(run, {
         onCancel: (current) => cancel(current).then(() => this.refresh()),
-        onRemove: (current) => removeLater(current, () => this.isGone || this.refresh()),
+        onRemove: (current) => this.remove(current),
         onSelect: (current, isChosen) => this.select(current, isChosen),
       });
-      row.check.checked = this.selected.has(run.id);
       this.rows.set(run.id, row);
     }
     row.show(run);
+    if (selected.has(run.id)) selected.set(run.id, run);
     row.showThrough(this.through.get(run.id));
     if (this.body.children[k] !== row.element) this.body.insertBefore(row.element, this.body.children[k] ?? null);
+  }
+
+  // The focus goes on to the next run, and back with the run that comes back.
+  remove(run) {
+    const { element } = this.rows.get(run.id);
+    const hadFocus = element.contains(document.activeElement);
+    const next = element.nextElementSibling ?? element.previousElementSibling;
+    this.removeAll([run], (isBack) => isBack && this.rows.get(run.id)?.remove.focus());
+    if (hadFocus) (next?.querySelector(".actions button:last-child") ?? document.getElementById("view")).focus();
+  }
+
+  removeAll(runs, onShown = () => {}) {
+    for (const { id } of runs) selected.delete(id);
+    removeLater(runs, async (isBack) => {
+      if (this.isGone) return;
+      await this.refresh();
+      onShown(isBack);
+    });
   }
 
   showEmpty(n) {
