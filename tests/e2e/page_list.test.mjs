@@ -58,6 +58,19 @@ test("what is deleted is gone at once, comes back by undo, and else leaves the d
   assert.equal((await d.get(`/v1/runs/${runs[0].id}`)).status, 200);
 });
 
+test("a first visit says what this is, and shows it at a press of a button", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  await page.getByText("predicts how parts on a conveyor belt jam").waitFor();
+  await page.getByRole("img", { name: "A belt from above" }).waitFor();
+  await page.getByRole("button", { name: "Run Example 1 in both models" }).click();
+  await page.waitForURL(/#\/compare\?runs=/);
+  const { runs } = (await d.get("/v1/runs")).json;
+  assert.deepEqual(runs.map(({ model }) => model).sort(), ["macro", "micro"]);
+  for (const { id } of runs) assert.ok(page.url().includes(id));
+});
+
 test("filters stand in the address, and pages follow the cursor there and back", async (t) => {
   const d = await daemon(t);
   for (let k = 0; k < 60; k++) await d.submit(tiny({ name: `run ${k}` }), { label: k % 20 === 0 ? "marked" : "" });

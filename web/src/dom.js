@@ -42,14 +42,17 @@ const paths = {
   download: "M7 1h2v7h3l-4 4.5L4 8h3zM2 13h12v2H2z",
 };
 
+// An element of a drawing.
+export function svg(name, attributes = {}, ...children) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.append(...children.flat());
+  return element;
+}
+
 // A decorative drawing, hidden from assistive technology.
 function drawing(viewBox, kind, d) {
-  const svg = document.createElementNS(SVG, "svg");
-  const path = document.createElementNS(SVG, "path");
-  for (const [key, value] of [["viewBox", viewBox], ["class", kind], ["aria-hidden", "true"]]) svg.setAttribute(key, value);
-  path.setAttribute("d", d);
-  svg.append(path);
-  return svg;
+  return svg("svg", { viewBox, class: kind, "aria-hidden": "true" }, svg("path", { d }));
 }
 
 // An icon of 16 x 16.

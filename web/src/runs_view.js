@@ -4,6 +4,7 @@ import { isOver, listRuns } from "./api.js";
 import { onConnection } from "./connection.js";
 import { h, link, setText } from "./dom.js";
 import { applyToRun, follow } from "./events.js";
+import { firstVisit } from "./first_visit.js";
 import { address } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { RunRow, states } from "./runs_table.js";
@@ -142,6 +143,7 @@ export class RunsView {
     this.rows.clear();
     this.list.hidden = true;
     this.state.hidden = false;
+    this.emptyShown = "fault";
     this.state.replaceChildren(h("p", { class: "fault" }, error.message));
   }
 
@@ -201,12 +203,14 @@ export class RunsView {
   showEmpty(n) {
     this.state.hidden = n > 0;
     this.list.hidden = n === 0;
-    if (n > 0) return;
     const isFiltered = ["status", "model", "label", "cursor"].some((name) => this.query.get(name));
-    this.state.replaceChildren(...(isFiltered
-      ? [h("p", {}, "No run matches."), link("#/", "Show all runs", { class: "button" })]
-      : [h("p", {}, "No runs yet. Start with one of the paper’s examples."),
-        link(address("new", "", { example: "example-1" }), "New run", { class: "button primary" })]));
+    const what = n > 0 ? "" : isFiltered ? "filtered" : "first";
+    if (what === this.emptyShown) return; // so that its button keeps the focus
+    this.emptyShown = what;
+    if (what === "first") this.state.replaceChildren(...firstVisit());
+    if (what === "filtered") {
+      this.state.replaceChildren(h("p", {}, "No run matches."), link("#/", "Show all runs", { class: "button" }));
+    }
   }
 
   // Between two requests of the list, updates by the events of its runs.
