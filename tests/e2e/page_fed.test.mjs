@@ -88,17 +88,18 @@ test("both models of a fed run stand in one plot, and in the list with what went
   await visit(page, `#/compare?runs=${ids.join()}&t=3`);
   await page.locator(".plot-legend .group").nth(1).waitFor();
   assert.deepEqual(await page.locator(".plot-legend .group").allInnerTexts(),
-    ["a belt that is fed (micro)", "a belt that is fed (macro)"]);
+    ["micro", "macro"]);
   assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(),
     Array.from({ length: 2 }, () => ["offered", "admitted", "waiting", "exits"]).flat());
   await showsValue(page, "offered", 60);
   const measures = (await d.get(`/v1/compare?a=${ids[0]}&b=${ids[1]}&column=left_domain`)).json;
+  await page.getByText("Agreement").click();
   const gap = page.locator(".measures tbody tr", { hasText: "Mean gap" }).locator("td").last();
   await gap.getByText(/\d/).waitFor();
   assert.ok(Math.abs((await numberIn(gap)) - measures.curve.l1) < 0.005);
   await page.getByRole("combobox", { name: "Curves" }).selectOption("infeed.waiting");
-  await page.locator(".plot-legend", { hasText: "a belt that is fed (macro)" }).waitFor();
-  assert.equal(await valueOf(page, "(macro)"), 0);
+  await page.locator(".plot-legend", { hasText: "offered" }).waitFor({ state: "detached" });
+  assert.equal(await valueOf(page, "macro"), 0);
 
   await visit(page, "#/");
   for (const through of await page.locator('td[data-label="Parts through"]').all()) await through.getByText(/of 60/).waitFor();
@@ -117,6 +118,12 @@ test("key figures are the daemon's, with their units and definitions, and the li
   const shown = await numberIn(throughput);
   assert.ok(Math.abs(shown - figures.throughput_per_h) <= 0.5, `${shown} is not ${figures.throughput_per_h}`);
   assert.equal(await throughput.getAttribute("title"), described.properties.throughput_per_h.description);
+  const glance = page.getByRole("region", { name: "At a glance" });
+  for (const [name, value] of [["Throughput", figures.throughput_per_h], ["Longest queue", figures.queue_end_m],
+    ["Residence", figures.residence_s.p95], ["Peak density", 100 * figures.peak_density]]) {
+    const shown = await numberIn(glance.locator("dl > div", { hasText: name }).locator("dd").first());
+    assert.ok(Math.abs(shown - value) <= 0.005 * value, `${name}: ${shown} is not ${value}`);
+  }
   for (const name of ["Feed “infeed”", "Counter “upstream”"]) await panel.getByRole("heading", { name }).waitFor();
 
   await visit(page, "#/");

@@ -60,7 +60,7 @@ const calmViews = (ids) => [
   }],
   ["compare-fed", `#/compare?runs=${ids.fed},${ids.fedMacro}&t=2.5`, async (page) => page.locator(".plot-legend .group").nth(1).waitFor()],
   ["compare-four", `#/compare?runs=${ids.macro},${ids.micro},${ids.other},${ids.mixed}&t=1.5`, shown],
-  ["compare-none", "#/compare", async (page) => page.getByText("Add two to four runs").waitFor()],
+  ["compare-none", "#/compare", async (page) => page.getByText("Add two to eight runs").waitFor()],
   ["new-form", "#/new", async (page) => page.getByText("Ready:").waitFor()],
   ["new-faults", "#/new", async (page) => {
     await page.getByText("Ready:").waitFor();

@@ -6,11 +6,12 @@ import test from "node:test";
 import { dealKinds } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
+import { fixed, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson, locate } from "../../web/src/json_text.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
-import { columnsOf, contentOf, flowOf, measureGap, readMeasured, valueAt } from "../../web/src/series.js";
+import { columnsOf, contentOf, differenceOf, flowOf, rateOf, throughputOf, valueAt } from "../../web/src/series.js";
 import { daemon } from "./daemon.mjs";
 
 const near = (a, b, tolerance = 1e-9) => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
@@ -40,42 +41,34 @@ test("a snapshot's NPY is its JSON", async (t) => {
   assert.throws(() => readNpy(bytesOf({ body: Buffer.from("\x93NUMPY\x01\x00\x02\x00{}", "latin1") })), /another kind/);
 });
 
-test("gaps of curves are those of the daemon's comparison", async (t) => {
+test("the throughput of a curve is that of the daemon's comparison", async (t) => {
   const d = await daemon(t);
   const example = (await d.get("/v1/examples/example-1")).json;
-  const ids = [];
-  for (const speed of [0.395, 0.5]) {
-    const belts = [{ id: "main", velocity_m_s: [speed, 0] }];
-    const run = await d.submit({ ...example, belts, duration_s: 3, macro: { cell_m: 0.02, step_s: "auto" } });
-    await d.reached(run.id, "succeeded");
-    ids.push(run.id);
+  const run = await d.submit({ ...example, duration_s: 3, macro: { cell_m: 0.02, step_s: "auto" } });
+  await d.reached(run.id, "succeeded");
+  const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+  for (const column of ["upstream", "left_domain"]) {
+    const { a } = (await d.get(`/v1/compare?a=${run.id}&b=${run.id}&column=${column}`)).json;
+    near(throughputOf({ t: curve.t_s, v: curve[column] }), a.throughput_per_s, 1e-9 * a.throughput_per_s);
   }
-  const [a, b] = await Promise.all(ids.map(async (id) => {
-    const { t_s: times, upstream } = (await d.get(`/v1/runs/${id}/curve`)).json;
-    return { t: times, v: upstream };
-  }));
-  const { curve } = (await d.get(`/v1/compare?a=${ids[0]}&b=${ids[1]}`)).json;
-  const gap = measureGap(a, b);
-  for (const name of ["l1", "l2", "largest", "largest_at_s"]) near(gap[name], curve[name]);
-  near(gap.rate_per_s, curve.rate_b_per_s);
 });
 
-test("the gap of two lines that cross is exact", () => {
-  // From 1 above to 1 below over 2 s: mean 1/2, square mean 1/3.
-  const gap = measureGap({ t: [0, 2], v: [2, 0] }, { t: [0, 2], v: [1, 1] });
-  near(gap.l1, 0.5);
-  near(gap.l2, Math.sqrt(1 / 3));
-  near(gap.largest, 1);
-  assert.equal(measureGap({ t: [0, 1], v: [1, 1] }, { t: [2, 3], v: [1, 1] }), null);
+test("differences and rates of curves are those of lines", () => {
+  const [a, b] = [{ t: [0, 1, 2, 3], v: [8, 6, 4, 2] }, { t: [0, 2], v: [8, 0] }];
+  assert.deepEqual(differenceOf(a, b), { t: [0, 1, 2], v: [0, 2, 4] });
+  // Two parts a second, whether they leave or come; what stands still has no rate.
+  const rates = ({ v }) => rateOf({ t: [0, 1, 2, 3], v }).v.map((rate) => Math.round(rate * 1e9) / 1e9);
+  assert.deepEqual([rates(a), rates({ v: [2, 4, 6, 8] }), rates({ v: [5, 5, 5, 5] })], [[2, 2], [2, 2], [0, 0]]);
+  assert.equal(throughputOf({ t: [0, 1], v: [5, 5] }), null);
+  near(throughputOf({ t: [0, 10], v: [0, 20] }), 2);
   near(valueAt([0, 2], [0, 10], 0.5), 2.5);
 });
 
-test("measured counts are read, and what is wrong is named by its line", () => {
-  assert.deepEqual(readMeasured("t_s,count\r\n0,192\r\n0.5,190\r\n"), { name: "count", t: [0, 0.5], v: [192, 190] });
-  assert.throws(() => readMeasured("time;n\n0;1"), /Line 1/);
-  assert.throws(() => readMeasured("t_s,count\n0,1\n0,2"), /Line 3: times must rise/);
-  assert.throws(() => readMeasured("t_s,count\n0,"), /Line 2/);
-  assert.throws(() => readMeasured("t_s,count\n"), /no sample/);
+test("numbers and places of messages are written for people", () => {
+  assert.deepEqual([parts(-1e-12), parts(1.686e-12), parts(173.25), fixed(-0.001, 1), quantity(-3e-13, "parts").replace(/\s/, " ")],
+    ["0", "0", "173.3", "0.0", "0 parts"]);
+  assert.equal(readable("/obstacles/0/from_m is 0.12000000000000001, of 1.5e-3 at /v1/runs"),
+    "obstacles 1 from is 0.12, of 0.0015 at /v1/runs");
 });
 
 test("a pointer leads to its place in the text, or to the nearest one around it", () => {

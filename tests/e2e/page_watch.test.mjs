@@ -75,32 +75,87 @@ test("Example 1 in both models from the form, live to its end, scrubbed, and com
   await visit(page, "#/");
   for (const model of ["macro", "micro"]) await page.getByRole("checkbox", { name: `(${model})` }).check();
   await page.getByRole("button", { name: "Compare 2 runs" }).click();
-  const measures = (await d.get(`/v1/compare?a=${micro}&b=${macro}`)).json;
   await page.waitForURL(/#\/compare/);
-  const cells = page.locator(".measures tbody tr", { hasText: "Mean gap" }).locator("td");
-  await page.waitForFunction(() => /\d/.test(document.querySelector(".measures tbody td:last-child")?.textContent));
-  assert.ok(Math.abs((await numberIn(cells.last())) - measures.curve.l1) < 0.005);
-  assert.equal(await page.locator(".panel").count(), 2);
+  await page.locator(".panel").nth(1).waitFor();
+  const [first, second] = page.url().match(/runs=([^&]+)/)[1].split(",");
+  const { a, b, curve: gap } = (await d.get(`/v1/compare?a=${first}&b=${second}`)).json;
 
-  // Counts that were measured: 5 parts more than the first run has, at each time.
-  const first = (await page.url()).match(/runs=([^,]+)/)[1];
+  // Runs are named by what differs, here the model, and their figures are the server's.
+  await page.locator(".plot-legend li").nth(1).waitFor();
+  assert.deepEqual(await page.locator(".plot-legend span").allInnerTexts(), [a.model, b.model]);
+  assert.deepEqual(await page.locator(".panel .chip").allInnerTexts(), [a.model, b.model]);
+  const throughput = page.locator(".key-table tbody tr", { hasText: "Throughput" }).locator("td");
+  for (const [k, entry] of [a, b].entries()) {
+    const shown = await numberIn(throughput.nth(k));
+    assert.ok(Math.abs(shown - 3600 * entry.throughput_per_s) <= 500, `${shown} is not ${3600 * entry.throughput_per_s}`);
+  }
+  await page.getByText("Agreement").click();
+  const measuresOf = (what) => page.locator(".measures:not(.key-table) tbody tr", { hasText: what }).locator("td");
+  const cells = measuresOf("Mean gap");
+  await cells.last().getByText(/\d/).waitFor();
+  assert.ok(Math.abs((await numberIn(cells.last())) - gap.l1) < 0.005);
+
+  // Of what has left no rate is negative, and nothing is drained.
+  await page.getByRole("combobox", { name: "Counter" }).selectOption("left_domain");
+  const { a: left } = (await d.get(`/v1/compare?a=${first}&b=${second}&column=left_domain`)).json;
+  const isShown = ([what, value]) => [...document.querySelectorAll(".measures:not(.key-table) tbody tr")].some((row) =>
+    row.textContent.startsWith(what) && Math.abs(Number(row.querySelector("td").textContent.replace(",", "")) - value) < 0.1);
+  await page.waitForFunction(isShown, ["Throughput", left.throughput_per_s]);
+  assert.equal(await measuresOf("Drained").count(), 0);
+  await page.getByRole("combobox", { name: "Counter" }).selectOption("upstream");
+  await measuresOf("Drained").first().waitFor();
+
+  // The pointer over the plot tells the curve's value there.
   const curve = (await d.get(`/v1/runs/${first}/curve`)).json;
-  const csv = ["t_s,count", ...curve.t_s.map((time, k) => `${time},${curve.upstream[k] + 5}`)].join("\n");
+  const { width, height } = await page.locator(".u-over").boundingBox();
+  await page.locator(".u-over").hover({ position: { x: width / 4, y: height / 2 } });
+  const tip = page.locator(".plot .tip");
+  await tip.waitFor();
+  const at = await numberIn(tip.locator("strong"));
+  assert.ok(Math.abs(at - 1.5) < 0.02, `${at} s is not a quarter of 6 s`);
+  const after = curve.t_s.findIndex((time) => time > at);
+  const share = (at - curve.t_s[after - 1]) / (curve.t_s[after] - curve.t_s[after - 1]);
+  const value = curve.upstream[after - 1] + share * (curve.upstream[after] - curve.upstream[after - 1]);
+  assert.ok(Math.abs((await numberIn(tip.locator("b").first())) - value) < 0.5);
+
+  // The other run becomes the reference; the difference of both is the larger one's turned round.
+  await page.getByRole("combobox", { name: "Reference" }).selectOption("1");
+  await measuresOf("Mean gap").first().getByText(/\d/).waitFor();
+  assert.match(page.url(), new RegExp(`reference=${second}`));
+  await page.getByRole("button", { name: "Difference" }).click();
+  await page.locator(".plot-legend li").nth(1).waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Counts", exact: true }).click();
+  await page.getByRole("combobox", { name: "Reference" }).selectOption("0");
+
+  // Counts that were measured: 5 parts more than the first run has, at each time; as a spreadsheet writes them.
+  const comma = (number) => String(number).replace(".", ",");
+  const csv = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.upstream[k] + 5)}`)].join("\n");
   await page.locator(".card.curve").evaluate((card, text) => {
     const dataTransfer = new DataTransfer();
     dataTransfer.items.add(new File([text], "belt.csv", { type: "text/csv" }));
     for (const type of ["dragover", "drop"]) card.dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
   }, csv);
-  await page.locator(".plot-legend", { hasText: "measured: belt.csv" }).waitFor();
-  assert.equal(await numberIn(cells.last()), 5);
+  const laid = page.locator(".plot-legend", { hasText: "measured: belt.csv" });
+  await laid.waitFor();
+  await cells.nth(2).getByText(/^5(?:\.0*)?$/).waitFor();
   await page.setInputFiles('input[type="file"]', { name: "bad.csv", mimeType: "text/csv", buffer: Buffer.from("t_s,count\n1,x") });
   await page.getByText("bad.csv: Line 2").waitFor();
+
+  // They are stored, of this counter alone, and in the address; a run of the address that is gone takes nothing else away.
+  const gone = "01a1f916-75bc-759c-9d74-cbbf3fe9393f";
+  await visit(page, page.url().replace(/^[^#]*/, "").replace(first, `${first},${gone}`));
+  await laid.waitFor();
+  await page.getByText(`Run ${gone.slice(-8)} of this address was deleted`).waitFor();
+  assert.equal(await page.locator(".panel").count(), 2);
+  await page.getByRole("combobox", { name: "Counter" }).selectOption("left_domain");
+  await laid.waitFor({ state: "detached" });
 
   // One clock for both.
   await page.keyboard.press("Escape");
   await pause(page);
   await slider.fill("3");
   await page.getByText("3.0 / 6.0 s").waitFor();
+  assert.equal(await page.getByRole("status").filter({ hasText: "6.0 s" }).count(), 0, "the clock announces itself");
 });
 
 test("a run's page offers its results, and they are the daemon's bytes", async (t) => {
@@ -139,6 +194,8 @@ test("an address without a run or a view says so", async (t) => {
   const page = await openPage(t, d);
   await visit(page, "#/runs/01a1f916-75bc-759c-9d74-cbbf3fe9393f");
   await page.getByRole("heading", { name: "There is no such run" }).waitFor();
-  await visit(page, "#/nothing");
-  await page.getByRole("heading", { name: "There is no such view" }).waitFor();
+  for (const address of ["#/nothing", "#/%E0%A4%A"]) {
+    await visit(page, address);
+    await page.getByRole("heading", { name: "There is no such view" }).waitFor();
+  }
 });

@@ -2,6 +2,7 @@
 
 import { authorized, currentToken, signIn } from "./access.js";
 import { report } from "./connection.js";
+import { readable } from "./format.js";
 
 // What a problem document (RFC 9457) says; status 0: no answer came.
 export class Problem extends Error {
@@ -20,7 +21,7 @@ export function local(target) {
 async function problemOf(response) {
   try {
     const value = await response.json();
-    return new Problem(response.status, value.detail ?? response.statusText, value.errors ?? []);
+    return new Problem(response.status, readable(value.detail ?? response.statusText), value.errors ?? []);
   } catch (error) {
     if (error.name === "AbortError") throw error;
     return new Problem(response.status, `${response.status} ${response.statusText}`);

@@ -1,25 +1,25 @@
-// Two to four runs side by side under one clock, their curves in one plot, and the daemon's measures of how
-// far they are apart. Counts that were measured on a real belt can be laid over.
+// Two to eight runs side by side under one clock, their curves beside them, below what they come to: key figures, how far they
+// agree, and how they were computed.
 
 import { isOver, listRuns } from "./api.js";
 import { Cinema } from "./cinema.js";
-import { CurvePlot } from "./curve_plot.js";
+import { CompareCurves } from "./compare_curves.js";
+import { chipsOf, differences } from "./differences.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
 import { age, nameOf } from "./format.js";
+import { KeyTable } from "./key_strip.js";
 import { MeasuresTable } from "./measures.js";
 import { address, go, note } from "./router.js";
 import { isGoing } from "./run_actions.js";
 import { RunData } from "./run_data.js";
+import { fold, solverTable } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
 import { ScaleBar } from "./scale_bar.js";
-import { columnsOf, flowOf, isFed, readMeasured } from "./series.js";
-import { DASHES } from "./theme.js";
-import { toast } from "./toast.js";
 import { segments } from "./transport.js";
 
-export const COMPARED_MAX = 4;
-const flowDashes = { exits: DASHES[0], admitted: DASHES[1], offered: DASHES[2], waiting: DASHES[3], discarded: [1, 4] };
+export const COMPARED_MAX = 8;
+const CHIPS_MAX = 3; // that name a run
 
 export class CompareView {
   constructor() {
@@ -30,50 +30,88 @@ export class CompareView {
     this.query = query;
     this.ids = [...new Set((query.get("runs") ?? "").split(",").filter(Boolean))].slice(0, COMPARED_MAX);
     this.cinema = new Cinema();
-    this.measured = null;
     root.append(h("p", { class: "loading" }, "Loading …"));
-    this.runs = this.ids.map((id) => new RunData(id));
-    const [{ runs: recent }] = await Promise.all([listRuns({ limit: 100 }), ...this.runs.map((data) => data.load())]);
+    const [{ runs: recent }] = await Promise.all([listRuns({ limit: 100 }), this.loadRuns()]);
     if (this.isGone) return;
     this.recent = recent.filter((run) => !isGoing(run.id));
     root.replaceChildren(...this.build());
     this.start();
   }
 
+  // Those of the address that are there; of the others a line says that they are not.
+  async loadRuns() {
+    const all = this.ids.map((id) => new RunData(id));
+    const outcomes = await Promise.allSettled(all.map((data) => data.load()));
+    const fault = outcomes.find(({ reason }) => reason && reason.status !== 404)?.reason;
+    if (fault) throw fault;
+    this.runs = all.filter((data, k) => outcomes[k].status === "fulfilled");
+    this.missing = this.ids.filter((id) => !this.runs.some((data) => data.id === id));
+    this.reference = Math.max(0, this.runs.findIndex(({ id }) => id === this.query.get("reference")));
+    this.nameRuns();
+  }
+
+  // What is different is what names them: parameters, model, label; the name where nothing is.
+  nameRuns() {
+    const { runs } = this;
+    const rows = differences(runs.map(({ scenario }) => scenario)).filter(({ label }) => label !== "name");
+    const isOf = (what) => new Set(runs.map(({ run }) => run[what])).size > 1;
+    this.chips = runs.map(({ run }, k) => [isOf("model") || rows.length === 0 ? run.model : null,
+      ...chipsOf(rows, k, CHIPS_MAX), isOf("label") ? run.label : null].filter(Boolean));
+    this.titles = this.chips.map((chips, k) => (chips.length > 0 ? chips.join(", ") : nameOf(runs[k].run)));
+  }
+
   unmount() {
     this.isGone = true;
     this.stopEvents?.();
-    this.plot?.dispose();
+    this.curves?.dispose();
     this.cinema?.dispose();
   }
 
   build() {
-    const head = h("div", { class: "view-head" }, h("h1", {}, "Compare runs"), this.picker());
-    if (this.runs.length === 0) return [head, this.invitation()];
+    const head = h("div", { class: "view-head" }, h("h1", {}, "Compare runs"),
+      h("div", { class: "row" }, this.referenceBox(), this.picker()));
+    const lost = this.missing.map((id) => h("p", { class: "notice" }, `Run ${id.slice(-8)} of this address was deleted, or there never was one.`));
+    if (this.runs.length === 0) return [head, ...lost, this.invitation()];
     this.cinema.map = this.query.get("map") === "grey" ? "grey" : "viridis";
     this.cinema.layer = this.query.get("layer") ?? undefined;
     const panels = this.runs.map((data, k) => this.panel(data, k));
-    const parts = [head, h("div", { class: "panels", data: { n: String(panels.length) } }, panels), this.controls()];
-    if (this.runs.length === 1) parts.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));
-    parts.push(h("div", { class: "beside" }, this.curves(), this.measures()));
-    return parts;
+    if (this.runs.length === 1) lost.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));
+    this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
+      onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
+    return [head, ...lost, h("div", { class: "compare-main" },
+      h("div", {}, h("div", { class: "panels", data: { n: String(panels.length) } }, panels), this.controls()),
+      this.curves.element), ...this.tables()];
   }
 
   invitation() {
     return h("section", { class: "card empty" },
-      h("p", {}, "Add two to four runs here, or select them in the list of runs."),
+      h("p", {}, "Add two to eight runs here, or select them in the list of runs."),
       link("#/", "Choose from the list", { class: "button" }));
   }
 
   picker() {
-    if (this.ids.length >= COMPARED_MAX) return null;
+    if (this.runs.length >= COMPARED_MAX) return null;
     const others = this.recent.filter((run) => !this.ids.includes(run.id));
     const box = h("select", { disabled: others.length === 0,
-      on: { change: () => box.value && this.show([...this.ids, box.value]) } },
+      on: { change: () => box.value && this.show([...this.runs.map(({ id }) => id), box.value]) } },
       h("option", { value: "" }, others.length === 0 ? "no other run" : "choose a run"),
       others.map((run) => h("option", { value: run.id },
         `${nameOf(run)} · ${run.model}${run.label ? ` · ${run.label}` : ""} · ${age(run.created_at)}`)));
     return h("label", { class: "field inline" }, h("span", {}, "Add"), box);
+  }
+
+  // What all others are compared with.
+  referenceBox() {
+    if (this.runs.length < 2) return null;
+    const box = h("select", { on: { change: () => {
+      this.reference = Number(box.value);
+      note({ reference: this.reference === 0 ? "" : this.runs[this.reference].id });
+      this.curves.setReference(this.reference);
+      this.showTables();
+      this.measure();
+    } } }, this.titles.map((title, k) => h("option", { value: String(k) }, title)));
+    box.value = String(this.reference);
+    return h("label", { class: "field inline" }, h("span", {}, "Reference"), box);
   }
 
   show(ids) {
@@ -83,20 +121,22 @@ export class CompareView {
   panel(data, k) {
     const { run } = data;
     const name = nameOf(run);
-    const most = () => Math.max(180, innerHeight * (this.runs.length > 2 ? 0.36 : 0.46));
-    const screen = this.cinema.add(data, `The belt from above, ${name}, ${run.model}`, most);
+    const most = () => Math.max(150, innerHeight * (this.runs.length > 2 ? 0.36 : 0.46));
+    const screen = this.cinema.add(data, `The belt from above, ${name}, ${this.titles[k]}`, most);
     data.state = statePill(run);
     data.state.show(run);
-    const mark = h("i", { class: "mark", "aria-hidden": "true" });
-    mark.dataset.run = String(k + 1);
     data.wait = h("p", { class: "stage-wait", role: "status" });
-    return h("section", { class: "card panel", "aria-label": `${name}, ${run.model}` },
-      h("div", { class: "panel-head" }, mark,
+    return h("section", { class: "card panel", "aria-label": `${name}, ${this.titles[k]}` },
+      h("div", { class: "panel-head" }, this.markOf(k),
         h("div", { class: "panel-name" }, link(address("runs", run.id), name),
-          h("span", { class: "meta" }, h("span", { class: "model", data: { model: run.model } }, run.model),
-            run.label ? h("span", { class: "label" }, run.label) : null, data.state.pill)),
-        iconButton("close", `Remove ${name}`, () => this.show(this.ids.filter((id) => id !== run.id)), { class: "bare" })),
+          h("span", { class: "meta" }, this.chips[k].map((chip) => h("span", { class: "chip" }, chip)), data.state.pill)),
+        iconButton("close", `Remove ${name}, ${this.titles[k]}`, () =>
+          this.show(this.runs.map(({ id }) => id).filter((id) => id !== run.id)), { class: "bare" })),
       h("div", { class: "stage-box" }, screen.stage.element, data.wait));
+  }
+
+  markOf(k) {
+    return h("i", { class: "mark", "aria-hidden": "true", data: { run: String(k + 1) } });
   }
 
   controls() {
@@ -117,70 +157,35 @@ export class CompareView {
       h("div", { class: "row" }, this.scale.element, layers));
   }
 
-  curves() {
-    this.plot = new CurvePlot("Outflow curves of the runs", () => (innerWidth < 1000 ? 260 : 340),
-      (t) => this.cinema.player.seek(t));
-    const file = h("input", { type: "file", accept: ".csv,text/csv", class: "hidden",
-      on: { change: () => file.files[0] && this.lay(file.files[0]) } });
-    this.unlay = h("button", { type: "button", class: "quiet", hidden: true, on: { click: () => this.setMeasured(null) } },
-      "Remove measured counts");
-    const card = h("section", { class: "card curve", "aria-labelledby": "curve-title" },
-      h("h2", { id: "curve-title" }, "Curves"), this.columnBox(), this.plot.element,
-      h("p", { class: "row hint" },
-        h("label", { class: "button" }, file, "Lay measured counts over"), this.unlay,
-        h("span", {}, "or drop a CSV with the header ", h("code", {}, "t_s,count"), " here.")));
-    card.addEventListener("dragover", (event) => {
-      event.preventDefault();
-      card.classList.add("dropping");
-    });
-    card.addEventListener("dragleave", () => card.classList.remove("dropping"));
-    card.addEventListener("drop", (event) => {
-      event.preventDefault();
-      card.classList.remove("dropping");
-      if (event.dataTransfer.files[0]) this.lay(event.dataTransfer.files[0]);
-    });
-    return card;
+  tables() {
+    this.keyTable = new KeyTable();
+    this.agreement = new MeasuresTable();
+    this.solver = h("div");
+    return [
+      h("section", { class: "card", "aria-labelledby": "figures-title" }, h("h2", { id: "figures-title" }, "Key figures"), this.keyTable.element),
+      fold("Agreement", "How far the curves and the densities are from those of the reference.", this.agreement.element),
+      fold("Computation", "What the solvers did; it says nothing about the belt.", this.solver),
+    ];
   }
 
-  // Which column of the curves is shown; "" is the flow of runs with feeds: four columns at once.
-  columnBox() {
-    const hasFlow = this.runs.some(({ scenario }) => isFed(scenario));
-    this.column = this.query.get("column") ?? (hasFlow ? "" : this.runs[0].scenario.counters[0].id);
-    const columns = new Map([...(hasFlow ? [["", "offered, admitted, waiting and exits"]] : []),
-      ...this.runs.flatMap(({ scenario }) => columnsOf(scenario))]);
-    const box = h("select", { on: { change: () => {
-      this.column = box.value;
-      note({ column: box.value });
-      this.showCurves();
-      this.table.load(this.measuredColumn());
-    } } }, [...columns].map(([name, words]) => h("option", { value: name }, words)));
-    box.value = this.column;
-    return h("label", { class: "field inline" }, h("span", {}, hasFlow ? "Curves" : "Counter"), box);
+  showTables() {
+    const headOf = (k) => this.headOf(k);
+    this.keyTable.show(this.runs, this.reference, headOf);
+    this.solver.replaceChildren(solverTable(this.runs, headOf));
   }
 
-  // Measures are of one column; those of a flow are of its exits.
-  measuredColumn() {
-    return this.column || "left_domain";
-  }
-
-  measures() {
-    this.table = new MeasuresTable(this.runs);
-    return h("section", { class: "card", "aria-labelledby": "measures-title" },
-      h("h2", { id: "measures-title" }, "Measures"), this.table.element);
-  }
-
-  async lay(file) {
-    try {
-      this.setMeasured({ ...readMeasured(await file.text()), file: file.name });
-    } catch (error) {
-      toast(`${file.name}: ${error.message}`, { isFault: true });
+  // Of a run, or behind them of measured counts.
+  headOf(k) {
+    if (k >= this.runs.length) {
+      const counts = this.curves.measuredHere()[k - this.runs.length];
+      return h("span", { class: "together" }, h("i", { class: "mark dots", "aria-hidden": "true" }), "measured", h("small", {}, counts.label));
     }
+    return h("span", {}, this.markOf(k), this.titles[k], k === this.reference ? h("small", {}, "reference") : null);
   }
 
-  setMeasured(curve) {
-    this.measured = curve;
-    this.unlay.hidden = curve === null;
-    this.showCurves();
+  measure() {
+    this.agreement.load({ runs: this.runs, reference: this.reference, column: this.curves.measuredColumn(),
+      measured: this.curves.measuredHere(), headOf: (k) => this.headOf(k) });
   }
 
   start() {
@@ -189,9 +194,11 @@ export class CompareView {
     cinema.onUpdate = () => this.update();
     for (const data of runs) data.onChange = (what) => this.change(data, what);
     cinema.refresh();
-    this.showCurves();
+    this.showEnd();
+    this.curves.setReference(this.reference);
     this.showScale();
-    this.table.load(this.measuredColumn());
+    this.showTables();
+    this.measure();
     const active = runs.filter(({ run }) => !isOver(run));
     if (active.length > 0) {
       this.stopEvents = follow(active.map(({ id }) => id), (kind, event) =>
@@ -202,50 +209,23 @@ export class CompareView {
 
   change(data, what) {
     if (this.isGone) return;
-    if (what === "curve") this.showCurves();
-    if (what === "snapshots") this.showSnapshots();
+    if (what === "curve") this.curves.show();
     if (what === "run") data.state.show(data.run);
+    if (what === "figures" || what === "run") this.showTables();
+    if (what === "snapshots" || what === "summary") {
+      this.cinema.refresh();
+      this.showEnd();
+    }
     if (what === "summary") {
       data.state.show(data.run);
-      this.showSnapshots();
-      this.table.load(this.measuredColumn());
+      this.showTables();
+      this.measure();
     }
     this.showScale();
   }
 
-  showSnapshots() {
-    const before = this.cinema.axisEnd;
-    this.cinema.refresh();
-    if (this.cinema.axisEnd !== before) this.showCurves();
-  }
-
-  showCurves() {
-    const { measured } = this;
-    const curves = this.runs.flatMap((data, k) => (this.column ? this.columnCurve(data, k) : this.flowCurves(data, k)))
-      .filter(({ v }) => v.length > 0);
-    if (measured) {
-      curves.push({ name: `measured: ${measured.file}`, group: this.column ? null : "Measured", color: "text", points: true,
-        t: measured.t, v: measured.v });
-    }
-    this.plot.setCurves(curves, this.cinema.axisEnd || Math.max(...this.runs.map(({ scenario }) => scenario.duration_s)));
-    const { curve } = this.runs[0];
-    this.table.setMeasured(measured, { t: curve.t, v: this.valuesOf(this.runs[0]) });
-  }
-
-  // A run whose scenario has no such column shows its first counter.
-  valuesOf({ curve, scenario }) {
-    return curve.columns.get(this.measuredColumn()) ?? curve.columns.get(scenario.counters[0].id) ?? [];
-  }
-
-  columnCurve(data, k) {
-    return [{ name: `${nameOf(data.run)} (${data.run.model})`, color: `run-${k + 1}`, dash: DASHES[k], t: data.curve.t,
-      v: this.valuesOf(data) }];
-  }
-
-  // The colour is the run's, the dash tells what is counted.
-  flowCurves({ run, curve, scenario }, k) {
-    return flowOf(scenario, curve).map(([name, v]) => ({ name, group: `${nameOf(run)} (${run.model})`, color: `run-${k + 1}`,
-      dash: flowDashes[name], t: curve.t, v }));
+  showEnd() {
+    this.curves.setEnd(this.cinema.axisEnd || Math.max(...this.runs.map(({ scenario }) => scenario.duration_s)));
   }
 
   showScale() {
@@ -255,7 +235,7 @@ export class CompareView {
 
   update() {
     const { player, screens } = this.cinema;
-    this.plot.showTime(player.t);
+    this.curves.plot.showTime(player.t);
     for (const { data, stage, reel } of screens) {
       const problem = reel.problemAt(player.t);
       setText(data.wait, problem ? problem.message : stage.picture ? "" : data.run.status === "queued"

@@ -1,8 +1,9 @@
-// Outflow curves in one plot, with a line at the time of the animation. A click or a drag moves that time.
+// Curves in one plot, with a line at the time of the animation, whose values stand in the legend, and the values under the
+// pointer beside it. A click or a drag moves that time.
 
 import uPlot from "uplot";
 
-import { h, strokeMark } from "./dom.js";
+import { h, setText, strokeMark } from "./dom.js";
 import { fixed, number } from "./format.js";
 import { valueAt } from "./series.js";
 import { color, onTheme } from "./theme.js";
@@ -12,6 +13,16 @@ function markOf({ color: name, dash, points }) {
   const mark = points ? h("i", { class: "mark dots" }) : strokeMark(dash);
   mark.style.color = color(name);
   return mark;
+}
+
+// The value of a curve at a time; null: it has none there.
+function valueOf({ t, v }, time) {
+  return t.length > 0 && time <= t.at(-1) + 1e-9 ? valueAt(t, v, time) : null;
+}
+
+function textOf(value) {
+  if (value === null || Number.isInteger(value)) return number(value, 6);
+  return fixed(value, Math.abs(value) < 10 ? 2 : 1);
 }
 
 function longest(texts) {
@@ -26,6 +37,8 @@ export class CurvePlot {
     this.legend = h("ul", { class: "plot-legend" });
     this.element = h("div", { class: "plot" }, this.box, this.legend);
     this.line = h("div", { class: "plot-now" });
+    this.tip = h("div", { class: "tip", hidden: true });
+    this.unit = "Parts";
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.box);
     this.stopTheme = onTheme(() => this.rebuild());
@@ -38,9 +51,10 @@ export class CurvePlot {
   }
 
   // curves: [{ name, group, color (of the style sheet), dash, points, t, v }], with a group only where neighbours
-  // stand below a heading of the legend; end: of the axis of time.
-  setCurves(curves, end) {
-    const key = JSON.stringify([end, curves.map(({ name, group, color: c, dash }) => [name, group, c, dash])]);
+  // stand below a heading of the legend; end: of the axis of time; unit: what the other axis is called.
+  setCurves(curves, end, unit = "Parts") {
+    this.unit = unit;
+    const key = JSON.stringify([end, unit, curves.map(({ name, group, color: c, dash }) => [name, group, c, dash])]);
     this.curves = curves;
     this.end = end;
     if (key !== this.key) {
@@ -64,20 +78,20 @@ export class CurvePlot {
       labelFont: "12px system-ui, sans-serif",
       grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("grid"), width: 1, size: 4 },
     });
-    const top = (u, low, high) => [0, Math.max(1, high * 1.05)];
+    const span = (u, low, high) => [Math.min(0, low * 1.05), Math.max(1, high * 1.05)];
     return {
       width: Math.max(120, this.box.clientWidth),
       height: this.height(),
       padding: [8, 22, 0, 0],
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, y: false, points: { size: 7 } },
-      scales: { x: { time: false, range: () => [0, this.end || 1] }, y: { range: top } },
-      axes: [axis("Time (s)", 26), axis("Parts", (u, texts) => Math.max(46, 16 + 7 * longest(texts)))],
+      scales: { x: { time: false, range: () => [0, this.end || 1] }, y: { range: span } },
+      axes: [axis("Time (s)", 26), axis(this.unit, (u, texts) => Math.max(46, 16 + 7 * longest(texts)))],
       series: [{}, ...this.curves.map((curve) => ({
         stroke: color(curve.color), width: curve.points ? 0 : 2, dash: curve.dash, spanGaps: true,
         points: curve.points ? { show: true, size: 5, fill: color(curve.color), width: 0 } : { show: false },
       }))],
-      hooks: { ready: [(u) => this.arm(u)], setSize: [() => this.place()], draw: [() => this.place()] },
+      hooks: { ready: [(u) => this.arm(u)], setCursor: [(u) => this.hover(u)], setSize: [() => this.place()], draw: [() => this.place()] },
     };
   }
 
@@ -105,7 +119,7 @@ export class CurvePlot {
       const box = u.over.getBoundingClientRect();
       this.onSeek(Math.min(Math.max(u.posToVal(event.clientX - box.left, "x"), 0), this.end));
     };
-    u.over.append(this.line);
+    u.over.append(this.line, this.tip);
     u.over.addEventListener("pointerdown", (event) => {
       u.over.setPointerCapture(event.pointerId);
       seek(event);
@@ -113,6 +127,20 @@ export class CurvePlot {
     u.over.addEventListener("pointermove", (event) => {
       if (u.over.hasPointerCapture(event.pointerId)) seek(event);
     });
+  }
+
+  // Beside the pointer, on the side where there is room.
+  hover(u) {
+    const { left, top } = u.cursor;
+    const time = left >= 0 ? u.posToVal(left, "x") : NaN;
+    const rows = left >= 0 ? this.curves.filter((curve) => valueOf(curve, time) !== null) : [];
+    this.tip.hidden = rows.length === 0;
+    if (rows.length === 0) return;
+    this.tip.replaceChildren(h("strong", {}, `${fixed(time, 2)} s`), ...rows.map((curve) =>
+      h("span", { class: "row" }, markOf(curve), h("b", {}, textOf(valueOf(curve, time))), h("span", {}, curve.name))));
+    const isRight = left > u.over.clientWidth / 2;
+    const y = Math.min(Math.max(top, 0), Math.max(0, u.over.clientHeight - this.tip.offsetHeight));
+    this.tip.style.transform = `translate(${left + (isRight ? -12 : 12)}px, ${y}px) translateX(${isRight ? "-100%" : "0"})`;
   }
 
   resize() {
@@ -128,10 +156,6 @@ export class CurvePlot {
   place() {
     if (!this.plot) return;
     this.line.style.transform = `translateX(${this.plot.valToPos(Math.min(this.t, this.end), "x")}px)`;
-    this.curves.forEach(({ t, v }, k) => {
-      const value = t.length > 0 && this.t <= t.at(-1) + 1e-9 ? valueAt(t, v, this.t) : null;
-      const text = value === null ? "–" : Number.isInteger(value) ? number(value, 6) : fixed(value, 1);
-      if (this.values?.[k] && this.values[k].textContent !== text) this.values[k].textContent = text;
-    });
+    this.curves.forEach((curve, k) => this.values?.[k] && setText(this.values[k], textOf(valueOf(curve, this.t))));
   }
 }

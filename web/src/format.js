@@ -7,7 +7,7 @@ const formats = new Map();
 
 function formatOf(options) {
   const key = JSON.stringify(options);
-  if (!formats.has(key)) formats.set(key, new Intl.NumberFormat("en", options));
+  if (!formats.has(key)) formats.set(key, new Intl.NumberFormat("en", { signDisplay: "negative", ...options })); // no -0
   return formats.get(key);
 }
 
@@ -33,8 +33,15 @@ export function fixed(value, places) {
 }
 
 export function quantity(value, unit, digits = 3) {
-  const text = number(value, digits);
+  const text = unit === "parts" ? parts(value, digits) : number(value, digits);
   return text === "–" || unit === "" ? text : `${text}${NBSP}${unit}`;
+}
+
+const NO_PART = 1e-6; // sums of densities leave rounding errors
+
+// A number of parts, whole or not.
+export function parts(n, digits = 4) {
+  return number(Math.abs(n) < NO_PART ? 0 : n, digits);
 }
 
 export function percent(share, places = 0) {
@@ -76,6 +83,18 @@ export function bytes(n) {
 // How many decimal places distinguish times of this distance.
 export function placesOf(step) {
   return Math.min(6, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+}
+
+// "/obstacles/0/from_m" is "obstacles 1 from".
+export function placeOf(pointer) {
+  return pointer.slice(1).replace(/\/(\d+)/g, (all, k) => ` ${Number(k) + 1}`).replace(/_(?:m|s|deg|m_s|m2|per_s)(?=\/|$)/g, "")
+    .replace(/[/_]/g, " ");
+}
+
+// A message of the server with numbers and places as people read them.
+export function readable(text) {
+  return text.replace(/(^|[\s'"“(])((?:\/(?!v1\b)[a-z]\w*(?:\/\w+)*))(?=$|[\s'"”),.:;])/g, (all, before, pointer) => before + placeOf(pointer))
+    .replace(/-?\d+(?:\.\d+)?e[+-]?\d+\b|-?\d+\.\d{5,}/gi, (digits) => number(Number(digits), 4));
 }
 
 // The run's name, or what stands for it.

@@ -50,18 +50,21 @@ export class KeyFiguresPanel {
       h("h2", { id: "figures-title" }, "Key figures"), this.body);
     schemas().then((known) => {
       this.schemas = known;
-      this.show(this.figures);
+      this.show(this.figures, this.isFed);
     });
   }
 
-  // figures: as the API gives them, or null: there are none yet.
-  show(figures) {
+  // figures: as the API gives them, or null: there are none yet. Without feeds the mean over the run's time says nothing of
+  // how fast parts pass.
+  show(figures, isFed) {
     this.figures = figures;
+    this.isFed = isFed;
     this.element.hidden = !figures;
     if (!figures) return;
     const known = this.schemas ?? {};
     const parts = Object.entries(groups).flatMap(([word, [name, schema]]) => (figures[word] ?? []).map((item) =>
       (Object.keys(item).length > 1 ? [h("h3", {}, `${name} “${item.id}”`), list(item, known[schema])] : [])));
-    this.body.replaceChildren(list(figures, known.RunFigures), ...parts.flat());
+    const { throughput_per_h: mean, throughput_error_per_h: error, ...others } = figures;
+    this.body.replaceChildren(list(isFed ? figures : others, known.RunFigures), ...parts.flat());
   }
 }

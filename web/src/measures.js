@@ -1,40 +1,30 @@
-// The table of how far runs are apart: each against the first, as the daemon measures it; and measured
-// counts against the first, by the same definitions.
+// The table of how far runs and measured counts are from the reference, as the server measures it.
 
 import { getJson } from "./api.js";
 import { h } from "./dom.js";
-import { fixed, nameOf, number } from "./format.js";
-import { measureGap } from "./series.js";
+import { fixed, nameOf, number, parts } from "./format.js";
+import { isOneWay } from "./series.js";
 
-// [what it is, its unit, its value of one column]. A column: { curve, density, rate, drain }. What no
-// column has is left out.
+// [what it is, its unit, its value of one column]. A column: { entry, curve, density }, entry being of the run alone.
+// What no column has is left out.
 const rows = [
-  ["Mean gap (L1)", "parts", ({ curve }) => curve && fixed(curve.l1, 2)],
-  ["RMS gap (L2)", "parts", ({ curve }) => curve && fixed(curve.l2, 2)],
-  ["Largest gap", "parts", ({ curve }) => curve && `${fixed(curve.largest, 2)} at ${fixed(curve.largest_at_s, 2)} s`],
-  ["Drained (99 %) at", "s", ({ drain }) => (drain === null ? "not yet" : drain === undefined ? null : fixed(drain, 2))],
-  ["Throughput", "parts/s", ({ rate }) => (rate === undefined ? null : fixed(rate, 2))],
+  ["Mean gap (L1)", "parts", ({ curve }) => curve && parts(curve.l1, 3)],
+  ["RMS gap (L2)", "parts", ({ curve }) => curve && parts(curve.l2, 3)],
+  ["Largest gap", "parts", ({ curve }) => curve && `${parts(curve.largest, 3)} at ${fixed(curve.largest_at_s, 2)} s`],
+  ["Drained (99 %) at", "s", ({ entry }) => (entry?.parts_end < entry?.parts_start ? drainOf(entry) : null)],
+  ["Throughput, 10 to 90 %", "parts/s", ({ entry }) => entry && number(entry.throughput_per_s)],
   ["Density gap, mean", "% of close packing", ({ density }) => density && percentOf(density.mean_abs)],
   ["Densities not in common", "%", ({ density }) => density && percentOf(density.l1)],
   ["Shift along the belt", "mm", ({ density }) => density && millimetres(density.emd_x_m)],
   ["Shift across the belt", "mm", ({ density }) => density && millimetres(density.emd_y_m)],
 ];
 
+const drainOf = ({ drain_time_s: t }) => (t === null ? "not yet" : fixed(t, 2));
 const percentOf = (share) => (Number.isFinite(share) ? number(100 * share) : null);
 const millimetres = (m) => (Number.isFinite(m) ? number(1000 * m) : null);
 
-// The measures of the densities as means over the common snapshots; null: the grids differ.
-function meanDensity(density) {
-  const snapshots = density?.snapshots ?? [];
-  if (density?.mean || snapshots.length === 0) return density?.mean ?? null;
-  return { mean_abs: snapshots.reduce((sum, snapshot) => sum + snapshot.mean_abs, 0) / snapshots.length };
-}
-
 export class MeasuresTable {
-  constructor(runs) {
-    this.runs = runs;
-    this.columns = runs.map(() => ({}));
-    this.measured = null;
+  constructor() {
     this.body = h("tbody");
     this.head = h("tr");
     this.note = h("p", { class: "hint" });
@@ -43,53 +33,36 @@ export class MeasuresTable {
         h("table", { class: "measures" }, h("thead", {}, this.head), this.body)), this.note);
   }
 
-  // A column whose counts rise has no drain time, and a rate the other way round.
-  async load(column) {
-    const [first, ...others] = this.runs;
-    this.isRising = !this.runs.some(({ scenario }) => scenario.counters.some(({ id }) => id === column));
+  // heads: a heading for each column, an element; runs: RunData, of which runs[reference] is compared with; measured: counts of
+  // the column, behind the runs. An answer that comes after the next call is not shown.
+  async load({ runs, reference, column, measured, headOf }) {
+    const mine = Symbol("the last call");
+    this.last = mine;
+    const others = [...runs.map(({ id, run }) => ({ id, name: nameOf(run) })), ...measured.map(({ id, label }) => ({ id, name: label }))];
+    const columns = others.map(() => ({}));
     const faults = [];
-    await Promise.all(others.map(async (other, k) => {
-      const query = new URLSearchParams({ a: first.id, b: other.id, column });
+    // The figures of an entry suit what only passes.
+    const entryOf = (k, entry) => (k >= runs.length || isOneWay(runs[k].scenario, column) ? entry : null);
+    await Promise.all(others.map(async ({ id, name }, k) => {
+      if (k === reference) return;
       try {
-        this.take(k + 1, await getJson(`v1/compare?${query}`));
+        const { a, b, curve, density } = await getJson(`v1/compare?${new URLSearchParams({ a: runs[reference].id, b: id, column })}`);
+        columns[reference].entry = entryOf(reference, a);
+        columns[k] = { entry: entryOf(k, b), curve, density: density?.mean ?? null };
       } catch (error) {
-        this.columns[k + 1] = {};
-        if (error.status !== 0) faults.push(`${nameOf(other.run)}: ${error.message}`);
+        if (error.status !== 0) faults.push(`${name}: ${error.message}`);
       }
     }));
+    if (this.last !== mine) return;
     this.note.textContent = faults.join(" ");
-    this.show();
+    this.show(columns, others.map((other, k) => headOf(k)));
   }
 
-  take(k, { curve, density }) {
-    this.columns[0] = this.rateOf(curve.rate_a_per_s, curve.drain_time_a_s);
-    this.columns[k] = { curve, density: meanDensity(density), ...this.rateOf(curve.rate_b_per_s, curve.drain_time_b_s) };
-  }
-
-  rateOf(rate, drain) {
-    return this.isRising ? { rate: -rate } : { rate, drain };
-  }
-
-  // Counts from elsewhere against the first run's curve; null: none.
-  setMeasured(curve, first) {
-    this.measured = null;
-    if (curve && first.t.length > 0) {
-      const gap = measureGap(first, curve);
-      this.measured = gap ? { curve: gap, ...this.rateOf(gap.rate_per_s, gap.drain_time_s) } : {};
-    }
-    this.show();
-  }
-
-  show() {
-    const columns = [...this.columns, ...(this.measured ? [this.measured] : [])];
-    const mark = (k) => h("i", { class: "mark", "aria-hidden": "true", data: { run: String(k + 1) } });
-    const names = this.runs.map(({ run }, k) => h("th", { scope: "col" }, h("span", { class: "together" }, mark(k), run.model),
-      h("small", {}, k === 0 ? "reference" : run.label || nameOf(run))));
-    if (this.measured) names.push(h("th", { scope: "col" },
-      h("span", { class: "together" }, h("i", { class: "mark dots", "aria-hidden": "true" }), "measured")));
-    this.head.replaceChildren(h("th", { scope: "col" }, h("span", { class: "hidden" }, "Measure")), ...names);
+  show(columns, heads) {
+    this.head.replaceChildren(h("th", { scope: "col" }, h("span", { class: "hidden" }, "Measure")),
+      ...heads.map((head) => h("th", { scope: "col" }, head)));
     const lines = rows.map(([what, unit, value]) => ({ what, unit, cells: columns.map((column) => value(column) ?? null) }));
-    this.body.replaceChildren(...lines.filter(({ cells }) => cells.some((cell) => cell !== null)).map(({ what, unit, cells }) =>
+    this.body.replaceChildren(...lines.filter(({ cells }) => cells.some((cell) => cell !== null && cell !== "–")).map(({ what, unit, cells }) =>
       h("tr", {}, h("th", { scope: "row" }, what, h("small", {}, unit)), cells.map((cell) => h("td", {}, cell ?? "–")))));
   }
 }

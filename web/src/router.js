@@ -3,9 +3,18 @@
 
 let onRoute = () => {};
 
+// Text that is not encoded well stays as it is, and then names no view or no run.
+function decode(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 export function parse(hash) {
   const [path, query = ""] = hash.replace(/^#?\/?/, "").split("?");
-  const [name = "", argument = ""] = path.split("/").map(decodeURIComponent);
+  const [name = "", argument = ""] = path.split("/").map(decode);
   return { name: name || "runs", argument, query: new URLSearchParams(query) };
 }
 

@@ -3,7 +3,7 @@
 import { currentToken } from "./access.js";
 import { ticketed } from "./api.js";
 import { h, iconButton, link } from "./dom.js";
-import { fixed, models, moment, number, percent, quantity, span } from "./format.js";
+import { fixed, models, moment, number, parts, percent, quantity, readable, span } from "./format.js";
 import { formatJson } from "./json_text.js";
 import { copy } from "./run_actions.js";
 import { tellFault } from "./toast.js";
@@ -17,26 +17,53 @@ function overlap({ largest_overlap_m: m, largest_overlap_share: share }) {
   return `${quantity(m * 1000, "mm")} (${percent(share, 1)} of a radius)`;
 }
 
-// The figures of a run that has ended.
-function summaryFacts(s) {
+// What became of the parts of a run that has ended.
+function cargoFacts(s) {
+  return facts([
+    ["Parts at start", parts(s.parts_start, 6)],
+    s.parts_entered === undefined ? null : ["Parts that entered", parts(s.parts_entered, 6)],
+    ["Parts through", parts(s.parts_left)],
+    ["Parts left on the belt", parts(s.parts_end)],
+    s.end_reason === undefined ? null : ["Ended by", s.end_reason],
+  ]);
+}
+
+// What the solver did.
+function solverRows(s) {
   const isMicro = s.model === "micro";
   const speed = isMicro ? s.particle_steps_per_s : s.cell_steps_per_s;
-  return facts([
-    ["Parts at start", number(s.parts_start, 6)],
-    s.parts_entered === undefined ? null : ["Parts that entered", number(s.parts_entered, 6)],
-    ["Parts through", number(s.parts_left, 4)],
-    ["Parts left on the belt", number(s.parts_end, 4)],
+  return [
     ["Largest density", `${percent(s.largest_density, 1)} of close packing`],
     isMicro ? ["Largest overlap", overlap(s)] : null,
     isMicro ? ["Contacts at the end", number(s.contacts, 6)] : ["Cells", number(s.cells, 9)],
     ["Time step", quantity(s.step_s * 1000, "ms")],
     ["Steps", number(s.steps, 9)],
-    s.end_reason === undefined ? null : ["Ended by", s.end_reason],
     ["Computing time", span(s.wall_time_s)],
     speed === null ? null : ["Speed", `${number(speed / 1e6)} million ${isMicro ? "part" : "cell"} steps/s`],
     ["Threads", number(s.threads)],
     ["Solver", `${models[s.model]}, version ${s.solver_version}`],
-  ]);
+  ].filter(Boolean);
+}
+
+// What is there on demand: a title and one sentence, and below them the rest.
+function details(title, sentence, ...content) {
+  return h("details", { class: "fold" }, h("summary", {}, h("span", { class: "fold-title" }, title), h("span", { class: "hint" }, sentence)), content);
+}
+
+export function fold(...all) {
+  return h("section", { class: "card" }, details(...all));
+}
+
+// A column for each run that has ended; headOf(k): its heading, an element.
+export function solverTable(runs, headOf) {
+  const columns = runs.map(({ summary }) => new Map(summary ? solverRows(summary) : []));
+  const names = [...new Set(columns.flatMap((column) => [...column.keys()]))];
+  return h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "Table of computations" },
+    h("table", { class: "measures" },
+      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, h("span", { class: "hidden" }, "Fact")),
+        runs.map((data, k) => h("th", { scope: "col" }, headOf(k))))),
+      h("tbody", {}, names.map((name) => h("tr", {}, h("th", { scope: "row" }, name),
+        columns.map((column) => h("td", {}, column.get(name) ?? "–")))))));
 }
 
 function runFacts({ run, scenario }) {
@@ -52,13 +79,14 @@ function runFacts({ run, scenario }) {
 
 export function summaryPanel(data) {
   const { summary, run } = data;
-  const faults = run.error ? [h("li", { class: "fault" }, run.error.detail)] : [];
-  const warnings = (summary?.warnings ?? []).map((text) => h("li", {}, text));
+  const faults = run.error ? [h("li", { class: "fault" }, readable(run.error.detail))] : [];
+  const warnings = (summary?.warnings ?? []).map((text) => h("li", {}, readable(text)));
   return h("section", { class: "card", "aria-labelledby": "summary-title" },
     h("h2", { id: "summary-title" }, "Summary"),
     faults.length + warnings.length > 0
       ? h("ul", { class: "warnings", "aria-label": "Warnings" }, faults, warnings) : null,
-    summary ? summaryFacts(summary) : runFacts(data));
+    summary ? [cargoFacts(summary),
+      details("Computation", "What the solver did; it says nothing about the belt.", facts(solverRows(summary)))] : runFacts(data));
 }
 
 export function scenarioPanel({ scenario, id }) {

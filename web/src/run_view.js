@@ -8,6 +8,7 @@ import { h, iconButton, link, setText } from "./dom.js";
 import { follow } from "./events.js";
 import { age, models, nameOf, percent, span } from "./format.js";
 import { KeyFiguresPanel } from "./key_figures.js";
+import { KeyStrip } from "./key_strip.js";
 import { address, go, note } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
@@ -59,8 +60,9 @@ export class RunView {
     this.plot = new CurvePlot(`Outflow curve of ${name}`, () => this.plotHeight(), (t) => cinema.player.seek(t));
     this.downloads = new DownloadsPanel(data, () => this.screen.stage.toBlob());
     this.figures = new KeyFiguresPanel();
+    this.strip = new KeyStrip();
     this.summary = h("div", {}, summaryPanel(data));
-    return [this.head(), h("div", { class: "watch" },
+    return [this.head(), this.strip.element, h("div", { class: "watch" },
       h("div", {}, this.animation(), this.figures.element, this.summary, scenarioPanel(data)),
       h("div", {}, this.curve(), this.downloads.element))];
   }
@@ -132,7 +134,7 @@ export class RunView {
     this.showHead();
     this.showCurve();
     this.showScale();
-    this.figures.show(data.figures);
+    this.showFigures();
     if (isLive) this.goLive();
     cinema.begin(this.query);
   }
@@ -151,7 +153,7 @@ export class RunView {
     if (what === "curve") this.showCurve();
     if (what === "snapshots") this.showSnapshots();
     if (what === "run") this.showHead();
-    if (what === "figures") this.figures.show(data.figures);
+    if (what === "figures" || what === "snapshots") this.showFigures();
     if (what === "summary") this.finish();
     this.showScale();
   }
@@ -168,12 +170,17 @@ export class RunView {
     const { data, cinema } = this;
     const wasFollowing = cinema.player.isFollowing;
     const took = (Date.parse(data.run.finished_at) - Date.parse(data.run.started_at)) / 1000;
-    this.figures.show(data.figures);
+    this.showFigures();
     this.summary.replaceChildren(summaryPanel(data));
     this.showHead();
     cinema.refresh();
     this.showCurve();
     if (wasFollowing && took < REPLAYED_BELOW_S && !prefersStillness()) cinema.player.play();
+  }
+
+  showFigures() {
+    this.strip.show(this.data);
+    this.figures.show(this.data.figures, isFed(this.data.scenario));
   }
 
   showHead() {
@@ -190,7 +197,7 @@ export class RunView {
   showCurve() {
     const { curve, scenario, run, snapshots } = this.data;
     const rows = this.shown === "flow" ? flowOf(scenario, curve) : contentOf(scenario, curve);
-    const curves = rows.map(([name, v], k) => ({ name, color: `run-${(k % 4) + 1}`, dash: DASHES[k % 4], t: curve.t, v }));
+    const curves = rows.map(([name, v], k) => ({ name, color: `run-${(k % 8) + 1}`, dash: DASHES[k % 8], t: curve.t, v }));
     if (!isFed(scenario)) {
       curves.push({ name: "left the belt", color: "muted", dash: [2, 4], t: curve.t, v: curve.columns.get("left_domain") ?? [] });
     }

@@ -52,51 +52,43 @@ export function contentOf({ counters, feeds = [] }, { columns }) {
     ...feeds.map(({ id }) => [`${id}: waiting`, columns.get(`${id}.waiting`) ?? []])];
 }
 
-// Samples of a measured curve from CSV with the header t_s,<name>. Throws with the line at fault.
-export function readMeasured(text) {
-  const lines = text.replace(/^﻿/, "").split(/\r?\n/);
-  const names = lines[0].split(",").map((name) => name.trim());
-  if (names[0] !== "t_s" || names.length < 2) {
-    throw new Error("Line 1: the header must be t_s,count (times in seconds, then counts of parts).");
-  }
-  const curve = { name: names[1], t: [], v: [] };
-  lines.forEach((line, k) => {
-    if (k === 0 || line.trim() === "") return;
-    const [t, v] = line.split(",").map((cell) => (cell.trim() === "" ? NaN : Number(cell)));
-    if (!Number.isFinite(t) || !Number.isFinite(v)) throw new Error(`Line ${k + 1}: “${line.trim()}” is not two numbers.`);
-    if (curve.t.length > 0 && t <= curve.t.at(-1)) throw new Error(`Line ${k + 1}: times must rise.`);
-    curve.t.push(t);
-    curve.v.push(v);
-  });
-  if (curve.t.length === 0) throw new Error("There is no sample below the header.");
-  return curve;
+// Whether a column only ever rises or, without feeds, only falls: what has passed so far, or what is still to pass.
+export function isOneWay(scenario, column) {
+  return !isFed(scenario) || /^left_domain$|\.(?:offered|admitted|discarded)$/.test(column);
 }
 
-// Mean and root mean square gap, largest gap and its time, over the time that both have, as the API's
-// comparison defines them. null: they have no time in common.
-export function measureGap(a, b) {
-  const from = Math.max(a.t[0], b.t[0]);
-  const to = Math.min(a.t.at(-1), b.t.at(-1));
-  if (from > to) return null;
-  const times = [...new Set([from, ...a.t, ...b.t, to])].filter((t) => t >= from && t <= to).sort((x, y) => x - y);
-  const gaps = times.map((t) => valueAt(a.t, a.v, t) - valueAt(b.t, b.v, t));
-  let area = 0;
-  let square = 0;
-  for (let k = 1; k < times.length; k++) {
-    const [low, high, width] = [Math.abs(gaps[k - 1]), Math.abs(gaps[k]), times[k] - times[k - 1]];
-    const crosses = gaps[k - 1] * gaps[k] < 0;
-    area += 0.5 * width * (crosses ? (low * low + high * high) / (low + high) : low + high);
-    square += (width * (low * low + gaps[k - 1] * gaps[k] + high * high)) / 3;
-  }
-  const sizes = gaps.map(Math.abs);
-  const largest = sizes.reduce((most, size) => Math.max(most, size), 0);
-  const width = to - from;
-  return {
-    l1: width > 0 ? area / width : sizes[0],
-    l2: width > 0 ? Math.sqrt(square / width) : sizes[0],
-    largest,
-    largest_at_s: times[sizes.indexOf(largest)],
-    rate_per_s: width > 0 ? (valueAt(b.t, b.v, from) - valueAt(b.t, b.v, to)) / width : 0,
-    drain_time_s: b.t[b.v.findIndex((v) => v <= 0.01 * b.v[0])] ?? null,
-  };
+// A curve minus another one, at its times that both have.
+export function differenceOf({ t, v }, reference) {
+  const last = reference.t.at(-1) ?? -Infinity;
+  const known = t.map((time, k) => [time, v[k], time <= last + 1e-9 ? valueAt(reference.t, reference.v, time) : null])
+    .filter(([, , other]) => other !== null);
+  return { t: known.map(([time]) => time), v: known.map(([, value, other]) => value - other) };
+}
+
+const RATE_WINDOWS = 20; // that the time of a curve has, of each of which a rate is the mean
+
+// How many parts per second pass, of a curve that only rises or only falls, as means over windows about each sample.
+export function rateOf({ t, v }) {
+  if (t.length < 3) return { t: [], v: [] };
+  const sign = Math.sign(v.at(-1) - v[0]);
+  const half = Math.max((t.at(-1) - t[0]) / RATE_WINDOWS, t[1] - t[0]) / 2;
+  const times = t.filter((time) => time >= t[0] + half - 1e-9 && time <= t.at(-1) - half + 1e-9);
+  const passed = (time) => sign * (valueAt(t, v, time + half) - valueAt(t, v, Math.max(time - half, t[0])));
+  return { t: times, v: times.map((time) => Math.max(0, passed(time)) / (2 * half)) };
+}
+
+// The first time at which a curve reaches a value on its way from its first to its last one.
+function timeOfReaching({ t, v }, value) {
+  const sign = Math.sign(v.at(-1) - v[0]);
+  const k = v.findIndex((one) => sign * (one - value) >= 0);
+  if (k <= 0) return t[Math.max(k, 0)];
+  return t[k - 1] + ((value - v[k - 1]) / (v[k] - v[k - 1])) * (t[k] - t[k - 1]);
+}
+
+// Parts per second while the middle 80 % of what passes did, as the API's comparisons define it; null: nothing passes.
+export function throughputOf(curve) {
+  const [first, last] = [curve.v[0], curve.v.at(-1)];
+  if (curve.v.length < 2 || first === last) return null;
+  const [t10, t90] = [0.1, 0.9].map((share) => timeOfReaching(curve, first + share * (last - first)));
+  return t90 > t10 ? (0.8 * Math.abs(last - first)) / (t90 - t10) : null;
 }

@@ -28,8 +28,4 @@ export function prefersStillness() {
 }
 
 // Colours that distinguish runs, safe for the colour-blind; each also has a dash of its own.
-export const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
-
-export function runColor(k) {
-  return color(`run-${k + 1}`);
-}
+export const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [14, 4], [5, 2], [10, 3, 2, 3, 2, 3], [1, 2]];

@@ -1,0 +1,109 @@
+// The six figures that a planner decides by: of one run in a strip below its title, of several in a table. Their definitions
+// are the API's.
+
+import { isOver } from "./api.js";
+import { h } from "./dom.js";
+import { fixed, parts, percent, quantity } from "./format.js";
+import { isFed, throughputOf } from "./series.js";
+
+const PER_H = 3600;
+
+// Of cargo that is on the belt at the start: while the middle 80 % of it passed the first counter.
+function batchThroughput({ run, scenario, curve }) {
+  const v = curve.columns.get(scenario.counters[0].id) ?? [];
+  const rate = isOver(run) ? throughputOf({ t: curve.t, v }) : null;
+  return rate === null ? null : PER_H * rate;
+}
+
+function entered({ summary, curve, snapshots }) {
+  if (summary) return summary.parts_start + (summary.parts_entered ?? 0);
+  const admitted = [...curve.columns].filter(([name]) => name.endsWith(".admitted"));
+  return (snapshots[0]?.mass ?? 0) + admitted.reduce((sum, [, values]) => sum + (values.at(-1) ?? 0), 0);
+}
+
+// value(data): a number, or null: not known; text(value, data); sentence(data).
+const figures = [
+  {
+    name: "Drained at",
+    value: ({ figures: known }) => known?.drained_at_s ?? null,
+    text: (value, { run }) => (value === null && isOver(run) ? "not drained" : quantity(value, "s", 4)),
+    sentence: () => "Since then the belt has been empty.",
+  },
+  {
+    name: "Throughput",
+    value: (data) => (isFed(data.scenario) ? data.figures?.throughput_per_h ?? null : batchThroughput(data)),
+    text: (value, { figures: known, scenario }) => {
+      const error = isFed(scenario) ? known?.throughput_error_per_h : undefined;
+      return `${quantity(value === null ? null : Number(value.toPrecision(3)), "parts/h", 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
+    },
+    sentence: ({ scenario }) => (isFed(scenario) ? "Parts that left the belt, after the warm-up."
+      : `While the middle 80 % of the parts left “${scenario.counters[0].id}”.`),
+  },
+  {
+    name: "Longest queue",
+    value: ({ figures: known }) => known?.queue_end_m ?? null,
+    text: (value) => quantity(value, "m", 3),
+    sentence: ({ run, scenario }) => (run.model === "macro" ? "Only the microscopic model knows it."
+      : scenario.obstacles.length === 0 ? "There is no plate to queue at." : "Upstream from the plate to the last slow part."),
+  },
+  {
+    name: "Residence, 95 %",
+    value: ({ figures: known }) => known?.residence_s?.p95 ?? null,
+    text: (value) => quantity(value, "s", 3),
+    sentence: () => "95 % of the parts that left stayed no longer.",
+  },
+  {
+    name: "Peak density",
+    value: ({ figures: known }) => known?.peak_density ?? null,
+    text: (value) => (value === null ? "–" : percent(value, 0)),
+    sentence: () => "100 % is close packing.",
+  },
+  {
+    name: "Parts left on the belt",
+    value: ({ summary, snapshots }) => summary?.parts_end ?? snapshots.at(-1)?.mass ?? null,
+    text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(entered(data), 6)}`),
+    sentence: ({ run }) => (isOver(run) ? "When the run ended." : "At the newest snapshot."),
+  },
+];
+
+export class KeyStrip {
+  constructor() {
+    this.list = h("dl", { class: "strip" });
+    this.element = h("section", { class: "card", "aria-label": "At a glance" }, this.list);
+  }
+
+  show(data) {
+    this.list.replaceChildren(...figures.map(({ name, value, text, sentence }) => h("div", {},
+      h("dt", {}, name), h("dd", {}, text(value(data), data)), h("dd", { class: "hint" }, sentence(data)))));
+  }
+}
+
+// How much more than the reference, in percent; "": they are the same or one is not known.
+function moreThan(value, reference) {
+  if (value === null || !(reference > 0) || value === reference) return "";
+  const share = value / reference - 1;
+  const text = fixed(100 * Math.abs(share), Math.abs(share) < 0.095 ? 1 : 0);
+  return text === "0.0" ? "" : `${share < 0 ? "−" : "+"}${text} %`;
+}
+
+// A column for each run; those but the reference say how much more or less it is.
+export class KeyTable {
+  constructor() {
+    this.head = h("tr");
+    this.body = h("tbody");
+    this.element = h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "Table of key figures" },
+      h("table", { class: "measures key-table" }, h("thead", {}, this.head), this.body));
+  }
+
+  // headOf(k): the heading of a run, an element.
+  show(runs, reference, headOf) {
+    this.head.replaceChildren(h("th", { scope: "col" }, h("span", { class: "hidden" }, "Figure")),
+      ...runs.map((data, k) => h("th", { scope: "col" }, headOf(k))));
+    this.body.replaceChildren(...figures.map(({ name, value, text, sentence }) => {
+      const values = runs.map(value);
+      const words = [...new Set(runs.map(sentence))].join(" ");
+      return h("tr", {}, h("th", { scope: "row" }, name, h("small", { class: "sentence" }, words)), values.map((one, k) =>
+        h("td", {}, text(one, runs[k]), h("small", {}, k === reference ? "" : moreThan(one, values[reference])))));
+    }));
+  }
+}
