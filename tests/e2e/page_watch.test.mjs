@@ -5,6 +5,7 @@ import test, { after } from "node:test";
 
 import { closeBrowser, numberIn, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
+import { jam } from "./scenarios.mjs";
 
 after(closeBrowser);
 
@@ -174,6 +175,51 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   const waiting = page.waitForEvent("download");
   await page.locator("li", { hasText: "Picture as seen" }).getByRole("button").click();
   assert.equal((await waiting).suggestedFilename(), "belt-000002.png");
+});
+
+// A connection with a latency of 100 ms and 500 kB/s.
+async function slowDown(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Network.enable");
+  await session.send("Network.emulateNetworkConditions",
+    { offline: false, latency: 100, downloadThroughput: 500e3, uploadThroughput: 500e3 });
+}
+
+test("on a slow connection every picture that is asked for arrives, and the clock of a live run is its time", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  const lost = [];
+  page.on("requestfailed", (request) => lost.push(request.url()));
+  await visit(page, "#/");
+  await slowDown(page);
+  // Tens of snapshots a second, of 24 kB each: more than the connection carries.
+  const run = await d.submit(jam(2000, { curve_every_s: 10, snapshot_every_s: 0.5 }));
+  await visit(page, `#/runs/${run.id}`);
+  const contradictions = await page.evaluate(() => new Promise((resolve) => {
+    const [times, found] = [new Set(), []];
+    const look = () => {
+      const [stamp, clock] = [".stamp:not([hidden])", ".clock"].map((name) => document.querySelector(name)?.textContent);
+      if (stamp) times.add(stamp);
+      if (stamp && stamp.split(" ")[0] !== clock.split(" ")[0]) found.push([stamp, clock]);
+      if (times.size > 10) resolve(found);
+      else requestAnimationFrame(look);
+    };
+    look();
+  }));
+  assert.deepEqual(contradictions, []);
+  assert.deepEqual(lost, []);
+
+  // Most of the snapshots of the first ten seconds were left out. One that is asked for is shown late, and until then the
+  // picture says so.
+  const isSeenLate = await page.getByRole("slider", { name: "Time" }).evaluate((slider) =>
+    Array.from({ length: 20 }, (_, k) => k / 2).some((time) => {
+      slider.value = String(time);
+      slider.dispatchEvent(new Event("input"));
+      return document.querySelector(".stamp").textContent.endsWith("loading …");
+    }));
+  assert.ok(isSeenLate);
+  await page.locator(".stamp:not(.late)").waitFor();
+  await d.post(`/v1/runs/${run.id}/cancel`, "");
 });
 
 test("with reduced motion nothing moves by itself", async (t) => {

@@ -29,7 +29,7 @@ export class Cinema {
     this.onUpdate = () => {};
     this.player.canShow = (t) => this.screens.every(({ reel }) => reel.isReady(t, this.isSmooth()));
     this.player.onTime = () => this.update();
-    this.frames.onArrive = () => this.update();
+    this.frames.onArrive = () => this.player.arrive();
     this.stopConnection = onConnection((isAway) => !isAway && this.update());
   }
 
@@ -91,10 +91,10 @@ export class Cinema {
     const longest = lists.reduce((best, list) => ((list.at(-1) ?? -1) > (best.at(-1) ?? -1) ? list : best), []);
     const isLive = this.screens.some(({ data }) => !isOver(data.run));
     const last = isLive ? Math.max(...this.screens.map(({ data }) => data.scenario.duration_s)) : longest.at(-1) ?? 0;
-    if (!isLive && this.player.isFollowing) this.player.follow(false);
     this.axisEnd = isLive ? axisEnd(last, longest.at(-1) ?? 0) : last;
     this.transport.setRange(this.axisEnd, last, isLive);
     this.player.setTimes(longest);
+    if (!isLive && this.player.isFollowing) this.player.seek(last);
   }
 
   // Where a view begins: at the time of its address, live, or from the start, unless less motion is asked for.
@@ -122,7 +122,7 @@ export class Cinema {
   update() {
     const { t } = this.player;
     const end = this.scaleEnd();
-    const wanted = this.screens.map(({ reel }) => reel.wantedFrom(t));
+    const wanted = this.screens.map(({ reel }) => reel.wantedFrom(this.player.wanted()));
     const longest = Math.max(0, ...wanted.map((urls) => urls.length));
     const turns = Array.from({ length: longest }, (_, k) => wanted.map((urls) => urls[k])).flat();
     this.frames.want(turns.filter(Boolean));
@@ -130,6 +130,7 @@ export class Cinema {
       const picture = reel.pictureAt(t, this.isSmooth());
       stage.style.end = end;
       if (picture) this.showPicture(stage, picture);
+      stage.setStamp(this.transport.textOf(stage.picture?.t ?? 0), picture === null);
     }
     this.transport.update();
     this.noteTime();

@@ -1,11 +1,12 @@
 // The cache of fetched snapshots, and prefetching. Bytes in the cache are bounded; the
-// ones unused for longest go first.
+// ones unused for longest go first. A request that has begun is finished, so that on a slow connection something
+// arrives, however often something newer is wanted meanwhile; few are under way, so that the newest begins soon.
 
 import { getBytes } from "./api.js";
 import { isDaemonAway } from "./connection.js";
 import { readNpy } from "./npy.js";
 
-const AT_ONCE = 3;
+const AT_ONCE = 2;
 const REST_MS = 2000; // after an answer with Retry-After
 const later = new Set([0, 429, 502, 503, 504]);
 
@@ -15,7 +16,8 @@ export class Frames {
     this.bytes = 0;
     this.kept = new Map(); // url -> frame, the longest unused first
     this.wanted = [];
-    this.fetching = new Map(); // url -> AbortController
+    this.fetching = new Set(); // urls
+    this.end = new AbortController(); // of all requests
     this.failed = new Map(); // url -> Problem
     this.onArrive = () => {};
   }
@@ -30,12 +32,14 @@ export class Frames {
     return frame;
   }
 
-  // Sets the frames that are needed now, the most urgent first. Requests for others are aborted.
+  has(url) {
+    return this.kept.has(url);
+  }
+
+  // Sets the frames that are needed now, the most urgent first.
   want(urls) {
     if (isDaemonAway() || this.isResting) return;
     this.wanted = urls.filter((url) => !this.kept.has(url) && !this.failed.has(url));
-    const still = new Set(this.wanted);
-    for (const [url, abort] of this.fetching) if (!still.has(url)) abort.abort();
     this.fetchMore();
   }
 
@@ -57,17 +61,16 @@ export class Frames {
   }
 
   async fetchOne(url) {
-    const abort = new AbortController();
-    this.fetching.set(url, abort);
+    this.fetching.add(url);
     try {
-      const frame = readNpy(await getBytes(url, { signal: abort.signal }));
+      const frame = readNpy(await getBytes(url, { signal: this.end.signal }));
       this.keep(url, frame);
       this.onArrive(url);
     } catch (error) {
       if (later.has(error.status)) this.rest();
       else if (error.name !== "AbortError") this.failed.set(url, error);
     } finally {
-      if (this.fetching.get(url) === abort) this.fetching.delete(url);
+      this.fetching.delete(url);
       this.wanted = this.wanted.filter((other) => other !== url);
       this.fetchMore();
     }
@@ -87,7 +90,7 @@ export class Frames {
     clearTimeout(this.timer);
     this.onArrive = () => {};
     this.wanted = [];
-    for (const abort of this.fetching.values()) abort.abort();
+    this.end.abort();
     this.kept.clear();
   }
 }

@@ -1,5 +1,5 @@
 // The clock of the animations: one time for everything that is shown, played, paused, scrubbed, or held
-// at the newest snapshot of a run that is still computed.
+// at the newest picture that has arrived of a run that is still computed.
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 
@@ -22,12 +22,25 @@ export class Player {
     this.onTime = () => {};
   }
 
-  // More snapshots are available; in live mode the time moves to the newest.
+  // More snapshots are available.
   setTimes(times) {
     this.times = times;
     this.end = times.at(-1) ?? 0;
-    if (this.isFollowing) this.t = this.end;
+    this.arrive();
+  }
+
+  // More pictures are there; in live mode the time moves to the newest.
+  arrive() {
+    if (this.isFollowing) {
+      const newest = this.times.findLast((t) => t <= this.t || this.canShow(t));
+      this.t = Math.max(this.t, newest ?? 0);
+    }
     this.onTime();
+  }
+
+  // The time whose pictures are needed first.
+  wanted() {
+    return this.isFollowing ? this.end : this.t;
   }
 
   play() {
@@ -73,8 +86,7 @@ export class Player {
   follow(isOn) {
     this.halt();
     this.isFollowing = isOn;
-    if (isOn) this.t = this.end;
-    this.onTime();
+    this.arrive();
   }
 
   // Index of the last time that is not after t.

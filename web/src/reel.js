@@ -33,14 +33,14 @@ export class Reel {
   isReady(t, isSmooth) {
     const { k, share } = this.locate(t, isSmooth);
     const urls = share > 0 ? [...this.urlsOf(k), ...this.urlsOf(k + 1)] : this.urlsOf(k);
-    return urls.every((url) => this.frames.get(url) || this.frames.failed.has(url));
+    return urls.every((url) => this.frames.has(url) || this.frames.failed.has(url));
   }
 
-  // What is there of a time, for Stage.show(); null: nothing yet.
+  // What is there of a time, for Stage.show(); null: nothing of it yet.
   pictureAt(t, isSmooth) {
     const { k, share, gap } = this.locate(t, isSmooth);
     const [now, next] = [this.data.snapshots[k], share > 0 ? this.data.snapshots[k + 1] : null];
-    if (!now) return null;
+    if (!now || !this.isReady(t, isSmooth)) return null;
     const pick = (name) => {
       const frame = now[name] && this.frames.get(now[name]);
       return frame ? { frame, next: next && this.frames.get(next[name]) } : null;

@@ -2,7 +2,7 @@
 
 import { isPale } from "./colormap.js";
 import { drawDevices } from "./devices.js";
-import { h } from "./dom.js";
+import { h, setText } from "./dom.js";
 import { Equipment } from "./equipment.js";
 import { densityAt, Heatmap } from "./heatmap.js";
 import { number, percent } from "./format.js";
@@ -22,8 +22,9 @@ export class Stage {
     this.devices = h("canvas", { class: "devices" });
     this.tip = h("div", { class: "tip", hidden: true });
     this.cross = h("div", { class: "cross", hidden: true });
+    this.stamp = h("div", { class: "stamp", hidden: true });
     this.frame = h("div", { class: "stage-frame", role: "img", tabindex: "0", "aria-label": label },
-      this.field, this.above, this.devices, this.cross, this.tip);
+      this.field, this.above, this.devices, this.stamp, this.cross, this.tip);
     this.element = h("div", { class: "stage" }, this.frame);
     this.heatmap = new Heatmap();
     this.style = { layer: "density", map: "viridis", end: 1 };
@@ -100,6 +101,13 @@ export class Stage {
   show(picture) {
     this.picture = picture;
     this.draw();
+  }
+
+  // text: the time of the picture; isLate: that of the clock is not there yet.
+  setStamp(text, isLate) {
+    this.stamp.hidden = this.picture === null;
+    this.stamp.classList.toggle("late", isLate);
+    setText(this.stamp, isLate ? `${text} s, loading …` : `${text} s`);
   }
 
   // Drawn again only when something has moved or changed.

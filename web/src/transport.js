@@ -12,7 +12,7 @@ export class Transport {
     this.forth = iconButton("next", "One snapshot on", () => player.step(1), { class: "round" });
     this.slider = h("input", { type: "range", min: "0", max: "0", step: "any", "aria-label": "Time",
       on: { input: () => player.seek(Number(this.slider.value)) } });
-    this.clock = h("output", { class: "clock" });
+    this.clock = h("span", { class: "clock" }); // no live region: it changes many times a second
     this.speed = h("select", { "aria-label": "Speed", on: { change: () => (player.speed = Number(this.speed.value)) } },
       SPEEDS.map((speed) => h("option", { value: String(speed) }, `${speed}×`)));
     this.speed.value = "1";
@@ -35,9 +35,14 @@ export class Transport {
     this.live.hidden = !isLive;
   }
 
+  // A time, as exactly as snapshots differ.
+  textOf(t) {
+    const [first, second] = this.player.times;
+    return fixed(t, second === undefined ? 1 : placesOf(second - first));
+  }
+
   update() {
     const { t, end, times, isPlaying, isFollowing } = this.player;
-    const places = times.length > 1 ? placesOf(times[1] - times[0]) : 1;
     const isOver = !isPlaying && t >= end - 1e-9 && times.length > 1;
     swapIcon(this.playButton, isPlaying ? "pause" : isOver && !isFollowing ? "replay" : "play");
     const name = isPlaying ? "Pause" : "Play";
@@ -46,10 +51,10 @@ export class Transport {
       this.playButton.setAttribute("aria-label", name);
     }
     this.slider.value = String(t);
-    this.slider.setAttribute("aria-valuetext", `${fixed(t, places)} seconds`);
+    this.slider.setAttribute("aria-valuetext", `${this.textOf(t)} seconds`);
     this.slider.style.setProperty("--done", `${this.end > 0 ? (t / this.end) * 100 : 0}%`);
     this.slider.style.setProperty("--there", `${this.end > 0 ? (end / this.end) * 100 : 0}%`);
-    setText(this.clock, `${fixed(t, places)} / ${fixed(this.last ?? 0, places)} s`);
+    setText(this.clock, `${this.textOf(t)} / ${this.textOf(this.last ?? 0)} s`);
     this.live.setAttribute("aria-pressed", String(isFollowing));
     for (const button of [this.playButton, this.back, this.forth]) button.disabled = times.length < 2;
   }
