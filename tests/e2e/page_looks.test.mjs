@@ -23,13 +23,15 @@ async function furnish(d) {
     submit("other", { ...example, name: "Example 1 on a faster belt", belts: [{ velocity_m_s: [0.5, 0] }] }),
   ]);
   for (const [, id] of done) await d.reached(id, "succeeded");
+  const study = await d.post("/v1/studies", { name: "Which angle", base: { scenario: { ...example, duration_s: 0.5 } }, method: { type: "grid" },
+    parameters: [{ pointer: "/obstacles/0/from_m/0", range: [0.4, 0.7], steps: 4 }], objectives: [{ figure: "peak_density" }] });
   const cancelled = await submit("cancelled", tiny({ ...endless(), name: "A run that was stopped" }));
   await d.progressed(cancelled[1], 0);
   await d.post(`/v1/runs/${cancelled[1]}/cancel`, "");
   const running = await submit("running", { ...endless(), name: "A long run" });
   await d.reached(running[1], "running");
   const queued = await submit("queued", tiny({ name: "A run that waits" }));
-  return Object.fromEntries([...done, cancelled, running, queued]);
+  return Object.fromEntries([...done, cancelled, running, queued, ["study", study.json.id]]);
 }
 
 const csv = { name: "belt.csv", mimeType: "text/csv",
@@ -61,6 +63,9 @@ const calmViews = (ids) => [
   ["compare-fed", `#/compare?runs=${ids.fed},${ids.fedMacro}&t=2.5`, async (page) => page.locator(".plot-legend .group").nth(1).waitFor()],
   ["compare-four", `#/compare?runs=${ids.macro},${ids.micro},${ids.other},${ids.mixed}&t=1.5`, shown],
   ["compare-none", "#/compare", async (page) => page.getByText("Add two to eight runs").waitFor()],
+  ["studies", "#/studies", async (page) => page.getByRole("link", { name: "Which angle" }).waitFor()],
+  ["study", `#/studies/${ids.study}`, async (page) => page.locator(".study-point.best").waitFor()],
+  ["study-new", "#/studies/new", async (page) => page.locator(".verdict", { hasText: "At most" }).waitFor()],
   ["new-form", "#/new", async (page) => page.getByText("Ready:").waitFor()],
   ["new-faults", "#/new", async (page) => {
     await page.getByText("Ready:").waitFor();
@@ -111,6 +116,7 @@ test("so do an empty list, and the page without its daemon", async (t) => {
   const d = await daemon(t);
   for (const form of forms) {
     const screen = { ...form, page: await openPage(t, d, form) };
+    await look(screen, ["studies-empty", "#/studies", async (page) => page.getByText("No studies yet.").waitFor()]);
     await look(screen, ["runs-empty", "#/", async (page) => page.getByText("No runs yet.").waitFor()]);
     await screen.page.route("**/*", (route) => route.abort());
     await screen.page.getByText("The daemon does not answer. Trying again").waitFor();

@@ -12,6 +12,7 @@ import { formatJson, locate } from "../../web/src/json_text.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
 import { columnsOf, contentOf, differenceOf, flowOf, rateOf, throughputOf, valueAt } from "../../web/src/series.js";
+import { intervalOf, pointsOf } from "../../web/src/study_points.js";
 import { daemon } from "./daemon.mjs";
 
 const near = (a, b, tolerance = 1e-9) => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
@@ -195,4 +196,16 @@ test("scenarios differ in what a planner calls it, however they were written", a
   // Lists that are too long to be said are numbered.
   const [a, b] = [1, 2].map((x) => ({ ...resolved, initial: { positions_m: Array.from({ length: 5 }, (_, k) => [x, k]) } }));
   assert.deepEqual(differences([a, b, a]).map(({ label, values }) => [label, values]), [["initial positions", ["list 1", "list 2", "list 1"]]]);
+});
+
+test("the trials of a point have a mean and its 95 % interval by Student's distribution", () => {
+  // Standard deviation 1 of three values; t of 2 degrees of freedom is 4.303 (a table of the distribution).
+  const { mean, low, high } = intervalOf([1, 2, 3]);
+  near(mean, 2);
+  near(high, 2 + 4.303 / Math.sqrt(3));
+  near(low, 2 - 4.303 / Math.sqrt(3));
+  assert.deepEqual(intervalOf([5]), { n: 1, mean: 5, low: null, high: null });
+  const trial = (point, model, values) => ({ point, model, parameters: { "/a": point }, values });
+  const points = pointsOf([trial(0, "macro", { f: 1 }), trial(0, "micro", { f: 3 }), trial(0, "macro", { f: 3 }), trial(1, "macro", {})], "f");
+  assert.deepEqual(points.map(({ point, model, n, mean: m }) => [point, model, n, m]), [[0, "macro", 2, 2], [0, "micro", 1, 3]]);
 });

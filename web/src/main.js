@@ -6,6 +6,7 @@ import "../style/controls.css";
 import "../style/runs.css";
 import "../style/watch.css";
 import "../style/new.css";
+import "../style/studies.css";
 
 import { onAccess, signOut } from "./access.js";
 import { getJson } from "./api.js";
@@ -13,10 +14,13 @@ import { CompareView } from "./compare_view.js";
 import { onConnection } from "./connection.js";
 import { h, link } from "./dom.js";
 import { showKeys } from "./keys.js";
+import { NewStudyView } from "./new_study_view.js";
 import { NewView } from "./new_view.js";
 import { startRouter } from "./router.js";
 import { RunView } from "./run_view.js";
 import { RunsView } from "./runs_view.js";
+import { StudiesView } from "./studies_view.js";
+import { StudyView } from "./study_view.js";
 import { toast, undoLast } from "./toast.js";
 
 const root = document.getElementById("view");
@@ -26,6 +30,7 @@ function viewOf({ name, argument }) {
   if (name === "runs") return argument ? new RunView() : new RunsView();
   if (name === "compare") return new CompareView();
   if (name === "new") return new NewView();
+  if (name === "studies") return argument === "new" ? new NewStudyView() : argument ? new StudyView() : new StudiesView();
   return null;
 }
 
@@ -38,7 +43,7 @@ async function show(route) {
   view?.unmount();
   view = viewOf(route);
   root.replaceChildren();
-  root.className = `view ${route.argument ? "run" : route.name}`;
+  root.className = `view ${route.argument === "new" ? "new" : route.name}`;
   for (const item of document.querySelectorAll("nav [data-view]")) {
     const isHere = item.dataset.view === route.name;
     if (isHere) item.setAttribute("aria-current", "page");

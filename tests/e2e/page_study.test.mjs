@@ -1,0 +1,119 @@
+// Studies on the page: begun by the form, watched while they are made, paused, resumed and cancelled; points open their run.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import test, { after } from "node:test";
+
+import { closeBrowser, openPage, visit } from "./browser.mjs";
+import { daemon } from "./daemon.mjs";
+import { jam } from "./scenarios.mjs";
+import { until } from "./setup.mjs";
+
+after(closeBrowser);
+
+// A plate at the wall that ends at (0.75, 0.5) and leaves 0.1 m free.
+function plate(duration_s, changes = {}) {
+  const scenario = jam(duration_s, { curve_every_s: 0.05, snapshot_every_s: duration_s });
+  const length_m = 0.5 / Math.sin(Math.PI / 3);
+  return { ...scenario, name: "a plate", obstacles: [{ end_m: [0.75, 0.5], angle_deg: 60, length_m }], ...changes };
+}
+
+async function begin(d, document) {
+  const answer = await d.post("/v1/studies", document);
+  assert.equal(answer.status, 201, answer.text);
+  return answer.json.id;
+}
+
+test("a study is begun by the form, shows what it finds, and its points open their runs", async (t) => {
+  const d = await daemon(t);
+  const run = await d.submit(plate(0.5));
+  const page = await openPage(t, d);
+  await visit(page, "#/studies");
+  await page.getByText("No studies yet.").waitFor();
+  await visit(page, `#/studies/new?from=${run.id}`);
+  await page.locator("[name=parameter]").selectOption("angle");
+  await page.locator("[name=from]").fill("60");
+  await page.locator("[name=to]").fill("90");
+  await page.locator("[name=steps]").fill("4");
+  await page.locator("[name=figure]").selectOption("Parts inside, mean, of upstream");
+  assert.equal(await page.locator("[name=name]").inputValue(), "Parts inside, mean, of upstream, angle 60 to 90°");
+  await page.getByText("At most 4 runs").waitFor();
+  await page.getByRole("button", { name: "Start the study" }).click();
+
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  const points = page.locator(".study-point");
+  await page.waitForFunction(() => document.querySelectorAll(".study-point").length === 4);
+  const id = /studies\/([^?]*)/.exec(page.url())[1];
+  const stored = (await d.get(`/v1/studies/${id}/document`)).json;
+  // The plate reaches the wall at each angle: at 60 degrees it is longest.
+  assert.ok(Math.abs(stored.base.scenario.obstacles[0].length_m - 0.5 / Math.sin(Math.PI / 3)) < 1e-6);
+  const { best } = (await d.get(`/v1/studies/${id}/best`)).json;
+  await page.locator(".best-words", { hasText: `angle ${best.parameters["/obstacles/0/angle_deg"]}°` }).waitFor();
+  await page.getByText("the microscopic model has not confirmed it").waitFor();
+  assert.equal(await page.locator(".study-point.best").count(), 1);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Trials as CSV" }).click()]);
+  assert.equal(readFileSync(await file.path(), "utf8"), (await d.get(`/v1/studies/${id}/trials?format=csv`)).text);
+
+  // Trials are not in the list of runs; the one that is opened is.
+  assert.deepEqual((await d.get("/v1/runs")).json.runs.map((one) => one.id), [run.id]);
+  await points.nth(1).focus();
+  await page.keyboard.press("Enter");
+  await page.waitForURL(/#\/runs\//);
+  const opened = /runs\/([^?]*)/.exec(page.url())[1];
+  const { obstacles } = (await d.get(`/v1/runs/${opened}/scenario`)).json;
+  const [[x0, y0], [x1, y1]] = obstacles[0].path_m;
+  assert.ok(Math.abs(Math.atan2(y1 - y0, x1 - x0) - (70 * Math.PI) / 180) < 1e-6);
+  await visit(page, "#/studies");
+  await page.getByRole("link", { name: "Parts inside, mean" }).waitFor();
+  await page.getByRole("cell", { name: "4 of 4" }).waitFor();
+});
+
+test("a study is paused, resumed, cancelled and deleted", async (t) => {
+  const d = await daemon(t);
+  const id = await begin(d, { name: "long", base: { scenario: plate(0.5) }, method: { type: "grid" }, objectives: [{ figure: "content.mean" }],
+    parameters: [{ pointer: "/obstacles/0/angle_deg", range: [60, 90], steps: 2000 }] });
+  const page = await openPage(t, d);
+  await visit(page, `#/studies/${id}`);
+  await page.locator(".study-point").nth(1).waitFor();
+  await page.getByRole("button", { name: "Pause" }).click();
+  await page.locator(".pill", { hasText: "paused" }).waitFor();
+  const count = (await d.get(`/v1/studies/${id}`)).json.trials.succeeded;
+  await page.getByRole("button", { name: "Resume" }).click();
+  await until(async () => (await d.get(`/v1/studies/${id}`)).json.trials.succeeded > count, "further trials");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.locator(".pill", { hasText: "cancelled" }).waitFor();
+  assert.equal(await page.getByRole("button", { name: "Resume" }).isVisible(), false);
+  await page.getByRole("button", { name: "Delete" }).click();
+  await page.getByText("No studies yet.").waitFor();
+  assert.equal((await d.get(`/v1/studies/${id}`)).status, 404);
+});
+
+test("what both models say of the best points, and how a fit agrees with the counts", async (t) => {
+  const d = await daemon(t);
+  const scenario = plate(2, { micro: { integrator: "implicit", modulus_reduction: 1e4 } });
+  scenario.initial.hexagonal = { ...scenario.initial.hexagonal, rows: 4, columns: 4, first_m: [0.5, 0.4] };
+  const parameters = [{ pointer: "/obstacles/0/angle_deg", range: [60, 90], steps: 4 }];
+  const screened = await begin(d, { base: { scenario }, parameters, objectives: [{ figure: "content.mean" }], replications: 2,
+    method: { type: "screen", sweep: "grid", confirm: 2, indifference: 0.1 }, limits: { trials: 20 } });
+  const page = await openPage(t, d);
+  await visit(page, `#/studies/${screened}`);
+  await page.getByText("Confirmed: the microscopic model tried 2 points").waitFor();
+  await page.getByRole("cell", { name: "dropped" }).waitFor();
+
+  const run = await d.submit(scenario);
+  await d.reached(run.id, "succeeded");
+  const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
+  const { id: measurement } = (await d.post("/v1/measurements", { counter: "upstream", label: "hall", t_s: curve.t_s, count: curve.upstream })).json;
+  await visit(page, `#/studies/new?from=${run.id}`);
+  await page.locator("[name=method]").selectOption("Fit to counts");
+  await page.locator("[name=parameter]").selectOption("belt speed");
+  await page.locator("[name=trials]").fill("6");
+  assert.equal(await page.locator("[name=counts]").locator("option:checked").innerText(), "hall");
+  await page.getByRole("button", { name: "Start the study" }).click();
+  await page.locator(".pill", { hasText: "succeeded" }).waitFor();
+  const id = /studies\/([^?]*)/.exec(page.url())[1];
+  assert.deepEqual((await d.get(`/v1/studies/${id}/document`)).json.curves, [{ counter: "upstream", t_s: curve.t_s, count: curve.upstream }]);
+  assert.ok(measurement);
+  await page.locator(".fit .plot-legend", { hasText: "computed" }).waitFor();
+  await page.getByRole("row", { name: /^belt speed .* m\/s/ }).waitFor();
+});

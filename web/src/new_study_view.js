@@ -1,0 +1,253 @@
+// A new study: which parameter, from where to where, what is best, and how the values are chosen.
+
+import { getJson, post, Problem } from "./api.js";
+import { h, setText } from "./dom.js";
+import { figureTitle, figureUnit, studied } from "./figures.js";
+import { span } from "./format.js";
+import { address, go } from "./router.js";
+import { ScenarioSource } from "./scenario_source.js";
+import { baseFor, studyParameters } from "./study_parameters.js";
+import { segments } from "./transport.js";
+
+const methods = [
+  ["grid", "Even steps", "every value in the chosen model"],
+  ["screen", "Both models", "even steps in the macroscopic model, then the best ones in the microscopic one"],
+  ["direct", "Search", "goes where the best value is likely"],
+  ["calibrate", "Fit to counts", "finds the value that agrees best with counts from the hall"],
+];
+const CONFIRMED = 3;
+
+export class NewStudyView {
+  constructor() {
+    this.title = "New study";
+    this.method = "grid";
+    this.model = "macro";
+  }
+
+  async mount(root, { query }) {
+    this.source = new ScenarioSource(query, (begun) => this.setScenario(begun), (error) => this.say(error.message));
+    root.append(h("p", { class: "loading" }, "Loading …"));
+    [{ measurements: this.counts }] = await Promise.all([getJson("v1/measurements"), this.source.load()]);
+    if (this.isGone) return;
+    this.counts = this.counts.filter(({ kind }) => kind === undefined);
+    root.replaceChildren(...this.build());
+    await this.source.begin();
+  }
+
+  unmount() {
+    this.isGone = true;
+    clearTimeout(this.timer);
+  }
+
+  field(label, box, hint, unit) {
+    return h("label", { class: "field" }, h("span", {}, label), h("span", { class: "with-unit" }, box, unit ?? null),
+      hint ? h("small", { class: "hint" }, hint) : null);
+  }
+
+  box(name, value, more = {}) {
+    return h("input", { type: "text", inputmode: "decimal", autocomplete: "off", name, value, ...more, on: { input: () => this.change() } });
+  }
+
+  build() {
+    this.parameterBox = h("select", { name: "parameter", on: { change: () => this.chooseParameter() } });
+    this.units = [0, 1].map(() => h("span", { class: "unit" }));
+    this.fromBox = this.box("from", "");
+    this.toBox = this.box("to", "");
+    this.stepsBox = this.box("steps", "6", { inputmode: "numeric" });
+    this.trialsBox = this.box("trials", "24", { inputmode: "numeric" });
+    this.runsBox = this.box("replications", "1", { inputmode: "numeric" });
+    this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
+    this.indifferenceBox = this.box("indifference", "");
+    this.indifferenceUnit = h("span", { class: "unit" });
+    this.countsBox = h("select", { name: "counts" }, this.counts.map(({ id, label, counter }) => h("option", { value: id }, label || `${counter}, ${id.slice(-8)}`)));
+    this.counterBox = h("select", { name: "counter" });
+    this.methodBox = h("select", { name: "method", on: { change: () => this.chooseMethod(this.methodBox.value) } },
+      methods.map(([value, text]) => h("option", { value }, text)));
+    this.methodHint = h("small", { class: "hint" });
+    const model = segments("Model", [["macro", "Macroscopic"], ["micro", "Microscopic"]], this.model, (value) => {
+      this.model = value;
+      this.change();
+    });
+    this.chooseModel = model.choose;
+    this.nameBox = h("input", { type: "text", name: "name", maxlength: "100", autocomplete: "off", on: { input: () => (this.isNamed = this.nameBox.value !== "") } });
+    this.verdict = h("p", { class: "verdict", role: "status" });
+    this.faults = h("ul", { class: "faults", "aria-label": "Faults" });
+    this.button = h("button", { class: "primary" }, "Start the study");
+    this.parts = {
+      model: h("div", { class: "field" }, h("span", {}, "Model"), model.element),
+      steps: this.field("Values", this.stepsBox, "how many, with both ends"),
+      trials: this.field("Trials", this.trialsBox, "at most"),
+      runs: this.field("Runs of each", this.runsBox, "with other arrivals, for an interval; where parts arrive at random"),
+      figure: this.field("Figure", this.figureBox),
+      indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
+      counter: this.field("Counter", this.counterBox, "where parts were counted"),
+      counts: this.field("Counts", this.countsBox, "that were measured and stored"),
+    };
+    const card = (id, title, ...children) => h("section", { class: "card", "aria-labelledby": id }, h("h2", { id }, title), ...children);
+    return [h("div", { class: "view-head" }, h("h1", {}, "New study")),
+      h("form", { class: "new-run", novalidate: true, on: { submit: (event) => {
+        event.preventDefault();
+        this.submit();
+      } } },
+      card("from-title", "Begin with", this.source.element, this.field("Name", this.nameBox, "says what is varied, until you edit it")),
+      card("vary-title", "Vary", h("div", { class: "fields" }, this.field("Parameter", this.parameterBox),
+        this.field("From", this.fromBox, null, this.units[0]), this.field("To", this.toBox, null, this.units[1]), this.parts.steps)),
+      card("best-title", "Find the best", h("div", { class: "fields" },
+        h("label", { class: "field" }, h("span", {}, "Method"), this.methodBox, this.methodHint),
+        this.parts.figure, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
+      this.faults, h("div", { class: "submit-row" }, this.button, this.verdict))];
+  }
+
+  async setScenario({ scenario, model }) {
+    this.scenario = scenario;
+    this.resolved = null;
+    if (model) this.chooseModel(this.model = model, false);
+    this.fill();
+    try {
+      const known = await post("v1/validate", { scenario, model: this.model });
+      if (this.scenario !== scenario) return;
+      this.resolved = known.resolved;
+      this.fill();
+    } catch (error) {
+      this.refuse(error);
+    }
+  }
+
+  fill() {
+    const chosen = this.parameterBox.value;
+    this.parameters = studyParameters(this.scenario, this.resolved);
+    this.parameterBox.replaceChildren(...this.parameters.map(({ pointer, label }) => h("option", { value: pointer }, label)));
+    const isKnown = this.parameters.some(({ pointer }) => pointer === chosen);
+    if (isKnown) this.parameterBox.value = chosen;
+    const counters = (this.resolved ?? this.scenario).counters ?? [{ id: "upstream" }];
+    this.counterBox.replaceChildren(...counters.map(({ id }) => h("option", { value: id }, id)));
+    const figure = this.figureBox.value;
+    this.figureBox.replaceChildren(...studied.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))
+      .map(({ name }) => h("option", { value: name }, figureTitle(name))));
+    if (figure) this.figureBox.value = figure;
+    if (!isKnown) {
+      // Parts that are there from the start leave; those that are fed pass.
+      this.figureBox.value = this.scenario.feeds?.length ? "throughput_per_h" : "drained_at_s";
+      this.runsBox.value = this.scenario.feeds?.length ? "3" : "1";
+      this.chooseParameter();
+    }
+    this.chooseFigure();
+    this.chooseMethod(this.method);
+  }
+
+  get parameter() {
+    return this.parameters.find(({ pointer }) => pointer === this.parameterBox.value);
+  }
+
+  get figure() {
+    const [figure, of] = this.figureBox.value.split(":");
+    return { ...studied.find((one) => one.figure === figure), of };
+  }
+
+  chooseParameter() {
+    const { range: [from, to], unit } = this.parameter;
+    this.fromBox.value = String(from);
+    this.toBox.value = String(to);
+    for (const element of this.units) setText(element, unit);
+    this.change();
+  }
+
+  chooseFigure() {
+    this.indifferenceBox.value = String(this.figure.indifference);
+    setText(this.indifferenceUnit, figureUnit(this.figureBox.value));
+    this.change();
+  }
+
+  chooseMethod(method) {
+    this.method = method;
+    this.methodBox.value = method;
+    setText(this.methodHint, methods.find(([value]) => value === method)[2]);
+    const isFit = method === "calibrate";
+    for (const [part, isShown] of Object.entries({ model: method !== "screen", steps: method === "grid" || method === "screen",
+      trials: method === "direct" || isFit, runs: !isFit, figure: !isFit, indifference: method === "screen", counter: isFit, counts: isFit })) {
+      this.parts[part].hidden = !isShown;
+    }
+    this.change();
+  }
+
+  // How many runs there will be at most.
+  trials() {
+    const [steps, runs, trials] = [this.stepsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(Number(box.value)) || 1));
+    if (this.method === "grid") return steps * runs;
+    return this.method === "screen" ? steps + CONFIRMED * 4 * Math.max(2, runs) : trials;
+  }
+
+  change() {
+    if (!this.parameter) return;
+    const range = [Number(this.fromBox.value), Number(this.toBox.value)];
+    const { label, unit } = this.parameter;
+    if (!this.isNamed) {
+      const goal = this.method === "calibrate" ? "Fit" : figureTitle(this.figureBox.value);
+      this.nameBox.value = `${goal}, ${label} ${range[0]} to ${range[1]}${unit === "°" ? "°" : unit ? ` ${unit}` : ""}`;
+    }
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.predict(), 300);
+  }
+
+  async predict() {
+    const models = this.method === "screen" ? ["macro", "micro"] : [this.model];
+    try {
+      const known = await Promise.all(models.map((model) => post("v1/validate", { scenario: this.scenario, model })));
+      const each = known.map(({ predicted_s: seconds }) => seconds);
+      const n = this.trials();
+      const steps = Math.max(1, Math.round(Number(this.stepsBox.value)) || 1);
+      const seconds = this.method === "screen" ? steps * each[0] + (n - steps) * each[1] : n * each[0];
+      this.say(each.includes(null) ? `At most ${n} runs.` : `At most ${n} runs, about ${span(seconds)} of computing on one core.`, "good");
+    } catch (error) {
+      this.refuse(error);
+    }
+  }
+
+  document() {
+    const range = [Number(this.fromBox.value), Number(this.toBox.value)];
+    const { pointer } = this.parameter;
+    const goal = ({ figure, of, goal: way }) => ({ figure, ...(of ? { of } : {}), goal: way });
+    const others = studied.filter(({ figure, of }) => figure !== this.figure.figure && !of).slice(0, 5);
+    const isGrid = this.method === "grid" || this.method === "screen";
+    const number = (box) => Number(box.value);
+    const common = {
+      name: this.nameBox.value,
+      base: { scenario: baseFor(this.scenario, this.parameter, range), model: this.method === "screen" ? "macro" : this.model },
+      parameters: [{ pointer, range, ...(isGrid ? { steps: number(this.stepsBox) } : {}) }],
+    };
+    if (this.method === "calibrate") {
+      return { ...common, curves: [{ counter: this.counterBox.value, measurement: this.countsBox.value }],
+        method: { type: "calibrate", points: 4 }, limits: { trials: number(this.trialsBox) } };
+    }
+    const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, number(this.stepsBox)), indifference: number(this.indifferenceBox) }
+      : { type: this.method };
+    const runs = number(this.runsBox);
+    return { ...common, method, objectives: [goal(this.figure), ...others.map(goal)],
+      replications: this.method === "screen" ? Math.max(2, runs) : runs,
+      ...(isGrid ? {} : { limits: { trials: number(this.trialsBox) } }) };
+  }
+
+  async submit() {
+    this.button.disabled = true;
+    try {
+      const { id } = await post("v1/studies", this.document());
+      go(address("studies", id));
+    } catch (error) {
+      this.refuse(error);
+    } finally {
+      this.button.disabled = false;
+    }
+  }
+
+  refuse(error) {
+    if (!(error instanceof Problem)) throw error;
+    this.faults.replaceChildren(...error.errors.map(({ pointer, detail }) => h("li", {}, h("span", { class: "place" }, pointer || "the document"), detail)));
+    this.say(error.message, "fault");
+  }
+
+  say(text, kind = "fault") {
+    if (kind === "good") this.faults.replaceChildren();
+    this.verdict.className = `verdict ${kind}`;
+    setText(this.verdict, text);
+  }
+}

@@ -1,0 +1,63 @@
+// What a study found: the best point, whether the microscopic model confirms it, and why to doubt it.
+
+import { figureTitle, figureUnit } from "./figures.js";
+import { h } from "./dom.js";
+import { models, quantity } from "./format.js";
+import { parametersWords, valueWords } from "./study_words.js";
+
+const spread = ({ mean, interval_95: interval }) => ({ mean, low: interval?.[0] ?? null, high: interval?.[1] ?? null });
+
+// One plain sentence about how sure the best point is.
+function sentence(study, { best, is_ended: isEnded, is_decided: isDecided, confirmed }) {
+  if (!best) return isEnded ? "No trial has this value, so nothing is best." : "Nothing is known yet.";
+  if (study.method === "calibrate") return isEnded ? "These values agree best with the counts." : "So far these values agree best with the counts.";
+  if (study.method !== "screen") {
+    return `${isEnded ? "The best that was tried" : "The best so far"}, by the ${models[best.model]} model alone${best.model === "macro" ? "; the microscopic model has not confirmed it." : "."}`;
+  }
+  if (!confirmed?.length) return "By the macroscopic model alone; the microscopic model has not confirmed it yet.";
+  return isDecided ? `Confirmed: the microscopic model tried ${confirmed.length} points and this is the best of them.`
+    : `The microscopic model has tried ${confirmed.length} points; which of them is best is not decided.`;
+}
+
+export class BestPanel {
+  constructor(words, figures) {
+    Object.assign(this, { words, figures });
+    this.body = h("div", { class: "best-panel" });
+    this.element = h("section", { class: "card", "aria-labelledby": "best-title" },
+      this.title = h("h2", { id: "best-title" }, "Best found"), this.body);
+  }
+
+  show(study, found) {
+    if (!found) return;
+    const key = JSON.stringify([study.status, found]);
+    if (key === this.key) return;
+    this.key = key;
+    const { best, warnings = [], confirmed } = found;
+    this.body.replaceChildren(...[
+      best ? h("p", { class: "best-words" }, parametersWords(best.parameters, this.words)) : null,
+      h("p", { class: "hint" }, sentence(study, found)),
+      best ? this.values(best) : null,
+      confirmed?.length > 0 ? this.confirmed(confirmed) : null,
+      warnings.length > 0 ? h("ul", { class: "warnings", "aria-label": "Warnings" }, warnings.map((text) => h("li", {}, text))) : null,
+      study.error ? h("p", { class: "fault" }, study.error.detail) : null,
+    ].filter(Boolean));
+  }
+
+  values({ values }) {
+    return h("dl", { class: "facts" }, Object.entries(values).filter(([, value]) => value.mean !== null).map(([name, value]) =>
+      h("div", {}, h("dt", {}, figureTitle(name)), h("dd", {}, valueWords(spread(value), figureUnit(name))))));
+  }
+
+  confirmed(points) {
+    const [name] = this.figures;
+    const row = ({ is_dropped: isDropped, micro, macro, difference }) => h("tr", {},
+      h("th", { scope: "row" }, parametersWords(micro.parameters, this.words)),
+      h("td", {}, quantity(macro.values[name]?.mean, "", 4)), h("td", {}, valueWords(spread(micro.values[name] ?? {}), "")),
+      h("td", {}, quantity(difference, "", 3)), h("td", {}, isDropped ? "dropped" : "kept"));
+    return h("div", { class: "scroll" }, h("table", { class: "measures" },
+      h("caption", { class: "hint" }, `${figureTitle(name)} by both models${figureUnit(name) ? `, ${figureUnit(name)}` : ""}`),
+      h("thead", {}, h("tr", {}, ["point", "macro", "micro", "difference", ""].map((text) =>
+        (text ? h("th", { scope: "col" }, text) : h("td"))))),
+      h("tbody", {}, points.map(row))));
+  }
+}

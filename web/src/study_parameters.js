@@ -1,0 +1,80 @@
+// What of a scenario a study can vary, from where to where, and how the scenario is written for it.
+
+import { angleOf, plateOf, tidy, withPlate } from "./plate.js";
+
+const radians = (degrees) => (degrees * Math.PI) / 180;
+const around = (value) => [tidy(value * 0.7, 2), tidy(value * 1.3, 2)];
+
+// A plate that stands at the wall stays there: it is made so long that its foot does not leave it anywhere in the range.
+function lengthened(scenario, k, { from, to }, least) {
+  const plate = withPlate(scenario.obstacles[k], { from, to });
+  const wall = scenario.domain?.y_m?.[0] ?? from[1];
+  const isAtWall = Math.abs(from[1] - wall) < 1e-6;
+  scenario.obstacles[k] = isAtWall ? { ...plate, length_m: tidy(Math.max(plate.length_m, least)) } : plate;
+}
+
+function ofPlate(scenario, k) {
+  const plate = plateOf(scenario.obstacles[k]);
+  if (!plate) return [];
+  const { from, to } = plate;
+  const across = to[1] - from[1];
+  const who = scenario.obstacles.length === 1 ? "" : `${scenario.obstacles[k].id ?? k + 1} `;
+  const angled = (least) => (copy, range) => lengthened(copy, k, plate, least(range));
+  const at = (member, label, unit, value, range, write) => ({ pointer: `/obstacles/${k}/${member}`, label: `${who}${label}`, unit, value, range, write });
+  return [
+    at("angle_deg", "angle", "°", angleOf(plate), [45, 90],
+      angled((range) => Math.max(...range.map((angle) => across / Math.sin(radians(angle)))))),
+    at("end_m/1", "tip y", "m", to[1], [tidy(to[1] - 0.05), tidy(to[1] + 0.05)],
+      angled((range) => (Math.max(...range) - from[1]) / Math.sin(radians(angleOf(plate))))),
+    at("end_m/0", "tip x", "m", to[0], [tidy(to[0] - 0.1), tidy(to[0] + 0.1)], angled(() => 0)),
+  ];
+}
+
+function member(pointer, label, unit, value) {
+  return typeof value === "number" && value !== 0 ? [{ pointer, label, unit, value, range: around(value), write: () => {} }] : [];
+}
+
+const more = [
+  ["/contacts/handling_cargo/friction", "friction at plates and walls", ""],
+  ["/contacts/conveyor_cargo/friction", "friction on the belt", ""],
+  ["/contacts/cargo_cargo/friction", "friction between parts", ""],
+  ["/macro/mollifier_per_m2", "mollifier", "/m²"],
+  ["/macro/dispersion_m_s", "dispersion speed", "m/s"],
+];
+
+export function valueAt(scenario, pointer) {
+  return pointer.slice(1).split("/").reduce((item, name) => item?.[name], scenario);
+}
+
+// Writes a number into a scenario whose other members may stay with their defaults.
+function writeAt(scenario, pointer, value) {
+  const names = pointer.slice(1).split("/");
+  const last = names.pop();
+  let item = scenario;
+  for (const name of names) item = item[name] ??= {};
+  item[last] = value;
+}
+
+// [{ pointer, label, unit, value, range, write(copy, range) }]. resolved: the same scenario with its defaults, or null.
+export function studyParameters(scenario, resolved) {
+  const { obstacles = [], belts = [], feeds = [] } = scenario;
+  const others = more.flatMap(([pointer, label, unit]) => {
+    const value = valueAt(scenario, pointer) ?? valueAt(resolved ?? {}, pointer);
+    return member(pointer, label, unit, value).map((item) => ({ ...item, write: (copy) => writeAt(copy, pointer, value) }));
+  });
+  return [
+    ...obstacles.flatMap((_, k) => ofPlate(scenario, k)),
+    ...belts.flatMap(({ id, velocity_m_s: [vx, vy] = [0, 0] }, k) =>
+      member(`/belts/${k}/velocity_m_s/${vx === 0 ? 1 : 0}`, belts.length === 1 ? "belt speed" : `${id ?? k + 1} belt speed`, "m/s", vx === 0 ? vy : vx)),
+    ...feeds.flatMap(({ id, rate_per_s: rate }, k) =>
+      member(`/feeds/${k}/rate_per_s`, feeds.length === 1 ? "feed" : `${id ?? k + 1} feed`, "parts/s", rate)),
+    ...others,
+  ];
+}
+
+// The scenario as a study of this parameter over this range wants it.
+export function baseFor(scenario, parameter, range) {
+  const copy = structuredClone(scenario);
+  parameter.write(copy, range);
+  return copy;
+}

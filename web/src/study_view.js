@@ -1,0 +1,173 @@
+// One study: a figure against a parameter while it is made, what is best, and of a fit the curves that were fitted.
+
+import { ask, post, ticketed } from "./api.js";
+import { h, iconButton, link, setText } from "./dom.js";
+import { figureTitle, figureUnit } from "./figures.js";
+import { age } from "./format.js";
+import { parameterAt } from "./parameters.js";
+import { address, go, note } from "./router.js";
+import { statePill } from "./runs_table.js";
+import { BestPanel } from "./study_best.js";
+import { StudyChart } from "./study_chart.js";
+import { isStudyOver, StudyData } from "./study_data.js";
+import { FitPanel } from "./study_fit.js";
+import { pointsOf } from "./study_points.js";
+import { methodWords, nameOfStudy, parametersWords, valueWords } from "./study_words.js";
+import { tellFault } from "./toast.js";
+
+const SHOWN_MAX = 400;
+
+export class StudyView {
+  constructor() {
+    this.title = "Study";
+  }
+
+  async mount(root, { argument: id, query }) {
+    this.data = new StudyData(id);
+    root.append(h("p", { class: "loading" }, "Loading …"));
+    await this.data.load();
+    if (this.isGone) return;
+    const { document: doc } = this.data;
+    const { scenario } = doc.base;
+    this.words = new Map(doc.parameters.map(({ pointer }) => [pointer, parameterAt(pointer, scenario)]));
+    this.figures = doc.curves?.length > 0 ? doc.curves.map(({ counter }) => `mse:${counter}`)
+      : doc.objectives.map(({ figure, of }) => (of ? `${figure}:${of}` : figure));
+    this.figure = this.figures.includes(query.get("figure")) ? query.get("figure") : this.figures[0];
+    this.pointer = this.words.has(query.get("against")) ? query.get("against") : doc.parameters[0].pointer;
+    root.replaceChildren(...this.build());
+    this.data.onChange = () => this.show();
+    this.show();
+    this.data.start();
+  }
+
+  unmount() {
+    this.isGone = true;
+    this.data?.dispose();
+    this.chart?.dispose();
+    this.fit?.dispose();
+  }
+
+  build() {
+    this.best = new BestPanel(this.words, this.figures);
+    this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
+    this.chart = new StudyChart((point) => this.open(point));
+    return [this.head(), h("div", { class: "watch" },
+      h("div", {}, this.chartCard(), this.tableCard()), h("div", {}, this.best.element, this.fit?.element))];
+  }
+
+  head() {
+    const { study } = this.data;
+    this.title = nameOfStudy(study);
+    this.state = statePill(study);
+    this.count = h("span", { class: "figures" });
+    this.bar = h("progress", { max: "1", "aria-label": "Trials that have ended" });
+    const action = (text, what) => h("button", { type: "button", on: { click: () => this.data.post(what).catch(tellFault) } }, text);
+    this.buttons = { pause: action("Pause", "pause"), resume: action("Resume", "resume"), cancel: action("Cancel", "cancel") };
+    return h("div", { class: "view-head" },
+      h("div", { class: "heading" }, h("h1", {}, this.title),
+        h("p", { class: "meta" }, this.state.pill, this.bar, this.count, h("span", {}, methodWords(study)),
+          h("time", { datetime: study.created_at }, age(study.created_at)))),
+      h("div", { class: "actions" }, Object.values(this.buttons),
+        iconButton("download", "Trials as CSV", () => this.download(), { shown: true }),
+        link(address("runs", "", { study: study.id }), "Its runs", { class: "button" }),
+        iconButton("trash", "Delete", () => this.remove(), { shown: true })));
+  }
+
+  chartCard() {
+    const choose = (label, values, chosen, text, onChoose) => {
+      const box = h("select", { on: { change: () => onChoose(box.value) } }, values.map((value) => h("option", { value }, text(value))));
+      box.value = chosen;
+      return values.length > 1 ? h("label", { class: "field inline" }, h("span", {}, label), box) : null;
+    };
+    return h("section", { class: "card", "aria-labelledby": "chart-title" },
+      h("div", { class: "card-head" }, this.chartTitle = h("h2", { id: "chart-title" }),
+        h("div", { class: "row" },
+          choose("Figure", this.figures, this.figure, figureTitle, (value) => this.choose({ figure: value })),
+          choose("Against", [...this.words.keys()], this.pointer, (pointer) => this.words.get(pointer).label,
+            (value) => this.choose({ pointer: value })))),
+      this.chart.element,
+      h("p", { class: "hint" }, "Each point is the mean of its runs, with the 95 % interval where there are several. Press a point to open its run."));
+  }
+
+  tableCard() {
+    this.rows = h("tbody");
+    this.columns = h("tr");
+    return h("details", { class: "card trials" }, h("summary", {}, h("h2", {}, "All points")),
+      h("div", { class: "scroll" }, h("table", { class: "measures" }, h("thead", {}, this.columns), this.rows)));
+  }
+
+  choose(change) {
+    Object.assign(this, change);
+    note({ figure: this.figure, against: this.pointer });
+    this.show();
+  }
+
+  show() {
+    const { study, best } = this.data;
+    this.state.show(study);
+    const { trials } = study;
+    const done = this.data.ended().length;
+    setText(this.count, `${done} of ${isStudyOver(study) ? done : trials.limit} trials`);
+    this.bar.hidden = isStudyOver(study) || study.status === "paused";
+    this.bar.value = done / Math.max(1, trials.limit);
+    this.buttons.pause.hidden = !["queued", "running"].includes(study.status);
+    this.buttons.resume.hidden = study.status !== "paused";
+    this.buttons.cancel.hidden = isStudyOver(study);
+    const points = pointsOf(this.data.ended(), this.figure);
+    const unit = figureUnit(this.figure);
+    const { label, unit: of } = this.words.get(this.pointer);
+    setText(this.chartTitle, `${figureTitle(this.figure)} against ${label}`);
+    this.chart.show(points.map((point) => this.drawn(point, unit)), [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
+    this.showTable(points, unit);
+    this.best.show(study, best);
+    this.fit?.show(best);
+  }
+
+  isBest({ point, model }) {
+    const { best } = this.data.best ?? {};
+    return best?.point === point && best.model === model;
+  }
+
+  drawn(point, unit) {
+    return { ...point, key: `${point.point} ${point.model}`, x: point.parameters[this.pointer], isBest: this.isBest(point),
+      title: `${parametersWords(point.parameters, this.words)}: ${valueWords(point, unit)}, ${point.model}` };
+  }
+
+  showTable(points, unit) {
+    const head = [...[...this.words.values()].map(({ label }) => label), "model", "runs", unit ? `mean (${unit})` : "mean", "95 % interval"];
+    const key = JSON.stringify([head, points.map(({ point, model, n, mean }) => [point, model, n, mean])]);
+    if (key === this.tableKey) return;
+    this.tableKey = key;
+    this.columns.replaceChildren(...head.map((text) => h("th", { scope: "col" }, text)));
+    this.rows.replaceChildren(...points.slice(0, SHOWN_MAX).map((point) => {
+      const [first, ...others] = [...this.words.keys()].map((pointer) => parametersWords({ [pointer]: point.parameters[pointer] }, this.words));
+      const interval = point.low === null ? "–" : valueWords({ mean: point.low }, "") + " to " + valueWords({ mean: point.high }, "");
+      return h("tr", { class: this.isBest(point) ? "best" : null }, h("th", { scope: "row" }, first), others.map((text) => h("td", {}, text)),
+        [point.model, String(point.n), valueWords({ mean: point.mean }, ""), interval].map((text) => h("td", {}, text)));
+    }));
+  }
+
+  // Runs of trials have curves only, so that the trial is solved again with all its output, unless that was done before.
+  async open({ trials: [trial] }) {
+    try {
+      const run = await post(`${this.data.path}/trials/${trial.trial}/run`, "");
+      go(address("runs", run.id));
+    } catch (error) {
+      tellFault(error);
+    }
+  }
+
+  async download() {
+    const target = await ticketed(`${this.data.path}/trials?format=csv`);
+    h("a", { href: target, download: `${this.title}.csv` }).click();
+  }
+
+  async remove() {
+    try {
+      await ask(this.data.path, { method: "DELETE" });
+      go(address("studies"));
+    } catch (error) {
+      tellFault(error);
+    }
+  }
+}
