@@ -17,6 +17,25 @@ typedef struct picture_query {
     const colormap *map;
 } picture_query;
 
+static bf_status write_list(exchange *x, const api_run *of, const api_snapshot_list *list,
+                            bf_error *err)
+{
+    bf_buffer scenario = { 0 };
+    part_kinds kinds = { 0 };
+    bf_status status = BF_OK;
+
+    if (list->parts.n_values > 0)
+        status =
+            x->services->read_text(x->services->context, of->id, API_TEXT_SCENARIO, &scenario, err);
+    if (status == BF_OK)
+        status = kinds_find(scenario.bytes, scenario.n, &list->parts, &kinds, err);
+    if (status == BF_OK)
+        status = results_snapshots_json(list, of->id, &kinds, &x->response->body, err);
+    kinds_fini(&kinds);
+    buffer_fini(&scenario);
+    return status;
+}
+
 bf_status handlers_results_snapshots(exchange *x, bf_error *err)
 {
     api_snapshot_list list = { 0 };
@@ -33,7 +52,7 @@ bf_status handlers_results_snapshots(exchange *x, bf_error *err)
         return status;
     status = x->media->format == MEDIA_PVD
                  ? results_series_pvd(&list, RESULTS_FILES_SNAPSHOT_VTK, &x->response->body, err)
-                 : results_snapshots_json(&list, record.id, &x->response->body, err);
+                 : write_list(x, &record, &list, err);
     buffer_fini(&list.items);
     return status;
 }

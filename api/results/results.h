@@ -8,6 +8,7 @@
 #include "api/json/members.h"
 #include "api/results/colormap.h"
 #include "api/results/key_figures.h"
+#include "api/results/kinds.h"
 #include "api/results/picture.h"
 #include "api/results/results_files.h"
 #include "api/services.h"
@@ -141,9 +142,10 @@ BF_MUST_CHECK bf_status results_series_pvd(const api_snapshot_list *list, result
 /// Append snapshots.json: {"grid": {...}, "snapshots": [{"n", "t_s", "file", "peak", "mass"}]}; with
 /// parts also "parts": {"rows", "columns": [...]}, and "parts_file" for each snapshot. run_id NULL:
 /// files are named snapshots/NNNNNN.npy and parts/NNNNNN.npy; else "url" and "parts_url" are the
-/// resources of that run.
+/// resources of that run. With kinds (NULL: without) also "kinds": [0, 1, ...].
 BF_MUST_CHECK bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id,
-                                               bf_buffer *out, bf_error *err);
+                                               const part_kinds *kinds, bf_buffer *out,
+                                               bf_error *err);
 
 /// Append summary.json. scenario is the resolved document; figures are those at the end, n = 0: there are none.
 BF_MUST_CHECK bf_status results_summary(run_model model, const char *scenario, size_t n_scenario,

@@ -83,9 +83,19 @@ static bf_status write_photo_eyes(const archive *a, const api_services *services
 static bf_status write_list(const archive *a, const api_services *services, uint64_t index,
                             bf_buffer *out, bf_error *err)
 {
-    (void)services;
+    bf_buffer scenario = { 0 };
+    part_kinds kinds = { 0 };
+
     (void)index;
-    return results_snapshots_json(&a->list, NULL, out, err);
+    bf_status status =
+        services->read_text(services->context, a->id, API_TEXT_SCENARIO, &scenario, err);
+    if (status == BF_OK)
+        status = kinds_find(scenario.bytes, scenario.n, &a->list.parts, &kinds, err);
+    if (status == BF_OK)
+        status = results_snapshots_json(&a->list, NULL, &kinds, out, err);
+    kinds_fini(&kinds);
+    buffer_fini(&scenario);
+    return status;
 }
 
 static bf_status write_snapshots_series(const archive *a, const api_services *services,

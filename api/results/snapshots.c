@@ -108,13 +108,26 @@ static const member snapshots_members[] = {
     MEMBER("grid", object, AT(grid), "Grid of every snapshot", .table = &results_grid_members),
     MEMBER("parts", object, AT(parts), "Layout of the parts of every snapshot (microscopic model)",
            .table = &results_parts_layout_members, .applies = list_has_parts),
+    MEMBER("kinds", described, 0,
+           "Of a mix without feeds: the kind of each part, an index in `cargo` of the scenario, in "
+           "the order of placement (microscopic model)",
+           .type = "[#Count]", .flags = MEMBER_OPTIONAL),
     MEMBER("snapshots", described, 0, "The snapshots so far", .type = "[#SnapshotItem]"),
 };
 const member_table results_snapshots_members = { MEMBER_TABLE("SnapshotList", snapshots_members) };
 #undef AT
 
-bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id, bf_buffer *out,
-                                 bf_error *err)
+static void write_kinds(json_out *w, const part_kinds *kinds)
+{
+    json_out_key(w, "kinds");
+    json_out_array(w);
+    for (size_t k = 0; k < kinds->n; k++)
+        json_out_integer(w, kinds->of[k]);
+    json_out_array_end(w);
+}
+
+bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_id,
+                                 const part_kinds *kinds, bf_buffer *out, bf_error *err)
 {
     const api_snapshot *items = (const api_snapshot *)(const void *)list->items.bytes;
     snapshot_item item = { .has_parts = list_has_parts(list) };
@@ -124,6 +137,8 @@ bf_status results_snapshots_json(const api_snapshot_list *list, const char *run_
     snprintf(item.run, sizeof item.run, "%s", run_id == NULL ? "" : run_id);
     json_out_object(&w);
     members_write_into(&w, &results_snapshots_members, list);
+    if (kinds != NULL && kinds->n > 0)
+        write_kinds(&w, kinds);
     json_out_key(&w, "snapshots");
     json_out_array(&w);
     for (size_t k = 0; k < list->n; k++) {

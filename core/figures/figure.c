@@ -47,6 +47,11 @@ const figure figure_table[FIGURE_COUNT] = {
                             "Since when the domain has been empty until the end: less than half a "
                             "part inside and waiting at all feeds",
                             OF(RUN, BOTH) },
+    [FIGURE_ENTERED] = { "parts", "entered", "parts",
+                         "Parts in the domain at the start and those of feeds that entered since",
+                         OF(RUN, BOTH) },
+    [FIGURE_LEFT] = { "parts", "left", "parts", "Of them, parts that left the domain",
+                      OF(RUN, BOTH) },
     [FIGURE_OFFERED] = { "offered", NULL, "parts",
                          "Parts due at the feed since the start: admitted, waiting or discarded",
                          OF(FEED, BOTH) },

@@ -4,8 +4,8 @@
 /// feed, of its second feed, and so on, then of its counters, then of its photo eyes, each in the order of the
 /// table. NAN: the run cannot say; never 0 instead.
 ///
-/// Every figure but offered, admitted, discarded, steady_at_s and drained_at_s leaves out what was before the first
-/// sample at or after the scenario's warmup_s, the warm-up. Samples are those of the curve.
+/// Every figure but offered, admitted, discarded, entered, left, steady_at_s and drained_at_s leaves out what was before
+/// the first sample at or after the scenario's warmup_s, the warm-up. Samples are those of the curve.
 
 #pragma once
 
@@ -38,6 +38,8 @@ typedef enum figure_id {
     FIGURE_QUEUE_END,
     FIGURE_PEAK,
     FIGURE_DRAINED_AT,
+    FIGURE_ENTERED,
+    FIGURE_LEFT,
     FIGURE_OFFERED, ///< the first one of a feed
     FIGURE_ADMITTED,
     FIGURE_DISCARDED,

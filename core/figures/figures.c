@@ -56,7 +56,7 @@ typedef struct run_sums {
     uint64_t is_warm;   // the warm-up is over
     uint64_t has_cargo; // the speed of cargo is known
     double t_start, exited_start;
-    double t, exited; // of the last sample
+    double t, entered, exited; // of the last sample
     double peak, queue_end, queue_end_now, drained_at;
     jam_sums jam;
     steady batches;
@@ -281,6 +281,7 @@ void figures_sample(figures *f, const figures_now *now)
     else if (isnan(f->run.drained_at))
         f->run.drained_at = now->t;
     f->run.t = now->t;
+    f->run.entered = now->entered;
     f->run.exited = now->exited;
 }
 
@@ -355,6 +356,8 @@ static void fill_run(const figures *f, double *ret_values)
 
     fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, sizeof p / sizeof *p, ret_values);
     ret_values[FIGURE_DRAINED_AT] = run->drained_at;
+    ret_values[FIGURE_ENTERED] = run->entered;
+    ret_values[FIGURE_LEFT] = run->exited;
     ret_values[FIGURE_PEAK] = run->peak;
     if (!run->is_warm)
         return;

@@ -22,8 +22,9 @@ struct results_dir {
     int curve;         // curve.csv, appended to
     off_t curve_bytes; // whole lines in it
     api_snapshot_list list;
-    bf_buffer text; // room for what is written next
-    bf_buffer eyes; // photo_eyes.csv so far
+    bf_buffer scenario; // the resolved document; empty: not known
+    bf_buffer text;     // room for what is written next
+    bf_buffer eyes;     // photo_eyes.csv so far
 };
 
 static bf_status fail_on(const char *name, bf_error *err)
@@ -103,6 +104,9 @@ bf_status results_dir_open(const char *path, const char *columns, results_dir **
 
 bf_status results_dir_scenario(results_dir *d, const char *scenario, size_t n, bf_error *err)
 {
+    d->scenario.n = 0;
+    if (buffer_append(&d->scenario, scenario, n) != BF_OK)
+        return bf_fail(err, BF_ENOMEM, "", "no memory for the results");
     return file_io_replace(d->directory, "scenario.json", scenario, n, FILE_IO_LATER, err);
 }
 
@@ -211,10 +215,24 @@ static bf_status remove_stale(const results_dir *d, const char *folder, results_
     return status;
 }
 
+// Make snapshots.json the text.
+static bf_status list_snapshots(results_dir *d, bf_error *err)
+{
+    part_kinds kinds = { 0 };
+    bf_status status = BF_OK;
+
+    d->text.n = 0;
+    if (d->scenario.n > 0)
+        status = kinds_find(d->scenario.bytes, d->scenario.n, &d->list.parts, &kinds, err);
+    if (status == BF_OK)
+        status = results_snapshots_json(&d->list, NULL, &kinds, &d->text, err);
+    kinds_fini(&kinds);
+    return status;
+}
+
 bf_status results_dir_finish(results_dir *d, const char *summary, size_t n_summary, bf_error *err)
 {
-    d->text.n = 0;
-    bf_status status = results_snapshots_json(&d->list, NULL, &d->text, err);
+    bf_status status = list_snapshots(d, err);
     if (status == BF_OK)
         status = remove_stale(d, "snapshots", RESULTS_FILES_SNAPSHOT, d->list.n, err);
     if (status == BF_OK)
@@ -245,6 +263,7 @@ results_dir *results_dir_close(results_dir *d)
             close(descriptors[i]);
     }
     buffer_fini(&d->list.items);
+    buffer_fini(&d->scenario);
     buffer_fini(&d->text);
     buffer_fini(&d->eyes);
     memory_free(d);

@@ -26,6 +26,7 @@ test("parts of a mix are of the kinds that the solver dealt, told by the heights
   const { shape: [n, columns], data } = readNpy(bytesOf(await d.get(`/v1/runs/${run.id}/parts/0`)));
   const kinds = dealKinds(example.cargo, 1, n);
   for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kinds[k]].shape.height_m / 2, 1e-6);
+  assert.deepEqual((await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds, [...kinds]);
 });
 
 test("a snapshot's NPY is its JSON", async (t) => {

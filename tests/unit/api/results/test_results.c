@@ -227,14 +227,14 @@ static void snapshots_are_listed_with_their_grid(void **unused)
     bf_buffer urls = { 0 };
 
     (void)unused;
-    assert_int_equal(results_snapshots_json(&list, NULL, &files, NULL), BF_OK);
+    assert_int_equal(results_snapshots_json(&list, NULL, NULL, &files, NULL), BF_OK);
     assert_string_equal(
         files.bytes,
         "{\"grid\":{\"origin_m\":[-0.5,0],\"cell_m\":[0.005,0.005],\"shape\":[120,200]},"
         "\"snapshots\":[{\"n\":0,\"t_s\":0,\"file\":\"snapshots/000000.npy\",\"peak\":1.25,"
         "\"mass\":192},{\"n\":12,\"t_s\":0.1,\"file\":\"snapshots/000012.npy\",\"peak\":1.5,"
         "\"mass\":191.5}]}");
-    assert_int_equal(results_snapshots_json(&list, "x", &urls, NULL), BF_OK);
+    assert_int_equal(results_snapshots_json(&list, "x", NULL, &urls, NULL), BF_OK);
     assert_non_null(strstr(urls.bytes, "\"url\":\"/v1/runs/x/snapshots/12\""));
     assert_null(strstr(urls.bytes, "file"));
     assert_null(strstr(urls.bytes, "parts"));
@@ -250,13 +250,13 @@ static void snapshots_with_parts_say_where_they_are_and_what_their_columns_mean(
 
     (void)unused;
     list.parts = (api_parts){ .n_parts = 192, .n_values = FRAME_VALUES_PLANAR };
-    assert_int_equal(results_snapshots_json(&list, NULL, &files, NULL), BF_OK);
+    assert_int_equal(results_snapshots_json(&list, NULL, NULL, &files, NULL), BF_OK);
     assert_non_null(strstr(files.bytes, "\"shape\":[120,200]},\"parts\":{\"rows\":192,\"columns\":["
                                         "\"x_m\",\"y_m\",\"heading_rad\",\"vx_m_s\",\"vy_m_s\","
                                         "\"spin_rad_s\"]},\"snapshots\":["));
     assert_non_null(strstr(files.bytes, "\"mass\":191.5,\"parts_file\":\"parts/000012.npy\"}]}"));
     list.parts.n_values = FRAME_VALUES_SPATIAL;
-    assert_int_equal(results_snapshots_json(&list, "x", &urls, NULL), BF_OK);
+    assert_int_equal(results_snapshots_json(&list, "x", NULL, &urls, NULL), BF_OK);
     assert_non_null(strstr(urls.bytes, "\"parts_url\":\"/v1/runs/x/parts/12\""));
     assert_non_null(strstr(urls.bytes, "[\"x_m\",\"y_m\",\"z_m\",\"q_w\",\"q_x\",\"q_y\",\"q_z\","
                                        "\"vx_m_s\",\"vy_m_s\",\"vz_m_s\",\"wx_rad_s\","
@@ -332,7 +332,7 @@ static bf_status append_all(const api_curve *curve, bf_buffer *out, size_t which
     case 3:
         return results_npy(rho, 8, 8, out, NULL);
     case 4:
-        return results_snapshots_json(&list, NULL, out, NULL);
+        return results_snapshots_json(&list, NULL, NULL, out, NULL);
     case 5:
         return results_curve_csv(curve, out, NULL);
     case 6:

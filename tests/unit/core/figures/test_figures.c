@@ -81,7 +81,8 @@ static void what_is_not_known_is_absent(void **state)
     figures_fill(x.f, x.values);
     for (figure_id id = 0; id < FIGURE_COUNT; id++)
         assert_true(isnan(x.values[figure_at(&x.s, id, 0)]) ==
-                    (id != FIGURE_OFFERED && id != FIGURE_ADMITTED && id != FIGURE_DISCARDED));
+                    (id != FIGURE_OFFERED && id != FIGURE_ADMITTED && id != FIGURE_DISCARDED &&
+                     id != FIGURE_ENTERED && id != FIGURE_LEFT));
     end(&x);
 }
 
@@ -97,6 +98,19 @@ static void throughput_leaves_out_the_warm_up(void **state)
     sample(&x, 5.0, 0.0, 10.0);
     assert_near(value(&x, FIGURE_THROUGHPUT, 0), 7200.0, 1e-9);
     assert_near(value(&x, FIGURE_DRAINED_AT, 0), 5.0, 0.0);
+    end(&x);
+}
+
+// 3 parts at the start, of which 2 leave while 5 enter; the warm-up of 10 s does not matter.
+static void parts_are_counted_from_the_start(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 10.0, false);
+    sample(&x, 0.0, 3.0, 0.0);
+    sample(&x, 1.0, 6.0, 2.0);
+    assert_near(value(&x, FIGURE_ENTERED, 0), 8.0, 0.0);
+    assert_near(value(&x, FIGURE_LEFT, 0), 2.0, 0.0);
     end(&x);
 }
 
@@ -491,6 +505,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_not_known_is_absent),
         cmocka_unit_test(throughput_leaves_out_the_warm_up),
+        cmocka_unit_test(parts_are_counted_from_the_start),
         cmocka_unit_test(a_constant_throughput_is_steady_after_twenty_batches),
         cmocka_unit_test(residence_is_that_of_each_part_that_left),
         cmocka_unit_test(residence_of_a_density_is_the_distance_of_the_curves),
