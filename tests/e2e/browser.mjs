@@ -10,12 +10,13 @@ import { binaries, patience } from "./setup.mjs";
 const npm = process.env.BELTFLOW_NPM_DIR ?? path.join(binaries, "../tests-npm");
 const load = createRequire(path.join(npm, "package.json"));
 const { chromium } = load("playwright-core");
-const { AxeBuilder } = load("@axe-core/playwright");
+const { source: axe } = load("axe-core");
 
 export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 390, height: 844 } };
 
-const pictures = path.join(binaries, "../screenshots");
-mkdirSync(pictures, { recursive: true });
+// Pictures are for people, and cost as much time as all else that is done with a view.
+const pictures = process.env.BELTFLOW_PICTURES === "1" ? path.join(binaries, "../screenshots") : null;
+if (pictures !== null) mkdirSync(pictures, { recursive: true });
 
 function findChromium() {
   const names = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
@@ -73,23 +74,27 @@ export async function visit(page, address) {
   await page.goto(`/${address}`);
 }
 
-// No violation that axe finds, of any of its rules, or of these rules.
+// No violation that axe finds, of any of its rules, or of these rules. Its own package for Playwright injects it
+// again and opens a tab of its own each time.
 export async function assertAccessible(page, name, rules) {
-  const axe = new AxeBuilder({ page });
-  const { violations } = await (rules ? axe.withRules(rules) : axe).analyze();
+  if (await page.evaluate(() => window.axe === undefined)) await page.evaluate(axe);
+  const options = { resultTypes: ["violations"], ...(rules && { runOnly: rules }) };
+  const violations = await page.evaluate(async (wanted) => (await window.axe.run(wanted)).violations, options);
   const found = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ html, any }) =>
     `${html.slice(0, 160)} ${any.map(({ message }) => message).join("; ")}`).join("\n    ")}`);
   assert.deepEqual(found, [], name);
 }
 
-// A picture of the whole view in the build folder, and no element that overflows it.
+// No element overflows the view. With BELTFLOW_PICTURES=1 a picture of the whole view is left in the build folder.
 export async function takePicture(page, name, size) {
-  const height = await page.evaluate(() => document.documentElement.scrollHeight);
-  await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });
-  // The drawings follow the size in the frame after it.
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  await page.screenshot({ path: path.join(pictures, `${name}.png`) });
-  await page.setViewportSize(sizes[size]);
+  if (pictures !== null) {
+    const height = await page.evaluate(() => document.documentElement.scrollHeight);
+    await page.setViewportSize({ ...sizes[size], height: Math.max(height, sizes[size].height) });
+    // The drawings follow the size in the frame after it.
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    await page.screenshot({ path: path.join(pictures, `${name}.png`) });
+    await page.setViewportSize(sizes[size]);
+  }
   const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
   assert.ok(excess <= 0, `${name} is ${excess} pixels too wide`);
 }

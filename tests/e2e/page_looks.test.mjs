@@ -1,5 +1,5 @@
-// Every view, on a wide screen in light and dark, and on a phone: axe finds nothing, nothing sticks out, and
-// a picture of each lies in the build folder, so that one can look.
+// Every view, on a wide screen in light and dark, and on a phone: axe finds nothing, and nothing sticks out. With
+// BELTFLOW_PICTURES=1 a picture of each is left in the build folder, so that one can look.
 
 import test, { after } from "node:test";
 

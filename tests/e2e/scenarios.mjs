@@ -35,9 +35,9 @@ export function jam(duration_s, output) {
   };
 }
 
-// Solved in two or three seconds: long enough to be interrupted, with 200 samples and 50 snapshots.
+// Solved in a second or two: long enough to be interrupted, with 200 samples and 50 snapshots.
 export function interruptible() {
-  const duration = isSanitized ? 10 : 200;
+  const duration = isSanitized ? 10 : 100;
   return jam(duration, { curve_every_s: duration / 200, snapshot_every_s: duration / 50 });
 }
 
