@@ -51,7 +51,7 @@ test("a fed scenario is started from the form in both models, and its flow is sh
     await page.getByText("Ready:").waitFor();
     await page.getByLabel("Scenario as JSON").fill(JSON.stringify(fed()));
     await page.getByRole("button", { name: model }).click();
-    await page.getByRole("button", { name: "Numbers" }).click();
+    await page.getByRole("button", { name: "Belt and numbers" }).click();
     await page.getByRole("textbox", { name: "Feed" }).fill("10");
     await page.getByText(model === "Macroscopic" ? "Ready: 1,800 cells, 3 s." : "Ready: every part by itself, 3 s.").waitFor();
     await page.getByRole("button", { name: "Start the run" }).click();

@@ -70,8 +70,14 @@ const calmViews = (ids) => [
   ["new-faults", "#/new", async (page) => {
     await page.getByText("Ready:").waitFor();
     await page.getByLabel("Duration").fill("0");
+    await page.getByText("Advanced").click();
     await page.getByRole("textbox", { name: "Time step" }).fill("0.5");
     await page.locator("#macro-step-fault:not([hidden])").waitFor();
+  }],
+  ["new-warning", "#/new", async (page) => {
+    await page.getByText("Ready:").waitFor();
+    await page.getByLabel("Deflector angle").fill("30");
+    await page.locator("#angle-warning:not([hidden])").waitFor();
   }],
   ["new-json", "#/new?tab=json", async (page) => {
     await page.getByText("Ready:").waitFor();

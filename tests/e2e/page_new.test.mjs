@@ -22,13 +22,15 @@ test("a number out of its limits is refused at its field, and the daemon's judge
   assert.deepEqual((await d.get("/v1/runs")).json.runs, []);
   await page.getByLabel("Duration").fill("6");
 
-  // Only the daemon knows which step is stable: 0.5 s is not.
+  // Only the daemon knows which step is stable: 0.5 s is not. The focus goes there also where it is folded away.
+  await page.getByText("Advanced").click();
   await page.getByRole("textbox", { name: "Time step" }).fill("0.5");
   const fault = page.locator("#macro-step-fault:not([hidden])");
   await fault.waitFor();
   assert.match(await fault.innerText(), /\d/);
   await page.getByText("1 fault to mend").waitFor();
 
+  await page.getByText("Advanced").click();
   await page.getByRole("button", { name: "Start the run" }).click();
   await page.waitForFunction(() => document.activeElement.id === "macro-step");
   assert.match(page.url(), /#\/new/);
@@ -38,18 +40,85 @@ test("a number out of its limits is refused at its field, and the daemon's judge
   assert.equal(await page.getByRole("textbox", { name: "Time step" }).getAttribute("aria-invalid"), "false");
 });
 
-test("what the results would be doubted for stands above the button, and the run can be started", async (t) => {
+test("what the results would be doubted for stands at its field with the reason, and the run can be started", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);
   await visit(page, "#/new?example=example-1");
   await page.getByText("Ready:").waitFor();
-  const warnings = page.getByRole("list", { name: "Warnings" });
-  assert.equal(await warnings.count(), 0);
-  await page.getByLabel("Obstacle angle").fill("20");
-  await warnings.getByText("A deflector stands at 20 degrees to the belt").waitFor();
+  const warning = page.locator("#angle-warning");
+  assert.equal(await warning.isVisible(), false);
+  // At 20 degrees the foot is 0.5 m / tan 20 degrees = 1.37 m upstream of the tip, off the belt of 0.75 m before it.
+  await page.getByLabel("Deflector angle").fill("20");
+  await warning.waitFor();
+  assert.match(await warning.innerText(), /A deflector stands at 20 degrees to the belt/);
+  assert.match(await warning.innerText(), /its foot lies off the belt/);
+  await page.locator(".verdict.doubt", { hasText: /Read the .*warnings? first/ }).waitFor();
   assert.ok(await page.getByRole("button", { name: "Start the run" }).isEnabled());
-  await page.getByText("Microscopic", { exact: true }).click();
-  await warnings.waitFor({ state: "hidden" });
+  // Beside the JSON all of them stand above the button.
+  await page.getByRole("button", { name: "JSON" }).click();
+  await page.getByRole("list", { name: "Warnings" }).getByText("its foot lies off the belt").waitFor();
+  await page.getByRole("button", { name: "Belt and numbers" }).click();
+  await page.getByLabel("Deflector angle").fill("60");
+  await warning.waitFor({ state: "hidden" });
+});
+
+test("a deflector is drawn by pointer and by keys, and the numbers beside it follow", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  const number = async (name) => Number(await page.getByRole("textbox", { name, exact: true }).inputValue());
+  const tip = page.getByRole("button", { name: "singularizer, tip" });
+  await tip.focus();
+  await page.keyboard.press("ArrowRight"); // by 0.01 m
+  assert.equal(await number("Tip, x"), 0.76);
+  await page.locator(".verdict", { hasText: "It takes about" }).waitFor();
+  assert.equal(await number("Foot, x"), 0.461325);
+  await page.keyboard.press("Shift+ArrowLeft"); // by 0.001 m
+  assert.equal(await number("Tip, x"), 0.759);
+  const opening = page.getByRole("button", { name: "singularizer, opening" });
+  const angle = await number("Deflector angle");
+  await opening.focus();
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await number("Opening"), 0.11);
+  assert.ok(Math.abs((await number("Deflector angle")) - angle) < 1e-3);
+
+  // The pointer draws the foot along the wall, onto the lattice.
+  const { x, y, width, height } = await page.getByRole("button", { name: "singularizer, foot" }).boundingBox();
+  await page.mouse.move(x + width / 2, y + height / 2);
+  await page.mouse.down();
+  await page.mouse.move(x + width / 2 - 60, y + height / 2 - 6, { steps: 3 });
+  await page.mouse.up();
+  const foot = await number("Foot, x");
+  assert.ok(foot < 0.45 && Math.abs(foot * 100 - Math.round(foot * 100)) < 1e-9, String(foot));
+  const text = await page.getByLabel("Name").inputValue();
+  assert.match(text, /^Example 1, angle [\d.]+°, tip [\d.]+, 0\.49 m$/);
+  await page.getByRole("button", { name: "JSON" }).click();
+  const scenario = JSON.parse(await page.getByLabel("Scenario as JSON").inputValue());
+  const { end_m: [ex, ey], angle_deg: degrees, length_m: length } = scenario.obstacles[0];
+  assert.ok(Math.abs(ex - length * Math.cos((degrees * Math.PI) / 180) - foot) < 1e-5);
+  assert.ok(Math.abs(ey - length * Math.sin((degrees * Math.PI) / 180)) < 1e-5);
+});
+
+test("both models are run from one form and compared, and a study begins with what was edited", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  await visit(page, "#/new?example=example-1");
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Duration").fill("0.05");
+  await page.getByText("Ready: 24,000 cells, 0.05 s.").waitFor();
+  await page.getByRole("button", { name: "Run both models" }).click();
+  await page.waitForURL(/#\/compare\?runs=/);
+  const { runs } = (await d.get("/v1/runs")).json;
+  assert.deepEqual(runs.map(({ model, name }) => [model, name]).sort(),
+    ["macro", "micro"].map((model) => [model, "Example 1, duration 0.05 s"]));
+  await visit(page, `#/new?from=${runs[0].id}`);
+  await page.getByText("Ready:").waitFor();
+  await page.getByLabel("Belt speed").fill("0.5");
+  await page.getByRole("button", { name: "Study …" }).click();
+  await page.locator("[name=parameter]").selectOption("belt speed");
+  assert.equal(await page.locator("[name=from]").inputValue(), "0.35"); // 30 % less
+  assert.equal(await page.locator("[name=to]").inputValue(), "0.65");
 });
 
 test("what the form changes is what is submitted: angle, speed, duration, cell and model", async (t) => {
@@ -57,9 +126,10 @@ test("what the form changes is what is submitted: angle, speed, duration, cell a
   const page = await openPage(t, d);
   await visit(page, "#/new?example=example-1");
   await page.getByText("Ready:").waitFor();
-  await page.getByLabel("Obstacle angle").fill("45");
+  await page.getByLabel("Deflector angle").fill("45");
   await page.getByLabel("Belt speed").fill("0.3");
   await page.getByLabel("Duration").fill("0.05");
+  await page.getByText("Advanced").click();
   await page.getByLabel("Cell").fill("0.01");
   await page.getByLabel("Label").fill("by form");
   await page.getByText("Ready: 6,000 cells, 0.05 s.").waitFor();
@@ -125,7 +195,7 @@ test("a past run is where the next one begins", async (t) => {
   await visit(page, `#/runs/${run.id}`);
   await page.getByRole("link", { name: "Run again with changes" }).click();
   await page.getByText("Ready: every part by itself, 0.05 s.").waitFor();
-  assert.equal(await page.getByLabel("Obstacle angle").inputValue(), "90");
+  assert.equal(await page.getByLabel("Deflector angle").inputValue(), "90");
   assert.equal(await page.getByLabel("Label").inputValue(), "before");
   assert.equal(await page.getByRole("button", { name: "Microscopic" }).getAttribute("aria-pressed"), "true");
 });

@@ -1,5 +1,5 @@
 // The few numbers of a scenario that matter to a planner: one line each. `at` are the pointers whose faults
-// belong to the field; `get` and `set` work on a scenario as it was written.
+// belong to the field; `get` and `set` work on a scenario as it was written. Those of the solvers are folded away.
 
 import { angleOf, plateOf, tidy, turnedTo, withPlate } from "./plate.js";
 
@@ -30,22 +30,54 @@ function member(section, name, fallback) {
   };
 }
 
+// A field of the first plate's ends: get(plate, domain), and set(plate, value, domain), which returns another plate.
+function ofPlate(get, set) {
+  return {
+    get: (scenario) => (plateIn(scenario) && scenario.domain?.y_m ? tidy(get(plateIn(scenario), scenario.domain)) : null),
+    set: (scenario, value) => {
+      scenario.obstacles[0] = withPlate(scenario.obstacles[0], set(plateIn(scenario), value, scenario.domain));
+    },
+  };
+}
+
+// The side that a plate's tip points to, and the way there.
+const farSide = ({ from, to }, { y_m: [y0, y1] }) => (to[1] >= from[1] ? [y1, 1] : [y0, -1]);
+
+function openingOf(plate, domain) {
+  const [side, way] = farSide(plate, domain);
+  return Math.round((side - plate.to[1]) * way * 1e9) / 1e9;
+}
+
+// Along the plate, whose foot and angle stay.
+function setOpening(plate, opening, domain) {
+  const { from, to } = plate;
+  const [side, way] = farSide(plate, domain);
+  const share = (side - way * opening - from[1]) / (to[1] - from[1]);
+  return { from, to: share > 0 ? [from[0] + share * (to[0] - from[0]), side - way * opening] : to };
+}
+
 export const fields = [
-  { id: "angle", label: "Obstacle angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: 10, most: 170, step: 5,
-    hint: "from the direction of x; its end and the opening stay", get: (scenario) => (plateIn(scenario) ? angleOf(plateIn(scenario)) : null), set: setAngle },
+  { id: "angle", label: "Deflector angle", unit: "°", at: ["/obstacles/0", "/obstacles"], least: 10, most: 170, step: 5,
+    hint: "from the direction of x; its tip and the opening stay", get: (scenario) => (plateIn(scenario) ? angleOf(plateIn(scenario)) : null), set: setAngle },
+  { id: "opening", label: "Opening", unit: "m", at: [], above: 0, step: 0.01, hint: "from the tip to the far side; the angle stays",
+    ...ofPlate(openingOf, setOpening) },
+  { id: "tip-x", label: "Tip, x", unit: "m", at: [], step: 0.01, hint: "the foot stays",
+    ...ofPlate(({ to }) => to[0], ({ from, to }, x) => ({ from, to: [x, to[1]] })) },
+  { id: "foot-x", label: "Foot, x", unit: "m", at: [], step: 0.01, hint: "the tip stays",
+    ...ofPlate(({ from }) => from[0], ({ from, to }, x) => ({ from: [x, from[1]], to })) },
   { id: "speed", label: "Belt speed", unit: "m/s", at: ["/belts"], least: 0, step: 0.005, hint: "of the first belt; others in proportion",
     get: speedOf, set: setSpeed },
   { id: "rate", label: "Feed", unit: "parts/s", at: ["/feeds/0/rate_per_s"], above: 0, step: 1, hint: "how many parts arrive, of the first feed",
     get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },
   { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
     get: (scenario) => scenario.duration_s, set: (scenario, value) => (scenario.duration_s = value) },
-  { id: "cell", label: "Cell", unit: "m", at: ["/macro/cell_m"], above: 0, step: 0.001, hint: "edge of a cell of the density",
+  { id: "cell", isSolvers: true, label: "Cell", unit: "m", at: ["/macro/cell_m"], above: 0, step: 0.001, hint: "edge of a cell of the density",
     ...member("macro", "cell_m", 0.005) },
-  { id: "macro-step", label: "Time step", unit: "s", at: ["/macro/step_s"], above: 0, step: 0.00025, model: "macro", auto: true,
+  { id: "macro-step", isSolvers: true, label: "Time step", unit: "s", at: ["/macro/step_s"], above: 0, step: 0.00025, model: "macro", auto: true,
     hint: "empty: the largest stable one", ...member("macro", "step_s", 0.00125) },
-  { id: "integrator", label: "Integration", unit: "", at: ["/micro/integrator"], model: "micro",
+  { id: "integrator", isSolvers: true, label: "Integration", unit: "", at: ["/micro/integrator"], model: "micro",
     choices: [["verlet", "Verlet (paper)"], ["implicit", "implicit, longer steps"]], ...member("micro", "integrator", "verlet") },
-  { id: "micro-step", label: "Time step", unit: "s", at: ["/micro/step_s"], above: 0, step: 0.00001, model: "micro", auto: true,
+  { id: "micro-step", isSolvers: true, label: "Time step", unit: "s", at: ["/micro/step_s"], above: 0, step: 0.00001, model: "micro", auto: true,
     hint: "empty: chosen, and stable",
     get: (scenario) => scenario.micro?.step_s ?? (scenario.micro?.integrator === "implicit" ? "auto" : 1e-5),
     set: (scenario, value) => (scenario.micro = { ...scenario.micro, step_s: value }) },

@@ -39,7 +39,7 @@ function ofPlates(obstacles) {
     if (!plate) return [];
     const at = (what, value, member, unit) =>
       ({ pointer: `/obstacles/${k}/${member}`, label: called(obstacles, k, what), unit, value, isUsual: true });
-    return [at("angle", angleOf(plate), "angle_deg", "°"), at("tip", plate.to, "end_m", "m"), at("foot at y", Math.round(plate.from[1] * 1e6) / 1e6, "from_m/1", "m")];
+    return [at("angle", angleOf(plate), "angle_deg", "°"), at("tip", plate.to, "end_m", "m"), at("foot at y", Math.round(plate.from[1] * 1e6) / 1e6 + 0, "from_m/1", "m")];
   });
 }
 

@@ -4,6 +4,8 @@ export function tidy(value, digits = 9) {
   return Number(value.toPrecision(digits));
 }
 
+const EXACT = 13; // digits with which the foot stays where it was drawn
+
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
 // { from, to } of an obstacle that is one straight plate and does not turn, else null.
@@ -18,16 +20,16 @@ export function plateOf(obstacle) {
 }
 
 // Degrees from the direction of x.
-export function angleOf({ from, to }) {
-  return tidy((Math.atan2(to[1] - from[1], to[0] - from[0]) * 180) / Math.PI, 6);
+export function angleOf({ from, to }, digits = 6) {
+  return tidy((Math.atan2(to[1] - from[1], to[0] - from[0]) * 180) / Math.PI, digits);
 }
 
 // The same obstacle in the form that has an angle, with a plate from here to there.
 export function withPlate(obstacle, { from, to }) {
   const { id, end_m, angle_deg, length_m, from_m, to_m, path_m, ...more } = obstacle;
   const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
-  return { ...(id ? { id } : {}), end_m: to.map((value) => tidy(value)), angle_deg: angleOf({ from, to }),
-    length_m: tidy(Math.max(length, 1e-6)), ...more };
+  return { ...(id ? { id } : {}), end_m: to.map((value) => tidy(value)), angle_deg: angleOf({ from, to }, EXACT),
+    length_m: tidy(Math.max(length, 1e-6), EXACT), ...more };
 }
 
 // The plate's tip and its extent across the belt, and so the opening, are unchanged; its foot moves.
