@@ -32,6 +32,18 @@ async function probe(page, [x, y]) {
   return (await numberIn(page.locator(".tip span").first())) / 100;
 }
 
+// The colour of a cell of Example 1, [red, green, blue].
+function colorOf(page, [i, j]) {
+  return page.evaluate(([across, up, margin]) => {
+    const canvas = document.querySelector("canvas.field");
+    const ratio = canvas.width / canvas.clientWidth;
+    const place = (share, from, to, size) => Math.floor((from + share * (size - from - to)) * ratio);
+    const px = place(across, margin.left, margin.right, canvas.clientWidth);
+    const py = place(1 - up, margin.top, margin.bottom, canvas.clientHeight);
+    return [...canvas.getContext("2d").getImageData(px, py, 1, 1).data.slice(0, 3)];
+  }, [(i + 0.5) / 200, (j + 0.5) / 120, { left: 46, right: 22, top: 12, bottom: 28 }]);
+}
+
 async function pause(page) {
   await page.locator("main").focus();
   if ((await page.locator(".transport .primary").getAttribute("aria-label")) === "Pause") await page.keyboard.press("k");
@@ -70,7 +82,40 @@ test("Example 1 in both models from the form, live to its end, scrubbed, and com
     const snapshot = (await d.get(`/v1/runs/${id}/snapshots/20?format=json`)).json;
     const grid = snapshot.density;
     assert.ok(Math.abs(shown - grid[60][120]) < 6e-4, `${shown} is not ${grid[60][120]}`);
+
+    // So it is where the belt is seen larger, and about its middle.
+    await page.keyboard.press("+");
+    await page.keyboard.press("+");
+    await page.waitForURL(/zoom=2.25,0.5,0.5/);
+    await probe(page, [0.61, 0.31]);
+    const [x, y] = (await page.locator(".tip span").nth(1).innerText()).match(/[\d.]+/g).map(Number);
+    assert.ok(Math.abs(x - (0.5 + 0.11 / 2.25)) < 0.003 && Math.abs(y - (0.3 + 0.01 / 2.25)) < 0.003, `${x}, ${y}`);
+    await page.keyboard.press("0");
+    await page.waitForURL((url) => !url.href.includes("zoom="));
   }
+
+  // What is above the range has a colour of its own, and so has the belt where nothing lies.
+  await visit(page, `#/runs/${macro}?t=2&range=1`);
+  await page.locator(".stamp:not(.late)", { hasText: "2.0 s" }).waitFor();
+  const { density } = (await d.get(`/v1/runs/${macro}/snapshots/20?format=json`)).json;
+  const places = density.flatMap((row, j) => row.map((value, i) => ({ value, at: [i, j] })));
+  const most = places.reduce((best, cell) => (cell.value > best.value ? cell : best));
+  assert.ok(most.value > 1);
+  assert.deepEqual(await colorOf(page, most.at), [255, 61, 200]);
+  assert.deepEqual(await colorOf(page, places.find(({ value }) => value === 0).at), [125, 138, 152]);
+
+  // A part under the pointer says what it does.
+  await visit(page, `#/runs/${micro}?t=2`);
+  await page.locator(".stamp:not(.late)", { hasText: "2.0 s" }).waitFor();
+  const [header, ...rows] = (await d.get(`/v1/runs/${micro}/parts/20?format=csv`)).text.trim().split("\n").map((line) => line.split(","));
+  const of = (row, name) => Number(row[header.indexOf(name)]);
+  const part = rows.findIndex((row) => Math.abs(of(row, "x_m") - 0.6) < 0.05);
+  await probe(page, [of(rows[part], "x_m"), of(rows[part], "y_m")]);
+  await page.locator(".tip", { hasText: `Part ${part + 1}` }).waitFor();
+  const speed = await numberIn(page.locator(".tip span", { hasText: "m/s" }));
+  const expected = Math.hypot(of(rows[part], "vx_m_s"), of(rows[part], "vy_m_s"));
+  assert.ok(Math.abs(speed - expected) <= 0.06 * expected, `${speed} m/s is not ${expected}`);
+  await page.locator(".tip", { hasText: "on the belt for 2.0 s" }).waitFor();
 
   // Both from the list into one view.
   await visit(page, "#/");
@@ -175,6 +220,11 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   const waiting = page.waitForEvent("download");
   await page.locator("li", { hasText: "Picture as seen" }).getByRole("button").click();
   assert.equal((await waiting).suggestedFilename(), "belt-000002.png");
+  const recording = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save film" }).click();
+  assert.equal((await recording).suggestedFilename(), "belt-000002.webm");
+  await page.emulateMedia({ media: "print" });
+  assert.equal(await page.getByRole("navigation", { name: "Views" }).isVisible(), false);
 });
 
 // A connection with a latency of 100 ms and 500 kB/s.
@@ -189,7 +239,7 @@ test("on a slow connection every picture that is asked for arrives, and the cloc
   const d = await daemon(t);
   const page = await openPage(t, d);
   const lost = [];
-  page.on("requestfailed", (request) => lost.push(request.url()));
+  page.on("requestfailed", (request) => /snapshots\/\d/.test(request.url()) && lost.push(request.url()));
   await visit(page, "#/");
   await slowDown(page);
   // Tens of snapshots a second, of 24 kB each: more than the connection carries.

@@ -32,14 +32,21 @@ function cornersOf(shape) {
   return shape.vertices_m.map((p) => p.map((value, c) => value - centre[c]));
 }
 
-// { isRound, radius, corners, outline }: radius is that of the disc of the same area, outline the upright
+const mm = (m) => Math.round(m * 10000) / 10;
+
+function nameOf(shape) {
+  if (shape.type === "cylinder") return `cylinder, ${mm(2 * shape.radius_m)} mm across`;
+  return shape.type === "box" ? `box, ${mm(shape.length_m)} × ${mm(shape.width_m)} mm` : shape.type;
+}
+
+// { name, isRound, radius, corners, outline }: radius is that of the disc of the same area, outline the upright
 // part's from above.
-function kindOf({ shape }) {
+function kindOf({ id, shape }) {
   const corners = cornersOf(shape);
   const outline = convexHull(corners);
   const isRound = shape.type === "cylinder";
   const radius = isRound ? shape.radius_m : Math.sqrt(areaOf(outline).area / Math.PI);
-  return { isRound, radius, corners, outline };
+  return { name: id ?? nameOf(shape), isRound, radius, corners, outline };
 }
 
 function countsOf(kinds, n) {

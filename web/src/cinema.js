@@ -11,6 +11,7 @@ import { note } from "./router.js";
 import { Stage } from "./stage.js";
 import { prefersStillness } from "./theme.js";
 import { Transport } from "./transport.js";
+import { Zoom } from "./zoom.js";
 
 // The end of the axes of time while a run is young: its duration, halved as often as what there is fits.
 function axisEnd(duration, newest) {
@@ -26,6 +27,10 @@ export class Cinema {
     this.transport = new Transport(this.player);
     this.screens = []; // { data, reel, stage, wait }
     this.map = "viridis";
+    this.range = "1.25"; // of the colours; "peak": as far as the densities reach
+    this.onZoom = () => {};
+    this.zoom = new Zoom(() => this.showZoom());
+    this.transport.onOtherKey = (event) => this.zoom.take(event);
     this.onUpdate = () => {};
     this.player.canShow = (t) => this.screens.every(({ reel }) => reel.isReady(t, this.isSmooth()));
     this.player.onTime = () => this.update();
@@ -59,6 +64,8 @@ export class Cinema {
       this.update();
     };
     this.screens.push(screen);
+    screen.stage.setZoom(this.zoom);
+    this.zoom.attach(screen.stage.frame, () => screen.stage.view);
     this.setScene(screen);
     return screen;
   }
@@ -80,6 +87,16 @@ export class Cinema {
   setMap(map) {
     this.map = map;
     for (const { stage } of this.screens) stage.setStyle({ map });
+  }
+
+  setRange(range) {
+    this.range = range;
+    this.update();
+  }
+
+  showZoom() {
+    for (const { stage } of this.screens) stage.setZoom(this.zoom);
+    this.onZoom();
   }
 
   // More snapshots are there, or the runs have ended.
@@ -114,9 +131,14 @@ export class Cinema {
     this.noting = setTimeout(() => note({ t: String(Number(t.toFixed(6))) }), 400);
   }
 
+  // The largest density of all.
+  peak() {
+    return Math.max(0, ...this.screens.map(({ data }) => data.peak()));
+  }
+
   // The end of the colour scale, one for all.
   scaleEnd() {
-    return scaleEnd(Math.max(0, ...this.screens.map(({ data }) => data.peak())));
+    return this.range === "peak" ? scaleEnd(this.peak()) : Number(this.range);
   }
 
   update() {
@@ -128,7 +150,7 @@ export class Cinema {
     this.frames.want(turns.filter(Boolean));
     for (const { reel, stage } of this.screens) {
       const picture = reel.pictureAt(t, this.isSmooth());
-      stage.style.end = end;
+      if (stage.setEnd(end) && !picture) stage.draw();
       if (picture) this.showPicture(stage, picture);
       stage.setStamp(this.transport.textOf(stage.picture?.t ?? 0), picture === null);
     }

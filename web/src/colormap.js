@@ -29,25 +29,29 @@ export function isPale(name) {
   return maps[name].isPale === true;
 }
 
-const tables = new Map();
+const EMPTY = 0.005; // of close packing: below it nothing lies there
 
-// N colours as 32-bit pixels, from density 0 to the largest.
-export function tableOf(name) {
-  if (!tables.has(name)) {
-    const { at } = maps[name];
-    const table = new Uint32Array(N);
-    for (let k = 0; k < N; k++) {
-      const [r, g, b] = at(k / (N - 1)).map(Math.round);
-      table[k] = (255 << 24) | (b << 16) | (g << 8) | r;
-    }
-    tables.set(name, table);
+const pixelOf = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
+
+// N colours as 32-bit pixels, from density 0 to the end of the scale, and one for what is above. belt: the colour of a belt that
+// nothing lies on; the grey map has white for it.
+export function tableOf(name, end, { belt, above }) {
+  const { at, isPale } = maps[name];
+  const table = new Uint32Array(N + 1);
+  for (let k = 0; k < N; k++) {
+    const isEmpty = !isPale && (k / (N - 1)) * end < EMPTY;
+    table[k] = pixelOf(isEmpty ? belt : at(k / (N - 1)).map(Math.round));
   }
-  return tables.get(name);
+  table[N] = pixelOf(above);
+  return table;
 }
 
 export function cssColor(name, share) {
   return `rgb(${maps[name].at(share).map(Math.round).join(" ")})`;
 }
+
+// Ends of the scale that can be chosen; "peak": whatever the largest density needs.
+export const ranges = [["1", "0 to 1"], ["1.25", "0 to 1.25"], ["1.5", "0 to 1.5"], ["2", "0 to 2"], ["peak", "0 to the peak"]];
 
 // The end of the scale for densities up to this peak: 1, 1.25, 1.5, ...
 export function scaleEnd(peak) {

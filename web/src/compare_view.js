@@ -15,8 +15,7 @@ import { isGoing } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { fold, solverTable } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
-import { ScaleBar } from "./scale_bar.js";
-import { segments } from "./transport.js";
+import { SceneControls } from "./scene_controls.js";
 
 export const COMPARED_MAX = 8;
 const CHIPS_MAX = 3; // that name a run
@@ -50,20 +49,22 @@ export class CompareView {
     this.nameRuns();
   }
 
-  // What is different is what names them: parameters, model, label; the name where nothing is.
+  // What is different is what names them: parameters, model, label; their names, where these differ and parameters too many.
   nameRuns() {
     const { runs } = this;
     const rows = differences(runs.map(({ scenario }) => scenario)).filter(({ label }) => label !== "name");
     const isOf = (what) => new Set(runs.map(({ run }) => run[what])).size > 1;
-    this.chips = runs.map(({ run }, k) => [isOf("model") || rows.length === 0 ? run.model : null,
-      ...chipsOf(rows, k, CHIPS_MAX), isOf("label") ? run.label : null].filter(Boolean));
-    this.titles = this.chips.map((chips, k) => (chips.length > 0 ? chips.join(", ") : nameOf(runs[k].run)));
+    const isByName = rows.length > CHIPS_MAX && isOf("name");
+    this.chips = runs.map(({ run }, k) => [isOf("model") || rows.length === 0 || isByName ? run.model : null,
+      ...(isByName ? [] : chipsOf(rows, k, CHIPS_MAX)), isOf("label") ? run.label : null].filter(Boolean));
+    this.titles = this.chips.map((chips, k) => [...(isByName ? [nameOf(runs[k].run)] : []), ...chips].join(", "));
   }
 
   unmount() {
     this.isGone = true;
     this.stopEvents?.();
     this.curves?.dispose();
+    this.controls?.dispose();
     this.cinema?.dispose();
   }
 
@@ -72,14 +73,16 @@ export class CompareView {
       h("div", { class: "row" }, this.referenceBox(), this.picker()));
     const lost = this.missing.map((id) => h("p", { class: "notice" }, `Run ${id.slice(-8)} of this address was deleted, or there never was one.`));
     if (this.runs.length === 0) return [head, ...lost, this.invitation()];
-    this.cinema.map = this.query.get("map") === "grey" ? "grey" : "viridis";
-    this.cinema.layer = this.query.get("layer") ?? undefined;
+    this.controls = new SceneControls(this.cinema, this.query, {
+      headingsOf: () => this.runs.map(({ run }, k) => [nameOf(run), this.titles[k]]),
+      fileName: () => `belts-${this.cinema.transport.textOf(this.cinema.player.t)}s`,
+    });
     const panels = this.runs.map((data, k) => this.panel(data, k));
     if (this.runs.length === 1) lost.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));
     this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
       onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
     return [head, ...lost, h("div", { class: "compare-main" },
-      h("div", {}, h("div", { class: "panels", data: { n: String(panels.length) } }, panels), this.controls()),
+      h("div", {}, h("div", { class: "panels", data: { n: String(panels.length) } }, panels), this.controlsCard()),
       this.curves.element), ...this.tables()];
   }
 
@@ -139,22 +142,9 @@ export class CompareView {
     return h("i", { class: "mark", "aria-hidden": "true", data: { run: String(k + 1) } });
   }
 
-  controls() {
-    const { cinema } = this;
-    this.scale = new ScaleBar((map) => {
-      cinema.setMap(map);
-      note({ map: map === "viridis" ? "" : map });
-      this.showScale();
-    });
-    const layers = this.runs.some((data) => data.hasParts())
-      ? segments("Microscopic runs show", [["both", "Parts over density"], ["parts", "Parts"], ["density", "Density"]],
-        cinema.layer ?? "both", (layer) => {
-          cinema.setLayer(layer);
-          note({ layer: layer === "both" ? "" : layer });
-        }).element
-      : null;
-    return h("section", { class: "card controls", "aria-label": "Animation" }, cinema.transport.element,
-      h("div", { class: "row" }, this.scale.element, layers));
+  controlsCard() {
+    const [row, scale] = this.controls.build("Microscopic runs show");
+    return h("section", { class: "card controls", "aria-label": "Animation" }, this.cinema.transport.element, scale, row);
   }
 
   tables() {
@@ -196,7 +186,7 @@ export class CompareView {
     cinema.refresh();
     this.showEnd();
     this.curves.setReference(this.reference);
-    this.showScale();
+    this.controls.show();
     this.showTables();
     this.measure();
     const active = runs.filter(({ run }) => !isOver(run));
@@ -221,16 +211,11 @@ export class CompareView {
       this.showTables();
       this.measure();
     }
-    this.showScale();
+    this.controls.show();
   }
 
   showEnd() {
     this.curves.setEnd(this.cinema.axisEnd || Math.max(...this.runs.map(({ scenario }) => scenario.duration_s)));
-  }
-
-  showScale() {
-    const { macro } = this.runs[0].scenario;
-    this.scale.set(this.cinema.map, this.cinema.scaleEnd(), macro.packing_density_per_m2);
   }
 
   update() {

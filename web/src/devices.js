@@ -71,5 +71,8 @@ export function drawDevices(context, view, scenario, state, colors) {
   view.clip(context);
   drawPlates(context, view, scenario, state.plates, colors);
   context.restore();
+  context.save();
+  if (!view.isWhole) view.clip(context);
   (scenario.photo_eyes ?? []).forEach((eye, k) => drawEye(context, view, eye, state.eyes[k], colors));
+  context.restore();
 }

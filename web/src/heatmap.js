@@ -1,6 +1,5 @@
-// A density as pixels: one for each cell, coloured by a table, brought to size by the canvas.
-
-import { tableOf } from "./colormap.js";
+// A density as pixels: one for each cell, coloured by a table of the colour map, brought to size by the canvas. The last colour
+// of the table is that of densities above the end of the scale.
 
 export class Heatmap {
   constructor() {
@@ -9,7 +8,7 @@ export class Heatmap {
   }
 
   // frame: { shape: [rows, columns], data }; next: the frame after it, share: how far on the way there.
-  paint(frame, next, share, mapName, end) {
+  paint(frame, next, share, table, end) {
     const [rows, columns] = frame.shape;
     if (this.pixels?.width !== columns || this.pixels?.height !== rows) {
       Object.assign(this.canvas, { width: columns, height: rows });
@@ -17,7 +16,6 @@ export class Heatmap {
       this.pixels = this.context.createImageData(columns, rows);
     }
     const to = new Uint32Array(this.pixels.data.buffer);
-    const table = tableOf(mapName);
     if (next && share > 0) mixInto(to, frame, next, share, table, end);
     else copyInto(to, frame, table, end);
     this.context.putImageData(this.pixels, 0, 0);
@@ -34,7 +32,7 @@ export class Heatmap {
 // Row 0 of a frame lies at the bottom. What is not a number is drawn as an empty belt.
 function copyInto(to, { shape: [rows, columns], data }, table, end) {
   const top = table.length - 1;
-  const scale = top / end;
+  const scale = (top - 1) / end;
   for (let j = 0, k = 0; j < rows; j++) {
     for (let o = (rows - 1 - j) * columns, stop = o + columns; o < stop; o++, k++) {
       const v = (data[k] * scale) | 0;
@@ -45,7 +43,7 @@ function copyInto(to, { shape: [rows, columns], data }, table, end) {
 
 function mixInto(to, { shape: [rows, columns], data }, { data: later }, share, table, end) {
   const top = table.length - 1;
-  const scale = top / end;
+  const scale = (top - 1) / end;
   for (let j = 0, k = 0; j < rows; j++) {
     for (let o = (rows - 1 - j) * columns, stop = o + columns; o < stop; o++, k++) {
       const v = ((data[k] + share * (later[k] - data[k])) * scale) | 0;

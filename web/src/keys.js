@@ -8,6 +8,8 @@ const keys = [
   ["Home, End", "first, newest snapshot"],
   [", .", "slower, faster"],
   ["F", "follow a run that is still computed"],
+  ["+ − 0", "zoom in, out, whole belt; so does the wheel with Ctrl"],
+  ["W A S D", "move what is seen up, left, down, right, where it is zoomed"],
   ["Tab to the belt, then arrows", "move the probe that shows the density; with Shift by single pixels"],
   ["Ctrl+Z", "take back a deletion, while it is told"],
   ["?", "this list"],

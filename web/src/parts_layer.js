@@ -25,7 +25,7 @@ export class PartsLayer {
   constructor(columns, cargo, feedLines) {
     Object.assign(this, { layout: layoutOf(columns), cargo, feedLines });
     this.stamper = null;
-    this.pose = { kind: 0, x: 0, y: 0, heading: 0, q: null };
+    this.pose = { id: 0, kind: 0, x: 0, y: 0, heading: 0, q: null, vx: 0, vy: 0 };
   }
 
   // Sets the pose to that of each part between two frames, one after the other, and visits it; gap: seconds between
@@ -51,13 +51,16 @@ export class PartsLayer {
 
   // The pose of row k on its way to row j of the frame after, or on with its velocity; false: it has left.
   read(k, data, after, j, share, gap) {
-    const { stride, x, y, heading, q, vx, vy } = this.layout;
+    const { stride, id, x, y, heading, q, vx, vy } = this.layout;
     const [from, to] = [k * stride, j * stride];
     if (Number.isNaN(data[from + x])) return false;
     const there = after && !Number.isNaN(after[to + x]) ? after : null;
     const mix = (c) => (there ? data[from + c] + share * (there[to + c] - data[from + c]) : data[from + c]);
     const drift = there ? 0 : share * gap;
+    this.pose.id = id < 0 ? k : data[from + id];
     this.pose.kind = this.kindOf(k, data);
+    this.pose.vx = data[from + vx];
+    this.pose.vy = data[from + vy];
     this.pose.x = mix(x) + drift * data[from + vx];
     this.pose.y = mix(y) + drift * data[from + vy];
     if (heading >= 0) this.pose.heading = mix(heading);
@@ -92,7 +95,17 @@ export class PartsLayer {
     this.pose.q = a;
   }
 
-  // view: a ViewBox; style: { fill, line, fillRgb, lineRgb }.
+  // The pose of the part at a place, in metres; null: none is there.
+  partAt(picture, [x, y]) {
+    let found = null;
+    this.each(picture, (pose) => {
+      const distance = Math.hypot(pose.x - x, pose.y - y);
+      if (distance < (found?.distance ?? this.cargo.kinds[pose.kind].radius)) found = { ...pose, distance };
+    });
+    return found;
+  }
+
+  // view: a ViewBox; style: { fills, line, fillsRgb, lineRgb }, with fills of the kinds in turn.
   draw(context, view, picture, style) {
     const n = picture.frame.shape[0];
     const isRound = this.cargo.kinds.every((kind) => kind.isRound) && this.layout.heading >= 0;
@@ -101,10 +114,11 @@ export class PartsLayer {
   }
 
   trace(context, view, picture, style) {
-    const bodies = new Path2D();
+    const all = style.fills.map(() => new Path2D());
     const headings = new Path2D();
     this.each(picture, (pose) => {
       const kind = this.cargo.kinds[pose.kind];
+      const bodies = all[pose.kind % all.length];
       const x = view.x(pose.x);
       const y = view.y(pose.y);
       const reach = kind.radius * view.scale;
@@ -118,10 +132,12 @@ export class PartsLayer {
       headings.lineTo(x + 0.9 * reach * Math.cos(pose.heading), y - 0.9 * reach * Math.sin(pose.heading));
     });
     context.lineWidth = Math.max(0.75, Math.min(1.5, view.scale * 0.0015)) * view.ratio;
-    context.fillStyle = style.fill;
-    context.fill(bodies);
     context.strokeStyle = style.line;
-    context.stroke(bodies);
+    all.forEach((bodies, k) => {
+      context.fillStyle = style.fills[k];
+      context.fill(bodies);
+      context.stroke(bodies);
+    });
     context.stroke(headings);
   }
 

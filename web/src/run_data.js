@@ -123,6 +123,15 @@ export class RunData {
     this.snapshots.push(event);
   }
 
+  // When a part entered, as exactly as the curve has samples: ids are in the order of entering, from those of the start on.
+  enteredAt(id) {
+    const admitted = [...this.curve.columns].filter(([name]) => name.endsWith(".admitted")).map(([, values]) => values);
+    const start = Math.round(this.snapshots[0]?.mass ?? 0);
+    if (admitted.length === 0 || id < start) return 0;
+    const k = this.curve.t.findIndex((t, at) => admitted.reduce((sum, values) => sum + values[at], start) > id);
+    return this.curve.t[k] ?? this.curve.t.at(-1) ?? 0;
+  }
+
   peak() {
     return this.snapshots.reduce((most, { peak }) => Math.max(most, peak), 0);
   }

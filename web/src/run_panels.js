@@ -77,10 +77,16 @@ function runFacts({ run, scenario }) {
   ]);
 }
 
+// What a warning means; the figures of the solver on demand.
+function warningItem({ title, meaning, detail }) {
+  return h("li", {}, h("strong", {}, title), " ", readable(meaning),
+    detail ? h("details", {}, h("summary", {}, "Details"), readable(detail)) : null);
+}
+
 export function summaryPanel(data) {
   const { summary, run } = data;
   const faults = run.error ? [h("li", { class: "fault" }, readable(run.error.detail))] : [];
-  const warnings = (summary?.warnings ?? []).map((text) => h("li", {}, readable(text)));
+  const warnings = summary?.warning_details?.map(warningItem) ?? (summary?.warnings ?? []).map((text) => h("li", {}, readable(text)));
   return h("section", { class: "card", "aria-labelledby": "summary-title" },
     h("h2", { id: "summary-title" }, "Summary"),
     faults.length + warnings.length > 0
@@ -123,9 +129,9 @@ function offers(data, n) {
 }
 
 export class DownloadsPanel {
-  constructor(data, getPicture) {
+  constructor(data, savePicture) {
     this.data = data;
-    this.getPicture = getPicture;
+    this.savePicture = savePicture;
     this.n = 0;
     this.chosen = 0;
     this.list = h("ul", { class: "offers" });
@@ -159,7 +165,7 @@ export class DownloadsPanel {
     this.list.append(
       ...[...groups].map(([what, links]) => h("li", {}, h("span", {}, what), h("span", { class: "formats" }, links))),
       h("li", {}, h("span", {}, "Picture as seen"), h("span", { class: "formats" },
-        h("button", { type: "button", on: { click: () => this.savePicture() } }, "PNG"))));
+        h("button", { type: "button", on: { click: this.savePicture } }, "PNG"))));
   }
 
   aim(k, target, file) {
@@ -185,11 +191,5 @@ export class DownloadsPanel {
     } catch (error) {
       tellFault(error);
     }
-  }
-
-  async savePicture() {
-    const url = URL.createObjectURL(await this.getPicture());
-    link(url, "", { download: `belt-${String(this.n).padStart(6, "0")}.png` }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 10_000);
   }
 }

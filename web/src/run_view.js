@@ -9,12 +9,13 @@ import { follow } from "./events.js";
 import { age, models, nameOf, percent, span } from "./format.js";
 import { KeyFiguresPanel } from "./key_figures.js";
 import { KeyStrip } from "./key_strip.js";
-import { address, go, note } from "./router.js";
+import { address, go } from "./router.js";
 import { cancel, removeLater } from "./run_actions.js";
 import { RunData } from "./run_data.js";
 import { DownloadsPanel, scenarioPanel, summaryPanel } from "./run_panels.js";
 import { statePill } from "./runs_table.js";
-import { keyOf, ScaleBar } from "./scale_bar.js";
+import { keyOf } from "./scale_bar.js";
+import { SceneControls } from "./scene_controls.js";
 import { contentOf, flowOf, isFed } from "./series.js";
 import { DASHES, prefersStillness } from "./theme.js";
 import { segments } from "./transport.js";
@@ -42,6 +43,7 @@ export class RunView {
     this.stopEvents?.();
     this.stopConnection?.();
     this.plot?.dispose();
+    this.controls?.dispose();
     this.cinema?.dispose();
   }
 
@@ -49,16 +51,13 @@ export class RunView {
     const { cinema, data } = this;
     const name = nameOf(data.run);
     this.title = name;
-    cinema.map = this.query.get("map") === "grey" ? "grey" : "viridis";
-    cinema.layer = ["density", "parts", "both"].includes(this.query.get("layer")) ? this.query.get("layer") : undefined;
-    this.screen = cinema.add(data, `The belt from above, ${name}`, () => Math.max(220, innerHeight * 0.62));
-    this.scale = new ScaleBar((map) => {
-      cinema.setMap(map);
-      note({ map: map === "viridis" ? "" : map });
-      this.showScale();
+    this.controls = new SceneControls(cinema, this.query, {
+      headingsOf: () => [[name, `${models[data.run.model]} model`]],
+      fileName: () => `belt-${String(cinema.player.indexOf(cinema.player.t)).padStart(6, "0")}`,
     });
+    this.screen = cinema.add(data, `The belt from above, ${name}`, () => Math.max(220, innerHeight * 0.62));
     this.plot = new CurvePlot(`Outflow curve of ${name}`, () => this.plotHeight(), (t) => cinema.player.seek(t));
-    this.downloads = new DownloadsPanel(data, () => this.screen.stage.toBlob());
+    this.downloads = new DownloadsPanel(data, () => this.controls.save());
     this.figures = new KeyFiguresPanel();
     this.strip = new KeyStrip();
     this.summary = h("div", {}, summaryPanel(data));
@@ -89,20 +88,12 @@ export class RunView {
   }
 
   animation() {
-    const { cinema, screen } = this;
-    const layers = this.data.hasParts()
-      ? segments("Shown", [["both", "Parts over density"], ["parts", "Parts"], ["density", "Density"]], screen.reel.layer,
-        (layer) => {
-          cinema.setLayer(layer);
-          note({ layer: layer === "both" ? "" : layer });
-          this.showScale();
-        }).element
-      : null;
+    const { cinema, screen, data } = this;
+    const [row, scale] = this.controls.build("Shown");
     this.wait = h("p", { class: "stage-wait", role: "status" });
     return h("section", { class: "card animation", "aria-label": "Animation" },
-      layers ? h("div", { class: "card-head" }, layers) : null,
-      h("div", { class: "stage-box" }, screen.stage.element, this.wait),
-      cinema.transport.element, this.scale.element, keyOf(this.data.scenario));
+      row, h("div", { class: "stage-box" }, screen.stage.element, this.wait),
+      cinema.transport.element, scale, keyOf(data.scenario, data.hasParts()));
   }
 
   curve() {
@@ -133,7 +124,7 @@ export class RunView {
     cinema.refresh();
     this.showHead();
     this.showCurve();
-    this.showScale();
+    this.controls.show();
     this.showFigures();
     if (isLive) this.goLive();
     cinema.begin(this.query);
@@ -155,7 +146,7 @@ export class RunView {
     if (what === "run") this.showHead();
     if (what === "figures" || what === "snapshots") this.showFigures();
     if (what === "summary") this.finish();
-    this.showScale();
+    this.controls.show();
   }
 
   // The axes of time grow with what there is.
@@ -203,12 +194,6 @@ export class RunView {
     }
     const end = isOver(run) ? Math.max(curve.t.at(-1) ?? 0, snapshots.at(-1)?.t_s ?? 0) : this.cinema.axisEnd;
     this.plot.setCurves(curves.filter(({ v }) => v.length > 0), end || scenario.duration_s);
-  }
-
-  showScale() {
-    const { macro } = this.data.scenario;
-    this.scale.set(this.cinema.map, this.cinema.scaleEnd(), macro.packing_density_per_m2);
-    this.scale.element.hidden = this.screen.reel.layer === "parts";
   }
 
   update() {

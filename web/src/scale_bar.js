@@ -1,6 +1,7 @@
 // The scale of a density's colours, in parts/m2 and in shares of close packing; and what else is drawn.
 
-import { cssColor, maps } from "./colormap.js";
+import { cssColor, maps, ranges } from "./colormap.js";
+import { cargoOf } from "./cargo.js";
 import { h } from "./dom.js";
 import { fixed, number, quantity } from "./format.js";
 import { niceStep } from "./scenery.js";
@@ -18,25 +19,30 @@ function ticksTo(end, step) {
 }
 
 export class ScaleBar {
-  constructor(onMap) {
+  constructor({ onMap, onRange }) {
     this.band = h("div", { class: "band" });
     this.upper = h("div", { class: "ticks upper" });
     this.lower = h("div", { class: "ticks lower" });
     this.map = h("select", { "aria-label": "Colours", on: { change: () => onMap(this.map.value) } },
       Object.entries(maps).map(([name, { label }]) => h("option", { value: name }, label)));
+    this.range = h("select", { "aria-label": "Range of the colours", on: { change: () => onRange(this.range.value) } },
+      ranges.map(([range, words]) => h("option", { value: range }, words)));
+    this.over = h("span", { class: "over" }, "above");
     this.element = h("div", { class: "scale" },
       h("div", { class: "scale-bar", role: "img" },
         h("span", { class: "scale-name" }, "parts/m²"), this.upper, this.band, this.lower,
         h("span", { class: "scale-name" }, "share of close packing")),
-      this.map);
+      this.over, this.range, this.map);
   }
 
-  // end: density at the end of the scale, 1 is close packing; packing: parts/m2 of that.
-  set(map, end, packing) {
-    const key = `${map} ${end} ${packing}`;
+  // end: density at the end of the scale, 1 is close packing; packing: parts/m2 of that; isExceeded: some density is above.
+  set({ map, range, end, packing, isExceeded }) {
+    const key = `${map} ${range} ${end} ${packing} ${isExceeded}`;
     if (key === this.key) return;
     this.key = key;
     this.map.value = map;
+    this.range.value = range;
+    this.over.hidden = !isExceeded;
     const colors = Array.from({ length: STOPS + 1 }, (_, k) => cssColor(map, k / STOPS));
     this.band.style.background = `linear-gradient(to right, ${colors.join(", ")})`;
     const parts = niceStep(end * packing, 4);
@@ -47,8 +53,13 @@ export class ScaleBar {
   }
 }
 
-// What the lines of the drawing mean, with the speeds of the belts.
-export function keyOf(scenario) {
+function kindsOf(cargo) {
+  if (cargo.kinds.length < 2) return [];
+  return cargo.kinds.map(({ name }, k) => h("li", {}, h("i", { class: "key kind", data: { kind: String((k % 8) + 1) } }), name));
+}
+
+// What the lines of the drawing mean, with the speeds of the belts; of a microscopic run the colours of the kinds.
+export function keyOf(scenario, hasParts) {
   const speeds = [...new Set(scenario.belts.map(({ velocity_m_s: v }) => quantity(Math.hypot(...v), "m/s")))];
   const entry = (kind, text) => h("li", {}, h("i", { class: `key ${kind}` }), text);
   const sides = Object.values(scenario.edges);
@@ -60,5 +71,6 @@ export function keyOf(scenario) {
     eyes.length > 0 ? entry("eye", "photo eye that is blocked") : null,
     sides.includes("wall") ? entry("wall", "wall") : null,
     sides.some((side) => side !== "wall") ? entry("open", "open edge") : null,
-    entry("counter", scenario.counters.length > 1 ? "counters" : `counter “${scenario.counters[0].id}”`));
+    entry("counter", scenario.counters.length > 1 ? "counters" : `counter “${scenario.counters[0].id}”`),
+    hasParts ? kindsOf(cargoOf(scenario, 0)) : []);
 }

@@ -4,6 +4,7 @@
 import { beltVelocity } from "./geometry.js";
 
 const FONT = "11px system-ui, sans-serif";
+const RIM = 3; // CSS pixels that walls stand outside of the belt
 
 // 1, 2 or 5 times a power of ten, so that about n steps fill the span.
 export function niceStep(span, n) {
@@ -12,7 +13,8 @@ export function niceStep(span, n) {
   return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= raw * 0.999);
 }
 
-function ticks(from, to, n) {
+// [{ value, text }] of about n steps that are easily read.
+export function ticksOf(from, to, n) {
   const step = niceStep(to - from, n);
   const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const list = [];
@@ -57,7 +59,7 @@ function drawAxes(context, view, { x_m, y_m }, colors) {
   const bottom = inner.y + inner.height;
   context.textAlign = "center";
   context.textBaseline = "top";
-  const across = ticks(...x_m, Math.max(2, inner.width / ratio / 90));
+  const across = ticksOf(...x_m, Math.max(2, inner.width / ratio / 90));
   for (const { value, text } of across) {
     marks.moveTo(view.x(value), bottom + 3 * ratio);
     marks.lineTo(view.x(value), bottom + 7 * ratio);
@@ -65,17 +67,17 @@ function drawAxes(context, view, { x_m, y_m }, colors) {
   }
   context.textAlign = "right";
   context.textBaseline = "middle";
-  const up = ticks(...y_m, Math.max(2, inner.height / ratio / 60));
+  const up = ticksOf(...y_m, Math.max(2, inner.height / ratio / 60));
   for (const { value, text } of up) {
     marks.moveTo(inner.x - 7 * ratio, view.y(value));
     marks.lineTo(inner.x - 3 * ratio, view.y(value));
-    context.fillText(value === up.at(-1).value ? `${text} m` : text, inner.x - 10 * ratio, view.y(value));
+    context.fillText(value === up.at(-1).value && text.length < 4 ? `${text} m` : text, inner.x - 10 * ratio, view.y(value));
   }
   context.stroke(marks);
 }
 
 function drawEdges(context, view, edges, colors) {
-  const { x, y, width, height } = view.inner;
+  const { x, y, width, height } = view.whole;
   const r = view.ratio;
   const sides = ["west", "east", "north", "south"];
   for (const side of sides) {
@@ -186,12 +188,15 @@ function addHead(path, x, y, angle, size) {
 // Everything onto a transparent canvas of the view's size.
 export function drawScenery(context, view, scenario, colors) {
   context.clearRect(0, 0, view.width, view.height);
-  drawAxes(context, view, scenario.domain, colors);
+  drawAxes(context, view, view.visible, colors);
   context.save();
   view.clip(context);
   drawBelts(context, view, scenario, colors);
   drawCounters(context, view, scenario, colors);
   context.restore();
+  context.save();
+  if (!view.isWhole) view.clip(context, RIM);
   drawEdges(context, view, scenario.edges, colors);
   drawFeeds(context, view, scenario, colors);
+  context.restore();
 }

@@ -1,17 +1,18 @@
 // A run's belt from above: the cargo, the scenery and the devices over it, and the value under the pointer.
 
-import { isPale } from "./colormap.js";
+import { isPale, tableOf } from "./colormap.js";
 import { drawDevices } from "./devices.js";
 import { h, setText } from "./dom.js";
 import { Equipment } from "./equipment.js";
 import { densityAt, Heatmap } from "./heatmap.js";
-import { number, percent } from "./format.js";
+import { fixed, number, percent, quantity } from "./format.js";
 import { PartsLayer } from "./parts_layer.js";
 import { drawScenery, feedLines } from "./scenery.js";
 import { color, onTheme, rgb } from "./theme.js";
 import { ViewBox } from "./view_box.js";
 
 const PROBE_STEP = 10; // CSS pixels a key moves the probe
+export const KINDS = ["draw-part", ...Array.from({ length: 7 }, (_, k) => `draw-part-${k + 2}`)]; // colours, again from the first
 
 export class Stage {
   // label: what the drawing is called; most(): how high it may be, CSS pixels.
@@ -28,6 +29,7 @@ export class Stage {
     this.element = h("div", { class: "stage" }, this.frame);
     this.heatmap = new Heatmap();
     this.style = { layer: "density", map: "viridis", end: 1 };
+    this.zoom = { factor: 1, x: 0.5, y: 0.5 };
     this.picture = null;
     this.onProbe = () => {};
     this.watch();
@@ -51,29 +53,43 @@ export class Stage {
     this.stopTheme();
   }
 
-  // scenario: resolved; grid: { origin_m, cell_m }; parts: { columns, cargo } or null; curve and actions: of the run, which
-  // may grow.
-  setScene({ scenario, grid, parts, curve, actions }) {
-    Object.assign(this, { scenario, grid });
+  // data: a RunData, of which scenario, grid and, where it has them, parts are known; curve and actions may grow.
+  setScene(data) {
+    const { scenario, grid, parts, curve, actions } = data;
+    Object.assign(this, { data, scenario, grid });
     this.equipment = new Equipment(scenario, curve, actions);
     this.layer = parts ? new PartsLayer(parts.columns, parts.cargo, feedLines(scenario)) : null;
     this.resize();
   }
 
   setStyle(style) {
-    const { map } = this.style;
     Object.assign(this.style, style);
-    if (this.style.map === map) this.draw();
-    else this.resize();
+    this.resize();
+  }
+
+  // Colours follow the map, the end of the scale and the theme. Whether the picture must be drawn again.
+  setEnd(end) {
+    if (end === this.style.end) return false;
+    this.style.end = end;
+    this.table = null;
+    return true;
+  }
+
+  // zoom: { factor, x, y } of Zoom.
+  setZoom(zoom) {
+    this.zoom = zoom;
+    this.resize();
   }
 
   resize() {
     const width = this.element.clientWidth;
     if (!this.scenario || width === 0) return;
     const ratio = Math.min(devicePixelRatio || 1, 2);
-    this.view = new ViewBox(this.scenario.domain, width, this.most(), ratio);
+    this.view = new ViewBox(this.scenario.domain, width, this.most(), ratio, this.zoom);
+    this.frame.classList.toggle("zoomed", !this.view.isWhole);
     for (const canvas of [this.field, this.above, this.devices]) {
-      Object.assign(canvas, { width: this.view.width, height: this.view.height });
+      if (canvas.width !== this.view.width) canvas.width = this.view.width;
+      if (canvas.height !== this.view.height) canvas.height = this.view.height;
       canvas.style.width = `${this.view.cssWidth}px`;
       canvas.style.height = `${this.view.cssHeight}px`;
     }
@@ -82,9 +98,9 @@ export class Stage {
     this.colors = this.chooseColors();
     drawScenery(this.above.getContext("2d"), this.view, this.scenario, this.colors);
     this.drawnState = "";
-    this.bodies = { fill: color("draw-part"), line: color("draw-part-line"),
-      fillRgb: rgb("draw-part"), lineRgb: rgb("draw-part-line") };
+    this.bodies = { fills: KINDS.map(color), line: color("draw-part-line"), fillsRgb: KINDS.map(rgb), lineRgb: rgb("draw-part-line") };
     this.belt = color("draw-belt");
+    this.table = null;
     this.draw();
   }
 
@@ -126,21 +142,20 @@ export class Stage {
     const context = this.field.getContext("2d");
     const { density, parts, share, gap } = this.picture;
     const { layer, map, end } = this.style;
-    const { inner } = this.view;
+    const { whole } = this.view;
     context.clearRect(0, 0, this.view.width, this.view.height);
+    context.save();
+    this.view.clip(context);
     if (layer !== "parts" && density) {
-      this.heatmap.paint(density.frame, density.next, share, map, end);
-      this.heatmap.drawOn(context, inner);
+      this.table ??= tableOf(map, end, { belt: rgb("draw-belt"), above: rgb("draw-over") });
+      this.heatmap.paint(density.frame, density.next, share, this.table, end);
+      this.heatmap.drawOn(context, whole);
     } else {
       context.fillStyle = this.belt;
-      context.fillRect(inner.x, inner.y, inner.width, inner.height);
+      context.fillRect(whole.x, whole.y, whole.width, whole.height);
     }
-    if (layer !== "density" && parts && this.layer) {
-      context.save();
-      this.view.clip(context);
-      this.layer.draw(context, this.view, { ...parts, share, gap }, this.bodies);
-      context.restore();
-    }
+    if (layer !== "density" && parts && this.layer) this.layer.draw(context, this.view, { ...parts, share, gap }, this.bodies);
+    context.restore();
     this.tell();
   }
 
@@ -172,9 +187,22 @@ export class Stage {
     const { density, share } = this.picture ?? {};
     const value = density ? densityAt(density.frame, density.next, share, this.grid, place) : null;
     const [xm, ym] = place.map((m) => m.toFixed(3));
-    if (value === null) return density ? null : [`x ${xm} m, y ${ym} m`];
+    const part = this.partAt(place);
+    if (value === null) return density ? null : [`x ${xm} m, y ${ym} m`, ...part];
     const packing = this.scenario.macro.packing_density_per_m2;
-    return [`${number(value * packing, 4)} parts/m²`, `${percent(value, 1)} of close packing`, `x ${xm} m, y ${ym} m`];
+    return [`${number(value * packing, 4)} parts/m²`, `${percent(value, 1)} of close packing`, `x ${xm} m, y ${ym} m`, ...part];
+  }
+
+  // Lines about the part at a place, if one is drawn there.
+  partAt(place) {
+    const { parts, share, gap, t } = this.picture;
+    if (this.style.layer === "density" || !parts || !this.layer) return [];
+    const part = this.layer.partAt({ ...parts, share, gap }, place);
+    if (!part) return [];
+    const { kinds } = this.layer.cargo;
+    const since = this.data.enteredAt(part.id);
+    return [`Part ${part.id + 1}${kinds.length > 1 ? `, ${kinds[part.kind].name}` : ""}`, quantity(Math.hypot(part.vx, part.vy), "m/s", 2),
+      `on the belt for ${fixed(Math.max(0, t - since), 1)} s`];
   }
 
   tell() {
@@ -190,16 +218,8 @@ export class Stage {
       `translate(${x + (isRight ? -12 : 12)}px, ${y + (isLow ? -12 : 12)}px) translate(${isRight ? "-100%" : "0"}, ${isLow ? "-100%" : "0"})`;
   }
 
-  // The picture as it stands, as a PNG.
-  toBlob() {
-    const canvas = h("canvas");
-    Object.assign(canvas, { width: this.view.width, height: this.view.height });
-    const context = canvas.getContext("2d");
-    context.fillStyle = color("surface");
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    for (const layer of [this.field, this.above, this.devices]) context.drawImage(layer, 0, 0);
-    return new Promise((resolve) => {
-      canvas.toBlob(resolve, "image/png");
-    });
+  // What is seen, onto another canvas.
+  drawOn(context, x, y) {
+    for (const layer of [this.field, this.above, this.devices]) context.drawImage(layer, x, y);
   }
 }

@@ -31,9 +31,9 @@ export class Stamper {
     this.key = "";
   }
 
-  // style: { fillRgb, lineRgb }. radii: of each kind, in pixels.
+  // style: { fillsRgb, lineRgb }. radii: of each kind, in pixels.
   begin(width, height, radii, style) {
-    const key = JSON.stringify([width, height, radii, style.fillRgb, style.lineRgb]);
+    const key = JSON.stringify([width, height, radii, style.fillsRgb, style.lineRgb]);
     if (key !== this.key) {
       this.key = key;
       Object.assign(this.canvas, { width, height });
@@ -42,12 +42,12 @@ export class Stamper {
       this.pixels = new Uint32Array(this.image.data.buffer);
       this.radii = radii;
       this.line = pixelOf(style.lineRgb, 1);
-      this.sprites = radii.map((radius) => this.spritesOf(Math.max(radius, 0.6), style));
+      this.sprites = radii.map((radius, k) => this.spritesOf(Math.max(radius, 0.6), style.fillsRgb[k % style.fillsRgb.length], style.lineRgb));
     }
     this.pixels.fill(0);
   }
 
-  spritesOf(radius, { fillRgb, lineRgb }) {
+  spritesOf(radius, fillRgb, lineRgb) {
     return Array.from({ length: PHASES * PHASES }, (_, k) => {
       const sprite = makeSprite(radius, (k % PHASES + 0.5) / PHASES, (Math.floor(k / PHASES) + 0.5) / PHASES,
         fillRgb, lineRgb);

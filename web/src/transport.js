@@ -20,6 +20,7 @@ export class Transport {
       on: { click: () => player.follow(!player.isFollowing) } }, h("i", { class: "dot" }), "Follow live");
     this.element = h("div", { class: "transport", role: "group", "aria-label": "Animation" },
       this.back, this.playButton, this.forth, this.slider, this.clock, this.speed, this.live);
+    this.onOtherKey = () => false; // (event) => whether it was of use elsewhere
     this.onKey = (event) => this.take(event);
     document.addEventListener("keydown", this.onKey);
   }
@@ -75,7 +76,11 @@ export class Transport {
       ",": () => this.changeSpeed(-1),
       ".": () => this.changeSpeed(1),
     };
-    if (isTyping || (event.key === " " && isPressing) || !keys[event.key]) return;
+    if (isTyping || (event.key === " " && isPressing)) return;
+    if (!keys[event.key]) {
+      if (this.onOtherKey(event)) event.preventDefault();
+      return;
+    }
     event.preventDefault();
     keys[event.key]();
   }
