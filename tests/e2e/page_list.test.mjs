@@ -154,10 +154,10 @@ test("the page says when the daemon is away, finds it again, and the run goes on
   await page.waitForFunction(() => Number(document.querySelector(".transport input").value) > 0);
 
   await d.kill();
-  await page.getByText("The daemon does not answer. Trying again").waitFor();
+  await page.getByText("The server does not answer. Trying again").waitFor();
   const before = await pictures();
   d.settings.listen = `127.0.0.1:${d.port}`;
-  const back = page.getByText("The daemon is back.").waitFor(); // shown for some seconds only
+  const back = page.getByText("The server is back.").waitFor(); // shown for some seconds only
   await d.start();
   await back;
   await until(async () => (await pictures()) > before, "more pictures");
@@ -181,7 +181,7 @@ test("a run that ended while the daemon was away is shown with its results", asy
   await page.context().setOffline(true);
   await d.post(`/v1/runs/${run.id}/cancel`, "");
   await d.reached(run.id, "cancelled");
-  await page.getByText("The daemon does not answer. Trying again").waitFor();
+  await page.getByText("The server does not answer. Trying again").waitFor();
   await page.context().setOffline(false);
   await page.locator(".pill", { hasText: "cancelled" }).waitFor();
   await page.getByText("Parts at start").waitFor();

@@ -125,7 +125,7 @@ test("so do an empty list, and the page without its daemon", async (t) => {
     await look(screen, ["studies-empty", "#/studies", async (page) => page.getByText("No studies yet.").waitFor()]);
     await look(screen, ["runs-empty", "#/", async (page) => page.getByText("No runs yet.").waitFor()]);
     await screen.page.route("**/*", (route) => route.abort());
-    await screen.page.getByText("The daemon does not answer. Trying again").waitFor();
+    await screen.page.getByText("The server does not answer. Trying again").waitFor();
     await judge(screen, "away");
   }
 });

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { dealKinds } from "../../web/src/cargo.js";
+import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { fixed, parts, quantity, readable } from "../../web/src/format.js";
@@ -18,15 +18,14 @@ import { daemon } from "./daemon.mjs";
 const near = (a, b, tolerance = 1e-9) => assert.ok(Math.abs(a - b) <= tolerance, `${a} is not ${b}`);
 const bytesOf = ({ body }) => body.buffer.slice(body.byteOffset, body.byteOffset + body.length);
 
-test("parts of a mix are of the kinds that the solver dealt, told by the heights of their centres", async (t) => {
+test("parts of a mix are of the kinds that the server names, told by the heights of their centres", async (t) => {
   const d = await daemon(t);
   const example = (await d.get("/v1/examples/mixed-cargo")).json;
   const run = await d.submit({ ...example, duration_s: 0.001, output: { curve_every_s: 0.001 } }, { model: "micro" });
   await d.reached(run.id, "succeeded");
   const { shape: [n, columns], data } = readNpy(bytesOf(await d.get(`/v1/runs/${run.id}/parts/0`)));
-  const kinds = dealKinds(example.cargo, 1, n);
-  for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kinds[k]].shape.height_m / 2, 1e-6);
-  assert.deepEqual((await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds, [...kinds]);
+  const { kindOfPart } = cargoOf(example, (await d.get(`/v1/runs/${run.id}/snapshots`)).json.kinds);
+  for (let k = 0; k < n; k++) near(data[k * columns + 2], example.cargo[kindOfPart(k)].shape.height_m / 2, 1e-6);
 });
 
 test("a snapshot's NPY is its JSON", async (t) => {
@@ -170,7 +169,7 @@ test("a fed run's flow is the sum of its feeds and the exits, its content the co
   assert.deepEqual(flowOf(scenario, { columns }),
     [["offered", [0, 6]], ["admitted", [0, 4]], ["waiting", [0, 2]], ["exits", [0, 1]]]);
   assert.deepEqual(contentOf(scenario, { columns }),
-    [["upstream", [0, 3]], ["a: waiting", [0, 1]], ["b: waiting", [0, 1]]]);
+    [["parts upstream", [0, 3]], ["a: waiting", [0, 1]], ["b: waiting", [0, 1]]]);
 });
 
 test("scenarios differ in what a planner calls it, however they were written", async (t) => {

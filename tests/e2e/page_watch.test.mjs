@@ -223,8 +223,9 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   const recording = page.waitForEvent("download");
   await page.getByRole("button", { name: "Save film" }).click();
   assert.equal((await recording).suggestedFilename(), "belt-000002.webm");
-  await page.emulateMedia({ media: "print" });
+  await page.emulateMedia({ media: "print", colorScheme: "dark" });
   assert.equal(await page.getByRole("navigation", { name: "Views" }).isVisible(), false);
+  assert.equal(await page.evaluate(() => getComputedStyle(document.body).color), "rgb(24, 34, 45)", "text is dark on paper");
 });
 
 // A connection with a latency of 100 ms and 500 kB/s.
@@ -269,6 +270,7 @@ test("on a slow connection every picture that is asked for arrives, and the cloc
     }));
   assert.ok(isSeenLate);
   await page.locator(".stamp:not(.late)").waitFor();
+  await page.goto("about:blank");
   await d.post(`/v1/runs/${run.id}/cancel`, "");
 });
 

@@ -52,7 +52,7 @@ async function judge(text) {
     const response = await fetch("v1/runs?limit=1", { headers, cache: "no-store" });
     return response.ok ? "" : ((await response.json()).detail ?? response.statusText);
   } catch {
-    return "The daemon does not answer.";
+    return "The server does not answer.";
   }
 }
 

@@ -38,7 +38,7 @@ export async function ask(target, options = {}) {
   } catch (error) {
     if (error.name === "AbortError") throw error;
     report(false);
-    throw new Problem(0, "The daemon does not answer.");
+    throw new Problem(0, "The server does not answer.");
   }
   report(response.status !== 502 && response.status !== 504);
   if (response.ok) return response;

@@ -82,8 +82,8 @@ export class CompareView {
     this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
       onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
     return [head, ...lost, h("div", { class: "compare-main" },
-      h("div", {}, h("div", { class: "panels", data: { n: String(panels.length) } }, panels), this.controlsCard()),
-      this.curves.element), ...this.tables()];
+      h("div", { class: "panels" }, panels), h("div", { class: "compare-side" }, this.controlsCard(), this.curves.element)),
+      ...this.tables()];
   }
 
   invitation() {

@@ -37,7 +37,7 @@ export function quantity(value, unit, digits = 3) {
   return text === "–" || unit === "" ? text : `${text}${NBSP}${unit}`;
 }
 
-const NO_PART = 1e-6; // sums of densities leave rounding errors
+const NO_PART = 5e-3; // less is said to be none: what diffuses and what sums of densities leave
 
 // A number of parts, whole or not.
 export function parts(n, digits = 4) {

@@ -3,7 +3,7 @@
 
 import { isOver } from "./api.js";
 import { h } from "./dom.js";
-import { fixed, parts, percent, quantity } from "./format.js";
+import { fixed, number, parts } from "./format.js";
 import { isFed, throughputOf } from "./series.js";
 
 const PER_H = 3600;
@@ -15,56 +15,64 @@ function batchThroughput({ run, scenario, curve }) {
   return rate === null ? null : PER_H * rate;
 }
 
-function entered({ summary, curve, snapshots }) {
-  if (summary) return summary.parts_start + (summary.parts_entered ?? 0);
-  const admitted = [...curve.columns].filter(([name]) => name.endsWith(".admitted"));
-  return (snapshots[0]?.mass ?? 0) + admitted.reduce((sum, [, values]) => sum + (values.at(-1) ?? 0), 0);
+// Summaries of earlier versions do not say it among the key figures.
+function entered({ figures: known, summary, snapshots }) {
+  if (known?.parts) return known.parts.entered;
+  return summary ? summary.parts_start + (summary.parts_entered ?? 0) : snapshots[0]?.mass ?? 0;
 }
 
-// value(data): a number, or null: not known; text(value, data); sentence(data).
+// value(data): a number, or null: not known; text(value, data): without its unit; sentence(data).
 const figures = [
   {
     name: "Drained at",
+    unit: "s",
     value: ({ figures: known }) => known?.drained_at_s ?? null,
-    text: (value, { run }) => (value === null && isOver(run) ? "not drained" : quantity(value, "s", 4)),
+    text: (value, { run }) => (value === null && isOver(run) ? "not drained" : number(value, 4)),
     sentence: () => "Since then the belt has been empty.",
   },
   {
     name: "Throughput",
+    unit: "parts/h",
     value: (data) => (isFed(data.scenario) ? data.figures?.throughput_per_h ?? null : batchThroughput(data)),
     text: (value, { figures: known, scenario }) => {
       const error = isFed(scenario) ? known?.throughput_error_per_h : undefined;
-      return `${quantity(value === null ? null : Number(value.toPrecision(3)), "parts/h", 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
+      return `${number(value === null ? null : Number(value.toPrecision(3)), 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;
     },
     sentence: ({ scenario }) => (isFed(scenario) ? "Parts that left the belt, after the warm-up."
-      : `While the middle 80 % of the parts left “${scenario.counters[0].id}”.`),
+      : `While the middle 80 % of the parts passed counter “${scenario.counters[0].id}”.`),
   },
   {
     name: "Longest queue",
+    unit: "m",
     value: ({ figures: known }) => known?.queue_end_m ?? null,
-    text: (value) => quantity(value, "m", 3),
+    text: (value) => number(value),
     sentence: ({ run, scenario }) => (run.model === "macro" ? "Only the microscopic model knows it."
-      : scenario.obstacles.length === 0 ? "There is no plate to queue at." : "Upstream from the plate to the last slow part."),
+      : scenario.obstacles.length === 0 ? "There is no deflector to queue at." : "From the deflector upstream to the last slow part."),
   },
   {
     name: "Residence, 95 %",
+    unit: "s",
     value: ({ figures: known }) => known?.residence_s?.p95 ?? null,
-    text: (value) => quantity(value, "s", 3),
+    text: (value) => number(value),
     sentence: () => "95 % of the parts that left stayed no longer.",
   },
   {
     name: "Peak density",
+    unit: "%",
     value: ({ figures: known }) => known?.peak_density ?? null,
-    text: (value) => (value === null ? "–" : percent(value, 0)),
+    text: (value) => (value === null ? "–" : fixed(100 * value, 0)),
     sentence: () => "100 % is close packing.",
   },
   {
     name: "Parts left on the belt",
+    unit: "",
     value: ({ summary, snapshots }) => summary?.parts_end ?? snapshots.at(-1)?.mass ?? null,
     text: (value, data) => (value === null ? "–" : `${parts(value, 3)} of ${parts(entered(data), 6)}`),
     sentence: ({ run }) => (isOver(run) ? "When the run ended." : "At the newest snapshot."),
   },
 ];
+
+const withUnit = (text, unit) => (unit && /^[\d.]/.test(text) ? `${text} ${unit}` : text);
 
 export class KeyStrip {
   constructor() {
@@ -73,8 +81,8 @@ export class KeyStrip {
   }
 
   show(data) {
-    this.list.replaceChildren(...figures.map(({ name, value, text, sentence }) => h("div", {},
-      h("dt", {}, name), h("dd", {}, text(value(data), data)), h("dd", { class: "hint" }, sentence(data)))));
+    this.list.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => h("div", {},
+      h("dt", {}, name), h("dd", {}, withUnit(text(value(data), data), unit)), h("dd", { class: "hint" }, sentence(data)))));
   }
 }
 
@@ -99,10 +107,10 @@ export class KeyTable {
   show(runs, reference, headOf) {
     this.head.replaceChildren(h("th", { scope: "col" }, h("span", { class: "hidden" }, "Figure")),
       ...runs.map((data, k) => h("th", { scope: "col" }, headOf(k))));
-    this.body.replaceChildren(...figures.map(({ name, value, text, sentence }) => {
+    this.body.replaceChildren(...figures.map(({ name, unit, value, text, sentence }) => {
       const values = runs.map(value);
       const words = [...new Set(runs.map(sentence))].join(" ");
-      return h("tr", {}, h("th", { scope: "row" }, name, h("small", { class: "sentence" }, words)), values.map((one, k) =>
+      return h("tr", {}, h("th", { scope: "row" }, name, h("small", {}, unit), h("small", { class: "sentence" }, words)), values.map((one, k) =>
         h("td", {}, text(one, runs[k]), h("small", {}, k === reference ? "" : moreThan(one, values[reference])))));
     }));
   }

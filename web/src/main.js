@@ -5,8 +5,11 @@ import "../style/base.css";
 import "../style/controls.css";
 import "../style/runs.css";
 import "../style/watch.css";
+import "../style/curves.css";
+import "../style/compare.css";
 import "../style/new.css";
 import "../style/studies.css";
+import "../style/print.css";
 
 import { onAccess, signOut } from "./access.js";
 import { getJson } from "./api.js";
@@ -78,8 +81,8 @@ function fail(error, route) {
 function showConnection(isAway) {
   const word = document.getElementById("connection");
   document.body.classList.toggle("away", isAway);
-  word.textContent = isAway ? "The daemon does not answer. Trying again …" : "";
-  if (!isAway) toast("The daemon is back.");
+  word.textContent = isAway ? "The server does not answer. Trying again …" : "";
+  if (!isAway) toast("The server is back.");
 }
 
 async function showVersion() {

@@ -5,6 +5,8 @@ import { getJson, isOver, paths } from "./api.js";
 import { cargoOf } from "./cargo.js";
 import { applyToRun } from "./events.js";
 
+const LATER_MS = 2000;
+
 // Values from an index on; what stood there is gone.
 function replaceFrom(list, first, values) {
   list.length = Math.min(first, list.length);
@@ -57,26 +59,26 @@ export class RunData {
     await this.loadSummary();
   }
 
-  // A run that failed or never began has none; when no answer comes, refresh() asks again.
+  // A run that failed or never began has none; when no answer comes, refresh() asks again. A busy server is asked again later.
   async loadSummary() {
     try {
       this.summary = await getJson(paths.of(this.id, "summary"));
       this.figures = this.summary.key_figures ?? this.figures;
     } catch (error) {
-      if (![0, 404, 409].includes(error.status)) throw error;
+      if ([429, 503].includes(error.status)) setTimeout(() => this.loadSummary(), LATER_MS);
+      else if (![0, 404, 409].includes(error.status)) throw error;
     }
     this.onChange("summary");
   }
 
-  takeList({ grid, parts, snapshots }) {
+  takeList({ grid, parts, kinds, snapshots }) {
     if (grid) this.grid = grid;
-    if (parts) this.takeParts(parts);
+    if (parts) this.takeParts(parts, kinds);
     this.snapshots = snapshots;
   }
 
-  takeParts(parts) {
-    const hasKinds = parts.columns.includes("kind"); // with feeds; else they follow from the scenario
-    this.parts = { ...parts, cargo: cargoOf(this.scenario, hasKinds ? 0 : parts.rows) };
+  takeParts(parts, kinds) {
+    this.parts = { ...parts, cargo: cargoOf(this.scenario, kinds) };
   }
 
   takeCurve({ first, t_s: times, run, ...columns }) {
@@ -116,8 +118,8 @@ export class RunData {
     if (this.snapshots.length > event.n) return;
     if (event.parts_url && !this.parts) {
       this.snapshots.push(event);
-      const { parts } = await getJson(paths.of(this.id, "snapshots"));
-      if (parts) this.takeParts(parts);
+      const { parts, kinds } = await getJson(paths.of(this.id, "snapshots"));
+      if (parts) this.takeParts(parts, kinds);
       return;
     }
     this.snapshots.push(event);

@@ -66,11 +66,11 @@ export function keyOf(scenario, hasParts) {
   const { feeds = [], photo_eyes: eyes = [] } = scenario;
   return h("ul", { class: "keys" },
     entry("belt", `belt ${speeds.slice(0, 3).join(", ")}${speeds.length > 3 ? " …" : ""}`),
-    scenario.obstacles.length > 0 ? entry("plate", "obstacle") : null,
+    scenario.obstacles.length > 0 ? entry("plate", scenario.obstacles.length > 1 ? "deflectors" : "deflector") : null,
     feeds.length > 0 ? entry("feed", feeds.length > 1 ? "feeds" : `feed “${feeds[0].id}”`) : null,
     eyes.length > 0 ? entry("eye", "photo eye that is blocked") : null,
     sides.includes("wall") ? entry("wall", "wall") : null,
     sides.some((side) => side !== "wall") ? entry("open", "open edge") : null,
     entry("counter", scenario.counters.length > 1 ? "counters" : `counter “${scenario.counters[0].id}”`),
-    hasParts ? kindsOf(cargoOf(scenario, 0)) : []);
+    hasParts ? kindsOf(cargoOf(scenario)) : []);
 }

@@ -27,10 +27,15 @@ export function isFed({ feeds = [] }) {
   return feeds.length > 0;
 }
 
+// What the parts in a counter are called.
+function wordsOf({ id }) {
+  return id === "upstream" ? "parts upstream" : id;
+}
+
 // [name, words] of the columns of a run's curve that count parts.
 export function columnsOf(scenario) {
   const { counters, feeds = [] } = scenario;
-  return [...counters.map(({ id }) => [id, id]), ["left_domain", isFed(scenario) ? "exits" : "left the belt"],
+  return [...counters.map((counter) => [counter.id, wordsOf(counter)]), ["left_domain", isFed(scenario) ? "exits" : "left the belt"],
     ...feeds.flatMap(({ id }) => balance.map((what) => [`${id}.${what}`, `${id}: ${what}`]))];
 }
 
@@ -48,7 +53,7 @@ function sumOf([first = [], ...others]) {
 
 // [words, values] of what is in the counters, and what waits at the feeds.
 export function contentOf({ counters, feeds = [] }, { columns }) {
-  return [...counters.map(({ id }) => [id, columns.get(id) ?? []]),
+  return [...counters.map((counter) => [wordsOf(counter), columns.get(counter.id) ?? []]),
     ...feeds.map(({ id }) => [`${id}: waiting`, columns.get(`${id}.waiting`) ?? []])];
 }
 

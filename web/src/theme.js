@@ -4,7 +4,8 @@ const listeners = new Set();
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 const stillness = matchMedia("(prefers-reduced-motion: reduce)");
 
-darkness.addEventListener("change", () => {
+// On paper all is light.
+for (const change of [darkness, matchMedia("print")]) change.addEventListener("change", () => {
   for (const listener of [...listeners]) listener();
 });
 
