@@ -25,6 +25,7 @@ import { RunsView } from "./runs_view.js";
 import { StudiesView } from "./studies_view.js";
 import { StudyView } from "./study_view.js";
 import { toast, undoLast } from "./toast.js";
+import { WorkersView } from "./workers_view.js";
 
 const root = document.getElementById("view");
 let view = null;
@@ -34,6 +35,7 @@ function viewOf({ name, argument }) {
   if (name === "compare") return new CompareView();
   if (name === "new") return new NewView();
   if (name === "studies") return argument === "new" ? new NewStudyView() : argument ? new StudyView() : new StudiesView();
+  if (name === "workers") return new WorkersView();
   return null;
 }
 
