@@ -12,6 +12,7 @@
 #include "api/leases.h"
 #include "api/measurements.h"
 #include "api/quotas.h"
+#include "api/run_list.h"
 #include "api/run_state.h"
 #include "api/snapshots.h"
 #include "api/studies.h"
@@ -86,22 +87,14 @@ typedef struct api_acceptance {
     bf_buffer answer;       ///< the run as JSON when it was accepted
 } api_acceptance;
 
-/// Which runs a list shows; newest first.
-typedef struct api_list_query {
-    int state;                  ///< run_state, or -1: any
-    int model;                  ///< run_model, or -1: any
-    char owner[API_OWNER_SIZE]; ///< "": everybody's
-    char label[API_LABEL_SIZE]; ///< "": any
-    char study[API_ID_SIZE];    ///< whose trials; "": only runs that are nobody's trials
-    char before[API_ID_SIZE];   ///< only runs older than this id; "": from the newest
-    size_t limit;               ///< 1 .. API_LIST_MAX
-} api_list_query;
-
 /// A page of a list.
 typedef struct api_run_list {
-    size_t n;                   ///< runs in this page
-    bool has_more;              ///< older ones follow
-    api_run runs[API_LIST_MAX]; ///< the page
+    size_t n;                         ///< runs in this page
+    bool has_more;                    ///< further ones follow
+    char last_key[API_SORT_KEY_SIZE]; ///< key of the last one; "": it has none, or API_SORT_CREATED
+    bool has_total;                   ///< it was wanted
+    uint64_t total;                   ///< runs on all pages, of the newest API_LIST_NEWEST
+    api_run runs[API_LIST_MAX];       ///< the page
 } api_run_list;
 
 /// A stored text of a run.

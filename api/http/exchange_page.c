@@ -9,15 +9,14 @@ exchange_page exchange__page(const exchange *x)
 {
     const char *label = exchange__text(x, "label");
     const char *cursor = exchange__text(x, "cursor");
-    exchange_page page = { .limit = (size_t)exchange__whole(x, "limit") };
+    exchange_page page = { .limit = (size_t)exchange__whole(x, "limit"),
+                           .cursor = cursor == NULL ? "" : cursor };
 
     snprintf(page.label, sizeof page.label, "%s", label == NULL ? "" : label);
-    snprintf(page.before, sizeof page.before, "%s", cursor == NULL ? "" : cursor);
     return page;
 }
 
-// Writes a value for a query; text has room for three bytes per byte of value.
-static void encode_value(const char *value, char *text)
+void exchange__encode(const char *value, char *text)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
@@ -32,12 +31,12 @@ static void encode_value(const char *value, char *text)
 }
 
 void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
-                         const char *last_id)
+                         const char *cursor)
 {
     char label[API_LABEL_SIZE * 3];
 
-    encode_value(page->label, label);
+    exchange__encode(page->label, label);
     api_response_header(x->response, "Link", "<%s?limit=%zu%s%s%s&cursor=%s>; rel=\"next\"",
                         x->route->path, page->limit, filters,
-                        label[0] == '\0' ? "" : "&label=", label, last_id);
+                        label[0] == '\0' ? "" : "&label=", label, cursor);
 }

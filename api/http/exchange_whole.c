@@ -12,6 +12,16 @@ bool exchange__accepts_plain(const exchange *x)
     return negotiation_coding_quality(exchange__header(x, "Accept-Encoding"), CODING_IDENTITY) > 0;
 }
 
+size_t exchange__whole_bytes(const exchange *x)
+{
+    static const coding encoded[] = { CODING_ZSTD, CODING_GZIP };
+    const char *accepted = exchange__header(x, "Accept-Encoding");
+    const bool is_encoded = accepted != NULL && exchange__header(x, "Range") == NULL &&
+                            negotiation_choose_coding(accepted, encoded, 2) >= 0;
+
+    return is_encoded ? EXCHANGE_ENCODED_BYTES : EXCHANGE_PIECE_BYTES;
+}
+
 bf_status exchange__reserve_whole(exchange *x, uint64_t n, size_t item_size, const char *other,
                                   bf_error *err)
 {

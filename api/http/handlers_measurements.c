@@ -98,7 +98,7 @@ bf_status handlers_measurements_list(exchange *x, bf_error *err)
 
     snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
     memcpy(wanted.label, page.label, sizeof wanted.label);
-    memcpy(wanted.before, page.before, sizeof wanted.before);
+    snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     api_measurement_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");

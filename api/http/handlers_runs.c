@@ -3,14 +3,19 @@
 #include "api/http/access.h"
 #include "api/http/http_priv.h"
 #include "api/http/negotiation.h"
+#include "api/http/run_sort.h"
 #include "api/results/run_json.h"
 #include "api/scenario/submission.h"
+#include "core/base/check.h"
 #include "core/base/memory.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+// Of the parameters of a list but for label, limit and cursor.
+enum { FILTERS_SIZE = 3 * API_LABEL_SIZE + API_ID_SIZE + API_SORT_FIGURE_SIZE + 100 };
 
 static const char *const body_types[] = { "application/json", NULL };
 
@@ -121,16 +126,33 @@ bf_status handlers_runs_validate(exchange *x, bf_error *err)
     return status;
 }
 
+// A to Z as a to z, as the store compares.
+static void read_search(const exchange *x, char ret_search[API_LABEL_SIZE])
+{
+    const char *search = exchange__text(x, "search");
+
+    snprintf(ret_search, API_LABEL_SIZE, "%s", search == NULL ? "" : search);
+    for (char *c = ret_search; *c != '\0'; c++) {
+        if (*c >= 'A' && *c <= 'Z')
+            *c = (char)(*c - 'A' + 'a');
+    }
+}
+
 static api_list_query read_list_query(const exchange *x, const exchange_page *page)
 {
     const char *state = exchange__text(x, "status");
     const char *model = exchange__text(x, "model");
     const char *parent = exchange__text(x, "study");
-    api_list_query list = { .state = -1, .model = -1, .limit = page->limit };
+    const char *sort = exchange__text(x, "sort");
+    api_list_query list = {
+        .state = -1, .model = -1, .limit = page->limit, .counts = exchange__whole(x, "count") == 1
+    };
 
     snprintf(list.owner, sizeof list.owner, "%s", access_list_owner(x));
     memcpy(list.label, page->label, sizeof list.label);
-    memcpy(list.before, page->before, sizeof list.before);
+    read_search(x, list.search);
+    if (sort != NULL)
+        (void)run_sort_read(sort, &list.sort);
     snprintf(list.study, sizeof list.study, "%s", parent != NULL ? parent : "");
     if (state != NULL)
         list.state = (int)run_state_find(state);
@@ -141,17 +163,23 @@ static api_list_query read_list_query(const exchange *x, const exchange_page *pa
     return list;
 }
 
-static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *list,
-                          const char *last_id)
+static void add_next_link(exchange *x, const exchange_page *page, const api_list_query *wanted,
+                          const api_run_list *list)
 {
-    bool has_state = list->state >= 0, has_model = list->model >= 0;
-    char filters[128];
+    const char *sort = exchange__text(x, "sort");
+    bool has_state = wanted->state >= 0, has_model = wanted->model >= 0;
+    char filters[FILTERS_SIZE], search[3 * API_LABEL_SIZE], cursor[RUN_SORT_CURSOR_SIZE];
 
-    snprintf(filters, sizeof filters, "%s%s%s%s%s%s", has_state ? "&status=" : "",
-             has_state ? run_state_word((run_state)list->state) : "", has_model ? "&model=" : "",
-             has_model ? run_model_words[list->model] : "", list->study[0] != '\0' ? "&study=" : "",
-             list->study);
-    exchange__link_next(x, page, filters, last_id);
+    exchange__encode(wanted->search, search);
+    int n = snprintf(filters, sizeof filters, "%s%s%s%s%s%s%s%s%s%s%s", has_state ? "&status=" : "",
+                     has_state ? run_state_word((run_state)wanted->state) : "",
+                     has_model ? "&model=" : "", has_model ? run_model_words[wanted->model] : "",
+                     wanted->study[0] != '\0' ? "&study=" : "", wanted->study,
+                     search[0] != '\0' ? "&search=" : "", search, sort != NULL ? "&sort=" : "",
+                     sort != NULL ? sort : "", wanted->counts ? "&count=1" : "");
+    BF_CHECK(n >= 0 && (size_t)n < sizeof filters);
+    run_sort_write_cursor(list->runs[list->n - 1].id, list->last_key, cursor);
+    exchange__link_next(x, page, filters, cursor);
 }
 
 static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err)
@@ -165,14 +193,17 @@ static bf_status write_list(exchange *x, const api_run_list *list, bf_error *err
 bf_status handlers_runs_list(exchange *x, bf_error *err)
 {
     const exchange_page page = exchange__page(x);
-    const api_list_query list_query = read_list_query(x, &page);
+    api_list_query list_query = read_list_query(x, &page);
 
+    if (page.cursor[0] != '\0' && !run_sort_read_cursor(page.cursor, &list_query))
+        return exchange__refuse(x, 400, "", err,
+                                "query parameter 'cursor' is of a list in another order");
     api_run_list *list = memory_alloc(1, sizeof *list);
     if (list == NULL)
         return bf_fail(err, BF_ENOMEM, "", "out of memory");
     bf_status status = x->services->list(x->services->context, &list_query, list, err);
     if (status == BF_OK && list->has_more && list->n > 0)
-        add_next_link(x, &page, &list_query, list->runs[list->n - 1].id);
+        add_next_link(x, &page, &list_query, list);
     exchange__cache_revalidate(x);
     if (status == BF_OK)
         status = write_list(x, list, err);

@@ -176,7 +176,11 @@ static bool is_sent_in_pieces(const exchange *x, size_t n_cells)
 {
     const bool is_array = x->media->format == MEDIA_NPY || x->media->format == MEDIA_VTI;
 
-    return is_array && n_cells * sizeof(float) > EXCHANGE_PIECE_BYTES && exchange__accepts_plain(x);
+    // VTK images are not compressed.
+    const size_t n_whole =
+        x->media->format == MEDIA_NPY ? exchange__whole_bytes(x) : EXCHANGE_PIECE_BYTES;
+
+    return is_array && n_cells * sizeof(float) > n_whole && exchange__accepts_plain(x);
 }
 
 bf_status handlers_results_snapshot(exchange *x, bf_error *err)

@@ -81,7 +81,7 @@ bf_status handlers_studies_list(exchange *x, bf_error *err)
     char filter[64] = "";
 
     snprintf(wanted.owner, sizeof wanted.owner, "%s", access_list_owner(x));
-    memcpy(wanted.before, page.before, sizeof wanted.before);
+    snprintf(wanted.before, sizeof wanted.before, "%s", page.cursor);
     if (state != NULL) {
         wanted.state = (int)api_study_state_find(state);
         snprintf(filter, sizeof filter, "&status=%s", state);

@@ -45,8 +45,9 @@ bf_status exchange__refuse(exchange *x, int http_status, const char *pointer, bf
 BF_MUST_CHECK bf_status exchange__reserve(const exchange *x, double n, bf_error *err);
 
 enum {
-    EXCHANGE_WHOLE_MAX = 4000000,  ///< numbers of an answer that is made as a whole
-    EXCHANGE_PIECE_BYTES = 131072, ///< arrays up to so many bytes are sent faster as a whole
+    EXCHANGE_WHOLE_MAX = 4000000,    ///< numbers of an answer that is made as a whole
+    EXCHANGE_PIECE_BYTES = 131072,   ///< arrays up to so many bytes are sent faster as a whole
+    EXCHANGE_ENCODED_BYTES = 524288, ///< the same where they are encoded
 };
 
 /// Take room for an answer of n numbers that is made as a whole: as text, or as an array with a content coding. BF_EINPUT
@@ -54,8 +55,10 @@ enum {
 BF_MUST_CHECK bf_status exchange__reserve_whole(exchange *x, uint64_t n, size_t item_size,
                                                 const char *other, bf_error *err);
 
-/// True if the client takes an answer without a content coding, as one that is sent piece by piece is.
+/// True if the client takes an answer without a content coding, as one that is sent piece by piece is; and up to
+/// how many bytes an array is made as a whole for this client.
 bool exchange__accepts_plain(const exchange *x);
+size_t exchange__whole_bytes(const exchange *x);
 
 /// Send the file, which is taken over: piece by piece, if it is not small.
 BF_MUST_CHECK bf_status exchange__send_array(exchange *x, struct array_file *file, bf_error *err);
@@ -101,17 +104,19 @@ BF_MUST_CHECK bf_status exchange__check_match(exchange *x, uint64_t revision,
 /// The requested page of a list, from the parameters label, cursor and limit.
 typedef struct exchange_page {
     char label[API_LABEL_SIZE]; ///< "": any
-    char before[API_ID_SIZE];   ///< only what is older than this id; "": from the newest
+    const char *cursor;         ///< behind which the page begins; "": at the beginning
     size_t limit;               ///< 1 .. API_LIST_MAX
 } exchange_page;
 
 /// The requested page.
 exchange_page exchange__page(const exchange *x);
 
-/// Add the Link to the page that follows last_id. filters stands for further parameters:
-/// "&status=failed".
+/// Write a value for a query, into three bytes per byte of it and a terminator.
+void exchange__encode(const char *value, char *text);
+
+/// Add the Link to the page behind a cursor. filters stands for further parameters: "&status=failed".
 void exchange__link_next(exchange *x, const exchange_page *page, const char *filters,
-                         const char *last_id);
+                         const char *cursor);
 
 /// Set ETag to the tag of the resource's present state, given without quotes. True: the handler is done,
 /// as If-None-Match names the state (304), or If-Match does not (412, exchange__check_state()).

@@ -3,6 +3,7 @@
 #include "api/http/routes_params.h"
 
 #include "api/http/http_priv.h"
+#include "api/http/run_sort.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
 
@@ -167,6 +168,39 @@ const param routes__run_label = { .name = "label",
                                   .kind = &param_text,
                                   .most = API_LABEL_SIZE - 1,
                                   .help = "Only runs with this label" };
+
+const param routes__run_search = {
+    .name = "search",
+    .in = "query",
+    .kind = &param_text,
+    .most = API_LABEL_SIZE - 1,
+    .help = "Only runs whose name or label contains this, A to Z being the same as a to z"
+};
+
+const param routes__run_sort = {
+    .name = "sort",
+    .in = "query",
+    .kind = &param_word,
+    .type = "string",
+    .limits = "\"default\":\"-created\",\"examples\":[\"name\",\"-throughput_per_h\",\"residence_s."
+              "p95\"]",
+    .is_word = run_sort_is_word,
+    .list_words = run_sort_words,
+    .help = "The order: created, finished, name, label, model, status, or a key figure of the run, "
+            "rising; falling with `-` before it. Runs without a value come last"
+};
+
+const param routes__run_count = { .name = "count",
+                                  .in = "query",
+                                  .kind = &param_flag,
+                                  .default_text = "0",
+                                  .most = 1,
+                                  .help = "1: the answer has the `total` of all pages" };
+
+const param routes__run_cursor = { .name = "cursor",
+                                   .in = "query",
+                                   .kind = &run_sort_cursor_kind,
+                                   .help = "Where the page begins; take it from the `next` link" };
 
 const param routes__run_study = { .name = "study",
                                   .in = "query",

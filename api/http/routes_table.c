@@ -65,13 +65,15 @@ static const route table[] = {
       .scope = API_SCOPE_READ,
       .formats = "json",
       .params = PARAMS(&routes__run_status, &routes__run_model_word, &routes__run_label,
-                       &routes__run_study, &routes__page_limit, &routes__page_cursor,
+                       &routes__run_study, &routes__run_search, &routes__run_sort,
+                       &routes__run_count, &routes__page_limit, &routes__run_cursor,
                        &routes__if_match, &routes__if_none_match),
       .id = "listRuns",
       .tag = "Runs",
-      .summary = "List runs, newest first",
-      .help = "Filters narrow the list; the `next` link, where there is one, leads to older runs. "
-              "Trials of a study are listed with `study` only.",
+      .summary = "List runs, newest first or in another order",
+      .help = "Filters narrow the list; the `next` link, where there is one, leads to the next "
+              "page. `search`, another `sort` and `count` look at the newest 50,000 runs of the "
+              "list. Trials of a study are listed with `study` only.",
       .refusals = "404 412",
       .answers = { { 200, "RunList", CACHED " Link", "A page of runs" }, UNCHANGED } },
     { .method = "GET",

@@ -35,6 +35,18 @@ bool http_encoding_is_text(const char *content_type)
            (n > 4 && strncasecmp(content_type + n - 4, "+xml", 4) == 0);
 }
 
+bool http_encoding_is_array(const char *content_type)
+{
+    static const char *const types[] = { "application/octet-stream", "application/x-npy" };
+    size_t n = strcspn(content_type, "; ");
+
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (n == strlen(types[i]) && strncasecmp(content_type, types[i], n) == 0)
+            return true;
+    }
+    return false;
+}
+
 static bf_status pack_gzip(const void *bytes, size_t n, bf_buffer *out)
 {
     z_stream z = { .next_in = (Bytef *)(uintptr_t)bytes, .avail_in = (uInt)n };

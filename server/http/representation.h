@@ -1,8 +1,8 @@
 /// Representations of a body (RFC 9110, 8.4 and 14): content codings and byte ranges.
 ///
-/// Text is encoded when the client takes it (Accept-Encoding) and it has HTTP_ENCODING_MIN bytes.
-/// Pictures and arrays are not: they are compressed already, or hardly can be. Event streams are
-/// not either: an encoder buffers its input until a block is full, so events would be delayed,
+/// Text and arrays are encoded when the client takes it (Accept-Encoding) and they have HTTP_ENCODING_MIN bytes;
+/// densities then have half the size. Arrays that a range is asked of are not, nor those that are sent
+/// piece by piece, and pictures, which are compressed already. Event streams are not either: an encoder buffers its input until a block is full, so events would be delayed,
 /// and each open stream would need memory for the encoder's window.
 ///
 /// A request for one range is answered by that range, one for several by the whole body, as the standard
@@ -18,8 +18,9 @@
 
 enum { HTTP_ENCODING_MIN = 1024 }; ///< bytes from which on encoding pays
 
-/// True if bodies of this Content-Type are encoded.
+/// True if bodies of this Content-Type are encoded: text, and arrays.
 bool http_encoding_is_text(const char *content_type);
+bool http_encoding_is_array(const char *content_type);
 
 /// Append the encoded form of n bytes to *out. BF_ENOMEM: *out is as before.
 BF_MUST_CHECK bf_status http_encoding_pack(coding c, const void *bytes, size_t n, bf_buffer *out);

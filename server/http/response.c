@@ -55,14 +55,21 @@ static bool is_get(const http_request *r)
     return strcmp(r->method, "GET") == 0;
 }
 
+// True if a body of this kind has fewer bytes in an encoded form, and no range of it is asked for.
+static bool pays_to_encode(http_request *r, const char *type)
+{
+    return http_encoding_is_text(type) ||
+           (http_encoding_is_array(type) && http__request_header(r, "Range") == NULL);
+}
+
 // The coding of a body of this kind and size for this client; CODING_COUNT: it accepts none. A file
 // was chosen in its form before.
-static coding choose_coding(http_request *r, bool is_text)
+static coding choose_coding(http_request *r, const char *type)
 {
     static const coding any[] = { CODING_ZSTD, CODING_GZIP, CODING_IDENTITY };
     static const coding plain_first[] = { CODING_IDENTITY, CODING_ZSTD, CODING_GZIP };
     const char *accepted = http__request_header(r, "Accept-Encoding");
-    bool pays = is_text && r->response.body.n >= HTTP_ENCODING_MIN;
+    bool pays = pays_to_encode(r, type) && r->response.body.n >= HTTP_ENCODING_MIN;
 
     if (r->file.fd >= 0)
         return negotiation_coding_quality(accepted, CODING_IDENTITY) > 0 ? CODING_IDENTITY
@@ -179,7 +186,7 @@ static void choose_form(http_request *r)
     if (is_done || !has_content)
         return;
     bool is_text = http_encoding_is_text(type);
-    coding chosen = choose_coding(r, is_text);
+    coding chosen = choose_coding(r, type);
     if (chosen == CODING_COUNT && r->response.status < 300)
         refuse_coding(r);
     else if (chosen < CODING_IDENTITY)

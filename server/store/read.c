@@ -2,8 +2,6 @@
 
 #include "server/store/store_priv.h"
 
-#include "core/base/memory.h"
-
 #include <sqlite3.h>
 #include <string.h>
 
@@ -46,74 +44,6 @@ bf_status store_find(store *s, const char *id, api_run *ret_run, bf_error *err)
     store__release_reader(&s->pool, reader);
     if (status == BF_OK)
         *ret_run = row.run;
-    return status;
-}
-
-static store__query begin_list(store__connection *reader, const api_list_query *query)
-{
-    // Every id is less than "~".
-    const char *before = query->before[0] == '\0' ? "~" : query->before;
-    store__sql sql = STORE__SQL_LIST_ALL;
-
-    if (query->owner[0] != '\0')
-        sql = STORE__SQL_LIST_OWNER;
-    else if (query->label[0] != '\0')
-        sql = STORE__SQL_LIST_LABEL;
-    else if (query->state >= 0)
-        sql = STORE__SQL_LIST_STATE;
-    store__query q = store__begin(reader, sql);
-    store__bind_text(&q, before, strlen(before));
-    store__bind_integer(&q, (int64_t)query->limit + 1);
-    store__bind_integer(&q, query->model);
-    store__bind_integer(&q, query->state);
-    store__bind_text(&q, query->label, strlen(query->label));
-    store__bind_text(&q, query->owner, strlen(query->owner));
-    store__bind_text(&q, query->study, strlen(query->study));
-    return q;
-}
-
-// One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const api_list_query *query,
-                           api_run_list *list, bf_error *err)
-{
-    bool has_row = true;
-    bf_status status = BF_OK;
-    store__row row;
-
-    store__query q = begin_list(reader, query);
-    while (status == BF_OK && has_row && !list->has_more) {
-        status = store__next(&q, &has_row, err);
-        if (status != BF_OK || !has_row)
-            break;
-        status = store__read_row(&q, &row, err);
-        if (status != BF_OK)
-            break;
-        list->has_more = list->n == query->limit;
-        if (!list->has_more)
-            list->runs[list->n++] = row.run;
-    }
-    store__end(&q);
-    return status;
-}
-
-bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list, bf_error *err)
-{
-    store__connection *reader = NULL;
-
-    if (query->limit < 1 || query->limit > API_LIST_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d runs, not %zu", API_LIST_MAX,
-                       query->limit);
-    api_run_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = read_list(reader, query, list, err);
-        store__release_reader(&s->pool, reader);
-    }
-    if (status == BF_OK)
-        *ret_list = *list;
-    memory_free(list);
     return status;
 }
 

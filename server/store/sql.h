@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "server/store/sql_lists.h"
 #include "server/store/sql_studies.h"
 
 /// The columns of table runs next to its key `number`, and the members of store__row that they hold, as
@@ -67,13 +68,6 @@
 /// What store__read_row() reads.
 #define STORE__RUN_COLUMNS "number" STORE__RUN_LIST(STORE__NAME)
 
-/// A page of a list by one condition; ?1 older than, ?2 how many, ?3 model or -1,
-/// ?4 state or -1, ?5 label or '', ?6 owner or '', ?7 the study whose trials they are or ''.
-#define STORE__LIST(condition)                                                                     \
-    "SELECT " STORE__RUN_COLUMNS " FROM runs WHERE parent = ?7 AND id < ?1 "                       \
-    "AND (?3 < 0 OR model = ?3) "                                                                  \
-    "AND " condition " ORDER BY id DESC LIMIT ?2"
-
 /// The columns of a measurement without its samples, in the order in which they are read.
 #define STORE__MEASUREMENT_COLUMNS "id, label, counter, created_ms, n, t_start, t_end, kind, owner"
 
@@ -127,13 +121,6 @@
     X(FORGET_OWNERS, "DELETE FROM owners INDEXED BY owners_without_bytes WHERE n_bytes = 0 AND "   \
                      "owner <> '' AND NOT EXISTS "                                                 \
                      "(SELECT 1 FROM runs WHERE runs.owner = owners.owner AND runs.owner <> '')")  \
-    X(LIST_ALL, STORE__LIST("?4 < 0 AND ?5 = '' AND ?6 = ''"))                                     \
-    X(LIST_STATE, STORE__LIST("state = ?4 AND ?5 = '' AND ?6 = ''"))                               \
-    X(LIST_OWNER,                                                                                  \
-      STORE__LIST(                                                                                 \
-          "owner = ?6 AND owner <> '' AND (?4 < 0 OR state = ?4) AND (?5 = '' OR label = ?5)"))    \
-    X(LIST_LABEL,                                                                                  \
-      STORE__LIST("(?4 < 0 OR state = ?4) AND label = ?5 AND label <> '' AND ?6 = ''"))            \
     X(PUT_TEXT, "INSERT OR REPLACE INTO texts (run, kind, data) VALUES (?1, ?2, ?3)")              \
     X(GET_TEXT, "SELECT data FROM texts WHERE run = ?1 AND kind = ?2")                             \
     X(INSERT_SAMPLES,                                                                              \
@@ -232,4 +219,5 @@
     X(SHRINK_FILE, "PRAGMA incremental_vacuum(512)")                                               \
     X(COUNT_FREE_PAGES, "PRAGMA freelist_count")                                                   \
     X(PROBE, "INSERT OR REPLACE INTO probe (id, at_ms) VALUES (1, ?1)")                            \
+    STORE__SQL_LISTS(X)                                                                            \
     STORE__SQL_STUDIES(X)

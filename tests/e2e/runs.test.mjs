@@ -101,6 +101,29 @@ test("the resolved scenario, submitted again, gives the same results", async (t)
   }
 });
 
+test("runs are found by a part of their name or label, sorted by a key figure, counted", async (t) => {
+  const d = await daemon(t);
+  const durations = [0.02, 0.03, 0.01, 0.04];
+  for (const [k, duration_s] of durations.entries()) {
+    const run = await d.submit(tiny({ duration_s, name: `Belt of ${k} m` }), { label: k % 2 === 0 ? "Hall East" : "" });
+    await d.reached(run.id, "succeeded");
+  }
+  const list = async (query) => (await d.get(`/v1/runs?${query}`)).json;
+  assert.deepEqual((await list("search=hall")).runs.map(({ name }) => name), ["Belt of 2 m", "Belt of 0 m"]);
+  assert.deepEqual((await list("search=OF%203")).runs.map(({ name }) => name), ["Belt of 3 m"]);
+  assert.equal((await list("search=hall&count=1&limit=1")).total, 2);
+  assert.equal((await list("")).total, undefined);
+  const names = [];
+  for (let target = "/v1/runs?sort=name&limit=3"; target;) {
+    const page = await d.get(target);
+    names.push(...page.json.runs.map(({ name }) => name));
+    target = /<(.*)>; rel="next"/.exec(page.headers.link ?? "")?.[1];
+  }
+  assert.deepEqual(names, ["Belt of 0 m", "Belt of 1 m", "Belt of 2 m", "Belt of 3 m"]);
+  const entered = (await list("sort=-parts.entered")).runs.map((run) => run.key_figures.parts.entered);
+  assert.deepEqual(entered, [...entered].sort((a, b) => b - a));
+});
+
 test("validating says yes to what is good, and stores nothing", async (t) => {
   const d = await daemon(t);
   const answer = await d.post("/v1/validate", { scenario: tiny() });

@@ -45,6 +45,24 @@ test("fetch and curl read encoded text as it is", async (t) => {
   }
 });
 
+test("fetch reads an encoded density as it is, and a part of one is not encoded", async (t) => {
+  const d = await daemon(t);
+  const run = await solved(d, jam(0.1, { curve_every_s: 0.05, snapshot_every_s: 0.1 }));
+  const target = `/v1/runs/${run.id}/snapshots/1`;
+  const plain = await d.get(target);
+  for (const encoding of ["gzip", "zstd"]) {
+    const headers = { "accept-encoding": encoding };
+    const packed = await d.get(target, headers);
+    assert.equal(packed.headers["content-encoding"], encoding);
+    assert.notEqual(packed.headers.etag, plain.headers.etag);
+    assert.ok(packed.body.length < 0.7 * plain.body.length, `${packed.body.length}`);
+    const part = await d.get(target, { ...headers, range: "bytes=0-9" });
+    assert.deepEqual([part.status, part.headers["content-encoding"], part.body], [206, undefined, plain.body.subarray(0, 10)]);
+  }
+  const fetched = await fetch(new URL(target, d.url), { headers: { "accept-encoding": "gzip" } });
+  assert.deepEqual(Buffer.from(await fetched.arrayBuffer()), plain.body);
+});
+
 test("a download of a snapshot is resumed where it was cut", async (t) => {
   const d = await daemon(t);
   const run = await solved(d);

@@ -90,6 +90,10 @@ static bf_status do_list(void *context, const api_list_query *query, api_run_lis
     d->last_query = *query;
     ret_list->n = 0;
     ret_list->has_more = false;
+    ret_list->has_total = query->counts;
+    ret_list->total = query->counts ? d->n_runs : 0;
+    (void)snprintf(ret_list->last_key, sizeof ret_list->last_key, "%s",
+                   d->last_key == NULL ? "" : d->last_key);
     for (size_t i = d->n_runs; i-- > 0;) {
         if (!fits(&d->runs[i].record, query))
             continue;

@@ -64,6 +64,7 @@ typedef struct helper_daemon {
     char columns[512];   ///< of its trials
     bf_status refusal;   ///< not BF_OK: submit, submit_study, add_measurement, ready fail with it
     api_list_query last_query; ///< what list() was asked
+    const char *last_key;      ///< what list() says of the last run of a page; NULL: ""
     api_submission submitted;  ///< last accepted, without its buffers
     size_t n_submitted;        ///< accepted so far
     bool is_replay;            ///< submit says that its answer is given again

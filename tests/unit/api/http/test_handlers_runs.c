@@ -210,14 +210,63 @@ static void filters_reach_the_store_and_the_next_link(void **state)
     assert_int_equal(ask_daemon.last_query.limit, 50);
 }
 
-// The longest label there is, of bytes that need three each, still fits into the header.
+static void search_order_and_count_reach_the_store(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        ask_add_run(RUN_SUCCEEDED);
+    ask_daemon.last_key = "2.5";
+    ask_get("/v1/runs", "search=At%2060&sort=-residence_s.p95&count=1&limit=1", NULL, 200);
+    assert_string_equal(ask_daemon.last_query.search, "at 60");
+    assert_int_equal(ask_daemon.last_query.sort.by, API_SORT_FIGURE);
+    assert_false(ask_daemon.last_query.sort.is_rising);
+    assert_string_equal(ask_daemon.last_query.sort.figure, "residence_s.p95");
+    assert_true(ask_body_has("\"total\":2"));
+    ask_assert_header("Link",
+                      "</v1/runs?limit=1&search=at%2060&sort=-residence_s.p95&count=1&cursor=" ID_2
+                      ".322e35>; rel=\"next\"");
+    ask_get("/v1/runs", "sort=-residence_s.p95&cursor=" ID_2 ".322e35", NULL, 200);
+    assert_string_equal(ask_daemon.last_query.before, ID_2);
+    assert_string_equal(ask_daemon.last_query.before_key, "2.5");
+    assert_false(ask_body_has("total"));
+    ask_get("/v1/runs", NULL, NULL, 200);
+    assert_int_equal(ask_daemon.last_query.sort.by, API_SORT_CREATED);
+    assert_false(ask_daemon.last_query.sort.is_rising);
+    assert_string_equal(ask_daemon.last_query.search, "");
+}
+
+// A key that is no number, and one in the order of creation, which is that of the ids.
+static void a_cursor_of_another_order_is_refused(void **state)
+{
+    static const char *const queries[] = {
+        "sort=status&cursor=" ID_1 ".6162", "cursor=" ID_1 ".32",
+        "sort=name&cursor=" ID_1 ".6",      "sort=name&cursor=" ID_1 ".6A",
+        "sort=name&cursor=" ID_1 ".00",     "sort=name&cursor=" ID_1 ".",
+    };
+
+    (void)state;
+    ask_add_run(RUN_SUCCEEDED);
+    ask_get("/v1/runs", "sort=name&cursor=" ID_1 ".6162", NULL, 200);
+    assert_string_equal(ask_daemon.last_query.before_key, "ab");
+    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++)
+        ask_get("/v1/runs", queries[i], NULL, 400);
+}
+
+// The longest label, search, order and key there are, of bytes that need three each, still fit into the header.
 static void the_longest_link_fits(void **state)
 {
-    char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&label=";
+    char query[API_PATH_MAX] = "limit=200&status=cancelled&model=macro&count=1&"
+                               "sort=-throughput_error_per_h&search=";
+    char key[API_SORT_KEY_SIZE] = "";
 
     (void)state;
     for (int i = 0; i < 100; i++)
         strcat(query, "%ff");
+    strcat(query, "&label=");
+    for (int i = 0; i < 100; i++)
+        strcat(query, "%ff");
+    memset(key, 0xff, sizeof key - 1);
+    ask_daemon.last_key = key;
     for (int i = 0; i < 2; i++)
         memset(ask_add_run(RUN_CANCELLED)->record.label, 0xff, API_LABEL_SIZE - 1);
     ask_get("/v1/runs", query, NULL, 200);
@@ -229,12 +278,24 @@ static void the_longest_link_fits(void **state)
     ask_get("/v1/runs", query, NULL, 400);
 }
 
+static void orders_that_there_are_not_name_those_that_there_are(void **state)
+{
+    static const char *const queries[] = { "sort=", "sort=colour", "sort=--name", "sort=offered",
+                                           "sort=residence_s" };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof queries / sizeof *queries; i++) {
+        ask_get("/v1/runs", queries[i], NULL, 400);
+        assert_true(ask_body_has("created finished name label model status"));
+    }
+}
+
 static void bad_list_queries_name_the_parameter(void **state)
 {
     static const char *const queries[][2] = {
         { "status=done", "status" },    { "model=nano", "model" },  { "limit=0", "limit" },
         { "limit=201", "limit" },       { "cursor=abc", "cursor" }, { "colour=red", "colour" },
-        { "limit=1&limit=2", "limit" }, { "label=%zz", "label" },
+        { "limit=1&limit=2", "limit" }, { "label=%zz", "label" },   { "count=2", "count" },
     };
 
     (void)state;
@@ -317,6 +378,9 @@ int main(void)
         ASK_TEST(a_run_is_shown_with_a_tag_of_its_revision),
         ASK_TEST(a_list_has_the_newest_first_and_a_link_to_the_next),
         ASK_TEST(filters_reach_the_store_and_the_next_link),
+        ASK_TEST(search_order_and_count_reach_the_store),
+        ASK_TEST(a_cursor_of_another_order_is_refused),
+        ASK_TEST(orders_that_there_are_not_name_those_that_there_are),
         ASK_TEST(the_longest_link_fits),
         ASK_TEST(bad_list_queries_name_the_parameter),
         ASK_TEST(cancel_tells_whether_the_run_still_runs),

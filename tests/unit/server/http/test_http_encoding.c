@@ -98,12 +98,25 @@ static void text_is_encoded_and_what_is_packed_already_is_not(void **state)
         assert_false(http_encoding_is_text(others[i]));
 }
 
+static void arrays_are_encoded_and_no_other_bytes(void **state)
+{
+    static const char *const others[] = { "application/x-vti", "image/png", "application/zip",
+                                          "application/x-npy2", "application/json" };
+
+    (void)state;
+    assert_true(http_encoding_is_array("application/octet-stream"));
+    assert_true(http_encoding_is_array("application/x-npy"));
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_false(http_encoding_is_array(others[i]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_packed_can_be_unpacked),
         cmocka_unit_test(without_memory_nothing_is_appended),
         cmocka_unit_test(text_is_encoded_and_what_is_packed_already_is_not),
+        cmocka_unit_test(arrays_are_encoded_and_no_other_bytes),
     };
     return cmocka_run_group_tests(tests, write_text, NULL);
 }

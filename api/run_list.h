@@ -1,0 +1,51 @@
+/// Which runs a list shows, and in which order.
+
+#pragma once
+
+#include "api/event.h"
+#include "api/measurements.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    API_LIST_NEWEST =
+        50000, ///< runs that a search, another order or a count looks at, the newest of the list
+    API_SORT_KEY_SIZE = 81, ///< bytes of the text of a run's key with its terminator
+    API_SORT_FIGURE_SIZE =
+        48, ///< bytes of the name of a key figure, "residence_s.p95", with its terminator
+};
+
+/// What a list is sorted by.
+typedef enum api_sort_by {
+    API_SORT_CREATED,  ///< time of creation
+    API_SORT_FINISHED, ///< time of the end
+    API_SORT_NAME,     ///< of the scenario, its first 80 bytes, small letters as large ones
+    API_SORT_LABEL,    ///< the same of the label
+    API_SORT_MODEL,    ///< macroscopic ones first
+    API_SORT_STATUS,   ///< in the order of run_state
+    API_SORT_FIGURE,   ///< a key figure of the run
+} api_sort_by;
+
+/// An order. Runs that have no value come last; among equal ones the newest is first. Zeros: the newest is first.
+typedef struct api_sort {
+    api_sort_by by;                    ///< see there
+    bool is_rising;                    ///< the smallest, oldest, first in the alphabet comes first
+    char figure[API_SORT_FIGURE_SIZE]; ///< of API_SORT_FIGURE: its name
+} api_sort;
+
+/// Which runs.
+typedef struct api_list_query {
+    int state;                  ///< run_state, or -1: any
+    int model;                  ///< run_model, or -1: any
+    char owner[API_OWNER_SIZE]; ///< "": everybody's
+    char label[API_LABEL_SIZE]; ///< "": any
+    char study[API_ID_SIZE];    ///< whose trials; "": only runs that are nobody's trials
+    char search
+        [API_LABEL_SIZE]; ///< what name or label contains, A to Z as small letters; "": anything
+    api_sort sort;        ///< the order
+    char before[API_ID_SIZE]; ///< only runs behind the one with this id; "": from the first
+    char before_key[API_SORT_KEY_SIZE]; ///< its key, "" if it had none; none of API_SORT_CREATED
+    size_t limit;                       ///< 1 .. API_LIST_MAX
+    bool counts;                        ///< the total is wanted
+} api_list_query;

@@ -1,0 +1,185 @@
+// Lists of runs: a page in an order, narrowed by filters, and how many there are.
+
+#include "server/store/store_priv.h"
+
+#include "core/base/memory.h"
+
+#include <math.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_sorted(const api_list_query *query)
+{
+    return query->sort.by != API_SORT_CREATED || query->sort.is_rising;
+}
+
+static store__sql choose_list(const api_list_query *query)
+{
+    if (is_sorted(query))
+        return query->sort.is_rising ? STORE__SQL_LIST_RISING : STORE__SQL_LIST_FALLING;
+    if (query->search[0] != '\0')
+        return STORE__SQL_LIST_FOUND;
+    if (query->owner[0] != '\0')
+        return STORE__SQL_LIST_OWNER;
+    if (query->label[0] != '\0')
+        return STORE__SQL_LIST_LABEL;
+    return query->state >= 0 ? STORE__SQL_LIST_STATE : STORE__SQL_LIST_ALL;
+}
+
+static void bind_text(store__query *q, const char *text)
+{
+    store__bind_text(q, text, strlen(text));
+}
+
+static void bind_filters(store__query *q, const api_list_query *query)
+{
+    // Every id is less than "~".
+    bind_text(q, query->before[0] == '\0' ? "~" : query->before);
+    store__bind_integer(q, (int64_t)query->limit + 1);
+    store__bind_integer(q, query->model);
+    store__bind_integer(q, query->state);
+    bind_text(q, query->label);
+    bind_text(q, query->owner);
+    bind_text(q, query->study);
+}
+
+static void bind_search(store__query *q, const api_list_query *query)
+{
+    bind_text(q, query->search);
+    store__bind_integer(q, API_LIST_NEWEST - 1);
+}
+
+// The path of the key in the figures, and the key behind which the page begins. path is used until the statement ends.
+static void bind_order(store__query *q, const api_list_query *query,
+                       char path[API_SORT_FIGURE_SIZE + 2])
+{
+    const char *key = query->before_key;
+
+    (void)snprintf(path, API_SORT_FIGURE_SIZE + 2, "$.%s", query->sort.figure);
+    store__bind_integer(q, query->sort.by);
+    bind_text(q, path);
+    if (query->sort.by == API_SORT_CREATED)
+        bind_text(q, query->before);
+    else if (*key == '\0')
+        store__bind_real(q, (double)NAN);
+    else if (query->sort.by == API_SORT_NAME || query->sort.by == API_SORT_LABEL)
+        store__bind_blob(q, key, strlen(key));
+    else
+        store__bind_real(q, strtod(key, NULL));
+}
+
+// The key of the present row, as text.
+static void take_key(const store__query *q, const api_list_query *query, api_run_list *list)
+{
+    const int column = sqlite3_column_count(q->statement) - 1;
+    const size_t size = sizeof list->last_key;
+
+    list->last_key[0] = '\0';
+    if (!is_sorted(query) || query->sort.by == API_SORT_CREATED)
+        return;
+    switch (sqlite3_column_type(q->statement, column)) {
+    case SQLITE_INTEGER:
+        (void)snprintf(list->last_key, size, "%lld", sqlite3_column_int64(q->statement, column));
+        break;
+    case SQLITE_FLOAT:
+        (void)snprintf(list->last_key, size, "%.17g", sqlite3_column_double(q->statement, column));
+        break;
+    default:
+        store__column_text(q, column, list->last_key, size);
+    }
+}
+
+// One row more than the page holds is asked for: if it comes, there are more.
+static bf_status take_rows(store__query *q, const api_list_query *query, api_run_list *list,
+                           bf_error *err)
+{
+    bool has_row = true;
+    bf_status status = BF_OK;
+    store__row row;
+
+    while (status == BF_OK && has_row && !list->has_more) {
+        status = store__next(q, &has_row, err);
+        if (status != BF_OK || !has_row)
+            break;
+        status = store__read_row(q, &row, err);
+        if (status != BF_OK)
+            break;
+        list->has_more = list->n == query->limit;
+        if (list->has_more)
+            break;
+        list->runs[list->n++] = row.run;
+        take_key(q, query, list);
+    }
+    return status;
+}
+
+static bf_status read_page(store__connection *reader, const api_list_query *query,
+                           api_run_list *list, bf_error *err)
+{
+    const store__sql sql = choose_list(query);
+    char path[API_SORT_FIGURE_SIZE + 2];
+
+    store__query q = store__begin(reader, sql);
+    bind_filters(&q, query);
+    if (is_sorted(query) || sql == STORE__SQL_LIST_FOUND)
+        bind_search(&q, query);
+    if (is_sorted(query))
+        bind_order(&q, query, path);
+    const bf_status status = take_rows(&q, query, list, err);
+    store__end(&q);
+    return status;
+}
+
+static bf_status count_list(store__connection *reader, const api_list_query *query,
+                            api_run_list *list, bf_error *err)
+{
+    const bool is_whole = query->state < 0 && query->model < 0 && query->label[0] == '\0' &&
+                          query->owner[0] == '\0' && query->search[0] == '\0';
+    bool has_row = false;
+
+    store__query q =
+        store__begin(reader, is_whole ? STORE__SQL_COUNT_LISTED : STORE__SQL_COUNT_FOUND);
+    if (is_whole) {
+        bind_text(&q, query->study);
+        store__bind_integer(&q, API_LIST_NEWEST);
+    } else {
+        bind_filters(&q, query);
+        bind_search(&q, query);
+    }
+    const bf_status status = store__next(&q, &has_row, err);
+    list->has_total = has_row;
+    list->total = has_row ? (uint64_t)sqlite3_column_int64(q.statement, 0) : 0;
+    store__end(&q);
+    return status;
+}
+
+static bf_status read_list(store__connection *reader, const api_list_query *query,
+                           api_run_list *list, bf_error *err)
+{
+    const bf_status status = read_page(reader, query, list, err);
+
+    return status == BF_OK && query->counts ? count_list(reader, query, list, err) : status;
+}
+
+bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list, bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    if (query->limit < 1 || query->limit > API_LIST_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d runs, not %zu", API_LIST_MAX,
+                       query->limit);
+    api_run_list *list = memory_alloc(1, sizeof *list);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__acquire_reader(&s->pool, &reader, err);
+    if (status == BF_OK) {
+        status = read_list(reader, query, list, err);
+        store__release_reader(&s->pool, reader);
+    }
+    if (status == BF_OK)
+        *ret_list = *list;
+    memory_free(list);
+    return status;
+}
