@@ -30,14 +30,14 @@ JSON_TYPE = {"Content-Type": "application/json"}
 
 
 class Daemon:
-    """beltflowd on a data directory; settings are flags, with '_' for '-'."""
+    """beltflowd on a data directory; settings are flags, with '_' for '-'. log: a file for it, else it is shown."""
 
-    def __init__(self, data, **settings):
+    def __init__(self, data, log=None, **settings):
         flags = [f"--{name.replace('_', '-')}={value}" for name, value in settings.items()]
         self.began = time.perf_counter()
         self.process = subprocess.Popen(
             [BINARIES / "beltflowd", "--listen=127.0.0.1:0", f"--data={data}", "--log-level=warn",
-             *flags], stdout=subprocess.PIPE, text=True)
+             *flags], stdout=subprocess.PIPE, stderr=log, text=True)
         line = self.process.stdout.readline()
         self.port = int(re.search(r":(\d+)/", line).group(1))
         self.pid = self.process.pid

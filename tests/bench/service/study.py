@@ -60,10 +60,10 @@ def kill(daemon):
     daemon.process.wait()
 
 
-def follow(data, study, n, kills):
-    """Make the study; the daemon, the id of the study, and the wall time, s."""
+def follow(start, study, n, kills):
+    """Make the study in a daemon that start() gives; the daemon, the id of the study, and the wall time, s."""
     began = time.perf_counter()
-    daemon = Daemon(data)
+    daemon = start()
     status, body = daemon.ask("POST", "/v1/studies", json.dumps(study))
     if status != 201:
         raise RuntimeError(f"the study was refused: {body[:500]!r}")
@@ -76,12 +76,20 @@ def follow(data, study, n, kills):
         if at and now["trials"]["succeeded"] >= at[0]:
             kill(daemon)
             at.pop(0)
-            daemon = Daemon(data)
+            daemon = start()
         time.sleep(0.05)
     wall = time.perf_counter() - began
     if now["status"] != "succeeded":
         raise RuntimeError(f"the study is {now['status']}: {now['error']}")
     return daemon, identity, wall
+
+
+def compare(daemon, identity, folder):
+    """Fails unless the study has the bytes of the command line."""
+    for target, name in ((f"/v1/studies/{identity}/trials?format=csv", "trials.csv"),
+                         (f"/v1/studies/{identity}/best", "best.json")):
+        if read(daemon, target).strip() != (folder / "out" / name).read_bytes().strip():
+            raise RuntimeError(f"{name} is not that of the command line")
 
 
 def cpu_of_solvers(data):
@@ -99,12 +107,9 @@ def main():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="beltflow-study-"))
     try:
         alone = solve_locally(study, folder)
-        daemon, identity, wall = follow(folder / "data", study, arguments.trials, arguments.kills)
+        daemon, identity, wall = follow(lambda: Daemon(folder / "data"), study, arguments.trials, arguments.kills)
         with daemon:
-            for target, name in ((f"/v1/studies/{identity}/trials?format=csv", "trials.csv"),
-                                 (f"/v1/studies/{identity}/best", "best.json")):
-                if read(daemon, target).strip() != (folder / "out" / name).read_bytes().strip():
-                    raise RuntimeError(f"{name} is not that of the command line")
+            compare(daemon, identity, folder)
             metrics = read(daemon, "/metrics").decode()
         cores = len(os.sched_getaffinity(0))
         solving = cpu_of_solvers(folder / "data")
