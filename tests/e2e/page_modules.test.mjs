@@ -9,6 +9,7 @@ import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { fixed, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson, locate } from "../../web/src/json_text.js";
+import { parameterAt } from "../../web/src/parameters.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
 import { columnsOf, contentOf, differenceOf, flowOf, rateOf, throughputOf, valueAt } from "../../web/src/series.js";
@@ -193,6 +194,12 @@ test("scenarios differ in what a planner calls it, however they were written", a
   const longer = { ...structuredClone(steeper), duration_s: 9, macro: resolved.macro };
   assert.equal(nameOfVariant(steeper, longer), "Example 1, angle 75°, belt speed 0.5 m/s, duration 9 s, cell 0.005 m");
   assert.equal(nameOfVariant(resolved, structuredClone(resolved)), null);
+  // What a study's pointers name.
+  for (const [pointer, label, unit] of [["/obstacles/0/angle_deg", "angle", "°"], ["/obstacles/0/from_m/0", "foot x", "m"],
+    ["/belts/0/velocity_m_s/0", "belt speed", "m/s"], ["/contacts/handling_cargo/friction", "friction at plates and walls", ""]]) {
+    const known = parameterAt(pointer, resolved);
+    assert.deepEqual([known.label, known.unit], [label, unit]);
+  }
   // Lists that are too long to be said are numbered.
   const [a, b] = [1, 2].map((x) => ({ ...resolved, initial: { positions_m: Array.from({ length: 5 }, (_, k) => [x, k]) } }));
   assert.deepEqual(differences([a, b, a]).map(({ label, values }) => [label, values]), [["initial positions", ["list 1", "list 2", "list 1"]]]);

@@ -98,7 +98,7 @@ test("what both models say of the best points, and how a fit agrees with the cou
   const page = await openPage(t, d);
   await visit(page, `#/studies/${screened}`);
   await page.getByText("Confirmed: the microscopic model tried 2 points").waitFor();
-  await page.getByRole("cell", { name: "dropped" }).waitFor();
+  await page.getByRole("rowheader", { name: "dropped" }).waitFor();
 
   const run = await d.submit(scenario);
   await d.reached(run.id, "succeeded");

@@ -54,7 +54,7 @@ export class NewStudyView {
     this.fromBox = this.box("from", "");
     this.toBox = this.box("to", "");
     this.stepsBox = this.box("steps", "6", { inputmode: "numeric" });
-    this.trialsBox = this.box("trials", "24", { inputmode: "numeric" });
+    this.trialsBox = this.box("trials", "60", { inputmode: "numeric" });
     this.runsBox = this.box("replications", "1", { inputmode: "numeric" });
     this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
     this.indifferenceBox = this.box("indifference", "");
@@ -164,7 +164,7 @@ export class NewStudyView {
     setText(this.methodHint, methods.find(([value]) => value === method)[2]);
     const isFit = method === "calibrate";
     for (const [part, isShown] of Object.entries({ model: method !== "screen", steps: method === "grid" || method === "screen",
-      trials: method === "direct" || isFit, runs: !isFit, figure: !isFit, indifference: method === "screen", counter: isFit, counts: isFit })) {
+      trials: method !== "grid", runs: !isFit, figure: !isFit, indifference: method === "screen", counter: isFit, counts: isFit })) {
       this.parts[part].hidden = !isShown;
     }
     this.change();
@@ -174,7 +174,7 @@ export class NewStudyView {
   trials() {
     const [steps, runs, trials] = [this.stepsBox, this.runsBox, this.trialsBox].map((box) => Math.max(1, Math.round(Number(box.value)) || 1));
     if (this.method === "grid") return steps * runs;
-    return this.method === "screen" ? steps + CONFIRMED * 4 * Math.max(2, runs) : trials;
+    return this.method === "screen" ? Math.max(trials, steps + CONFIRMED * Math.max(2, runs)) : trials;
   }
 
   change() {
@@ -217,14 +217,14 @@ export class NewStudyView {
     };
     if (this.method === "calibrate") {
       return { ...common, curves: [{ counter: this.counterBox.value, measurement: this.countsBox.value }],
-        method: { type: "calibrate", points: 4 }, limits: { trials: number(this.trialsBox) } };
+        method: { type: "calibrate", points: 4 }, limits: { trials: this.trials() } };
     }
     const method = this.method === "screen" ? { type: "screen", sweep: "grid", confirm: Math.min(CONFIRMED, number(this.stepsBox)), indifference: number(this.indifferenceBox) }
       : { type: this.method };
     const runs = number(this.runsBox);
     return { ...common, method, objectives: [goal(this.figure), ...others.map(goal)],
       replications: this.method === "screen" ? Math.max(2, runs) : runs,
-      ...(isGrid ? {} : { limits: { trials: number(this.trialsBox) } }) };
+      ...(this.method === "grid" ? {} : { limits: { trials: this.trials() } }) };
   }
 
   async submit() {

@@ -9,7 +9,11 @@ const PLATE = /^\/obstacles\/(\d+)\/(path_m|from_m|to_m|end_m|angle_deg|length_m
 const UNITS = [["_per_m2", "/m²"], ["_per_s", "/s"], ["_m_s2", "m/s²"], ["_m_s", "m/s"], ["_deg", "°"], ["_kg", "kg"], ["_pa", "Pa"],
   ["_m", "m"], ["_s", "s"]];
 const UNSAID = new Set(["obstacles", "belts", "feeds", "counters", "photo_eyes", "shape", "hexagonal", "random", "output"]);
-const SAID = { "/macro/cell_m": "cell", "/micro/integrator": "integrator", "/macro/closure": "closure" };
+const SAID = {
+  "/macro/cell_m": "cell", "/macro/closure": "closure", "/macro/mollifier_per_m2": "mollifier", "/macro/dispersion_m_s": "dispersion speed",
+  "/micro/integrator": "integrator", "/contacts/handling_cargo/friction": "friction at plates and walls",
+  "/contacts/conveyor_cargo/friction": "friction on the belt", "/contacts/cargo_cargo/friction": "friction between parts",
+};
 
 // "75°", "0.5 m/s", "yes", "0.75, 0.5 m"; null: the list is too long to be said.
 export function valueText(value, unit = "") {
@@ -94,11 +98,15 @@ export function parametersOf(scenario) {
   return [...usual, ...others];
 }
 
+const ENDS = { from_m: "foot", to_m: "tip", end_m: "tip" };
+
 // { label, unit } of what a pointer names, which may be part of a member's list.
 export function parameterAt(pointer, scenario) {
-  const usual = parametersOf(scenario).find((parameter) => parameter.isUsual && pointer.startsWith(parameter.pointer));
+  const usual = parametersOf(scenario).find((parameter) => parameter.isUsual && parameter.pointer === pointer);
   if (usual) return usual;
-  const [, owner, axis] = /^(.*_m)\/([01])$/.exec(pointer) ?? [];
-  const { label, unit } = wordsOf(owner ?? pointer, scenario);
-  return { label: axis === undefined ? label : `${label} ${"xy"[axis]}`, unit };
+  const [, k, end, axis] = /^\/obstacles\/(\d+)\/(from_m|to_m|end_m)\/([01])$/.exec(pointer) ?? [];
+  if (end) return { label: called(scenario.obstacles, Number(k), `${ENDS[end]} ${"xy"[axis]}`), unit: "m" };
+  const belt = /^\/belts\/(\d+)\/velocity_m_s\/[01]$/.exec(pointer);
+  if (belt) return { label: called(scenario.belts, Number(belt[1]), "belt speed"), unit: "m/s" };
+  return wordsOf(pointer, scenario);
 }

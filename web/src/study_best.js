@@ -51,13 +51,12 @@ export class BestPanel {
   confirmed(points) {
     const [name] = this.figures;
     const row = ({ is_dropped: isDropped, micro, macro, difference }) => h("tr", {},
-      h("th", { scope: "row" }, parametersWords(micro.parameters, this.words)),
+      h("th", { scope: "row" }, parametersWords(micro.parameters, this.words), h("small", {}, isDropped ? "dropped" : "kept")),
       h("td", {}, quantity(macro.values[name]?.mean, "", 4)), h("td", {}, valueWords(spread(micro.values[name] ?? {}), "")),
-      h("td", {}, quantity(difference, "", 3)), h("td", {}, isDropped ? "dropped" : "kept"));
+      h("td", {}, quantity(difference, "", 3)));
     return h("div", { class: "scroll" }, h("table", { class: "measures" },
       h("caption", { class: "hint" }, `${figureTitle(name)} by both models${figureUnit(name) ? `, ${figureUnit(name)}` : ""}`),
-      h("thead", {}, h("tr", {}, ["point", "macro", "micro", "difference", ""].map((text) =>
-        (text ? h("th", { scope: "col" }, text) : h("td"))))),
+      h("thead", {}, h("tr", {}, ["point", "macro", "micro", "difference"].map((text) => h("th", { scope: "col" }, text)))),
       h("tbody", {}, points.map(row))));
   }
 }

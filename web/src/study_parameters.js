@@ -1,5 +1,6 @@
 // What of a scenario a study can vary, from where to where, and how the scenario is written for it.
 
+import { parameterAt } from "./parameters.js";
 import { angleOf, plateOf, tidy, withPlate } from "./plate.js";
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
@@ -34,15 +35,10 @@ function member(pointer, label, unit, value) {
   return typeof value === "number" && value !== 0 ? [{ pointer, label, unit, value, range: around(value), write: () => {} }] : [];
 }
 
-const more = [
-  ["/contacts/handling_cargo/friction", "friction at plates and walls", ""],
-  ["/contacts/conveyor_cargo/friction", "friction on the belt", ""],
-  ["/contacts/cargo_cargo/friction", "friction between parts", ""],
-  ["/macro/mollifier_per_m2", "mollifier", "/m²"],
-  ["/macro/dispersion_m_s", "dispersion speed", "m/s"],
-];
+const more = ["/contacts/handling_cargo/friction", "/contacts/conveyor_cargo/friction", "/contacts/cargo_cargo/friction",
+  "/macro/mollifier_per_m2", "/macro/dispersion_m_s"];
 
-export function valueAt(scenario, pointer) {
+function valueAt(scenario, pointer) {
   return pointer.slice(1).split("/").reduce((item, name) => item?.[name], scenario);
 }
 
@@ -58,7 +54,8 @@ function writeAt(scenario, pointer, value) {
 // [{ pointer, label, unit, value, range, write(copy, range) }]. resolved: the same scenario with its defaults, or null.
 export function studyParameters(scenario, resolved) {
   const { obstacles = [], belts = [], feeds = [] } = scenario;
-  const others = more.flatMap(([pointer, label, unit]) => {
+  const others = more.flatMap((pointer) => {
+    const { label, unit } = parameterAt(pointer, scenario);
     const value = valueAt(scenario, pointer) ?? valueAt(resolved ?? {}, pointer);
     return member(pointer, label, unit, value).map((item) => ({ ...item, write: (copy) => writeAt(copy, pointer, value) }));
   });

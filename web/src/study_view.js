@@ -134,16 +134,15 @@ export class StudyView {
   }
 
   showTable(points, unit) {
-    const head = [...[...this.words.values()].map(({ label }) => label), "model", "runs", unit ? `mean (${unit})` : "mean", "95 % interval"];
+    const head = [...[...this.words.values()].map(({ label }) => label), "model", "runs", unit ? `mean and 95 % interval (${unit})` : "mean and 95 % interval"];
     const key = JSON.stringify([head, points.map(({ point, model, n, mean }) => [point, model, n, mean])]);
     if (key === this.tableKey) return;
     this.tableKey = key;
     this.columns.replaceChildren(...head.map((text) => h("th", { scope: "col" }, text)));
     this.rows.replaceChildren(...points.slice(0, SHOWN_MAX).map((point) => {
       const [first, ...others] = [...this.words.keys()].map((pointer) => parametersWords({ [pointer]: point.parameters[pointer] }, this.words));
-      const interval = point.low === null ? "–" : valueWords({ mean: point.low }, "") + " to " + valueWords({ mean: point.high }, "");
       return h("tr", { class: this.isBest(point) ? "best" : null }, h("th", { scope: "row" }, first), others.map((text) => h("td", {}, text)),
-        [point.model, String(point.n), valueWords({ mean: point.mean }, ""), interval].map((text) => h("td", {}, text)));
+        [point.model, String(point.n), valueWords(point, "")].map((text) => h("td", {}, text)));
     }));
   }
 

@@ -16,10 +16,11 @@ export function nameOfStudy(study) {
   return study.name || `Study ${study.id.slice(-8)}`;
 }
 
-// "39,100 parts/h, 38,900 to 39,300"; the interval is left out where there is none.
+// "39,100 ± 200 parts/h"; the half of the 95 % interval is left out where there is none.
 export function valueWords({ mean, low = null, high = null }, unit) {
   if (mean === null || mean === undefined) return "–";
-  return `${quantity(mean, unit, 4)}${low === null ? "" : `, ${quantity(low, "", 4)} to ${quantity(high, "", 4)}`}`;
+  const text = low === null ? quantity(mean, "", 4) : `${quantity(mean, "", 4)} ± ${quantity((high - low) / 2, "", 2)}`;
+  return unit ? `${text} ${unit}` : text;
 }
 
 // "angle 75°, belt speed 0.5 m/s".
