@@ -63,6 +63,10 @@ test("a study is begun by the form, shows what it finds, and its points open the
   const { obstacles } = (await d.get(`/v1/runs/${opened}/scenario`)).json;
   const [[x0, y0], [x1, y1]] = obstacles[0].path_m;
   assert.ok(Math.abs(Math.atan2(y1 - y0, x1 - x0) - (70 * Math.PI) / 180) < 1e-6);
+  await visit(page, `#/studies/${id}`);
+  await page.getByRole("button", { name: "Solve these 4 again and show" }).click();
+  await page.getByRole("link", { name: "angle 90°, open the run" }).waitFor();
+  await page.waitForFunction(() => [...document.querySelectorAll(".pictures img")].filter((image) => image.naturalWidth > 0).length === 4);
   await visit(page, "#/studies");
   await page.getByRole("link", { name: "Parts inside, mean" }).waitFor();
   await page.getByRole("cell", { name: "4 of 4" }).waitFor();

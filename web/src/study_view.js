@@ -11,6 +11,7 @@ import { BestPanel } from "./study_best.js";
 import { StudyChart } from "./study_chart.js";
 import { isStudyOver, StudyData } from "./study_data.js";
 import { FitPanel } from "./study_fit.js";
+import { StudyPictures } from "./study_pictures.js";
 import { pointsOf } from "./study_points.js";
 import { methodWords, nameOfStudy, parametersWords, valueWords } from "./study_words.js";
 import { tellFault } from "./toast.js";
@@ -44,15 +45,17 @@ export class StudyView {
     this.isGone = true;
     this.data?.dispose();
     this.chart?.dispose();
+    this.pictures?.dispose();
     this.fit?.dispose();
   }
 
   build() {
     this.best = new BestPanel(this.words, this.figures);
     this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
+    this.pictures = new StudyPictures(this.data);
     this.chart = new StudyChart((point) => this.open(point));
     return [this.head(), h("div", { class: "watch" },
-      h("div", {}, this.chartCard(), this.tableCard()), h("div", {}, this.best.element, this.fit?.element))];
+      h("div", {}, this.chartCard(), this.pictures.element, this.tableCard()), h("div", {}, this.best.element, this.fit?.element))];
   }
 
   head() {
@@ -119,6 +122,7 @@ export class StudyView {
     setText(this.chartTitle, `${figureTitle(this.figure)} against ${label}`);
     this.chart.show(points.map((point) => this.drawn(point, unit)), [of ? `${label} (${of})` : label, unit ? `${figureTitle(this.figure)} (${unit})` : figureTitle(this.figure)]);
     this.showTable(points, unit);
+    this.pictures.show(this.pictured(points));
     this.best.show(study, best);
     this.fit?.show(best);
   }
@@ -131,6 +135,13 @@ export class StudyView {
   drawn(point, unit) {
     return { ...point, key: `${point.point} ${point.model}`, x: point.parameters[this.pointer], isBest: this.isBest(point),
       title: `${parametersWords(point.parameters, this.words)}: ${valueWords(point, unit)}, ${point.model}` };
+  }
+
+  // By the model of most points, so that pictures can be compared.
+  pictured(points) {
+    const macro = points.filter(({ model }) => model === "macro");
+    return (macro.length > 0 ? macro : points)
+      .map((point) => ({ ...point, x: point.parameters[this.pointer], label: parametersWords(point.parameters, this.words) }));
   }
 
   showTable(points, unit) {
