@@ -83,6 +83,11 @@ test("a deflector is drawn by pointer and by keys, and the numbers beside it fol
   assert.equal(await number("Opening"), 0.11);
   assert.ok(Math.abs((await number("Deflector angle")) - angle) < 1e-3);
 
+  // A counter's side and a feed's end move alike.
+  await page.getByRole("button", { name: "upstream, downstream side of the counter" }).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.getByRole("button", { name: "upstream, downstream side of the counter, x: 0.76 m" }).waitFor();
+
   // The pointer draws the foot along the wall, onto the lattice.
   const { x, y, width, height } = await page.getByRole("button", { name: "singularizer, foot" }).boundingBox();
   await page.mouse.move(x + width / 2, y + height / 2);
@@ -92,9 +97,10 @@ test("a deflector is drawn by pointer and by keys, and the numbers beside it fol
   const foot = await number("Foot, x");
   assert.ok(foot < 0.45 && Math.abs(foot * 100 - Math.round(foot * 100)) < 1e-9, String(foot));
   const text = await page.getByLabel("Name").inputValue();
-  assert.match(text, /^Example 1, angle [\d.]+°, tip [\d.]+, 0\.49 m$/);
+  assert.match(text, /^Example 1, angle [\d.]+°, tip [\d.]+, 0\.49 m, upstream x 0, 0\.76 m$/);
   await page.getByRole("button", { name: "JSON" }).click();
   const scenario = JSON.parse(await page.getByLabel("Scenario as JSON").inputValue());
+  assert.deepEqual(scenario.counters[0].x_m, [0, 0.76]);
   const { end_m: [ex, ey], angle_deg: degrees, length_m: length } = scenario.obstacles[0];
   assert.ok(Math.abs(ex - length * Math.cos((degrees * Math.PI) / 180) - foot) < 1e-5);
   assert.ok(Math.abs(ey - length * Math.sin((degrees * Math.PI) / 180)) < 1e-5);

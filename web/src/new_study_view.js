@@ -56,6 +56,7 @@ export class NewStudyView {
     this.stepsBox = this.box("steps", "6", { inputmode: "numeric" });
     this.trialsBox = this.box("trials", "60", { inputmode: "numeric" });
     this.runsBox = this.box("replications", "1", { inputmode: "numeric" });
+    this.runsBox.addEventListener("input", () => (this.hasRuns = true));
     this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
     this.indifferenceBox = this.box("indifference", "");
     this.indifferenceUnit = h("span", { class: "unit" });
@@ -128,7 +129,6 @@ export class NewStudyView {
     if (!isKnown) {
       // Parts that are there from the start leave; those that are fed pass.
       this.figureBox.value = this.scenario.feeds?.length ? "throughput_per_h" : "drained_at_s";
-      this.runsBox.value = this.scenario.feeds?.length ? "3" : "1";
       this.chooseParameter();
     }
     this.chooseFigure();
@@ -167,7 +167,15 @@ export class NewStudyView {
       trials: method !== "grid", runs: !isFit, figure: !isFit, indifference: method === "screen", counter: isFit, counts: isFit })) {
       this.parts[part].hidden = !isShown;
     }
+    if (!this.hasRuns) this.runsBox.value = String(this.usualRuns());
     this.change();
+  }
+
+  // Where arrivals are drawn: a selection among points needs more of them for its first judgement than a mean does.
+  usualRuns() {
+    const isRandom = this.scenario.feeds?.some(({ arrivals = "regular" }) => arrivals !== "regular");
+    if (this.method === "screen") return isRandom ? 10 : 2;
+    return isRandom ? 3 : 1;
   }
 
   // How many runs there will be at most.

@@ -7,7 +7,6 @@ import { h } from "./dom.js";
 import { span } from "./format.js";
 import { JsonEditor } from "./json_editor.js";
 import { formatJson } from "./json_text.js";
-import { withPlate } from "./plate.js";
 import { address, go, note } from "./router.js";
 import { ScenarioForm } from "./scenario_form.js";
 import { ScenarioSource, setDraft } from "./scenario_source.js";
@@ -45,8 +44,7 @@ export class NewView {
   build() {
     this.editor = new JsonEditor(() => this.takeText());
     this.form = new ScenarioForm((set) => this.change(set), () => this.sayFaults(""));
-    this.scene = new SceneEditor((k, plate) =>
-      this.change((scenario) => (scenario.obstacles[k] = withPlate(scenario.obstacles[k], plate))));
+    this.scene = new SceneEditor((set) => this.change(set));
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.others = h("ul", { class: "faults", "aria-label": "Other faults" });
     this.warnings = h("ul", { class: "warnings", "aria-label": "Warnings", hidden: true });

@@ -1,8 +1,10 @@
-// The belt as it will be, with the plates' ends to be drawn by pointer and by keys. It snaps to a lattice and to the walls.
+// The belt as it will be, on which plates, counters and feeds are drawn by pointer and by keys. It snaps to a lattice and to
+// the walls.
 
 import { drawDevices } from "./devices.js";
 import { h } from "./dom.js";
-import { angleOf, plateOf, tidy } from "./plate.js";
+import { tidy } from "./plate.js";
+import { asWritten, handlesOf } from "./scene_handles.js";
 import { drawScenery } from "./scenery.js";
 import { color, onTheme } from "./theme.js";
 import { ViewBox } from "./view_box.js";
@@ -10,7 +12,6 @@ import { ViewBox } from "./view_box.js";
 const SNAP_M = 0.01;
 const FINE_M = 0.001;
 const WHOLE = { factor: 1, x: 0.5, y: 0.5 }; // the whole belt is seen
-const NEAR_WALL_M = 0.015;
 const names = ["text", "muted", "light", "dark", "plate", "rim", "feed", "blocked"];
 
 const snap = (value, step) => tidy(Math.round(value / step) * step, 9);
@@ -31,34 +32,14 @@ function radiusOf(cargo) {
   return shape.radius_m ?? Math.hypot(shape.length_m ?? 0.02, shape.width_m ?? 0.02) / 2;
 }
 
-// What can be drawn: { name, at, move([x, y]) -> plate } of a plate in a domain.
-function handlesOf(plate, { y_m: [y0, y1] }) {
-  const { from, to } = plate;
-  const wall = Math.abs(from[1] - y0) < NEAR_WALL_M ? y0 : Math.abs(from[1] - y1) < NEAR_WALL_M ? y1 : null;
-  const far = to[1] >= from[1] ? y1 : y0;
-  const onWall = ([x, y]) => [x, wall !== null && Math.abs(y - wall) < 4 * NEAR_WALL_M ? wall : y];
-  return [
-    { name: "foot", at: from, move: (at) => ({ from: onWall(at), to }) },
-    { name: "tip", at: to, move: (at) => ({ from, to: at }) },
-    // The opening changes along the plate, whose angle stays.
-    { name: "opening", at: [to[0], (to[1] + far) / 2], move: ([, y]) => {
-      const tip = 2 * y - far;
-      const share = to[1] === from[1] ? 1 : (tip - from[1]) / (to[1] - from[1]);
-      return { from, to: share > 0.05 ? [tidy(from[0] + share * (to[0] - from[0]), 9), tidy(tip, 9)] : to };
-    } },
-  ];
-}
-
-const words = { foot: ([x, y]) => `x ${x} m, y ${y} m`, tip: ([x, y]) => `x ${x} m, y ${y} m` };
-
 export class SceneEditor {
-  // onPlate(k, { from, to }): plate k shall stand there.
-  constructor(onPlate) {
-    Object.assign(this, { onPlate, handles: new Map() });
+  // onChange(set): what was drawn goes into the scenario by set(scenario).
+  constructor(onChange) {
+    Object.assign(this, { onChange, handles: new Map() });
     this.canvas = h("canvas");
     this.above = h("canvas");
     this.frame = h("div", { class: "stage-frame scene-frame", role: "group", "aria-label": "The belt from above" }, this.canvas, this.above);
-    this.hint = h("p", { class: "hint" }, "Draw a deflector’s foot, tip or opening; arrow keys move what has the focus, with Shift by millimetres.");
+    this.hint = h("p", { class: "hint" }, "Draw a deflector’s foot, tip or opening, a counter’s sides, a feed’s ends; arrow keys move what has the focus, with Shift by millimetres.");
     this.element = h("div", { class: "scene" }, h("div", { class: "stage" }, this.frame), this.hint);
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(this.element);
@@ -72,11 +53,9 @@ export class SceneEditor {
 
   // written: the scenario as it is edited; resolved: as the server completed it last.
   show(written, resolved) {
-    this.plates = (written?.obstacles ?? []).map(plateOf);
-    this.scenario = resolved && {
-      ...resolved,
-      obstacles: resolved.obstacles.map((obstacle, k) => (this.plates[k] ? { ...obstacle, path_m: [this.plates[k].from, this.plates[k].to] } : obstacle)),
-    };
+    const isShown = written && resolved;
+    this.scenario = isShown ? asWritten(written, resolved) : null;
+    this.drawable = isShown ? handlesOf(written, resolved) : [];
     this.draw();
   }
 
@@ -124,46 +103,35 @@ export class SceneEditor {
     context.restore();
   }
 
+  // Each is made once, so that the focus and the pointer stay with it.
   placeHandles() {
-    const seen = new Set();
-    this.plates.forEach((plate, k) => {
-      if (!plate || !this.scenario.obstacles[k]) return;
-      for (const handle of handlesOf(plate, this.scenario.domain)) {
-        const key = `${k} ${handle.name}`;
-        seen.add(key);
-        if (!this.handles.has(key)) this.handles.set(key, this.makeHandle(k, handle.name));
-        this.placeHandle(this.handles.get(key), handle, plate, this.scenario.obstacles[k].id);
-      }
-    });
+    const { view } = this;
+    const keys = new Set(this.drawable.map(({ key }) => key));
     for (const [key, { element }] of this.handles) {
-      if (seen.has(key)) continue;
+      if (keys.has(key)) continue;
       element.remove();
       this.handles.delete(key);
     }
+    for (const handle of this.drawable) {
+      if (!this.handles.has(handle.key)) this.handles.set(handle.key, this.makeHandle(handle.kind));
+      const made = this.handles.get(handle.key);
+      made.handle = handle;
+      made.element.style.transform = `translate(${view.x(handle.at[0]) / view.ratio}px, ${view.y(handle.at[1]) / view.ratio}px)`;
+      made.element.title = handle.said;
+      made.element.setAttribute("aria-label", handle.said);
+    }
   }
 
-  placeHandle(made, handle, plate, id) {
-    const { view } = this;
-    made.handle = handle;
-    const { element } = made;
-    element.style.transform = `translate(${view.x(handle.at[0]) / view.ratio}px, ${view.y(handle.at[1]) / view.ratio}px)`;
-    const { y_m: [y0, y1] } = this.scenario.domain;
-    const wide = plate.to[1] >= plate.from[1] ? y1 - plate.to[1] : plate.to[1] - y0;
-    const said = handle.name === "opening" ? `${tidy(wide, 4)} m` : words[handle.name](handle.at.map((value) => tidy(value, 4)));
-    element.title = `${handle.name}: ${said}`;
-    element.setAttribute("aria-label", `${id}, ${handle.name}: ${said}, angle ${tidy(angleOf(plate), 4)}°`);
-  }
-
-  makeHandle(k, name) {
+  makeHandle(kind) {
     const made = { handle: null };
-    made.element = h("button", { type: "button", class: "handle", data: { name }, on: {
+    made.element = h("button", { type: "button", class: "handle", data: { kind }, on: {
       pointerdown: (event) => {
         event.preventDefault();
         made.element.focus();
         made.element.setPointerCapture(event.pointerId);
       },
-      pointermove: (event) => made.element.hasPointerCapture(event.pointerId) && this.moveTo(k, made.handle, this.placeOf(event), event.shiftKey ? FINE_M : SNAP_M),
-      keydown: (event) => this.moveByKey(event, k, made.handle),
+      pointermove: (event) => made.element.hasPointerCapture(event.pointerId) && this.moveTo(made.handle, this.placeOf(event), event.shiftKey ? FINE_M : SNAP_M),
+      keydown: (event) => this.moveByKey(event, made.handle),
     } });
     this.frame.append(made.element);
     return made;
@@ -174,20 +142,17 @@ export class SceneEditor {
     return this.view.place(event.clientX - box.left, event.clientY - box.top);
   }
 
-  moveByKey(event, k, handle) {
+  moveByKey(event, handle) {
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (!way) return;
     event.preventDefault();
-    const step = event.shiftKey ? FINE_M : SNAP_M;
-    // The handle of the opening stands in its middle: it moves by half of what the tip does.
-    const scale = handle.name === "opening" ? step / 2 : step;
-    this.moveTo(k, handle, [handle.at[0] + way[0] * scale, handle.at[1] + way[1] * scale], FINE_M / 2);
+    const by = (event.shiftKey ? FINE_M : SNAP_M) * handle.step;
+    this.moveTo(handle, handle.at.map((value, axis) => value + way[axis] * by), FINE_M / 2);
   }
 
-  moveTo(k, handle, at, step) {
-    const { x_m: [x0, x1], y_m: [y0, y1] } = this.scenario.domain;
-    const kept = [Math.min(Math.max(snap(at[0], step), x0), x1), Math.min(Math.max(snap(at[1], step), y0), y1)];
-    const plate = handle.move(kept);
-    if (Math.hypot(plate.to[0] - plate.from[0], plate.to[1] - plate.from[1]) > 2 * SNAP_M) this.onPlate(k, plate);
+  moveTo(handle, at, step) {
+    const { x_m, y_m } = this.scenario.domain;
+    const kept = [x_m, y_m].map(([low, high], axis) => Math.min(Math.max(snap(at[axis], step), low), high));
+    this.onChange((scenario) => handle.write(scenario, kept));
   }
 }
