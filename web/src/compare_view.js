@@ -82,7 +82,7 @@ export class CompareView {
     this.curves = new CompareCurves({ runs: this.runs, titles: this.titles, query: this.query,
       onSeek: (t) => this.cinema.player.seek(t), onChange: () => this.measure() });
     return [head, ...lost, h("div", { class: "compare-main" },
-      h("div", { class: "panels" }, panels), h("div", { class: "compare-side" }, this.controlsCard(), this.curves.element)),
+      h("div", { class: "panels", data: { n: String(panels.length) } }, panels), h("div", { class: "compare-side" }, this.controlsCard(), this.curves.element)),
       ...this.tables()];
   }
 
@@ -124,7 +124,7 @@ export class CompareView {
   panel(data, k) {
     const { run } = data;
     const name = nameOf(run);
-    const most = () => Math.max(150, innerHeight * (this.runs.length > 2 ? 0.36 : 0.46));
+    const most = () => Math.max(150, innerHeight * (this.runs.length > 2 ? 0.36 : 0.31));
     const screen = this.cinema.add(data, `The belt from above, ${name}, ${this.titles[k]}`, most);
     data.state = statePill(run);
     data.state.show(run);
@@ -151,9 +151,12 @@ export class CompareView {
     this.keyTable = new KeyTable();
     this.agreement = new MeasuresTable();
     this.solver = h("div");
+    const agreement = fold("Agreement", "How far the curves and the densities are from those of the reference.", this.agreement.element);
+    this.agreementFold = agreement.firstChild;
+    this.agreementFold.addEventListener("toggle", () => this.measure());
     return [
       h("section", { class: "card", "aria-labelledby": "figures-title" }, h("h2", { id: "figures-title" }, "Key figures"), this.keyTable.element),
-      fold("Agreement", "How far the curves and the densities are from those of the reference.", this.agreement.element),
+      agreement,
       fold("Computation", "What the solvers did; it says nothing about the belt.", this.solver),
     ];
   }
@@ -173,7 +176,9 @@ export class CompareView {
     return h("span", {}, this.markOf(k), this.titles[k], k === this.reference ? h("small", {}, "reference") : null);
   }
 
+  // Only where somebody looks: densities of long runs are much to compare.
   measure() {
+    if (!this.agreementFold?.open) return;
     this.agreement.load({ runs: this.runs, reference: this.reference, column: this.curves.measuredColumn(),
       measured: this.curves.measuredHere(), headOf: (k) => this.headOf(k) });
   }

@@ -7,6 +7,7 @@ import { fixed, number, parts } from "./format.js";
 import { isFed, throughputOf } from "./series.js";
 
 const PER_H = 3600;
+const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
 
 // Of cargo that is on the belt at the start: while the middle 80 % of it passed the first counter.
 function batchThroughput({ run, scenario, curve }) {
@@ -27,7 +28,7 @@ const figures = [
     name: "Drained at",
     unit: "s",
     value: ({ figures: known }) => known?.drained_at_s ?? null,
-    text: (value, { run }) => (value === null && isOver(run) ? "not drained" : number(value, 4)),
+    text: (value, { run, figures: known }) => (value === null && known && isOver(run) ? "not drained" : number(value, 4)),
     sentence: () => "Since then the belt has been empty.",
   },
   {
@@ -52,7 +53,7 @@ const figures = [
   {
     name: "Residence, 95 %",
     unit: "s",
-    value: ({ figures: known }) => known?.residence_s?.p95 ?? null,
+    value: ({ figures: known }) => (known?.parts?.left < HALF_A_PART ? null : known?.residence_s?.p95 ?? null),
     text: (value) => number(value),
     sentence: () => "95 % of the parts that left stayed no longer.",
   },

@@ -144,7 +144,8 @@ export class RunView {
     if (what === "curve") this.showCurve();
     if (what === "snapshots") this.showSnapshots();
     if (what === "run") this.showHead();
-    if (what === "figures" || what === "snapshots") this.showFigures();
+    if (what === "figures") this.showFigures();
+    if (what === "snapshots") this.strip.show(data);
     if (what === "summary") this.finish();
     this.controls.show();
   }
