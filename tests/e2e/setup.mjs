@@ -12,7 +12,8 @@ export const packages = process.env.BELTFLOW_NPM_DIR ?? path.join(root, "build/r
 // The page's folder. It is not built without npm nor under the sanitizers.
 export const web = path.join(binaries, "../web");
 export const hasPage = existsSync(web);
-export const isSanitized = process.env.BELTFLOW_SANITIZED === "1";
+export const isSanitized = (process.env.BELTFLOW_SANITIZED ?? "") !== "";
+export const isThreadSanitized = process.env.BELTFLOW_SANITIZED === "thread";
 // The programs are those of another processor.
 export const isEmulated = process.env.BELTFLOW_EMULATED === "1";
 
