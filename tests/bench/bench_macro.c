@@ -1,9 +1,8 @@
 // How fast the macroscopic solver is, next to the direct sum as printed in the paper, in one run on
 // one thread and the same work.
 //
-//     bench_macro [THREADS|memory]
+//     bench_macro [THREADS]
 //
-// With `memory` the grid of 10,000 x 6,000 cells alone, and the memory that it takes.
 //
 // Each figure is the best of several repetitions. Before a figure is printed, its work is checked: both
 // solvers must give the same density, and Example 1 by the scheme roe the reference answers.
@@ -14,14 +13,12 @@
 #include "core/macro/velocity_field.h"
 #include "core/scene/density.h"
 #include "core/scene/placement.h"
-#include "tests/bench/resident.h"
 #include "tests/reference/direct.h"
 #include "tests/unit/core/helper_scene.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 enum {
@@ -215,20 +212,6 @@ static double time_jam(double length)
     return best;
 }
 
-static void show_memory(void)
-{
-    const double before = resident_bytes();
-    work w = make_work(50, 1.0, 1);
-
-    w.def.mollifier *= 50.0 * 50.0; // spans the same number of cells
-    macro_solver *s = start(&w, w.rho);
-    time_steps(s, 2);
-    printf("10,000 x 6,000 cells            %.2f GiB\n",
-           (resident_peak_bytes() - before) / (1024.0 * 1024.0 * 1024.0));
-    macro_destroy(s);
-    free_work(&w);
-}
-
 // Example 1 by the scheme muscl, in the same steps.
 static void time_muscl(double wall_roe)
 {
@@ -244,10 +227,6 @@ static void time_muscl(double wall_roe)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "memory") == 0) {
-        show_memory();
-        return 0;
-    }
     const int n_threads = argc > 1 ? atoi(argv[1]) : 2;
     work w = make_work(1, 1.0, 1);
     double direct_rate = rate_of_direct_sum(&w);
