@@ -189,6 +189,23 @@ static void totals_count_all_pages(void **state)
     assert_int_equal(count(h->store, behind), 4);
 }
 
+// One run more than is looked at, and only the oldest has the name.
+static void only_the_newest_runs_are_looked_at(void **state)
+{
+    helper_store *h = *state;
+
+    helper_store_close(h);
+    helper_store_sql(h, "WITH RECURSIVE number (i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM number "
+                        "WHERE i < 50000) INSERT INTO runs (id, state, model, priority, label, "
+                        "name, created_ms) SELECT printf('%036d', i), 2, 0, 0, '', "
+                        "CASE i WHEN 0 THEN 'old' WHEN 1 THEN 'less old' ELSE '' END, i "
+                        "FROM number");
+    helper_store_open(h);
+    assert_int_equal(count(h->store, (api_list_query){ .limit = 1 }), API_LIST_NEWEST);
+    assert_int_equal(count(h->store, (api_list_query){ .search = "old" }), 1);
+    assert_order(h->store, (api_list_query){ .search = "old" }, 2, "1");
+}
+
 #define STORE_TEST(name)                                                                           \
     cmocka_unit_test_setup_teardown(name, helper_store_setup, helper_store_teardown)
 
@@ -201,6 +218,7 @@ int main(void)
         STORE_TEST(a_cursor_outlives_its_run),
         STORE_TEST(a_search_finds_names_and_labels),
         STORE_TEST(totals_count_all_pages),
+        STORE_TEST(only_the_newest_runs_are_looked_at),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
