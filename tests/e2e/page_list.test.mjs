@@ -85,15 +85,31 @@ test("filters stand in the address, and pages follow the cursor there and back",
   await page.getByRole("button", { name: "Newer" }).click();
   await rowOf(page, "run 59").waitFor();
 
-  await page.getByLabel("Label").fill("marked");
+  await page.locator(".total", { hasText: "60" }).waitFor();
+  await page.getByLabel("Search").fill("MARK"); // a part of labels
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 3);
-  assert.match(page.url(), /label=marked/);
-  await page.getByLabel("Model").selectOption("micro");
+  await page.locator(".total", { hasText: "3" }).waitFor();
+  assert.match(page.url(), /search=MARK/);
+  await page.getByRole("combobox", { name: "Model" }).selectOption("micro");
   await page.getByText("No run matches.").waitFor();
   const address = page.url();
   await visit(page, new URL(address).hash);
   await page.getByText("No run matches.").waitFor();
-  assert.equal(await page.getByLabel("Label").inputValue(), "marked");
+  assert.equal(await page.getByLabel("Search").inputValue(), "MARK");
+
+  // By name, and the other way round; by a key figure, largest first.
+  await visit(page, "#/?limit=20");
+  await rowOf(page, "run 59").waitFor();
+  const header = (name) => page.getByRole("columnheader", { name, exact: true });
+  const firstNames = (...names) => page.waitForFunction((expected) =>
+    JSON.stringify([...document.querySelectorAll(".name a")].slice(0, 3).map((a) => a.textContent)) === expected, JSON.stringify(names));
+  await header("Run").getByRole("button").click();
+  await firstNames("run 0", "run 1", "run 10");
+  assert.equal(await header("Run").getAttribute("aria-sort"), "ascending");
+  await header("Run").getByRole("button").click();
+  await firstNames("run 9", "run 8", "run 7");
+  await header("Age").getByRole("button").click();
+  await firstNames("run 59", "run 58", "run 57");
 
   // Pages of twenty. Loaded again, the third one knows which the second one was.
   await visit(page, "#/?limit=20");
@@ -126,6 +142,22 @@ test("filters stand in the address, and pages follow the cursor there and back",
   await first(39);
   await page.goBack();
   await first(59);
+});
+
+test("runs that are selected are deleted together, and come back together", async (t) => {
+  const d = await daemon(t);
+  for (const name of ["one", "two", "three"]) await d.submit(tiny({ name }));
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  for (const name of ["one", "two"]) await page.getByRole("checkbox", { name: `Select ${name} ` }).check();
+  await page.getByRole("group", { name: "Selected runs" }).getByRole("button", { name: "Delete" }).click();
+  await page.getByText("Deleted 2 runs.").waitFor();
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 3);
+  await page.getByRole("checkbox", { name: "Select three " }).check();
+  await page.getByRole("button", { name: "New run like it" }).click();
+  await page.waitForURL(/#\/new\?from=/);
 });
 
 test("runs of one scenario are told apart by what they differ in, unless their names say it", async (t) => {

@@ -78,12 +78,12 @@ export const paths = {
   runs: (query) => `v1/runs?${new URLSearchParams(query)}`,
 };
 
-// One page of the list: { runs, cursor } with the cursor of the next one, or null.
+// One page of the list: { runs, total, cursor } with the cursor of the next one, or null.
 export async function listRuns(query, options) {
   const response = await ask(paths.runs(query), options);
   const next = /<([^>]*)>;\s*rel="next"/.exec(response.headers.get("link") ?? "");
   const cursor = next ? new URL(next[1], location.href).searchParams.get("cursor") : null;
-  return { runs: (await response.json()).runs, cursor };
+  return { ...(await response.json()), cursor };
 }
 
 export function cancelRun(id) {

@@ -1,27 +1,26 @@
 // The list of runs: updated by events, filtered, paged by the API's cursor.
 
-import { isOver, listRuns } from "./api.js";
+import { getJson, isOver, listRuns } from "./api.js";
 import { onConnection } from "./connection.js";
 import { h, link, setText } from "./dom.js";
 import { applyToRun, follow } from "./events.js";
 import { firstVisit } from "./first_visit.js";
 import { address } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
+import { columns } from "./runs_columns.js";
 import { RunRow, states } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
 import { selected } from "./selection.js";
-import { Through } from "./through.js";
+import { nameOfStudy } from "./study_words.js";
 import { Variants } from "./variants.js";
 
 const PERIOD_MS = 2000;
 const LIMIT = 50;
-const columns = ["Compare", "Run", "Model", "State", "Progress", "Parts through", "Throughput", "Age", "Actions"];
 
 export class RunsView {
   constructor() {
     this.title = "Runs";
     this.rows = new Map();
-    this.through = new Through((id, value) => this.rows.get(id)?.showThrough(value));
     this.variants = new Variants((id, chips) => this.rows.get(id)?.showChips(chips));
     this.stopEvents = () => {};
     this.followed = "";
@@ -47,33 +46,76 @@ export class RunsView {
   }
 
   head() {
-    return h("div", { class: "view-head" }, h("h1", {}, "Runs"),
+    this.total = h("span", { class: "total", role: "status" });
+    return h("div", { class: "view-head" }, h("h1", {}, "Runs ", this.total),
       link(address("new"), "New run", { class: "button primary" }));
   }
 
+  choice(name, label, values, all = "all") {
+    const box = h("select", { on: { change: () => this.filter({ [name]: box.value }) } },
+      h("option", { value: "" }, all), values.map(([value, text]) => h("option", { value }, text)));
+    box.value = this.query.get(name) ?? "";
+    return h("label", { class: "field inline" }, h("span", {}, label), box);
+  }
+
   filters() {
-    const select = (name, label, values) => {
-      const box = h("select", { on: { change: () => this.filter({ [name]: box.value }) } },
-        h("option", { value: "" }, "all"), values.map((value) => h("option", { value }, value)));
-      box.value = this.query.get(name) ?? "";
-      return h("label", { class: "field inline" }, h("span", {}, label), box);
-    };
+    const plain = (values) => values.map((value) => [value, value]);
     let timer = 0;
-    this.labelBox = h("input", { type: "search", placeholder: "exact label", autocomplete: "off", spellcheck: "false",
+    this.searchBox = h("input", { type: "search", placeholder: "name or label", autocomplete: "off", spellcheck: "false", maxlength: "100",
       on: { input: () => {
         clearTimeout(timer);
-        timer = setTimeout(() => this.filter({ label: this.labelBox.value.trim() }, true), 300);
+        timer = setTimeout(() => this.filter({ search: this.searchBox.value.trim() }, true), 300);
       } } });
-    this.labelBox.value = this.query.get("label") ?? "";
+    this.searchBox.value = this.query.get("search") ?? "";
+    this.studies = h("span", { class: "row" });
+    this.offerStudies().catch(() => {}); // without them there is one choice less
     return h("form", { class: "filters", role: "search", "aria-label": "Filter runs",
       on: { submit: (event) => event.preventDefault() } },
-      select("status", "State", states), select("model", "Model", ["macro", "micro"]),
-      h("label", { class: "field inline" }, h("span", {}, "Label"), this.labelBox));
+    h("label", { class: "field inline" }, h("span", {}, "Search"), this.searchBox),
+    this.choice("status", "State", plain(states)), this.choice("model", "Model", plain(["macro", "micro"])), this.sorting(), this.studies);
+  }
+
+  sorting() {
+    const element = this.choice("sort", "Sort by", columns.filter(({ sort }) => sort)
+      .map(({ name, sort, begins = "" }) => [`${begins}${sort}`, name.toLowerCase()]), "newest first");
+    element.classList.add("sorting");
+    this.sortBox = element.querySelector("select");
+    this.sortBox.addEventListener("change", () => this.showSorting());
+    return element;
+  }
+
+  // The runs of a study's trials are listed by themselves.
+  async offerStudies() {
+    const { studies } = await getJson("v1/studies?limit=50");
+    const id = this.query.get("study");
+    if (this.isGone || (studies.length === 0 && !id)) return;
+    const known = studies.map((study) => [study.id, nameOfStudy(study)]);
+    if (id && !known.some(([one]) => one === id)) known.push([id, `Study ${id.slice(-8)}`]);
+    this.studies.replaceChildren(this.choice("study", "Study", known, "none: single runs"),
+      ...(id ? [link(address("studies", id), "Show the study")] : []));
   }
 
   // Another filter begins at the newest run again, in the same view so that the field keeps its focus.
   filter(change, isTyped = false) {
     this.move({ cursor: "", ...change }, [], isTyped);
+    if ("study" in change) this.offerStudies().catch(() => {});
+  }
+
+  // The same column again: the other way round.
+  sortBy({ sort, begins = "" }) {
+    const now = this.query.get("sort") ?? "-created";
+    const first = `${begins}${sort}`;
+    this.filter({ sort: now === first ? (begins ? sort : `-${sort}`) : first });
+    this.showSorting();
+  }
+
+  showSorting() {
+    const now = this.query.get("sort") ?? "-created";
+    for (const [sort, header] of this.headers) {
+      const isHere = now === sort || now === `-${sort}`;
+      if (isHere) header.setAttribute("aria-sort", now === sort ? "ascending" : "descending");
+      else header.removeAttribute("aria-sort");
+    }
   }
 
   // Another page, to which the browser's way back leads, too. trail: the cursors of the pages before it, kept with its entry
@@ -90,10 +132,18 @@ export class RunsView {
   table() {
     this.body = h("tbody", { role: "rowgroup" });
     this.state = h("div", { class: "empty" }, h("p", {}, "Loading …"));
-    const header = columns.map((name, k) => h("th", { role: "columnheader", scope: "col", class: k === 5 || k === 6 ? "right" : null },
-      k === 0 || k === columns.length - 1 ? h("span", { class: "hidden" }, name) : name));
+    this.headers = new Map();
+    const hidden = (name) => h("th", { role: "columnheader", scope: "col" }, h("span", { class: "hidden" }, name));
+    const header = columns.map((column) => {
+      const { name, sort, title, isRight } = column;
+      const element = h("th", { role: "columnheader", scope: "col", title, class: isRight ? "right" : null },
+        sort ? h("button", { type: "button", class: "sorter", on: { click: () => this.sortBy(column) } }, name) : name);
+      if (sort) this.headers.set(sort, element);
+      return element;
+    });
     this.list = h("table", { class: "runs", role: "table", hidden: true },
-      h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, header)), this.body);
+      h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, hidden("Select"), header, hidden("Actions"))), this.body);
+    this.showSorting();
     return h("section", { class: "card list", "aria-label": "Runs" }, this.list, this.state);
   }
 
@@ -125,10 +175,11 @@ export class RunsView {
     const abort = new AbortController();
     this.abort = abort;
     try {
-      const query = { limit: LIMIT, ...Object.fromEntries(this.query) };
-      const { runs, cursor } = await listRuns(query, { signal: abort.signal });
+      const query = { limit: LIMIT, count: 1, ...Object.fromEntries(this.query) };
+      const { runs, cursor, total } = await listRuns(query, { signal: abort.signal });
       if (this.isGone || abort.signal.aborted) return;
       this.next = cursor;
+      setText(this.total, total === undefined ? "" : String(total.toLocaleString("en")));
       this.show(runs);
     } catch (error) {
       if (error.name === "AbortError" || this.isGone) return;
@@ -161,7 +212,6 @@ export class RunsView {
     this.older.hidden = this.next === null;
     this.showSelection();
     this.showEmpty(runs.length);
-    this.through.want(runs);
     this.variants.want(runs);
     this.followActive(runs);
   }
@@ -178,7 +228,6 @@ export class RunsView {
     }
     row.show(run);
     if (selected.has(run.id)) selected.set(run.id, run);
-    row.showThrough(this.through.get(run.id));
     if (this.body.children[k] !== row.element) this.body.insertBefore(row.element, this.body.children[k] ?? null);
   }
 
@@ -203,7 +252,7 @@ export class RunsView {
   showEmpty(n) {
     this.state.hidden = n > 0;
     this.list.hidden = n === 0;
-    const isFiltered = ["status", "model", "label", "cursor"].some((name) => this.query.get(name));
+    const isFiltered = ["status", "model", "label", "search", "study", "cursor"].some((name) => this.query.get(name));
     const what = n > 0 ? "" : isFiltered ? "filtered" : "first";
     if (what === this.emptyShown) return; // so that its button keeps the focus
     this.emptyShown = what;
@@ -225,8 +274,6 @@ export class RunsView {
   take(kind, event) {
     const row = this.rows.get(event.run);
     if (!row) return;
-    if (kind === "curve") this.through.take(event);
-    if (kind === "snapshot" && event.n === 0) this.through.set(event.run, { start: Math.round(event.mass) });
     applyToRun(row.run, kind, event);
     row.show(row.run);
     if (kind === "end") this.refresh();

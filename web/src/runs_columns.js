@@ -1,0 +1,37 @@
+// The columns of the list of runs: what they are called, by what the server sorts them, and what they say of a run. They
+// stand in one table, from which headers and cells follow.
+
+import { fixed, number, percent, quantity, span } from "./format.js";
+
+function count(parts) {
+  const isCounted = Math.abs(parts - Math.round(parts)) < 0.05 || parts >= 1000;
+  return isCounted ? number(Math.round(parts), 6) : fixed(parts, 1);
+}
+
+function progressText(run) {
+  const share = () => percent(Math.floor(run.progress * 100) / 100);
+  if (run.status === "queued") return "waiting";
+  if (run.status === "running") return `${share()}${run.eta_s > 0 ? `, ${span(run.eta_s)} left` : ""}`;
+  if (run.status === "succeeded") {
+    return run.started_at ? `done in ${span((Date.parse(run.finished_at) - Date.parse(run.started_at)) / 1000)}` : "done";
+  }
+  return `${run.status === "failed" ? "failed" : "stopped"} at ${share()}`;
+}
+
+const figure = (name, sort, title, text) => ({ name, sort, title, isRight: true, text: ({ key_figures: figures }) => (figures ? text(figures) : "–") });
+
+// sort: the server's word for it, or none; begins: whether a press on the header shows the largest first.
+export const columns = [
+  { name: "Run", sort: "name" },
+  { name: "Model", sort: "model", text: ({ model }) => model },
+  { name: "State", sort: "status" },
+  { name: "Progress", text: progressText },
+  figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",
+    ({ parts }) => (parts ? `${count(parts.left)} of ${count(parts.entered)}` : "–")),
+  { ...figure("Throughput", "throughput_per_h", "Parts that left, in an hour", (figures) => quantity(figures.throughput_per_h, "/h")), begins: "-" },
+  figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
+  figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
+  { ...figure("Peak", "peak_density", "Largest density, 100 % being close packing",
+    (figures) => (figures.peak_density === undefined ? "–" : percent(figures.peak_density))), begins: "-" },
+  { name: "Age", sort: "created", begins: "-" },
+];
