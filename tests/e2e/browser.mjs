@@ -14,7 +14,7 @@ const { source: axe } = load("axe-core");
 
 export const sizes = { wide: { width: 1440, height: 900 }, phone: { width: 390, height: 844 } };
 
-// Pictures are for people, and cost as much time as all else that is done with a view.
+// Pictures are for people; no story reads them.
 const pictures = process.env.BELTFLOW_PICTURES === "1" ? path.join(binaries, "../screenshots") : null;
 if (pictures !== null) mkdirSync(pictures, { recursive: true });
 
