@@ -82,7 +82,8 @@ export class NewStudyView {
       figure: this.field("Figure", this.figureBox),
       indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
       counter: this.field("Counter", this.counterBox, "where parts were counted"),
-      counts: this.field("Counts", this.countsBox, "that were measured and stored"),
+      counts: this.field("Counts", this.countsBox, this.counts.length > 0 ? "that were measured and stored"
+        : "none are stored yet: lay a file of counts over the curves of a comparison"),
     };
     const card = (id, title, ...children) => h("section", { class: "card", "aria-labelledby": id }, h("h2", { id }, title), ...children);
     return [h("div", { class: "view-head" }, h("h1", {}, "New study")),

@@ -37,13 +37,18 @@ function called(items, k, only) {
   return items.length === 1 ? only : `${items[k].id ?? k + 1} ${only}`;
 }
 
-function ofPlates(obstacles) {
+// Where a plate meets the belt's side, however far it reaches beyond it, in whole micrometres.
+function footOf({ from: [, y] }, { y_m: [low, high] = [-Infinity, Infinity] } = {}) {
+  return Math.round(Math.min(Math.max(y, low), high) * 1e6) / 1e6 + 0;
+}
+
+function ofPlates({ obstacles = [], domain }) {
   return obstacles.flatMap((obstacle, k) => {
     const plate = plateOf(obstacle);
     if (!plate) return [];
     const at = (what, value, member, unit) =>
       ({ pointer: `/obstacles/${k}/${member}`, label: called(obstacles, k, what), unit, value, isUsual: true });
-    return [at("angle", angleOf(plate), "angle_deg", "°"), at("tip", plate.to, "end_m", "m"), at("foot at y", Math.round(plate.from[1] * 1e6) / 1e6 + 0, "from_m/1", "m")];
+    return [at("angle", angleOf(plate), "angle_deg", "°"), at("tip", plate.to, "end_m", "m"), at("foot at y", footOf(plate, domain), "from_m/1", "m")];
   });
 }
 
@@ -88,7 +93,7 @@ function addLeaves(found, value, pointer) {
 // [{ pointer, label, unit, value, isUsual }], the usual ones first. A label is said once.
 export function parametersOf(scenario) {
   const { obstacles = [], belts = [], feeds = [] } = scenario;
-  const usual = [...ofPlates(obstacles), ...ofBelts(belts), ...ofFeeds(feeds),
+  const usual = [...ofPlates(scenario), ...ofBelts(belts), ...ofFeeds(feeds),
     { pointer: "/duration_s", label: "duration", unit: "s", value: scenario.duration_s, isUsual: true }];
   const leaves = [];
   addLeaves(leaves, scenario, "");
