@@ -100,14 +100,20 @@ static bool is_off(const plates *p, vec2 at)
     return is_beyond(p, at) || surroundings_belt_at(&p->around, at) == p->around.n_belts;
 }
 
+/// A place for people, in whole tenths of a millimetre: a foot that an angle gives is only nearly at 0.
+static vec2 rounded(vec2 at)
+{
+    return (vec2){ round(at.x * 1e4) / 1e4 + 0.0, round(at.y * 1e4) / 1e4 + 0.0 };
+}
+
 /// Write why cargo at a place is behind a plate.
 static void explain_foot(plates *p, const scene_obstacle *obstacle, vec2 at, char *ret_text,
                          size_t size)
 {
-    const vec2 foot = foot_of(p, obstacle, at);
+    const vec2 foot = foot_of(p, obstacle, at), said = rounded(foot);
 
     snprintf(ret_text, size, "its foot %s, at (%.3g, %.3g) m",
-             is_off(p, foot) ? "lies off the belt" : "stands too far upstream", foot.x, foot.y);
+             is_off(p, foot) ? "lies off the belt" : "stands too far upstream", said.x, said.y);
 }
 
 static void review_parts(plates *p, size_t k, review_warnings *ret_warnings)
@@ -186,11 +192,12 @@ static bool review_end(plates *p, size_t k, vec2 before, vec2 end, review_warnin
         !leaves_there(p, end, belt))
         return false;
     snprintf(pointer, sizeof pointer, "/obstacles/%zu", k);
+    const vec2 said = rounded(end);
     review_warning *item = review_add(ret_warnings, pointer, "A deflector ends off the belt");
     snprintf(item->meaning, sizeof item->meaning,
              "'%s' leads cargo to its end at (%.3g, %.3g) m, which lies off the belt: cargo passes "
              "it where the belt ends.",
-             p->s->obstacles[k].id, end.x, end.y);
+             p->s->obstacles[k].id, said.x, said.y);
     return true;
 }
 

@@ -25,6 +25,8 @@ test("a run that is submitted elsewhere appears, makes progress and can be cance
   await row.getByRole("button", { name: "Cancel for ever" }).click();
   await row.locator(".pill", { hasText: "cancelled" }).waitFor();
   assert.match(await row.innerText(), /stopped at \d+ %/);
+  // A closed gate lets nothing pass: no billionths of a part.
+  assert.match(await row.locator('td[data-label="Throughput"]').innerText(), /^0\s\/h$/);
   assert.equal((await d.run(run.id)).status, "cancelled");
 });
 

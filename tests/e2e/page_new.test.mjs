@@ -51,7 +51,7 @@ test("what the results would be doubted for stands at its field with the reason,
   await page.getByLabel("Deflector angle").fill("20");
   await warning.waitFor();
   assert.match(await warning.innerText(), /A deflector stands at 20 degrees to the belt/);
-  assert.match(await warning.innerText(), /its foot lies off the belt/);
+  assert.match(await warning.innerText(), /its foot lies off the belt, at \(-0\.624, 0\) m/);
   await page.locator(".verdict.doubt", { hasText: /Read the .*warnings? first/ }).waitFor();
   assert.ok(await page.getByRole("button", { name: "Start the run" }).isEnabled());
   // Beside the JSON all of them stand above the button.

@@ -8,6 +8,11 @@ function count(parts) {
   return isCounted ? number(Math.round(parts), 6) : fixed(parts, 1);
 }
 
+// Of a density some billionths of a part may seem to leave, or to come.
+function whole(value) {
+  return value === undefined ? undefined : Math.round(value) + 0;
+}
+
 function progressText(run) {
   const share = () => percent(Math.floor(run.progress * 100) / 100);
   if (run.status === "queued") return "waiting";
@@ -28,7 +33,8 @@ export const columns = [
   { name: "Progress", text: progressText },
   figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",
     ({ parts }) => (parts ? `${count(parts.left)} of ${count(parts.entered)}` : "–")),
-  { ...figure("Throughput", "throughput_per_h", "Parts that left, in an hour", (figures) => quantity(figures.throughput_per_h, "/h")), begins: "-" },
+  { ...figure("Throughput", "throughput_per_h", "Parts that left, in an hour",
+    (figures) => quantity(whole(figures.throughput_per_h), "/h")), begins: "-" },
   figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
   figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
   { ...figure("Peak", "peak_density", "Largest density, 100 % being close packing",
