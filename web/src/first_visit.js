@@ -38,7 +38,7 @@ function picture() {
   svg("path", { class: "way", d: "M24 24h70m-10-6 10 6-10 6" }),
   places().map(([cx, cy]) => svg("circle", { class: "part", cx: cx.toFixed(1), cy: cy.toFixed(1), r: String(RADIUS) })),
   svg("path", { class: "plate", d: `M${FOOT}L${TIP}` }),
-  text("104", "29", "parts arrive"), text(String(TIP[0] + 16), "96", "opening"), text("396", "170", "deflector"));
+  text("104", "29", "parts arrive"), text(String(TIP[0] + 16), "70", "opening"), text("396", "170", "deflector"));
 }
 
 async function runBoth(button) {
