@@ -68,6 +68,7 @@ test("a first visit says what this is, and shows it at a press of a button", asy
   await page.getByRole("img", { name: "A belt from above" }).waitFor();
   await page.getByRole("button", { name: "Run Example 1 in both models" }).click();
   await page.waitForURL(/#\/compare\?runs=/);
+  await page.locator(".panel").nth(1).waitFor();
   const { runs } = (await d.get("/v1/runs")).json;
   assert.deepEqual(runs.map(({ model }) => model).sort(), ["macro", "micro"]);
   for (const { id } of runs) assert.ok(page.url().includes(id));

@@ -15,6 +15,7 @@ export class StudyChart {
     this.box = h("div", { class: "plot-box", role: "group" });
     this.legend = h("ul", { class: "plot-legend" });
     this.element = h("div", { class: "plot study-chart" }, this.box, this.legend);
+    this.layer = h("div");
     this.buttons = new Map();
     this.observer = new ResizeObserver(() => this.rebuild());
     this.observer.observe(this.box);
@@ -69,7 +70,7 @@ export class StudyChart {
       },
       axes: [axis(this.axes[0], 26), axis(this.axes[1], (u, texts) => 22 + 7 * Math.max(0, ...(texts ?? []).map((text) => text?.length ?? 0)))],
       series: [{}, series("macro"), series("micro")],
-      hooks: { drawSeries: [(u, k) => k === 2 && this.drawIntervals(u)], draw: [(u) => this.place(u)] },
+      hooks: { ready: [(u) => u.over.append(this.layer)], drawSeries: [(u, k) => k === 2 && this.drawIntervals(u)], draw: [(u) => this.place(u)] },
     };
   }
 
@@ -77,6 +78,7 @@ export class StudyChart {
     this.plot?.destroy();
     this.plot = null;
     this.buttons.clear();
+    this.layer.replaceChildren();
     if (this.box.clientWidth === 0) return;
     this.plot = new uPlot(this.options(), this.data(), this.box);
   }
@@ -102,7 +104,7 @@ export class StudyChart {
     ctx.restore();
   }
 
-  // A button over each point, made once so that the focus stays on it.
+  // A button over each point, in the order of the axis; made once so that the focus stays on it.
   place(u) {
     const keys = new Set(this.points.map(({ key }) => key));
     for (const [key, button] of this.buttons) {
@@ -110,13 +112,13 @@ export class StudyChart {
       button.remove();
       this.buttons.delete(key);
     }
-    for (const point of this.points) {
+    for (const [k, point] of this.points.entries()) {
       let button = this.buttons.get(point.key);
       if (!button) {
         button = h("button", { type: "button", class: "study-point", on: { click: () => this.onOpen(this.points.find(({ key }) => key === point.key)) } });
         this.buttons.set(point.key, button);
-        u.over.append(button);
       }
+      if (this.layer.children[k] !== button) this.layer.insertBefore(button, this.layer.children[k] ?? null);
       button.title = point.title;
       button.setAttribute("aria-label", `${point.title}, open the run`);
       button.classList.toggle("best", point.isBest);
