@@ -127,11 +127,7 @@ export class NewStudyView {
     this.figureBox.replaceChildren(...studied.flatMap((one) => (one.of ? counters.map(({ id }) => ({ ...one, name: `${one.figure}:${id}` })) : [{ ...one, name: one.figure }]))
       .map(({ name }) => h("option", { value: name }, figureTitle(name))));
     if (figure) this.figureBox.value = figure;
-    if (!isKnown) {
-      // Parts that are there from the start leave; those that are fed pass.
-      this.figureBox.value = this.scenario.feeds?.length ? "throughput_per_h" : "drained_at_s";
-      this.chooseParameter();
-    }
+    if (!isKnown) this.chooseParameter();
     this.chooseFigure();
     this.chooseMethod(this.method);
   }
