@@ -182,7 +182,7 @@ test("runs of one scenario are told apart by what they differ in, unless their n
 test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {
   const d = await daemon(t, { checkpoint_ms: 50 });
   const page = await openPage(t, d);
-  const run = await d.submit({ ...jam(200_000, { curve_every_s: 1, snapshot_every_s: 20 }), name: "interrupted" });
+  const run = await d.submit({ ...jam(60_000, { curve_every_s: 1, snapshot_every_s: 4 }), name: "interrupted" });
   const pictures = () => page.locator(".transport input").evaluate((slider) => Number(slider.max));
   await visit(page, `#/runs/${run.id}`);
   await page.locator(".pill", { hasText: "running" }).waitFor();
