@@ -91,6 +91,11 @@ def measure(name, folder, study, n, cores):
           + (f"   {requests / n:.2f} requests a trial, {n / leases:.1f} trials a lease" if leases else ""), flush=True)
 
 
+def settle():
+    """A daemon measures at its start how fast the machine is."""
+    time.sleep(1.5)
+
+
 def cpu_seconds(daemon):
     return count(read(daemon, "/metrics").decode(), "process_cpu_seconds_total ")
 
@@ -101,6 +106,7 @@ def measure_asks(folder):
         version = json.loads(read(daemon, "/version"))["version"]
         who = {"worker": "one", "solver": version, "cores": 1, "memory_bytes": 1e9}
         connection = http.client.HTTPConnection("127.0.0.1", daemon.port)
+        settle()
         before = cpu_seconds(daemon)
         for _ in range(ASKS):
             connection.request("POST", "/v1/leases", json.dumps(who), JSON_TYPE)
@@ -132,6 +138,7 @@ def measure_long_runs(folder, n):
         runs = [submit(daemon, example(snapshot_every_s=10) | {"duration_s": 1000}) for _ in range(n)]
         while any(json.loads(read(daemon, f"/v1/runs/{run}"))["progress"] == 0 for run in runs):
             time.sleep(0.1)
+        settle()
         before, began = read(daemon, "/metrics").decode(), time.perf_counter()
         time.sleep(LONG_S)
         after, seconds = read(daemon, "/metrics").decode(), time.perf_counter() - began
@@ -148,6 +155,7 @@ def measure_frames(folder):
     port = free_port()
     with tempfile.NamedTemporaryFile("w") as log, workers(port, 1), \
             Daemon(folder / "frames", log, listen=f"127.0.0.1:{port}", executor="pull", log_level="info") as daemon:
+        settle()
         before = cpu_seconds(daemon)
         run = submit(daemon, example(snapshot_every_s=0.05))
         while json.loads(read(daemon, f"/v1/runs/{run}"))["status"] in ("queued", "running"):
