@@ -3,6 +3,7 @@
 // tests/bench/prediction.py makes scenarios, judges, and fits the costs.
 //
 //     bench_prediction macro|micro scenario.json...
+//     bench_prediction speed                           how fast this machine is, for each kind
 
 #include "api/scenario/scenario.h"
 #include "core/base/buffer.h"
@@ -97,6 +98,8 @@ int main(int n_arguments, char **arguments)
     BF_CHECK(n_arguments > 1);
     const run_model model = strcmp(arguments[1], "micro") == 0 ? RUN_MICRO : RUN_MACRO;
     const prediction_speed here = measure_speed();
+    for (int k = 0; k < PREDICTION_KIND_COUNT && strcmp(arguments[1], "speed") == 0; k++)
+        printf("%s,%.4g\n", prediction_kind_words[k], here.factors[k]);
     for (int k = 2; k < n_arguments; k++) {
         if (!measure(arguments[k], model, &here))
             fprintf(stderr, "%s cannot be solved\n", arguments[k]);

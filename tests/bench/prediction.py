@@ -166,6 +166,8 @@ def main():
             costs = fit([row for row in rows + ready if row["kind"] == kind])
             cells = ", ".join(f"[PREDICTION_{term}] = {cost:.2e}" for term, cost in zip(TERMS, costs) if cost > 0)
             print(f"    [PREDICTION_{kind.upper()}] = {{ {cells} }},")
+        print("reference_s of core/run/prediction_measure.c, times what they are:",
+              subprocess.check_output([PROGRAM, "speed"], text=True).replace("\n", " "))
         return 0
     are_ready_good = judge("ready", ready, 1.0)
     are_random_good = judge("random", rows, SHARE_OF_RANDOM)
