@@ -3,7 +3,8 @@
 //     node web/build.mjs OUT MODULES
 //
 // OUT is emptied first; MODULES is the node_modules folder that `npm ci` made of package-lock.json.
-// The reference of the API, web/docs, becomes a bundle of its own below OUT/docs.
+// The editor of JSON, which the page imports when it is needed, becomes a bundle of its own, and so does the reference
+// of the API, web/docs, below OUT/docs.
 
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -25,7 +26,7 @@ const { build } = createRequire(path.join(modules, "package.json"))("esbuild");
 
 async function bundle(entry, folder, more = {}) {
   await build({
-    entryPoints: { main: entry },
+    entryPoints: [entry],
     outdir: folder,
     bundle: true,
     minify: true,
@@ -56,7 +57,8 @@ function packFolder(folder) {
 mkdirSync(out, { recursive: true });
 for (const name of readdirSync(out)) rmSync(path.join(out, name), { recursive: true });
 copyFolder(path.join(here, "static"), out);
-await bundle(path.join(here, "src/main.js"), out);
+await bundle(path.join(here, "src/main.js"), out, { external: ["./code_editor.js"] });
+await bundle(path.join(here, "src/code_editor.js"), out);
 const docs = path.join(out, "docs");
 const licence = "redoc.standalone.js.LICENSE.txt";
 copyFolder(path.join(here, "docs/static"), docs);

@@ -99,6 +99,12 @@ export async function takePicture(page, name, size) {
   assert.ok(excess <= 0, `${name} is ${excess} pixels too wide`);
 }
 
+// The text of the editor of JSON, while it is short enough to be drawn whole.
+export async function editedText(page) {
+  await page.locator(".cm-line").first().waitFor();
+  return (await page.locator(".cm-line").allTextContents()).join("\n");
+}
+
 // The text of an element, as a number: "173 of 192" is 173.
 export async function numberIn(locator) {
   return Number((await locator.innerText()).replaceAll(",", "").match(/-?[\d.]+/)?.[0]);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import test, { after } from "node:test";
 
-import { closeBrowser, openPage, visit } from "./browser.mjs";
+import { assertAccessible, closeBrowser, editedText, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 
 after(closeBrowser);
@@ -57,6 +57,7 @@ test("what the results would be doubted for stands at its field with the reason,
   // Beside the JSON all of them stand above the button.
   await page.getByRole("button", { name: "JSON" }).click();
   await page.getByRole("list", { name: "Warnings" }).getByText("its foot lies off the belt").waitFor();
+  await page.locator(".cm-lintRange-warning").first().waitFor();
   await page.getByRole("button", { name: "Belt and numbers" }).click();
   await page.getByLabel("Deflector angle").fill("60");
   await warning.waitFor({ state: "hidden" });
@@ -99,7 +100,7 @@ test("a deflector is drawn by pointer and by keys, and the numbers beside it fol
   const text = await page.getByLabel("Name").inputValue();
   assert.match(text, /^Example 1, angle [\d.]+°, tip [\d.]+, 0\.49 m, upstream x 0, 0\.76 m$/);
   await page.getByRole("button", { name: "JSON" }).click();
-  const scenario = JSON.parse(await page.getByLabel("Scenario as JSON").inputValue());
+  const scenario = JSON.parse(await editedText(page));
   assert.deepEqual(scenario.counters[0].x_m, [0, 0.76]);
   const { end_m: [ex, ey], angle_deg: degrees, length_m: length } = scenario.obstacles[0];
   assert.ok(Math.abs(ex - length * Math.cos((degrees * Math.PI) / 180) - foot) < 1e-5);
@@ -165,31 +166,55 @@ test("what the form changes is what is submitted: angle, speed, duration, cell a
   assert.equal(scenario.macro.cell_m, 0.01);
 });
 
-test("faults of the JSON are marked at their lines, and lead there", async (t) => {
+test("faults of the JSON are marked at their places, and lead there", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);
-  await visit(page, "#/new?tab=json");
+  const loaded = () => page.evaluate(() =>
+    performance.getEntriesByType("resource").filter(({ name }) => name.endsWith("/code_editor.js")).length);
+  await visit(page, "#/new");
   await page.getByText("Ready:").waitFor();
-  const area = page.getByLabel("Scenario as JSON");
+  assert.equal(await loaded(), 0);
+  await page.getByRole("button", { name: "JSON" }).click();
+  const area = page.getByRole("textbox", { name: "Scenario as JSON" });
+  const good = await editedText(page);
+  assert.equal(await loaded(), 1);
+  const selected = () => page.locator(".json-box").evaluate((box) => box.shadowRoot.getSelection().toString());
+  // The fault at a pointer: what it says, what is underlined, and what is selected when one goes there.
+  const showsFault = async (pointer, text, place) => {
+    const fault = page.locator(".faults button", { hasText: pointer });
+    await fault.waitFor();
+    assert.match(await fault.innerText(), text);
+    assert.ok((await page.locator(".cm-lintRange-error").allTextContents()).join("").endsWith(place));
+    await fault.click();
+    assert.equal(await selected(), place);
+  };
 
-  const good = await area.inputValue();
   await area.fill(good.replace('"duration_s"', '"duraton_s"'));
-  const unknown = page.locator(".faults button", { hasText: "/duraton_s" });
-  await unknown.waitFor();
-  assert.match(await unknown.innerText(), /line 3/);
-  assert.match(await unknown.innerText(), /duration_s/); // what was meant
-  assert.ok((await page.locator(".gutter .bad").allInnerTexts()).includes("3"));
-  await unknown.click();
-  const selected = await area.evaluate((box) => box.value.slice(box.selectionStart, box.selectionEnd));
-  assert.match(selected, /^"duraton_s": 6$/);
-
+  await showsFault("/duraton_s", /line 3[^]*duration_s/, '"duraton_s": 6'); // with what was meant
+  assert.equal(await area.getAttribute("aria-invalid"), "true");
+  // The whole document lacks a member: of it the first line is marked, as is that of the unknown one.
+  assert.equal(await page.locator(".cm-lint-marker-error").count(), 2);
+  await area.fill(good.replace(/("velocity_m_s": \[[^,]*, )[^\]]*/, '$1"a~b"'));
+  await showsFault("/belts/0/velocity_m_s/1", /line \d+/, '"a~b"');
   await area.fill(good.replace('"duration_s": 6', '"duration_s": six'));
   await page.locator(".faults button", { hasText: "line 3" }).waitFor();
   await page.getByText("1 fault to mend").waitFor();
 
+  // Tab leaves the editor; undo is of the text.
+  await area.press("Tab");
+  await page.waitForFunction(() => document.activeElement.matches(".fault-link"));
+  await area.press("ControlOrMeta+z");
+  await page.getByText("Ready:").waitFor({ state: "hidden" });
+  await page.locator(".faults button", { hasText: "/belts/0/velocity_m_s/1" }).waitFor();
+  await area.press("ControlOrMeta+f");
+  await page.getByRole("textbox", { name: "Find", exact: true }).waitFor();
+  await assertAccessible(page, "the search of the editor");
+  await page.keyboard.press("Escape");
+
   await area.fill(good);
   await page.getByText("Ready:").waitFor();
-  assert.equal(await page.locator(".gutter .bad").count(), 0);
+  assert.equal(await page.locator(".cm-lintRange-error").count(), 0);
+  assert.equal(await area.getAttribute("aria-invalid"), "false");
 });
 
 test("a past run is where the next one begins", async (t) => {

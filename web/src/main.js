@@ -98,7 +98,7 @@ document.querySelector(".skip").addEventListener("click", (event) => {
 });
 document.getElementById("keys").addEventListener("click", showKeys);
 document.addEventListener("keydown", (event) => {
-  if (event.target.closest?.("input:not([type='checkbox']), textarea, select")) return;
+  if (event.target.closest?.("input:not([type='checkbox']), textarea, select, .json-box")) return;
   if (event.key === "?") showKeys();
   if (event.key === "z" && (event.ctrlKey || event.metaKey) && undoLast()) event.preventDefault();
 });

@@ -39,6 +39,7 @@ export class NewView {
     clearTimeout(this.timer);
     this.abort?.abort();
     this.scene?.dispose();
+    this.editor?.dispose();
   }
 
   build() {
@@ -106,6 +107,7 @@ export class NewView {
     note({ tab: tab === "form" ? "" : tab });
     this.formPart.hidden = tab !== "form";
     this.jsonPart.hidden = tab !== "json";
+    if (tab === "json") this.editor.open();
     if (this.judged) this.showWarnings(this.judged);
   }
 
@@ -212,6 +214,7 @@ export class NewView {
   // Why the results would be doubtful; the run can be started all the same. What is about a field that is seen stands there.
   showWarnings(warnings) {
     this.judged = warnings;
+    this.editor.showWarnings(warnings);
     const atFields = this.form.showWarnings(warnings);
     const rest = this.tab === "form" ? atFields : warnings;
     this.warnings.replaceChildren(...rest.map(({ title, meaning, detail }) => h("li", {}, h("strong", {}, `${title}. `), meaning,
