@@ -24,8 +24,10 @@ if (!modules) {
 }
 const { build } = createRequire(path.join(modules, "package.json"))("esbuild");
 
+const bundled = new Set(); // names of packages
+
 async function bundle(entry, folder, more = {}) {
-  await build({
+  const { metafile } = await build({
     entryPoints: [entry],
     outdir: folder,
     bundle: true,
@@ -35,8 +37,21 @@ async function bundle(entry, folder, more = {}) {
     nodePaths: [modules],
     legalComments: "none",
     logLevel: "warning",
+    metafile: true,
     ...more,
   });
+  for (const input of Object.keys(metafile.inputs)) {
+    const found = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(input);
+    if (found) bundled.add(found[1]);
+  }
+}
+
+// What each package asks to go along with copies of it.
+function licenceOf(name) {
+  const folder = path.join(modules, name);
+  const file = readdirSync(folder).find((entry) => /^licen[cs]e/i.test(entry));
+  if (!file) throw new Error(`${name} has no text of its licence`);
+  return `${name}\n\n${readFileSync(path.join(folder, file), "utf8").trim()}\n`;
 }
 
 function copyFolder(from, to) {
@@ -64,4 +79,5 @@ const licence = "redoc.standalone.js.LICENSE.txt";
 copyFolder(path.join(here, "docs/static"), docs);
 copyFileSync(path.join(modules, "redoc/bundles", licence), path.join(docs, licence));
 await bundle(path.join(here, "docs/main.js"), docs, { plugins });
+writeFileSync(path.join(out, "licences.txt"), [...bundled].sort().map(licenceOf).join("\n\n"));
 packFolder(out);

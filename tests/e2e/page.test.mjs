@@ -25,6 +25,13 @@ test("the page and what it needs come from the daemon, with their types", needsP
   }
 });
 
+test("the licences of all that is bundled go along with it", needsPage, () => {
+  const text = readFileSync(path.join(web, "licences.txt"), "utf8");
+  for (const name of ["uplot", "papaparse", "redoc", "@codemirror/view"]) {
+    assert.match(text, new RegExp(`^${name}\\n\\n[^]*?Copyright`, "m"));
+  }
+});
+
 test("the page is smaller than 200 kB, compressed, and so is the editor of JSON, which it loads on demand", needsPage, () => {
   const packed = readdirSync(web).filter((name) => name.endsWith(".gz"));
   const sizes = new Map(packed.map((name) => [name, statSync(path.join(web, name)).size]));
