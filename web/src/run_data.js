@@ -113,16 +113,17 @@ export class RunData {
     }
   }
 
-  // The columns of parts come with the list, which is asked for once.
+  // The columns of parts come with the list, which is asked for until it has come.
   async takeSnapshot(event) {
     if (this.snapshots.length > event.n) return;
-    if (event.parts_url && !this.parts) {
-      this.snapshots.push(event);
+    this.snapshots.push(event);
+    if (!event.parts_url || this.parts) return;
+    try {
       const { parts, kinds } = await getJson(paths.of(this.id, "snapshots"));
       if (parts) this.takeParts(parts, kinds);
-      return;
+    } catch (error) {
+      if (error.status === undefined) throw error; // an answer that did not come, or was refused: the next snapshot asks again
     }
-    this.snapshots.push(event);
   }
 
   // When a part entered, as exactly as the curve has samples: ids are in the order of entering, from those of the start on.
