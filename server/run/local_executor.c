@@ -7,6 +7,7 @@
 #include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/log.h"
+#include "server/base/process.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,7 +15,6 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,58 +136,21 @@ static bool open_pipes(pipes *p)
 }
 
 // Returns 0 or an errno.
-static int spawn(const char *program, char *const *argv, const pipes *p, pid_t *ret_pid)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t none, all;
-
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error != 0)
-        return error;
-    posix_spawnattr_init(&attributes);
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                              POSIX_SPAWN_SETPGROUP);
-    error = posix_spawn_file_actions_adddup2(&actions, p->in.read, STDIN_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_adddup2(&actions, p->out.write, STDOUT_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_adddup2(&actions, p->err.write, STDERR_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    if (error == 0)
-        error = posix_spawn(ret_pid, program, &actions, &attributes, argv, environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
-}
-
 static int spawn_worker(const char *program, const executor_limits *limits, const pipes *p,
                         pid_t *ret_pid)
 {
     char memory[NUMBER_TEXT], cpu[NUMBER_TEXT], parent[NUMBER_TEXT], checkpoint[NUMBER_TEXT];
-    char *argv[] = { (char[]){ "beltflow" },
-                     (char[]){ "worker" },
-                     (char[]){ "--memory-bytes" },
-                     memory,
-                     (char[]){ "--cpu-s" },
-                     cpu,
-                     (char[]){ "--parent" },
-                     parent,
-                     (char[]){ "--checkpoint-ms" },
-                     checkpoint,
-                     NULL };
+    const char *const argv[] = { "beltflow", "worker",  "--memory-bytes",
+                                 memory,     "--cpu-s", cpu,
+                                 "--parent", parent,    "--checkpoint-ms",
+                                 checkpoint, NULL };
+    const int fds[] = { p->in.read, p->out.write, p->err.write };
 
     snprintf(memory, sizeof memory, "%" PRIu64, limits->memory_bytes);
     snprintf(cpu, sizeof cpu, "%" PRIu64, limits->cpu_s);
     snprintf(parent, sizeof parent, "%ld", (long)getpid());
     snprintf(checkpoint, sizeof checkpoint, "%" PRId64, limits->checkpoint_ms);
-    return spawn(program, argv, p, ret_pid);
+    return process_spawn(program, argv, fds, ret_pid);
 }
 
 static bf_status fail_start(const char *program, int error, bf_error *err)

@@ -2,13 +2,13 @@
 // when one fails, and what squeue prints is told from messages by its form.
 
 #include "server/base/clock.h"
+#include "server/base/process.h"
 #include "server/slurm/slurm_priv.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/pidfd.h>
@@ -16,8 +16,6 @@
 #include <unistd.h>
 
 enum { TURN_MS = 100, CHUNK = 65536 };
-
-extern char **environ;
 
 // Its descriptors; -1: none.
 typedef struct child {
@@ -44,39 +42,6 @@ static int open_input(const bf_buffer *input)
     return -1;
 }
 
-// Returns 0 or an errno.
-static int spawn(const char *const *argv, int input, int output, pid_t *ret_pid)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t none, all;
-
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error != 0)
-        return error;
-    posix_spawnattr_init(&attributes);
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                              POSIX_SPAWN_SETPGROUP);
-    error = posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-    if (error == 0)
-        error = posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    if (error == 0) // it changes none of the texts, though its type does not say so
-        error = posix_spawnp(ret_pid, argv[0], &actions, &attributes,
-                             (char *const *)(uintptr_t)argv, environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
-}
-
 static bf_status start(const slurm__command *c, child *ret_child, bf_error *err)
 {
     int pipe[2] = { -1, -1 };
@@ -86,7 +51,8 @@ static bf_status start(const slurm__command *c, child *ret_child, bf_error *err)
     if (error == 0 && fcntl(pipe[0], F_SETFL, O_NONBLOCK) != 0)
         error = errno;
     if (error == 0)
-        error = spawn(c->argv, input, pipe[1], &ret_child->pid);
+        error =
+            process_spawn(c->argv[0], c->argv, (int[]){ input, pipe[1], pipe[1] }, &ret_child->pid);
     close_fd(input);
     close_fd(pipe[1]);
     if (error != 0) {

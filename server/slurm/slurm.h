@@ -24,7 +24,7 @@ enum {
     SLURM_ARRAY_MAX = 500, ///< tasks of an array; Slurm allows 1,000 by default
     SLURM_BEGIN_S = 600,   ///< for a task that runs, until its worker must have been heard of
     SLURM_LEAD_S = 120,    ///< before the end of the time limit workers hand back what they solve
-    SLURM_TEMPLATE_BYTES_MAX = 16 * 1024, ///< of the template; its script still fits a pipe
+    SLURM_TEMPLATE_BYTES_MAX = 16 * 1024, ///< of the template
 };
 
 /// What workers are started with.

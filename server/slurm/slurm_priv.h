@@ -67,7 +67,7 @@ void slurm__take_turn(slurm *s, int64_t now_ms);
 /// A program of Slurm.
 typedef struct slurm__command {
     const char *const *argv;      ///< the program, found by PATH, and its arguments; ends with NULL
-    const bf_buffer *input;       ///< for its standard input, at most a pipe's; NULL: none
+    const bf_buffer *input;       ///< for its standard input; NULL: none
     const atomic_bool *must_stop; ///< end it as soon as this is true
 } slurm__command;
 

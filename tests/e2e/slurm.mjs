@@ -12,6 +12,8 @@ import { until, within } from "./setup.mjs";
 
 const programs = ["munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol"];
 
+const environment = { env: { PATH: `${process.env.PATH}:/usr/sbin:/sbin` } };
+
 // A port that was free a moment ago.
 export function freePort() {
   return new Promise((resolve, reject) => {
@@ -33,9 +35,7 @@ async function findObstacle() {
   return null;
 }
 
-const environment = { env: { PATH: `${process.env.PATH}:/usr/sbin:/sbin` } };
-
-async function userOf(name) {
+function userOf(name) {
   const line = readFileSync("/etc/passwd", "utf8").split("\n").find((entry) => entry.startsWith(`${name}:`));
   return Number(line.split(":")[2]);
 }
@@ -95,11 +95,11 @@ export class Slurm {
     this.folder = mkdtempSync(path.join(tmpdir(), "beltflow-slurm-"));
     chmodSync(this.folder, 0o755);
     for (const name of ["munge", "state", "spool"]) mkdirSync(path.join(this.folder, name), { mode: 0o755 });
-    chownSync(path.join(this.folder, "munge"), await userOf("munge"), 0);
-    chownSync(path.join(this.folder, "state"), await userOf("slurm"), 0);
+    chownSync(path.join(this.folder, "munge"), userOf("munge"), 0);
+    chownSync(path.join(this.folder, "state"), userOf("slurm"), 0);
     const key = path.join(this.folder, "munge/key");
     writeFileSync(key, randomBytes(128), { mode: 0o400 });
-    chownSync(key, await userOf("munge"), 0);
+    chownSync(key, userOf("munge"), 0);
     const ports = [await freePort(), await freePort()];
     this.file = path.join(this.folder, "slurm.conf");
     writeFileSync(this.file, configurationOf(this.folder, ports, hostname().split(".")[0], cores));

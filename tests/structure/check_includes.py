@@ -84,7 +84,7 @@ ONLY_IN = {
     # Processes are the local executor's and those of Slurm's commands; the supervisor knows only jobs.
     "seccomp.h": r"server/run/confinement\.c|tests/unit/server/run/test_confinement\.c",
     "linux/landlock.h": r"server/run/confinement\.c",
-    "spawn.h": r"server/(run/local_executor|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
+    "spawn.h": r"server/base/process\.c|tests/unit/server/run/test_executor_faults\.c",
     "sys/pidfd.h": r"server/(run/local_executor|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
     "sys/wait.h": r"server/(run/local_executor|slurm/command)\.c|tests/.+",
 }

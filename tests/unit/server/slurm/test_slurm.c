@@ -347,7 +347,6 @@ static void test_nothing_is_submitted_while_the_queue_is_not_known(void **state)
     fixture f = begin(state, 2);
     const int64_t n_failures = metrics_value(METRICS_SLURM_FAILURES, 0);
 
-    (void)unlink("queue");
     write_file("squeue", "#!/bin/sh\necho \"squeue\" >>$FOLDER/calls\nexit 1\n", 0700);
     assert_calls(&f, SECOND_MS, "", "squeue\n");
     assert_int_equal(metrics_value(METRICS_SLURM_FAILURES, 0), n_failures + 1);
