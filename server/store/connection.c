@@ -9,7 +9,9 @@
 
 #include "server/store/page_sums.h"
 
+#include "api/measurements.h"
 #include "core/base/check.h"
+#include "core/base/memory.h"
 #include "server/base/clock.h"
 
 #include <errno.h>
@@ -361,4 +363,27 @@ void store__release_reader(store__pool *pool, store__connection *reader)
     if (!is_ended && sqlite3_get_autocommit(reader->db) == 0)
         store__disconnect(reader);
     release_slot(pool, reader);
+}
+
+bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
+                           store__page_reader *read, const void *query, void *ret_list, size_t size,
+                           bf_error *err)
+{
+    store__connection *reader = NULL;
+
+    if (limit < 1 || limit > API_LIST_MAX)
+        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d %s, not %zu", API_LIST_MAX, what,
+                       limit);
+    void *list = memory_alloc(1, size);
+    if (list == NULL)
+        return bf_fail(err, BF_ENOMEM, "", "out of memory");
+    bf_status status = store__acquire_reader(pool, &reader, err);
+    if (status == BF_OK) {
+        status = read(reader, query, list, err);
+        store__release_reader(pool, reader);
+    }
+    if (status == BF_OK)
+        memcpy(ret_list, list, size);
+    memory_free(list);
+    return status;
 }

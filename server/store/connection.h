@@ -130,6 +130,16 @@ BF_MUST_CHECK bf_status store__acquire_reader(store__pool *pool, store__connecti
 /// End the transaction and let others have the reader.
 void store__release_reader(store__pool *pool, store__connection *reader);
 
+/// Reads a page of what is listed, by a query, into an empty list.
+typedef bf_status store__page_reader(store__connection *reader, const void *query, void *list,
+                                     bf_error *err);
+
+/// Fill a list of `size` bytes with a page of at most `limit` items; `what` they are, for the error. BF_ELIMIT: no such
+/// limit; then, and with any other error, *ret_list is as before.
+BF_MUST_CHECK bf_status store__read_page(store__pool *pool, size_t limit, const char *what,
+                                         store__page_reader *read, const void *query,
+                                         void *ret_list, size_t size, bf_error *err);
+
 /// The texts that bring a store from version i to i + 1, and the version of this program.
 extern const char *const store__migrations[];
 extern const int store__version;

@@ -2,8 +2,6 @@
 
 #include "server/store/store_priv.h"
 
-#include "core/base/memory.h"
-
 #include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -155,9 +153,10 @@ static bf_status count_list(store__connection *reader, const api_list_query *que
     return status;
 }
 
-static bf_status read_list(store__connection *reader, const api_list_query *query,
-                           api_run_list *list, bf_error *err)
+static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
+    const api_list_query *query = of;
+    api_run_list *list = to;
     const bf_status status = read_page(reader, query, list, err);
 
     return status == BF_OK && query->counts ? count_list(reader, query, list, err) : status;
@@ -165,21 +164,6 @@ static bf_status read_list(store__connection *reader, const api_list_query *quer
 
 bf_status store_list(store *s, const api_list_query *query, api_run_list *ret_list, bf_error *err)
 {
-    store__connection *reader = NULL;
-
-    if (query->limit < 1 || query->limit > API_LIST_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d runs, not %zu", API_LIST_MAX,
-                       query->limit);
-    api_run_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = read_list(reader, query, list, err);
-        store__release_reader(&s->pool, reader);
-    }
-    if (status == BF_OK)
-        *ret_list = *list;
-    memory_free(list);
-    return status;
+    return store__read_page(&s->pool, query->limit, "runs", read_list, query, ret_list,
+                            sizeof *ret_list, err);
 }

@@ -1,6 +1,5 @@
 #include "server/store/store_priv.h"
 
-#include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/run_id.h"
 
@@ -221,9 +220,10 @@ bf_status store_read_measurement_csv(store *s, const char *id, bf_buffer *out, b
 }
 
 // One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const api_measurement_query *query,
-                           api_measurement_list *list, bf_error *err)
+static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
+    const api_measurement_query *query = of;
+    api_measurement_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bool has_label = query->label[0] != '\0', has_row = true;
     bf_status status = BF_OK;
@@ -249,21 +249,6 @@ static bf_status read_list(store__connection *reader, const api_measurement_quer
 bf_status store_list_measurements(store *s, const api_measurement_query *query,
                                   api_measurement_list *ret_list, bf_error *err)
 {
-    store__connection *reader = NULL;
-
-    if (query->limit < 1 || query->limit > API_LIST_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d measurements, not %zu",
-                       API_LIST_MAX, query->limit);
-    api_measurement_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = read_list(reader, query, list, err);
-        store__release_reader(&s->pool, reader);
-    }
-    if (status == BF_OK)
-        *ret_list = *list;
-    memory_free(list);
-    return status;
+    return store__read_page(&s->pool, query->limit, "measurements", read_list, query, ret_list,
+                            sizeof *ret_list, err);
 }

@@ -8,7 +8,6 @@
 #include "server/store/studies_priv.h"
 
 #include "api/study/study_json.h"
-#include "core/base/memory.h"
 #include "server/base/clock.h"
 #include "server/base/run_id.h"
 
@@ -235,9 +234,10 @@ bf_status store_find_study(store *s, const char *id, api_study *ret_study, bf_er
 }
 
 // One row more than the page holds is asked for: if it comes, there are more.
-static bf_status read_list(store__connection *reader, const api_study_query *query,
-                           api_study_list *list, bf_error *err)
+static bf_status read_list(store__connection *reader, const void *of, void *to, bf_error *err)
 {
+    const api_study_query *query = of;
+    api_study_list *list = to;
     const char *before = query->before[0] == '\0' ? "~" : query->before;
     bool has_row = true;
     bf_status status = BF_OK;
@@ -264,23 +264,8 @@ static bf_status read_list(store__connection *reader, const api_study_query *que
 bf_status store_list_studies(store *s, const api_study_query *query, api_study_list *ret_list,
                              bf_error *err)
 {
-    store__connection *reader = NULL;
-
-    if (query->limit < 1 || query->limit > API_LIST_MAX)
-        return bf_fail(err, BF_ELIMIT, "", "a page holds 1 to %d studies, not %zu", API_LIST_MAX,
-                       query->limit);
-    api_study_list *list = memory_alloc(1, sizeof *list);
-    if (list == NULL)
-        return bf_fail(err, BF_ENOMEM, "", "out of memory");
-    bf_status status = store__acquire_reader(&s->pool, &reader, err);
-    if (status == BF_OK) {
-        status = read_list(reader, query, list, err);
-        store__release_reader(&s->pool, reader);
-    }
-    if (status == BF_OK)
-        *ret_list = *list;
-    memory_free(list);
-    return status;
+    return store__read_page(&s->pool, query->limit, "studies", read_list, query, ret_list,
+                            sizeof *ret_list, err);
 }
 
 static const struct {

@@ -34,7 +34,7 @@ export class StudyPictures {
     this.isGone = true;
   }
 
-  // points: [{ title, x, trials }], one for each picture that there may be.
+  // points: [{ label, x, trials }], one for each picture that there may be.
   show(points) {
     this.points = spread([...points].sort((a, b) => a.x - b.x));
     this.element.hidden = this.points.length === 0;
