@@ -80,16 +80,17 @@
     X(heartbeat_ms, NUMBER, "15000", 100, 600000, RELOAD, "between comments on idle streams")      \
     X(slurm_url, TEXT, "", 0, 0, RESTART, "where workers that Slurm starts reach this service")    \
     X(slurm_token_file, TEXT, "", 0, 0, RESTART,                                                   \
-      "with their access token, on compute nodes; empty: none")                                    \
+      "file with the access token of these workers, on compute nodes; empty: none")                \
     X(slurm_program, TEXT, "", 0, 0, RESTART,                                                      \
-      "beltflow on compute nodes; empty: where it lies here, beside beltflowd")                    \
+      "the program beltflow on compute nodes; empty: its path here, beside beltflowd")             \
     X(slurm_template, TEXT, "", 0, 0, RESTART,                                                     \
-      "of their batch script, which beltflowd slurm --dry-run prints; empty: a usual one")         \
-    X(slurm_workers, NUMBER, "8", 1, 10000, RESTART, "tasks that Slurm gets at once")              \
-    X(slurm_cores, NUMBER, "4", 1, 1024, RESTART, "of each task")                                  \
-    X(slurm_walltime_s, NUMBER, "14400", 300, 31536000, RESTART, "time limit of a task")           \
-    X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART, "without a run, until a worker ends")        \
-    X(slurm_interval_s, NUMBER, "60", 1, 3600, RESTART, "between looks at Slurm's queue")          \
+      "file with the batch script that starts a worker; empty: the one of beltflowd")              \
+    X(slurm_workers, NUMBER, "8", 1, 10000, RESTART, "workers that Slurm is to run at most")       \
+    X(slurm_cores, NUMBER, "4", 1, 1024, RESTART, "cores of each of them")                         \
+    X(slurm_walltime_s, NUMBER, "14400", 300, 31536000, RESTART,                                   \
+      "seconds that Slurm lets one of them run")                                                   \
+    X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART, "seconds without a run until it ends")       \
+    X(slurm_interval_s, NUMBER, "60", 1, 3600, RESTART, "seconds between looks at Slurm's queue")  \
     X(log_level, TEXT, "info", 0, 0, RELOAD, "error, warn, info or debug")
 
 enum {

@@ -33,7 +33,7 @@ export const columns = [
   { name: "Progress", text: progressText },
   figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",
     ({ parts }) => (parts ? `${count(parts.left)} of ${count(parts.entered)}` : "–")),
-  { ...figure("Throughput", "throughput_per_h", "Parts that left, in an hour",
+  { ...figure("Throughput", "throughput_per_h", "Parts that left, by the whole time of the run",
     (figures) => quantity(whole(figures.throughput_per_h), "/h")), begins: "-" },
   figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
   figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
