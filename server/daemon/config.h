@@ -86,10 +86,11 @@
     X(slurm_template, TEXT, "", 0, 0, RESTART,                                                     \
       "file with the batch script that starts a worker; empty: the one of beltflowd")              \
     X(slurm_workers, NUMBER, "8", 1, 10000, RESTART, "workers that Slurm is to run at most")       \
-    X(slurm_cores, NUMBER, "4", 1, 1024, RESTART, "cores of each of them")                         \
+    X(slurm_cores, NUMBER, "4", 1, 1024, RESTART, "cores of a worker that Slurm starts")           \
     X(slurm_walltime_s, NUMBER, "14400", 300, 31536000, RESTART,                                   \
-      "seconds that Slurm lets one of them run")                                                   \
-    X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART, "seconds without a run until it ends")       \
+      "seconds that Slurm lets a worker run")                                                      \
+    X(slurm_idle_s, NUMBER, "120", 5, 86400, RESTART,                                              \
+      "seconds without a run until a worker that Slurm started ends")                              \
     X(slurm_interval_s, NUMBER, "60", 1, 3600, RESTART, "seconds between looks at Slurm's queue")  \
     X(log_level, TEXT, "info", 0, 0, RELOAD, "error, warn, info or debug")
 
