@@ -2,7 +2,7 @@
 /// own. The job (and checkpoint) frames go to its standard input, its frames come from its standard
 /// output, and what it writes to stderr goes to the log (`run_said`).
 ///
-/// Safety   a child is started by posix_spawn with every descriptor but its three pipes closed and no signal
+/// Safety   a child is started by process_spawn() with every descriptor but its three pipes closed and no signal
 ///          blocked or ignored; it limits its own address space and CPU time and confines itself
 ///          (server/run/confinement.h) before it reads anything. A
 ///          graceful stop is SIGTERM, a stop by force SIGKILL to its whole group. Its pid cannot be of

@@ -56,13 +56,13 @@ int epoll_ctl(int epoll, int what, int fd, struct epoll_event *event)
     return helper_fault_is_due() ? -1 : next(epoll, what, fd, event);
 }
 
-int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *actions,
-                const posix_spawnattr_t *attributes, char *const *argv, char *const *environment)
+int posix_spawnp(pid_t *pid, const char *path, const posix_spawn_file_actions_t *actions,
+                 const posix_spawnattr_t *attributes, char *const *argv, char *const *environment)
 {
     int (*next)(pid_t *, const char *, const posix_spawn_file_actions_t *,
                 const posix_spawnattr_t *, char *const *, char *const *);
 
-    helper_fault_next("posix_spawn", &next);
+    helper_fault_next("posix_spawnp", &next);
     if (helper_fault_is_due())
         return errno;
     const int error = next(pid, path, actions, attributes, argv, environment);
