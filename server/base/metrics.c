@@ -94,6 +94,16 @@ const char *metrics__type_word(metrics__type type)
     return words[type];
 }
 
+// Words of the lists of metrics.h, by value.
+#define WORD(symbol, word) word,
+static const char *const reason_words[] = { METRICS_REASON_LIST(WORD) };
+static const char *const quota_words[] = { METRICS_QUOTA_LIST(WORD) };
+static const char *const layer_words[] = { METRICS_LAYER_LIST(WORD) };
+static const char *const place_words[] = { METRICS_PLACE_LIST(WORD) };
+static const char *const task_words[] = { METRICS_TASK_LIST(WORD) };
+static const char *const match_words[] = { METRICS_MATCH_LIST(WORD) };
+#undef WORD
+
 static const char *route_word(size_t value)
 {
     size_t n = 0;
@@ -104,67 +114,6 @@ static const char *route_word(size_t value)
     if (value == ROUTE_PAGE)
         return METRICS_PAGE;
     return value - ROUTE_FIRST < n ? routes[value - ROUTE_FIRST].path : NULL;
-}
-
-static const char *reason_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(reason, word) word,
-        METRICS_REASON_LIST(X)
-#undef X
-    };
-    return words[value];
-}
-
-static const char *quota_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(quota, word) word,
-        METRICS_QUOTA_LIST(X)
-#undef X
-    };
-
-    return words[value];
-}
-
-static const char *layer_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(layer, word) word,
-        METRICS_LAYER_LIST(X)
-#undef X
-    };
-    return words[value];
-}
-
-static const char *task_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(task, word) word,
-        METRICS_TASK_LIST(X)
-#undef X
-    };
-    return words[value];
-}
-
-static const char *place_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(place, word) word,
-        METRICS_PLACE_LIST(X)
-#undef X
-    };
-    return words[value];
-}
-
-static const char *match_word(size_t value)
-{
-    static const char *const words[] = {
-#define X(match, word) word,
-        METRICS_MATCH_LIST(X)
-#undef X
-    };
-    return words[value];
 }
 
 // Of the events only these are frames of a run.
@@ -190,17 +139,17 @@ const char *metrics__word(metrics__dimension dimension, size_t value)
     case METRICS__BY_FRAME:
         return frame_word((api_event_type)value);
     case METRICS__BY_REASON:
-        return reason_word(value);
+        return reason_words[value];
     case METRICS__BY_QUOTA:
-        return quota_word(value);
+        return quota_words[value];
     case METRICS__BY_LAYER:
-        return layer_word(value);
+        return layer_words[value];
     case METRICS__BY_PLACE:
-        return place_word(value);
+        return place_words[value];
     case METRICS__BY_TASK:
-        return task_word(value);
+        return task_words[value];
     case METRICS__BY_MATCH:
-        return match_word(value);
+        return match_words[value];
     case METRICS__BY_LEVEL:
         return log_level_word((log_level)value);
     case METRICS__BY_VERSION:
