@@ -20,6 +20,19 @@ bf_buffer document_quote(const char *text)
     return b;
 }
 
+bf_buffer document_resolve(const char *text)
+{
+    bf_buffer json = document_quote(text), resolved = { 0 };
+    bf_faults faults = { 0 };
+    scene s;
+
+    assert_int_equal(scenario_read(json.bytes, json.n, &s, &faults, NULL), BF_OK);
+    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
+    scene_fini(&s);
+    buffer_fini(&json);
+    return resolved;
+}
+
 bf_buffer document_complete(void)
 {
     return document_quote(

@@ -16,6 +16,9 @@
 /// The text with every ' replaced by ". The caller frees the buffer.
 bf_buffer document_quote(const char *text);
 
+/// The resolved document of a scenario, of which every ' is a ". The caller frees the buffer.
+bf_buffer document_resolve(const char *text);
+
 /// A scenario that has every member there is, of one kind or the other. The caller frees the buffer.
 bf_buffer document_complete(void);
 

@@ -25,23 +25,9 @@ enum { N_PARTS = 6 };
 
 static const api_parts planar = { .n_parts = N_PARTS, .n_values = FRAME_VALUES_PLANAR };
 
-// The resolved document. The caller frees the buffer.
-static bf_buffer resolve(const char *text)
-{
-    bf_buffer json = document_quote(text), resolved = { 0 };
-    bf_faults faults = { 0 };
-    scene s;
-
-    assert_int_equal(scenario_read(json.bytes, json.n, &s, &faults, NULL), BF_OK);
-    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
-    scene_fini(&s);
-    buffer_fini(&json);
-    return resolved;
-}
-
 static part_kinds find(const char *text, const api_parts *parts)
 {
-    bf_buffer resolved = resolve(text);
+    bf_buffer resolved = document_resolve(text);
     part_kinds kinds;
 
     assert_int_equal(kinds_find(resolved.bytes, resolved.n, parts, &kinds, NULL), BF_OK);

@@ -38,20 +38,6 @@ static const char *text_at(const json_t *list, size_t k, const char *key)
     return json_string_value(json_object_get(json_array_get(list, k), key));
 }
 
-static bf_buffer resolved_document(const char *text)
-{
-    bf_buffer document = document_quote(text);
-    bf_buffer resolved = { 0 };
-    bf_faults faults = { 0 };
-    scene s;
-
-    assert_int_equal(scenario_read(document.bytes, document.n, &s, &faults, NULL), BF_OK);
-    assert_int_equal(scenario_write(&s, &resolved, NULL), BF_OK);
-    scene_fini(&s);
-    buffer_fini(&document);
-    return resolved;
-}
-
 static const frame_begin begin = { .model = RUN_MACRO, .dt = 0.00125, .duration = 1.0 };
 static const frame_end end = { .n_steps = 800,
                                .t = 1.0,
@@ -71,7 +57,7 @@ static const key_figures figures = { .columns = "upstream,left_domain",
 
 static json_t *summarise_scenario(const char *text, const frame_begin *b, const frame_end *e)
 {
-    bf_buffer scenario = resolved_document(text);
+    bf_buffer scenario = document_resolve(text);
     bf_buffer out = { 0 };
 
     assert_int_equal(results_summary((run_model)b->model, scenario.bytes, scenario.n, b, e,
@@ -263,7 +249,7 @@ static void a_cached_summary_differs_in_its_scenario_alone(void **unused)
 
     (void)unused;
     for (size_t i = 0; i < sizeof documents / sizeof *documents; i++) {
-        bf_buffer scenario = resolved_document(documents[i]), wanted = { 0 }, out = { 0 };
+        bf_buffer scenario = document_resolve(documents[i]), wanted = { 0 }, out = { 0 };
         assert_int_equal(results_summary(RUN_MACRO, scenario.bytes, scenario.n, &begin, &end,
                                          &figures, &timing, &wanted, NULL),
                          BF_OK);
@@ -307,7 +293,7 @@ static void what_is_no_summary_is_not_made_a_cached_one(void **unused)
 
 static void no_memory_leaves_what_was_there(void **unused)
 {
-    bf_buffer scenario = resolved_document("{" DOCUMENT_NEEDED "}");
+    bf_buffer scenario = document_resolve("{" DOCUMENT_NEEDED "}");
     bf_status status = BF_ENOMEM;
 
     (void)unused;
