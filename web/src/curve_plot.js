@@ -5,6 +5,7 @@ import uPlot from "uplot";
 
 import { h, setText, strokeMark } from "./dom.js";
 import { fixed, number } from "./format.js";
+import { axisOf, longest } from "./plot_axis.js";
 import { valueAt } from "./series.js";
 import { color, onTheme } from "./theme.js";
 
@@ -23,10 +24,6 @@ function valueOf({ t, v }, time) {
 function textOf(value) {
   if (value === null || Number.isInteger(value)) return number(value, 6);
   return fixed(value, Math.abs(value) < 10 ? 2 : 1);
-}
-
-function longest(texts) {
-  return Math.max(0, ...(texts ?? []).map((text) => text?.length ?? 0));
 }
 
 export class CurvePlot {
@@ -73,11 +70,6 @@ export class CurvePlot {
   }
 
   options() {
-    const axis = (label, size) => ({
-      label, size, labelSize: 18, labelGap: 0, gap: 4, stroke: color("muted"), font: "11px system-ui, sans-serif",
-      labelFont: "12px system-ui, sans-serif",
-      grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("grid"), width: 1, size: 4 },
-    });
     const span = (u, low, high) => [Math.min(0, low * 1.05), Math.max(1, high * 1.05)];
     return {
       width: Math.max(120, this.box.clientWidth),
@@ -86,7 +78,7 @@ export class CurvePlot {
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, y: false, points: { size: 7 } },
       scales: { x: { time: false, range: () => [0, this.end || 1] }, y: { range: span } },
-      axes: [axis("Time (s)", 26), axis(this.unit, (u, texts) => Math.max(46, 16 + 7 * longest(texts)))],
+      axes: [axisOf("Time (s)", 26), axisOf(this.unit, (u, texts) => Math.max(46, 16 + 7 * longest(texts)))],
       series: [{}, ...this.curves.map((curve) => ({
         stroke: color(curve.color), width: curve.points ? 0 : 2, dash: curve.dash, spanGaps: true,
         points: curve.points ? { show: true, size: 5, fill: color(curve.color), width: 0 } : { show: false },

@@ -4,6 +4,7 @@ import uPlot from "uplot";
 
 import { h } from "./dom.js";
 import { models, quantity } from "./format.js";
+import { axisOf, longest } from "./plot_axis.js";
 import { color, onTheme } from "./theme.js";
 
 const COLORS = { macro: "run-1", micro: "run-2" };
@@ -54,11 +55,6 @@ export class StudyChart {
   }
 
   options() {
-    const axis = (label, size) => ({
-      label, size, labelSize: 18, labelGap: 0, gap: 4, stroke: color("muted"), font: "11px system-ui, sans-serif",
-      labelFont: "12px system-ui, sans-serif",
-      grid: { stroke: color("grid"), width: 1 }, ticks: { stroke: color("grid"), width: 1, size: 4 },
-    });
     const series = (model) => ({ stroke: color(COLORS[model]), width: 1, dash: [3, 4], spanGaps: true,
       points: { show: true, size: 8, fill: color(COLORS[model]), width: 0 } });
     return {
@@ -68,7 +64,7 @@ export class StudyChart {
         x: { time: false, range: () => this.rangeOf(this.points.map(({ x }) => x), 0.06) },
         y: { range: () => this.rangeOf(this.points.flatMap(({ mean, low, high }) => [mean, low, high]), 0.1) },
       },
-      axes: [axis(this.axes[0], 26), axis(this.axes[1], (u, texts) => 22 + 7 * Math.max(0, ...(texts ?? []).map((text) => text?.length ?? 0)))],
+      axes: [axisOf(this.axes[0], 26), axisOf(this.axes[1], (u, texts) => 22 + 7 * longest(texts))],
       series: [{}, series("macro"), series("micro")],
       hooks: { ready: [(u) => u.over.append(this.layer)], drawSeries: [(u, k) => k === 2 && this.drawIntervals(u)], draw: [(u) => this.place(u)] },
     };
