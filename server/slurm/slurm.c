@@ -42,19 +42,20 @@ static bf_status run_command(slurm *s, const char *const *argv, const bf_buffer 
     return status;
 }
 
-// What could not be launched is held by Slurm until somebody looks at it; it would never be a worker.
-static void cancel_held(slurm *s, const slurm__queue *queue)
+// What could not be launched is held by Slurm until somebody looks at it; it would never be a worker. What an operator or
+// a user holds stays: that is what they want, and they may release it.
+static void cancel_failed(slurm *s, const slurm__queue *queue)
 {
     const char *argv[SLURM_CANCELLED_AT_ONCE + 2] = { "scancel" };
     bf_buffer ignored = { 0 };
     size_t n = 1;
 
     for (size_t k = 0; k < queue->n && n <= SLURM_CANCELLED_AT_ONCE; k++)
-        if (queue->tasks[k].state == SLURM_HELD)
+        if (queue->tasks[k].state == SLURM_FAILED)
             argv[n++] = queue->tasks[k].name;
     if (n > 1 && run_command(s, argv, NULL, &ignored) == BF_OK) {
         metrics_add(METRICS_SLURM_CANCELLED, 0, (int64_t)(n - 1));
-        log_event(LOG_LEVEL_WARN, "slurm_tasks_cancelled", "n=%zu why=held", n - 1);
+        log_event(LOG_LEVEL_WARN, "slurm_tasks_cancelled", "n=%zu", n - 1);
     }
     buffer_fini(&ignored);
 }
@@ -101,7 +102,7 @@ static void look(slurm *s, int64_t now_ms)
         slurm__read_queue(out.n == 0 ? "" : out.bytes, s->comment, &queue, NULL) == BF_OK;
     if (s->has_looked) {
         count(s, &queue);
-        cancel_held(s, &queue);
+        cancel_failed(s, &queue);
     }
     memory_free(queue.tasks);
     buffer_fini(&out);

@@ -22,7 +22,8 @@ enum {
 /// Where a task is.
 typedef enum slurm__state {
     SLURM_PENDING, ///< waits for a node
-    SLURM_HELD,    ///< waits until somebody releases it: Slurm holds what could not be launched
+    SLURM_HELD,    ///< waits until whoever holds it releases it
+    SLURM_FAILED,  ///< could not be launched, and is held by Slurm for that
     SLURM_STARTED, ///< on a node
     SLURM_OVER,    ///< it ends or has ended
 } slurm__state;

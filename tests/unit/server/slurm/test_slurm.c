@@ -165,13 +165,19 @@ static void test_the_queue_has_our_tasks_among_others(void **state)
                                "8|2|PENDING|0:00|Priority|" COMMENT "\n"
                                "8|3|PENDING|0:00|launch failed requeued held|" COMMENT "\n"
                                "8|4|COMPLETING|0:09|None|" COMMENT "\n"
+                               "8|5|PENDING|0:00|JobHeldUser|" COMMENT "\n"
+                               "8|6|PENDING|0:00|JobHeldAdmin|" COMMENT "\n"
+                               "8|7|PENDING|0:00|launch_failed_requeued_held|" COMMENT "\n"
+                               "8|8|REQUEUE_HOLD|0:00|None|" COMMENT "\n"
+                               "8|9|SPECIAL_EXIT|0:00|None|" COMMENT "\n"
                                "9|1|RUNNING|0:30|None|beltflow http://other:8080\n"
                                "10|N/A|RUNNING|0:30|None|" COMMENT "\n"
                                "11|1|RUNNING";
-    static const slurm__task expected[] = { { "8_1", SLURM_STARTED, 30 },
-                                            { "8_2", SLURM_PENDING, 0 },
-                                            { "8_3", SLURM_HELD, 0 },
-                                            { "8_4", SLURM_OVER, 9 } };
+    static const slurm__task expected[] = {
+        { "8_1", SLURM_STARTED, 30 }, { "8_2", SLURM_PENDING, 0 }, { "8_3", SLURM_FAILED, 0 },
+        { "8_4", SLURM_OVER, 9 },     { "8_5", SLURM_HELD, 0 },    { "8_6", SLURM_HELD, 0 },
+        { "8_7", SLURM_FAILED, 0 },   { "8_8", SLURM_FAILED, 0 },  { "8_9", SLURM_FAILED, 0 }
+    };
     slurm__queue queue;
 
     (void)state;
@@ -318,12 +324,24 @@ static void test_no_more_than_slurm_workers_are_wanted(void **state)
     end(&f);
 }
 
-static void test_tasks_that_are_held_are_cancelled_and_replaced(void **state)
+static void test_what_could_not_be_launched_is_cancelled_and_replaced(void **state)
 {
     fixture f = begin(state, 2);
 
     assert_calls(&f, SECOND_MS, "7|1|PENDING|0:00|launch failed requeued held|" COMMENT "\n",
                  "squeue\nscancel 7_1\n" SUBMIT(1));
+    end(&f);
+}
+
+static void test_what_an_operator_holds_is_left_and_replaced(void **state)
+{
+    fixture f = begin(state, 2);
+
+    assert_calls(&f, SECOND_MS, "7|1|PENDING|0:00|JobHeldAdmin|" COMMENT "\n",
+                 "squeue\n" SUBMIT(1));
+    assert_calls(&f, 11 * SECOND_MS,
+                 "7|1|PENDING|0:00|JobHeldAdmin|" COMMENT "\n8|1|RUNNING|0:01|None|" COMMENT "\n",
+                 "squeue\n");
     end(&f);
 }
 
@@ -388,7 +406,8 @@ int main(void)
         WITH_STORE(test_one_array_is_submitted_for_what_waits),
         WITH_STORE(test_what_slurm_forgot_is_submitted_again),
         WITH_STORE(test_no_more_than_slurm_workers_are_wanted),
-        WITH_STORE(test_tasks_that_are_held_are_cancelled_and_replaced),
+        WITH_STORE(test_what_could_not_be_launched_is_cancelled_and_replaced),
+        WITH_STORE(test_what_an_operator_holds_is_left_and_replaced),
         WITH_STORE(test_a_task_whose_worker_is_not_heard_of_counts_for_ten_minutes),
         WITH_STORE(test_nothing_is_submitted_while_the_queue_is_not_known),
         WITH_STORE(test_a_thread_does_it_until_it_is_stopped),
