@@ -1,14 +1,10 @@
-#include "core/figures/figures.h"
+#include "core/figures/figures_priv.h"
 
 #include "core/base/memory.h"
-#include "core/figures/fifo.h"
-#include "core/figures/quantiles.h"
-#include "core/figures/steady.h"
 #include "core/scene/counter.h"
 #include "core/scene/surroundings.h"
 
 #include <math.h>
-#include <string.h>
 
 // Bounds of the states of cargo, relative to the speed of its belt.
 static const double free_speed = 0.8, blocked_speed = 0.05;
@@ -21,65 +17,6 @@ static const double empty_domain = 0.5;
 
 // A piece of a plate that is less inclined to its belt than this, rad, guides cargo and does not hold it back.
 static const double guide_angle = 0.01;
-
-static const double s_per_h = 3600.0;
-
-typedef enum cargo_state { STATE_FREE, STATE_QUEUED, STATE_BLOCKED, STATES } cargo_state;
-
-// A counter's content and its parts in each state.
-typedef struct counter_sums {
-    double content, content_integral, content_max;
-    double states[STATES], states_before[STATES], states_integral[STATES];
-} counter_sums;
-
-typedef struct feed_sums {
-    feed_balance balance;
-    double waiting_max;
-} feed_sums;
-
-typedef struct eye_sums {
-    uint64_t n_inside; // parts that interrupt the beam
-    uint64_t is_noted; // the doubles count all of them
-    double last_end;   // travel at the end of the last interruption; NAN: none
-    double n, n_doubles;
-} eye_sums;
-
-typedef struct jam_sums {
-    double since;        // of the last exit or empty domain
-    double since_exited; // parts that had left then
-    uint64_t is_jam;     // it has lasted long enough
-    double count, first, total;
-} jam_sums;
-
-// Plain numbers, saved as they are.
-typedef struct run_sums {
-    uint64_t is_warm;   // the warm-up is over
-    uint64_t has_cargo; // the speed of cargo is known
-    double t_start, exited_start;
-    double t, entered, exited; // of the last sample
-    double peak, queue_end, queue_end_now, drained_at;
-    jam_sums jam;
-    steady batches;
-} run_sums;
-
-struct figures {
-    const scene *s;
-    bool has_parts;
-    bool
-        has_exits; // figures_exit() tells of each part that leaves; else all entered at the start, or have no id
-    bool has_plate;
-    vec2 upstream;    // against the belt's direction
-    double plate_end; // of the most upstream plate, along that direction
-    run_sums run;
-    feed_sums feeds[SCENE_FEEDS_MAX];
-    counter_sums counters[SCENE_COUNTERS_MAX];
-    eye_sums eyes[SCENE_EYES_MAX];
-    quantiles residence;
-    quantiles waits[SCENE_FEEDS_MAX];
-    quantiles gaps[SCENE_EYES_MAX];
-    fifo inside;                  // without parts
-    fifo queues[SCENE_FEEDS_MAX]; // without parts
-};
 
 static void find_piece(figures *f, const surroundings_piece *piece, vec2 belt)
 {
@@ -125,6 +62,8 @@ static bf_status init_items(figures *f, bf_error *err)
         status = fifo_init(&f->inside, err);
     for (size_t k = 0; status == BF_OK && !f->has_parts && k < f->s->n_feeds; k++)
         status = fifo_init(&f->queues[k], err);
+    if (status == BF_OK && f->s->n_feeds == 0)
+        status = thinned_init(&f->outflow, err);
     return status;
 }
 
@@ -168,6 +107,7 @@ figures *figures_destroy(figures *f)
         return NULL;
     quantiles_fini(&f->residence);
     fifo_fini(&f->inside);
+    thinned_fini(&f->outflow);
     for (size_t k = 0; k < SCENE_FEEDS_MAX; k++) {
         quantiles_fini(&f->waits[k]);
         fifo_fini(&f->queues[k]);
@@ -272,6 +212,8 @@ void figures_sample(figures *f, const figures_now *now)
     if (f->run.is_warm)
         f->run.queue_end = fmax(f->run.queue_end, f->run.queue_end_now);
     f->run.queue_end_now = 0.0;
+    if (f->run.is_warm && f->s->n_feeds == 0)
+        thinned_add(&f->outflow, now->t, now->counters[0]);
     if (was_warm) {
         sample_jam(&f->run.jam, f->s->jam_time, now);
         steady_sample(&f->run.batches, now->t, now->exited);
@@ -333,133 +275,4 @@ double figures_time(const figures *f)
 bool figures_is_steady(const figures *f)
 {
     return f->run.is_warm && !isnan(f->run.batches.reached_at);
-}
-
-static double ratio(double a, double b)
-{
-    return b > 0.0 ? a / b : (double)NAN;
-}
-
-static void fill_quantiles(const figures *f, const quantiles *q, size_t item, figure_id mean,
-                           const double *p, size_t n, double *ret_values)
-{
-    ret_values[figure_at(f->s, mean, item)] = quantiles_mean(q);
-    for (size_t k = 0; k < n; k++)
-        ret_values[figure_at(f->s, mean + 1 + (figure_id)k, item)] = quantiles_at(q, p[k]);
-}
-
-static void fill_run(const figures *f, double *ret_values)
-{
-    static const double p[] = { 0.5, 0.9, 0.95, 0.99 };
-    const run_sums *run = &f->run;
-    const jam_sums *jam = &run->jam;
-
-    fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, sizeof p / sizeof *p, ret_values);
-    ret_values[FIGURE_DRAINED_AT] = run->drained_at;
-    ret_values[FIGURE_ENTERED] = run->entered;
-    ret_values[FIGURE_LEFT] = run->exited;
-    ret_values[FIGURE_PEAK] = run->peak;
-    if (!run->is_warm)
-        return;
-    ret_values[FIGURE_THROUGHPUT] =
-        s_per_h * ratio(run->exited - run->exited_start, run->t - run->t_start);
-    ret_values[FIGURE_THROUGHPUT_ERROR] = s_per_h * run->batches.estimate.half_width;
-    ret_values[FIGURE_STEADY_AT] = run->batches.reached_at;
-    ret_values[FIGURE_JAM_COUNT] = jam->count;
-    ret_values[FIGURE_JAM_FIRST] = jam->first;
-    ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
-    ret_values[FIGURE_QUEUE_END] = run->has_cargo && f->has_plate ? run->queue_end : (double)NAN;
-}
-
-static void fill_feed(const figures *f, size_t k, double *ret_values)
-{
-    static const double p[] = { 0.95 };
-    const feed_sums *sums = &f->feeds[k];
-
-    ret_values[figure_at(f->s, FIGURE_OFFERED, k)] = sums->balance.offered;
-    ret_values[figure_at(f->s, FIGURE_ADMITTED, k)] = sums->balance.admitted;
-    ret_values[figure_at(f->s, FIGURE_DISCARDED, k)] = sums->balance.discarded;
-    if (f->run.is_warm)
-        ret_values[figure_at(f->s, FIGURE_WAITING_MAX, k)] = sums->waiting_max;
-    fill_quantiles(f, &f->waits[k], k, FIGURE_WAIT_MEAN, p, 1, ret_values);
-}
-
-static void fill_counter(const figures *f, size_t k, double *ret_values)
-{
-    const counter_sums *c = &f->counters[k];
-    double all = 0.0;
-
-    if (!f->run.is_warm)
-        return;
-    ret_values[figure_at(f->s, FIGURE_CONTENT_MEAN, k)] =
-        ratio(c->content_integral, f->run.t - f->run.t_start);
-    ret_values[figure_at(f->s, FIGURE_CONTENT_MAX, k)] = c->content_max;
-    for (int state = 0; state < STATES; state++)
-        all += c->states_integral[state];
-    for (int state = 0; state < STATES; state++)
-        ret_values[figure_at(f->s, FIGURE_STATE_FREE + (figure_id)state, k)] =
-            ratio(c->states_integral[state], all);
-}
-
-static void fill_eye(const figures *f, size_t k, double *ret_values)
-{
-    const quantiles *gaps = &f->gaps[k];
-
-    if (!f->has_parts)
-        return;
-    ret_values[figure_at(f->s, FIGURE_GAP_MIN, k)] = gaps->weight > 0.0 ? gaps->min : (double)NAN;
-    ret_values[figure_at(f->s, FIGURE_GAP_P05, k)] = quantiles_at(gaps, 0.05);
-    ret_values[figure_at(f->s, FIGURE_GAP_MEAN, k)] = quantiles_mean(gaps);
-    ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
-}
-
-void figures_fill(const figures *f, double *ret_values)
-{
-    const size_t n = figure_values(f->s);
-
-    for (size_t k = 0; k < n; k++)
-        ret_values[k] = (double)NAN;
-    fill_run(f, ret_values);
-    for (size_t k = 0; k < f->s->n_feeds; k++)
-        fill_feed(f, k, ret_values);
-    for (size_t k = 0; k < f->s->n_counters; k++)
-        fill_counter(f, k, ret_values);
-    for (size_t k = 0; k < f->s->n_eyes; k++)
-        fill_eye(f, k, ret_values);
-}
-
-void figures_save(const figures *f, checkpoint_writer *w)
-{
-    checkpoint_write(w, &f->run, sizeof f->run);
-    checkpoint_write(w, f->counters, f->s->n_counters * sizeof *f->counters);
-    checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
-    checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
-    quantiles_save(&f->residence, w);
-    for (size_t k = 0; k < f->s->n_feeds; k++)
-        quantiles_save(&f->waits[k], w);
-    for (size_t k = 0; f->has_parts && k < f->s->n_eyes; k++)
-        quantiles_save(&f->gaps[k], w);
-    if (!f->has_exits)
-        fifo_save(&f->inside, w);
-    for (size_t k = 0; !f->has_parts && k < f->s->n_feeds; k++)
-        fifo_save(&f->queues[k], w);
-}
-
-bool figures_load(figures *f, checkpoint_reader *r)
-{
-    bool is_good = checkpoint_read(r, &f->run, sizeof f->run) &&
-                   checkpoint_read(r, f->counters, f->s->n_counters * sizeof *f->counters) &&
-                   checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
-                   checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
-                   quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
-
-    for (size_t k = 0; is_good && k < f->s->n_feeds; k++)
-        is_good = quantiles_load(&f->waits[k], r);
-    for (size_t k = 0; is_good && f->has_parts && k < f->s->n_eyes; k++)
-        is_good = quantiles_load(&f->gaps[k], r);
-    if (is_good && !f->has_exits)
-        is_good = fifo_load(&f->inside, r);
-    for (size_t k = 0; is_good && !f->has_parts && k < f->s->n_feeds; k++)
-        is_good = fifo_load(&f->queues[k], r);
-    return is_good;
 }

@@ -4,7 +4,7 @@
 /// functions of events in the order of their times. Means over time take what is sampled as linear between samples.
 /// The values are those until the last sample; they depend on the scenario and the order of the calls alone.
 ///
-/// Memory   bounded: some 70 kB for each feed and photo eye and for the run, whatever its length.
+/// Memory   bounded: some 70 kB for each feed and photo eye and 140 kB for the run, whatever its length.
 /// Units    SI.
 /// Threads  figures belong to one thread at a time.
 

@@ -1,5 +1,5 @@
-"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, scene <- macro,
-micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
+"""Every #include follows the arrows: server -> api -> core, inside core base <- convex, scene <- feed <- figures <- study, base <- compare <- figures,
+scene <- macro, micro <- run, inside api json <- scenario <- results <- study <- http, openapi, inside server base <- http, store <- run,
 study <- daemon, run <- pull <- slurm <- daemon, run <- worker <- cli; and every outside header is included only where it belongs."""
 
 import re
@@ -15,7 +15,7 @@ ARROWS = {
     "core/convex": {"core/base", "core/convex"},
     "core/scene": {"core/base", "core/scene"},
     "core/feed": {"core/base", "core/scene", "core/feed"},
-    "core/figures": {"core/base", "core/scene", "core/feed", "core/figures"},
+    "core/figures": {"core/base", "core/scene", "core/feed", "core/compare", "core/figures"},
     "core/macro": {"core/base", "core/scene", "core/macro"},
     "core/micro": {"core/base", "core/convex", "core/scene", "core/micro"},
     "core/micro/disk": {"core/base", "core/scene", "core/micro", "core/micro/disk"},

@@ -14,22 +14,22 @@
 
 enum { VALUES_MAX = 64 };
 
-// A belt of 1 m x 0.6 m along +x with two counters, a feed and a photo eye.
+// A belt of 1 m x 0.6 m along +x with two counters, a feed or none, and a photo eye.
 typedef struct fixture {
     scene s;
     figures *f;
     double values[VALUES_MAX];
 } fixture;
 
-static void begin(fixture *x, double warmup, bool has_parts)
+static void begin_with(fixture *x, double warmup, bool has_parts, size_t n_feeds)
 {
     static const scene_pose pose = { 0.5, 0.3, 0.0 };
 
     helper_scene_belt(&x->s, 1.0, 0.6, 0.005, &pose, 1);
     x->s.warmup = warmup;
     x->s.jam_time = 5.0;
-    x->s.n_feeds = 1;
-    x->s.feeds = memory_alloc(1, sizeof *x->s.feeds);
+    x->s.n_feeds = n_feeds;
+    x->s.feeds = memory_alloc(n_feeds, sizeof *x->s.feeds);
     x->s.n_eyes = 1;
     x->s.eyes = memory_alloc(1, sizeof *x->s.eyes);
     x->s.n_counters = 2;
@@ -38,6 +38,11 @@ static void begin(fixture *x, double warmup, bool has_parts)
     x->s.counters[1].rect = (scene_rect){ 0.0, 0.5, 0.0, 0.6 };
     helper_scene_resolve(&x->s);
     assert_int_equal(figures_create(&x->s, has_parts, &x->f, NULL), BF_OK);
+}
+
+static void begin(fixture *x, double warmup, bool has_parts)
+{
+    begin_with(x, warmup, has_parts, 1);
 }
 
 static void end(fixture *x)
@@ -98,6 +103,50 @@ static void throughput_leaves_out_the_warm_up(void **state)
     sample(&x, 5.0, 0.0, 10.0);
     assert_near(value(&x, FIGURE_THROUGHPUT, 0), 7200.0, 1e-9);
     assert_near(value(&x, FIGURE_DRAINED_AT, 0), 5.0, 0.0);
+    end(&x);
+}
+
+// Of 20 parts none leaves for 2 s, one leaves each second until 12 s, and one until 22 s. Of the 11 that left, 10 % have at
+// 3.1 s and 90 % at 11.9 s. After a warm-up of 4 s 9 leave, of which 10 % have at 4.9 s and 90 % at 13 s.
+static void throughput_without_feeds_is_that_of_the_middle_of_the_parts(void **state)
+{
+    (void)state;
+    for (int has_warmup = 0; has_warmup < 2; has_warmup++) {
+        fixture x;
+        begin_with(&x, has_warmup ? 4.0 : 0.0, true, 0);
+        for (int t = 0; t <= 22; t++) {
+            const double left = t < 2 ? 0.0 : t < 12 ? t - 2.0 : 10.0 + 0.1 * (t - 12.0);
+            sample(&x, t, 20.0 - left, 0.5 * left);
+        }
+        const double t10 = has_warmup ? 4.9 : 3.1, t90 = has_warmup ? 13.0 : 11.9;
+        const double parts = has_warmup ? 7.2 : 8.8;
+        assert_near(value(&x, FIGURE_SUSTAINED, 0), 3600.0 * parts / (t90 - t10), 1e-9);
+        end(&x);
+    }
+}
+
+static void throughput_with_feeds_is_sustained(void **state)
+{
+    (void)state;
+    fixture x;
+    begin(&x, 1.0, false);
+    sample(&x, 0.0, 3.0, 0.0);
+    sample(&x, 1.0, 3.0, 2.0);
+    sample(&x, 5.0, 3.0, 9.0);
+    assert_near(value(&x, FIGURE_SUSTAINED, 0), value(&x, FIGURE_THROUGHPUT, 0), 0.0);
+    end(&x);
+}
+
+static void where_nothing_passes_throughput_is_0(void **state)
+{
+    (void)state;
+    fixture x;
+    begin_with(&x, 0.0, true, 0);
+    sample(&x, 0.0, 3.0, 0.0);
+    assert_true(isnan(value(&x, FIGURE_SUSTAINED, 0)));
+    sample(&x, 1.0, 3.0, 0.0);
+    assert_near(value(&x, FIGURE_SUSTAINED, 0), 0.0, 0.0);
+    assert_near(value(&x, FIGURE_THROUGHPUT, 0), 0.0, 0.0);
     end(&x);
 }
 
@@ -393,9 +442,11 @@ static void go_on(fixture *x, bool has_parts, int first, int last)
     for (int k = first; k < last; k++) {
         const figures_cargo cargo = { { 0.02 * k, 0.3 }, 0.01 * k, 0.4, 1.0 };
         figures_add_cargo(x->f, &cargo);
-        if (has_parts) {
+        if (has_parts && x->s.n_feeds > 0) {
             figures_exit(x->f, 0.3 * k + 0.1);
             figures_wait(x->f, 0, 0.01 * k);
+        }
+        if (has_parts) {
             figures_eye_begin(x->f, 0, 0.1 * k);
             figures_eye_end(x->f, 0, 0.1 * k + 0.03);
         }
@@ -429,12 +480,13 @@ static void take_over(const fixture *from, fixture *to)
 static void a_checkpoint_goes_on_with_the_same_bits_in_both_models(void **state)
 {
     (void)state;
-    for (int model = 0; model < 2; model++) {
-        const bool has_parts = model == 1;
+    for (size_t kind = 0; kind < 4; kind++) {
+        const bool has_parts = kind % 2 == 1;
+        const size_t n_feeds = kind / 2;
         fixture whole, before, after;
-        begin(&whole, 5.0, has_parts);
-        begin(&before, 5.0, has_parts);
-        begin(&after, 5.0, has_parts);
+        begin_with(&whole, 5.0, has_parts, n_feeds);
+        begin_with(&before, 5.0, has_parts, n_feeds);
+        begin_with(&after, 5.0, has_parts, n_feeds);
         go_on(&whole, has_parts, 0, 40);
         go_on(&before, has_parts, 0, 17);
         take_over(&before, &after);
@@ -482,14 +534,16 @@ static void the_table_is_sorted_by_scope_and_word(void **state)
 static void every_failed_allocation_is_reported(void **state)
 {
     (void)state;
-    for (int has_parts = 0; has_parts < 2; has_parts++) {
+    for (size_t kind = 0; kind < 4; kind++) {
+        const bool has_parts = kind % 2 == 1;
+        const size_t has_feed = kind / 2;
         fixture x;
-        begin(&x, 0.0, true);
+        begin_with(&x, 0.0, true, has_feed);
         size_t n = 0, n_failed = 1;
         while (n_failed > 0) {
             figures *f = NULL;
             memory_plan_fault(++n, 0);
-            const bf_status status = figures_create(&x.s, has_parts != 0, &f, NULL);
+            const bf_status status = figures_create(&x.s, has_parts, &f, NULL);
             n_failed = memory_faults();
             memory_plan_fault(0, 0);
             assert_int_equal(status, n_failed > 0 ? BF_ENOMEM : BF_OK);
@@ -505,6 +559,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_not_known_is_absent),
         cmocka_unit_test(throughput_leaves_out_the_warm_up),
+        cmocka_unit_test(throughput_without_feeds_is_that_of_the_middle_of_the_parts),
+        cmocka_unit_test(throughput_with_feeds_is_sustained),
+        cmocka_unit_test(where_nothing_passes_throughput_is_0),
         cmocka_unit_test(parts_are_counted_from_the_start),
         cmocka_unit_test(a_constant_throughput_is_steady_after_twenty_batches),
         cmocka_unit_test(residence_is_that_of_each_part_that_left),

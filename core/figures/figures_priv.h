@@ -1,0 +1,87 @@
+/// What the accumulators of key figures hold: filled by figures.c, read by figures_values.c.
+
+#pragma once
+
+#include "core/figures/fifo.h"
+#include "core/figures/figures.h"
+#include "core/figures/quantiles.h"
+#include "core/figures/steady.h"
+#include "core/figures/thinned.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// What a part does, by its speed relative to that of its belt.
+typedef enum cargo_state { STATE_FREE, STATE_QUEUED, STATE_BLOCKED, STATES } cargo_state;
+
+/// Of a counter; integrals are over time since the warm-up.
+typedef struct counter_sums {
+    double content;                 ///< of the last sample, parts
+    double content_integral;        ///< parts s
+    double content_max;             ///< parts
+    double states[STATES];          ///< parts in each state, of the sample that is being taken
+    double states_before[STATES];   ///< same of the last one
+    double states_integral[STATES]; ///< parts s
+} counter_sums;
+
+/// Of a feed.
+typedef struct feed_sums {
+    feed_balance balance; ///< of the last sample
+    double waiting_max;   ///< parts
+} feed_sums;
+
+/// Of a photo eye.
+typedef struct eye_sums {
+    uint64_t n_inside; ///< parts that interrupt the beam
+    uint64_t is_noted; ///< the doubles count all of them
+    double last_end;   ///< travel at the end of the last interruption, m; NAN: none
+    double n;          ///< parts that have interrupted it
+    double n_doubles;  ///< of them, together with another
+} eye_sums;
+
+/// Of jams.
+typedef struct jam_sums {
+    double since;        ///< of the last exit or empty domain, s
+    double since_exited; ///< parts that had left then
+    uint64_t is_jam;     ///< it has lasted long enough
+    double count;        ///< jams that began
+    double first;        ///< when the first one did, s; NAN: none
+    double total;        ///< length of those that are over, s
+} jam_sums;
+
+/// Plain numbers of the run, saved as they are.
+typedef struct run_sums {
+    uint64_t is_warm;     ///< the warm-up is over
+    uint64_t has_cargo;   ///< the speed of cargo is known
+    double t_start;       ///< end of the warm-up, s
+    double exited_start;  ///< parts that had left then
+    double t;             ///< of the last sample, s
+    double entered;       ///< parts until then
+    double exited;        ///< parts until then
+    double peak;          ///< largest density; NAN: none yet
+    double queue_end;     ///< largest distance from the plate, m
+    double queue_end_now; ///< same of the sample that is being taken
+    double drained_at;    ///< s; NAN: it is not empty
+    jam_sums jam;         ///< see there
+    steady batches;       ///< of what leaves
+} run_sums;
+
+/// The accumulators.
+struct figures {
+    const scene *s;   ///< borrowed
+    bool has_parts;   ///< the model is that of parts
+    bool has_exits;   ///< figures_exit() is called; else all entered at the start, or have no id
+    bool has_plate;   ///< one that holds cargo back
+    vec2 upstream;    ///< against the belt's direction
+    double plate_end; ///< of the most upstream plate, along that direction, m
+    run_sums run;     ///< see there
+    feed_sums feeds[SCENE_FEEDS_MAX];          ///< of each feed
+    counter_sums counters[SCENE_COUNTERS_MAX]; ///< of each counter
+    eye_sums eyes[SCENE_EYES_MAX];             ///< of each photo eye
+    quantiles residence;                       ///< times in the domain
+    quantiles waits[SCENE_FEEDS_MAX];          ///< waits at each feed
+    quantiles gaps[SCENE_EYES_MAX];            ///< gaps at each photo eye
+    fifo inside;                               ///< without parts: the domain
+    fifo queues[SCENE_FEEDS_MAX];              ///< without parts: each feed
+    thinned outflow; ///< without feeds: the first counter's curve after the warm-up
+};

@@ -1,0 +1,152 @@
+#include "core/figures/figures_priv.h"
+
+#include "core/compare/compare.h"
+
+#include <math.h>
+
+static const double s_per_h = 3600.0;
+
+static double ratio(double a, double b)
+{
+    return b > 0.0 ? a / b : (double)NAN;
+}
+
+static void fill_quantiles(const figures *f, const quantiles *q, size_t item, figure_id mean,
+                           const double *p, size_t n, double *ret_values)
+{
+    ret_values[figure_at(f->s, mean, item)] = quantiles_mean(q);
+    for (size_t k = 0; k < n; k++)
+        ret_values[figure_at(f->s, mean + 1 + (figure_id)k, item)] = quantiles_at(q, p[k]);
+}
+
+// While the middle 80 % of what passed the first counter did, parts/s; NAN: there is no time yet.
+static double outflow_rate(const figures *f)
+{
+    const compare_curve curve = thinned_curve(&f->outflow);
+    compare_figures of_curve;
+
+    if (compare_figures_of(&curve, &of_curve, NULL) != BF_OK || of_curve.t_end <= of_curve.t_start)
+        return (double)NAN;
+    return isnan(of_curve.throughput) ? 0.0 : of_curve.throughput;
+}
+
+static void fill_run(const figures *f, double *ret_values)
+{
+    static const double p[] = { 0.5, 0.9, 0.95, 0.99 };
+    const run_sums *run = &f->run;
+    const jam_sums *jam = &run->jam;
+
+    fill_quantiles(f, &f->residence, 0, FIGURE_RESIDENCE_MEAN, p, sizeof p / sizeof *p, ret_values);
+    ret_values[FIGURE_DRAINED_AT] = run->drained_at;
+    ret_values[FIGURE_ENTERED] = run->entered;
+    ret_values[FIGURE_LEFT] = run->exited;
+    ret_values[FIGURE_PEAK] = run->peak;
+    if (!run->is_warm)
+        return;
+    const double throughput = ratio(run->exited - run->exited_start, run->t - run->t_start);
+    ret_values[FIGURE_THROUGHPUT] = s_per_h * throughput;
+    ret_values[FIGURE_THROUGHPUT_ERROR] = s_per_h * run->batches.estimate.half_width;
+    ret_values[FIGURE_STEADY_AT] = run->batches.reached_at;
+    ret_values[FIGURE_SUSTAINED] = s_per_h * (f->s->n_feeds > 0 ? throughput : outflow_rate(f));
+    ret_values[FIGURE_JAM_COUNT] = jam->count;
+    ret_values[FIGURE_JAM_FIRST] = jam->first;
+    ret_values[FIGURE_JAM_TOTAL] = jam->total + (jam->is_jam ? run->t - jam->since : 0.0);
+    ret_values[FIGURE_QUEUE_END] = run->has_cargo && f->has_plate ? run->queue_end : (double)NAN;
+}
+
+static void fill_feed(const figures *f, size_t k, double *ret_values)
+{
+    static const double p[] = { 0.95 };
+    const feed_sums *sums = &f->feeds[k];
+
+    ret_values[figure_at(f->s, FIGURE_OFFERED, k)] = sums->balance.offered;
+    ret_values[figure_at(f->s, FIGURE_ADMITTED, k)] = sums->balance.admitted;
+    ret_values[figure_at(f->s, FIGURE_DISCARDED, k)] = sums->balance.discarded;
+    if (f->run.is_warm)
+        ret_values[figure_at(f->s, FIGURE_WAITING_MAX, k)] = sums->waiting_max;
+    fill_quantiles(f, &f->waits[k], k, FIGURE_WAIT_MEAN, p, 1, ret_values);
+}
+
+static void fill_counter(const figures *f, size_t k, double *ret_values)
+{
+    const counter_sums *c = &f->counters[k];
+    double all = 0.0;
+
+    if (!f->run.is_warm)
+        return;
+    ret_values[figure_at(f->s, FIGURE_CONTENT_MEAN, k)] =
+        ratio(c->content_integral, f->run.t - f->run.t_start);
+    ret_values[figure_at(f->s, FIGURE_CONTENT_MAX, k)] = c->content_max;
+    for (int state = 0; state < STATES; state++)
+        all += c->states_integral[state];
+    for (int state = 0; state < STATES; state++)
+        ret_values[figure_at(f->s, FIGURE_STATE_FREE + (figure_id)state, k)] =
+            ratio(c->states_integral[state], all);
+}
+
+static void fill_eye(const figures *f, size_t k, double *ret_values)
+{
+    const quantiles *gaps = &f->gaps[k];
+
+    if (!f->has_parts)
+        return;
+    ret_values[figure_at(f->s, FIGURE_GAP_MIN, k)] = gaps->weight > 0.0 ? gaps->min : (double)NAN;
+    ret_values[figure_at(f->s, FIGURE_GAP_P05, k)] = quantiles_at(gaps, 0.05);
+    ret_values[figure_at(f->s, FIGURE_GAP_MEAN, k)] = quantiles_mean(gaps);
+    ret_values[figure_at(f->s, FIGURE_DOUBLES, k)] = ratio(f->eyes[k].n_doubles, f->eyes[k].n);
+}
+
+void figures_fill(const figures *f, double *ret_values)
+{
+    const size_t n = figure_values(f->s);
+
+    for (size_t k = 0; k < n; k++)
+        ret_values[k] = (double)NAN;
+    fill_run(f, ret_values);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        fill_feed(f, k, ret_values);
+    for (size_t k = 0; k < f->s->n_counters; k++)
+        fill_counter(f, k, ret_values);
+    for (size_t k = 0; k < f->s->n_eyes; k++)
+        fill_eye(f, k, ret_values);
+}
+
+void figures_save(const figures *f, checkpoint_writer *w)
+{
+    checkpoint_write(w, &f->run, sizeof f->run);
+    checkpoint_write(w, f->counters, f->s->n_counters * sizeof *f->counters);
+    checkpoint_write(w, f->feeds, f->s->n_feeds * sizeof *f->feeds);
+    checkpoint_write(w, f->eyes, f->s->n_eyes * sizeof *f->eyes);
+    quantiles_save(&f->residence, w);
+    for (size_t k = 0; k < f->s->n_feeds; k++)
+        quantiles_save(&f->waits[k], w);
+    for (size_t k = 0; f->has_parts && k < f->s->n_eyes; k++)
+        quantiles_save(&f->gaps[k], w);
+    if (!f->has_exits)
+        fifo_save(&f->inside, w);
+    if (f->s->n_feeds == 0)
+        thinned_save(&f->outflow, w);
+    for (size_t k = 0; !f->has_parts && k < f->s->n_feeds; k++)
+        fifo_save(&f->queues[k], w);
+}
+
+bool figures_load(figures *f, checkpoint_reader *r)
+{
+    bool is_good = checkpoint_read(r, &f->run, sizeof f->run) &&
+                   checkpoint_read(r, f->counters, f->s->n_counters * sizeof *f->counters) &&
+                   checkpoint_read(r, f->feeds, f->s->n_feeds * sizeof *f->feeds) &&
+                   checkpoint_read(r, f->eyes, f->s->n_eyes * sizeof *f->eyes) &&
+                   quantiles_load(&f->residence, r) && f->run.batches.n < STEADY_BATCHES_MAX;
+
+    for (size_t k = 0; is_good && k < f->s->n_feeds; k++)
+        is_good = quantiles_load(&f->waits[k], r);
+    for (size_t k = 0; is_good && f->has_parts && k < f->s->n_eyes; k++)
+        is_good = quantiles_load(&f->gaps[k], r);
+    if (is_good && !f->has_exits)
+        is_good = fifo_load(&f->inside, r);
+    if (is_good && f->s->n_feeds == 0)
+        is_good = thinned_load(&f->outflow, r);
+    for (size_t k = 0; is_good && !f->has_parts && k < f->s->n_feeds; k++)
+        is_good = fifo_load(&f->queues[k], r);
+    return is_good;
+}
