@@ -93,7 +93,7 @@ static bool lay_out(macro_solver *s, congested *c)
     c->half_stride = (s->n1 / 2 + unit) / unit * unit + 2 * unit;
     const size_t n = (size_t)((s->n2 + 2) * c->half_stride);
     c->storage = memory_alloc((4 + CONGESTED_SIDES * arrays) * n, sizeof *c->storage);
-    c->is_uniform = memory_alloc(2 * n / (size_t)unit, sizeof *c->is_uniform);
+    c->is_uniform = memory_alloc(2 * n / CONGESTED_GROUP, sizeof *c->is_uniform);
     c->range = memory_alloc((size_t)s->n2, sizeof *c->range);
     c->found = memory_alloc((size_t)s->n2, sizeof *c->found);
     c->slots = memory_alloc(2 * (size_t)s->def.n_threads, sizeof *c->slots);

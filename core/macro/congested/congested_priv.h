@@ -20,6 +20,7 @@
 
 enum {
     CONGESTED_UNIT = 16, ///< half cells that are relaxed or skipped together: a register of floats
+    CONGESTED_GROUP = 8, ///< half cells that have the law `uniform` together: half a unit
     CONGESTED_SWEEPS = 100 ///< most sweeps of a step
 };
 
@@ -97,8 +98,9 @@ typedef struct congested_stage {
 
 /// One build of the loops for an instruction set.
 typedef struct congested_kernels {
-    /// Relax the cells of a colour, 0 red, in a row; returns the largest change of a pressure.
-    float (*relax)(const congested *c, ptrdiff_t row, int colour);
+    /// Relax red cells of rows first <= row < last, black ones of rows between, or black ones of one: largest change.
+    float (*relax)(const congested *c, ptrdiff_t first, ptrdiff_t last);
+    float (*relax_black)(const congested *c, ptrdiff_t row);
     /// Fill the fluxes of the faces of a row's red cells.
     void (*make_flux)(const congested *c, ptrdiff_t row);
     /// Transport of a row's cells i_min <= i < i_max by v_stat: rho* = rho - dt div(rho v_stat), upwind.
@@ -144,8 +146,7 @@ struct congested {
     float *excess[2];       ///< rho* - C of them
     congested_law law[CONGESTED_SIDES]; ///< of the faces
     congested_uniform uniform;          ///< of a forward solver
-    bool *
-        is_uniform; ///< per row, colour and unit: all faces around the cells have the law `uniform`
+    bool *is_uniform;       ///< per row, colour and group: all faces have the law `uniform`
     congested_range *range; ///< per row: the active cells of this step
     congested_range *found; ///< per row: those that the row itself asks for
     ptrdiff_t first_row;    ///< first row with active cells
@@ -165,10 +166,10 @@ static inline float *congested__row(const congested *c, float *rows, ptrdiff_t j
     return rows + (j + 1) * c->half_stride + CONGESTED_UNIT;
 }
 
-/// Units of a half row for which the member is_uniform of the solver holds.
-static inline bool *congested__uniform_units(const congested *c, ptrdiff_t row, int colour)
+/// Groups of a half row for which the member is_uniform of the solver holds.
+static inline bool *congested__uniform_groups(const congested *c, ptrdiff_t row, int colour)
 {
-    return c->is_uniform + (2 * row + colour) * (c->half_stride / CONGESTED_UNIT);
+    return c->is_uniform + (2 * row + colour) * (c->half_stride / CONGESTED_GROUP);
 }
 
 /// Where the faces between row j and the rows next to it have their red cells: the face west of the black cell k of
@@ -233,7 +234,6 @@ void congested__set_coupling(macro_solver *s);
 /// Each build's table has a name of its own.
 #define congested__kernels CPU_NAME(congested__kernels)
 extern const congested_kernels congested__kernels;
-
 /// transport_kernels.c's part of it.
 #define congested__transport_upwind CPU_NAME(congested__transport_upwind)
 #define congested__muscl_states_x2  CPU_NAME(congested__muscl_states_x2)

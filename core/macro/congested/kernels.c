@@ -39,13 +39,10 @@ typedef enum loop_kind { LOOP_UNIFORM, LOOP_FORWARD, LOOP_OBLIQUE } loop_kind;
 
 // G.e of faces by the pressure gradient g along e.
 static inline __attribute__((always_inline)) simd_float law(const congested_uniform *uniform,
-                                                            congested_side_faces f, ptrdiff_t k,
+                                                            const congested_law *l, ptrdiff_t at,
                                                             simd_float g, loop_kind kind,
                                                             bool is_x1)
 {
-    const congested_law *l = f.law;
-    const ptrdiff_t at = f.at + k;
-
     if (kind == LOOP_UNIFORM && is_x1)
         return law_along(g, g * uniform->slope, simd_float_all(uniform->most),
                          simd_float_all(uniform->least));
@@ -85,76 +82,118 @@ static inline row_pressures pressures_of(const congested *c, ptrdiff_t row, int 
                             .north = congested__row(c, other, row + 1) };
 }
 
-// The excess of a register of cells with the correction of the present pressures.
-static inline __attribute__((always_inline)) simd_float residual_of(
-    float lambda, const congested_uniform *uniform, const congested_row_faces *faces,
-    const row_pressures *p, const float *excess, ptrdiff_t k, loop_kind kind)
-{
-    const simd_float here = simd_float_load(p->own + k);
-    const simd_float west = simd_float_load(p->west + k) - here;
-    const simd_float east = here - simd_float_load(p->east + k);
-    const simd_float south = simd_float_load(p->south + k) - here;
-    const simd_float north = here - simd_float_load(p->north + k);
-    const simd_float in = law(uniform, faces->side[CONGESTED_WEST], k, west, kind, true) -
-                          law(uniform, faces->side[CONGESTED_EAST], k, east, kind, true) +
-                          law(uniform, faces->side[CONGESTED_SOUTH], k, south, kind, false) -
-                          law(uniform, faces->side[CONGESTED_NORTH], k, north, kind, false);
-
-    return simd_float_load(excess + k) + lambda * in;
-}
-
-// A half row as the relaxation sees it.
+// What the relaxation reads of the solver and of a half row: copies, so that no store to a pressure can change them.
 typedef struct half_row {
-    congested_row_faces faces;
+    congested_uniform uniform;
+    float lambda;
+    float relaxation;
+    congested_law law[CONGESTED_SIDES]; // of the faces around the cells
+    ptrdiff_t at[CONGESTED_SIDES];      // element of the face of cell 0 in it
     row_pressures p;
     const float *excess;
 } half_row;
 
-// Relaxes cells of a half row, whole units; returns the larger of `largest` and of the changes of their pressures.
-static inline __attribute__((always_inline)) simd_float relax_cells(const congested *c,
-                                                                    const half_row *r,
-                                                                    congested_range cells,
+static inline __attribute__((always_inline)) half_row half_row_of(const congested *c, ptrdiff_t row,
+                                                                  int colour)
+{
+    const congested_row_faces faces = congested__faces(c, row, colour);
+    half_row r = { .uniform = c->uniform,
+                   .lambda = c->lambda,
+                   .relaxation = c->relaxation,
+                   .p = pressures_of(c, row, colour),
+                   .excess = congested__row(c, c->excess[colour], row) };
+
+    for (int side = 0; side < CONGESTED_SIDES; side++) {
+        r.law[side] = *faces.side[side].law;
+        r.at[side] = faces.side[side].at;
+    }
+    return r;
+}
+
+// What flows into cells k on through their faces on a side by the drop of the pressure towards rising x.
+static inline __attribute__((always_inline)) simd_float flux(const half_row *r, congested_side side,
+                                                             ptrdiff_t k, simd_float drop,
+                                                             loop_kind kind)
+{
+    return law(&r->uniform, &r->law[side], r->at[side] + k, drop, kind,
+               side == CONGESTED_WEST || side == CONGESTED_EAST);
+}
+
+// Relaxes a register of cells; returns the larger of `largest` and of the changes of their pressures.
+static inline __attribute__((always_inline)) simd_float relax_cells(const half_row *r, ptrdiff_t k,
                                                                     loop_kind kind,
                                                                     simd_float largest)
 {
-    const congested_uniform uniform = c->uniform; // a copy that no store to a pressure can change
-    const simd_float none = simd_float_all(0.0F);
-    const float relaxation = c->relaxation, lambda = c->lambda;
+    const simd_float here = simd_float_load(r->p.own + k);
+    const simd_float west = simd_float_load(r->p.west + k) - here;
+    const simd_float east = here - simd_float_load(r->p.east + k);
+    const simd_float south = simd_float_load(r->p.south + k) - here;
+    const simd_float north = here - simd_float_load(r->p.north + k);
+    const simd_float in =
+        flux(r, CONGESTED_WEST, k, west, kind) - flux(r, CONGESTED_EAST, k, east, kind) +
+        flux(r, CONGESTED_SOUTH, k, south, kind) - flux(r, CONGESTED_NORTH, k, north, kind);
+    const simd_float residual = simd_float_load(r->excess + k) + r->lambda * in;
+    const simd_float relaxed =
+        simd_float_max(here + r->relaxation * residual, simd_float_all(0.0F));
+    const simd_float change = relaxed - here;
 
-    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES) {
-        const simd_float here = simd_float_load(r->p.own + k);
-        const simd_float residual =
-            residual_of(lambda, &uniform, &r->faces, &r->p, r->excess, k, kind);
-        const simd_float relaxed = simd_float_max(here + relaxation * residual, none);
-        const simd_float change = relaxed - here;
-        largest = simd_float_max(largest, simd_float_max(change, -change));
-        simd_float_store(r->p.own + k, relaxed);
-    }
+    simd_float_store(r->p.own + k, relaxed);
+    return simd_float_max(largest, simd_float_max(change, -change));
+}
+
+// True if a register of cells, from cell k on, is uniform. It has a group, or two, or is half of one.
+static inline bool are_uniform(const bool *groups, ptrdiff_t k)
+{
+    const size_t first = (size_t)k / CONGESTED_GROUP;
+
+    return groups[first] && groups[first + (SIMD_FLOAT_LANES - 1) / CONGESTED_GROUP];
+}
+
+// `kind` is that of the cells that are not uniform.
+static inline __attribute__((always_inline)) simd_float relax_row(const congested *c, ptrdiff_t row,
+                                                                  int colour, loop_kind kind,
+                                                                  simd_float largest)
+{
+    const half_row r = half_row_of(c, row, colour);
+    const bool *groups = congested__uniform_groups(c, row, colour);
+    const congested_range cells = c->range[row];
+
+    for (ptrdiff_t k = cells.first; k < cells.last; k += SIMD_FLOAT_LANES)
+        if (kind == LOOP_FORWARD && are_uniform(groups, k))
+            largest = relax_cells(&r, k, LOOP_UNIFORM, largest);
+        else
+            largest = relax_cells(&r, k, kind, largest);
     return largest;
 }
 
-static float relax(const congested *c, ptrdiff_t row, int colour)
+// The loop over rows is in here and not in step.c: a row has some 70 active cells of a colour in a jam, few enough
+// that a call for each row, and the largest lane of its changes, would count.
+static inline __attribute__((always_inline)) float relax_rows(const congested *c, ptrdiff_t first,
+                                                              ptrdiff_t last, loop_kind kind)
 {
-    const half_row r = { congested__faces(c, row, colour), pressures_of(c, row, colour),
-                         congested__row(c, c->excess[colour], row) };
-    const bool *is_uniform = congested__uniform_units(c, row, colour);
-    const congested_range cells = c->range[row];
     simd_float largest = simd_float_all(0.0F);
 
-    for (congested_range run = { cells.first, cells.first }; run.first < cells.last;
-         run.first = run.last) {
-        const bool is_run_uniform = is_uniform[run.first / CONGESTED_UNIT];
-        do
-            run.last += CONGESTED_UNIT;
-        while (run.last < cells.last && is_uniform[run.last / CONGESTED_UNIT] == is_run_uniform);
-        if (is_run_uniform)
-            largest = relax_cells(c, &r, run, LOOP_UNIFORM, largest);
-        else if (c->is_forward)
-            largest = relax_cells(c, &r, run, LOOP_FORWARD, largest);
-        else
-            largest = relax_cells(c, &r, run, LOOP_OBLIQUE, largest);
+    for (ptrdiff_t row = first; row < last; row++) {
+        largest = relax_row(c, row, 0, kind, largest);
+        if (row - 1 > first)
+            largest = relax_row(c, row - 1, 1, kind, largest);
     }
     return simd_float_largest(largest, 0.0F);
+}
+
+static float relax(const congested *c, ptrdiff_t first, ptrdiff_t last)
+{
+    return c->is_forward ? relax_rows(c, first, last, LOOP_FORWARD)
+                         : relax_rows(c, first, last, LOOP_OBLIQUE);
+}
+
+static float relax_black(const congested *c, ptrdiff_t row)
+{
+    const simd_float none = simd_float_all(0.0F);
+
+    return simd_float_largest(c->is_forward ? relax_row(c, row, 1, LOOP_FORWARD, none)
+                                            : relax_row(c, row, 1, LOOP_OBLIQUE, none),
+                              0.0F);
 }
 
 static inline __attribute__((always_inline)) void make_flux_row(const congested *c, ptrdiff_t row,
@@ -172,7 +211,7 @@ static inline __attribute__((always_inline)) void make_flux_row(const congested 
         for (ptrdiff_t k = c->range[row].first; k < c->range[row].last; k += SIMD_FLOAT_LANES) {
             const simd_float drop = simd_float_load(beside[side] + k) - simd_float_load(p.own + k);
             simd_float_store(f.law->flux + f.at + k,
-                             law(&c->uniform, f, k, sign * drop, kind, is_x1));
+                             law(&c->uniform, f.law, f.at + k, sign * drop, kind, is_x1));
         }
     }
 }
@@ -345,6 +384,7 @@ static bool is_overdrawn(const macro_solver *s, const congested *c, ptrdiff_t ro
 }
 
 const congested_kernels congested__kernels = { .relax = relax,
+                                               .relax_black = relax_black,
                                                .make_flux = make_flux,
                                                .transport = congested__transport_upwind,
                                                .muscl_states_x2 = congested__muscl_states_x2,

@@ -161,16 +161,16 @@ static bool has_uniform_law(const congested *c, const congested_row_faces *faces
     return has;
 }
 
-static void find_uniform_units(const macro_solver *s, congested *c, ptrdiff_t row, int colour)
+static void find_uniform_groups(const macro_solver *s, congested *c, ptrdiff_t row, int colour)
 {
     const congested_row_faces faces = congested__faces(c, row, colour);
-    bool *is_uniform = congested__uniform_units(c, row, colour);
+    bool *is_uniform = congested__uniform_groups(c, row, colour);
 
-    for (ptrdiff_t first = 0; 2 * first < s->n1; first += CONGESTED_UNIT) {
+    for (ptrdiff_t first = 0; 2 * first < s->n1; first += CONGESTED_GROUP) {
         bool are_uniform = true;
-        for (ptrdiff_t k = first; are_uniform && k < first + CONGESTED_UNIT; k++)
+        for (ptrdiff_t k = first; are_uniform && k < first + CONGESTED_GROUP; k++)
             are_uniform = has_uniform_law(c, &faces, k);
-        is_uniform[first / CONGESTED_UNIT] = are_uniform;
+        is_uniform[first / CONGESTED_GROUP] = are_uniform;
     }
 }
 
@@ -184,11 +184,11 @@ void congested_update(macro_solver *s)
     set_axis(s, c, 0);
     set_axis(s, c, 1);
     if (!c->is_forward)
-        return; // no unit is uniform
+        return; // no group is uniform
     set_uniform(s, c);
     for (ptrdiff_t row = 0; row < s->n2; row++)
         for (int colour = 0; colour < 2; colour++)
-            find_uniform_units(s, c, row, colour);
+            find_uniform_groups(s, c, row, colour);
 }
 
 // The gradient along a face and the slip at it, from the four faces of the other axis around it.

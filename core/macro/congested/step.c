@@ -184,30 +184,18 @@ static void find_rows(const macro_solver *s, congested *c)
         c->last_row--;
 }
 
-// Relaxes the cells of a colour in a row; returns the larger of their largest change and of `largest`.
-static float relax_row(const congested *c, ptrdiff_t row, int colour, float largest)
-{
-    const float change = c->kernels.relax(c, row, colour);
-
-    return change > largest ? change : largest;
-}
-
 // One sweep over a member's rows, red before black. A black row follows as soon as the red rows around it are
 // relaxed, while the laws of their faces are still in the cache; the first and the last need the neighbours' rows.
 static float sweep(const congested *c, row_span rows, team_barrier *barrier)
 {
-    float largest = 0.0F;
+    const congested_kernels *kernels = &c->kernels;
+    float largest = kernels->relax(c, rows.first, rows.last);
 
-    for (ptrdiff_t row = rows.first; row < rows.last; row++) {
-        largest = relax_row(c, row, 0, largest);
-        if (row - 1 > rows.first)
-            largest = relax_row(c, row - 1, 1, largest);
-    }
     team_barrier_wait(barrier);
     if (rows.first < rows.last)
-        largest = relax_row(c, rows.first, 1, largest);
+        largest = fmaxf(largest, kernels->relax_black(c, rows.first));
     if (rows.last - 1 > rows.first)
-        largest = relax_row(c, rows.last - 1, 1, largest);
+        largest = fmaxf(largest, kernels->relax_black(c, rows.last - 1));
     return largest;
 }
 
