@@ -331,8 +331,7 @@ static bf_status take_frames(supervisor__task *task, bf_error *err)
             status = status == BF_OK ? check_length(task, err) : status;
             break;
         }
-        status = supervisor__count_output(task, f.type, used, err);
-        if (status == BF_OK)
+        if (supervisor__count_output(task, f.type, used))
             status = take_frame(task, &f, err);
         task->n_decoded += used; // a multiple of 8, so the next one is aligned
     }

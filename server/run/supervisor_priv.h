@@ -161,9 +161,9 @@ void supervisor__finish_batch(supervisor__task *task);
 /// What the task has not stored yet when its job is over, as a batch; NULL: nothing. A failure fails the task.
 const store_batch *supervisor__last_batch(supervisor__task *task);
 
-/// Count a frame of n bytes that the job has sent. BF_ELIMIT: it has sent more than output_bytes.
-BF_MUST_CHECK bf_status supervisor__count_output(supervisor__task *task, frame_type type, size_t n,
-                                                 bf_error *err);
+/// Count a frame of n bytes that the job has sent. False: it has sent more than output_bytes, and the task fails; what
+/// it sent before is stored.
+BF_MUST_CHECK bool supervisor__count_output(supervisor__task *task, frame_type type, size_t n);
 
 /// The task fails with this error: discard what was sent and stop the job by force.
 void supervisor__fail(supervisor__task *task, const bf_error *err);

@@ -121,20 +121,24 @@ void supervisor__fail(supervisor__task *task, const bf_error *err)
     e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
 }
 
-// Checkpoints, progress and key figures take each other's place; the other results stay.
-bf_status supervisor__count_output(supervisor__task *task, frame_type type, size_t n, bf_error *err)
+// Checkpoints, progress and key figures take each other's place; the other results stay. Unlike supervisor__fail() this
+// leaves what came before, be it of the same batch: how much a batch has depends on when the supervisor read.
+bool supervisor__count_output(supervisor__task *task, frame_type type, size_t n)
 {
+    executor *e = task->supervisor->executor;
     const uint64_t limit = task->supervisor->options.output_bytes;
     const bool is_kept = type == FRAME_CURVE || type == FRAME_SNAPSHOT || type == FRAME_PARTS ||
                          type == FRAME_CHANGE || type == FRAME_SLICE;
 
     task->n_sent += is_kept ? n : 0;
     if (limit == 0 || task->n_sent <= limit)
-        return BF_OK;
-    task->is_beyond_output = true;
-    return bf_fail(
-        err, BF_ELIMIT, "",
+        return true;
+    task->is_beyond_output = task->failed = true;
+    (void)bf_fail(
+        &task->error, BF_ELIMIT, "",
         "the run's results have more than %" PRIu64 " bytes, its limit (run_output_bytes)", limit);
+    e->functions->stop(e, task->job, EXECUTOR_STOP_NOW);
+    return false;
 }
 
 bool supervisor__blame(supervisor__task *task, const bf_error *why)
