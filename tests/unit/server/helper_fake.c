@@ -15,6 +15,8 @@
 
 #include <cmocka.h>
 
+enum { PATIENCE_MS = 20000 };
+
 void fake_init(fake *f)
 {
     *f = (fake){ 0 };
@@ -46,7 +48,7 @@ void fake_hold(fake *f, fake_held held)
 
 bool fake_wait_for_held(fake *f, unsigned n)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + 5000;
+    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
 
     lock_acquire(&f->lock);
     while (f->n_waiting < n && lock_wait(&f->changed, &f->lock, deadline_ms))

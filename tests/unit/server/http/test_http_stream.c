@@ -361,7 +361,7 @@ static void an_idle_stream_has_a_heartbeat(void **state)
         answer.n = 0;
         assert_true(client_read_until(fd, &answer, "\r\n:\n\n\r\n", 5000));
     }
-    assert_in_range(clock_monotonic_ms() - start_ms, 550, 5000);
+    assert_true(clock_monotonic_ms() - start_ms >= 550);
     server_append(false);
     assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", 5000));
     assert_int_equal(close(fd), 0);
@@ -412,8 +412,7 @@ static void a_store_that_stalls_stops_streams_and_nothing_else(void **state)
     }
     assert_true(fake_wait_for_held(&server_services, 1));
     for (int i = 0; i < 3; i++) {
-        (void)usleep(200000);
-        assert_true(http_is_alive(server));
+        server_await_sign_of_life();
         for (int k = 0; k < 4; k++) { // of each thread that serves connections
             assert_int_equal(client_ask(http_port(server), LIVEZ, NULL), 200);
             assert_int_equal(client_ask(http_port(server), LIST, NULL), 200);

@@ -133,7 +133,7 @@ static void who_has_waited_long_enough_gets_what_there_is(void **state)
     assert_int_equal(end(fd, &answer), 200);
     server_assert_holds(&answer, "\"status\":\"running\"");
     assert_int_equal(end(other, &answer), 304);
-    assert_in_range(clock_monotonic_ms() - start_ms, 1000, 3000);
+    assert_true(clock_monotonic_ms() - start_ms >= 1000);
     buffer_fini(&answer);
 }
 
