@@ -163,20 +163,116 @@ test("runs that are selected are deleted together, and come back together", asyn
   await page.waitForURL(/#\/new\?from=/);
 });
 
-test("runs of one scenario are told apart by what they differ in, unless their names say it", async (t) => {
+const plate = (degrees) => ({ obstacles: [{ end_m: [0.2, 0.1], angle_deg: degrees, length_m: 0.05 }] });
+const column = async (page, name) =>
+  (await page.locator(`tbody td[data-label="${name}"]`).allInnerTexts()).map((text) => text.replaceAll(/\s/g, " "));
+
+test("what runs of one scenario differ in most has columns, by which they are sorted, and the rest has chips", async (t) => {
   const d = await daemon(t);
-  const plate = (degrees) => ({ obstacles: [{ end_m: [0.2, 0.1], angle_deg: degrees, length_m: 0.05 }] });
   await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(60) }));
   await d.submit(tiny({ name: "gate: at 60 degrees", ...plate(75) }));
-  await d.submit(tiny({ name: "gate, angle 80°", ...plate(80), duration_s: 0.2 }));
+  await d.submit(tiny({ name: "gate, angle 80°", ...plate(80), duration_s: 0.2, macro: { cell_m: 0.02, step_s: 0.00125 } }));
   await d.submit(tiny({ name: "alone" }));
   const page = await openPage(t, d);
   await visit(page, "#/");
-  await page.locator(".chip", { hasText: "angle 75°" }).waitFor();
+  const header = page.getByRole("columnheader", { name: "Angle", exact: true });
+  await header.waitFor();
+  assert.deepEqual(await column(page, "Angle"), ["–", "80°", "75°", "60°"]);
+  assert.deepEqual(await column(page, "Duration"), ["0.1 s", "0.2 s", "0.1 s", "0.1 s"]);
   const chips = await page.locator("tbody tr").evaluateAll((rows) =>
-    rows.map((row) => [...row.querySelectorAll(".chip")].map((chip) => chip.textContent)));
-  assert.deepEqual(chips.map((all) => all.filter((chip) => !chip.startsWith("foot"))),
-    [[], ["duration 0.2 s"], ["angle 75°", "duration 0.1 s"], ["angle 60°", "duration 0.1 s"]]);
+    rows.map((row) => [...row.querySelectorAll(".chip")].map((chip) => chip.textContent.split(" ")[0])));
+  assert.deepEqual(chips.map((all) => all.includes("cell")), [false, true, true, true]);
+  assert.ok(chips.flat().every((word) => word !== "angle" && word !== "duration"), String(chips));
+
+  await header.getByRole("button").click();
+  await page.waitForFunction(() => document.querySelector('tbody td[data-label="Angle"]').textContent === "60°");
+  assert.deepEqual(await column(page, "Angle"), ["60°", "75°", "80°", "–"]);
+  assert.equal(await header.getAttribute("aria-sort"), "ascending");
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector('tbody td[data-label="Angle"]')?.textContent === "60°");
+  await header.getByRole("button").click();
+  await page.waitForFunction(() => document.querySelector('tbody td[data-label="Angle"]').textContent === "80°");
+  assert.deepEqual(await column(page, "Angle"), ["80°", "75°", "60°", "–"]);
+});
+
+test("a study stands between the runs of its time and opens to the runs of its trials", async (t) => {
+  const d = await daemon(t);
+  await d.submit(tiny({ name: "before" }));
+  const study = await d.post("/v1/studies", { name: "which angle", base: { scenario: tiny({ name: "gate", ...plate(60), counters: [{ id: "start", x_m: [0, 0.08] }] }) },
+    parameters: [{ pointer: "/obstacles/0/angle_deg", values: [60, 70, 80] }], method: { type: "list" },
+    objectives: [{ figure: "sustained_throughput_per_h", goal: "maximize" }] });
+  assert.equal(study.status, 201, study.text);
+  await until(async () => (await d.get(`/v1/studies/${study.json.id}`)).json.status === "succeeded", "the end of the study");
+  await d.submit(tiny({ name: "after" }));
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  const names = () => page.locator("tbody td.name a").allInnerTexts();
+  await page.getByRole("link", { name: "which angle" }).waitFor();
+  assert.deepEqual(await names(), ["after", "which angle", "before"]);
+  await page.getByText("3 trials").waitFor();
+  const { best } = (await d.get(`/v1/studies/${study.json.id}/best`)).json;
+  await page.getByText(`best: angle ${best.parameters["/obstacles/0/angle_deg"]}°, `).waitFor();
+
+  const toggle = page.getByRole("button", { name: "Runs of the study which angle" });
+  await toggle.focus();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.querySelectorAll("tbody .of-study").length === 3);
+  assert.deepEqual(await names(), ["after", "which angle", "gate", "gate", "gate", "before"]);
+  assert.equal(await toggle.getAttribute("aria-expanded"), "true");
+  await page.getByRole("columnheader", { name: "Angle", exact: true }).waitFor();
+  assert.deepEqual((await column(page, "Angle")).filter((text) => text !== "–").sort(), ["60°", "70°", "80°"]);
+  const trials = (await d.get(`/v1/runs?study=${study.json.id}`)).json.runs;
+  const rates = trials.map((run) => Math.round(run.key_figures.sustained_throughput_per_h));
+  assert.ok(rates.every((rate) => rate > 0), String(rates));
+  const shown = await page.locator(".of-study td[data-label=Throughput]").allInnerTexts();
+  assert.deepEqual(shown.map((text) => Number(text.replaceAll(/[^\d.]/g, ""))), rates);
+  // Which studies are open stands in the address.
+  await page.reload();
+  await page.locator(".of-study").nth(2).waitFor();
+  await toggle.click();
+  await page.locator(".of-study").first().waitFor({ state: "detached" });
+
+  // Other orders and filters are of runs alone; a search finds studies by their names.
+  await page.getByRole("columnheader", { name: "Run", exact: true }).getByRole("button").click();
+  await page.getByRole("link", { name: "which angle" }).waitFor({ state: "detached" });
+  await visit(page, "#/?search=WHICH");
+  await page.getByRole("link", { name: "which angle" }).waitFor();
+  assert.deepEqual(await names(), ["which angle"]);
+});
+
+async function postStudy(d, name) {
+  const answer = await d.post("/v1/studies", { name, base: { scenario: tiny({ name: "gate" }) }, method: { type: "list" },
+    parameters: [{ pointer: "/duration_s", values: [0.1] }], objectives: [{ figure: "content.mean" }] });
+  assert.equal(answer.status, 201, answer.text);
+}
+
+test("of many studies the list shows fifty, and leads to the others", async (t) => {
+  const d = await daemon(t);
+  for (let k = 0; k < 51; k++) await postStudy(d, `study ${k}`);
+  const page = await openPage(t, d);
+  await visit(page, "#/");
+  await page.getByRole("link", { name: "study 50", exact: true }).waitFor();
+  assert.equal(await page.locator("tbody tr.study").count(), 50);
+  await page.getByRole("link", { name: "Show older studies" }).click();
+  await page.getByRole("link", { name: "study 0", exact: true }).waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 1);
+});
+
+test("studies of any page of the list are found, and none twice", async (t) => {
+  const d = await daemon(t);
+  for (let k = 0; k < 6; k++) {
+    await postStudy(d, `study ${k}`);
+    await d.submit(tiny({ name: `run ${k}` }));
+  }
+  const page = await openPage(t, d);
+  await visit(page, "#/?limit=2");
+  const found = [];
+  for (let shown = 5; shown > 0; shown -= 2) {
+    await page.getByRole("link", { name: `run ${shown}`, exact: true }).waitFor();
+    found.push(...await page.locator("tbody td.name a").allInnerTexts());
+    if (shown > 1) await page.getByRole("button", { name: "Older" }).click();
+  }
+  assert.deepEqual(found, [5, 4, 3, 2, 1, 0].flatMap((k) => [`run ${k}`, `study ${k}`]));
 });
 
 test("the page says when the daemon is away, finds it again, and the run goes on before its eyes", async (t) => {

@@ -63,9 +63,15 @@ const calmViews = (ids) => [
   ["compare-fed", `#/compare?runs=${ids.fed},${ids.fedMacro}&t=2.5`, async (page) => page.locator(".plot-legend .group").nth(1).waitFor()],
   ["compare-four", `#/compare?runs=${ids.macro},${ids.micro},${ids.other},${ids.mixed}&t=1.5`, shown],
   ["compare-none", "#/compare", async (page) => page.getByText("Add two to eight runs").waitFor()],
+  ["runs-grouped", `#/?open=${ids.study}`, async (page) => page.locator(".of-study").first().waitFor()],
   ["studies", "#/studies", async (page) => page.getByRole("link", { name: "Which angle" }).waitFor()],
   ["study", `#/studies/${ids.study}`, async (page) => page.locator(".study-point.best").waitFor()],
   ["study-new", "#/studies/new", async (page) => page.locator(".verdict", { hasText: "At most" }).waitFor()],
+  ["study-fit", "#/studies/new", async (page) => {
+    await page.locator("[name=method]").selectOption("Fit to counts");
+    await page.setInputFiles('input[type="file"]', csv);
+    await page.getByText("belt.csv is stored and chosen.").waitFor();
+  }],
   ["new-form", "#/new", async (page) => page.getByText("Ready:").waitFor()],
   ["new-faults", "#/new", async (page) => {
     await page.getByText("Ready:").waitFor();

@@ -12,7 +12,7 @@ import { formatJson } from "../../web/src/json_text.js";
 import { parameterAt } from "../../web/src/parameters.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
-import { columnsOf, contentOf, differenceOf, flowOf, rateOf, throughputOf, valueAt } from "../../web/src/series.js";
+import { columnsOf, contentOf, differenceOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
 import { intervalOf, pointsOf } from "../../web/src/study_points.js";
 import { daemon } from "./daemon.mjs";
 
@@ -43,26 +43,12 @@ test("a snapshot's NPY is its JSON", async (t) => {
   assert.throws(() => readNpy(bytesOf({ body: Buffer.from("\x93NUMPY\x01\x00\x02\x00{}", "latin1") })), /another kind/);
 });
 
-test("the throughput of a curve is that of the daemon's comparison", async (t) => {
-  const d = await daemon(t);
-  const example = (await d.get("/v1/examples/example-1")).json;
-  const run = await d.submit({ ...example, duration_s: 3, macro: { cell_m: 0.02, step_s: "auto" } });
-  await d.reached(run.id, "succeeded");
-  const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
-  for (const column of ["upstream", "left_domain"]) {
-    const { a } = (await d.get(`/v1/compare?a=${run.id}&b=${run.id}&column=${column}`)).json;
-    near(throughputOf({ t: curve.t_s, v: curve[column] }), a.throughput_per_s, 1e-9 * a.throughput_per_s);
-  }
-});
-
 test("differences and rates of curves are those of lines", () => {
   const [a, b] = [{ t: [0, 1, 2, 3], v: [8, 6, 4, 2] }, { t: [0, 2], v: [8, 0] }];
   assert.deepEqual(differenceOf(a, b), { t: [0, 1, 2], v: [0, 2, 4] });
   // Two parts a second, whether they leave or come; what stands still has no rate.
   const rates = ({ v }) => rateOf({ t: [0, 1, 2, 3], v }).v.map((rate) => Math.round(rate * 1e9) / 1e9);
   assert.deepEqual([rates(a), rates({ v: [2, 4, 6, 8] }), rates({ v: [5, 5, 5, 5] })], [[2, 2], [2, 2], [0, 0]]);
-  assert.equal(throughputOf({ t: [0, 1], v: [5, 5] }), null);
-  near(throughputOf({ t: [0, 10], v: [0, 20] }), 2);
   near(valueAt([0, 2], [0, 10], 0.5), 2.5);
 });
 

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test, { after } from "node:test";
 
-import { closeBrowser, openPage, visit } from "./browser.mjs";
+import { assertAccessible, closeBrowser, openPage, visit } from "./browser.mjs";
 import { daemon } from "./daemon.mjs";
 import { jam } from "./scenarios.mjs";
 import { until } from "./setup.mjs";
@@ -69,7 +69,7 @@ test("a study is begun by the form, shows what it finds, and its points open the
   await page.waitForFunction(() => [...document.querySelectorAll(".pictures img")].filter((image) => image.naturalWidth > 0).length === 4);
   await visit(page, "#/studies");
   await page.getByRole("link", { name: "Parts inside, mean" }).waitFor();
-  await page.getByRole("cell", { name: "4 of 4" }).waitFor();
+  await page.getByRole("cell", { name: "4 trials" }).waitFor();
 });
 
 test("a study is paused, resumed, cancelled and deleted", async (t) => {
@@ -101,23 +101,41 @@ test("what both models say of the best points, and how a fit agrees with the cou
     method: { type: "screen", sweep: "grid", confirm: 2, indifference: 0.1 }, limits: { trials: 20 } });
   const page = await openPage(t, d);
   await visit(page, `#/studies/${screened}`);
-  await page.getByText("Confirmed: the microscopic model tried 2 points").waitFor();
+  await page.getByText("Confirmed: the microscopic model tried 2 points. With 95 % confidence none of them is better than this one by more than 0.1 parts")
+    .waitFor();
   await page.getByRole("rowheader", { name: "dropped" }).waitFor();
 
   const run = await d.submit(scenario);
   await d.reached(run.id, "succeeded");
   const curve = (await d.get(`/v1/runs/${run.id}/curve`)).json;
-  const { id: measurement } = (await d.post("/v1/measurements", { counter: "upstream", label: "hall", t_s: curve.t_s, count: curve.upstream })).json;
   await visit(page, `#/studies/new?from=${run.id}`);
   await page.locator("[name=method]").selectOption("Fit to counts");
   await page.locator("[name=parameter]").selectOption("belt speed");
   await page.locator("[name=trials]").fill("6");
-  assert.equal(await page.locator("[name=counts]").locator("option:checked").innerText(), "hall");
-  await page.getByRole("button", { name: "Start the study" }).click();
+
+  // Nothing is stored yet; a file that lacks a count is refused with its line, and taken once it is mended.
+  const start = page.getByRole("button", { name: "Start the study" });
+  const counts = page.locator("[name=counts]");
+  const file = page.getByLabel("Add counts from a file");
+  const said = page.getByRole("alert");
+  const comma = (number) => String(number).replace(".", ",");
+  const lines = ["Zeit;Teile", ...curve.t_s.map((time, k) => `${comma(time)};${comma(curve.upstream[k])}`)];
+  const hall = (text) => ({ name: "hall.csv", mimeType: "text/csv", buffer: Buffer.from(text.join("\r\n")) });
+  await page.getByText("No counts are stored yet.").waitFor();
+  assert.equal(await counts.isVisible(), false);
+  await start.click();
+  await said.getByText("A fit needs counts").waitFor();
+  assert.ok(await file.evaluate((box) => box === document.activeElement), "the way on has the focus");
+  await file.setInputFiles(hall([...lines.slice(0, 2), "0,05;", ...lines.slice(3)]));
+  await said.getByText("hall.csv: Line 3: “0,05” is not a time in seconds and a number of parts.").waitFor();
+  await assertAccessible(page, "counts at fault");
+  await file.setInputFiles(hall(lines));
+  await said.getByText("hall.csv is stored and chosen.").waitFor();
+  assert.equal(await counts.locator("option:checked").innerText(), "hall.csv");
+  await start.click();
   await page.locator(".pill", { hasText: "succeeded" }).waitFor();
   const id = /studies\/([^?]*)/.exec(page.url())[1];
   assert.deepEqual((await d.get(`/v1/studies/${id}/document`)).json.curves, [{ counter: "upstream", t_s: curve.t_s, count: curve.upstream }]);
-  assert.ok(measurement);
   await page.locator(".fit .plot-legend", { hasText: "computed" }).waitFor();
   await page.getByRole("row", { name: /^belt speed .* m\/s/ }).waitFor();
 });

@@ -75,16 +75,20 @@ export async function post(target, body, options = {}) {
 export const paths = {
   run: (id) => `v1/runs/${id}`,
   of: (id, what) => `v1/runs/${id}/${what}`,
-  runs: (query) => `v1/runs?${new URLSearchParams(query)}`,
 };
 
-// One page of the list: { runs, total, cursor } with the cursor of the next one, or null.
-export async function listRuns(query, options) {
-  const response = await ask(paths.runs(query), options);
+// One page of a list: { runs, total, cursor } or { studies, cursor }, with the cursor of the next one, or null. What is "" is not
+// asked for.
+async function listOf(path, query, options) {
+  const said = Object.entries(query).filter(([, value]) => value !== "");
+  const response = await ask(`${path}?${new URLSearchParams(said)}`, options);
   const next = /<([^>]*)>;\s*rel="next"/.exec(response.headers.get("link") ?? "");
   const cursor = next ? new URL(next[1], location.href).searchParams.get("cursor") : null;
   return { ...(await response.json()), cursor };
 }
+
+export const listRuns = (query, options) => listOf("v1/runs", query, options);
+export const listStudies = (query, options) => listOf("v1/studies", query, options);
 
 export function cancelRun(id) {
   return ask(paths.of(id, "cancel"), { method: "POST" });

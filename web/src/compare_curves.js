@@ -3,7 +3,7 @@
 
 import { CurvePlot } from "./curve_plot.js";
 import { h, iconButton } from "./dom.js";
-import { listMeasured, loadMeasured, readMeasured, storeMeasured } from "./measured.js";
+import { fileButton, listMeasured, loadMeasured, storeFile } from "./measured.js";
 import { note } from "./router.js";
 import { columnsOf, differenceOf, flowOf, isFed, isOneWay, rateOf } from "./series.js";
 import { DASHES } from "./theme.js";
@@ -70,8 +70,6 @@ export class CompareCurves {
   }
 
   measuredRow() {
-    const file = h("input", { type: "file", accept: ".csv,.txt,text/csv", class: "hidden",
-      on: { change: () => file.files[0] && this.lay(file.files[0]) } });
     const stored = h("select", { "aria-label": "Stored counts", hidden: true,
       on: { change: () => stored.value && this.loadMeasured([stored.value]) } });
     listMeasured().then((list) => {
@@ -79,7 +77,7 @@ export class CompareCurves {
       stored.replaceChildren(h("option", { value: "" }, "Stored counts …"),
         ...list.map(({ id, label, counter }) => h("option", { value: id }, `${label || id.slice(-8)} (${counter})`)));
     }).catch(() => {}); // without the list counts can still be laid over
-    return h("p", { class: "row hint" }, h("label", { class: "button" }, file, "Lay measured counts over"), stored,
+    return h("p", { class: "row hint" }, fileButton("Lay measured counts over", (file) => this.lay(file)), stored,
       h("span", {}, "or drop a CSV here: times in seconds, then counts of parts."));
   }
 
@@ -96,11 +94,10 @@ export class CompareCurves {
   // A file whose second column is called like a counter is bound to that, another to the one that is shown.
   async lay(file) {
     try {
-      const curve = readMeasured(await file.text());
-      const isKnown = this.runs.some(({ scenario }) => columnsOf(scenario).some(([name]) => name === curve.name));
-      this.add(await storeMeasured(curve, file.name, isKnown ? curve.name : this.measuredColumn()));
+      const isColumn = (wanted) => this.runs.some(({ scenario }) => columnsOf(scenario).some(([name]) => name === wanted));
+      this.add(await storeFile(file, this.measuredColumn(), isColumn));
     } catch (error) {
-      toast(`${file.name}: ${error.message}`, { isFault: true });
+      tellFault(error);
     }
   }
 

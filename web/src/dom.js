@@ -37,6 +37,7 @@ const paths = {
   stop: "M3 3h10v10H3z",
   trash: "M6 1h4l1 1.5h3V4H2V2.5h3zM3 5h10l-.8 10H3.8z",
   copy: "M2 1h8v2H4v8H2zM5.5 4.5H14V15H5.5z",
+  chevron: "M5 2.5 11 8l-6 5.5z",
   close: "M3 4.4 4.4 3 8 6.6 11.6 3 13 4.4 9.4 8l3.6 3.6-1.4 1.4L8 9.4 4.4 13 3 11.6 6.6 8z",
   minus: "M2 7h12v2H2z",
   film: "M1 3h10v10H1zM12 7l3-2.5v7L12 9z",

@@ -1,7 +1,7 @@
 // The figures that studies are made for: their words, what is better, and which difference hardly matters to a planner.
 
 export const studied = [
-  { figure: "throughput_per_h", goal: "maximize", indifference: 1000 },
+  { figure: "sustained_throughput_per_h", goal: "maximize", indifference: 1000 },
   { figure: "drained_at_s", goal: "minimize", indifference: 0.2 },
   { figure: "residence_s.p95", goal: "minimize", indifference: 0.2 },
   { figure: "residence_s.mean", goal: "minimize", indifference: 0.1 },
@@ -12,9 +12,16 @@ export const studied = [
 ];
 
 const words = {
-  throughput_per_h: "Throughput", drained_at_s: "Drained at", "residence_s.p95": "Residence, 95 %", "residence_s.mean": "Residence, mean",
+  sustained_throughput_per_h: "Throughput", throughput_per_h: "Throughput", drained_at_s: "Drained at",
+  "residence_s.p95": "Residence, 95 %", "residence_s.mean": "Residence, mean",
   peak_density: "Peak density", "jam.total_s": "Time in jams", "content.mean": "Parts inside, mean", "content.max": "Parts inside, most",
 };
+
+// The names of what a study's document is about, ["sustained_throughput_per_h", "content.mean:upstream"].
+export function figureNames({ objectives = [], curves = [] }) {
+  return curves.length > 0 ? curves.map(({ counter }) => `mse:${counter}`)
+    : objectives.map(({ figure, of }) => (of ? `${figure}:${of}` : figure));
+}
 
 // "Throughput", "Parts inside, mean, of upstream", "Distance from the counts, upstream".
 export function figureTitle(name) {

@@ -54,8 +54,8 @@ export class KeyFiguresPanel {
     });
   }
 
-  // figures: as the API gives them, or null: there are none yet. Without feeds the mean over the run's time says nothing of
-  // how fast parts pass.
+  // figures: as the API gives them, or null: there are none yet. With feeds both throughputs are the same; without, the mean
+  // over the run's time says nothing of how fast parts pass.
   show(figures, isFed) {
     this.figures = figures;
     this.isFed = isFed;
@@ -64,7 +64,8 @@ export class KeyFiguresPanel {
     const known = this.schemas ?? {};
     const parts = Object.entries(groups).flatMap(([word, [name, schema]]) => (figures[word] ?? []).map((item) =>
       (Object.keys(item).length > 1 ? [h("h3", {}, `${name} “${item.id}”`), list(item, known[schema])] : [])));
-    const { throughput_per_h: mean, throughput_error_per_h: error, ...others } = figures;
-    this.body.replaceChildren(list(isFed ? figures : others, known.RunFigures), ...parts.flat());
+    const unsaid = isFed ? ["sustained_throughput_per_h"] : ["throughput_per_h", "throughput_error_per_h"];
+    const said = Object.fromEntries(Object.entries(figures).filter(([word]) => !unsaid.includes(word)));
+    this.body.replaceChildren(list(said, known.RunFigures), ...parts.flat());
   }
 }

@@ -4,17 +4,9 @@
 import { isOver } from "./api.js";
 import { h } from "./dom.js";
 import { fixed, number, parts } from "./format.js";
-import { isFed, throughputOf } from "./series.js";
+import { isFed } from "./series.js";
 
-const PER_H = 3600;
 const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
-
-// Of cargo that is on the belt at the start: while the middle 80 % of it passed the first counter.
-function batchThroughput({ run, scenario, curve }) {
-  const v = curve.columns.get(scenario.counters[0].id) ?? [];
-  const rate = isOver(run) ? throughputOf({ t: curve.t, v }) : null;
-  return rate === null ? null : PER_H * rate;
-}
 
 // Summaries of earlier versions do not say it among the key figures.
 function entered({ figures: known, summary, snapshots }) {
@@ -34,7 +26,7 @@ const figures = [
   {
     name: "Throughput",
     unit: "parts/h",
-    value: (data) => (isFed(data.scenario) ? data.figures?.throughput_per_h ?? null : batchThroughput(data)),
+    value: ({ figures: known }) => known?.sustained_throughput_per_h ?? null,
     text: (value, { figures: known, scenario }) => {
       const error = isFed(scenario) ? known?.throughput_error_per_h : undefined;
       return `${number(value === null ? null : Number(value.toPrecision(3)), 6)}${error > 0 ? ` ± ${parts(error, 2)}` : ""}`;

@@ -70,7 +70,7 @@ async function show(route) {
 }
 
 function fail(error, route) {
-  if (error.status === 404) explain("There is no such run", "It was deleted, or the address is not complete.");
+  if (error.status === 404) explain(`There is no such ${route.name === "studies" ? "study" : "run"}`, "It was deleted, or the address is not complete.");
   else explain("This could not be shown", error.message);
   if (error.status !== 0) return;
   const stop = onConnection((isAway) => {

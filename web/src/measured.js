@@ -3,6 +3,7 @@
 import Papa from "papaparse";
 
 import { getJson, post } from "./api.js";
+import { h } from "./dom.js";
 
 // With another separator the comma may be the decimal mark.
 function valueOf(cell = "") {
@@ -42,6 +43,27 @@ export async function loadMeasured(id) {
 
 export async function storeMeasured({ t, v }, label, counter) {
   return shown(await post("v1/measurements", { label, counter, t_s: t, count: v }));
+}
+
+// Stores a file under its name: for the counter that its second column is called like, if isCounter(name) knows it, else for
+// this one. The error begins with the file's name.
+export async function storeFile(file, counter, isCounter) {
+  try {
+    const curve = readMeasured(await file.text());
+    return await storeMeasured(curve, file.name, isCounter(curve.name) ? curve.name : counter);
+  } catch (error) {
+    throw new Error(`${file.name}: ${error.message}`);
+  }
+}
+
+// A button that takes a file of counts. It forgets the file, so that the same one can be given again once it is mended.
+export function fileButton(text, onFile, properties = {}) {
+  const box = h("input", { type: "file", accept: ".csv,.txt,text/csv", class: "hidden", ...properties, on: { change: () => {
+    const [file] = box.files;
+    box.value = "";
+    if (file) onFile(file);
+  } } });
+  return h("label", { class: "button" }, box, text);
 }
 
 // Stored curves, the newest first, without their samples.

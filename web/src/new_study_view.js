@@ -1,9 +1,10 @@
 // A new study: which parameter, from where to where, what is best, and how the values are chosen.
 
-import { getJson, post, Problem } from "./api.js";
+import { post, Problem } from "./api.js";
 import { h, setText } from "./dom.js";
 import { figureTitle, figureUnit, studied } from "./figures.js";
 import { span } from "./format.js";
+import { fileButton, listMeasured, storeFile } from "./measured.js";
 import { address, go } from "./router.js";
 import { ScenarioSource } from "./scenario_source.js";
 import { baseFor, studyParameters } from "./study_parameters.js";
@@ -27,9 +28,8 @@ export class NewStudyView {
   async mount(root, { query }) {
     this.source = new ScenarioSource(query, (begun) => this.setScenario(begun), (error) => this.say(error.message));
     root.append(h("p", { class: "loading" }, "Loading …"));
-    [{ measurements: this.counts }] = await Promise.all([getJson("v1/measurements"), this.source.load()]);
+    [this.counts] = await Promise.all([listMeasured(), this.source.load()]);
     if (this.isGone) return;
-    this.counts = this.counts.filter(({ kind }) => kind === undefined);
     root.replaceChildren(...this.build());
     await this.source.begin();
   }
@@ -60,7 +60,6 @@ export class NewStudyView {
     this.figureBox = h("select", { name: "figure", on: { change: () => this.chooseFigure() } });
     this.indifferenceBox = this.box("indifference", "");
     this.indifferenceUnit = h("span", { class: "unit" });
-    this.countsBox = h("select", { name: "counts" }, this.counts.map(({ id, label, counter }) => h("option", { value: id }, label || `${counter}, ${id.slice(-8)}`)));
     this.counterBox = h("select", { name: "counter" });
     this.methodBox = h("select", { name: "method", on: { change: () => this.chooseMethod(this.methodBox.value) } },
       methods.map(([value, text]) => h("option", { value }, text)));
@@ -82,8 +81,7 @@ export class NewStudyView {
       figure: this.field("Figure", this.figureBox),
       indifference: this.field("Does not matter below", this.indifferenceBox, "a difference of the figure", this.indifferenceUnit),
       counter: this.field("Counter", this.counterBox, "where parts were counted"),
-      counts: this.field("Counts", this.countsBox, this.counts.length > 0 ? "that were measured and stored"
-        : "none are stored yet: lay a file of counts over the curves of a comparison"),
+      counts: this.countsField(),
     };
     const card = (id, title, ...children) => h("section", { class: "card", "aria-labelledby": id }, h("h2", { id }, title), ...children);
     return [h("div", { class: "view-head" }, h("h1", {}, "New study")),
@@ -98,6 +96,44 @@ export class NewStudyView {
         h("label", { class: "field" }, h("span", {}, "Method"), this.methodBox, this.methodHint),
         this.parts.figure, this.parts.counter, this.parts.counts, this.parts.model, this.parts.runs, this.parts.trials, this.parts.indifference)),
       this.faults, h("div", { class: "submit-row" }, this.button, this.verdict))];
+  }
+
+  // Which of the stored counts, or a file of them.
+  countsField() {
+    this.countsBox = h("select", { name: "counts", "aria-label": "Counts" });
+    this.noCounts = h("small", { class: "hint" }, "No counts are stored yet.");
+    this.countsNote = h("small", { role: "alert" });
+    const hint = h("small", { class: "hint", id: "counts-hint" }, "a CSV: times in seconds, then counts of parts");
+    const button = fileButton("Add counts from a file …", (file) => this.addCounts(file), { "aria-describedby": hint.id });
+    this.offerCounts();
+    return h("div", { class: "field" }, h("span", {}, "Counts"), this.countsBox, this.noCounts, button, hint, this.countsNote);
+  }
+
+  offerCounts() {
+    this.countsBox.replaceChildren(...this.counts.map(({ id, label, counter }) =>
+      h("option", { value: id }, label || `${counter}, ${id.slice(-8)}`)));
+    this.countsBox.hidden = this.counts.length === 0;
+    this.noCounts.hidden = !this.countsBox.hidden;
+  }
+
+  async addCounts(file) {
+    this.noteCounts(""); // what is said twice is read out twice
+    try {
+      const isCounter = (name) => [...this.counterBox.options].some(({ value }) => value === name);
+      const stored = await storeFile(file, this.counterBox.value, isCounter);
+      this.counts.unshift(stored);
+      this.offerCounts();
+      this.countsBox.value = stored.id;
+      this.counterBox.value = stored.counter;
+      this.noteCounts(`${stored.label} is stored and chosen.`, "hint");
+    } catch (error) {
+      this.noteCounts(error.message);
+    }
+  }
+
+  noteCounts(text, kind = "fault") {
+    this.countsNote.className = kind;
+    setText(this.countsNote, text);
   }
 
   async setScenario({ scenario, model }) {
@@ -233,6 +269,11 @@ export class NewStudyView {
   }
 
   async submit() {
+    if (this.method === "calibrate" && this.counts.length === 0) {
+      this.noteCounts("A fit needs counts: add a file of them.");
+      this.parts.counts.querySelector("input").focus();
+      return;
+    }
     this.button.disabled = true;
     try {
       const { id } = await post("v1/studies", this.document());

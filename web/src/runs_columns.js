@@ -23,21 +23,26 @@ function progressText(run) {
   return `${run.status === "failed" ? "failed" : "stopped"} at ${share()}`;
 }
 
-const figure = (name, sort, title, text) => ({ name, sort, title, isRight: true, text: ({ key_figures: figures }) => (figures ? text(figures) : "–") });
+// "belt speed" is headed "Belt speed".
+export const titleOfLabel = (label) => label[0].toUpperCase() + label.slice(1);
 
-// sort: the server's word for it, or none; begins: whether a press on the header shows the largest first.
+const figure = (name, sort, title, text) => ({ name, sort, title, kind: "right", text: ({ key_figures: figures }) => (figures ? text(figures) : "–") });
+
+// sort: the server's word for it, or none; begins: whether a press on the header shows the largest first; kind: classes of its
+// cells, minor ones being left out where there is no room.
 export const columns = [
   { name: "Run", sort: "name" },
   { name: "Model", sort: "model", text: ({ model }) => model },
   { name: "State", sort: "status" },
-  { name: "Progress", text: progressText },
+  { name: "Progress", kind: "progress", text: progressText },
   figure("Parts through", null, "Parts that left the belt, of those at the start and those that entered",
     ({ parts }) => (parts ? `${count(parts.left)} of ${count(parts.entered)}` : "–")),
-  { ...figure("Throughput", "throughput_per_h", "Parts that left, by the whole time of the run",
-    (figures) => quantity(whole(figures.throughput_per_h), "/h")), begins: "-" },
+  { ...figure("Throughput", "sustained_throughput_per_h", "Parts per hour while parts came through",
+    (figures) => quantity(whole(figures.sustained_throughput_per_h), "/h", 4)), begins: "-" },
   figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
-  figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
+  { ...figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
+    kind: "right minor" },
   { ...figure("Peak", "peak_density", "Largest density, 100 % being close packing",
-    (figures) => (figures.peak_density === undefined ? "–" : percent(figures.peak_density))), begins: "-" },
+    (figures) => (figures.peak_density === undefined ? "–" : percent(figures.peak_density))), begins: "-", kind: "right minor" },
   { name: "Age", sort: "created", begins: "-" },
 ];

@@ -5,7 +5,7 @@ import { isOver } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { age, moment, nameOf } from "./format.js";
 import { address } from "./router.js";
-import { columns } from "./runs_columns.js";
+import { columns, titleOfLabel } from "./runs_columns.js";
 
 export const states = ["queued", "running", "succeeded", "failed", "cancelled"];
 
@@ -34,11 +34,11 @@ export class RunRow {
     this.remove = iconButton("trash", "Delete", () => actions.onRemove(this.run), { class: "bare" });
     this.texts = new Map(columns.filter(({ text }) => text).map(({ name, title }) => [name, h("span", { class: "figures", title })]));
     const inside = { State: [this.state.pill], Progress: [this.bar, this.texts.get("Progress"), this.fault], Age: [this.age] };
+    this.name = h("td", { role: "cell", class: "name" }, this.title, this.label, this.chips);
+    this.parameters = [];
     this.element = h("tr", { role: "row" },
-      h("td", { role: "cell", class: "pick" }, h("label", {}, this.check, h("span", { class: "hidden" }, "Compare"))),
-      h("td", { role: "cell", class: "name" }, this.title, this.label, this.chips),
-      columns.slice(1).map(({ name, isRight }) => h("td", { role: "cell", "data-label": name,
-        class: [isRight ? "right" : "", name === "Progress" ? "progress" : ""].join(" ").trim() || null }, inside[name] ?? this.texts.get(name))),
+      h("td", { role: "cell", class: "pick" }, h("label", {}, this.check, h("span", { class: "hidden" }, "Compare"))), this.name,
+      columns.slice(1).map(({ name, kind }) => h("td", { role: "cell", "data-label": name, class: kind }, inside[name] ?? this.texts.get(name))),
       h("td", { role: "cell", class: "actions" }, this.cancel, this.remove));
     this.show(run);
   }
@@ -64,11 +64,15 @@ export class RunRow {
     this.check.setAttribute("aria-label", `Select ${name} (${run.model}) to compare`);
   }
 
-  // What distinguishes the run from its variants: ["angle 75°"].
-  showChips(chips) {
-    const key = chips.join();
-    if (this.shownChips === key) return;
-    this.shownChips = key;
+  // What distinguishes the run from its variants: parameters in columns behind its name, ["75°", "0.5 m/s"], and those that
+  // have no column, ["foot at y 0 m"].
+  showVariant(labels, { texts, chips }) {
+    const key = JSON.stringify([labels, texts, chips]);
+    if (this.shownVariant === key) return;
+    this.shownVariant = key;
     this.chips.replaceChildren(...chips.map((chip) => h("span", { class: "chip" }, chip)));
+    for (const cell of this.parameters) cell.remove();
+    this.parameters = labels.map((label, k) => h("td", { role: "cell", "data-label": titleOfLabel(label), class: "right" }, texts[k]));
+    this.name.after(...this.parameters);
   }
 }

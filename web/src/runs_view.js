@@ -1,4 +1,4 @@
-// The list of runs: updated by events, filtered, paged by the API's cursor.
+// The list of runs: updated by events, filtered, paged by the API's cursor, with studies between them.
 
 import { getJson, isOver, listRuns } from "./api.js";
 import { onConnection } from "./connection.js";
@@ -8,6 +8,8 @@ import { firstVisit } from "./first_visit.js";
 import { address } from "./router.js";
 import { cancel, isGoing, removeLater } from "./run_actions.js";
 import { columns } from "./runs_columns.js";
+import { grouped, MoreRow, StudyRow } from "./runs_groups.js";
+import { parameterOf, RunsHead, sortedBy } from "./runs_head.js";
 import { RunRow, states } from "./runs_table.js";
 import { Tray } from "./runs_tray.js";
 import { selected } from "./selection.js";
@@ -21,7 +23,10 @@ export class RunsView {
   constructor() {
     this.title = "Runs";
     this.rows = new Map();
-    this.variants = new Variants((id, chips) => this.rows.get(id)?.showChips(chips));
+    this.others = new Map(); // rows of studies, and of what they do not show
+    this.known = new Map();
+    this.labels = [];
+    this.variants = new Variants((labels, known) => this.showVariants(labels, known));
     this.stopEvents = () => {};
     this.followed = "";
   }
@@ -79,19 +84,18 @@ export class RunsView {
     const element = this.choice("sort", "Sort by", columns.filter(({ sort }) => sort)
       .map(({ name, sort, begins = "" }) => [`${begins}${sort}`, name.toLowerCase()]), "newest first");
     element.classList.add("sorting");
-    this.sortBox = element.querySelector("select");
-    this.sortBox.addEventListener("change", () => this.showSorting());
+    element.querySelector("select").addEventListener("change", () => this.header.showSorting(this.query.get("sort")));
     return element;
   }
 
-  // The runs of a study's trials are listed by themselves.
+  // The runs of one study's trials, by themselves.
   async offerStudies() {
     const { studies } = await getJson("v1/studies?limit=50");
     const id = this.query.get("study");
     if (this.isGone || (studies.length === 0 && !id)) return;
     const known = studies.map((study) => [study.id, nameOfStudy(study)]);
     if (id && !known.some(([one]) => one === id)) known.push([id, `Study ${id.slice(-8)}`]);
-    this.studies.replaceChildren(this.choice("study", "Study", known, "none: single runs"),
+    this.studies.replaceChildren(this.choice("study", "Study", known, "grouped"),
       ...(id ? [link(address("studies", id), "Show the study")] : []));
   }
 
@@ -101,21 +105,9 @@ export class RunsView {
     if ("study" in change) this.offerStudies().catch(() => {});
   }
 
-  // The same column again: the other way round.
-  sortBy({ sort, begins = "" }) {
-    const now = this.query.get("sort") ?? "-created";
-    const first = `${begins}${sort}`;
-    this.filter({ sort: now === first ? (begins ? sort : `-${sort}`) : first });
-    this.showSorting();
-  }
-
-  showSorting() {
-    const now = this.query.get("sort") ?? "-created";
-    for (const [sort, header] of this.headers) {
-      const isHere = now === sort || now === `-${sort}`;
-      if (isHere) header.setAttribute("aria-sort", now === sort ? "ascending" : "descending");
-      else header.removeAttribute("aria-sort");
-    }
+  sortBy(sort) {
+    this.filter({ sort });
+    this.header.showSorting(sort);
   }
 
   // Another page, to which the browser's way back leads, too. trail: the cursors of the pages before it, kept with its entry
@@ -132,18 +124,9 @@ export class RunsView {
   table() {
     this.body = h("tbody", { role: "rowgroup" });
     this.state = h("div", { class: "empty" }, h("p", {}, "Loading …"));
-    this.headers = new Map();
-    const hidden = (name) => h("th", { role: "columnheader", scope: "col" }, h("span", { class: "hidden" }, name));
-    const header = columns.map((column) => {
-      const { name, sort, title, isRight } = column;
-      const element = h("th", { role: "columnheader", scope: "col", title, class: isRight ? "right" : null },
-        sort ? h("button", { type: "button", class: "sorter", on: { click: () => this.sortBy(column) } }, name) : name);
-      if (sort) this.headers.set(sort, element);
-      return element;
-    });
-    this.list = h("table", { class: "runs", role: "table", hidden: true },
-      h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, hidden("Select"), header, hidden("Actions"))), this.body);
-    this.showSorting();
+    this.header = new RunsHead((sort) => this.sortBy(sort));
+    this.header.showSorting(this.query.get("sort"));
+    this.list = h("table", { class: "runs", role: "table", hidden: true }, this.header.element, this.body);
     return h("section", { class: "card list", "aria-label": "Runs" }, this.list, this.state);
   }
 
@@ -175,12 +158,11 @@ export class RunsView {
     const abort = new AbortController();
     this.abort = abort;
     try {
-      const query = { limit: LIMIT, count: 1, ...Object.fromEntries(this.query) };
-      const { runs, cursor, total } = await listRuns(query, { signal: abort.signal });
+      const { entries, cursor, total } = await this.load({ signal: abort.signal });
       if (this.isGone || abort.signal.aborted) return;
       this.next = cursor;
       setText(this.total, total === undefined ? "" : String(total.toLocaleString("en")));
-      this.show(runs);
+      this.show(entries);
     } catch (error) {
       if (error.name === "AbortError" || this.isGone) return;
       this.explain(error);
@@ -188,35 +170,92 @@ export class RunsView {
     if (!document.hidden) this.timer = setTimeout(() => this.refresh(), PERIOD_MS);
   }
 
+  // A page of the list. Studies stand between the newest runs; other orders and filters are of single runs.
+  async load(options) {
+    const { open = "", search = "", sort = "", cursor = "", ...query } = Object.fromEntries(this.query);
+    const order = parameterOf(sort) === null ? sort : "";
+    const page = await listRuns({ limit: LIMIT, count: 1, ...query, search, sort: order, cursor }, options);
+    const isGrouped = !["study", "status", "model", "label", "sort"].some((name) => this.query.get(name));
+    const entries = isGrouped ? await grouped(page, { after: cursor, open: open.split(","), search }, options)
+      : page.runs.map((run) => ({ run }));
+    return { ...page, entries };
+  }
+
+  // An open study shows the runs of its trials; which ones are stands in the address.
+  toggle({ id }) {
+    const open = (this.query.get("open") ?? "").split(",").filter(Boolean);
+    this.move({ open: (open.includes(id) ? open.filter((one) => one !== id) : [...open, id]).join(",") }, this.trail, true);
+  }
+
   explain(error) {
     if (this.rows.size > 0 && error.status === 0) return; // the banner says it
     this.body.replaceChildren();
     this.rows.clear();
+    this.others.clear();
     this.list.hidden = true;
     this.state.hidden = false;
     this.emptyShown = "fault";
     this.state.replaceChildren(h("p", { class: "fault" }, error.message));
   }
 
-  show(all) {
-    const runs = all.filter((run) => !isGoing(run.id));
-    const seen = new Set(runs.map((run) => run.id));
-    for (const [id, row] of this.rows) {
-      if (seen.has(id)) continue;
-      row.element.remove();
-      this.rows.delete(id);
-    }
-    runs.forEach((run, k) => this.showRow(run, k));
+  show(entries) {
+    this.entries = entries.filter(({ run }) => !run || !isGoing(run.id));
+    const runs = this.entries.flatMap(({ run }) => run ?? []);
     this.newer.hidden = !this.query.get("cursor");
     setText(this.newer, this.trail.length > 0 ? "← Newer" : "← Newest");
     this.older.hidden = this.next === null;
+    this.showRows();
     this.showSelection();
-    this.showEmpty(runs.length);
+    this.showEmpty(this.entries.length);
     this.variants.want(runs);
     this.followActive(runs);
   }
 
-  showRow(run, k) {
+  isWhole() {
+    return this.next === null && !this.query.get("cursor");
+  }
+
+  showVariants(labels, known) {
+    Object.assign(this, { labels, known });
+    if (!this.isGone) this.showRows();
+  }
+
+  // Rows stay where they are the same, so that the focus does.
+  showRows() {
+    this.header.showParameters(this.labels, this.isWhole());
+    const sort = this.query.get("sort");
+    const k = this.labels.indexOf(parameterOf(sort));
+    const entries = k < 0 || !this.isWhole() ? this.entries : sortedBy(this.entries, sort, ({ run }) => this.known.get(run.id)?.values[k]);
+    const rows = entries.map((entry) => this.rowOf(entry));
+    for (const map of [this.rows, this.others]) {
+      for (const [id, row] of map) {
+        if (rows.includes(row)) continue;
+        row.element.remove();
+        map.delete(id);
+      }
+    }
+    rows.forEach(({ element }, at) => {
+      if (this.body.children[at] !== element) this.body.insertBefore(element, this.body.children[at] ?? null);
+    });
+  }
+
+  rowOf(entry) {
+    const { run, study, more } = entry;
+    const other = (id, make) => this.others.get(id) ?? this.others.set(id, make()).get(id);
+    if (more) {
+      const row = other(more.href, () => new MoreRow(more));
+      row.show(this.labels.length);
+      return row;
+    }
+    if (!run) {
+      const row = other(study.id, () => new StudyRow(study, (one) => this.toggle(one)));
+      row.show(entry, this.labels.length);
+      return row;
+    }
+    return this.rowOfRun(run, study);
+  }
+
+  rowOfRun(run, study) {
     let row = this.rows.get(run.id);
     if (!row) {
       row = new RunRow(run, {
@@ -226,9 +265,11 @@ export class RunsView {
       });
       this.rows.set(run.id, row);
     }
+    row.element.classList.toggle("of-study", study !== undefined);
     row.show(run);
+    row.showVariant(this.labels, this.known.get(run.id) ?? { texts: this.labels.map(() => "–"), chips: [] });
     if (selected.has(run.id)) selected.set(run.id, run);
-    if (this.body.children[k] !== row.element) this.body.insertBefore(row.element, this.body.children[k] ?? null);
+    return row;
   }
 
   // The focus goes on to the next run, and back with the run that comes back.

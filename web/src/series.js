@@ -81,19 +81,3 @@ export function rateOf({ t, v }) {
   const passed = (time) => sign * (valueAt(t, v, time + half) - valueAt(t, v, Math.max(time - half, t[0])));
   return { t: times, v: times.map((time) => Math.max(0, passed(time)) / (2 * half)) };
 }
-
-// The first time at which a curve reaches a value on its way from its first to its last one.
-function timeOfReaching({ t, v }, value) {
-  const sign = Math.sign(v.at(-1) - v[0]);
-  const k = v.findIndex((one) => sign * (one - value) >= 0);
-  if (k <= 0) return t[Math.max(k, 0)];
-  return t[k - 1] + ((value - v[k - 1]) / (v[k] - v[k - 1])) * (t[k] - t[k - 1]);
-}
-
-// Parts per second while the middle 80 % of what passes did, as the API's comparisons define it; null: nothing passes.
-export function throughputOf(curve) {
-  const [first, last] = [curve.v[0], curve.v.at(-1)];
-  if (curve.v.length < 2 || first === last) return null;
-  const [t10, t90] = [0.1, 0.9].map((share) => timeOfReaching(curve, first + share * (last - first)));
-  return t90 > t10 ? (0.8 * Math.abs(last - first)) / (t90 - t10) : null;
-}

@@ -1,11 +1,11 @@
 // The list of studies.
 
-import { ask, getJson } from "./api.js";
+import { listStudies } from "./api.js";
 import { h, link } from "./dom.js";
 import { age, moment } from "./format.js";
 import { address } from "./router.js";
 import { statePill } from "./runs_table.js";
-import { methodWords, nameOfStudy } from "./study_words.js";
+import { methodWords, nameOfStudy, trialsWords } from "./study_words.js";
 
 const PERIOD_MS = 2000;
 const columns = ["Study", "Method", "State", "Trials", "Age"];
@@ -36,11 +36,9 @@ export class StudiesView {
 
   async refresh() {
     try {
-      const response = await ask(`v1/studies?limit=50${this.cursor ? `&cursor=${this.cursor}` : ""}`);
-      const next = /[?&]cursor=([^&>]*)[^>]*>;\s*rel="next"/.exec(response.headers.get("link") ?? "")?.[1];
-      const { studies } = await response.json();
+      const { studies, cursor } = await listStudies({ limit: 50, cursor: this.cursor });
       if (this.isGone) return;
-      this.show(studies, next);
+      this.show(studies, cursor);
     } catch (error) {
       if (this.isGone) return;
       if (error.status !== 0 || this.key === undefined) throw error;
@@ -64,12 +62,10 @@ export class StudiesView {
   }
 
   row(study) {
-    const { trials } = study;
     const { pill, show } = statePill(study);
     show(study);
-    const done = trials.succeeded + trials.failed + trials.infeasible + trials.pruned + trials.cancelled;
     return h("tr", {}, h("th", { scope: "row", class: "name" }, link(address("studies", study.id), nameOfStudy(study))),
-      h("td", {}, methodWords(study)), h("td", {}, pill), h("td", { class: "figures" }, `${done} of ${trials.limit}`),
+      h("td", {}, methodWords(study)), h("td", {}, pill), h("td", { class: "figures" }, trialsWords(study)),
       h("td", {}, h("time", { datetime: study.created_at, title: moment(study.created_at) }, age(study.created_at))));
   }
 }

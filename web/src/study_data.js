@@ -5,11 +5,6 @@ import { report } from "./connection.js";
 
 const RETRY_MS = 2000;
 const BEST_EVERY_MS = 1500;
-const over = new Set(["succeeded", "failed", "cancelled"]);
-
-export function isStudyOver(study) {
-  return over.has(study.status);
-}
 
 export class StudyData {
   constructor(id) {

@@ -1,5 +1,6 @@
 // What of a scenario a study can vary, from where to where, and how the scenario is written for it.
 
+import { stemOf } from "./differences.js";
 import { parameterAt } from "./parameters.js";
 import { angleOf, plateOf, tidy, withPlate } from "./plate.js";
 
@@ -69,9 +70,10 @@ export function studyParameters(scenario, resolved) {
   ];
 }
 
-// The scenario as a study of this parameter over this range wants it.
+// The scenario as a study of this parameter over this range wants it; its name, which all trials have, does not say the parameter.
 export function baseFor(scenario, parameter, range) {
   const copy = structuredClone(scenario);
   parameter.write(copy, range);
+  if (copy.name) copy.name = stemOf(copy.name, [parameter.label]);
   return copy;
 }

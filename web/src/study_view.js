@@ -1,15 +1,15 @@
 // One study: a figure against a parameter while it is made, what is best, and of a fit the curves that were fitted.
 
-import { ask, post, ticketed } from "./api.js";
+import { ask, isOver, post, ticketed } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
-import { figureTitle, figureUnit } from "./figures.js";
+import { figureNames, figureTitle, figureUnit } from "./figures.js";
 import { age } from "./format.js";
 import { parameterAt } from "./parameters.js";
 import { address, go, note } from "./router.js";
 import { statePill } from "./runs_table.js";
 import { BestPanel } from "./study_best.js";
 import { StudyChart } from "./study_chart.js";
-import { isStudyOver, StudyData } from "./study_data.js";
+import { StudyData } from "./study_data.js";
 import { FitPanel } from "./study_fit.js";
 import { StudyPictures } from "./study_pictures.js";
 import { pointsOf } from "./study_points.js";
@@ -31,8 +31,7 @@ export class StudyView {
     const { document: doc } = this.data;
     const { scenario } = doc.base;
     this.words = new Map(doc.parameters.map(({ pointer }) => [pointer, parameterAt(pointer, scenario)]));
-    this.figures = doc.curves?.length > 0 ? doc.curves.map(({ counter }) => `mse:${counter}`)
-      : doc.objectives.map(({ figure, of }) => (of ? `${figure}:${of}` : figure));
+    this.figures = figureNames(doc);
     this.figure = this.figures.includes(query.get("figure")) ? query.get("figure") : this.figures[0];
     this.pointer = this.words.has(query.get("against")) ? query.get("against") : doc.parameters[0].pointer;
     root.replaceChildren(...this.build());
@@ -50,7 +49,7 @@ export class StudyView {
   }
 
   build() {
-    this.best = new BestPanel(this.words, this.figures);
+    this.best = new BestPanel(this.data.document.method, this.words, this.figures);
     this.fit = this.data.document.curves?.length > 0 ? new FitPanel(this.data, this.words) : null;
     this.pictures = new StudyPictures(this.data);
     this.chart = new StudyChart((point) => this.open(point));
@@ -110,12 +109,12 @@ export class StudyView {
     this.state.show(study);
     const { trials } = study;
     const done = this.data.ended().length;
-    setText(this.count, `${done} of ${isStudyOver(study) ? done : trials.limit} trials`);
-    this.bar.hidden = isStudyOver(study) || study.status === "paused";
+    setText(this.count, `${done} of ${isOver(study) ? done : trials.limit} trials`);
+    this.bar.hidden = isOver(study) || study.status === "paused";
     this.bar.value = done / Math.max(1, trials.limit);
     this.buttons.pause.hidden = !["queued", "running"].includes(study.status);
     this.buttons.resume.hidden = study.status !== "paused";
-    this.buttons.cancel.hidden = isStudyOver(study);
+    this.buttons.cancel.hidden = isOver(study);
     const points = pointsOf(this.data.ended(), this.figure);
     const unit = figureUnit(this.figure);
     const { label, unit: of } = this.words.get(this.pointer);

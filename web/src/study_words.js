@@ -1,5 +1,6 @@
 // Studies in words.
 
+import { isOver } from "./api.js";
 import { models, quantity } from "./format.js";
 import { valueText } from "./parameters.js";
 
@@ -12,8 +13,19 @@ export function methodWords({ method, model }) {
   return method === "screen" ? methods.screen : `${methods[method]}, ${models[model]}`;
 }
 
+// "12 of 36 trials", and "31 trials" in the end.
+export function trialsWords({ status, trials }) {
+  const done = trials.succeeded + trials.failed + trials.infeasible + trials.pruned + trials.cancelled;
+  return isOver({ status }) ? `${done} trials` : `${done} of ${trials.limit} trials`;
+}
+
 export function nameOfStudy(study) {
   return study.name || `Study ${study.id.slice(-8)}`;
+}
+
+// A value of the API with its 95 % interval, as valueWords() takes it.
+export function spreadOf({ mean, interval_95: interval }) {
+  return { mean, low: interval?.[0] ?? null, high: interval?.[1] ?? null };
 }
 
 // "39,100 ± 200 parts/h"; the half of the 95 % interval is left out where there is none.
