@@ -1,4 +1,5 @@
 #include "tests/unit/server/helper_executor.h"
+#include "tests/unit/server/helper_await.h"
 
 #include "server/base/clock.h"
 #include "server/base/lock.h"
@@ -12,8 +13,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-enum { PATIENCE_MS = 60000 };
 
 struct executor_job {
     char id[EXECUTOR_ID_SIZE];
@@ -290,7 +289,7 @@ size_t helper_executor_add(helper_executor *e, const char *run_id)
 
 void helper_executor_await(helper_executor *e, size_t n)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
 
     lock_acquire(&e->lock);
     while (e->n_jobs < n && lock_wait(&e->changed, &e->lock, deadline_ms))

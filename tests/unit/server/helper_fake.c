@@ -1,4 +1,5 @@
 #include "tests/unit/server/helper_fake.h"
+#include "tests/unit/server/helper_await.h"
 
 #include "core/base/memory.h"
 #include "tests/unit/helper_slices.h"
@@ -14,8 +15,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-enum { PATIENCE_MS = 20000 };
 
 void fake_init(fake *f)
 {
@@ -48,7 +47,7 @@ void fake_hold(fake *f, fake_held held)
 
 bool fake_wait_for_held(fake *f, unsigned n)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
 
     lock_acquire(&f->lock);
     while (f->n_waiting < n && lock_wait(&f->changed, &f->lock, deadline_ms))

@@ -1,11 +1,8 @@
 #include "tests/unit/server/helper_server.h"
-
-#include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 
 #include <string.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 20000 };
 
 fake server_services;
 http *server;
@@ -59,12 +56,7 @@ void server_writer_end(server_writer *w)
 // How soon threads answer is up to the machine, but they need some time between two rounds.
 void server_await_sign_of_life(void)
 {
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-
-    while (!http_is_alive(server)) {
-        assert_true(clock_monotonic_ms() < until_ms);
-        (void)usleep(50000);
-    }
+    HELPER_AWAIT(http_is_alive(server));
 }
 
 void server_assert_holds(const bf_buffer *answer, const char *text)

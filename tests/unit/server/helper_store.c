@@ -1,4 +1,5 @@
 #include "tests/unit/server/helper_store.h"
+#include "tests/unit/server/helper_await.h"
 
 #include "api/results/events.h"
 #include "server/base/clock.h"
@@ -12,8 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 20000 };
 
 void helper_store_open(helper_store *h)
 {
@@ -91,7 +90,7 @@ int64_t helper_store_sql(const helper_store *h, const char *sql)
 
 void helper_await_sql(const helper_store *h, const char *sql, int64_t wanted)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    const int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
     int64_t value = helper_store_sql(h, sql);
 
     while (value != wanted) {

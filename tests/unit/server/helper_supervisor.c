@@ -1,4 +1,5 @@
 #include "tests/unit/server/helper_supervisor.h"
+#include "tests/unit/server/helper_await.h"
 
 #include "tests/unit/helper_amount.h"
 #include "tests/unit/server/helper_store.h"
@@ -15,8 +16,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 60000 };
 
 const char helper_short_belt[] = "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"
                                  "\"cargo\":{},\"initial\":{\"positions_m\":[[0.5,0.3]]},"
@@ -187,7 +186,7 @@ api_run helper_world_submit(helper_world *w, const char *json)
 
 static api_run await(helper_world *w, const char *id, run_state state, uint64_t n_samples)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
     api_run record = { 0 };
 
     for (;;) {

@@ -5,6 +5,7 @@
 
 #include "api/results/results_archive.h"
 #include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <pthread.h>
@@ -18,7 +19,7 @@
 #define RESULTS  "/v1/runs/" FAKE_RUN "/results.zip"
 #define DOWNLOAD "GET " RESULTS " HTTP/1.1\r\n" HOST "\r\n"
 
-enum { SNAPSHOT_BYTES = FAKE_CELLS * 4, FEW = 6, MANY = 160, PATIENCE_MS = 20000 };
+enum { SNAPSHOT_BYTES = FAKE_CELLS * 4, FEW = 6, MANY = 160 };
 
 static void serve(uint64_t n_snapshots, void (*change)(http_options *options))
 {
@@ -152,7 +153,7 @@ static void a_download_ends_the_connection_of_an_old_client(void **state)
     bf_buffer expected = make_archive();
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, "GET " RESULTS " HTTP/1.0\r\n" HOST "\r\n"));
-    assert_true(client_read_all(fd, &answer, PATIENCE_MS));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     const char *body = strstr(answer.bytes, "\r\n\r\n") + 4;
     assert_int_equal(answer.bytes + answer.n - body, expected.n);
     assert_memory_equal(body, expected.bytes, expected.n);
@@ -170,7 +171,7 @@ static void nothing_is_made_ahead_of_a_slow_client(void **state)
     (void)state;
     serve(MANY, NULL);
     int fd = begin_download();
-    assert_true(client_read_until(fd, &answer, "PK", PATIENCE_MS));
+    assert_true(client_read_until(fd, &answer, "PK", HELPER_PATIENCE_MS));
     wait_until_quiet();
     assert_true(reads_so_far() < MANY / 2);
     assert_true(read_whole(fd, &answer));
@@ -202,7 +203,7 @@ static void a_download_that_the_store_fails_is_torn_off(void **state)
     (void)state;
     serve(MANY, NULL);
     int fd = begin_download();
-    assert_true(client_read_until(fd, &answer, "PK", PATIENCE_MS));
+    assert_true(client_read_until(fd, &answer, "PK", HELPER_PATIENCE_MS));
     lock_acquire(&server_services.lock);
     server_services.is_broken = true;
     lock_release(&server_services.lock);
@@ -218,17 +219,17 @@ static void allow_one(http_options *options)
 
 static void one_too_many_is_refused_until_another_client_leaves(void **state)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
     bf_buffer answer = { 0 };
     int status;
 
     (void)state;
     serve(MANY, allow_one);
     int first = begin_download();
-    assert_true(client_read_until(first, &answer, "PK", PATIENCE_MS));
+    assert_true(client_read_until(first, &answer, "PK", HELPER_PATIENCE_MS));
     answer.n = 0;
     int second = begin_download();
-    assert_true(client_read_until(second, &answer, "\r\n\r\n", PATIENCE_MS));
+    assert_true(client_read_until(second, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 503);
     server_assert_holds(&answer, "\r\nRetry-After: ");
     assert_int_equal(close(second), 0);
@@ -236,7 +237,7 @@ static void one_too_many_is_refused_until_another_client_leaves(void **state)
     do {
         answer.n = 0;
         second = begin_download();
-        assert_true(client_read_until(second, &answer, "\r\n\r\n", PATIENCE_MS));
+        assert_true(client_read_until(second, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
         status = client_status(&answer);
         assert_int_equal(close(second), 0);
     } while (status == 503 && clock_monotonic_ms() < deadline_ms);
@@ -298,7 +299,7 @@ static void stopping_tears_downloads_off(void **state)
         fds[i] = begin_download();
     for (int i = 0; i < N; i += 2) {
         bf_buffer answer = { 0 };
-        assert_true(client_read_until(fds[i], &answer, "PK", PATIENCE_MS));
+        assert_true(client_read_until(fds[i], &answer, "PK", HELPER_PATIENCE_MS));
         buffer_fini(&answer);
     }
     int64_t start_ms = clock_monotonic_ms();

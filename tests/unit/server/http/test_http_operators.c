@@ -2,8 +2,8 @@
 
 #include "server/http/http.h"
 
-#include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdio.h>
@@ -15,24 +15,12 @@
 #define HOST  "Host: a\r\n"
 #define CLOSE "Connection: close\r\n"
 
-enum { PATIENCE_MS = 20000 };
-
 static int ask(const char *path, bf_buffer *answer)
 {
     char request[256];
 
     (void)snprintf(request, sizeof request, "GET %s HTTP/1.1\r\n" HOST CLOSE "\r\n", path);
     return client_ask(http_port(server), request, answer);
-}
-
-static void await_metric(metrics_id which, int64_t value)
-{
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-
-    while (metrics_value(which, 0) != value) {
-        assert_true(clock_monotonic_ms() < until_ms);
-        assert_int_equal(usleep(10000), 0);
-    }
 }
 
 static void metrics_are_text_of_prometheus_version(void **state)
@@ -58,7 +46,7 @@ static void requests_are_counted_by_their_templates(void **state)
     assert_int_equal(
         client_ask(http_port(server), "BREW /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 405);
     // The client can have its answer before the count is made.
-    await_metric(METRICS_REQUESTS_NOW, 0);
+    HELPER_AWAIT(metrics_value(METRICS_REQUESTS_NOW, 0) == 0);
     assert_int_equal(ask("/metrics", &answer), 200);
     server_assert_holds(&answer, "{route=\"/v1/runs/{id}\",method=\"GET\",code=\"200\"} 1\n");
     server_assert_holds(&answer, "{route=\"none\",method=\"GET\",code=\"404\"} 1\n");
@@ -78,7 +66,7 @@ static void connect_crowd(int *fds, int n)
 {
     for (int i = 0; i < n; i++)
         fds[i] = client_connect(http_port(server));
-    await_metric(METRICS_CONNECTIONS, n);
+    HELPER_AWAIT(metrics_value(METRICS_CONNECTIONS, 0) == n);
 }
 
 // By event streams, which are not idle.

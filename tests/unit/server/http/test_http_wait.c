@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdio.h>
@@ -41,12 +42,7 @@ static int begin(const char *query, const char *headers)
 // Each request that waits looks twice before it sleeps: for its first answer, and once more.
 static void wait_until_asleep(unsigned n_before, unsigned n_requests)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + 20000;
-
-    while (count_finds() - n_before < 2 * n_requests) {
-        assert_true(clock_monotonic_ms() < deadline_ms);
-        (void)usleep(1000);
-    }
+    HELPER_AWAIT(count_finds() - n_before >= 2 * n_requests);
 }
 
 // Begins n requests, a few at a time: the queue of the request threads is not long.

@@ -4,14 +4,11 @@
 
 #include "api/scenario/scenario.h"
 #include "api/scenario/submission.h"
-#include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
-
-enum { PATIENCE_MS = 60000 };
 
 static const char document[] =
     "{\"duration_s\":1,\"domain\":{\"x_m\":[0,1],\"y_m\":[0,0.6]},"
@@ -36,11 +33,9 @@ static api_run submit_scene(store *s)
 
 static double await_seconds(predictor *p, const char *run_id)
 {
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
     double seconds;
 
-    while (isnan(seconds = predictor_seconds(p, run_id, "")) && clock_monotonic_ms() < until_ms)
-        usleep(1000);
+    HELPER_AWAIT(!isnan(seconds = predictor_seconds(p, run_id, "")));
     return seconds;
 }
 

@@ -1,15 +1,15 @@
 // Tests of the supervisor while the commits of its store are slow.
 
 #include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_jobs.h"
 
 #include <unistd.h>
 
-enum { PATIENCE_MS = 20000 };
-
+// Not by HELPER_AWAIT(): whoever asks holds the lock that the end of the test needs.
 static bool await_stop_now(helper_executor *e, size_t index)
 {
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
+    const int64_t until_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
 
     while (helper_executor_job(e, index).n_now == 0 && clock_monotonic_ms() < until_ms)
         usleep(1000);

@@ -5,6 +5,7 @@
 #include "core/run/run.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_executor.h"
 #include "tests/unit/server/helper_store.h"
 #include "tests/unit/server/helper_supervisor.h"
@@ -418,9 +419,7 @@ static void a_full_disk_hands_the_run_back_and_hangs_nothing(void **state)
     helper_supervise(w);
     api_run record = helper_world_submit(w, helper_long_jam);
     helper_await_samples(w, record.id, 1);
-    for (int i = 0; i < 6000 && !helper_is_childless(); i++)
-        usleep(10000);
-    assert_true(helper_is_childless());
+    HELPER_AWAIT(helper_is_childless());
     helper_world_stop(w, 1000);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     helper_world_reopen(w);
@@ -445,8 +444,7 @@ static void a_run_whose_end_could_not_be_stored_goes_on_later(void **state)
     int64_t n_errors = metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
     // The child is gone before the store has refused every way to end the run, which is logged.
-    for (int i = 0; i < 6000 && metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR) == n_errors; i++)
-        usleep(10000);
+    HELPER_AWAIT(metrics_value(METRICS_LOG_LINES, LOG_LEVEL_ERROR) > n_errors);
     assert_true(helper_is_childless());
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_int_equal(store_find(w->store, record.id, &record, NULL), BF_OK);

@@ -1,13 +1,11 @@
 // Tests of what operators need of the supervisor: other options while it works, figures, signs of life.
 
-#include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_supervisor.h"
 
 #include <string.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 20000 };
 
 // 80 steps of 12 x 24 cells.
 static const char tiny[] = "{\"duration_s\":0.1,\"domain\":{\"x_m\":[0,0.24],\"y_m\":[0,0.12]},"
@@ -34,16 +32,6 @@ static void steps_frames_and_ends_are_counted(void **state)
     assert_int_equal(metrics_value(METRICS_CHILD_EXITS, METRICS_EXIT_OK), n_ok + 1);
 }
 
-static void await_solving(bool is_solving)
-{
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-
-    while ((metrics_value(METRICS_SOLVER_RATE, RUN_MACRO) > 0) != is_solving) {
-        assert_true(clock_monotonic_ms() < until_ms);
-        assert_int_equal(usleep(10000), 0);
-    }
-}
-
 static void what_is_being_solved_is_shown_while_it_is(void **state)
 {
     helper_world *w = *state;
@@ -51,10 +39,10 @@ static void what_is_being_solved_is_shown_while_it_is(void **state)
     helper_supervise(w);
     api_run created = helper_world_submit(w, endless);
     (void)helper_await_samples(w, created.id, 1);
-    await_solving(true);
+    HELPER_AWAIT(metrics_value(METRICS_SOLVER_RATE, RUN_MACRO) > 0);
     assert_int_equal(metrics_value(METRICS_SOLVER_ITEMS, RUN_MACRO), 6000);
     helper_world_kill(w, created.id);
-    await_solving(false);
+    HELPER_AWAIT(metrics_value(METRICS_SOLVER_RATE, RUN_MACRO) == 0);
     assert_int_equal(metrics_value(METRICS_SOLVER_ITEMS, RUN_MACRO), 0);
 }
 
@@ -106,17 +94,6 @@ static void more_workers_take_what_waits_and_fewer_let_it_wait(void **state)
     (void)helper_await_state(w, ids[3], RUN_SUCCEEDED);
 }
 
-// Ask until all questions are answered: how soon the thread does is up to the machine.
-static void await_sign_of_life(supervisor *s)
-{
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-
-    while (!supervisor_is_alive(s)) {
-        assert_true(clock_monotonic_ms() < until_ms);
-        assert_int_equal(usleep(10000), 0);
-    }
-}
-
 static void a_supervisor_that_works_gives_signs_of_life(void **state)
 {
     helper_world *w = *state;
@@ -124,11 +101,11 @@ static void a_supervisor_that_works_gives_signs_of_life(void **state)
     helper_supervise(w);
     assert_true(supervisor_is_alive(w->supervisor)); // was never asked before
     for (int i = 0; i < 3; i++)
-        await_sign_of_life(w->supervisor);
+        HELPER_AWAIT(supervisor_is_alive(w->supervisor));
     api_run created = helper_world_submit(w, endless);
     (void)helper_await_state(w, created.id, RUN_RUNNING);
     for (int i = 0; i < 3; i++)
-        await_sign_of_life(w->supervisor);
+        HELPER_AWAIT(supervisor_is_alive(w->supervisor));
 }
 
 int main(void)

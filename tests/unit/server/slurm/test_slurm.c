@@ -6,6 +6,7 @@
 #include "server/base/metrics.h"
 #include "server/pull/pull_executor.h"
 #include "server/slurm/slurm_priv.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <stdio.h>
@@ -14,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PATIENCE_MS = 60000, SECOND_MS = 1000, TEXT_SIZE = 4096 };
+enum { SECOND_MS = 1000, TEXT_SIZE = 4096 };
 
 #define URL     "http://head:8080"
 #define COMMENT "beltflow " URL
@@ -232,7 +233,7 @@ static void test_a_command_has_limits(void **state)
     buffer_fini(&out);
     assert_int_equal(run_shell("exec sleep 60", true, &out, NULL), BF_ESYSTEM);
     assert_int_equal(run_shell("exec sleep 60 >/dev/null 2>&1", true, &out, NULL), BF_ESYSTEM);
-    assert_true(clock_monotonic_ms() - begin_ms < PATIENCE_MS);
+    assert_true(clock_monotonic_ms() - begin_ms < HELPER_PATIENCE_MS);
     buffer_fini(&out);
 }
 
@@ -251,10 +252,7 @@ static fixture begin(void **state, uint64_t n_runs)
 
     for (uint64_t k = 0; k < n_runs; k++)
         (void)helper_submit(f.h->store, "", 0);
-    for (const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-         stats.n_runs[RUN_QUEUED] < n_runs && clock_monotonic_ms() < until_ms; (void)usleep(10000))
-        store_read_stats(f.h->store, &stats);
-    assert_int_equal(stats.n_runs[RUN_QUEUED], n_runs);
+    HELPER_AWAIT((store_read_stats(f.h->store, &stats), stats.n_runs[RUN_QUEUED] == n_runs));
     assert_int_equal(pull_executor_create(&f.pull, NULL), BF_OK);
     const slurm_options options = {
         .settings = usual, .pull = f.pull, .store = f.h->store, .n_threads = 1
@@ -381,9 +379,7 @@ static void test_a_thread_does_it_until_it_is_stopped(void **state)
     char text[TEXT_SIZE] = "";
 
     assert_int_equal(slurm_start(&f.slurm->options, &started, NULL), BF_OK);
-    for (const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-         text[0] == '\0' && clock_monotonic_ms() < until_ms; (void)usleep(10000))
-        (void)take_file("script", text);
+    HELPER_AWAIT((take_file("script", text), text[0] != '\0'));
     assert_null(slurm_stop(started));
     assert_string_equal(text, f.slurm->script.bytes);
     end(&f);

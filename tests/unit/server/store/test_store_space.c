@@ -2,9 +2,8 @@
 // again. I1 ... I15 are the invariants of server/store/store.h. Skipped where the system lets us have no such disk.
 
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
-
-#include "server/base/clock.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -14,8 +13,6 @@
 #include <sys/mount.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 30000 };
 
 // Snapshots of 480 kB of noise, until one finds no room. Returns how many are stored.
 static uint64_t fill_with_results(store *s, const char *id)
@@ -54,18 +51,6 @@ static void remove_filler(const char *directory)
     assert_int_equal(unlink(path), 0);
 }
 
-static void await_readiness(store *s)
-{
-    const int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
-    bf_error err = { 0 };
-
-    while (store_ready(s, &err) != BF_OK) {
-        if (clock_monotonic_ms() > deadline_ms)
-            fail_msg("%s", err.text);
-        usleep(20000);
-    }
-}
-
 static off_t size_of(const char *directory, const char *name)
 {
     char path[128];
@@ -75,25 +60,12 @@ static off_t size_of(const char *directory, const char *name)
     return stat(path, &info) == 0 ? info.st_size : 0;
 }
 
-static void await_size(const char *directory, const char *name, off_t least, off_t most)
-{
-    const int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
-    off_t size = size_of(directory, name);
-
-    while (size < least || size > most) {
-        if (clock_monotonic_ms() > deadline_ms)
-            fail_msg("%s has %lld bytes", name, (long long)size);
-        usleep(20000);
-        size = size_of(directory, name);
-    }
-}
-
 // Until the last free page is back on the disk, the log grows now and then and takes room for a moment.
 static void await_emptiness(const helper_store *h)
 {
-    await_size(h->directory, "beltflow.db", 1, 1000000);
-    await_size(h->directory, "beltflow.reserve", 1, INT32_MAX);
-    await_readiness(h->store);
+    HELPER_AWAIT(size_of(h->directory, "beltflow.db") <= 1000000);
+    HELPER_AWAIT(size_of(h->directory, "beltflow.reserve") > 0);
+    HELPER_AWAIT(store_ready(h->store, NULL) == BF_OK);
 }
 
 // Nothing that takes room is accepted, and all of it says why.
@@ -192,7 +164,7 @@ static void a_running_run_is_stopped_and_removed_on_a_full_disk(void **state)
     // I14: it is cancelled instead.
     assert_int_equal(helper_finish(h->store, big.id, RUN_QUEUED).state, RUN_CANCELLED);
     assert_int_equal(store_remove(h->store, big.id, API_ANY_REVISION, NULL), BF_OK);
-    await_readiness(h->store);
+    HELPER_AWAIT(store_ready(h->store, NULL) == BF_OK);
 }
 
 static bool has_namespace; // mounts of ours are not seen by others

@@ -1,7 +1,7 @@
 // Unit tests of the store: its stats, and its signs of life.
 
-#include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <pthread.h>
@@ -9,20 +9,12 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATIENCE_MS = 20000 };
-
 // The stats once their runs of this state are n.
 static store_stats await_stats(store *s, run_state state, uint64_t n)
 {
-    int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
     store_stats f;
 
-    store_read_stats(s, &f);
-    while (f.n_runs[state] != n && clock_monotonic_ms() < until_ms) {
-        assert_int_equal(usleep(10000), 0);
-        store_read_stats(s, &f);
-    }
-    assert_int_equal(f.n_runs[state], n);
+    HELPER_AWAIT((store_read_stats(s, &f), f.n_runs[state] == n));
     return f;
 }
 
@@ -102,18 +94,6 @@ static void the_queue_can_be_made_shorter_and_longer(void **state)
     buffer_fini(&submission.columns);
 }
 
-// Ask until all questions are answered: how soon the thread does is up to the machine. An idle one would come by itself
-// only after a minute.
-static void await_sign_of_life(store *s)
-{
-    const int64_t until_ms = clock_monotonic_ms() + PATIENCE_MS;
-
-    while (!store_is_alive(s)) {
-        assert_true(clock_monotonic_ms() < until_ms);
-        assert_int_equal(usleep(10000), 0);
-    }
-}
-
 static void *submit_one(void *context)
 {
     (void)helper_submit(context, "", 0);
@@ -155,14 +135,14 @@ static void a_store_that_hangs_gives_no_sign_of_life(void **state)
 
     open_with_gate(h, &g);
     assert_true(store_is_alive(h->store)); // was never asked before
-    await_sign_of_life(h->store);
+    HELPER_AWAIT(store_is_alive(h->store));
     assert_int_equal(pthread_create(&writer, NULL, submit_one, h->store), 0);
     assert_int_equal(sem_wait(&g.reached), 0);
     assert_true(store_is_alive(h->store)); // what was asked before the operation is answered
     assert_false(store_is_alive(h->store));
     assert_int_equal(sem_post(&g.opened), 0);
     assert_int_equal(pthread_join(writer, NULL), 0);
-    await_sign_of_life(h->store);
+    HELPER_AWAIT(store_is_alive(h->store));
     helper_store_close(h);
     assert_int_equal(sem_destroy(&g.reached), 0);
     assert_int_equal(sem_destroy(&g.opened), 0);

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/store/tokens.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <sqlite3.h>
@@ -52,13 +53,9 @@ static tokens *open_tokens(void)
 // Wait until a token is judged so, for as long as a change may take to count and a good deal longer.
 static void await(tokens *t, const char *text, api_credential wanted)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + 60000;
     api_identity who;
 
-    while (tokens_identify(t, text, &who) != wanted) {
-        assert_true(clock_monotonic_ms() < deadline_ms);
-        (void)usleep(10000);
-    }
+    HELPER_AWAIT(tokens_identify(t, text, &who) == wanted);
 }
 
 static void run_sql(const char *sql)

@@ -9,6 +9,7 @@
 #include "api/study/study_trial.h"
 #include "core/base/memory.h"
 #include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_store.h"
 
 #include <math.h>
@@ -16,8 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-enum { PATIENCE_MS = 20000 };
 
 #define SCENARIO                                                                                   \
     "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, 'cargo': {}, 'initial': "       \
@@ -158,7 +157,7 @@ static api_study find(world *w, const char *id)
 // Solve n trials, or as long as the study goes on.
 static api_study solve(world *w, const char *id, size_t n, run_state to)
 {
-    const int64_t deadline_ms = clock_monotonic_ms() + PATIENCE_MS;
+    const int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
     api_study now = find(w, id);
 
     for (size_t n_solved = 0; n_solved < n && !api_study_state_is_end(now.state);) {
