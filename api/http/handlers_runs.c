@@ -114,14 +114,20 @@ bf_status handlers_runs_submit(exchange *x, bf_error *err)
 
 bf_status handlers_runs_validate(exchange *x, bf_error *err)
 {
+    enum { NUMBERS = 4 }; // of a part
+    const uint64_t parts_max = exchange__whole(x, "parts");
     api_submission submission = { 0 };
     prediction_speed speed;
 
-    bf_status status = read_submission(x, &submission, err);
+    bf_status status =
+        exchange__reserve_whole(x, NUMBERS * parts_max, sizeof(double), "fewer parts", err);
+    if (status == BF_OK)
+        status = read_submission(x, &submission, err);
     if (status != BF_OK)
         return status;
     const bool has_speed = x->services->read_speed(x->services->context, &speed);
-    status = submission_validation(&submission, has_speed ? &speed : NULL, &x->response->body, err);
+    status = submission_validation(&submission, has_speed ? &speed : NULL, parts_max,
+                                   &x->response->body, err);
     submission_fini(&submission);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "api/http/run_sort.h"
 #include "api/results/colormap.h"
 #include "api/results/picture.h"
+#include "api/scenario/submission.h"
 
 #include <string.h>
 
@@ -295,6 +296,14 @@ const param routes__with_vtk = { .name = "vtk",
                                  .default_text = "0",
                                  .most = 1,
                                  .help = "1: with files for ParaView beside the others" };
+
+const param routes__start_parts = { .name = "parts",
+                                    .in = "query",
+                                    .kind = &param_whole,
+                                    .default_text = "0",
+                                    .most = SUBMISSION_PARTS_MAX,
+                                    .help =
+                                        "How many of the parts at the start are listed at most" };
 
 const param routes__followed_runs = { .name = "runs",
                                       .in = "query",

@@ -237,6 +237,7 @@ static const openapi_schema table[] = {
     WRITTEN("CounterFigures", openapi__write_counter_figures, "Key figures of a counter"),
     WRITTEN("PhotoEyeFigures", openapi__write_eye_figures, "Key figures of a photo eye"),
     OBJECT(submission_validation_members, "A submission that is valid"),
+    OBJECT(submission_part_members, "A part at the start"),
     OBJECT(review_validity_members,
            "Whether the macroscopic model was compared with moving parts for scenarios like this "
            "one"),

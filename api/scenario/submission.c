@@ -5,6 +5,7 @@
 #include "api/scenario/scenario.h"
 #include "api/scenario/scenario_members.h"
 #include "api/scenario/scenario_priv.h"
+#include "core/scene/placement.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -134,12 +135,31 @@ static void write_true(json_out *w, const member *m, const void *item)
 
 static const member_kind member_true = { .type = "boolean", .write = write_true };
 
+// A part at the start.
+typedef struct start_part {
+    scene_pose pose;
+    uint64_t kind;
+} start_part;
+
+#define AT(place) offsetof(start_part, place)
+static const member part_members[] = {
+    MEMBER("x_m", number, AT(pose.x), "Its centre, along x", .unit = "m"),
+    MEMBER("y_m", number, AT(pose.y), "Its centre, along y", .unit = "m"),
+    MEMBER("heading_rad", number, AT(pose.heading), "Its turn about the vertical, from the x axis",
+           .unit = "rad"),
+    MEMBER("kind", size, AT(kind), "Its kind, an index in `cargo` of the scenario"),
+};
+const member_table submission_part_members = { MEMBER_TABLE("PartAtStart", part_members) };
+#undef AT
+
 // What a validation is written from.
 typedef struct validation {
     const char *document; // the resolved one
     size_t n_document;
     run_review review;
     double predicted_s; // NAN: not known
+    size_t parts_max;
+    scene_placement placement; // where parts_max > 0
 } validation;
 
 static void write_warnings(json_out *w, const member *m, const void *item)
@@ -157,6 +177,30 @@ static bool has_validity(const void *item)
     return of->review.model == RUN_MACRO;
 }
 
+static bool has_parts(const void *item)
+{
+    const validation *of = item;
+
+    return of->parts_max > 0;
+}
+
+static void write_parts(json_out *w, const member *m, const void *item)
+{
+    const validation *of = item;
+    const scene_placement *p = &of->placement;
+    const size_t n = p->n < of->parts_max ? p->n : of->parts_max;
+
+    (void)m;
+    json_out_array(w);
+    for (size_t k = 0; k < n; k++) {
+        const size_t at = k * p->n / n;
+        const start_part part = { p->poses[at], p->kinds == NULL ? 0 : p->kinds[at] };
+        members_write(w, &submission_part_members, &part);
+    }
+    json_out_array_end(w);
+}
+
+static const member_kind member_parts = { .type = "[#PartAtStart]", .write = write_parts };
 static const member_kind member_warnings = { .type = "[string]", .write = write_warnings };
 
 #define AT(place) offsetof(validation, place)
@@ -176,6 +220,10 @@ static const member validation_members[] = {
            "Of the macroscopic model: whether it was compared with moving parts for scenarios like "
            "this one",
            .table = &review_validity_members, .applies = has_validity),
+    MEMBER("parts", parts, 0,
+           "With the parameter `parts`: where parts stand at the start, in the order of placement; "
+           "where there are more, so many of them, evenly chosen",
+           .applies = has_parts),
     MEMBER("resolved", raw, AT(document), "The scenario with every default filled in",
            .offset_n = AT(n_document), .type = "#ResolvedScenario"),
 };
@@ -197,11 +245,12 @@ static bf_status predict(const scene *s, run_model model, const prediction_speed
 }
 
 bf_status submission_validation(const api_submission *submission, const prediction_speed *speed,
-                                bf_buffer *out, bf_error *err)
+                                size_t parts_max, bf_buffer *out, bf_error *err)
 {
     validation of = { .document = submission->scenario.bytes,
                       .n_document = submission->scenario.n,
-                      .predicted_s = (double)NAN };
+                      .predicted_s = (double)NAN,
+                      .parts_max = parts_max };
     json_out w = json_out_to(out);
     scene s;
 
@@ -212,11 +261,15 @@ bf_status submission_validation(const api_submission *submission, const predicti
     status = run_review_of(&s, submission->model, &of.review, err);
     if (status == BF_OK)
         status = predict(&s, submission->model, speed, &of.predicted_s, err);
+    if (status == BF_OK && parts_max > 0)
+        status = placement_make(&s, &of.placement, err);
+    if (status == BF_OK) {
+        members_write(&w, &submission_validation_members, &of);
+        status = json_out_status(&w, err);
+    }
+    placement_fini(&of.placement);
     scene_fini(&s);
-    if (status != BF_OK)
-        return status;
-    members_write(&w, &submission_validation_members, &of);
-    return json_out_status(&w, err);
+    return status;
 }
 
 void submission_fini(api_submission *submission)

@@ -19,7 +19,10 @@ extern const member_table submission_members;
 /// Priorities that a client may give.
 extern const bf_range submission_priorities;
 
-enum { SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024 }; ///< bytes of all texts that a scenario may name
+enum {
+    SUBMISSION_TEXTS_MAX = 2 * 1024 * 1024, ///< bytes of all texts that a scenario may name
+    SUBMISSION_PARTS_MAX = 20000,           ///< parts that a validation may list
+};
 
 /// Read a body, resolve and check its scenario. All faults that can be found are noted in *faults.
 /// BF_OK: *ret_submission has the resolved document, its identity and the columns of its curve (no
@@ -36,14 +39,16 @@ BF_MUST_CHECK bf_status submission_read(const char *json, size_t n, json_in_text
 BF_MUST_CHECK bf_status submission_make(const scene *s, run_model model,
                                         api_submission *ret_submission, bf_error *err);
 
-/// What POST /v1/validate answers to a submission that is valid; the struct is the writer's own.
+/// What POST /v1/validate answers to a submission that is valid, and a part in it; the structs are the writer's own.
 extern const member_table submission_validation_members;
+extern const member_table submission_part_members;
 
-/// Append it: {"valid", "model", "warnings", "predicted_s", "validity", "resolved"}, with `validity` where the model is
-/// the macroscopic one, and no prediction without speed (NULL). BF_ENOMEM.
+/// Append it: {"valid", "model", "warnings", "predicted_s", "validity", "parts", "resolved"}, with `validity` where the
+/// model is the macroscopic one, and no prediction without speed (NULL). Of the parts at the start at most parts_max are
+/// listed, evenly chosen in their order; 0: there is no list. BF_ENOMEM.
 BF_MUST_CHECK bf_status submission_validation(const api_submission *submission,
-                                              const prediction_speed *speed, bf_buffer *out,
-                                              bf_error *err);
+                                              const prediction_speed *speed, size_t parts_max,
+                                              bf_buffer *out, bf_error *err);
 
 /// Free what a submission owns and zero it. NULL is fine.
 void submission_fini(api_submission *submission);

@@ -29,6 +29,21 @@ test("a microscopic run gives the bytes of the command line", async (t) => {
   assert.deepEqual(runs.map(({ id }) => id), [run.id]);
 });
 
+test("a validation lists the parts as they stand when the run begins", async (t) => {
+  const d = await daemon(t);
+  const random = { ...shortMix(), initial: { random: { count: 40, region: { x_m: [0.05, 0.4], y_m: [0.05, 0.55] } } } };
+  for (const scenario of [shortMix(), random]) {
+    const { parts } = (await d.post("/v1/validate?parts=20000", { scenario, ...micro })).json;
+    const run = await d.submit(scenario, micro);
+    await d.reached(run.id, "succeeded");
+    const { kinds } = (await d.get(`/v1/runs/${run.id}/snapshots`)).json;
+    const { columns, parts: rows } = (await d.get(`/v1/runs/${run.id}/parts/0?format=json`)).json;
+    const [x, y, w, z] = ["x_m", "y_m", "q_w", "q_z"].map((name) => columns.indexOf(name));
+    assert.deepEqual(parts.map((part) => [part.x_m, part.y_m, part.kind]), rows.map((row, k) => [row[x], row[y], kinds[k]]));
+    parts.forEach((part, k) => assert.ok(Math.abs(part.heading_rad - 2 * Math.atan2(rows[k][z], rows[k][w])) < 1e-12));
+  }
+});
+
 test("a snapshot that is told of leads to its parts, at once and for ever", async (t) => {
   const d = await daemon(t);
   const run = await d.submit(smallJam(), micro);

@@ -107,6 +107,27 @@ test("a deflector is drawn by pointer and by keys, and the numbers beside it fol
   assert.ok(Math.abs(ey - length * Math.sin((degrees * Math.PI) / 180)) < 1e-5);
 });
 
+test("each part of random cargo is drawn where it will stand, in the colour of its kind", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  const { domain, ...rest } = (await d.get("/v1/examples/mixed-cargo")).json;
+  const { parts } = (await d.post("/v1/validate?parts=20000", { scenario: { domain, ...rest }, model: "micro" })).json;
+  await visit(page, "#/new?example=mixed-cargo");
+  await page.getByText("Ready:").waitFor();
+  // 3 mm behind the centre, from which a line shows the heading.
+  const places = parts.map(({ x_m: x, y_m: y, heading_rad: turn }) => [x - 0.003 * Math.cos(turn), y - 0.003 * Math.sin(turn)]);
+  const colors = await page.evaluate(([wanted, { x_m: [x0, x1], y_m: [y0] }]) => {
+    const canvas = document.querySelector(".scene-frame canvas");
+    const [left, right, bottom] = [46, 22, 28].map((margin) => margin * (canvas.width / canvas.clientWidth));
+    const scale = (canvas.width - left - right) / (x1 - x0);
+    const context = canvas.getContext("2d");
+    return wanted.map(([x, y]) => String(context.getImageData(left + (x - x0) * scale, canvas.height - bottom - (y - y0) * scale, 1, 1).data));
+  }, [places, domain]);
+  const ofKinds = rest.cargo.map((_, kind) => [...new Set(colors.filter((_color, k) => parts[k].kind === kind))]);
+  assert.ok(ofKinds.every((some) => some.length === 1), JSON.stringify(ofKinds));
+  assert.equal(new Set(ofKinds.flat()).size, ofKinds.length);
+});
+
 test("both models are run from one form and compared, and a study begins with what was edited", async (t) => {
   const d = await daemon(t);
   const page = await openPage(t, d);

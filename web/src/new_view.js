@@ -15,6 +15,7 @@ import { segments } from "./transport.js";
 
 const JUDGE_AFTER_MS = 350;
 const ASK_TIME_AFTER_MS = 1500;
+const PARTS_MAX = 20000; // the server's own limit of parts that it lists
 const PREFIX = '{"scenario":'; // before the text, so that its line numbers do not change
 
 export class NewView {
@@ -117,7 +118,7 @@ export class NewView {
     this.scenario = scenario;
     this.origin = structuredClone(scenario);
     this.isNamed = false;
-    this.resolved = null;
+    this.known = null;
     this.editor.text = formatJson(scenario);
     this.fillForm();
     this.judgeSoon(0);
@@ -126,7 +127,7 @@ export class NewView {
   fillForm() {
     if (document.activeElement !== this.nameBox) this.nameBox.value = this.scenario?.name ?? "";
     this.form.fill(this.scenario, this.model);
-    if (this.resolved) this.scene.show(this.scenario, this.resolved);
+    if (this.known) this.scene.show(this.scenario, this.known);
   }
 
   // An empty name is made from the parameters again.
@@ -181,7 +182,7 @@ export class NewView {
     const abort = new AbortController();
     this.abort = abort;
     try {
-      const judged = await post("v1/validate", this.body(), { signal: abort.signal });
+      const judged = await post(`v1/validate?parts=${PARTS_MAX}`, this.body(), { signal: abort.signal });
       this.showFaults([]);
       this.accept(judged);
     } catch (error) {
@@ -189,9 +190,11 @@ export class NewView {
     }
   }
 
-  accept({ resolved, predicted_s: seconds, warning_details: warnings }) {
-    this.resolved = resolved;
-    this.scene.show(this.scenario, resolved);
+  // judged: what the server answered.
+  accept(judged) {
+    const { resolved, predicted_s: seconds, warning_details: warnings } = judged;
+    this.known = judged;
+    this.scene.show(this.scenario, judged);
     this.showWarnings(warnings);
     if (seconds === null) this.judgeSoon(ASK_TIME_AFTER_MS); // a server that has just begun does not know its speed yet
     const n = warnings.length;

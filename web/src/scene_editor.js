@@ -1,11 +1,14 @@
 // The belt as it will be, on which plates, counters and feeds are drawn by pointer and by keys. It snaps to a lattice and to
 // the walls.
 
+import { cargoOf } from "./cargo.js";
 import { drawDevices } from "./devices.js";
 import { h } from "./dom.js";
+import { PartsLayer } from "./parts_layer.js";
 import { tidy } from "./plate.js";
 import { asWritten, handlesOf } from "./scene_handles.js";
 import { drawScenery } from "./scenery.js";
+import { bodyStyle } from "./stage.js";
 import { color, onTheme } from "./theme.js";
 import { ViewBox } from "./view_box.js";
 
@@ -16,29 +19,22 @@ const names = ["text", "muted", "light", "dark", "plate", "rim", "feed", "blocke
 
 const snap = (value, step) => tidy(Math.round(value / step) * step, 9);
 
-// Where parts are at the start, as far as the scenario says it by itself.
-function places({ positions_m: positions, hexagonal }) {
-  if (positions) return positions;
-  if (!hexagonal) return [];
-  const { rows, columns, first_m: [x0, y0], spacing_m: spacing } = hexagonal;
-  return Array.from({ length: rows * columns }, (_, k) => {
-    const row = Math.floor(k / columns);
-    return [x0 + (k % columns + (row % 2) / 2) * spacing, y0 + row * spacing * (Math.sqrt(3) / 2)];
-  });
-}
+const COLUMNS = ["kind", "x_m", "y_m", "heading_rad", "vx_m_s", "vy_m_s"];
 
-function radiusOf(cargo) {
-  const { shape } = Array.isArray(cargo) ? cargo[0] : cargo;
-  return shape.radius_m ?? Math.hypot(shape.length_m ?? 0.02, shape.width_m ?? 0.02) / 2;
+// A picture for a PartsLayer of the parts at the start, at rest.
+function pictureOf(parts) {
+  const data = Float64Array.from(parts.flatMap((part) => COLUMNS.map((column) => part[column] ?? 0)));
+  return { frame: { shape: [parts.length, COLUMNS.length], data }, next: null, share: 0, gap: 0 };
 }
 
 export class SceneEditor {
   // onChange(set): what was drawn goes into the scenario by set(scenario).
   constructor(onChange) {
     Object.assign(this, { onChange, handles: new Map() });
-    this.canvas = h("canvas");
-    this.above = h("canvas");
-    this.frame = h("div", { class: "stage-frame scene-frame", role: "group", "aria-label": "The belt from above" }, this.canvas, this.above);
+    this.field = h("canvas");
+    this.scenery = h("canvas");
+    this.devices = h("canvas");
+    this.frame = h("div", { class: "stage-frame scene-frame", role: "group", "aria-label": "The belt from above" }, this.field, this.scenery, this.devices);
     this.hint = h("p", { class: "hint" }, "Draw a deflector’s foot, tip or opening, a counter’s sides, a feed’s ends; arrow keys move what has the focus, with Shift by millimetres.");
     this.element = h("div", { class: "scene" }, h("div", { class: "stage" }, this.frame), this.hint);
     this.observer = new ResizeObserver(() => this.draw());
@@ -51,11 +47,16 @@ export class SceneEditor {
     this.stopTheme();
   }
 
-  // written: the scenario as it is edited; resolved: as the server completed it last.
-  show(written, resolved) {
-    const isShown = written && resolved;
-    this.scenario = isShown ? asWritten(written, resolved) : null;
-    this.drawable = isShown ? handlesOf(written, resolved) : [];
+  // written: the scenario as it is edited; judged: what the server answered to it last, with the parts at the start.
+  show(written, judged) {
+    const isShown = written && judged;
+    this.scenario = isShown ? asWritten(written, judged.resolved) : null;
+    this.drawable = isShown ? handlesOf(written, judged.resolved) : [];
+    if (isShown && judged !== this.judged) {
+      this.layer = new PartsLayer(COLUMNS, cargoOf(judged.resolved), []);
+      this.picture = pictureOf(judged.parts);
+      this.judged = judged;
+    }
     this.draw();
   }
 
@@ -64,7 +65,7 @@ export class SceneEditor {
     if (!this.scenario || width === 0) return;
     this.view = new ViewBox(this.scenario.domain, width, Math.max(240, innerHeight * 0.5), Math.min(devicePixelRatio || 1, 2), WHOLE);
     const { view, scenario } = this;
-    for (const canvas of [this.canvas, this.above]) {
+    for (const canvas of [this.field, this.scenery, this.devices]) {
       Object.assign(canvas, { width: view.width, height: view.height });
       canvas.style.width = `${view.cssWidth}px`;
       canvas.style.height = `${view.cssHeight}px`;
@@ -72,34 +73,21 @@ export class SceneEditor {
     this.frame.style.width = `${view.cssWidth}px`;
     this.frame.style.height = `${view.cssHeight}px`;
     const colors = Object.fromEntries(names.map((name) => [name, color(`draw-${name}`)]));
-    const context = this.canvas.getContext("2d");
-    drawScenery(context, view, scenario, colors);
-    this.drawCargo(context);
-    drawDevices(this.above.getContext("2d"), view, scenario,
+    this.drawCargo(this.field.getContext("2d"));
+    drawScenery(this.scenery.getContext("2d"), view, scenario, colors);
+    drawDevices(this.devices.getContext("2d"), view, scenario,
       { plates: scenario.obstacles.map(() => ({ turn: 0, isPresent: true })), eyes: (scenario.photo_eyes ?? []).map(() => null) }, colors);
     this.placeHandles();
   }
 
-  // The belt and the parts at the start lie below the scenery.
   drawCargo(context) {
-    const { view, scenario } = this;
+    const { view } = this;
     const { x, y, width, height } = view.inner;
     context.save();
-    context.globalCompositeOperation = "destination-over";
     view.clip(context);
-    const parts = new Path2D();
-    const radius = Math.max(1, radiusOf(scenario.cargo) * view.scale);
-    for (const [px, py] of places(scenario.initial ?? {})) {
-      parts.moveTo(view.x(px) + radius, view.y(py));
-      parts.arc(view.x(px), view.y(py), radius, 0, 2 * Math.PI);
-    }
-    context.lineWidth = view.ratio;
-    context.strokeStyle = color("draw-part-line");
-    context.stroke(parts);
-    context.fillStyle = color("draw-part");
-    context.fill(parts);
     context.fillStyle = color("draw-belt");
     context.fillRect(x, y, width, height);
+    this.layer.draw(context, view, this.picture, bodyStyle());
     context.restore();
   }
 

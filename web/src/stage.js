@@ -12,7 +12,10 @@ import { color, onTheme, rgb } from "./theme.js";
 import { ViewBox } from "./view_box.js";
 
 const PROBE_STEP = 10; // CSS pixels a key moves the probe
-export const KINDS = ["draw-part", ...Array.from({ length: 7 }, (_, k) => `draw-part-${k + 2}`)]; // colours, again from the first
+const KINDS = ["draw-part", ...Array.from({ length: 7 }, (_, k) => `draw-part-${k + 2}`)]; // colours, again from the first
+
+// How a PartsLayer paints, in the theme of now.
+export const bodyStyle = () => ({ fills: KINDS.map(color), line: color("draw-part-line"), fillsRgb: KINDS.map(rgb), lineRgb: rgb("draw-part-line") });
 
 export class Stage {
   // label: what the drawing is called; most(): how high it may be, CSS pixels.
@@ -98,7 +101,7 @@ export class Stage {
     this.colors = this.chooseColors();
     drawScenery(this.above.getContext("2d"), this.view, this.scenario, this.colors);
     this.drawnState = "";
-    this.bodies = { fills: KINDS.map(color), line: color("draw-part-line"), fillsRgb: KINDS.map(rgb), lineRgb: rgb("draw-part-line") };
+    this.bodies = bodyStyle();
     this.belt = color("draw-belt");
     this.table = null;
     this.draw();

@@ -235,13 +235,18 @@ static void a_model_that_is_not_built_in_is_refused(void **unused)
 // What POST /v1/validate answers.
 static const prediction_speed same_speed = { { 1, 1, 1, 1, 1, 1, 1 } };
 
-static void validate(const char *text, bf_buffer *out)
+static void validate_with_parts(const char *text, size_t parts_max, bf_buffer *out)
 {
     api_submission submission;
 
     assert_int_equal(read_text(text, &submission, NULL), BF_OK);
-    assert_int_equal(submission_validation(&submission, NULL, out, NULL), BF_OK);
+    assert_int_equal(submission_validation(&submission, NULL, parts_max, out, NULL), BF_OK);
     submission_fini(&submission);
+}
+
+static void validate(const char *text, bf_buffer *out)
+{
+    validate_with_parts(text, 0, out);
 }
 
 static void assert_begins(const bf_buffer *text, const char *expected)
@@ -291,6 +296,34 @@ static void a_validation_says_what_the_results_would_be_doubted_for(void **unuse
     buffer_fini(&micro);
 }
 
+#define FIVE                                                                                       \
+    "'model': 'micro', 'scenario': {'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 0.6]}, " \
+    "'cargo': {}, 'initial': {'hexagonal': {'rows': 1, 'columns': 5, 'first_m': [0.125, 0.25], "   \
+    "'spacing_m': 0.125}}}"
+#define PART(x) "{\"x_m\":" x ",\"y_m\":0.25,\"heading_rad\":0,\"kind\":0}"
+
+static void assert_parts(size_t parts_max, const char *expected)
+{
+    bf_buffer out = { 0 };
+
+    validate_with_parts("{" FIVE "}", parts_max, &out);
+    if (strstr(out.bytes, expected) == NULL)
+        fail_msg("%.600s", out.bytes);
+    buffer_fini(&out);
+}
+
+static void a_validation_lists_as_many_parts_as_are_asked_for(void **unused)
+{
+    (void)unused;
+    assert_parts(0, "\"predicted_s\":null,\"resolved\":{");
+    assert_parts(1, "\"parts\":[" PART("0.125") "],\"resolved\":{");
+    assert_parts(2, "\"parts\":[" PART("0.125") "," PART("0.375") "],\"resolved\":{");
+    const char *all = "\"parts\":[" PART("0.125") "," PART("0.25") "," PART("0.375") "," PART(
+        "0.5") "," PART("0.625") "],\"resolved\":{";
+    assert_parts(5, all);
+    assert_parts(SUBMISSION_PARTS_MAX, all);
+}
+
 static void a_validation_without_memory_is_reported(void **unused)
 {
     bf_status status = BF_ENOMEM;
@@ -301,7 +334,7 @@ static void a_validation_without_memory_is_reported(void **unused)
     for (size_t n = 1; status != BF_OK; n++) {
         bf_buffer out = { 0 };
         memory_plan_fault(n, 0);
-        status = submission_validation(&submission, &same_speed, &out, NULL);
+        status = submission_validation(&submission, &same_speed, 5, &out, NULL);
         memory_plan_fault(0, 0);
         if (status != BF_OK)
             assert_int_equal(status, BF_ENOMEM);
@@ -345,6 +378,7 @@ int main(void)
         cmocka_unit_test(a_long_label_is_refused),
         cmocka_unit_test(a_model_that_is_not_built_in_is_refused),
         cmocka_unit_test(a_validation_says_what_the_results_would_be_doubted_for),
+        cmocka_unit_test(a_validation_lists_as_many_parts_as_are_asked_for),
         cmocka_unit_test(a_validation_without_memory_is_reported),
         cmocka_unit_test(no_memory_is_reported),
     };
