@@ -4,35 +4,28 @@
 
 #include "server/run/local_executor.h"
 
-#include "core/base/check.h"
 #include "core/base/memory.h"
 #include "server/base/log.h"
-#include "server/base/process.h"
+#include "server/run/child.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <math.h>
-#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/pidfd.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum {
     TRIAL_NICE = 10,
-    PIPE_BYTES = 1024 * 1024, // asked for in the pipe of a child's output
-    LINE_SIZE = 240,          // of a line of stderr with its terminator; the rest is left out
-    LINES_LOGGED_MAX = 100,   // of a job
-    ERROR_READS = 16, // a turn: what a pipe holds, so that no flood of words blocks the loop
-    NUMBER_TEXT = 24,
+    LINE_SIZE = 240,        // of a line of stderr with its terminator; the rest is left out
+    LINES_LOGGED_MAX = 100, // of a job
+    ERROR_READS = 16,       // a turn: what a pipe holds, so that no flood of words blocks the loop
     EVENTS_MAX = 64,
     EXIT_NOT_EXECUTABLE = 126, // of shells and of the dynamic loader, for a program that
     EXIT_NOT_FOUND = 127,      // cannot be executed, or lacks a library
@@ -57,15 +50,8 @@ struct executor_job {
     char id[EXECUTOR_ID_SIZE];
     char run_id[64];        // for the log
     executor_limits limits; // that it was started with
-    pid_t pid;              // 0: reaped
-    int status;             // of wait4(), when reaped
-    double used_s;          // CPU time so far
-    uint64_t peak_bytes;    // of memory that it had at once, when reaped
-    int pidfd;              // readable when it has ended
-    int in;                 // its standard input, not blocking; -1 when all is written
-    int out;                // its standard output, not blocking; -1 at its end
-    int err;                // its standard error, not blocking; -1 at its end
-    bf_buffer input;        // what it is to read
+    child child;
+    bf_buffer input; // what the child is to read
     size_t n_written;
     bool has_output;      // there may be something to read from out
     char line[LINE_SIZE]; // of stderr, as far as it has come
@@ -84,74 +70,6 @@ typedef struct local_executor {
     executor_job *released; // jobs that were released before their child had ended
     executor_job *spare;    // whose child waits for its input; NULL: none
 } local_executor;
-
-// The two ends of a pipe.
-typedef struct ends {
-    int read;
-    int write;
-} ends;
-
-typedef struct pipes {
-    ends in;
-    ends out;
-    ends err;
-} pipes;
-
-static void close_fd(int *fd)
-{
-    if (*fd >= 0)
-        close(*fd);
-    *fd = -1;
-}
-
-static void close_pipes(pipes *p)
-{
-    close_fd(&p->in.read);
-    close_fd(&p->in.write);
-    close_fd(&p->out.read);
-    close_fd(&p->out.write);
-    close_fd(&p->err.read);
-    close_fd(&p->err.write);
-}
-
-static bool open_pipe(ends *ret_ends)
-{
-    int fds[2];
-
-    if (pipe2(fds, O_CLOEXEC) != 0)
-        return false;
-    *ret_ends = (ends){ .read = fds[0], .write = fds[1] };
-    return true;
-}
-
-// Our ends do not block; the child's do. A smaller output pipe than asked for is no failure.
-static bool open_pipes(pipes *p)
-{
-    if (!open_pipe(&p->in) || !open_pipe(&p->out) || !open_pipe(&p->err))
-        return false;
-    (void)fcntl(p->out.read, F_SETPIPE_SZ, PIPE_BYTES);
-    return fcntl(p->in.write, F_SETFL, O_NONBLOCK) == 0 &&
-           fcntl(p->out.read, F_SETFL, O_NONBLOCK) == 0 &&
-           fcntl(p->err.read, F_SETFL, O_NONBLOCK) == 0;
-}
-
-// Returns 0 or an errno.
-static int spawn_worker(const char *program, const executor_limits *limits, const pipes *p,
-                        pid_t *ret_pid)
-{
-    char memory[NUMBER_TEXT], cpu[NUMBER_TEXT], parent[NUMBER_TEXT], checkpoint[NUMBER_TEXT];
-    const char *const argv[] = { "beltflow", "worker",  "--memory-bytes",
-                                 memory,     "--cpu-s", cpu,
-                                 "--parent", parent,    "--checkpoint-ms",
-                                 checkpoint, NULL };
-    const int fds[] = { p->in.read, p->out.write, p->err.write };
-
-    snprintf(memory, sizeof memory, "%" PRIu64, limits->memory_bytes);
-    snprintf(cpu, sizeof cpu, "%" PRIu64, limits->cpu_s);
-    snprintf(parent, sizeof parent, "%ld", (long)getpid());
-    snprintf(checkpoint, sizeof checkpoint, "%" PRId64, limits->checkpoint_ms);
-    return process_spawn(program, argv, fds, ret_pid);
-}
 
 static bf_status fail_start(const char *program, int error, bf_error *err)
 {
@@ -172,103 +90,30 @@ static bool watch_fd(const executor *e, executor_job *job, int fd, uint32_t even
 
 static bool watch_job(const executor *e, executor_job *job)
 {
-    return watch_fd(e, job, job->in, EPOLLOUT, SOURCE_INPUT) &&
-           watch_fd(e, job, job->out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) &&
-           watch_fd(e, job, job->err, EPOLLIN, SOURCE_ERROR);
-}
-
-static void close_job(executor_job *job)
-{
-    close_fd(&job->in);
-    close_fd(&job->out);
-    close_fd(&job->err);
-    close_fd(&job->pidfd);
-    buffer_fini(&job->input);
-}
-
-static double seconds_of(const struct timeval *t)
-{
-    return (double)t->tv_sec + 1e-6 * (double)t->tv_usec;
-}
-
-// True if the child has ended. Nothing of its process group is left then.
-static bool reap(executor_job *job)
-{
-    siginfo_t info = { .si_pid = 0 };
-    struct rusage used = { .ru_maxrss = 0 };
-
-    if (job->pid == 0)
-        return true;
-    // First look, while the group is still known to be the child's; only then free the pid.
-    if (waitid(P_PID, (id_t)job->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0)
-        return false;
-    kill(-job->pid, SIGKILL);
-    if (wait4(job->pid, &job->status, 0, &used) != job->pid)
-        job->status = SIGKILL; // already reaped elsewhere
-    job->used_s = fmax(job->used_s, seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime));
-    job->peak_bytes = (uint64_t)used.ru_maxrss * 1024;
-    job->pid = 0;
-    job->has_output = true;
-    return true;
-}
-
-static void kill_and_reap(executor_job *job)
-{
-    struct pollfd end = { .fd = job->pidfd, .events = POLLIN };
-
-    if (job->pid != 0)
-        kill(-job->pid, SIGKILL);
-    while (!reap(job))
-        (void)poll(&end, 1, -1);
-}
-
-// Start the child, whose end is watched; the descriptors of *job are set. Returns 0 or an errno.
-static int start_child(local_executor *e, executor_job *job)
-{
-    pipes p = { { -1, -1 }, { -1, -1 }, { -1, -1 } };
-    pid_t pid = 0;
-
-    int error = open_pipes(&p) ? spawn_worker(e->program, &job->limits, &p, &pid) : errno;
-    if (error != 0) {
-        close_pipes(&p);
-        return error;
-    }
-    close_fd(&p.in.read);
-    close_fd(&p.out.write);
-    close_fd(&p.err.write);
-    job->pid = pid;
-    job->in = p.in.write;
-    job->out = p.out.read;
-    job->err = p.err.read;
-    job->pidfd = pidfd_open(pid, 0);
-    if (job->pidfd >= 0 && watch_fd(&e->base, job, job->pidfd, EPOLLIN, SOURCE_EXIT))
-        return 0;
-    error = errno;
-    if (job->pidfd < 0) {
-        kill(-pid, SIGKILL);
-        waitpid(pid, NULL, 0);
-        job->pid = 0;
-    }
-    return error;
+    return watch_fd(e, job, job->child.in, EPOLLOUT, SOURCE_INPUT) &&
+           watch_fd(e, job, job->child.out, EPOLLIN | EPOLLET, SOURCE_OUTPUT) &&
+           watch_fd(e, job, job->child.err, EPOLLIN, SOURCE_ERROR);
 }
 
 static void destroy_job(executor_job *job)
 {
-    kill_and_reap(job);
-    close_job(job);
+    child_end(&job->child);
+    buffer_fini(&job->input);
     memory_free(job);
 }
 
-// A job whose child waits for its input. Returns 0 or an errno.
+// A job whose child waits for its input, and whose end is watched. Returns 0 or an errno.
 static int create_job(local_executor *e, const executor_limits *limits, executor_job **ret_job)
 {
     executor_job *job = memory_alloc(1, sizeof *job);
 
     if (job == NULL)
         return ENOMEM;
-    job->pidfd = job->in = job->out = job->err = -1;
     job->limits = *limits;
-    const int error = start_child(e, job);
+    job->child = CHILD_NONE;
+    int error = child_start(e->program, limits, &job->child);
+    if (error == 0 && !watch_fd(&e->base, job, job->child.exit, EPOLLIN, SOURCE_EXIT))
+        error = errno;
     if (error == 0)
         *ret_job = job;
     else
@@ -282,7 +127,8 @@ static executor_job *take_spare(local_executor *e, const executor_limits *limits
     executor_job *spare = e->spare;
 
     e->spare = NULL;
-    if (spare == NULL || (!reap(spare) && memcmp(&spare->limits, limits, sizeof *limits) == 0))
+    if (spare == NULL ||
+        (!child_reap(&spare->child) && memcmp(&spare->limits, limits, sizeof *limits) == 0))
         return spare;
     destroy_job(spare);
     return NULL;
@@ -291,16 +137,16 @@ static executor_job *take_spare(local_executor *e, const executor_limits *limits
 // Write what the child's input takes; close it after the last byte, or when it is not read any more.
 static void write_input(executor_job *job)
 {
-    while (job->in >= 0 && job->n_written < job->input.n) {
+    while (job->child.in >= 0 && job->n_written < job->input.n) {
         ssize_t n =
-            write(job->in, job->input.bytes + job->n_written, job->input.n - job->n_written);
+            write(job->child.in, job->input.bytes + job->n_written, job->input.n - job->n_written);
         if (n < 0 && errno == EAGAIN)
             return;
         if (n < 0 && errno != EINTR)
             break;
         job->n_written += n > 0 ? (size_t)n : 0;
     }
-    close_fd(&job->in);
+    child_close_one(&job->child.in);
     buffer_fini(&job->input);
 }
 
@@ -325,11 +171,11 @@ static bf_status hand_over(const local_executor *e, const executor_work *work, e
     bf_status status = executor_encode(work, &job->input, err);
     if (status != BF_OK)
         return status;
-    snprintf(job->id, sizeof job->id, "local:%ld", (long)job->pid);
+    snprintf(job->id, sizeof job->id, "local:%ld", (long)job->child.pid);
     snprintf(job->run_id, sizeof job->run_id, "%s", work->run_id);
     // Runs by themselves are solved beside trials, and are to have the cores.
     if (work->is_trial)
-        (void)setpriority(PRIO_PROCESS, (id_t)job->pid, TRIAL_NICE);
+        (void)setpriority(PRIO_PROCESS, (id_t)job->child.pid, TRIAL_NICE);
     if (!watch_job(&e->base, job))
         return fail_start(e->program, errno, err);
     write_input(job);
@@ -373,9 +219,7 @@ static bf_status attach(executor *base, const char *external_id, executor_job **
 static void stop(executor *base, executor_job *job, executor_stop how)
 {
     (void)base;
-    if (job->pid > 0)
-        kill(how == EXECUTOR_STOP_NOW ? -job->pid : job->pid,
-             how == EXECUTOR_STOP_NOW ? SIGKILL : SIGTERM);
+    child_stop(&job->child, how == EXECUTOR_STOP_NOW);
 }
 
 static void log_line(executor_job *job)
@@ -406,8 +250,8 @@ static void read_errors(executor_job *job)
 {
     char bytes[4096];
 
-    for (int i = 0; job->err >= 0 && i < ERROR_READS; i++) {
-        ssize_t n = read(job->err, bytes, sizeof bytes);
+    for (int i = 0; job->child.err >= 0 && i < ERROR_READS; i++) {
+        ssize_t n = read(job->child.err, bytes, sizeof bytes);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0 && errno == EAGAIN)
@@ -418,7 +262,7 @@ static void read_errors(executor_job *job)
         }
         if (job->n_line > 0)
             take_error_bytes(job, "\n", 1);
-        close_fd(&job->err);
+        child_close_one(&job->child.err);
     }
 }
 
@@ -430,15 +274,15 @@ static void forget_released(local_executor *e, executor_job *job)
             break;
         }
     }
-    close_job(job);
-    memory_free(job);
+    destroy_job(job);
 }
 
 static void take_exit(local_executor *e, executor_job *job)
 {
-    if (!reap(job))
+    if (!child_reap(&job->child))
         return;
-    close_fd(&job->pidfd);
+    job->has_output = true;
+    child_close_one(&job->child.exit);
     if (job->is_released)
         forget_released(e, job);
 }
@@ -470,7 +314,7 @@ static void update(executor *base)
 
 static executor_cause classify_exit(const executor_job *job)
 {
-    int code = WEXITSTATUS(job->status);
+    int code = WEXITSTATUS(job->child.status);
 
     if (code == EXIT_SUCCESS)
         return EXECUTOR_EXITED;
@@ -480,9 +324,9 @@ static executor_cause classify_exit(const executor_job *job)
 
 static executor_cause classify_end(const executor_job *job)
 {
-    if (!WIFSIGNALED(job->status))
+    if (!WIFSIGNALED(job->child.status))
         return classify_exit(job);
-    switch (WTERMSIG(job->status)) {
+    switch (WTERMSIG(job->child.status)) {
     case SIGTERM:
         return EXECUTOR_STOPPED;
     case SIGKILL:
@@ -498,7 +342,8 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
 {
     char text[160];
     bf_status code = BF_ESYSTEM;
-    const char *name = WIFSIGNALED(job->status) ? sigabbrev_np(WTERMSIG(job->status)) : NULL;
+    const char *name =
+        WIFSIGNALED(job->child.status) ? sigabbrev_np(WTERMSIG(job->child.status)) : NULL;
 
     ret_end->cause = classify_end(job);
     if (ret_end->cause == EXECUTOR_TIMED_OUT) {
@@ -509,15 +354,15 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
         snprintf(text, sizeof text,
                  "the solver was killed from outside (SIGKILL); it had %" PRIu64
                  " MiB of memory at most. The kernel's log tells if memory was short",
-                 job->peak_bytes >> 20);
+                 job->child.peak_bytes >> 20);
     } else if (ret_end->cause == EXECUTOR_UNSTARTED) {
         snprintf(text, sizeof text, "the solver cannot be executed (exit code %d)",
-                 WEXITSTATUS(job->status));
-    } else if (WIFSIGNALED(job->status)) {
+                 WEXITSTATUS(job->child.status));
+    } else if (WIFSIGNALED(job->child.status)) {
         snprintf(text, sizeof text, "the solver crashed (SIG%s)", name == NULL ? "?" : name);
     } else {
         snprintf(text, sizeof text, "the solver ended with exit code %d before the end of the run",
-                 WEXITSTATUS(job->status));
+                 WEXITSTATUS(job->child.status));
     }
     (void)bf_fail(&ret_end->error, code, "", "%s%s%.120s", text,
                   job->last_line[0] == '\0' ? "" : "; it said: ", job->last_line);
@@ -525,8 +370,8 @@ static void describe_end(const executor_job *job, executor_end *ret_end)
 
 static size_t read_output(executor_job *job, void *bytes, size_t capacity)
 {
-    while (job->has_output && job->out >= 0) {
-        ssize_t n = read(job->out, bytes, capacity);
+    while (job->has_output && job->child.out >= 0) {
+        ssize_t n = read(job->child.out, bytes, capacity);
         job->has_spoken = job->has_spoken || n > 0;
         if (n > 0)
             return (size_t)n;
@@ -534,7 +379,7 @@ static size_t read_output(executor_job *job, void *bytes, size_t capacity)
             continue;
         job->has_output = false;
         if (n == 0 || errno != EAGAIN)
-            close_fd(&job->out);
+            child_close_one(&job->child.out);
     }
     return 0;
 }
@@ -544,23 +389,11 @@ static executor_state poll_job(executor *base, executor_job *job, void *bytes, s
 {
     (void)base;
     *ret_n = read_output(job, bytes, capacity);
-    if (*ret_n > 0 || job->pid != 0)
+    if (*ret_n > 0 || job->child.pid != 0)
         return EXECUTOR_RUNNING;
     read_errors(job);
     describe_end(job, ret_end);
     return EXECUTOR_ENDED;
-}
-
-static double cpu_s(executor *base, executor_job *job)
-{
-    struct timespec used;
-    clockid_t clock;
-
-    (void)base;
-    if (job->pid != 0 && clock_getcpuclockid(job->pid, &clock) == 0 &&
-        clock_gettime(clock, &used) == 0)
-        job->used_s = fmax(job->used_s, (double)used.tv_sec + 1e-9 * (double)used.tv_nsec);
-    return job->used_s;
 }
 
 static const char *external_id(const executor_job *job)
@@ -568,20 +401,22 @@ static const char *external_id(const executor_job *job)
     return job->id;
 }
 
+static double cpu_s(executor *base, executor_job *job)
+{
+    (void)base;
+    return child_cpu_s(&job->child);
+}
+
 static void release(executor *base, executor_job *job)
 {
     local_executor *e = (local_executor *)base;
-    int pidfd = job->pidfd;
 
     stop(base, job, EXECUTOR_STOP_NOW);
-    job->pidfd = -1;
-    close_job(job);
-    if (job->pid == 0) {
-        close_fd(&pidfd);
-        memory_free(job);
+    if (job->child.pid == 0) {
+        destroy_job(job);
         return;
     }
-    job->pidfd = pidfd;
+    child_close_pipes(&job->child);
     job->is_released = true;
     job->next = e->released;
     e->released = job;
@@ -620,10 +455,8 @@ executor *local_executor_destroy(executor *base)
         return NULL;
     if (e->spare != NULL)
         destroy_job(e->spare);
-    while (e->released != NULL) {
-        kill_and_reap(e->released);
+    while (e->released != NULL)
         forget_released(e, e->released);
-    }
     close(base->wake_fd);
     memory_free(e);
     return NULL;

@@ -85,8 +85,8 @@ ONLY_IN = {
     "seccomp.h": r"server/run/confinement\.c|tests/unit/server/run/test_confinement\.c",
     "linux/landlock.h": r"server/run/confinement\.c",
     "spawn.h": r"server/base/process\.c|tests/unit/server/run/test_executor_faults\.c",
-    "sys/pidfd.h": r"server/(run/local_executor|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
-    "sys/wait.h": r"server/(run/local_executor|slurm/command)\.c|tests/.+",
+    "sys/pidfd.h": r"server/(run/child|slurm/command)\.c|tests/unit/server/run/test_executor_faults\.c",
+    "sys/wait.h": r"server/(run/(child|local_executor)|slurm/command)\.c|tests/.+",
 }
 
 
