@@ -1,4 +1,5 @@
 #include "tests/unit/server/helper_client.h"
+#include "tests/unit/server/helper_await.h"
 
 #include "server/base/clock.h"
 
@@ -101,10 +102,10 @@ static size_t content_length(const bf_buffer *bytes)
 
 bool client_read_response(int fd, bf_buffer *rest, bool has_body, bf_buffer *answer)
 {
-    int64_t deadline_ms = clock_monotonic_ms() + 5000;
+    int64_t deadline_ms = clock_monotonic_ms() + HELPER_PATIENCE_MS;
 
     answer->n = 0;
-    if (!client_read_until(fd, rest, "\r\n\r\n", 5000))
+    if (!client_read_until(fd, rest, "\r\n\r\n", HELPER_PATIENCE_MS))
         return false;
     size_t n = (size_t)(strstr(rest->bytes, "\r\n\r\n") + 4 - rest->bytes);
     if (has_body && client_status(rest) != 304)
@@ -133,7 +134,7 @@ int client_ask(unsigned port, const char *request, bf_buffer *answer)
 
     to->n = 0;
     (void)client_send(fd, request);
-    assert_true(client_read_all(fd, to, 10000));
+    assert_true(client_read_all(fd, to, HELPER_PATIENCE_MS));
     int status = client_status(to);
     assert_int_equal(close(fd), 0);
     buffer_fini(&own);

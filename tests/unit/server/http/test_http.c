@@ -4,6 +4,7 @@
 #include "server/http/http.h"
 
 #include "core/base/memory.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <arpa/inet.h>
@@ -125,7 +126,7 @@ static void requests_sent_at_once_are_answered_in_order(void **state)
         assert_true(client_read_response(fd, &rest, true, &answer));
         assert_int_equal(client_status(&answer), statuses[i]);
     }
-    assert_true(client_read_all(fd, &rest, 5000));
+    assert_true(client_read_all(fd, &rest, HELPER_PATIENCE_MS));
     assert_int_equal(rest.n, 0);
     assert_int_equal(close(fd), 0);
     buffer_fini(&rest);
@@ -176,7 +177,7 @@ static void what_the_queue_of_requests_cannot_take_is_refused(void **state)
         bf_buffer answer = { 0 };
         if (fds[i] < 0)
             continue;
-        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_true(client_read_all(fds[i], &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), 200);
         assert_int_equal(close(fds[i]), 0);
         buffer_fini(&answer);
@@ -235,7 +236,7 @@ static void requests_under_way_are_answered_when_the_server_stops(void **state)
     assert_int_equal(pthread_join(releaser, NULL), 0);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
-        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_true(client_read_all(fds[i], &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), 200);
         assert_int_equal(close(fds[i]), 0);
         buffer_fini(&answer);
@@ -303,10 +304,10 @@ static void one_client_gets_no_more_than_its_share(void **state)
     for (int i = 0; i < 4; i++)
         fds[i] = client_connect_to(outside, http_port(server));
     (void)client_send(fds[3], "GET /livez HTTP/1.1\r\n" HOST "\r\n");
-    assert_true(client_read_all(fds[3], &answer, 5000));
+    assert_true(client_read_all(fds[3], &answer, HELPER_PATIENCE_MS));
     assert_int_equal(answer.n, 0);
     assert_true(client_send(fds[2], "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n"));
-    assert_true(client_read_all(fds[2], &answer, 5000));
+    assert_true(client_read_all(fds[2], &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 200);
     for (int i = 0; i < 4; i++)
         assert_int_equal(close(fds[i]), 0);
@@ -324,7 +325,7 @@ static void connections_of_this_machine_are_not_limited(void **state)
     for (int i = 0; i < 4; i++) {
         bf_buffer answer = { 0 };
         assert_true(client_send(fds[i], "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n"));
-        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_true(client_read_all(fds[i], &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), 200);
         assert_int_equal(close(fds[i]), 0);
         buffer_fini(&answer);

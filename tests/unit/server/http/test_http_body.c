@@ -2,6 +2,7 @@
 
 #include "server/http/http.h"
 
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdlib.h>
@@ -55,7 +56,7 @@ static void who_may_not_send_a_body_is_refused_before_it_comes(void **state)
         bf_buffer answer = { 0 };
         int fd = client_connect(http_port(server));
         assert_true(client_send(fd, cases[i].header));
-        assert_true(client_read_all(fd, &answer, 5000));
+        assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), cases[i].status);
         server_assert_holds(&answer, "application/problem+json");
         server_assert_holds(&answer, "\r\nWWW-Authenticate: Bearer realm=");
@@ -78,7 +79,7 @@ static void a_client_that_sends_its_body_anyway_reads_the_refusal(void **state)
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, TO LENGTH "\r\n"));
     assert_true(client_send_bytes(fd, body, N));
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 401);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
@@ -94,11 +95,11 @@ static void who_may_send_it_is_asked_for_it(void **state)
     int fd = client_connect(http_port(server));
     assert_true(client_send(fd, TO "Connection: close\r\nAuthorization: Bearer reads\r\n"
                                    "Content-Length: 3\r\nExpect: 100-continue\r\n\r\n"));
-    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 100);
     assert_true(client_send(fd, "{,}"));
     answer.n = 0;
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 400);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);

@@ -2,6 +2,7 @@
 
 #include "server/http/http.h"
 
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdio.h>
@@ -45,7 +46,7 @@ static void assert_answered(int fd, int status)
 {
     bf_buffer answer = { 0 };
 
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), status);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
@@ -93,7 +94,7 @@ static void scenarios_that_wait_are_refused_when_the_server_stops(void **state)
     assert_int_equal(usleep(300000), 0);
     fake_hold(&server_services, FAKE_HELD_NONE);
     for (int i = 0; i < N_SUBMISSIONS; i++) {
-        assert_true(client_read_all(fds[i], &answers[i], 5000));
+        assert_true(client_read_all(fds[i], &answers[i], HELPER_PATIENCE_MS));
         n_accepted += client_status(&answers[i]) == 201;
         n_refused += client_status(&answers[i]) == 503;
         assert_int_equal(close(fds[i]), 0);

@@ -2,6 +2,7 @@
 
 #include "server/http/framing.h"
 
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdio.h>
@@ -272,7 +273,7 @@ static void exchange(const message *m, size_t cut, const char *next, bf_buffer *
         assert_int_equal(usleep(2000), 0); // so that the server receives them one by one
     (void)client_send_bytes(fd, m->bytes + cut, m->n - cut);
     (void)client_send(fd, next); // the server may have hung up
-    bool is_closed = client_read_all(fd, answer, 5000);
+    bool is_closed = client_read_all(fd, answer, HELPER_PATIENCE_MS);
     if (!is_closed)
         print_error("not closed after %.*s\n", (int)m->n, m->bytes);
     assert_true(is_closed);

@@ -2,6 +2,7 @@
 
 #include "server/http/http.h"
 
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <string.h>
@@ -65,7 +66,7 @@ static void requests_that_wait_for_the_store_are_answered(void **state)
         int fd = ask_and_shut(cases[i].request);
         assert_true(fake_wait_for_held(&server_services, 1));
         fake_hold(&server_services, FAKE_HELD_NONE);
-        assert_true(client_read_all(fd, &answer, 5000));
+        assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
         assert_int_equal(count_answers(&answer, "HTTP/1.1 200 "), cases[i].n_answers);
         assert_int_equal(close(fd), 0);
         buffer_fini(&answer);
@@ -90,7 +91,7 @@ static void bodies_are_taken_and_answered(void **state)
     for (size_t i = 0; i < 40; i++) {
         bf_buffer answer = { 0 };
         int fd = ask_and_shut(requests[i % 2]);
-        assert_true(client_read_all(fd, &answer, 5000));
+        assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), 201);
         assert_int_equal(close(fd), 0);
         buffer_fini(&answer);
@@ -105,7 +106,7 @@ static void a_wait_for_a_run_is_answered(void **state)
     (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = ask_and_shut("GET " RUN "?wait=60 HTTP/1.1\r\n" HOST "\r\n");
-    assert_true(client_read_all(fd, &answer, 10000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 200);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
@@ -119,11 +120,11 @@ static void an_event_stream_goes_on(void **state)
     (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = ask_and_shut("GET " RUN "/events HTTP/1.1\r\n" HOST "\r\n");
-    assert_true(client_read_until(fd, &answer, "\r\n:\n\n", 5000));
+    assert_true(client_read_until(fd, &answer, "\r\n:\n\n", HELPER_PATIENCE_MS));
     server_append(false);
-    assert_true(client_read_until(fd, &answer, "{\"k\":1}", 5000));
+    assert_true(client_read_until(fd, &answer, "{\"k\":1}", HELPER_PATIENCE_MS));
     server_append(true);
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     server_assert_holds(&answer, "{\"k\":2}");
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);

@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 
 #include "server/base/clock.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <stdlib.h>
@@ -78,7 +79,7 @@ static void a_bad_request_is_refused_and_its_connection_closed(void **state)
         bf_buffer answer = { 0 };
         int fd = client_connect(http_port(server));
         assert_true(client_send_bytes(fd, cases[i].bytes, cases[i].n));
-        bool is_closed = client_read_all(fd, &answer, 5000);
+        bool is_closed = client_read_all(fd, &answer, HELPER_PATIENCE_MS);
         const char *second = answer.n == 0 ? NULL : strstr(answer.bytes + 1, "HTTP/1.1 ");
         if (!is_closed || client_status(&answer) != cases[i].status || second != NULL)
             print_error("case %zu: closed %d, answer: %s\n", i, is_closed,
@@ -192,9 +193,10 @@ static void sixteen_connections(http_options *options)
 {
     options->connection_limit = 16;
     options->n_threads = 1;
+    options->header_deadline_ms = options->body_deadline_ms = 10 * HELPER_PATIENCE_MS;
 }
 
-// Each of these would hold a connection until its deadline of ten seconds.
+// Each of these would hold a connection until its deadline.
 static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **state)
 {
     static const char *const beginnings[] = {
@@ -212,17 +214,15 @@ static void clients_that_send_a_little_and_hang_up_hold_no_connection(void **sta
         (void)client_send(fd, beginnings[i % 3]);
         assert_int_equal(close(fd), 0);
     }
-    while (status != 200 && clock_monotonic_ms() - start_ms < 8000)
+    while (status != 200 && clock_monotonic_ms() - start_ms < HELPER_PATIENCE_MS)
         status = client_ask(http_port(server), "GET /version HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL);
     assert_int_equal(status, 200);
-    assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
 }
 
-// Sockets that say nothing take every place, and go on coming; their deadline is ten seconds away.
+// Sockets that say nothing take every place, and go on coming; their deadline is far away.
 static void a_crowd_that_says_nothing_does_not_shut_others_out(void **state)
 {
     enum { CROWD = 40 };
-    int64_t start_ms = clock_monotonic_ms();
     int fds[CROWD];
 
     (void)state;
@@ -232,7 +232,6 @@ static void a_crowd_that_says_nothing_does_not_shut_others_out(void **state)
     for (int i = 0; i < 5; i++)
         assert_int_equal(
             client_ask(http_port(server), "GET /livez HTTP/1.1\r\n" HOST CLOSE "\r\n", NULL), 200);
-    assert_in_range(clock_monotonic_ms() - start_ms, 0, 8000);
     for (int i = 0; i < CROWD; i++)
         assert_int_equal(close(fds[i]), 0);
 }
@@ -291,7 +290,7 @@ static void a_body_that_is_announced_too_long_is_refused_at_once(void **state)
     int fd = client_connect(http_port(server));
     assert_true(
         client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 1073741824\r\n\r\n"));
-    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 413);
     assert_int_equal(close(fd), 0);
     assert_int_equal(client_ask(http_port(server),
@@ -317,7 +316,7 @@ static void a_client_that_sends_its_long_body_anyway_reads_the_refusal(void **st
         assert_true(
             client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Content-Length: 3000000\r\n\r\n"));
         assert_true(client_send_bytes(fd, body, N));
-        assert_true(client_read_all(fd, &answer, 5000));
+        assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
         assert_int_equal(client_status(&answer), 413);
         assert_int_equal(close(fd), 0);
         buffer_fini(&answer);
@@ -339,7 +338,7 @@ static void a_chunked_body_is_refused_when_it_becomes_too_long(void **state)
         client_send(fd, "POST /v1/runs HTTP/1.1\r\n" HOST "Transfer-Encoding: chunked\r\n\r\n"));
     for (int i = 0; i < 11; i++)
         assert_true(client_send_bytes(fd, chunk, sizeof chunk));
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 413);
     server_assert_holds(&answer, "application/problem+json");
     server_assert_holds(&answer, "\r\nConnection: close\r\n");
@@ -375,11 +374,11 @@ static void a_client_that_expects_a_100_gets_it_or_the_refusal(void **state)
     assert_true(client_send(fd, "POST /v1/validate HTTP/1.1\r\n" HOST CLOSE
                                 "Content-Type: application/json\r\n"
                                 "Content-Length: 3\r\nExpect: 100-continue\r\n\r\n"));
-    assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+    assert_true(client_read_until(fd, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 100);
     assert_true(client_send(fd, "{,}"));
     answer.n = 0;
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&answer), 400);
     assert_int_equal(close(fd), 0);
     assert_int_equal(client_ask(http_port(server),

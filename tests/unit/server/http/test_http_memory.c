@@ -3,6 +3,7 @@
 #include "server/http/http.h"
 
 #include "server/base/metrics.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <string.h>
@@ -32,7 +33,7 @@ static void answers_beyond_the_memory_for_all_of_them_are_refused(void **state)
     assert_int_equal(client_ask(http_port(server), SNAPSHOT, &second), 503);
     server_assert_holds(&second, "\r\nRetry-After: ");
     fake_hold(&server_services, FAKE_HELD_NONE);
-    assert_true(client_read_all(fd, &first, 5000));
+    assert_true(client_read_all(fd, &first, HELPER_PATIENCE_MS));
     assert_int_equal(client_status(&first), 200);
     assert_int_equal(close(fd), 0);
     buffer_fini(&first);

@@ -83,7 +83,7 @@ static void metrics_are_answered_when_all_connections_but_the_reserve_are_taken(
         fds[i] = client_connect(http_port(server));
         assert_true(
             client_send(fds[i], "GET /v1/runs/" FAKE_RUN "/events HTTP/1.1\r\n" HOST "\r\n"));
-        assert_true(client_read_until(fds[i], &head, "HTTP/1.1 200", 5000));
+        assert_true(client_read_until(fds[i], &head, "HTTP/1.1 200", HELPER_PATIENCE_MS));
         buffer_fini(&head);
     }
     assert_int_equal(ask("/metrics", &answer), 200);

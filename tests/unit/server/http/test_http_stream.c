@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "tests/unit/helper_amount.h"
+#include "tests/unit/server/helper_await.h"
 #include "tests/unit/server/helper_server.h"
 
 #include <pthread.h>
@@ -25,22 +26,23 @@ static int open_stream(bf_buffer *answer)
     int fd = client_connect(http_port(server));
 
     assert_true(client_send(fd, STREAM));
-    assert_true(client_read_until(fd, answer, "retry: 3000\n\n", 5000));
+    assert_true(client_read_until(fd, answer, "retry: 3000\n\n", HELPER_PATIENCE_MS));
     assert_int_equal(client_status(answer), 200);
     return fd;
 }
 
-static void wait_until_quiet(void)
+static unsigned count_reads(void)
 {
-    unsigned before = 0, now = 1;
+    lock_acquire(&server_services.lock);
+    unsigned n = server_services.n_reads;
+    lock_release(&server_services.lock);
+    return n;
+}
 
-    while (before != now) {
-        before = now;
-        (void)usleep(50000);
-        lock_acquire(&server_services.lock);
-        now = server_services.n_reads;
-        lock_release(&server_services.lock);
-    }
+// Each stream reads twice before it sleeps: its first events, and once more, lest one came meanwhile.
+static void wait_until_asleep(unsigned n_before, unsigned n_streams)
+{
+    HELPER_AWAIT(count_reads() - n_before >= 2 * n_streams);
 }
 
 static void a_stream_tells_what_happens_when_it_happens(void **state)
@@ -57,13 +59,13 @@ static void a_stream_tells_what_happens_when_it_happens(void **state)
     for (int k = 1; k <= 20; k++) {
         char event[64];
         if (k % 4 == 0)
-            wait_until_quiet();
+            (void)usleep(50000); // in which it falls asleep
         server_append(k == 20);
         (void)snprintf(event, sizeof event, "id: %d\nevent: %s\ndata: {\"k\":%d}\n\n", k,
                        k == 20 ? "end" : "progress", k);
-        assert_true(client_read_until(fd, &answer, event, 5000));
+        assert_true(client_read_until(fd, &answer, event, HELPER_PATIENCE_MS));
     }
-    assert_true(client_read_until(fd, &answer, "\r\n0\r\n\r\n", 5000));
+    assert_true(client_read_until(fd, &answer, "\r\n0\r\n\r\n", HELPER_PATIENCE_MS));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -96,7 +98,7 @@ static void a_stream_that_the_store_fails_is_torn_off(void **state)
     server_services.is_broken = true;
     lock_release(&server_services.lock);
     server_append(false);
-    assert_true(client_read_all(fd, &answer, 5000));
+    assert_true(client_read_all(fd, &answer, HELPER_PATIENCE_MS));
     assert_null(strstr(answer.bytes, "\r\n0\r\n\r\n"));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
@@ -109,16 +111,11 @@ static void a_notice_of_another_run_wakes_nobody(void **state)
     (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
-    wait_until_quiet();
-    lock_acquire(&server_services.lock);
-    unsigned n_reads = server_services.n_reads;
-    lock_release(&server_services.lock);
+    wait_until_asleep(0, 1);
     for (int i = 0; i < 100; i++)
         http_notify(server, "ffffffff-89ab-7cde-8f01-23456789abcd");
-    (void)usleep(100000);
-    lock_acquire(&server_services.lock);
-    assert_int_equal(server_services.n_reads, n_reads);
-    lock_release(&server_services.lock);
+    (void)usleep(100000); // in which it could read
+    assert_int_equal(count_reads(), 2);
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -149,8 +146,8 @@ static void *read_log(void *context)
     long n = 0;
     int fd = *(const int *)context;
 
-    if (client_read_until(fd, &answer, "event: end\n", 60000) &&
-        client_read_all(fd, &answer, 5000)) {
+    if (client_read_until(fd, &answer, "event: end\n", HELPER_PATIENCE_MS) &&
+        client_read_all(fd, &answer, HELPER_PATIENCE_MS)) {
         at = strstr(answer.bytes, "\r\n\r\n");
         while (at != NULL && (at = strstr(at, "\nid: ")) != NULL) {
             long id = strtol(at + 5, NULL, 10);
@@ -213,13 +210,13 @@ static void an_event_between_the_last_look_and_the_sleep_is_not_missed(void **st
     (void)state;
     server = fake_serve(&server_services, NULL);
     int fd = open_stream(&answer);
-    wait_until_quiet();
+    wait_until_asleep(0, 1);
     lock_acquire(&server_services.lock);
     server_services.after_look = append_late;
     lock_release(&server_services.lock);
     server_append(false);
     (void)snprintf(event, sizeof event, "event: end\ndata: {\"k\":%d}\n\n", N_LATE + 1);
-    assert_true(client_read_until(fd, &answer, event, 20000));
+    assert_true(client_read_until(fd, &answer, event, HELPER_PATIENCE_MS));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -238,31 +235,37 @@ static void a_stream_that_sleeps_is_woken_every_time(void **state)
         server_append(false);
         (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", k);
         answer.n = 0;
-        assert_true(client_read_until(fd, &answer, event, 5000));
+        assert_true(client_read_until(fd, &answer, event, HELPER_PATIENCE_MS));
     }
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
 
+static void slow_heart(http_options *options)
+{
+    options->heartbeat_ms = 10 * HELPER_PATIENCE_MS;
+}
+
+// Those that are not woken sleep until their heartbeat.
 static void two_hundred_sleeping_streams_stop_at_once(void **state)
 {
     enum { N = 200 };
     int fds[N];
 
     (void)state;
-    server = fake_serve(&server_services, NULL);
+    server = fake_serve(&server_services, slow_heart);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
         fds[i] = open_stream(&answer);
         buffer_fini(&answer);
     }
-    wait_until_quiet();
+    wait_until_asleep(0, N);
     int64_t start_ms = clock_monotonic_ms();
     server = http_stop(server);
-    assert_in_range(clock_monotonic_ms() - start_ms, 0, 900);
+    assert_true(clock_monotonic_ms() - start_ms < HELPER_PATIENCE_MS);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
-        assert_true(client_read_all(fds[i], &answer, 5000));
+        assert_true(client_read_all(fds[i], &answer, HELPER_PATIENCE_MS));
         assert_int_equal(answer.n, 5);
         assert_memory_equal(answer.bytes, "0\r\n\r\n", 5);
         assert_int_equal(close(fds[i]), 0);
@@ -330,13 +333,15 @@ static void a_client_that_leaves_is_noticed(void **state)
         bf_buffer answer = { 0 };
         int64_t start_ms = clock_monotonic_ms();
         int status = 503;
-        while (status == 503 && clock_monotonic_ms() - start_ms < 5000) {
+        while (status == 503 && clock_monotonic_ms() - start_ms < HELPER_PATIENCE_MS) {
+            const unsigned n_before = count_reads();
             int fd = client_connect(http_port(server));
             assert_true(client_send(fd, STREAM));
             answer.n = 0;
-            assert_true(client_read_until(fd, &answer, "\r\n\r\n", 5000));
+            assert_true(client_read_until(fd, &answer, "\r\n\r\n", HELPER_PATIENCE_MS));
             status = client_status(&answer);
-            wait_until_quiet();
+            if (status == 200)
+                wait_until_asleep(n_before, 1);
             assert_int_equal(close(fd), 0);
         }
         assert_int_equal(status, 200);
@@ -359,11 +364,11 @@ static void an_idle_stream_has_a_heartbeat(void **state)
     int fd = open_stream(&answer);
     for (int i = 0; i < 3; i++) {
         answer.n = 0;
-        assert_true(client_read_until(fd, &answer, "\r\n:\n\n\r\n", 5000));
+        assert_true(client_read_until(fd, &answer, "\r\n:\n\n\r\n", HELPER_PATIENCE_MS));
     }
     assert_true(clock_monotonic_ms() - start_ms >= 550);
     server_append(false);
-    assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", 5000));
+    assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", HELPER_PATIENCE_MS));
     assert_int_equal(close(fd), 0);
     buffer_fini(&answer);
 }
@@ -384,12 +389,12 @@ static void a_client_that_does_not_read_disturbs_nobody(void **state)
     lock_release(&server_services.lock);
     http_notify(server, FAKE_RUN);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N);
-    assert_true(client_read_until(fd, &answer, event, 30000));
+    assert_true(client_read_until(fd, &answer, event, HELPER_PATIENCE_MS));
     server_append(false);
     (void)snprintf(event, sizeof event, "data: {\"k\":%d}\n\n", N + 1);
     answer.n = 0;
-    assert_true(client_read_until(fd, &answer, event, 5000));
-    assert_true(client_read_until(lazy_fd, &lazy, event, 30000));
+    assert_true(client_read_until(fd, &answer, event, HELPER_PATIENCE_MS));
+    assert_true(client_read_until(lazy_fd, &lazy, event, HELPER_PATIENCE_MS));
     assert_int_equal(close(fd), 0);
     assert_int_equal(close(lazy_fd), 0);
     buffer_fini(&answer);
@@ -422,7 +427,7 @@ static void a_store_that_stalls_stops_streams_and_nothing_else(void **state)
     server_append(true);
     for (int i = 0; i < N; i++) {
         bf_buffer answer = { 0 };
-        assert_true(client_read_until(fds[i], &answer, "event: end\n", 5000));
+        assert_true(client_read_until(fds[i], &answer, "event: end\n", HELPER_PATIENCE_MS));
         assert_int_equal(close(fds[i]), 0);
         buffer_fini(&answer);
     }
@@ -445,7 +450,7 @@ static void long_requests_do_not_delay_streams(void **state)
     }
     assert_true(fake_wait_for_held(&server_services, N_REQUEST_THREADS));
     server_append(false);
-    assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", 5000));
+    assert_true(client_read_until(fd, &answer, "data: {\"k\":1}\n\n", HELPER_PATIENCE_MS));
     assert_int_equal(close(fd), 0);
     fake_hold(&server_services, FAKE_HELD_NONE);
     for (int i = 0; i < N; i++)

@@ -172,7 +172,7 @@ static void an_end_between_the_last_look_and_the_sleep_is_not_missed(void **stat
     lock_release(&server_services.lock);
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(end(begin("wait=60", ""), NULL), 200);
-    assert_in_range(clock_monotonic_ms() - start_ms, 0, 5000);
+    assert_true(clock_monotonic_ms() - start_ms < 50000); // it would have slept for a minute
 }
 
 // A run that commits all the time is looked at now and then only.
@@ -266,7 +266,7 @@ static void a_client_that_leaves_is_forgotten(void **state)
         int64_t start_ms = clock_monotonic_ms();
         int fd = begin("wait=60", "");
         while (!is_silent(fd)) {
-            assert_true(clock_monotonic_ms() - start_ms < 5000);
+            assert_true(clock_monotonic_ms() - start_ms < HELPER_PATIENCE_MS);
             assert_int_equal(close(fd), 0);
             fd = begin("wait=60", "");
         }
@@ -285,7 +285,7 @@ static void those_that_wait_are_answered_when_the_server_stops(void **state)
     begin_many(others, N, "If-None-Match: \"r0\"\r\n");
     int64_t start_ms = clock_monotonic_ms();
     server = http_stop(server);
-    assert_in_range(clock_monotonic_ms() - start_ms, 0, 900);
+    assert_true(clock_monotonic_ms() - start_ms < 50000); // not at the end of their wait
     for (int i = 0; i < N; i++) {
         assert_int_equal(end(fds[i], NULL), 200);
         assert_int_equal(end(others[i], NULL), 304);

@@ -316,7 +316,7 @@ static void a_read_waits_for_a_reader_for_a_limited_time(void **state)
         assert_int_equal(store__acquire_reader(&s->pool, &readers[i], NULL), BF_OK);
     int64_t start_ms = clock_monotonic_ms();
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_EBUSY);
-    assert_in_range(clock_monotonic_ms() - start_ms, STORE__READER_MS, 3 * STORE__READER_MS);
+    assert_true(clock_monotonic_ms() - start_ms >= STORE__READER_MS);
     store__release_reader(&s->pool, readers[0]);
     assert_int_equal(store_find(s, record.id, &found, NULL), BF_OK);
     for (int i = 1; i < STORE__READERS_MAX; i++)
