@@ -1,5 +1,5 @@
-// What the page costs in a real browser: bytes, time to the first frame, frames a second. Prints one line
-// for each; no test. Needs what the stories of the page need.
+// What the page costs in a real browser: bytes, time to the first frame, frames a second, memory over ten minutes. Prints
+// one line for each; no test. Needs what the stories of the page need.
 //
 //     node tests/bench/page.mjs [WORD]    only the lines whose name holds the word
 
@@ -85,6 +85,26 @@ function tellSizes() {
 
 const example = async (d) => (await d.get("/v1/examples/example-1")).json;
 
+async function playCells(name, d, page, domain) {
+  const run = await solve(d, { ...(await example(d)), name, domain, duration_s: 1,
+    output: { curve_every_s: 0.05, snapshot_every_s: 0.05 }, macro: { cell_m: 0.001, step_s: "auto" } });
+  await open(page, name, run);
+  await play(page, name, 0.1);
+}
+
+// Both models of a scenario beside each other, again and again.
+async function watch(page, minutes, onMinute) {
+  const play = page.getByRole("button", { name: "Play", exact: true });
+  for (let minute = 0; minute < minutes; minute++) {
+    for (const end = performance.now() + 60000; performance.now() < end; await sleep(500)) {
+      if (!(await play.isVisible())) continue;
+      await page.keyboard.press("Home");
+      await play.click();
+    }
+    await onMinute();
+  }
+}
+
 const benches = {
   "200 x 120 cells": async (name, d, page) => {
     const run = await solve(d, { ...(await example(d)), name });
@@ -107,11 +127,19 @@ const benches = {
     await page.getByRole("button", { name: "Parts", exact: true }).click();
     await play(page, name, 0.1);
   },
-  "2,000 x 1,200 cells": async (name, d, page) => {
-    const run = await solve(d, { ...(await example(d)), name, duration_s: 1, domain: { x_m: [0, 2], y_m: [0, 1.2] },
-      output: { curve_every_s: 0.05, snapshot_every_s: 0.05 }, macro: { cell_m: 0.001, step_s: "auto" } });
-    await open(page, name, run);
-    await play(page, name, 0.1);
+  "1,000 x 600 cells": (name, d, page) => playCells(name, d, page, { x_m: [0, 1], y_m: [0, 0.6] }),
+  "2,000 x 1,200 cells": (name, d, page) => playCells(name, d, page, { x_m: [0, 2], y_m: [0, 1.2] }),
+  "heap over ten minutes": async (name, d, page) => {
+    const runs = [];
+    for (const model of ["macro", "micro"]) runs.push(await solve(d, { ...(await example(d)), name }, { model }));
+    const session = await page.context().newCDPSession(page);
+    await visit(page, `#/compare?runs=${runs.map(({ id }) => id)}&t=0`);
+    const sizes = [];
+    await watch(page, 11, async () => {
+      await session.send("HeapProfiler.collectGarbage");
+      sizes.push((await session.send("Runtime.getHeapUsage")).usedSize / 1e6);
+    });
+    tell(name, `${sizes.map((size) => size.toFixed(2)).join(", ")} MB, a minute apart`);
   },
   "list of 10,000 runs": async (name, d, page) => {
     await d.submit({ ...endless(), name: "first" });

@@ -261,7 +261,6 @@ export class NewView {
     try {
       if (models.length > 1) await Promise.all(models.map((model) => post("v1/validate", this.body(model))));
       const runs = await Promise.all(models.map((model) => post("v1/runs", this.body(model))));
-      performance.mark("submitted");
       go(runs.length === 1 ? address("runs", runs[0].id) : address("compare", "", { runs: runs.map(({ id }) => id).join(",") }));
     } catch (error) {
       this.refuse(error);
