@@ -15,12 +15,22 @@ enum {
     MICRO_FREE, ///< one whose departure was reported
 };
 
+/// What every path's state begins with.
+typedef struct micro_common {
+    uint8_t *
+        presence; ///< by handle: MICRO_HERE etc.; micro.c frees those of parts that have left, then forget_gone()
+    surroundings around; ///< a copy: belts and edges
+    belt_speeds speeds;  ///< of the belts
+    plate_motion motion; ///< of the obstacles; pose_plates() must follow what changes it
+    uint64_t steps;      ///< made since t = 0
+} micro_common;
+
 /// The functions of a path; state is what create() made. Meanings as in micro.h.
 typedef struct micro_backend {
     /// Largest stable step of MICRO_VERLET, s; def is checked but for dt
     double (*dt_stable)(const micro_def *def);
     /// micro_create()
-    bf_status (*create)(const micro_def *def, void **ret_state, bf_error *err);
+    bf_status (*create)(const micro_def *def, micro_common **ret_state, bf_error *err);
     /// micro_destroy()
     void (*destroy)(void *state);
     /// micro_advance()
@@ -29,22 +39,14 @@ typedef struct micro_backend {
     micro_part (*part)(const void *state, size_t k);
     /// Where part k is on the belt
     micro_place (*place)(const void *state, size_t k);
-    /// MICRO_HERE etc. of each handle; the caller may free those of parts that have left, then forget_gone()
-    uint8_t *(*presence)(void *state);
     /// Add a part with the handle k: one that is free, or as many as there are. BF_ENOMEM: as before
     bf_status (*admit)(void *state, size_t k, const micro_arrival *arrival, bf_error *err);
     /// Erase what is stored from step to step of contacts with parts that have left
     void (*forget_gone)(void *state);
-    /// Belts and edges, and the speeds of the belts
-    const surroundings *(*around)(const void *state);
-    belt_speeds *(*speeds)(void *state);
     /// micro_measure()
     micro_totals (*measure)(const void *state);
-    /// The motion of the obstacles; pose_plates() must follow what changes it
-    plate_motion *(*motion)(void *state);
+    /// Put the plates where their motion says
     void (*pose_plates)(void *state);
-    /// micro_steps()
-    uint64_t (*steps)(const void *state);
     /// Write the state as the payload of a checkpoint.
     void (*save)(const void *state, checkpoint_writer *w);
     /// Take a state with n handles that save() wrote, to the payload's end; else as micro_load().

@@ -24,7 +24,7 @@ static const double plate_move = 0.25;
 
 struct micro_solver {
     const micro_backend *backend;
-    void *state;
+    micro_common *state;
     double dt;
     uint64_t definition; // digest, to which checkpoints belong
     scene_rect domain;
@@ -257,13 +257,13 @@ bf_status micro_advance(micro_solver *s, uint64_t n, bf_error *err)
 
 void micro_command_turn(micro_solver *s, size_t obstacle, double t, double angle, double over)
 {
-    plate_motion_command_turn(s->backend->motion(s->state), obstacle, t, angle, over);
+    plate_motion_command_turn(&s->state->motion, obstacle, t, angle, over);
     s->backend->pose_plates(s->state);
 }
 
 void micro_command_presence(micro_solver *s, size_t obstacle, double t, bool is_present)
 {
-    plate_motion_command_presence(s->backend->motion(s->state), obstacle, t, is_present);
+    plate_motion_command_presence(&s->state->motion, obstacle, t, is_present);
     s->backend->pose_plates(s->state);
 }
 
@@ -274,7 +274,7 @@ micro_part micro_part_of(const micro_solver *s, size_t k)
 
 bool micro_is_gone(const micro_solver *s, size_t k)
 {
-    return s->backend->presence(s->state)[k] != MICRO_HERE;
+    return s->state->presence[k] != MICRO_HERE;
 }
 
 uint64_t micro_id_of(const micro_solver *s, size_t k)
@@ -285,7 +285,7 @@ uint64_t micro_id_of(const micro_solver *s, size_t k)
 // The lowest handle from `first` on that stands for this; n if there is none.
 static size_t find_handle(const micro_solver *s, size_t first, int what)
 {
-    const uint8_t *presence = s->backend->presence(s->state);
+    const uint8_t *presence = s->state->presence;
     const uint8_t *found = first < s->n ? memchr(presence + first, what, s->n - first) : NULL;
 
     return found != NULL ? (size_t)(found - presence) : s->n;
@@ -328,7 +328,7 @@ bf_status micro_admit(micro_solver *s, const micro_arrival *arrival, size_t *ret
 
 size_t micro_take_departures(micro_solver *s, micro_departure *ret_departures, size_t room)
 {
-    uint8_t *presence = s->backend->presence(s->state);
+    uint8_t *presence = s->state->presence;
     size_t n = 0;
 
     for (size_t k = find_handle(s, 0, MICRO_LEFT); n < room && k < s->n;
@@ -354,13 +354,13 @@ static double time_now(const micro_solver *s)
 
 void micro_command_belt(micro_solver *s, size_t belt, double factor)
 {
-    belt_speeds_command(s->backend->speeds(s->state), belt, time_now(s), factor);
+    belt_speeds_command(&s->state->speeds, belt, time_now(s), factor);
 }
 
 vec2 micro_belt_velocity(const micro_solver *s, vec2 at)
 {
-    const surroundings *around = s->backend->around(s->state);
-    const belt_speeds *speeds = s->backend->speeds(s->state);
+    const surroundings *around = &s->state->around;
+    const belt_speeds *speeds = &s->state->speeds;
     const size_t belt = surroundings_belt_at(around, at);
     const double factor = belt < around->n_belts ? belt_speeds_at(speeds, belt, time_now(s)) : 0.0;
 
@@ -410,7 +410,7 @@ double micro_dt(const micro_solver *s)
 
 uint64_t micro_steps(const micro_solver *s)
 {
-    return s->backend->steps(s->state);
+    return s->state->steps;
 }
 
 uint64_t micro_digest(const micro_solver *s)
@@ -435,7 +435,7 @@ uint64_t micro_digest(const micro_solver *s)
     if (!s->admits)
         return digest;
     digest = digest_add(digest, s->ids, s->n * sizeof *s->ids);
-    return digest_add(digest, s->backend->presence(s->state), s->n);
+    return digest_add(digest, s->state->presence, s->n);
 }
 
 bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
@@ -447,7 +447,7 @@ bf_status micro_save(const micro_solver *s, bf_buffer *out, bf_error *err)
     checkpoint_begin(&w, out, s->backend->kind, s->definition);
     checkpoint_write(&w, &header, sizeof header);
     checkpoint_write(&w, s->ids, s->n * sizeof *s->ids);
-    belt_speeds_save(s->backend->speeds(s->state), &w);
+    belt_speeds_save(&s->state->speeds, &w);
     s->backend->save(s->state, &w);
     return checkpoint_end(&w, err);
 }
@@ -483,7 +483,7 @@ static bool are_ids_sound(uint64_t *ids, const saved_header *h)
 static bf_status load(micro_solver *s, checkpoint_reader *r, const saved_header *header,
                       uint64_t **ret_ids, bf_error *err)
 {
-    belt_speeds *speeds = s->backend->speeds(s->state);
+    belt_speeds *speeds = &s->state->speeds;
     const size_t n = header->n;
     const char *from = checkpoint_read_items(r, n, sizeof **ret_ids);
     checkpoint_reader of_speeds = *r;

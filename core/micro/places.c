@@ -69,7 +69,7 @@ void places_add(places *p, size_t part, uint32_t kind)
 
 static bf_status sort(places *p, const places_parts *parts, bf_error *err)
 {
-    const uint8_t *presence = parts->backend->presence(parts->state);
+    const uint8_t *presence = parts->state->presence;
 
     if (p->is_sorted)
         return BF_OK;
@@ -190,7 +190,7 @@ static scene_pose turn_back(const plate_motion *motion, const places_piece *piec
 static bool is_clear_of_piece(const places_parts *parts, const places_piece *piece,
                               const newcomer *n)
 {
-    const plate_motion *motion = parts->backend->motion(parts->state);
+    const plate_motion *motion = &parts->state->motion;
     const vec2 *c = piece->corners;
     const double range = n->footprint->bounding_radius + vec2_length(vec2_sub(c[2], c[1]));
     scene_pose pose = n->pose;

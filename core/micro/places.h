@@ -39,7 +39,7 @@ typedef struct places {
 /// The parts of a solver.
 typedef struct places_parts {
     const micro_backend *backend; ///< see there
-    void *state;                  ///< of it
+    micro_common *state;          ///< of it
     size_t n;                     ///< handles
     double t;                     ///< time, s
 } places_parts;

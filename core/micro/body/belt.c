@@ -33,14 +33,15 @@ bf_status body__belt_init(body_state *s, const micro_def *def, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "/belts", "no memory for the belts");
     for (size_t k = 0; k < def->n_belts; k++)
         s->belt_velocities[k] = in_space(def->belts[k].velocity, 1.0);
-    bf_status status = micro__copy_surroundings(def, &s->around, err);
-    return status == BF_OK ? belt_speeds_init(&s->speeds, def->n_belts, def->belts, err) : status;
+    bf_status status = micro__copy_surroundings(def, &s->common.around, err);
+    return status == BF_OK ? belt_speeds_init(&s->common.speeds, def->n_belts, def->belts, err)
+                           : status;
 }
 
 void body__belt_fini(body_state *s)
 {
-    surroundings_fini(&s->around);
-    belt_speeds_fini(&s->speeds);
+    surroundings_fini(&s->common.around);
+    belt_speeds_fini(&s->common.speeds);
     memory_free(s->belt_cache);
     memory_free(s->belt_velocities);
 }
@@ -49,16 +50,16 @@ void body__update_belts(body_state *s, uint64_t n_before)
 {
     double factors[SCENE_BELTS_MAX + 1];
 
-    if (s->speeds.are_constant)
+    if (s->common.speeds.are_constant)
         return;
-    belt_speeds_in_step(&s->speeds, n_before, s->def.dt, factors);
-    for (size_t k = 0; k < s->speeds.n_belts; k++)
-        s->belt_velocities[k] = in_space(s->around.belts[k].velocity, factors[k]);
+    belt_speeds_in_step(&s->common.speeds, n_before, s->def.dt, factors);
+    for (size_t k = 0; k < s->common.speeds.n_belts; k++)
+        s->belt_velocities[k] = in_space(s->common.around.belts[k].velocity, factors[k]);
 }
 
 vec3 body__belt_at(const body_state *s, double x, double y)
 {
-    return s->belt_velocities[surroundings_belt_at(&s->around, (vec2){ x, y })];
+    return s->belt_velocities[surroundings_belt_at(&s->common.around, (vec2){ x, y })];
 }
 
 bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
@@ -68,9 +69,9 @@ bool body__is_on_one_belt(body_state *s, size_t k, vec3 *ret_velocity)
 
     if (!(vec2_length(vec2_sub(at, cache->at)) < cache->clearance)) {
         cache->at = at;
-        cache->clearance =
-            surroundings_border_distance(&s->around, at) - s->bounding_radius[k] - SCENE_TOLERANCE;
-        cache->belt = surroundings_belt_at(&s->around, at);
+        cache->clearance = surroundings_border_distance(&s->common.around, at) -
+                           s->bounding_radius[k] - SCENE_TOLERANCE;
+        cache->belt = surroundings_belt_at(&s->common.around, at);
     }
     *ret_velocity = s->belt_velocities[cache->belt];
     return cache->clearance > 0.0;

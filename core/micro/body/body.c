@@ -35,10 +35,11 @@ static void place_parts(body_state *s, const micro_def *def)
                                         def->poses[k], def->start_velocity };
         body_body *body = &s->bodies[k];
         body__place_part(s, k, &arrival);
-        const size_t belt = surroundings_belt_at(&s->around, (vec2){ body->x.x, body->x.y });
-        if (belt == s->speeds.n_belts)
+        const size_t belt = surroundings_belt_at(&s->common.around, (vec2){ body->x.x, body->x.y });
+        if (belt == s->common.speeds.n_belts)
             continue;
-        vec2 v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
+        vec2 v =
+            vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
         body->v = (vec3){ v.x, v.y, 0.0 };
     }
 }
@@ -147,7 +148,7 @@ bf_status body__list(body_state *s, bf_error *err)
                                      .radius_stride = 1 };
 
     s->is_listed = false;
-    bf_status status = neighbours_build(&s->list, s->n, parts, s->is_gone, err);
+    bf_status status = neighbours_build(&s->list, s->n, parts, s->common.presence, err);
     if (status != BF_OK)
         return status;
     if (count_pairs(s) != BF_OK || s->first_pair[s->n] > UINT32_MAX)
@@ -179,7 +180,7 @@ static void destroy(void *state)
     neighbours_fini(&s->list);
     memory_free(s->kinds);
     memory_free(s->bodies);
-    memory_free(s->is_gone);
+    memory_free(s->common.presence);
     memory_free(s->bounding_radius);
     memory_free(s->first_pair);
     memory_free(s->cursor);
@@ -199,7 +200,7 @@ static bf_status init_arrays(body_state *s, size_t n, bf_error *err)
     return BF_OK;
 }
 
-static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
+static bf_status create(const micro_def *def, micro_common **ret_state, bf_error *err)
 {
     bf_status status;
     body_state *s = memory_alloc(1, sizeof *s);
@@ -220,50 +221,15 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
         destroy(s);
         return status;
     }
-    *ret_state = s;
+    *ret_state = &s->common;
     return BF_OK;
-}
-
-static uint64_t steps(const void *state)
-{
-    const body_state *s = state;
-
-    return s->steps;
-}
-
-static plate_motion *motion(void *state)
-{
-    body_state *s = state;
-
-    return &s->motion;
 }
 
 static void pose_plates(void *state)
 {
     body_state *s = state;
 
-    body__pose_plates(s, s->steps);
-}
-
-static uint8_t *presence(void *state)
-{
-    body_state *s = state;
-
-    return s->is_gone;
-}
-
-static const surroundings *around(const void *state)
-{
-    const body_state *s = state;
-
-    return &s->around;
-}
-
-static belt_speeds *speeds(void *state)
-{
-    body_state *s = state;
-
-    return &s->speeds;
+    body__pose_plates(s, s->common.steps);
 }
 
 const micro_backend micro__body = {
@@ -273,14 +239,9 @@ const micro_backend micro__body = {
     .advance = body__advance,
     .part = body__part,
     .place = body__place,
-    .presence = presence,
     .admit = body__admit,
     .forget_gone = body__forget_gone,
-    .around = around,
-    .speeds = speeds,
     .measure = body__measure,
-    .steps = steps,
-    .motion = motion,
     .pose_plates = pose_plates,
     .save = body__save,
     .load = body__load,

@@ -97,6 +97,7 @@ typedef struct body_belt_cache {
 
 /// The solver.
 struct body_state {
+    micro_common common; ///< see there
     micro_def def;       ///< without its arrays
     vec3 gravity;        ///< m/s2
     double spin_damping; ///< (1 - D)^dt
@@ -106,7 +107,6 @@ struct body_state {
     size_t n;            ///< parts, gone ones included; their ids are the handles of micro.h
     size_t capacity;     ///< parts that there is room for
     body_body *bodies;   ///< by id
-    uint8_t *is_gone;    ///< by id: MICRO_HERE, or how it is gone
     body_plate_memory (*plate_memories)[BODY_PLATE_MEMORIES]; ///< by id; NULL without plates
     body_belt_cache *belt_cache;                              ///< by id
     double *bounding_radius;    ///< radius of the ball around each body, m
@@ -126,15 +126,11 @@ struct body_state {
     size_t n_plates;            ///< see there
     body_plate *plates;         ///< see there
     body_moving *moving;        ///< by plate; NULL: none moves
-    plate_motion motion;        ///< of the obstacles
     body_map map;               ///< of plates
     double map_range;           ///< from a part's centre to plates that the map must contain, m
-    surroundings around;        ///< a copy: belts and edges
-    belt_speeds speeds;         ///< of the belts
     vec3 *belt_velocities;      ///< of each belt, and off every belt, in this step, m/s
     size_t n_blocks;            ///< of parts
     body_report *reports;       ///< one a block
-    uint64_t steps;             ///< since t = 0
     double largest_overlap;     ///< since the start, m
     double overlap_share;       ///< see micro_totals
     size_t n_contacts;          ///< see micro_totals

@@ -186,9 +186,9 @@ static void visit_walls(const body_state *s, size_t k, double margin, body_visit
 
     law.friction = 0.0; // walls slip freely
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        if (s->around.edges[side] != SCENE_EDGE_WALL)
+        if (s->common.around.edges[side] != SCENE_EDGE_WALL)
             continue;
-        manifold_plane wall = wall_of(&s->around, side);
+        manifold_plane wall = wall_of(&s->common.around, side);
         if (!is_near_plane(s, k, &wall, margin))
             continue;
         body__find_at_plane(s, body, &wall, margin, &contact);
@@ -209,8 +209,8 @@ size_t body__count_boundaries(const body_state *s, size_t k, double range)
     size_t n = 0, n_near;
 
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        manifold_plane wall = wall_of(&s->around, side);
-        n += s->around.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
+        manifold_plane wall = wall_of(&s->common.around, side);
+        n += s->common.around.edges[side] == SCENE_EDGE_WALL && is_near_plane(s, k, &wall, range);
     }
     const uint32_t *plates = body__plates_near(s, x.x, x.y, &n_near);
     for (size_t m = 0; m < n_near; m++)

@@ -116,7 +116,8 @@ void body__move(body_state *s, size_t k, body_report *report)
             report->bad_part = k;
         return;
     }
-    s->is_gone[k] = surroundings_is_outside(&s->around, (vec2){ body->x.x, body->x.y });
+    s->common.presence[k] =
+        surroundings_is_outside(&s->common.around, (vec2){ body->x.x, body->x.y });
 }
 
 static void move_part(body_state *s, size_t k, bool is_first, body_report *report)
@@ -139,10 +140,10 @@ static void move_part(body_state *s, size_t k, bool is_first, body_report *repor
 static void move_block(const driver_member *m, size_t block)
 {
     body_state *s = m->state;
-    const bool is_first = s->steps + m->n_made == 0;
+    const bool is_first = s->common.steps + m->n_made == 0;
 
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++)
-        if (!s->is_gone[k])
+        if (!s->common.presence[k])
             move_part(s, k, is_first, &s->reports[block]);
 }
 
@@ -159,8 +160,8 @@ bf_status body__check(const void *state, bf_error *err)
     return bf_fail(err, BF_ENUMERIC, "",
                    "part %zu flies off or is not finite after step %llu (t = %.6g s): it is at "
                    "(%.6g, %.6g, %.6g) m with %.6g m/s",
-                   bad, (unsigned long long)s->steps, (double)s->steps * s->def.dt, body->x.x,
-                   body->x.y, body->x.z, vec3_length(body->v));
+                   bad, (unsigned long long)s->common.steps, (double)s->common.steps * s->def.dt,
+                   body->x.x, body->x.y, body->x.z, vec3_length(body->v));
 }
 
 driver_outcome body__find_outcome(const body_state *s)
@@ -197,8 +198,8 @@ static driver_outcome step(driver_member *m)
 
     // Forces of belts and plates are made after the barrier.
     if (m->index == 0) {
-        body__update_belts(s, s->steps + m->n_made);
-        body__pose_plates(s, s->steps + m->n_made);
+        body__update_belts(s, s->common.steps + m->n_made);
+        body__pose_plates(s, s->common.steps + m->n_made);
     }
     driver_split(m, 0, s->n_blocks, find_block_forces);
     driver_wait(m);
@@ -212,8 +213,8 @@ void body__end(void *state, uint64_t n, driver_outcome outcome, const driver_pro
     body_state *s = state;
 
     (void)progress;
-    s->steps += n;
-    body__pose_plates(s, s->steps);
+    s->common.steps += n;
+    body__pose_plates(s, s->common.steps);
     s->is_listed = outcome == DRIVER_MADE;
 }
 

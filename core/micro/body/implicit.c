@@ -173,7 +173,7 @@ static void predict_block(const driver_member *m, size_t block)
     buffer->speed = buffer->moved2 = 0.0;
     s->reports[block].n_contacts = 0;
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++)
-        if (!s->is_gone[k])
+        if (!s->common.presence[k])
             predict_part(s, k, buffer);
 }
 
@@ -271,7 +271,7 @@ static void move_block(const driver_member *m, size_t block)
         note_constraint(s, &z->constraints[k], &s->reports[block]);
     }
     for (size_t k = body__first_of(block); k < body__last_of(s, block); k++) {
-        if (s->is_gone[k])
+        if (s->common.presence[k])
             continue;
         s->bodies[k].v = z->solver_bodies[k].v;
         s->bodies[k].w = z->solver_bodies[k].w;
@@ -292,8 +292,8 @@ static driver_outcome step(driver_member *m)
 
     // Contacts with belts and plates are made after the barrier.
     if (m->index == 0) {
-        body__update_belts(s, s->steps + m->n_made);
-        body__pose_plates(s, s->steps + m->n_made);
+        body__update_belts(s, s->common.steps + m->n_made);
+        body__pose_plates(s, s->common.steps + m->n_made);
     }
     split_blocks(m, predict_block);
     if (!find_margin(s, &margin))

@@ -341,6 +341,6 @@ void body_implicit__find_contacts(body_state *s, size_t block, double margin)
         find_pair_contact(s, margin, &s->pairs[p], buffer);
     buffer->n_pairs = buffer->n;
     for (size_t k = first; k < last; k++)
-        if (!s->is_gone[k])
+        if (!s->common.presence[k])
             find_boundary_contacts(s, k, margin, buffer);
 }

@@ -253,7 +253,8 @@ bool body__find_pair(const body_state *s, double margin, body_pair *pair, body_c
     vec3 to = vec3_sub(b->x, a->x);
     double range = s->bounding_radius[pair->a] + s->bounding_radius[pair->b] + margin;
 
-    if (vec3_dot(to, to) >= range * range || s->is_gone[pair->a] || s->is_gone[pair->b]) {
+    if (vec3_dot(to, to) >= range * range || s->common.presence[pair->a] ||
+        s->common.presence[pair->b]) {
         pair->memory = (body_memory){ 0 };
         return false;
     }

@@ -17,7 +17,7 @@ bf_status body__resize(body_state *s, size_t capacity)
     const size_t n = s->n, n_memories = s->plates != NULL ? capacity : 0;
     memory_array arrays[MEMORY_ARRAYS_MAX] = {
         { &s->bodies, sizeof *s->bodies, n, capacity },
-        { &s->is_gone, sizeof *s->is_gone, n, capacity },
+        { &s->common.presence, sizeof *s->common.presence, n, capacity },
         { &s->bounding_radius, sizeof *s->bounding_radius, n, capacity },
         { &s->belt_cache, sizeof *s->belt_cache, n, capacity },
         { &s->plate_memories, sizeof *s->plate_memories, s->plates != NULL ? n : 0, n_memories },
@@ -57,7 +57,7 @@ void body__place_part(body_state *s, size_t k, const micro_arrival *arrival)
     body->x = vec3_add(origin, mat3_apply(&r, kind->centre));
     s->bounding_radius[k] = kind->shape.radius;
     s->belt_cache[k].clearance = -1.0;
-    s->is_gone[k] = MICRO_HERE;
+    s->common.presence[k] = MICRO_HERE;
 }
 
 bf_status body__admit(void *state, size_t k, const micro_arrival *arrival, bf_error *err)
@@ -80,11 +80,11 @@ void body__forget_gone(void *state)
 
     for (size_t k = 0; k < s->n_pairs; k++) {
         body_pair *pair = &s->pairs[k];
-        if (s->is_gone[pair->a] != MICRO_HERE || s->is_gone[pair->b] != MICRO_HERE)
+        if (s->common.presence[pair->a] != MICRO_HERE || s->common.presence[pair->b] != MICRO_HERE)
             *pair = (body_pair){ .a = pair->a, .b = pair->b };
     }
     for (size_t k = 0; k < s->n; k++) {
-        if (s->is_gone[k] == MICRO_HERE)
+        if (s->common.presence[k] == MICRO_HERE)
             continue;
         if (s->plate_memories != NULL)
             memset(s->plate_memories[k], 0, sizeof s->plate_memories[k]);

@@ -28,7 +28,7 @@ static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle
     scene_obstacle straight = *obstacle;
     straight.path = ends;
     straight.n_points = 2;
-    const surroundings_piece piece = surroundings_piece_of(&s->around, &straight, 0);
+    const surroundings_piece piece = surroundings_piece_of(&s->common.around, &straight, 0);
     const vec2 to = vec2_sub(piece.end, piece.start);
     const vec2 middle = vec2_add(piece.start, vec2_scale(to, 0.5));
     const double half = 0.5 * piece.thickness;

@@ -25,7 +25,7 @@ typedef struct saved_part {
     double q[4];
     double v[3];
     double w[3];
-    uint32_t is_gone;
+    uint32_t presence;
     uint32_t kind;
 } saved_part;
 
@@ -54,7 +54,7 @@ micro_part body__part(const void *state, size_t k)
                          .v = { body->v.x, body->v.y, body->v.z },
                          .w = { body->w.x, body->w.y, body->w.z },
                          .heading = atan2(r.row[1].x, r.row[0].x),
-                         .is_gone = s->is_gone[k] != 0 };
+                         .is_gone = s->common.presence[k] != 0 };
 }
 
 /// Cosine of the largest angle by which a part that lies flat is tilted.
@@ -96,7 +96,7 @@ micro_totals body__measure(const void *state)
                             .overlap_share = s->overlap_share };
 
     for (size_t k = 0; k < s->n; k++) {
-        if (s->is_gone[k])
+        if (s->common.presence[k])
             continue;
         totals.n_parts++;
         totals.kinetic_energy += kinetic_energy(s, &s->bodies[k]);
@@ -158,7 +158,7 @@ static saved_part save_part(const body_state *s, size_t k)
                          { body->q.w, body->q.v.x, body->q.v.y, body->q.v.z },
                          { body->v.x, body->v.y, body->v.z },
                          { body->w.x, body->w.y, body->w.z },
-                         s->is_gone[k],
+                         s->common.presence[k],
                          body->kind };
 }
 
@@ -189,13 +189,13 @@ void body__save(const void *state, checkpoint_writer *w)
 {
     const body_state *s = state;
     const size_t start = checkpoint_at(w);
-    saved_header header = { .steps = s->steps,
+    saved_header header = { .steps = s->common.steps,
                             .n_contacts = s->n_contacts,
                             .largest_overlap = s->largest_overlap,
                             .overlap_share = s->overlap_share };
 
     checkpoint_write(w, &header, sizeof header);
-    plate_motion_save(&s->motion, w);
+    plate_motion_save(&s->common.motion, w);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = save_part(s, k);
         checkpoint_write(w, &part, sizeof part);
@@ -221,7 +221,7 @@ typedef struct loaded_state {
     saved_header header;
     const char *commands;
     body_body *bodies;
-    uint8_t *is_gone;
+    uint8_t *presence;
     body_pair *pairs;
     body_plate_memory (*plate_memories)[BODY_PLATE_MEMORIES];
     body_warm_start (*warm_starts)[BODY_WARM_STARTS];
@@ -230,7 +230,7 @@ typedef struct loaded_state {
 static void free_loaded_state(loaded_state *a)
 {
     memory_free(a->bodies);
-    memory_free(a->is_gone);
+    memory_free(a->presence);
     memory_free(a->pairs);
     memory_free(a->plate_memories);
     memory_free(a->warm_starts);
@@ -365,11 +365,11 @@ static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *
     saved_part saved;
 
     for (size_t k = 0; k < a->n; k++) {
-        if (!checkpoint_read(r, &saved, sizeof saved) || saved.is_gone > MICRO_FREE ||
+        if (!checkpoint_read(r, &saved, sizeof saved) || saved.presence > MICRO_FREE ||
             saved.kind >= s->n_kinds)
             return false;
         a->bodies[k] = load_part(&saved);
-        a->is_gone[k] = (uint8_t)saved.is_gone;
+        a->presence[k] = (uint8_t)saved.presence;
     }
     return load_pairs(s, r, a) && load_plate_memories(s, r, a) &&
            (s->implicit == NULL || load_warm_starts(r, a)) && r->n_left == 0;
@@ -379,7 +379,7 @@ static bool load_items(const body_state *s, checkpoint_reader *r, loaded_state *
 static void move_in(body_state *s, loaded_state *a)
 {
     loaded_state old = { .bodies = s->bodies,
-                         .is_gone = s->is_gone,
+                         .presence = s->common.presence,
                          .pairs = s->pairs,
                          .plate_memories = s->plate_memories };
 
@@ -388,17 +388,17 @@ static void move_in(body_state *s, loaded_state *a)
         s->implicit->warm_starts = a->warm_starts;
     }
     s->bodies = a->bodies;
-    s->is_gone = a->is_gone;
+    s->common.presence = a->presence;
     s->pairs = a->pairs;
     s->plate_memories = a->plate_memories;
     s->n_pairs = s->pairs_capacity = a->header.n_pairs;
-    s->steps = a->header.steps;
+    s->common.steps = a->header.steps;
     s->n_contacts = a->header.n_contacts;
     s->largest_overlap = a->header.largest_overlap;
     s->overlap_share = a->header.overlap_share;
     s->is_listed = false;
-    plate_motion_take(&s->motion, a->commands);
-    body__pose_plates(s, s->steps);
+    plate_motion_take(&s->common.motion, a->commands);
+    body__pose_plates(s, s->common.steps);
     body__set_parts(s, a->n);
     for (size_t k = 0; k < s->n; k++) {
         s->belt_cache[k].clearance = -1.0;
@@ -412,7 +412,7 @@ static bf_status alloc_loaded_state(const body_state *s, loaded_state *a)
     const size_t n = s->capacity, n_memories = s->plate_memories != NULL ? n : 0;
     const memory_array arrays[] = {
         { &a->bodies, sizeof *a->bodies, 0, n },
-        { &a->is_gone, sizeof *a->is_gone, 0, n },
+        { &a->presence, sizeof *a->presence, 0, n },
         { &a->pairs, sizeof *a->pairs, 0, a->header.n_pairs },
         { &a->plate_memories, sizeof *a->plate_memories, 0, n_memories },
         { &a->warm_starts, sizeof *a->warm_starts, 0, s->implicit != NULL ? n : 0 },
@@ -428,7 +428,7 @@ bf_status body__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
     loaded_state a = { .n = n };
 
     if (!checkpoint_read(r, &a.header, sizeof a.header) ||
-        (a.commands = plate_motion_read(&s->motion, r)) == NULL ||
+        (a.commands = plate_motion_read(&s->common.motion, r)) == NULL ||
         n > r->n_left / sizeof(saved_part) || a.header.n_pairs > r->n_left / sizeof(saved_pair) ||
         (a.header.n_plate_memories > 0 && s->plate_memories == NULL))
         return bf_fail(err, BF_ECORRUPT, "", "the saved state is damaged");

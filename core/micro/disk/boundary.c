@@ -99,11 +99,11 @@ static bool is_closed(const scene_obstacle *obstacle)
 static void add_plate(disk_state *s, const scene_obstacle *obstacle)
 {
     const size_t n = obstacle->n_points - 1;
-    const surroundings_piece first = surroundings_piece_of(&s->around, obstacle, 0);
+    const surroundings_piece first = surroundings_piece_of(&s->common.around, obstacle, 0);
     surroundings_piece last = first;
 
     for (size_t k = 0; k < n; k++) {
-        surroundings_piece g = surroundings_piece_of(&s->around, obstacle, k);
+        surroundings_piece g = surroundings_piece_of(&s->common.around, obstacle, k);
         vec2 down = vec2_scale(g.upstream, -1.0);
         add_side(s, &g, g.upstream, 0.0, obstacle->thickness);
         add_side(s, &g, down, obstacle->thickness, 0.0);
@@ -122,8 +122,8 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
 static void add_walls(disk_state *s)
 {
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
-        const surroundings_line line = surroundings_side(&s->around, (scene_side)side);
-        if (s->around.edges[side] == SCENE_EDGE_WALL)
+        const surroundings_line line = surroundings_side(&s->common.around, (scene_side)side);
+        if (s->common.around.edges[side] == SCENE_EDGE_WALL)
             s->faces[s->n_faces++] = (disk_face){ .px = line.at.x,
                                                   .py = line.at.y,
                                                   .nx = line.inward.x,

@@ -19,7 +19,6 @@ typedef struct disk_plate {
 
 /// The plates that move.
 typedef struct disk_plates {
-    plate_motion motion;    ///< of all obstacles
     size_t n;               ///< that move; 0: what follows is not used
     disk_plate *of;         ///< see there
     disk_face *faces;       ///< of the boundary, with plates as in the document
@@ -27,7 +26,7 @@ typedef struct disk_plates {
     disk_surface *surfaces; ///< of each feature in the step that begins now
 } disk_plates;
 
-/// Lay out faces and arcs of walls and obstacles; s->around and s->plates must be there. BF_ENOMEM.
+/// Lay out faces and arcs of walls and obstacles; s->common.around and s->plates must be there. BF_ENOMEM.
 BF_MUST_CHECK bf_status disk__boundary_init(disk_state *s, const micro_def *def, bf_error *err);
 void disk__boundary_fini(disk_state *s); ///< Free them.
 

@@ -20,8 +20,8 @@ static void destroy(void *state)
     disk__boundary_fini(s);
     disk__plates_fini(s);
     disk__tiling_fini(s);
-    surroundings_fini(&s->around);
-    belt_speeds_fini(&s->speeds);
+    surroundings_fini(&s->common.around);
+    belt_speeds_fini(&s->common.speeds);
     memory_free(s->now);
     memory_free(s->next);
     memory_free(s->heading);
@@ -31,7 +31,7 @@ static void destroy(void *state)
     memory_free(s->has_candidates);
     memory_free(s->id_of);
     memory_free(s->slot_of);
-    memory_free(s->is_gone);
+    memory_free(s->common.presence);
     memory_free(s->kinds);
     memory_free(s->kind_of);
     memory_free(s->list.first);
@@ -138,10 +138,10 @@ void disk__fill_slots(disk_state *s)
 
 static bf_status init_belts(disk_state *s, const micro_def *def, bf_error *err)
 {
-    bf_status status = micro__copy_surroundings(def, &s->around, err);
+    bf_status status = micro__copy_surroundings(def, &s->common.around, err);
 
     if (status == BF_OK)
-        status = belt_speeds_init(&s->speeds, def->n_belts, def->belts, err);
+        status = belt_speeds_init(&s->common.speeds, def->n_belts, def->belts, err);
     for (size_t k = 0; status == BF_OK && k < def->n_belts; k++)
         s->belts.of[k] = (disk_belt){ def->belts[k].velocity.x, def->belts[k].velocity.y, 1.0 };
     return status;
@@ -151,10 +151,10 @@ const disk_belt *disk__belts_in_step(const disk_state *s, uint64_t n_before, dis
 {
     double factors[SCENE_BELTS_MAX + 1];
 
-    if (s->speeds.are_constant)
+    if (s->common.speeds.are_constant)
         return s->belts.of;
-    belt_speeds_in_step(&s->speeds, n_before, s->def.dt, factors);
-    for (size_t k = 0; k <= s->speeds.n_belts; k++) {
+    belt_speeds_in_step(&s->common.speeds, n_before, s->def.dt, factors);
+    for (size_t k = 0; k <= s->common.speeds.n_belts; k++) {
         const disk_belt *belt = &s->belts.of[k];
         room->of[k] = (disk_belt){ belt->vx * factors[k], belt->vy * factors[k], belt->on_belt };
     }
@@ -168,8 +168,8 @@ static void start_parts(disk_state *s, const micro_def *def)
         const scene_pose *pose = &def->poses[k];
         const size_t belt = disk__belt_at(s, pose->x, pose->y);
         vec2 v = def->start_velocity;
-        if (belt < s->speeds.n_belts)
-            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->speeds, belt, 0.0));
+        if (belt < s->common.speeds.n_belts)
+            v = vec2_scale(def->belts[belt].velocity, belt_speeds_at(&s->common.speeds, belt, 0.0));
         s->now[k].x = pose->x;
         s->now[k].y = pose->y;
         s->now[k].vx = v.x;
@@ -205,7 +205,7 @@ static bf_status fill(disk_state *s, const micro_def *def, bf_error *err)
     return disk__rebuild(s, err);
 }
 
-static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
+static bf_status create(const micro_def *def, micro_common **ret_state, bf_error *err)
 {
     disk_state *s = memory_alloc(1, sizeof *s);
 
@@ -216,7 +216,7 @@ static bf_status create(const micro_def *def, void **ret_state, bf_error *err)
         destroy(s);
         return status;
     }
-    *ret_state = s;
+    *ret_state = &s->common;
     return BF_OK;
 }
 
@@ -228,46 +228,11 @@ static bf_status advance(void *state, uint64_t n, bf_error *err)
                                                : disk__advance_explicit(s, n, err);
 }
 
-static uint64_t steps(const void *state)
-{
-    const disk_state *s = state;
-
-    return s->steps;
-}
-
-static plate_motion *motion(void *state)
-{
-    disk_state *s = state;
-
-    return &s->plates.motion;
-}
-
 static void pose_plates(void *state)
 {
     disk_state *s = state;
 
-    disk__pose_plates(s, s->steps);
-}
-
-static uint8_t *presence(void *state)
-{
-    disk_state *s = state;
-
-    return s->is_gone;
-}
-
-static const surroundings *around(const void *state)
-{
-    const disk_state *s = state;
-
-    return &s->around;
-}
-
-static belt_speeds *speeds(void *state)
-{
-    disk_state *s = state;
-
-    return &s->speeds;
+    disk__pose_plates(s, s->common.steps);
 }
 
 const micro_backend micro__disk = {
@@ -277,14 +242,9 @@ const micro_backend micro__disk = {
     .advance = advance,
     .part = disk__part,
     .place = disk__place,
-    .presence = presence,
     .admit = disk__admit,
     .forget_gone = disk__forget_gone,
-    .around = around,
-    .speeds = speeds,
     .measure = disk__measure,
-    .steps = steps,
-    .motion = motion,
     .pose_plates = pose_plates,
     .save = disk__save,
     .load = disk__load,

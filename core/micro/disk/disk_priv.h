@@ -99,6 +99,7 @@ typedef struct disk_tiling {
 
 /// The planar solver.
 struct disk_state {
+    micro_common common;            ///< see there
     micro_def def;                  ///< without its arrays
     disk_law cargo;                 ///< cargo on cargo
     disk_law handling;              ///< cargo on obstacles and walls
@@ -122,7 +123,6 @@ struct disk_state {
     uint8_t *has_candidates;        ///< by group: nonzero if its parts have candidates
     uint32_t *id_of;                ///< id of the part in each slot; UINT32_MAX: padding
     uint32_t *slot_of;              ///< slot of each part
-    uint8_t *is_gone;               ///< by id: MICRO_HERE, or how it is gone
     bool has_arrivals;              ///< parts were admitted since the list was made
     size_t n_kinds;                 ///< kinds of parts
     disk_kind *kinds;               ///< see there
@@ -144,8 +144,6 @@ struct disk_state {
     size_t n_border_parts;          ///< sorted by slot
     size_t border_parts_capacity;   ///< room
     disk_border_part *border_parts; ///< see there
-    surroundings around;            ///< a copy: belts and edges
-    belt_speeds speeds;             ///< of the belts
     disk_belts belts;               ///< at v_T
     neighbours_cells cells;         ///< storage of the grid
     int n_partitions;               ///< threads that take part
@@ -153,7 +151,6 @@ struct disk_state {
     const explicit_kernels *kernels;                ///< of explicit steps
     disk_extremes_line *extremes; ///< scratch: of two explicit steps, DISK_PARTITIONS_MAX each
     disk_tiling tiling;           ///< of explicit steps
-    uint64_t steps;               ///< made since t = 0
     double largest_overlap;       ///< m, of any contact since the start
     double overlap_share;         ///< see micro_totals
     uint64_t n_builds;            ///< how often the list was made

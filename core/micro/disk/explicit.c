@@ -122,7 +122,7 @@ static driver_outcome step(driver_member *m)
 {
     disk_state *s = m->state;
     const size_t turn = m->n_made % TURNS;
-    const uint64_t n_before = s->steps + m->n_made;
+    const uint64_t n_before = s->common.steps + m->n_made;
     disk_belts room;
     single_step single = { make_step(s, n_before, disk__belts_in_step(s, n_before, &room)),
                            &s->extremes[turn * DISK_PARTITIONS_MAX] };
@@ -146,8 +146,8 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     (void)outcome;
     if (n % TURNS != 0)
         disk__swap(s);
-    s->steps += n;
-    disk__pose_plates(s, s->steps);
+    s->common.steps += n;
+    disk__pose_plates(s, s->common.steps);
     s->displacement_bound = progress->displacement_bound;
     s->last_bound = progress->last_bound;
     s->largest_overlap = fmax(s->largest_overlap, progress->largest.overlap);
@@ -360,7 +360,7 @@ static void put_back_gone(disk_state *s, disk_border_part *w)
         part->inv_mass = kind->inv_mass;
     }
     w->gone = DISK_HERE;
-    s->is_gone[id] = MICRO_HERE;
+    s->common.presence[id] = MICRO_HERE;
 }
 
 static void put_back(disk_state *s)
@@ -404,12 +404,12 @@ static uint64_t advance_tile(void *state, uint64_t n, uint64_t *ret_most, bool *
 
     *ret_most = n_steps > 0 && n_steps < n ? n_steps : n;
     // Twice the last speed is a guess, which avoids tiles that would only be undone.
-    if (s->tiling.backup == NULL || n_steps == 0 || n < n_steps || s->steps == 0 ||
+    if (s->tiling.backup == NULL || n_steps == 0 || n < n_steps || s->common.steps == 0 ||
         !neighbours_holds(s->skin, s->displacement_bound + 2.0 * s->last_bound * (int)n_steps))
         return 0;
-    tile w = { .s = s, .step = make_step(s, s->steps, NULL), .n_levels = (int)n_steps };
+    tile w = { .s = s, .step = make_step(s, s->common.steps, NULL), .n_levels = (int)n_steps };
     for (uint64_t k = 0; k < n_steps; k++)
-        w.belts[k] = disk__belts_in_step(s, s->steps + k, &s->tiling.belts[k]);
+        w.belts[k] = disk__belts_in_step(s, s->common.steps + k, &s->tiling.belts[k]);
     team_run(s->n_partitions, make_levels, &w);
     driver_outcome outcome = outcome_of(&w, &progress, &holds);
     if (!holds) {
@@ -447,8 +447,8 @@ static bf_status fail(const disk_state *s, uint32_t id, const char *what, bf_err
 
     return bf_fail(err, BF_ENUMERIC, "",
                    "part %u %s in step %llu (t = %.6g s), at (%.6g, %.6g) m with (%.6g, %.6g) m/s",
-                   (unsigned)id, what, (unsigned long long)s->steps, (double)s->steps * s->def.dt,
-                   part->x, part->y, part->vx, part->vy);
+                   (unsigned)id, what, (unsigned long long)s->common.steps,
+                   (double)s->common.steps * s->def.dt, part->x, part->y, part->vx, part->vy);
 }
 
 bf_status disk__check(const void *state, bf_error *err)

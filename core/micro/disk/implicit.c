@@ -115,7 +115,7 @@ static bf_status refresh(void *state, bf_error *err)
 {
     disk_state *s = state;
     implicit_state *z = s->implicit;
-    const double move = z->last_bound + disk__plates_travel(s, s->steps);
+    const double move = z->last_bound + disk__plates_travel(s, s->common.steps);
     bool must_choose = !z->is_chosen || !holds(z->skin, z->displacement_bound, move);
 
     bf_status status = BF_OK;
@@ -247,7 +247,7 @@ static void make_phases(driver_member *m, double travel)
     step_numbers numbers = { .step = z->step };
     disk_belts room;
 
-    numbers.step.belts = disk__belts_in_step(s, s->steps + m->n_made, &room);
+    numbers.step.belts = disk__belts_in_step(s, s->common.steps + m->n_made, &room);
     m->step = &numbers;
     disk__pose_plates_by_team(m);
     driver_split(m, 0, n_chunks, predict_chunk);
@@ -281,7 +281,7 @@ static driver_outcome step(driver_member *m)
 {
     const disk_state *s = m->state;
     const implicit_state *z = s->implicit;
-    const uint64_t n_before = s->steps + m->n_made;
+    const uint64_t n_before = s->common.steps + m->n_made;
     const double travel = disk__plates_travel(s, n_before);
     driver_progress *p = &m->progress;
 
@@ -317,8 +317,8 @@ static void end(void *state, uint64_t n, driver_outcome outcome, const driver_pr
     implicit_state *z = s->implicit;
 
     (void)outcome;
-    s->steps += n;
-    disk__pose_plates(s, s->steps);
+    s->common.steps += n;
+    disk__pose_plates(s, s->common.steps);
     s->displacement_bound = progress->displacement_bound;
     z->displacement_bound = progress->pair_bound;
     z->last_bound = progress->last_bound;

@@ -49,8 +49,8 @@ void disk_implicit__forget_gone(const disk_state *s, implicit_state *z)
         const implicit_piece *p = &z->pieces[piece];
         for (size_t k = 0; k < p->n; k++) {
             const implicit_pair pair = disk_implicit__pair(s, z, p, k);
-            if (s->is_gone[pair.id[0]] == MICRO_HERE &&
-                (implicit_is_at_boundary(&pair) || s->is_gone[pair.id[1]] == MICRO_HERE))
+            if (s->common.presence[pair.id[0]] == MICRO_HERE &&
+                (implicit_is_at_boundary(&pair) || s->common.presence[pair.id[1]] == MICRO_HERE))
                 continue;
             size_t lane;
             implicit_block *block = implicit_lane(z, p, k, &lane);

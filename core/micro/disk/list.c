@@ -25,9 +25,9 @@ static void find_gone(disk_state *s)
     }
     s->n_border_parts = 0;
     for (size_t slot = 0; slot < s->n_live; slot++)
-        if (s->is_gone[s->id_of[slot]] == MICRO_HERE &&
-            surroundings_is_outside(&s->around, (vec2){ s->now[slot].x, s->now[slot].y }))
-            s->is_gone[s->id_of[slot]] = MICRO_LEFT;
+        if (s->common.presence[s->id_of[slot]] == MICRO_HERE &&
+            surroundings_is_outside(&s->common.around, (vec2){ s->now[slot].x, s->now[slot].y }))
+            s->common.presence[s->id_of[slot]] = MICRO_LEFT;
 }
 
 // Parts in their new order, and which slots of the old one are not among the live ones; in scratch.
@@ -130,7 +130,7 @@ static bf_status sort_parts(disk_state *s, bf_error *err)
         return bf_fail(err, BF_ENOMEM, "", "no memory for sorting %zu parts", s->n);
     for (size_t slot = 0; slot < end; slot++)
         sorted.skip[slot] =
-            s->id_of[slot] == UINT32_MAX || s->is_gone[s->id_of[slot]] != MICRO_HERE;
+            s->id_of[slot] == UINT32_MAX || s->common.presence[s->id_of[slot]] != MICRO_HERE;
     bf_status status =
         neighbours_sort(&s->cells, end, &parts, sorted.skip, 2.0 * s->radius_max + s->skin, err);
     if (status == BF_OK) {
@@ -273,8 +273,8 @@ static bf_status list_neighbours(disk_state *s)
 
 disk disk__pad(const disk_state *s, size_t slot)
 {
-    const scene_rect *d = &s->around.domain;
-    const scene_edge *edges = s->around.edges;
+    const scene_rect *d = &s->common.around.domain;
+    const scene_edge *edges = s->common.around.edges;
     const double away = DISK_FAR + 4.0 * s->radius_max * (double)slot;
     disk part = s->kinds[0].part;
 
@@ -294,7 +294,7 @@ disk disk__pad(const disk_state *s, size_t slot)
 
 uint16_t disk__belt_at(const disk_state *s, double x, double y)
 {
-    return (uint16_t)surroundings_belt_at(&s->around, (vec2){ x, y });
+    return (uint16_t)surroundings_belt_at(&s->common.around, (vec2){ x, y });
 }
 
 static int count_partitions(const disk_state *s)

@@ -128,13 +128,14 @@ bf_status disk__find_candidates(disk_state *s)
 
 static bool is_near_open_edge(const disk_state *s, const disk *part, double margin)
 {
-    return surroundings_is_outside(&s->around, (vec2){ part->x - margin, part->y - margin }) ||
-           surroundings_is_outside(&s->around, (vec2){ part->x + margin, part->y + margin });
+    return surroundings_is_outside(&s->common.around,
+                                   (vec2){ part->x - margin, part->y - margin }) ||
+           surroundings_is_outside(&s->common.around, (vec2){ part->x + margin, part->y + margin });
 }
 
 static bool is_near_border(const disk_state *s, const disk *part, double margin)
 {
-    return surroundings_border_distance(&s->around, (vec2){ part->x, part->y }) <=
+    return surroundings_border_distance(&s->common.around, (vec2){ part->x, part->y }) <=
            margin + SCENE_TOLERANCE;
 }
 
@@ -166,9 +167,9 @@ void disk__update_border_parts(disk_state *s, disk *rows, size_t border_first, s
         disk *part = &rows[w->slot];
         if (w->gone != DISK_HERE)
             continue;
-        if (surroundings_is_outside(&s->around, (vec2){ part->x, part->y })) {
+        if (surroundings_is_outside(&s->common.around, (vec2){ part->x, part->y })) {
             *w = (disk_border_part){ w->slot, left, s->heading[w->slot], *part };
-            s->is_gone[s->id_of[w->slot]] = MICRO_LEFT;
+            s->common.presence[s->id_of[w->slot]] = MICRO_LEFT;
             *part = disk__pad(s, w->slot);
         } else if (!s->is_uniform) {
             s->belt_under[w->slot] = disk__belt_at(s, part->x, part->y);

@@ -36,7 +36,7 @@ static bf_status resize_arrays(disk_state *s, const sizes *old, const sizes *new
         { &s->has_candidates, sizeof *s->has_candidates, 0, new->groups },
         { &s->id_of, sizeof *s->id_of, slots, new->slots },
         { &s->slot_of, sizeof *s->slot_of, parts, new->parts },
-        { &s->is_gone, sizeof *s->is_gone, parts, new->parts },
+        { &s->common.presence, sizeof *s->common.presence, parts, new->parts },
         { &s->kind_of, sizeof *s->kind_of, s->kind_of != NULL ? parts : 0, n_kinds },
         { &s->list.first, sizeof *s->list.first, s->now != NULL ? old->groups : 0, new->groups },
         { &s->list.pair_first, sizeof *s->list.pair_first, 0, n_blocks },
@@ -87,7 +87,7 @@ bf_status disk__admit(void *state, size_t k, const micro_arrival *arrival, bf_er
     s->n += k == s->n;
     s->slot_of[k] = slot;
     s->id_of[slot] = (uint32_t)k;
-    s->is_gone[k] = MICRO_HERE;
+    s->common.presence[k] = MICRO_HERE;
     if (s->kind_of != NULL)
         s->kind_of[k] = arrival->kind;
     s->now[slot] = s->kinds[arrival->kind].part;

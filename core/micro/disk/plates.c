@@ -10,9 +10,9 @@
 
 bf_status disk__plates_init(disk_state *s, const micro_def *def, bf_error *err)
 {
-    bf_status status = plate_motion_init(&s->plates.motion, def->n_obstacles, def->obstacles, err);
+    bf_status status = plate_motion_init(&s->common.motion, def->n_obstacles, def->obstacles, err);
 
-    if (status != BF_OK || !s->plates.motion.is_any)
+    if (status != BF_OK || !s->common.motion.is_any)
         return status;
     s->plates.of = memory_alloc(def->n_obstacles, sizeof *s->plates.of);
     return s->plates.of != NULL
@@ -22,7 +22,7 @@ bf_status disk__plates_init(disk_state *s, const micro_def *def, bf_error *err)
 
 void disk__plates_fini(disk_state *s)
 {
-    plate_motion_fini(&s->plates.motion);
+    plate_motion_fini(&s->common.motion);
     memory_free(s->plates.of);
     memory_free(s->plates.faces);
     memory_free(s->plates.arcs);
@@ -103,7 +103,7 @@ void disk__pose_plates(disk_state *s, uint64_t n_before)
 {
     for (size_t k = 0; k < s->plates.n; k++) {
         const disk_plate *plate = &s->plates.of[k];
-        const plate_motion_step step = plate_motion_in_step(&s->plates.motion, plate->obstacle,
+        const plate_motion_step step = plate_motion_in_step(&s->common.motion, plate->obstacle,
                                                             n_before, s->def.dt, plate->depth);
         pose_plate(s, plate, &step);
     }
@@ -116,7 +116,7 @@ void disk__pose_plates_by_team(const driver_member *m)
     if (s->plates.n == 0)
         return;
     if (m->index == 0)
-        disk__pose_plates(s, s->steps + m->n_made);
+        disk__pose_plates(s, s->common.steps + m->n_made);
     driver_wait(m);
 }
 
@@ -128,7 +128,7 @@ double disk__plates_travel(const disk_state *s, uint64_t n_before)
     for (size_t k = 0; k < s->plates.n; k++) {
         const disk_plate *plate = &s->plates.of[k];
         const plate_motion_step step =
-            plate_motion_in_step(&s->plates.motion, plate->obstacle, n_before, dt, plate->depth);
+            plate_motion_in_step(&s->common.motion, plate->obstacle, n_before, dt, plate->depth);
         speed = fmax(speed, fabs(step.spin) * plate->radius + step.growth);
     }
     return speed * dt;

@@ -9,7 +9,7 @@
 // A part as it is saved.
 typedef struct saved_part {
     double x, y, vx, vy, spin, heading;
-    uint32_t is_gone, kind;
+    uint32_t presence, kind;
 } saved_part;
 
 // The header of a saved state. The parts follow, then the data of the integrator.
@@ -37,7 +37,8 @@ disk_border_part *disk__find_left(const disk_state *s, uint32_t slot)
 static saved_part read_part(const disk_state *s, size_t k)
 {
     const uint32_t slot = s->slot_of[k];
-    const disk_border_part *left = s->is_gone[k] != MICRO_HERE ? disk__find_left(s, slot) : NULL;
+    const disk_border_part *left =
+        s->common.presence[k] != MICRO_HERE ? disk__find_left(s, slot) : NULL;
     const disk *part = left != NULL ? &left->part : &s->now[slot];
 
     return (saved_part){ .x = part->x,
@@ -46,7 +47,7 @@ static saved_part read_part(const disk_state *s, size_t k)
                          .vy = part->vy,
                          .spin = part->spin,
                          .heading = left != NULL ? left->heading : s->heading[slot],
-                         .is_gone = s->is_gone[k],
+                         .presence = s->common.presence[k],
                          .kind = s->kind_of != NULL ? s->kind_of[k] : 0 };
 }
 
@@ -72,7 +73,7 @@ micro_part disk__part(const void *state, size_t k)
                          .v = { p.vx, p.vy, 0.0 },
                          .w = { 0.0, 0.0, p.spin },
                          .heading = p.heading,
-                         .is_gone = p.is_gone != MICRO_HERE };
+                         .is_gone = p.presence != MICRO_HERE };
 }
 
 void disk__count_contact(micro_totals *totals, double overlap, double radius)
@@ -107,7 +108,7 @@ micro_totals disk__measure(const void *state)
 
     for (size_t k = 0; k < s->n; k++) {
         const disk *part = &s->now[s->slot_of[k]];
-        if (s->is_gone[k] != MICRO_HERE)
+        if (s->common.presence[k] != MICRO_HERE)
             continue;
         double mass = 1.0 / part->inv_mass, inertia = 0.5 * mass * part->radius * part->radius;
         totals.n_parts++;
@@ -265,14 +266,14 @@ bf_status disk_implicit__load(disk_state *s, size_t n, checkpoint_reader *r, bf_
 void disk__save(const void *state, checkpoint_writer *w)
 {
     const disk_state *s = state;
-    const saved_header header = { s->steps, s->largest_overlap, s->overlap_share };
+    const saved_header header = { s->common.steps, s->largest_overlap, s->overlap_share };
 
     checkpoint_write(w, &header, sizeof header);
     for (size_t k = 0; k < s->n; k++) {
         const saved_part part = read_part(s, k);
         checkpoint_write(w, &part, sizeof part);
     }
-    plate_motion_save(&s->plates.motion, w);
+    plate_motion_save(&s->common.motion, w);
     disk_implicit__save(s, w);
 }
 
@@ -282,7 +283,7 @@ static bool are_parts_sound(const disk_state *s, const char *parts, size_t n)
     for (size_t k = 0; k < n; k++) {
         saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
-        if (part.is_gone > MICRO_FREE || part.kind >= s->n_kinds)
+        if (part.presence > MICRO_FREE || part.kind >= s->n_kinds)
             return false;
     }
     return true;
@@ -294,7 +295,7 @@ static void take_parts(disk_state *s, const char *parts, size_t n)
     for (size_t k = 0; k < n; k++) {
         saved_part part;
         memcpy(&part, parts + k * sizeof part, sizeof part);
-        s->is_gone[k] = (uint8_t)part.is_gone;
+        s->common.presence[k] = (uint8_t)part.presence;
         if (s->kind_of != NULL)
             s->kind_of[k] = part.kind;
     }
@@ -320,7 +321,7 @@ bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
     if (checkpoint_read(r, &header, sizeof header))
         parts = checkpoint_read_items(r, n, sizeof(saved_part));
     if (parts != NULL)
-        commands = plate_motion_read(&s->plates.motion, r);
+        commands = plate_motion_read(&s->common.motion, r);
     if (commands == NULL || !are_parts_sound(s, parts, n))
         return bf_fail(err, BF_ECORRUPT, "", "the saved parts are damaged");
     if (n > s->capacity && disk__resize(s, n) != BF_OK)
@@ -329,10 +330,10 @@ bf_status disk__load(void *state, size_t n, checkpoint_reader *r, bf_error *err)
     if (status != BF_OK)
         return status;
     take_parts(s, parts, n);
-    plate_motion_take(&s->plates.motion, commands);
-    s->steps = header.steps;
+    plate_motion_take(&s->common.motion, commands);
+    s->common.steps = header.steps;
     s->largest_overlap = header.largest_overlap;
     s->overlap_share = header.overlap_share;
-    disk__pose_plates(s, s->steps);
+    disk__pose_plates(s, s->common.steps);
     return disk__rebuild(s, err);
 }

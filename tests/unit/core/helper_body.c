@@ -99,14 +99,14 @@ double helper_body_gap(const double *a, const double *b, int n_samples)
 
 body_state *helper_body_start(const helper_body *h)
 {
-    void *state = NULL;
+    micro_common *state = NULL;
     bf_error err = { .code = BF_OK };
 
     bf_status status = micro__body.create(&h->def, &state, &err);
     if (status != BF_OK)
         fprintf(stderr, "%s: %s\n", err.pointer, err.text);
     BF_CHECK(status == BF_OK);
-    return state;
+    return (body_state *)state;
 }
 
 void helper_body_run(body_state *s, double time)

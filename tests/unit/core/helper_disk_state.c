@@ -84,10 +84,10 @@ void helper_disk_state_jam(helper_outflow *e, double angle_deg)
 
 disk_state *helper_disk_state_start(const micro_def *def)
 {
-    void *s = NULL;
+    micro_common *state = NULL;
 
-    BF_CHECK(micro__disk.create(def, &s, NULL) == BF_OK);
-    return s;
+    BF_CHECK(micro__disk.create(def, &state, NULL) == BF_OK);
+    return (disk_state *)state;
 }
 
 void helper_disk_state_end(disk_state *s)

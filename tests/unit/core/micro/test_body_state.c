@@ -94,7 +94,7 @@ static void check_resume(micro_integrator integrator)
     helper_body_run(whole, 0.1);
     assert_int_equal(save_state(whole, &saved, NULL), BF_OK);
     assert_int_equal(load_state(second, saved.bytes, saved.n, NULL), BF_OK);
-    assert_int_equal(micro__body.steps(second), micro__body.steps(whole));
+    assert_int_equal(second->common.steps, whole->common.steps);
     assert_true(helper_body_digest(second) == helper_body_digest(whole));
     assert_int_equal(body__measure(second).n_contacts, body__measure(whole).n_contacts);
     assert_int_equal(save_state(second, &again, NULL), BF_OK);
@@ -173,9 +173,10 @@ static bf_status live(const helper_body *h)
 {
     bf_buffer saved = { 0 };
     bf_error err = { .code = BF_OK };
-    void *s = NULL;
+    micro_common *state = NULL;
 
-    bf_status status = micro__body.create(&h->def, &s, &err);
+    bf_status status = micro__body.create(&h->def, &state, &err);
+    body_state *s = (body_state *)state;
     assert_true((status == BF_OK) == (s != NULL));
     if (status == BF_OK)
         status = micro__body.advance(s, 20, &err);
@@ -222,7 +223,7 @@ static void check_retry(micro_integrator integrator)
     memory_plan_fault(1, 0);
     assert_int_equal(body__advance(s, 10, &err), BF_ENOMEM);
     memory_plan_fault(0, 0);
-    assert_int_equal(s->steps, 0);
+    assert_int_equal(s->common.steps, 0);
     assert_int_equal(body__advance(s, 10, &err), BF_OK);
     assert_int_equal(body__advance(calm, 10, &err), BF_OK);
     assert_true(helper_body_digest(s) == helper_body_digest(calm));
@@ -275,7 +276,7 @@ static void what_cannot_be_made_is_refused(void **state)
     double flat[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
     helper_body h;
     bf_error err = { .code = BF_OK };
-    void *s = NULL;
+    micro_common *s = NULL;
     helper_body_init(&h, (scene_shape){ .type = SCENE_HULL, .n_vertices = 4, .vertices = flat });
     assert_int_equal(micro__body.create(&h.def, &s, &err), BF_EINPUT);
     assert_null(s);

@@ -123,8 +123,7 @@ static void when_a_list_was_made_has_no_influence(void **state)
 
     for (int often = 0; often < 2; often++) {
         helper_disks *d = make_mix();
-        void *s = NULL;
-        assert_int_equal(micro__disk.create(&d->def, &s, NULL), BF_OK);
+        disk_state *s = helper_disk_state_start(&d->def);
         for (int k = 0; k < 60; k++) {
             assert_int_equal(micro__disk.advance(s, 37, NULL), BF_OK);
             if (often)
@@ -150,10 +149,8 @@ static void the_list_holds_every_contact(void **state)
 {
     (void)state;
     helper_disks *d = make_crowd();
-    void *state_ = NULL;
+    disk_state *s = helper_disk_state_start(&d->def);
 
-    assert_int_equal(micro__disk.create(&d->def, &state_, NULL), BF_OK);
-    disk_state *s = state_;
     for (int k = 0; k < 40; k++) {
         size_t n_pressing = 0, n_listed = 0;
         assert_int_equal(micro__disk.advance(s, 29, NULL), BF_OK);

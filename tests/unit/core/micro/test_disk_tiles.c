@@ -68,7 +68,7 @@ static size_t count_gone(const disk_state *s)
     size_t n = 0;
 
     for (size_t k = 0; k < s->n; k++)
-        n += s->is_gone[k];
+        n += s->common.presence[k];
     return n;
 }
 
@@ -81,7 +81,7 @@ static void compare_tiles_with_single_steps(bool changes)
         for (int n_threads = HELPER_AMOUNT(1, 2); n_threads <= 2; n_threads++) {
             disk_state *tiled = start_crowd_on(changes, is_mixed, true, n_threads);
             helper_disk_state_advance(tiled, 803);
-            assert_int_equal(tiled->steps, 803);
+            assert_int_equal(tiled->common.steps, 803);
             assert_true(tiled->tiling.n_made > 20);
             assert_int_equal(digest_of(tiled), digest_of(single));
             assert_true(tiled->largest_overlap == single->largest_overlap);
@@ -113,7 +113,7 @@ static size_t find_front(const disk_state *s)
 
     for (size_t k = 0; k < s->n; k++) {
         const disk *row = &s->now[s->slot_of[k]];
-        if (s->is_gone[k] == 0 && row->y > 0.65 && row->x > x) {
+        if (s->common.presence[k] == 0 && row->y > 0.65 && row->x > x) {
             x = row->x;
             front = k;
         }
@@ -166,7 +166,7 @@ static void a_failure_in_a_tile_is_reported_as_by_single_steps(void **state)
     assert_int_equal(disk__advance_explicit(single, 8, &of_single), BF_ENUMERIC);
     assert_int_equal(disk__advance_explicit(tiled, 8, &of_tiled), BF_ENUMERIC);
     assert_string_equal(of_tiled.text, of_single.text);
-    assert_int_equal(tiled->steps, single->steps);
+    assert_int_equal(tiled->common.steps, single->common.steps);
     helper_disk_state_end(single);
     helper_disk_state_end(tiled);
 }
