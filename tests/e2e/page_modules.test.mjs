@@ -6,7 +6,7 @@ import test from "node:test";
 import { cargoOf } from "../../web/src/cargo.js";
 import { chipsOf, differences, nameOfVariant } from "../../web/src/differences.js";
 import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
-import { fixed, parts, quantity, readable } from "../../web/src/format.js";
+import { fileNameOf, fixed, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
 import { parameterAt } from "../../web/src/parameters.js";
@@ -57,6 +57,13 @@ test("numbers and places of messages are written for people", () => {
     ["0", "0", "173.3", "0.0", "0 parts"]);
   assert.equal(readable("/obstacles/0/from_m is 0.12000000000000001, of 1.5e-3 at /v1/runs"),
     "obstacles 1 from is 0.12, of 0.0015 at /v1/runs");
+});
+
+test("files are called by what they show", () => {
+  assert.equal(fileNameOf("Example 1, angle 75.5°", "micro"), "example-1-angle-75.5-micro");
+  assert.equal(fileNameOf("Förderband/../Süd: 30 Teile/s"), "forderband-sud-30-teile-s");
+  assert.equal(fileNameOf("線 2", "macro"), "線-2-macro");
+  assert.equal(fileNameOf("a".repeat(300), "micro").length, 100);
 });
 
 test("JSON that is written for people is the same JSON", () => {

@@ -219,10 +219,10 @@ test("a run's page offers its results, and they are the daemon's bytes", async (
   assert.equal(await page.locator(".curl").innerText(), `curl -sS -o curve.csv '${d.url}v1/runs/${run.id}/curve?format=csv'`);
   const waiting = page.waitForEvent("download");
   await page.locator("li", { hasText: "Picture as seen" }).getByRole("button").click();
-  assert.equal((await waiting).suggestedFilename(), "belt-000002.png");
+  assert.equal((await waiting).suggestedFilename(), "example-1-singularizer-at-60-degrees-macro-0.2s.png");
   const recording = page.waitForEvent("download");
   await page.getByRole("button", { name: "Save film" }).click();
-  assert.equal((await recording).suggestedFilename(), "belt-000002.webm");
+  assert.equal((await recording).suggestedFilename(), "example-1-singularizer-at-60-degrees-macro-0.2s.webm");
   await page.emulateMedia({ media: "print", colorScheme: "dark" });
   assert.equal(await page.getByRole("navigation", { name: "Views" }).isVisible(), false);
   assert.equal(await page.evaluate(() => getComputedStyle(document.body).color), "rgb(24, 34, 45)", "text is dark on paper");
@@ -272,6 +272,29 @@ test("on a slow connection every picture that is asked for arrives, and the cloc
   await page.locator(".stamp:not(.late)").waitFor();
   await page.goto("about:blank");
   await d.post(`/v1/runs/${run.id}/cancel`, "");
+});
+
+test("parts that are counted one by one are whole between samples, too", async (t) => {
+  const d = await daemon(t);
+  const example = (await d.get("/v1/examples/example-1-implicit")).json;
+  const run = await d.submit({ ...example, duration_s: 3 }, { model: "micro" });
+  await d.reached(run.id, "succeeded");
+  const page = await openPage(t, d);
+  await visit(page, `#/runs/${run.id}?t=1.5`);
+  await page.locator(".u-over").waitFor();
+  await page.getByRole("button", { name: "Play", exact: true }).click();
+  const texts = await page.evaluate(() => new Promise((resolve) => {
+    const seen = new Set();
+    const look = (now) => {
+      seen.add(document.querySelector(".plot-legend b").textContent);
+      if (seen.size < 30 && now < begin + 3000) requestAnimationFrame(look);
+      else resolve([...seen]);
+    };
+    const begin = performance.now();
+    requestAnimationFrame(look);
+  }));
+  assert.ok(texts.length > 3, String(texts));
+  assert.deepEqual(texts.filter((text) => !/^\d+$/.test(text)), []);
 });
 
 test("with reduced motion nothing moves by itself", async (t) => {

@@ -75,7 +75,7 @@ export class CompareView {
     if (this.runs.length === 0) return [head, ...lost, this.invitation()];
     this.controls = new SceneControls(this.cinema, this.query, {
       headingsOf: () => this.runs.map(({ run }, k) => [nameOf(run), this.titles[k]]),
-      fileName: () => `belts-${this.cinema.transport.textOf(this.cinema.player.t)}s`,
+      fileWords: ["belts", ...this.titles],
     });
     const panels = this.runs.map((data, k) => this.panel(data, k));
     if (this.runs.length === 1) lost.push(h("p", { class: "notice" }, "Add another run to compare it with this one."));

@@ -6,7 +6,7 @@ import uPlot from "uplot";
 import { h, setText, strokeMark } from "./dom.js";
 import { fixed, number } from "./format.js";
 import { axisOf, longest } from "./plot_axis.js";
-import { valueAt } from "./series.js";
+import { indexBefore, valueAt } from "./series.js";
 import { color, onTheme } from "./theme.js";
 
 // A piece of the curve.
@@ -16,9 +16,12 @@ function markOf({ color: name, dash, points }) {
   return mark;
 }
 
-// The value of a curve at a time; null: it has none there.
-function valueOf({ t, v }, time) {
-  return t.length > 0 && time <= t.at(-1) + 1e-9 ? valueAt(t, v, time) : null;
+// The value of a curve at a time; null: it has none there. Parts that are counted one by one are whole between samples, too.
+function valueOf({ t, v, points }, time) {
+  if (t.length === 0 || time > t.at(-1) + 1e-9) return null;
+  const k = indexBefore(t, time + 1e-9);
+  const isCount = !points && Number.isInteger(v[k]) && Number.isInteger(v[k + 1] ?? 0);
+  return isCount ? v[k] : valueAt(t, v, time);
 }
 
 function textOf(value) {

@@ -80,6 +80,12 @@ export function bytes(n) {
   return quantity(n, units[k]);
 }
 
+// What things are called, as the name of a file without its ending: "Example 1, angle 75°" is "example-1-angle-75".
+export function fileNameOf(...names) {
+  const words = names.flatMap((name) => name.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase().match(/[\p{L}\p{N}]+(\.[\p{L}\p{N}]+)*/gu) ?? []);
+  return words.join("-").slice(0, 100);
+}
+
 // How many decimal places distinguish times of this distance.
 export function placesOf(step) {
   return Math.min(6, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));

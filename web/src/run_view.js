@@ -53,7 +53,7 @@ export class RunView {
     this.title = name;
     this.controls = new SceneControls(cinema, this.query, {
       headingsOf: () => [[name, `${models[data.run.model]} model`]],
-      fileName: () => `belt-${String(cinema.player.indexOf(cinema.player.t)).padStart(6, "0")}`,
+      fileWords: [name, data.run.model],
     });
     this.screen = cinema.add(data, `The belt from above, ${name}`, () => Math.max(220, innerHeight * 0.62));
     this.plot = new CurvePlot(`Outflow curve of ${name}`, () => this.plotHeight(), (t) => cinema.player.seek(t));

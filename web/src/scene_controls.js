@@ -3,6 +3,7 @@
 
 import { maps, ranges } from "./colormap.js";
 import { h, iconButton } from "./dom.js";
+import { fileNameOf } from "./format.js";
 import { savePicture } from "./picture.js";
 import { canRecord, Recorder } from "./recorder.js";
 import { note } from "./router.js";
@@ -13,9 +14,9 @@ const layers = [["both", "Parts over density"], ["parts", "Parts"], ["density", 
 
 export class SceneControls {
   // cinema: with its stages to come; query: of the address; headingsOf(): [name, what differs] of each stage, for pictures;
-  // fileName(): of a picture, without its ending.
-  constructor(cinema, query, { headingsOf, fileName }) {
-    Object.assign(this, { cinema, headingsOf, fileName });
+  // fileWords: what files of pictures are called by, before their time.
+  constructor(cinema, query, { headingsOf, fileWords }) {
+    Object.assign(this, { cinema, headingsOf, fileWords });
     cinema.map = maps[query.get("map")] ? query.get("map") : "viridis";
     cinema.layer = layers.some(([layer]) => layer === query.get("layer")) ? query.get("layer") : undefined;
     cinema.range = ranges.some(([range]) => range === query.get("range")) ? query.get("range") : cinema.range;
@@ -72,8 +73,13 @@ export class SceneControls {
     };
   }
 
+  fileName(ending) {
+    const { screens: [{ stage }], transport } = this.cinema;
+    return `${fileNameOf(...this.fileWords)}-${transport.textOf(stage.picture?.t ?? 0)}s.${ending}`;
+  }
+
   save() {
-    return savePicture(this.scene(), `${this.fileName()}.png`);
+    return savePicture(this.scene(), this.fileName("png"));
   }
 
   // From here to the end, or until the button is pressed again.
@@ -82,7 +88,7 @@ export class SceneControls {
       this.recorder.stop();
       return;
     }
-    this.recorder = new Recorder(() => this.scene(), this.cinema, `${this.fileName()}.webm`, () => {
+    this.recorder = new Recorder(() => this.scene(), this.cinema, this.fileName("webm"), () => {
       this.recorder = null;
       this.film.lastChild.textContent = "Save film";
     });

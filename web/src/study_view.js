@@ -3,7 +3,7 @@
 import { ask, isOver, post, ticketed } from "./api.js";
 import { h, iconButton, link, setText } from "./dom.js";
 import { figureNames, figureTitle, figureUnit } from "./figures.js";
-import { age } from "./format.js";
+import { age, fileNameOf } from "./format.js";
 import { parameterAt } from "./parameters.js";
 import { address, go, note } from "./router.js";
 import { statePill } from "./runs_table.js";
@@ -168,7 +168,7 @@ export class StudyView {
 
   async download() {
     const target = await ticketed(`${this.data.path}/trials?format=csv`);
-    h("a", { href: target, download: `${this.title}.csv` }).click();
+    h("a", { href: target, download: `${fileNameOf(this.title)}.csv` }).click();
   }
 
   async remove() {
