@@ -9,6 +9,7 @@ import { Equipment, isPresentAt, turnAt } from "../../web/src/equipment.js";
 import { fileNameOf, fixed, parts, quantity, readable } from "../../web/src/format.js";
 import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
+import { residenceOf } from "../../web/src/key_figures.js";
 import { parameterAt } from "../../web/src/parameters.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
@@ -57,6 +58,14 @@ test("numbers and places of messages are written for people", () => {
     ["0", "0", "173.3", "0.0", "0 parts"]);
   assert.equal(readable("/obstacles/0/from_m is 0.12000000000000001, of 1.5e-3 at /v1/runs"),
     "obstacles 1 from is 0.12, of 0.0015 at /v1/runs");
+});
+
+test("the residence of a thousandth of a part is not told", () => {
+  const residence_s = { mean: 600, p95: 638 };
+  assert.equal(residenceOf({ parts: { left: 0.001 }, residence_s }), undefined);
+  assert.equal(residenceOf({ parts: { left: 0.5 }, residence_s }), 638);
+  assert.equal(residenceOf({ residence_s }), 638); // of an earlier version
+  assert.equal(residenceOf({ parts: { left: 3 } }), undefined);
 });
 
 test("files are called by what they show", () => {

@@ -4,9 +4,8 @@
 import { isOver } from "./api.js";
 import { h } from "./dom.js";
 import { fixed, number, parts } from "./format.js";
+import { residenceOf } from "./key_figures.js";
 import { isFed } from "./series.js";
-
-const HALF_A_PART = 0.5; // less has not left, though the macroscopic model lets some of its tail pass
 
 // Summaries of earlier versions do not say it among the key figures.
 function entered({ figures: known, summary, snapshots }) {
@@ -45,7 +44,7 @@ const figures = [
   {
     name: "Residence, 95 %",
     unit: "s",
-    value: ({ figures: known }) => (known?.parts?.left < HALF_A_PART ? null : known?.residence_s?.p95 ?? null),
+    value: ({ figures: known }) => (known && residenceOf(known)) ?? null,
     text: (value) => number(value),
     sentence: () => "95 % of the parts that left stayed no longer.",
   },

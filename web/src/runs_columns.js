@@ -2,6 +2,7 @@
 // stand in one table, from which headers and cells follow.
 
 import { fixed, number, percent, quantity, span } from "./format.js";
+import { residenceOf } from "./key_figures.js";
 
 function count(parts) {
   const isCounted = Math.abs(parts - Math.round(parts)) < 0.05 || parts >= 1000;
@@ -40,7 +41,7 @@ export const columns = [
   { ...figure("Throughput", "sustained_throughput_per_h", "Parts per hour while parts came through",
     (figures) => quantity(whole(figures.sustained_throughput_per_h), "/h", 4)), begins: "-" },
   figure("Drained at", "drained_at_s", "Since when the belt has been empty", (figures) => quantity(figures.drained_at_s, "s")),
-  { ...figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(figures.residence_s?.p95, "s")),
+  { ...figure("Residence", "residence_s.p95", "95 % of the parts stayed no longer on the belt", (figures) => quantity(residenceOf(figures), "s")),
     kind: "right minor" },
   { ...figure("Peak", "peak_density", "Largest density, 100 % being close packing",
     (figures) => (figures.peak_density === undefined ? "–" : percent(figures.peak_density))), begins: "-", kind: "right minor" },
