@@ -52,6 +52,9 @@ async function begin(d, n) {
   return { study, id: answer.json.id };
 }
 
+// Solved in some seconds: while Slurm's programs are asked and obey, there is work left.
+const longJam = () => jam(600, { curve_every_s: 3, snapshot_every_s: 12 });
+
 async function assertSameTrials(t, d, { study, id }) {
   const folder = temporaryFolder(t);
   const file = path.join(folder, "study.json");
@@ -96,7 +99,7 @@ story("a node's daemon that is killed under load costs nothing", async (t, d) =>
 });
 
 story("a daemon that is killed with leases out finds its workers again", async (t, d) => {
-  const scenario = jam(60, { curve_every_s: 0.3, snapshot_every_s: 1.2 });
+  const scenario = longJam();
   const run = await d.submit(scenario);
   await d.progressed(run.id, 0.1);
   await d.kill();
@@ -107,7 +110,7 @@ story("a daemon that is killed with leases out finds its workers again", async (
 });
 
 story("a worker at its time limit hands its run to another one", async (t, d) => {
-  const scenario = jam(60, { curve_every_s: 0.3, snapshot_every_s: 1.2 });
+  const scenario = longJam();
   const run = await d.submit(scenario);
   await d.progressed(run.id, 0.1);
   const [{ id }] = await slurm.running();
