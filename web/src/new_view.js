@@ -118,7 +118,7 @@ export class NewView {
     this.scenario = scenario;
     this.origin = structuredClone(scenario);
     this.isNamed = false;
-    this.known = null;
+    this.validation = null;
     this.editor.text = formatJson(scenario);
     this.fillForm();
     this.judgeSoon(0);
@@ -127,7 +127,7 @@ export class NewView {
   fillForm() {
     if (document.activeElement !== this.nameBox) this.nameBox.value = this.scenario?.name ?? "";
     this.form.fill(this.scenario, this.model);
-    if (this.known) this.scene.show(this.scenario, this.known);
+    if (this.validation) this.scene.show(this.scenario, this.validation);
   }
 
   // An empty name is made from the parameters again.
@@ -182,19 +182,18 @@ export class NewView {
     const abort = new AbortController();
     this.abort = abort;
     try {
-      const judged = await post(`v1/validate?parts=${PARTS_MAX}`, this.body(), { signal: abort.signal });
+      const validation = await post(`v1/validate?parts=${PARTS_MAX}`, this.body(), { signal: abort.signal });
       this.showFaults([]);
-      this.accept(judged);
+      this.accept(validation);
     } catch (error) {
       if (error.name !== "AbortError") this.refuse(error);
     }
   }
 
-  // judged: what the server answered.
-  accept(judged) {
-    const { resolved, predicted_s: seconds, warning_details: warnings } = judged;
-    this.known = judged;
-    this.scene.show(this.scenario, judged);
+  accept(validation) {
+    const { resolved, predicted_s: seconds, warning_details: warnings } = validation;
+    this.validation = validation;
+    this.scene.show(this.scenario, validation);
     this.showWarnings(warnings);
     if (seconds === null) this.judgeSoon(ASK_TIME_AFTER_MS); // a server that has just begun does not know its speed yet
     const n = warnings.length;

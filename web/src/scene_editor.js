@@ -47,15 +47,15 @@ export class SceneEditor {
     this.stopTheme();
   }
 
-  // written: the scenario as it is edited; judged: what the server answered to it last, with the parts at the start.
-  show(written, judged) {
-    const isShown = written && judged;
-    this.scenario = isShown ? asWritten(written, judged.resolved) : null;
-    this.drawable = isShown ? handlesOf(written, judged.resolved) : [];
-    if (isShown && judged !== this.judged) {
-      this.layer = new PartsLayer(COLUMNS, cargoOf(judged.resolved), []);
-      this.picture = pictureOf(judged.parts);
-      this.judged = judged;
+  // written: the scenario as it is edited; validation: the server's last one, with the parts at the start.
+  show(written, validation) {
+    const isShown = written && validation;
+    this.scenario = isShown ? asWritten(written, validation.resolved) : null;
+    this.drawable = isShown ? handlesOf(written, validation.resolved) : [];
+    if (isShown && validation !== this.validation) {
+      this.layer = new PartsLayer(COLUMNS, cargoOf(validation.resolved), []);
+      this.picture = pictureOf(validation.parts);
+      this.validation = validation;
     }
     this.draw();
   }
