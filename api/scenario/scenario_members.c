@@ -319,7 +319,7 @@ static const member_table contact_table = { MEMBER_TABLE("contact", contact_memb
                                             .n_places = SCENE_PAIR_COUNT };
 #undef AT
 
-#define AT(pair) ((pair) * sizeof(scene_contact))
+#define AT(pair) (offsetof(scene_micro, contact) + (pair) * sizeof(scene_contact))
 static const member contacts_members[] = {
     MEMBER("cargo_cargo", object, AT(SCENE_CARGO_CARGO), "part on part", .table = &contact_table,
            .default_text = "{}"),
@@ -327,6 +327,9 @@ static const member contacts_members[] = {
            .table = &contact_table, .default_text = "{}"),
     MEMBER("handling_cargo", object, AT(SCENE_HANDLING_CARGO), "obstacle or wall on part",
            .table = &contact_table, .default_text = "{}"),
+    MEMBER("wall_friction", number, offsetof(scene_micro, wall_friction),
+           "mu of handling_cargo at walls of the domain", .range = &scene_range_friction,
+           .default_text = "that of handling_cargo"),
 };
 static const member_table contacts_table = { MEMBER_TABLE("contacts", contacts_members) };
 #undef AT
@@ -393,7 +396,7 @@ static const member top_members[] = {
            .default_text = "{}"),
     MEMBER("materials", object, AT(micro), "elastic constants", .table = &materials_table,
            .default_text = "{}"),
-    MEMBER("contacts", object, AT(micro.contact), "contact laws", .table = &contacts_table,
+    MEMBER("contacts", object, AT(micro), "contact laws", .table = &contacts_table,
            .default_text = "{}"),
 };
 const member_table scenario_members = { MEMBER_TABLE("scenario", top_members),

@@ -186,6 +186,7 @@ static bf_status check_parameters(const micro_def *def, bf_error *err)
           "/micro/modulus_reduction" },
         { is_no_less_than(def->damping, 0.0), def->damping, "/micro/damping_per_s" },
         { is_no_less_than(def->gravity, 0.0), def->gravity, "/micro/gravity_m_s2" },
+        { is_no_less_than(def->wall_friction, 0.0), def->wall_friction, "/contacts/wall_friction" },
         { def->integrator < MICRO_INTEGRATOR_COUNT, def->integrator, "/micro/integrator" },
         { def->path < MICRO_PATH_COUNT, def->path, "/micro/path" },
         { def->n_threads >= 1 && def->n_threads <= MOST_THREADS, def->n_threads, "" },

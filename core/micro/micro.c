@@ -58,6 +58,7 @@ micro_def micro_def_default(void)
     scene_init(&s);
     memcpy(def.edges, s.edges, sizeof def.edges);
     memcpy(def.contact, s.micro.contact, sizeof def.contact);
+    def.wall_friction = s.micro.contact[SCENE_HANDLING_CARGO].friction;
     def.conveyor = s.micro.conveyor;
     def.handling = s.micro.handling;
     scene_fini(&s);
@@ -191,6 +192,8 @@ static uint64_t digest_definition(const micro_def *def)
     digest = digest_add(digest, def->part_kinds,
                         def->part_kinds == NULL ? 0 : def->n_parts * sizeof *def->part_kinds);
     digest = definition_add_contacts(digest, def->contact);
+    if (def->wall_friction > 0.0)
+        digest = digest_add(digest, &def->wall_friction, sizeof def->wall_friction);
     digest = definition_add_materials(digest, 1, &def->conveyor);
     return definition_add_materials(digest, 1, &def->handling);
 }

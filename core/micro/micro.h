@@ -81,17 +81,19 @@ typedef struct micro_def {
     vec2 start_velocity;     ///< of parts off every belt, m/s (default 0, 0); parts on
                              ///< a belt start with its velocity
     scene_contact contact[SCENE_PAIR_COUNT]; ///< laws (defaults as in scene_micro)
-    scene_material conveyor;                 ///< (default 40e9 Pa, 0.05)
-    scene_material handling;                 ///< obstacles and walls (default 70e9 Pa, 0.34)
-    double modulus_reduction;                ///< >= 1 (default 1e6)
-    double damping;                          ///< D, 1/s, >= 0 (default 0.1)
-    double gravity;                          ///< m/s2, >= 0 (default 9.81)
-    double dt;                               ///< s, > 0; 0: chosen (default 1e-5)
-    bool tension;                            ///< contacts may pull (default false)
-    micro_integrator integrator;             ///< (default MICRO_VERLET)
-    micro_path path;                         ///< (default MICRO_PATH_AUTO)
-    int n_threads;                           ///< >= 1 (default 1)
-    uint32_t cookie;                         ///< set by micro_def_default(); do not change
+    double wall_friction; ///< mu of SCENE_HANDLING_CARGO at walls, >= 0 (default that of the pair's
+                          ///< default)
+    scene_material conveyor;     ///< (default 40e9 Pa, 0.05)
+    scene_material handling;     ///< obstacles and walls (default 70e9 Pa, 0.34)
+    double modulus_reduction;    ///< >= 1 (default 1e6)
+    double damping;              ///< D, 1/s, >= 0 (default 0.1)
+    double gravity;              ///< m/s2, >= 0 (default 9.81)
+    double dt;                   ///< s, > 0; 0: chosen (default 1e-5)
+    bool tension;                ///< contacts may pull (default false)
+    micro_integrator integrator; ///< (default MICRO_VERLET)
+    micro_path path;             ///< (default MICRO_PATH_AUTO)
+    int n_threads;               ///< >= 1 (default 1)
+    uint32_t cookie;             ///< set by micro_def_default(); do not change
 } micro_def;
 
 /// A running solver; opaque, on the heap.

@@ -31,6 +31,7 @@ static void set_parameters(const scene_micro *micro, micro_def *def)
                                         [SCENE_PATH_SPATIAL] = MICRO_PATH_SPATIAL };
 
     memcpy(def->contact, micro->contact, sizeof def->contact);
+    def->wall_friction = micro->wall_friction;
     def->conveyor = micro->conveyor;
     def->handling = micro->handling;
     def->modulus_reduction = micro->modulus_reduction;

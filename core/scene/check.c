@@ -68,6 +68,7 @@ static const number_rule number_rules[] = {
     CONTACT("cargo_cargo", SCENE_CARGO_CARGO),
     CONTACT("conveyor_cargo", SCENE_CONVEYOR_CARGO),
     CONTACT("handling_cargo", SCENE_HANDLING_CARGO),
+    RULE("/contacts/wall_friction", scene, micro.wall_friction, scene_range_friction),
 };
 
 static void check_words(const scene *s, bf_faults *faults)

@@ -190,6 +190,12 @@ static uint64_t add_schedule(uint64_t digest, const scene *s)
     return digest;
 }
 
+// Nothing where walls slip freely.
+static uint64_t add_walls(uint64_t digest, const scene_micro *micro)
+{
+    return micro->wall_friction > 0.0 ? ADD_NUMBERS(digest, micro->wall_friction) : digest;
+}
+
 // Nothing for the dispersive closure.
 static uint64_t add_closure(uint64_t digest, const scene_macro *macro)
 {
@@ -222,5 +228,5 @@ uint64_t definition_digest(const scene *s)
                     micro->tension, micro->damping, micro->gravity, micro->spin_friction_radius);
     digest = definition_add_materials(digest, 1, &micro->conveyor);
     digest = definition_add_materials(digest, 1, &micro->handling);
-    return definition_add_contacts(digest, micro->contact);
+    return add_walls(definition_add_contacts(digest, micro->contact), micro);
 }

@@ -96,4 +96,6 @@ typedef struct scene_micro {
     scene_material conveyor;     ///< (default 40e9 Pa, 0.05)
     scene_material handling;     ///< (default 70e9 Pa, 0.34)
     scene_contact contact[SCENE_PAIR_COUNT]; ///< see there
+    double wall_friction; ///< mu of SCENE_HANDLING_CARGO at walls of the domain, >= 0 (default that
+                          ///< of the contact)
 } scene_micro;

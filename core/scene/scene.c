@@ -45,6 +45,7 @@ static scene_micro default_micro(void)
                           .damping = 0.1,
                           .gravity = 9.81,
                           .spin_friction_radius = NAN,
+                          .wall_friction = NAN,
                           .conveyor = { 40e9, 0.05 },
                           .handling = { 70e9, 0.34 } };
     memcpy(micro.contact, paper_contacts, sizeof paper_contacts);
@@ -310,6 +311,7 @@ static void resolve_derived(scene *s)
 
     resolve_cargo(s);
     fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
+    fill_in(&s->micro.wall_friction, fmax(s->micro.contact[SCENE_HANDLING_CARGO].friction, 0.0));
     fill_in(&s->macro.step, s->macro.closure == SCENE_CONGESTED ? 0.0 : SCENE_MACRO_STEP);
     fill_in(&s->macro.dispersion, 2.0 * (isfinite(speed) ? speed : paper_speed));
     for (size_t k = 0; k < s->n_belts; k++)

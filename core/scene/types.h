@@ -26,7 +26,7 @@ typedef struct scene_rect {
 typedef enum scene_edge {
     SCENE_EDGE_INFLOW,  ///< density 0 outside (11a)
     SCENE_EDGE_OUTFLOW, ///< open: cargo leaves
-    SCENE_EDGE_WALL,    ///< solid, free slip: no flux crosses it (11b)
+    SCENE_EDGE_WALL,    ///< solid: no flux crosses it (11b)
     SCENE_EDGE_COUNT
 } scene_edge;
 

@@ -155,6 +155,7 @@ export const badScenarios = [
   ["no parts", (s) => (s.initial.positions_m = []), "/initial/positions_m"],
   ["a part outside the domain", (s) => (s.initial.positions_m[1] = [1.2, 0.1]),
     "/initial/positions_m/1"],
+  ["a friction at walls below 0", (s) => (s.contacts = { wall_friction: -0.1 }), "/contacts/wall_friction"],
   ["a part in a wall", (s) => (s.initial.positions_m[1] = [0.2, 0.005]),
     "/initial/positions_m/1"],
   ["parts that overlap", (s) => (s.initial.positions_m[2] = [0.21, 0.1]),

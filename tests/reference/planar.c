@@ -173,15 +173,16 @@ static void meet_walls(planar *p, size_t k)
     const scene_rect *d = &p->def->domain;
     const scene_edge *edges = p->def->edges;
     const disk_part *a = &p->parts[k];
+    const double mu = p->def->wall_friction;
 
     if (edges[SCENE_WEST] == SCENE_EDGE_WALL)
-        meet_solid(p, k, 1.0, 0.0, a->x - d->x_min, 0.0);
+        meet_solid(p, k, 1.0, 0.0, a->x - d->x_min, mu);
     if (edges[SCENE_EAST] == SCENE_EDGE_WALL)
-        meet_solid(p, k, -1.0, 0.0, d->x_max - a->x, 0.0);
+        meet_solid(p, k, -1.0, 0.0, d->x_max - a->x, mu);
     if (edges[SCENE_SOUTH] == SCENE_EDGE_WALL)
-        meet_solid(p, k, 0.0, 1.0, a->y - d->y_min, 0.0);
+        meet_solid(p, k, 0.0, 1.0, a->y - d->y_min, mu);
     if (edges[SCENE_NORTH] == SCENE_EDGE_WALL)
-        meet_solid(p, k, 0.0, -1.0, d->y_max - a->y, 0.0);
+        meet_solid(p, k, 0.0, -1.0, d->y_max - a->y, mu);
 }
 
 static double clamp(double x, double least, double most)

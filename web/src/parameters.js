@@ -12,7 +12,7 @@ const UNSAID = new Set(["obstacles", "belts", "feeds", "counters", "photo_eyes",
 const SAID = {
   "/macro/cell_m": "cell", "/macro/closure": "closure", "/macro/mollifier_per_m2": "mollifier", "/macro/dispersion_m_s": "dispersion speed",
   "/micro/integrator": "integrator", "/contacts/handling_cargo/friction": "friction at plates and walls",
-  "/contacts/conveyor_cargo/friction": "friction on the belt", "/contacts/cargo_cargo/friction": "friction between parts",
+  "/contacts/wall_friction": "friction at walls", "/contacts/conveyor_cargo/friction": "friction on the belt", "/contacts/cargo_cargo/friction": "friction between parts",
 };
 
 // "75°", "0.5 m/s", "yes", "0.75, 0.5 m"; null: the list is too long to be said.

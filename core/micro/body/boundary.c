@@ -184,7 +184,7 @@ static void visit_walls(const body_state *s, size_t k, double margin, body_visit
     micro_law law = s->kinds[body->kind].boundary_law;
     body_contact contact;
 
-    law.friction = 0.0; // walls slip freely
+    law.friction = s->def.wall_friction;
     for (int side = 0; side < SCENE_SIDE_COUNT; side++) {
         if (s->common.around.edges[side] != SCENE_EDGE_WALL)
             continue;

@@ -130,7 +130,8 @@ static void add_walls(disk_state *s)
                                                   .ny = line.inward.y,
                                                   .from = -INFINITY,
                                                   .to = INFINITY,
-                                                  .depth = INFINITY };
+                                                  .depth = INFINITY,
+                                                  .friction = s->def.wall_friction };
     }
 }
 

@@ -52,7 +52,7 @@ typedef struct disk_face {
     double from;     ///< m along t
     double to;       ///< same
     double depth;    ///< m, how deep a centre may be inside
-    double friction; ///< mu; 0 for walls, which are frictionless
+    double friction; ///< mu
 } disk_face;
 
 /// A round corner of the boundary: where it is the arc of radius `radius` around p (0: a sharp edge). A

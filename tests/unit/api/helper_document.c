@@ -67,7 +67,8 @@ bf_buffer document_complete(void)
         "             'conveyor_cargo': {'length_m': 0.02, 'damping_n_s_m': 200, 'friction': 0.9,"
         "                                'tanh_linear_s_m': 12, 'tanh_spin_s': 3},"
         "             'handling_cargo': {'length_m': 0.03, 'damping_n_s_m': 300, 'friction': 0.3,"
-        "                                'tanh_linear_s_m': 13, 'tanh_spin_s': 4}}}");
+        "                                'tanh_linear_s_m': 13, 'tanh_spin_s': 4},"
+        "             'wall_friction': 0.1}}");
 }
 
 bf_buffer document_fed(void)

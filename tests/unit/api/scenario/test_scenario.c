@@ -122,6 +122,7 @@ static void every_member_finds_its_place(void **unused)
     assert_false(s.is_mix);
     assert_true(s.micro.handling.young_modulus == 6e10);
     assert_true(s.micro.contact[SCENE_HANDLING_CARGO].tanh_spin == 4);
+    assert_true(s.micro.wall_friction == 0.1);
     assert_true(s.micro.contact[SCENE_CONVEYOR_CARGO].damping == 200);
     scene_fini(&s);
     buffer_fini(&document);

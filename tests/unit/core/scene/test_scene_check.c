@@ -131,6 +131,7 @@ static void numbers_out_of_range_are_refused_where_they_stand(void **state)
           "/contacts/handling_cargo/tanh_linear_s_m", 0.0 },
         { offsetof(scene, micro.contact[SCENE_HANDLING_CARGO].tanh_spin),
           "/contacts/handling_cargo/tanh_spin_s", 0.0 },
+        { offsetof(scene, micro.wall_friction), "/contacts/wall_friction", -0.1 },
     };
 
     (void)state;
