@@ -10,7 +10,12 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { POINTS = 101 }; ///< of a line that belts are looked for under
+enum {
+    POINTS = 101, ///< of a line that belts are looked for under
+    PLACES = 501, ///< of a line at which plates may leave no room
+    NEAR_MAX =
+        64, ///< pieces of plates near a line, beyond which room beside them is not looked for
+};
 
 static const char *const side_words[SCENE_SIDE_COUNT] = { "west", "east", "south", "north" };
 
@@ -287,38 +292,108 @@ static bool delivers(const scene_feed *f, uint32_t kind)
     return false;
 }
 
-/// The line must have a place for every kind, whatever its heading.
-static void check_room(const scene *s, const surroundings *around, size_t feed,
-                       const shape_footprint *footprints, bf_faults *faults)
+/// The pieces of plates that a part on a line may touch.
+typedef struct near_plates {
+    size_t n;                 ///< NEAR_MAX: there may be more
+    vec2 pieces[NEAR_MAX][4]; ///< corners of each
+} near_plates;
+
+static void find_near_plates(const plate_pieces *pieces, const scene_feed *f, double radius,
+                             near_plates *near)
 {
+    const scene *s = pieces->s;
+    vec2 on_line, on_plate;
+
+    near->n = 0;
+    for (size_t k = 0; k < s->n_obstacles; k++) {
+        for (size_t m = 0; m + 1 < s->obstacles[k].n_points && near->n < NEAR_MAX; m++) {
+            vec2 *plate = near->pieces[near->n];
+            if (plate_pieces_get(pieces, k, m, plate) &&
+                polygon_distance(f->line, 2, plate, 4, &on_line, &on_plate) < radius)
+                near->n++;
+        }
+    }
+}
+
+static bool is_free(const near_plates *near, const shape_footprint *footprint, scene_pose pose)
+{
+    for (size_t k = 0; k < near->n; k++) {
+        if (shape_overlaps_polygon(footprint, pose, near->pieces[k], 4))
+            return false;
+    }
+    return true;
+}
+
+/// True if a part of a footprint has a place on the line between walls and plates.
+static bool has_place(const plate_pieces *pieces, const scene_feed *f, const near_plates *near,
+                      const shape_footprint *footprint)
+{
+    const feed_line_span span = feed_line_usable(&pieces->around, f, footprint, f->heading);
+
+    if (near->n == 0 || near->n == NEAR_MAX)
+        return span.low <= span.high;
+    for (int k = 0; k < PLACES && span.low <= span.high; k++) {
+        const double place = span.low + (span.high - span.low) * (double)k / (PLACES - 1);
+        const vec2 at = feed_line_at(f, place);
+        if (is_free(near, footprint, (scene_pose){ at.x, at.y, f->heading }))
+            return true;
+    }
+    return false;
+}
+
+/// The line must have a place for every kind, whatever its heading.
+static void check_room(const plate_pieces *pieces, size_t feed, const shape_footprint *footprints,
+                       bf_faults *faults)
+{
+    const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
     char room[BF_POINTER_SIZE];
+    double radius = 0.0;
+    near_plates near;
 
+    for (uint32_t kind = 0; kind < s->n_cargo; kind++)
+        radius = fmax(radius, footprints[kind].bounding_radius);
+    find_near_plates(pieces, f, radius, &near);
     for (uint32_t kind = 0; kind < s->n_cargo; kind++) {
         const shape_footprint disk = { .bounding_radius = footprints[kind].bounding_radius };
-        if (!delivers(f, kind))
-            continue;
-        const feed_line_span places =
-            feed_line_usable(around, f, has_one_heading(f) ? &footprints[kind] : &disk, f->heading);
-        if (places.low <= places.high)
+        if (!delivers(f, kind) ||
+            has_place(pieces, f, &near, has_one_heading(f) ? &footprints[kind] : &disk))
             continue;
         faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
-                   "has no room between the walls for a part of '%s'", s->cargo[kind].id);
+                   "has no room between walls and plates for a part of '%s'", s->cargo[kind].id);
         return;
     }
 }
 
-static void check_plates(const plate_pieces *pieces, size_t feed, bf_faults *faults)
+/// Where parts come from: the line, over a side with what lies less than a radius behind it. Both ends without a
+/// radius: there, plates may guide what enters. Returns the number of corners.
+static size_t place_inlet(const plate_pieces *pieces, const scene_feed *f, double radius,
+                          vec2 ret_corners[5])
+{
+    const double cut = fmin(radius / vec2_length(vec2_sub(f->line[1], f->line[0])), 0.49);
+    const vec2 first = feed_line_at(f, cut), last = feed_line_at(f, 1.0 - cut);
+
+    ret_corners[0] = first;
+    ret_corners[1] = last;
+    if (!f->is_edge)
+        return 2;
+    const vec2 behind = vec2_scale(surroundings_side(&pieces->around, f->edge).inward, radius);
+    vec2 corners[] = { first, last, vec2_add(first, behind), vec2_add(last, behind) };
+    return polygon_convex_hull(corners, 4, ret_corners);
+}
+
+static void check_plates(const plate_pieces *pieces, size_t feed, double radius, bf_faults *faults)
 {
     const scene *s = pieces->s;
     const scene_feed *f = &s->feeds[feed];
-    vec2 plate[4];
+    vec2 plate[4], inlet[5];
+    const size_t n = place_inlet(pieces, f, radius, inlet);
     char room[BF_POINTER_SIZE];
 
     for (size_t k = 0; k < s->n_obstacles; k++) {
         for (size_t m = 0; m + 1 < s->obstacles[k].n_points; m++) {
             if (!plate_pieces_get(pieces, k, m, plate) ||
-                !polygon_overlaps(f->line, 2, plate, 4, SCENE_TOLERANCE))
+                !polygon_overlaps(inlet, n, plate, 4, SCENE_TOLERANCE))
                 continue;
             faults_add(faults, point_at(feed, line_member(f), room, sizeof room),
                        "runs into the plate of obstacle '%s'", s->obstacles[k].id);
@@ -354,6 +429,7 @@ static void check_others(const scene *s, size_t feed, bf_faults *faults)
 bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
 {
     shape_footprint footprints[SCENE_KINDS_MAX];
+    double radius = INFINITY; // of the smallest part
     plate_pieces pieces;
 
     if (s->n_feeds == 0)
@@ -362,10 +438,12 @@ bf_status scene__check_feed_lines(const scene *s, bf_faults *faults)
     if (status != BF_OK)
         return status;
     mix_footprints(s, footprints);
+    for (size_t k = 0; k < s->n_cargo; k++)
+        radius = fmin(radius, footprints[k].bounding_radius);
     for (size_t k = 0; k < s->n_feeds; k++) {
         check_belts(s, &pieces.around, k, faults);
-        check_room(s, &pieces.around, k, footprints, faults);
-        check_plates(&pieces, k, faults);
+        check_room(&pieces, k, footprints, faults);
+        check_plates(&pieces, k, radius, faults);
         check_others(s, k, faults);
     }
     plate_pieces_fini(&pieces);

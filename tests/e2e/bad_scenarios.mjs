@@ -218,6 +218,13 @@ export const badScenarios = [
   ["a feed inside a plate",
     (s) => fed(s, { edge: undefined, y_m: undefined, line_m: [[0.5, 0.3], [0.75, 0.3]] }),
     "/feeds/0/line_m"],
+  ["a feed across a plate that begins on its side",
+    (s) => fed(s) && s.obstacles.push({ path_m: [[0, 0.2], [0.3, 0.2]] }), "/feeds/0/y_m"],
+  ["a feed across a plate that begins a few millimetres behind it",
+    (s) => fed(s) && s.obstacles.push({ path_m: [[0.005, 0.2], [0.3, 0.2]] }), "/feeds/0/y_m"],
+  ["a feed that a plate leaves no room",
+    (s) => fed(s, { edge: undefined, y_m: undefined, line_m: [[0.1, 0.3], [0.1, 0.5]] }) &&
+      s.obstacles.push({ path_m: [[0.11, 0.2], [0.11, 0.6]] }), "/feeds/0/line_m"],
   ["a feed off every belt",
     (s) => (s.belts[0].polygon_m = [[0, 0.2], [1, 0.2], [1, 0.6], [0, 0.6]]) && fed(s), "/feeds/0/y_m"],
   ["a feed that the belt carries out", (s) => fed(s) && (s.belts[0].velocity_m_s = [-0.1, 0]),

@@ -237,6 +237,54 @@ static void lines_keep_clear_of_plates(void **unused)
     helper_faults_none(&s);
 }
 
+// Over a side, a plate that begins less than a radius, 12 mm, behind the line stands across it as well. Plates at the
+// ends of the line, which reach over it by less than a radius, guide what enters.
+static void inlets_keep_clear_of_plates(void **unused)
+{
+    scene s;
+
+    (void)unused;
+    for (int k = 0; k < 4; k++) {
+        const double y = k < 2    ? 0.2
+                         : k == 2 ? 0.1
+                                  : 0.305,
+                     x = k == 1   ? 0.013
+                         : k == 0 ? 0.011
+                                  : 0.0;
+        const vec2 guide[] = { { x, y }, { 0.15, y } };
+        make_scene(&s);
+        s.n_feeds = 1;
+        s.feeds[0].line[0].y = 0.1;
+        s.feeds[0].line[1].y = 0.3;
+        helper_scene_add_obstacle(&s, guide, 2, SCENE_SEALED);
+        if (k == 0)
+            helper_faults_one(&s, "/feeds/0/y_m", "plate of obstacle 'obstacle-1'");
+        else
+            helper_faults_none(&s);
+    }
+}
+
+// A plate along a line leaves a part of 12 mm its place if it is 12 mm away.
+static void every_kind_has_room_beside_plates(void **unused)
+{
+    const double away[] = { 0.0121, 0.0119 };
+    scene s;
+
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        const vec2 along[] = { { 0.3 + away[k], 0.1 }, { 0.3 + away[k], 0.5 } };
+        make_scene(&s);
+        s.n_feeds = 2;
+        s.feeds[1].line[0] = (vec2){ 0.3, 0.2 };
+        s.feeds[1].line[1] = (vec2){ 0.3, 0.4 };
+        helper_scene_add_obstacle(&s, along, 2, SCENE_SEALED);
+        if (k == 0)
+            helper_faults_none(&s);
+        else
+            helper_faults_one(&s, "/feeds/1/line_m", "no room between walls and plates");
+    }
+}
+
 // Parts with a radius of 12 mm between walls at y = 0 and 0.6 m.
 static void every_kind_has_room_between_the_walls(void **unused)
 {
@@ -252,7 +300,7 @@ static void every_kind_has_room_between_the_walls(void **unused)
     s.n_feeds = 1;
     s.feeds[0].line[0].y = 0.0;
     s.feeds[0].line[1].y = 0.0119;
-    helper_faults_one(&s, "/feeds/0/y_m", "no room between the walls for a part of 'cargo'");
+    helper_faults_one(&s, "/feeds/0/y_m", "no room between walls and plates for a part of 'cargo'");
     make_scene(&s); // along the wall
     s.n_feeds = 2;
     s.feeds[1].line[0] = (vec2){ 0.2, 0.011 };
@@ -358,6 +406,8 @@ int main(void)
         cmocka_unit_test(a_feed_without_an_end_that_is_a_number_is_refused),
         cmocka_unit_test(belts_must_carry_parts_away),
         cmocka_unit_test(lines_keep_clear_of_plates),
+        cmocka_unit_test(inlets_keep_clear_of_plates),
+        cmocka_unit_test(every_kind_has_room_beside_plates),
         cmocka_unit_test(every_kind_has_room_between_the_walls),
         cmocka_unit_test(room_depends_on_the_heading),
         cmocka_unit_test(feeds_do_not_overlap),
