@@ -1,4 +1,4 @@
-// The service itself: examples, liveness, readiness, metrics, version, the OpenAPI document.
+// The service itself: examples, goods, liveness, readiness, metrics, version, the OpenAPI document.
 
 #include "api/http/http_priv.h"
 #include "api/http/problem.h"
@@ -6,6 +6,7 @@
 #include "api/openapi/openapi.h"
 #include "api/results/service_json.h"
 #include "api/scenario/examples.h"
+#include "api/scenario/goods_json.h"
 
 bf_status handlers_meta_examples(exchange *x, bf_error *err)
 {
@@ -23,6 +24,12 @@ bf_status handlers_meta_example(exchange *x, bf_error *err)
     json_out w = json_out_to(&x->response->body);
     json_out_raw(&w, item->document, item->n);
     return json_out_status(&w, err);
+}
+
+bf_status handlers_meta_goods(exchange *x, bf_error *err)
+{
+    exchange__cache_revalidate(x);
+    return goods_json_write(&x->response->body, err);
 }
 
 bf_status handlers_meta_problem(exchange *x, bf_error *err)

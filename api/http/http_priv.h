@@ -221,8 +221,7 @@ route_handler_fn handlers_measurements_list;
 route_handler_fn handlers_measurements_show;
 route_handler_fn handlers_measurements_remove;
 
-/// Write how far the densities of two runs are apart, as a value: null where an id is NULL. n_pairs of them share what
-/// a request may compare.
+/// Write the distance of the densities of two runs; null where an id is NULL. n_pairs share what a request may compare.
 BF_MUST_CHECK bf_status handlers__write_density(exchange *x, struct json_out *w, const char *a,
                                                 const char *b, size_t n_pairs, bf_error *err);
 
@@ -240,6 +239,7 @@ route_handler_fn handlers_compare_runs;
 /// The service itself.
 route_handler_fn handlers_meta_examples;
 route_handler_fn handlers_meta_example;
+route_handler_fn handlers_meta_goods;
 route_handler_fn handlers_meta_ticket;
 route_handler_fn handlers_meta_quota;
 route_handler_fn handlers_meta_livez;

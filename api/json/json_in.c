@@ -269,32 +269,44 @@ bool json_in_stored_text(json_in *in, const struct json_t *value, const char *ki
     return false;
 }
 
-static void list_words(char *text, size_t size, const char *const *words)
+// Returns false if there is no room for all.
+static bool list_words(char *text, size_t size, const char *separator, const char *quote,
+                       const char *const *words)
 {
     size_t n = 0;
 
     text[0] = '\0';
     for (size_t k = 0; words[k] != NULL && n < size; k++)
-        n += (size_t)snprintf(text + n, size - n, "%s\"%s\"", k == 0 ? "" : ", ", words[k]);
+        n += (size_t)snprintf(text + n, size - n, "%s%s%s%s", k == 0 ? "" : separator, quote,
+                              words[k], quote);
+    return n < size;
+}
+
+// Of many words nothing but the words, so that all are told.
+static void note_words(json_in *in, const struct json_t *value, const char *const *words)
+{
+    char list[BF_TEXT_SIZE];
+
+    if (!list_words(list, 128, ", ", "\"", words)) {
+        (void)list_words(list, sizeof list, " ", "", words);
+        json_in_fault(in, "must be one of %s", list);
+    } else if (!json_is_string(value)) {
+        json_in_fault(in, "must be one of %s, not %s", list, name_type(value));
+    } else {
+        json_in_fault(in, "must be one of %s, not \"%.60s\"", list, json_string_value(value));
+    }
 }
 
 bool json_in_word(json_in *in, const struct json_t *value, const char *const *words,
                   unsigned *ret_index)
 {
-    char list[128];
-
-    list_words(list, sizeof list, words);
-    if (!json_is_string(value)) {
-        json_in_fault(in, "must be one of %s, not %s", list, name_type(value));
-        return false;
-    }
-    for (unsigned k = 0; words[k] != NULL; k++) {
+    for (unsigned k = 0; json_is_string(value) && words[k] != NULL; k++) {
         if (strcmp(words[k], json_string_value(value)) == 0) {
             *ret_index = k;
             return true;
         }
     }
-    json_in_fault(in, "must be one of %s, not \"%.60s\"", list, json_string_value(value));
+    note_words(in, value, words);
     return false;
 }
 

@@ -13,6 +13,7 @@
 #include "api/results/run_json.h"
 #include "api/results/service_json.h"
 #include "api/scenario/examples.h"
+#include "api/scenario/goods_json.h"
 #include "api/scenario/review_members.h"
 #include "api/scenario/submission.h"
 #include "api/study/study_json.h"
@@ -282,6 +283,10 @@ static const openapi_schema table[] = {
     OBJECT(compare_json_density_distance, "Distance of two densities at a common time"),
     OBJECT(examples_members, "The ready scenarios"),
     OBJECT(examples_item_members, "A ready scenario"),
+    OBJECT(goods_json_members, "Usual goods and frictions"),
+    OBJECT(goods_json_item, "Goods of a name"),
+    OBJECT(goods_json_surface, "A surface"),
+    OBJECT(goods_json_friction, "The friction of two surfaces"),
     OBJECT(service_json_alive_members, "The process answers"),
     OBJECT(service_json_ready_members, "Runs are accepted"),
     OBJECT(service_json_version_members, "Version of the service"),

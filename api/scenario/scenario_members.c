@@ -1,9 +1,12 @@
 #include "api/scenario/scenario_members.h"
 
 #include "api/scenario/scenario_priv.h"
+#include "core/scene/goods.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene.h"
 
+#include <jansson.h>
+#include <math.h>
 #include <string.h>
 
 static const char *const edge_words[] = { "inflow", "outflow", "wall", NULL };
@@ -74,6 +77,28 @@ static const member_table edge_table = { MEMBER_TABLE("edges", edge_members),
                                          .init = init_edges };
 #undef AT
 
+// A size that goods gave may be left out.
+static void note_missing(json_in *in, const struct json_t *object, const char *name, double value)
+{
+    if (!isnan(value) || json_object_get(object, name) != NULL)
+        return;
+    size_t mark = json_pointer_enter(&in->pointer, name, strlen(name));
+    json_in_fault(in, "is missing");
+    json_pointer_leave(&in->pointer, mark);
+}
+
+static void note_missing_sizes(json_in *in, const struct json_t *object, void *item)
+{
+    const scene_shape *shape = item;
+
+    if (shape->type == SCENE_CYLINDER)
+        note_missing(in, object, "radius_m", shape->radius);
+    if (shape->type != SCENE_BOX)
+        return;
+    note_missing(in, object, "length_m", shape->length);
+    note_missing(in, object, "width_m", shape->width);
+}
+
 #define AT(place) offsetof(scene_shape, place)
 #define OF(shape) (1U << (shape))
 #define UPRIGHT   (OF(SCENE_CYLINDER) | OF(SCENE_BOX) | OF(SCENE_PRISM))
@@ -83,9 +108,11 @@ static const member shape_members[] = {
     MEMBER("radius_m", number, AT(radius), "of a cylinder", .unit = "m",
            .range = &scene_range_length, .tags = OF(SCENE_CYLINDER), .flags = MEMBER_INIT),
     MEMBER("length_m", number, AT(length), "of a box along x", .unit = "m",
-           .range = &scene_range_length, .tags = OF(SCENE_BOX)),
+           .range = &scene_range_length, .tags = OF(SCENE_BOX),
+           .default_text = "of the goods, else it must be given"),
     MEMBER("width_m", number, AT(width), "of a box along y", .unit = "m",
-           .range = &scene_range_length, .tags = OF(SCENE_BOX)),
+           .range = &scene_range_length, .tags = OF(SCENE_BOX),
+           .default_text = "of the goods, else it must be given"),
     MEMBER("height_m", number, AT(height), "of cylinder, box, prism", .unit = "m",
            .range = &scene_range_length, .tags = UPRIGHT, .flags = MEMBER_INIT),
     MEMBER("outline_m", outline, AT(vertices), "of a prism: convex, counter-clockwise", .unit = "m",
@@ -95,9 +122,10 @@ static const member shape_members[] = {
            .offset_n = AT(n_vertices), .least = 4, .limit = SCENE_VERTICES_MAX,
            .tags = OF(SCENE_HULL)),
 };
-static const member_table shape_table = { MEMBER_TABLE("shape", shape_members),
-                                          .size = sizeof(scene_shape), .init = init_shape,
-                                          .choice = MEMBER_TAGGED };
+const member_table scenario__shape_members = { MEMBER_TABLE("shape", shape_members),
+                                               .size = sizeof(scene_shape), .init = init_shape,
+                                               .choice = MEMBER_TAGGED,
+                                               .post_read = note_missing_sizes };
 #undef AT
 
 #define AT(place) offsetof(scene_material, place)
@@ -110,24 +138,62 @@ static const member material_members[] = {
 static const member_table material_table = { MEMBER_TABLE("material", material_members) };
 #undef AT
 
+// What goods give is there before the members beside them are read.
+static void read_goods(json_in *in, const struct json_t *value, const member *m, void *item)
+{
+    unsigned goods;
+
+    if (json_in_word(in, value, m->words, &goods))
+        goods_apply(goods, item);
+}
+
+static void write_goods(json_out *w, const member *m, const void *item)
+{
+    member_enum.write(w, m, item);
+}
+
+static void describe_goods(json_out *w, const member *m, member_view view)
+{
+    member_enum.write_schema(w, m, view);
+}
+
+static const member_kind member_goods = { .text = "name in GET /v1/goods",
+                                          .read = read_goods,
+                                          .write = write_goods,
+                                          .write_schema = describe_goods };
+
+static bool is_of_no_goods(const void *item)
+{
+    return ((const scene_cargo *)item)->goods == SCENE_GOODS_COUNT;
+}
+
 #define AT(place) offsetof(scene_cargo, place)
+#define CARGO_GOODS                                                                                \
+    MEMBER("goods", goods, AT(goods),                                                              \
+           "usual goods: shape, mass and surface that stand beside it outrank its own",            \
+           .words = scene_goods_words, .flags = MEMBER_OMIT_EMPTY, .is_empty = is_of_no_goods,     \
+           .default_text = "none")
 #define CARGO_ID                                                                                   \
     MEMBER("id", text, AT(id), "its name, by which feeds call it",                                 \
            .default_text = "cargo, cargo-2, ... where there are feeds", .least = 1,                \
            .limit = SCENE_ID_SIZE, .flags = MEMBER_OMIT_EMPTY)
 #define CARGO_MEMBERS                                                                              \
-    MEMBER("shape", object, AT(shape), "of every part", .table = &shape_table,                     \
+    MEMBER("shape", object, AT(shape), "of every part", .table = &scenario__shape_members,         \
            .default_text = "{}"),                                                                  \
         MEMBER("mass_kg", number, AT(mass), "of a part", .unit = "kg", .range = &scene_range_mass, \
                .default_text = TEXT_OF(SCENE_STEEL_DENSITY) " kg/m3 times the volume"),            \
+        MEMBER("surface", enum, AT(surface), "what it is made of outside: frictions follow",       \
+               .words = scene_surface_words, .flags = MEMBER_OMIT_EMPTY,                           \
+               .default_text = "of the goods, else none: the paper's frictions"),                  \
         MEMBER("material", object, AT(material), "steel", .table = &material_table,                \
                .flags = MEMBER_INIT)
-static const member cargo_members[] = { CARGO_ID, CARGO_MEMBERS };
+static const member cargo_members[] = { CARGO_ID, CARGO_GOODS, CARGO_MEMBERS };
 static const member_table cargo_table = { MEMBER_TABLE("cargo", cargo_members),
                                           .size = sizeof(scene_cargo), .init = init_cargo };
 
 static const member kind_members[] = {
     CARGO_ID,
+    CARGO_GOODS,
     MEMBER("share", number, AT(share),
            "how many parts are of the kind, in proportion to all shares",
            .range = &scene_range_share, .flags = MEMBER_INIT),
@@ -301,6 +367,16 @@ static const member_table materials_table = { MEMBER_TABLE("materials", material
                                               .size = sizeof(scene_micro), .init = init_micro };
 #undef AT
 
+#define AT(place) offsetof(scene_surfaces, place)
+static const member surfaces_members[] = {
+    MEMBER("conveyor", enum, AT(conveyor), "of all belts", .words = scene_surface_words,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "acetal where a cargo has a surface"),
+    MEMBER("handling", enum, AT(handling), "of obstacles and walls", .words = scene_surface_words,
+           .flags = MEMBER_OMIT_EMPTY, .default_text = "steel where a cargo has a surface"),
+};
+static const member_table surfaces_table = { MEMBER_TABLE("surfaces", surfaces_members) };
+#undef AT
+
 #define AT(place) offsetof(scene_contact, place)
 static const member contact_members[] = {
     MEMBER("length_m", number, AT(length), "of the contact line", .unit = "m",
@@ -308,7 +384,7 @@ static const member contact_members[] = {
     MEMBER("damping_n_s_m", number, AT(damping), "d", .unit = "N s/m",
            .range = &scene_range_contact_damping, .flags = MEMBER_INIT),
     MEMBER("friction", number, AT(friction), "mu", .range = &scene_range_friction,
-           .flags = MEMBER_INIT),
+           .default_text = "of the surfaces; 0.15, 1, 0.19 where no cargo has one"),
     MEMBER("tanh_linear_s_m", number, AT(tanh_linear), "lambda_lin", .unit = "s/m",
            .range = &scene_range_tanh, .flags = MEMBER_INIT),
     MEMBER("tanh_spin_s", number, AT(tanh_spin), "lambda_ang", .unit = "s",
@@ -333,6 +409,14 @@ static const member contacts_members[] = {
 };
 static const member_table contacts_table = { MEMBER_TABLE("contacts", contacts_members) };
 #undef AT
+
+static bool has_no_surfaces(const void *item)
+{
+    const scene *s = item;
+
+    return s->surfaces.conveyor == SCENE_SURFACE_COUNT &&
+           s->surfaces.handling == SCENE_SURFACE_COUNT;
+}
 
 static bool is_empty_at_start(const void *item)
 {
@@ -395,6 +479,9 @@ static const member top_members[] = {
     MEMBER("micro", object, AT(micro), "of the microscopic model", .table = &micro_table,
            .default_text = "{}"),
     MEMBER("materials", object, AT(micro), "elastic constants", .table = &materials_table,
+           .default_text = "{}"),
+    MEMBER("surfaces", object, AT(surfaces), "what belts, obstacles and walls are made of",
+           .table = &surfaces_table, .flags = MEMBER_OMIT_EMPTY, .is_empty = has_no_surfaces,
            .default_text = "{}"),
     MEMBER("contacts", object, AT(micro), "contact laws", .table = &contacts_table,
            .default_text = "{}"),

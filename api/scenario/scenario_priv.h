@@ -23,6 +23,9 @@ void scenario__check_model(json_in *in, const scene *s, run_model model);
 #define HAS_WORDS(words, n)                                                                        \
     _Static_assert(sizeof(words) / sizeof *(words) == (n) + 1, "a word each")
 
+/// The shape of a kind of cargo; its struct is scene_shape.
+extern const member_table scenario__shape_members;
+
 /// Belts, feeds, photo eyes and actions; the structs are core's.
 extern const member_table scenario__belt_members;
 extern const member_table scenario__feed_members;

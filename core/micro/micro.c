@@ -8,6 +8,7 @@
 #include "core/micro/micro_priv.h"
 #include "core/micro/places.h"
 #include "core/scene/definition.h"
+#include "core/scene/goods.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,6 +57,7 @@ micro_def micro_def_default(void)
     scene s;
 
     scene_init(&s);
+    goods_resolve(&s);
     memcpy(def.edges, s.edges, sizeof def.edges);
     memcpy(def.contact, s.micro.contact, sizeof def.contact);
     def.wall_friction = s.micro.contact[SCENE_HANDLING_CARGO].friction;

@@ -4,6 +4,7 @@
 #include "core/scene/scene.h"
 
 #include "core/scene/check_work.h"
+#include "core/scene/goods.h"
 #include "core/scene/placement.h"
 #include "core/scene/ranges.h"
 #include "core/scene/scene_priv.h"
@@ -26,8 +27,6 @@
     RULE("/contacts/" word "/length_m", scene, micro.contact[pair].length, scene_range_length),    \
         RULE("/contacts/" word "/damping_n_s_m", scene, micro.contact[pair].damping,               \
              scene_range_contact_damping),                                                         \
-        RULE("/contacts/" word "/friction", scene, micro.contact[pair].friction,                   \
-             scene_range_friction),                                                                \
         RULE("/contacts/" word "/tanh_linear_s_m", scene, micro.contact[pair].tanh_linear,         \
              scene_range_tanh),                                                                    \
         RULE("/contacts/" word "/tanh_spin_s", scene, micro.contact[pair].tanh_spin,               \
@@ -475,6 +474,7 @@ void scene_check(scene *s, bf_faults *faults)
     check_words(s, faults);
     check_course(s, faults);
     check_cargo(s, faults);
+    goods_check(s, faults);
     check_items(s, faults);
     if (faults->n == n_before)
         check_sizes(s, faults);

@@ -24,7 +24,7 @@ typedef enum scene_pair {
 typedef struct scene_contact {
     double length;      ///< l of the contact line, m, > 0 (default 0.008)
     double damping;     ///< d, N s/m, >= 0 (defaults 119, 230, 120)
-    double friction;    ///< mu, >= 0 (defaults 0.15, 1.0, 0.19)
+    double friction;    ///< mu, >= 0 (default: goods.h; 0.15, 1.0, 0.19 without surfaces)
     double tanh_linear; ///< lambda_lin, s/m, > 0 (default 10)
     double tanh_spin;   ///< lambda_ang, s, > 0 (default 1)
 } scene_contact;

@@ -3,6 +3,7 @@
 #include "core/base/memory.h"
 #include "core/base/vec2.h"
 #include "core/scene/belt_speeds.h"
+#include "core/scene/goods.h"
 #include "core/scene/placement.h"
 #include "core/scene/plate_motion.h"
 #include "core/scene/shape.h"
@@ -16,9 +17,9 @@ static const double paper_speed = 0.395;
 static const double paper_mollifier = 10000.0;
 
 static const scene_contact paper_contacts[SCENE_PAIR_COUNT] = {
-    [SCENE_CARGO_CARGO] = { 0.008, 119.0, 0.15, 10.0, 1.0 },
-    [SCENE_CONVEYOR_CARGO] = { 0.008, 230.0, 1.0, 10.0, 1.0 },
-    [SCENE_HANDLING_CARGO] = { 0.008, 120.0, 0.19, 10.0, 1.0 },
+    [SCENE_CARGO_CARGO] = { 0.008, 119.0, NAN, 10.0, 1.0 },
+    [SCENE_CONVEYOR_CARGO] = { 0.008, 230.0, NAN, 10.0, 1.0 },
+    [SCENE_HANDLING_CARGO] = { 0.008, 120.0, NAN, 10.0, 1.0 },
 };
 
 static const scene_rect unknown_rect = { NAN, NAN, NAN, NAN };
@@ -72,17 +73,20 @@ void scene_init(scene *s)
     s->steady_precision = 0.05;
     s->macro = default_macro();
     s->micro = default_micro();
+    s->surfaces = (scene_surfaces){ SCENE_SURFACE_COUNT, SCENE_SURFACE_COUNT };
 }
 
 void scene_cargo_init(scene_cargo *k)
 {
-    *k = (scene_cargo){ .share = 1.0,
+    *k = (scene_cargo){ .goods = SCENE_GOODS_COUNT,
+                        .share = 1.0,
                         .shape = { .type = SCENE_CYLINDER,
                                    .radius = 0.012,
                                    .height = 0.008,
                                    .length = NAN,
                                    .width = NAN },
                         .mass = NAN,
+                        .surface = SCENE_SURFACE_COUNT,
                         .material = { 210e9, 0.28 },
                         .spin_friction_radius = NAN };
 }
@@ -310,6 +314,7 @@ static void resolve_derived(scene *s)
     double mollifier = s->macro.mollifier > 0.0 ? s->macro.mollifier : paper_mollifier;
 
     resolve_cargo(s);
+    goods_resolve(s);
     fill_in(&s->micro.step, s->micro.integrator == SCENE_IMPLICIT ? 0.0 : SCENE_MICRO_STEP);
     fill_in(&s->micro.wall_friction, fmax(s->micro.contact[SCENE_HANDLING_CARGO].friction, 0.0));
     fill_in(&s->macro.step, s->macro.closure == SCENE_CONGESTED ? 0.0 : SCENE_MACRO_STEP);

@@ -7,6 +7,7 @@
 #include "core/base/vec2.h"
 #include "core/scene/equipment_types.h"
 #include "core/scene/feed_types.h"
+#include "core/scene/goods_types.h"
 #include "core/scene/limits.h"
 #include "core/scene/parameters.h"
 
@@ -100,11 +101,14 @@ typedef struct scene_shape {
 
 /// A kind of parts that are transported.
 typedef struct scene_cargo {
-    char id[SCENE_ID_SIZE];  ///< unique among kinds (default where there are feeds "cargo", then
-                             ///< "cargo-<n>", n from 2; else none)
-    double share;            ///< parts of it in proportion to all shares, > 0 (default 1)
-    scene_shape shape;       ///< see there
-    double mass;             ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    char id[SCENE_ID_SIZE]; ///< unique among kinds (default where there are feeds "cargo", then
+                            ///< "cargo-<n>", n from 2; else none)
+    scene_goods goods; ///< whose shape, mass and surface it began with; a name, the numbers count
+                       ///< (default SCENE_GOODS_COUNT: none)
+    double share;      ///< parts of it in proportion to all shares, > 0 (default 1)
+    scene_shape shape; ///< see there
+    double mass;       ///< kg, > 0 (default: steel, 7850 kg/m3 times the volume)
+    scene_surface surface;   ///< its frictions follow from it (default SCENE_SURFACE_COUNT: none)
     scene_material material; ///< (default 210e9 Pa, 0.28)
     double spin_friction_radius; ///< m, >= 0 (default that of micro if given, else 2/3 of the
                                  ///< footprint's radius)
@@ -213,4 +217,5 @@ typedef struct scene {
     scene_output output;       ///< see there
     scene_macro macro;         ///< see there
     scene_micro micro;         ///< see there
+    scene_surfaces surfaces;   ///< see there
 } scene;

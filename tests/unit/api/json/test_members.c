@@ -212,7 +212,7 @@ static void defaults_are_those_of_core(void **unused)
         { "cargo/material", "210000000000 Pa, 0.28" },
         { "micro/tension", "false" },
         { "contacts/cargo_cargo/length_m", "0.008" }, // of each pair
-        { "contacts/cargo_cargo/friction", "0.15, 1, 0.19" },
+        { "contacts/cargo_cargo/damping_n_s_m", "119, 230, 120" },
         { "obstacles/band_m", "8/sqrt(sigma)" }, // derived
         { "belts/acceleration_m_s2", "at once" },
         { "duration_s", "" }, // must be given

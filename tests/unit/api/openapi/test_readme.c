@@ -27,9 +27,9 @@ static void describe_kind(const member *m, char *text, size_t size)
         snprintf(text, size, "string, at most %zu bytes", m->limit - 1);
     else if (m->limit > 0)
         snprintf(text, size, "%s, %zu to %zu", m->kind->text, m->least, m->limit);
-    else if (m->words == NULL)
+    else if (m->kind->text != NULL)
         snprintf(text, size, "%s", m->kind->text);
-    for (size_t k = 0; m->words != NULL && m->words[k] != NULL; k++)
+    for (size_t k = 0; m->kind->text == NULL && m->words != NULL && m->words[k] != NULL; k++)
         n += (size_t)snprintf(text + n, size - n, "%s%s", k == 0 ? "" : ", ", m->words[k]);
 }
 
