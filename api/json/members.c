@@ -114,7 +114,7 @@ static void read_member(json_in *in, const json_t *object, const member_table *t
             json_in_fault(in, "does not belong to this %s", table->title);
     } else if (value != NULL) {
         m->kind->read(in, value, m, item);
-    } else if (!members_has_default(m)) {
+    } else if (!members_has_default(m) && (m->flags & MEMBER_KEPT) == 0) {
         json_in_fault(in, "is missing");
     }
     json_pointer_leave(&in->pointer, mark);

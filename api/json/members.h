@@ -46,6 +46,7 @@ enum {
     MEMBER_SERVED = 16,    ///< its rule is false in files only: in answers it is always there
     MEMBER_INIT = 32,      ///< its default is what the table's init puts there
     MEMBER_OMIT_DEFAULT = 64, ///< with MEMBER_INIT: not written where it has its default
+    MEMBER_KEPT = 128, ///< must be given, unless another member put it there: post_read finds out
 };
 
 enum { MEMBER_TEXT_SIZE = 160 }; ///< bytes of a text that is made of a member, with its terminator

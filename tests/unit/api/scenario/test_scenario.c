@@ -313,6 +313,24 @@ static void later_members_are_written_only_where_they_say_something(void **unuse
     buffer_fini(&written);
 }
 
+static void goods_stand_for_what_is_not_beside_them(void **unused)
+{
+    scene s = read_text("{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo':"
+                        "{'shape': {'height_m': 0.1}, 'goods': 'can-330'}, 'contacts':"
+                        "{'conveyor_cargo': {'friction': 0.2}},"
+                        "'initial': {'positions_m': [[0.5, 0.3]]}}");
+
+    (void)unused;
+    assert_int_equal(s.cargo[0].goods, SCENE_CAN_330);
+    assert_int_equal(s.cargo[0].surface, SCENE_STEEL);
+    assert_true(s.cargo[0].shape.radius == 0.033 && s.cargo[0].shape.height == 0.1);
+    assert_true(s.cargo[0].mass == 0.382);
+    assert_true(s.micro.contact[SCENE_CARGO_CARGO].friction == 0.27);
+    assert_true(s.micro.contact[SCENE_CONVEYOR_CARGO].friction == 0.2);
+    assert_true(s.micro.wall_friction == 0.27);
+    scene_fini(&s);
+}
+
 static void what_was_written_reads_back_to_the_same_bytes(void **unused)
 {
     static const char *const documents[] = {
@@ -331,6 +349,12 @@ static void what_was_written_reads_back_to_the_same_bytes(void **unused)
         "'hull', 'vertices_m': [[0, 0, 0], [0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]]}},"
         "'initial': {'hexagonal': {'rows': 2, 'columns': 3, 'first_m': [0.3, 0.3],"
         "'spacing_m': 0.1}}}",
+        "{'duration_s': 1, 'domain': {'x_m': [0, 1], 'y_m': [0, 1]}, 'cargo': {'goods': 'jar-440',"
+        "'shape': {'radius_m': 0.04}, 'surface': 'pet', 'mass_kg': 0.3}, 'surfaces':"
+        "{'conveyor': 'pu'}, 'initial': {'positions_m': [[0.5, 0.3]]}}",
+        "{'duration_s': 1, 'domain': {'x_m': [0, 2], 'y_m': [0, 2]}, 'cargo': [{'goods':"
+        "'carton-400x300', 'shape': {'height_m': 0.1}}, {'goods': 'tray-24x330', 'shape': {'type':"
+        "'cylinder', 'radius_m': 0.1}}], 'initial': {'positions_m': [[0.5, 0.5], [1.2, 1.2]]}}",
     };
 
     (void)unused;
@@ -507,6 +531,7 @@ int main(void)
         cmocka_unit_test(a_fed_document_keeps_its_definition),
         cmocka_unit_test(what_feeds_and_moves_finds_its_place),
         cmocka_unit_test(later_members_are_written_only_where_they_say_something),
+        cmocka_unit_test(goods_stand_for_what_is_not_beside_them),
         cmocka_unit_test(what_was_written_reads_back_to_the_same_bytes),
         cmocka_unit_test(numbers_keep_their_bits),
         cmocka_unit_test(the_three_forms_of_an_obstacle_agree),
