@@ -251,3 +251,38 @@ test("a past run is where the next one begins", async (t) => {
   assert.equal(await page.getByLabel("Label").inputValue(), "before");
   assert.equal(await page.getByRole("button", { name: "Microscopic" }).getAttribute("aria-pressed"), "true");
 });
+
+test("goods that are chosen bring their numbers, which can be changed and stay without the name", async (t) => {
+  const d = await daemon(t);
+  const page = await openPage(t, d);
+  const { goods, frictions } = (await d.get("/v1/goods")).json;
+  const can = goods.find(({ name }) => name === "can-330");
+  const onSteel = (other) => frictions.find(({ a, b }) => a === "steel" && b === other).friction;
+  await visit(page, "#/new?example=photo-eye&model=micro");
+  await page.getByRole("textbox", { name: "Friction on the belt" }).waitFor();
+  const number = async (name) => Number(await page.getByRole("textbox", { name, exact: true }).inputValue());
+  // The scenario that the server is asked to validate after a change.
+  const after = async (change) => {
+    const [request] = await Promise.all([page.waitForRequest(/v1\/validate/), change()]);
+    return JSON.parse(request.postData()).scenario;
+  };
+  assert.deepEqual([await number("Diameter"), await number("Mass"), await number("Friction on the belt")], [0.03, 0.01, 1]);
+  assert.equal(await page.getByLabel("Belts are of").isVisible(), false);
+
+  const chosen = await after(() => page.getByLabel("Goods").selectOption("can-330"));
+  assert.deepEqual([chosen.cargo, chosen.contacts], [{ goods: "can-330" }, undefined]);
+  assert.deepEqual([await number("Diameter"), await number("Mass")], [2 * can.shape.radius_m, can.mass_kg]);
+  assert.equal(await number("Friction on the belt"), onSteel("acetal"));
+  assert.deepEqual((await after(() => page.getByLabel("Belts are of").selectOption("rubber"))).surfaces, { conveyor: "rubber" });
+  assert.equal(await number("Friction on the belt"), onSteel("rubber"));
+
+  assert.deepEqual((await after(() => page.getByLabel("Mass", { exact: true }).fill("0.03"))).cargo, { goods: "can-330", mass_kg: 0.03 });
+  const changed = await after(() => page.getByLabel("Friction at plates").fill("0.2"));
+  assert.deepEqual(changed.contacts, { handling_cargo: { friction: 0.2 } });
+  const { resolved } = (await d.post("/v1/validate", { scenario: changed, model: "micro" })).json;
+  assert.deepEqual([resolved.cargo.shape, resolved.cargo.mass_kg], [can.shape, 0.03]);
+
+  const plain = await after(() => page.getByLabel("Goods").selectOption(""));
+  assert.deepEqual([plain.cargo, plain.surfaces], [{ shape: can.shape, mass_kg: 0.03 }, undefined]);
+  assert.equal(await number("Friction on the belt"), 1);
+});

@@ -1,6 +1,8 @@
 // The few numbers of a scenario that matter to a planner: one line each. `at` are the pointers whose faults
-// belong to the field; `get` and `set` work on a scenario as it was written. Those of the solvers are folded away.
+// belong to the field; `get` and `set` work on a scenario as it was written, and are given the table of goods as well. Those of
+// the solvers are folded away.
 
+import { goodsFields } from "./goods.js";
 import { angleOf, plateOf, tidy, turnedTo, withPlate } from "./plate.js";
 
 const plateIn = (scenario) => plateOf(scenario.obstacles?.[0]);
@@ -71,6 +73,7 @@ export const fields = [
     get: (scenario) => scenario.feeds?.[0]?.rate_per_s, set: (scenario, value) => (scenario.feeds[0].rate_per_s = value) },
   { id: "duration", label: "Duration", unit: "s", at: ["/duration_s"], above: 0, step: 0.5, hint: "simulated time",
     get: (scenario) => scenario.duration_s, set: (scenario, value) => (scenario.duration_s = value) },
+  ...goodsFields,
   { id: "cell", isSolvers: true, label: "Cell", unit: "m", at: ["/macro/cell_m"], above: 0, step: 0.001, hint: "edge of a cell of the density",
     ...member("macro", "cell_m", 0.005) },
   { id: "macro-step", isSolvers: true, label: "Time step", unit: "s", at: ["/macro/step_s"], above: 0, step: 0.00025, model: "macro", auto: true,

@@ -1,7 +1,7 @@
 // A new run: an example or a past run to begin with, the belt and the numbers that matter, or the JSON itself. The server
 // validates it while it is edited; faults and warnings are shown at their fields and lines.
 
-import { post, Problem } from "./api.js";
+import { getJson, post, Problem } from "./api.js";
 import { nameOfVariant } from "./differences.js";
 import { h } from "./dom.js";
 import { span } from "./format.js";
@@ -29,7 +29,7 @@ export class NewView {
     this.tab = query.get("tab") === "json" ? "json" : "form";
     root.append(h("p", { class: "loading" }, "Loading …"));
     this.source = new ScenarioSource(query, (begun) => this.begin(begun), (error) => this.say(error.message, "fault"));
-    await this.source.load();
+    [this.goods] = await Promise.all([getJson("v1/goods"), this.source.load()]);
     if (this.isGone) return;
     root.replaceChildren(...this.build());
     await this.source.begin();
@@ -45,7 +45,7 @@ export class NewView {
 
   build() {
     this.editor = new JsonEditor(() => this.takeText());
-    this.form = new ScenarioForm((set) => this.change(set), () => this.sayFaults(""));
+    this.form = new ScenarioForm((set) => this.change(set), () => this.sayFaults(""), this.goods);
     this.scene = new SceneEditor((set) => this.change(set));
     this.verdict = h("p", { class: "verdict", role: "status" });
     this.others = h("ul", { class: "faults", "aria-label": "Other faults" });

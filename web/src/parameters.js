@@ -11,7 +11,7 @@ const UNITS = [["_per_m2", "/m²"], ["_per_s", "/s"], ["_m_s2", "m/s²"], ["_m_s
 const UNSAID = new Set(["obstacles", "belts", "feeds", "counters", "photo_eyes", "shape", "hexagonal", "random", "output"]);
 const SAID = {
   "/macro/cell_m": "cell", "/macro/closure": "closure", "/macro/mollifier_per_m2": "mollifier", "/macro/dispersion_m_s": "dispersion speed",
-  "/micro/integrator": "integrator", "/contacts/handling_cargo/friction": "friction at plates and walls",
+  "/cargo/goods": "goods", "/micro/integrator": "integrator", "/contacts/handling_cargo/friction": "friction at plates and walls",
   "/contacts/wall_friction": "friction at walls", "/contacts/conveyor_cargo/friction": "friction on the belt", "/contacts/cargo_cargo/friction": "friction between parts",
 };
 

@@ -3,10 +3,11 @@
 
 import { h } from "./dom.js";
 import { faultOf, fields, limitsOf } from "./fields.js";
+import { noGoods } from "./goods.js";
 
-function read(field, scenario) {
+function read(field, scenario, goods) {
   try {
-    return field.get(scenario) ?? null;
+    return field.get(scenario, goods) ?? null;
   } catch {
     return null; // the text has another shape at this place
   }
@@ -15,9 +16,9 @@ function read(field, scenario) {
 const isAt = (field, pointer) => field.at.some((at) => pointer === at || pointer.startsWith(`${at}/`));
 
 export class ScenarioForm {
-  // onChange(set): a number is good and goes into the scenario by set(scenario); onFault(): it is not.
-  constructor(onChange, onFault) {
-    Object.assign(this, { onChange, onFault, scenario: null, model: "macro" });
+  // onChange(set): a number is good and goes into the scenario by set(scenario); onFault(): it is not; goods: their table.
+  constructor(onChange, onFault, goods = noGoods) {
+    Object.assign(this, { onChange, onFault, goods, scenario: null, model: "macro" });
     this.boxes = new Map(fields.map((field) => [field.id, this.build(field)]));
     const elements = (isSolvers) => [...this.boxes.values()].filter(({ field }) => Boolean(field.isSolvers) === isSolvers)
       .map(({ element }) => element);
@@ -31,8 +32,9 @@ export class ScenarioForm {
     const warning = h("small", { class: "field-warning", id: `${field.id}-warning`, hidden: true });
     const common = { id: field.id, "aria-describedby": `${field.id}-hint ${field.id}-fault ${field.id}-warning`,
       on: { input: () => this.take(field) } };
-    const box = field.choices
-      ? h("select", common, field.choices.map(([value, text]) => h("option", { value }, text)))
+    const choices = typeof field.choices === "function" ? field.choices(this.goods) : field.choices;
+    const box = choices
+      ? h("select", common, choices.map(([value, text]) => h("option", { value }, text)))
       : h("input", { type: "text", inputmode: "decimal", autocomplete: "off", placeholder: field.auto ? "automatic" : null, ...common,
         on: { ...common.on, keydown: (event) => this.nudge(event, field) } });
     const element = h("div", { class: "field" }, h("label", { for: field.id }, field.label),
@@ -57,14 +59,14 @@ export class ScenarioForm {
     const fault = faultOf(field, text);
     this.showFault(field.id, fault);
     if (fault !== "") this.onFault();
-    else this.onChange((scenario) => field.set(scenario, field.choices ? text : text.trim() === "" ? "auto" : Number(text)));
+    else this.onChange((scenario) => field.set(scenario, field.choices ? text : text.trim() === "" ? "auto" : Number(text), this.goods));
   }
 
   // Only what the model uses and the scenario has. What is typed just now stays as it is typed.
   fill(scenario, model) {
     Object.assign(this, { scenario, model });
     for (const { field, box, element, fault, warning } of this.boxes.values()) {
-      const value = read(field, scenario);
+      const value = read(field, scenario, this.goods);
       if (document.activeElement !== box) box.value = value === null || value === "auto" ? "" : String(value);
       element.hidden = (field.model && field.model !== model) || value === null;
       if (element.hidden) fault.hidden = warning.hidden = true;
