@@ -7,14 +7,10 @@
 /// Width of the slide zone of the congested closure in radii of parts; fitted to the microscopic model.
 static const double congested_slide = 6.0;
 
-/// A sine below this, between belt and plate, is rounding: they are parallel.
-static const double parallel = 1e-12;
-
 regions_segment regions_segment_of(const scene *s, const surroundings *around,
                                    const scene_obstacle *obstacle, size_t k)
 {
-    regions_segment g = { .piece = surroundings_piece_of(around, obstacle, k),
-                          .moves = scene_obstacle_moves(obstacle) };
+    regions_segment g = { .piece = surroundings_piece_of(around, obstacle, k) };
     const bool is_sealed = obstacle->treatment == SCENE_SEALED;
 
     if (s->macro.closure == SCENE_CONGESTED) {
@@ -59,7 +55,7 @@ void regions_consider(regions_velocity *v, const regions_segment *g, vec2 at)
     const vec2 along = g->piece.along, upstream = surroundings_upstream(along, v->belt);
     const double speed = vec2_length(v->belt);
 
-    if (g->moves && fabs(vec2_dot(upstream, v->belt)) <= parallel * speed)
+    if (surroundings_is_guide(along, v->belt))
         return;
     const regions_region found = find_region(g, upstream, at);
     if (found <= v->region)

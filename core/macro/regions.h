@@ -1,8 +1,6 @@
 /// The rules of the static velocity field at a point: regions A, B and C of velocity_field.h.
 ///
-/// Beside a plate that runs along its belt there is no upstream side: there, B and C of an obstacle that never moves
-/// lie on its left, as ever. One that moves and has been turned into the belt's direction holds nothing back, and
-/// has neither.
+/// A plate that runs along its belt, or has been turned into its direction, holds nothing back: it has neither B nor C.
 
 #pragma once
 
@@ -12,7 +10,6 @@
 /// A straight piece of an obstacle.
 typedef struct regions_segment {
     surroundings_piece piece; ///< see there
-    bool moves;               ///< of an obstacle that moves
     double level[3]; ///< borders of the regions by their distance d upstream of the line: B from
                      ///< level[0] to [1], C from there to [2], m
 } regions_segment;

@@ -1,5 +1,7 @@
 #include "core/scene/check_work.h"
 
+#include "core/scene/surroundings.h"
+
 #include <math.h>
 
 // Steps for a pair of sides that may touch, and for a pair of outlines whose distance is measured.
@@ -46,10 +48,10 @@ static double belts_work(const scene *s)
     return STEPS_SIDES * n_pairs;
 }
 
-/// The belt under each piece.
+/// The belt under each piece, and under those from which a guide may take its side.
 static double obstacles_work(const scene *s)
 {
-    return count_pieces(s) * steps_of_lookup(s);
+    return (1.0 + 2.0 * SURROUNDINGS_JOINED) * count_pieces(s) * steps_of_lookup(s);
 }
 
 /// Belts under the line, and the line with each piece of a plate, below which the belt is looked for, too.

@@ -12,10 +12,6 @@ enum {
     WALL_SAMPLES = 256, ///< places of a wall at which belts are looked for
 };
 
-/// Sine of the angle up to which a piece is a guide along its belt, 0.1 degrees: typed coordinates are
-/// rounded.
-#define GUIDE_SINE 1.745e-3
-
 /// Most steps, of a few nanoseconds each, in which belts are looked for between bodies.
 #define STEPS_MAX 1e8
 
@@ -26,8 +22,8 @@ enum {
 typedef struct piece {
     size_t obstacle;       ///< whose it is
     size_t index;          ///< in its path
-    vec2 start;            ///< of its upstream face, m
-    vec2 end;              ///< of its upstream face, m
+    vec2 start;            ///< of its path, m
+    vec2 end;              ///< of its path, m
     vec2 along;            ///< unit tangent from start to end
     vec2 upstream;         ///< unit normal of the upstream side
     vec2 belt;             ///< velocity of the belt in its middle in the domain, m/s
@@ -51,18 +47,6 @@ typedef struct measuring {
 static vec2 belt_under(const measuring *m, vec2 at)
 {
     return surroundings_velocity_of(&m->around, surroundings_belt_at(&m->around, at));
-}
-
-static void place_corners(piece *p, double thickness)
-{
-    const vec2 back = vec2_scale(p->upstream, -thickness);
-    const bool is_left = vec2_cross(p->along, p->upstream) > 0.0;
-    const vec2 first = is_left ? p->end : p->start, second = is_left ? p->start : p->end;
-
-    p->corners[0] = first;
-    p->corners[1] = second;
-    p->corners[2] = vec2_add(second, back);
-    p->corners[3] = vec2_add(first, back);
 }
 
 /// Cut a piece at the domain. With over_inflow not where cargo flows in: nothing comes from there but what
@@ -98,8 +82,11 @@ static bool make_piece(const measuring *m, size_t obstacle, size_t index, piece 
     if (clip(m->s, false, &inner[0], &inner[1]))
         p.belt = belt_under(m, vec2_scale(vec2_add(inner[0], inner[1]), 0.5));
     p.upstream = surroundings_upstream(p.along, p.belt);
-    p.deflects = fabs(vec2_cross(p.along, p.belt)) > GUIDE_SINE * vec2_length(p.belt);
-    place_corners(&p, o->thickness);
+    p.deflects = !surroundings_is_guide(p.along, p.belt);
+    surroundings_piece cut = surroundings_piece_of(&m->around, o, index);
+    cut.start = p.start;
+    cut.end = p.end;
+    surroundings_piece_corners(&cut, p.corners);
     *ret_piece = p;
     return true;
 }
@@ -219,7 +206,8 @@ static bool is_passage(measuring *m, vec2 a, vec2 b, bool are_guides)
         const double speed = vec2_length(belt);
         m->steps += m->steps_of_lookup;
         if (is_in_domain(m, at) && speed > 0.0 &&
-            !(are_guides && fabs(vec2_cross(to, belt)) <= GUIDE_SINE * speed * vec2_length(to)))
+            !(are_guides &&
+              fabs(vec2_cross(to, belt)) <= SURROUNDINGS_GUIDE_SINE * speed * vec2_length(to)))
             return true;
     }
     return false;
@@ -335,7 +323,7 @@ static void measure_bends(const measuring *m, layout *out)
         const bool is_next = before->obstacle == p->obstacle && before->index + 1 == p->index;
         if (before->obstacle != p->obstacle)
             n_bends = 0.0;
-        if (is_next && (fabs(vec2_cross(p->along, before->along)) > GUIDE_SINE ||
+        if (is_next && (fabs(vec2_cross(p->along, before->along)) > SURROUNDINGS_GUIDE_SINE ||
                         vec2_dot(p->along, before->along) < 0.0))
             n_bends++;
         if (n_bends > out->bends.value)
@@ -383,7 +371,7 @@ static void measure_walls(const measuring *m, layout *out)
         for (int k = 0; is_wall(m, side) && k < WALL_SAMPLES; k++) {
             const vec2 belt = belt_under(m, vec2_add(line.at, vec2_scale(step, k + 0.5)));
             const double angle = angle_of(step, belt);
-            if (vec2_dot(belt, line.inward) < -GUIDE_SINE * vec2_length(belt) &&
+            if (vec2_dot(belt, line.inward) < -SURROUNDINGS_GUIDE_SINE * vec2_length(belt) &&
                 angle > out->wall_angle.value)
                 out->wall_angle = (layout_figure){ angle, side };
         }

@@ -7,9 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-/// A sine below this, between belt and plate, is rounding: they are parallel.
-#define PARALLEL 1e-12
-
 surroundings surroundings_of(const scene *s)
 {
     surroundings around = { .domain = s->domain, .n_belts = s->n_belts, .belts = s->belts };
@@ -75,33 +72,97 @@ double surroundings_border_distance(const surroundings *around, vec2 at)
     return nearest;
 }
 
+bool surroundings_is_guide(vec2 along, vec2 belt)
+{
+    return fabs(vec2_cross(along, belt)) <= SURROUNDINGS_GUIDE_SINE * vec2_length(belt);
+}
+
 vec2 surroundings_upstream(vec2 along, vec2 belt)
 {
     vec2 left = vec2_turn_left(along);
-    bool is_downstream = vec2_dot(left, belt) > PARALLEL * vec2_length(belt);
+    bool is_downstream = !surroundings_is_guide(along, belt) && vec2_dot(left, belt) > 0.0;
 
     return is_downstream ? vec2_scale(left, -1.0) : left;
+}
+
+/// A straight piece of a path.
+typedef struct stretch {
+    vec2 along;    ///< unit tangent
+    double length; ///< m
+    vec2 belt;     ///< velocity of the belt in its middle, m/s
+} stretch;
+
+static stretch stretch_of(const surroundings *around, vec2 start, vec2 end)
+{
+    const vec2 to = vec2_sub(end, start);
+    const double length = vec2_length(to);
+    const size_t belt = surroundings_belt_at(around, vec2_add(start, vec2_scale(to, 0.5)));
+
+    return (stretch){ vec2_scale(to, 1.0 / length), length,
+                      surroundings_velocity_of(around, belt) };
+}
+
+/// The side of piece k of a path: 1 if the left one is upstream, -1 if the right one is, 0 of a guide.
+static int side_of(const surroundings *around, const scene_obstacle *obstacle, size_t k)
+{
+    const stretch piece = stretch_of(around, obstacle->path[k], obstacle->path[k + 1]);
+
+    if (surroundings_is_guide(piece.along, piece.belt))
+        return 0;
+    return vec2_cross(piece.along, piece.belt) > 0.0 ? -1 : 1;
+}
+
+/// The side that a guide between two points of a path takes from the other pieces; 0: it is centred.
+static int find_side(const surroundings *around, const scene_obstacle *obstacle, size_t first,
+                     size_t last)
+{
+    int side = 0;
+
+    for (size_t k = 1; k <= SURROUNDINGS_JOINED && side == 0; k++) {
+        if (k <= first)
+            side = side_of(around, obstacle, first - k);
+        if (side == 0 && last + k < obstacle->n_points)
+            side = side_of(around, obstacle, last + k - 1);
+    }
+    return side;
+}
+
+surroundings_piece surroundings_span_of(const surroundings *around, const scene_obstacle *obstacle,
+                                        size_t first, size_t last)
+{
+    const vec2 start = obstacle->path[first], end = obstacle->path[last];
+    const stretch way = stretch_of(around, start, end);
+    surroundings_piece piece = { .start = start,
+                                 .end = end,
+                                 .along = way.along,
+                                 .upstream = surroundings_upstream(way.along, way.belt),
+                                 .length = way.length,
+                                 .thickness = obstacle->thickness };
+
+    if (!surroundings_is_guide(way.along, way.belt))
+        return piece;
+    const int side = find_side(around, obstacle, first, last);
+    if (side < 0)
+        piece.upstream = vec2_scale(piece.upstream, -1.0);
+    if (side == 0)
+        piece.lift = 0.5 * piece.thickness;
+    return piece;
 }
 
 surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
                                          size_t k)
 {
-    vec2 start = obstacle->path[k], end = obstacle->path[k + 1], to = vec2_sub(end, start);
-    double length = vec2_length(to);
-    vec2 along = vec2_scale(to, 1.0 / length);
-
-    size_t belt = surroundings_belt_at(around, vec2_add(start, vec2_scale(to, 0.5)));
-    vec2 upstream = surroundings_upstream(along, surroundings_velocity_of(around, belt));
-    return (surroundings_piece){ start, end, along, upstream, length, obstacle->thickness };
+    return surroundings_span_of(around, obstacle, k, k + 1);
 }
 
 void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corners[4])
 {
+    const vec2 up = vec2_scale(piece->upstream, piece->lift);
     const vec2 through = vec2_scale(piece->upstream, -piece->thickness);
     const bool is_left = vec2_cross(piece->along, piece->upstream) > 0.0;
 
-    ret_corners[0] = is_left ? piece->end : piece->start;
-    ret_corners[1] = is_left ? piece->start : piece->end;
+    ret_corners[0] = vec2_add(is_left ? piece->end : piece->start, up);
+    ret_corners[1] = vec2_add(is_left ? piece->start : piece->end, up);
     ret_corners[2] = vec2_add(ret_corners[1], through);
     ret_corners[3] = vec2_add(ret_corners[0], through);
 }

@@ -10,7 +10,9 @@
 ///
 /// Units    SI.
 /// Choice   borders of belts are taken with SCENE_TOLERANCE in favour of the belt. A piece that runs along
-///          the belt has no upstream side: the left one, seen from its start, is used.
+///          the belt is a guide and has no upstream side: the left one, seen from its start, is used, unless the nearest
+///          piece of its path that is no guide, at most SURROUNDINGS_JOINED pieces away, lies on its right.
+///          Without such a piece its body is centred on the path; any other body lies downstream of it.
 
 #pragma once
 
@@ -29,14 +31,22 @@ typedef struct surroundings {
     const scene_belt *belts;            ///< where they overlap the later one wins
 } surroundings;
 
+enum { SURROUNDINGS_JOINED = 8 }; ///< pieces on either side of a guide of which it takes the side
+
+/// Sine of the angle between a piece and its belt up to which the piece is a guide, 0.1 degrees: typed coordinates are
+/// rounded.
+#define SURROUNDINGS_GUIDE_SINE 1.745e-3
+
 /// A straight piece of a plate.
 typedef struct surroundings_piece {
-    vec2 start;    ///< of its upstream face, m
-    vec2 end;      ///< of its upstream face, m
+    vec2 start;    ///< of its path, m
+    vec2 end;      ///< of its path, m
     vec2 along;    ///< unit tangent t from start to end
     vec2 upstream; ///< unit normal n of the upstream side: n . v_T <= 0 for the belt in its middle
     double length; ///< m
-    double thickness; ///< of the plate, downstream of the line from start to end, m
+    double thickness; ///< of the plate, m
+    double lift;      ///< how far its upstream face lies upstream of its path, m: 0; of a centred
+                      ///< guide half the thickness
 } surroundings_piece;
 
 /// The straight line that a side of the domain lies on.
@@ -68,13 +78,20 @@ static inline vec2 surroundings_velocity_of(const surroundings *around, size_t b
 /// Distance from a point to the nearest border of a belt, m; DBL_MAX if no belt has one.
 double surroundings_border_distance(const surroundings *around, vec2 at);
 
-/// The upstream normal of a piece with unit tangent `along` on a belt.
+/// True if a piece with unit tangent `along` runs along a belt, or the belt stands.
+bool surroundings_is_guide(vec2 along, vec2 belt);
+
+/// The upstream normal of a piece with unit tangent `along` on a belt; of a guide the left one.
 vec2 surroundings_upstream(vec2 along, vec2 belt);
 
 /// Piece k, 0 <= k < n_points - 1, of an obstacle's plate. Its upstream side is that of v_T, whatever the
 /// belt's speed at a time.
 surroundings_piece surroundings_piece_of(const surroundings *around, const scene_obstacle *obstacle,
                                          size_t k);
+
+/// The same for the points first < last of the path, where it is straight in between.
+surroundings_piece surroundings_span_of(const surroundings *around, const scene_obstacle *obstacle,
+                                        size_t first, size_t last);
 
 /// The corners of a piece with its thickness, counter-clockwise.
 void surroundings_piece_corners(const surroundings_piece *piece, vec2 ret_corners[4]);

@@ -65,8 +65,8 @@ typedef enum scene_treatment {
 typedef struct scene_obstacle {
     char id[SCENE_ID_SIZE];    ///< unique among obstacles (default "obstacle-<n>", n from 1)
     size_t n_points;           ///< >= 2
-    vec2 *path;                ///< corners of the upstream face, m
-    double thickness;          ///< of the plate, downstream of the line, m, > 0 (default 0.005)
+    vec2 *path;                ///< corners, m
+    double thickness;          ///< of the plate, m, > 0: see surroundings.h (default 0.005)
     scene_treatment treatment; ///< (default SCENE_SEALED)
     double band; ///< SCENE_SEALED: width of the outward field B, m, > 0 (default 8/sqrt(sigma))
     double slide_width;    ///< width of the slide zone C, m, > 0 (default 3/sqrt(sigma); 0.02 for

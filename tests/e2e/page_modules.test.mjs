@@ -11,6 +11,7 @@ import { areaOf, convexHull, hullCentre } from "../../web/src/geometry.js";
 import { formatJson } from "../../web/src/json_text.js";
 import { residenceOf } from "../../web/src/key_figures.js";
 import { parameterAt } from "../../web/src/parameters.js";
+import { bodyOf } from "../../web/src/plate.js";
 import { readNpy } from "../../web/src/npy.js";
 import { PartsLayer } from "../../web/src/parts_layer.js";
 import { columnsOf, contentOf, differenceOf, flowOf, rateOf, valueAt } from "../../web/src/series.js";
@@ -97,6 +98,24 @@ test("a plate turns linearly between its times, and in rounds from the last one 
   const late = { t_s: [1, 2], turn_deg: [10, 20], repeat_s: 4 };
   for (const [t, angle] of [[0.5, 10], [4.5, 20 - (10 * 2.5) / 3]]) near(turnAt(late, t), angle);
   assert.equal(turnAt({ pivot_m: [0, 0] }, 1), 0);
+});
+
+test("a plate's body lies downstream, a guide's on both sides of its path or on that of the plate that it goes on from", () => {
+  const scenario = { belts: [{ velocity_m_s: [0.4, 0] }] };
+  const heights = (path, k) => {
+    const ys = bodyOf(scenario, path, k, 0.02).map(([, y]) => y);
+    return [Math.min(...ys), Math.max(...ys)];
+  };
+  const funnel = [[0.2, 0.4], [0.4, 0.3], [0.6, 0.3], [0.8, 0.3]];
+  for (const path of [[[0.2, 0.3], [0.8, 0.3]], [[0.8, 0.3], [0.2, 0.3 + 1e-9]]]) {
+    heights(path, 0).forEach((y, end) => near(y, [0.29, 0.31][end], 1e-8));
+  }
+  for (const k of [1, 2]) heights(funnel, k).forEach((y, end) => near(y, [0.3, 0.32][end]));
+  for (const k of [0, 1]) heights([...funnel].reverse(), k).forEach((y, end) => near(y, [0.3, 0.32][end]));
+  // Across the belt, 20 mm downstream.
+  const xs = bodyOf(scenario, [[0.5, 0], [0.5, 0.3]], 0, 0.02).map(([x]) => x);
+  near(Math.min(...xs), 0.5);
+  near(Math.max(...xs), 0.52);
 });
 
 test("a plate is there before its first time, and then as from time to time", () => {

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+// A plate at no more than 0.1 degrees to its belt is a guide, centred on its path.
+static const double guide_sine = 1.745e-3;
+
 struct planar {
     const micro_def *def;
     disk_part *parts;
@@ -199,9 +202,12 @@ static void meet_plate(planar *p, size_t k, const scene_obstacle *plate)
     double tx = (to.x - from.x) / length, ty = (to.y - from.y) / length;
     const scene_belt *belt = belt_under(p, 0.5 * (from.x + to.x), 0.5 * (from.y + to.y));
     double against = belt != NULL ? -ty * belt->velocity.x + tx * belt->velocity.y : 0.0;
-    double side = against > 0.0 ? -1.0 : 1.0, nx = -ty * side, ny = tx * side;
+    double speed = belt != NULL ? hypot(belt->velocity.x, belt->velocity.y) : 0.0;
+    bool is_guide = fabs(against) <= guide_sine * speed;
+    double side = !is_guide && against > 0.0 ? -1.0 : 1.0, nx = -ty * side, ny = tx * side;
     double s = (a->x - from.x) * tx + (a->y - from.y) * ty;
-    double h = (a->x - from.x) * nx + (a->y - from.y) * ny;
+    double lift = is_guide ? 0.5 * plate->thickness : 0.0;
+    double h = (a->x - from.x) * nx + (a->y - from.y) * ny - lift;
     double mu = p->def->contact[SCENE_HANDLING_CARGO].friction;
     double ds = s - clamp(s, 0.0, length), dh = h - clamp(h, -plate->thickness, 0.0);
     double distance = hypot(ds, dh);

@@ -1,15 +1,7 @@
 // What moves or changes above the cargo: plates as they stand at a time, and photo eyes with their states.
 
-import { beltVelocity } from "./geometry.js";
+import { bodyOf } from "./plate.js";
 import { strokeTwice, writeTwice } from "./scenery.js";
-
-// The side of a segment that lies downstream, as a unit vector.
-function downstream(scenario, [ax, ay], [bx, by]) {
-  const length = Math.hypot(bx - ax, by - ay) || 1;
-  const left = [-(by - ay) / length, (bx - ax) / length];
-  const [vx, vy] = beltVelocity(scenario, [(ax + bx) / 2, (ay + by) / 2]);
-  return left[0] * vx + left[1] * vy > 1e-9 * Math.hypot(vx, vy) ? left : left.map((value) => -value);
-}
 
 // Where a point of an obstacle is when it has turned by degrees about its pivot.
 function turned({ path_m: path, motion }, degrees) {
@@ -23,9 +15,7 @@ function addPlate(plates, view, scenario, obstacle, turn) {
   const least = (2 * view.ratio) / view.scale; // a plate is never thinner than two pixels
   const place = turned(obstacle, turn);
   for (let k = 0; k + 1 < path.length; k++) {
-    const [dx, dy] = downstream(scenario, path[k], path[k + 1]).map((value) => value * Math.max(thickness, least));
-    const corners = [path[k], path[k + 1], [path[k + 1][0] + dx, path[k + 1][1] + dy], [path[k][0] + dx, path[k][1] + dy]];
-    corners.map(place).forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
+    bodyOf(scenario, path, k, Math.max(thickness, least)).map(place).forEach(([x, y], c) => (c === 0 ? plates.moveTo(view.x(x), view.y(y)) : plates.lineTo(view.x(x), view.y(y))));
     plates.closePath();
   }
 }

@@ -82,6 +82,7 @@ typedef struct body_plate {
     vec3 across;           ///< unit vector to the upstream side
     double half_length;    ///< m
     double half_thickness; ///< m
+    double lift;           ///< of surroundings_piece, m
     int32_t joined[2];     ///< the plates of the same obstacle at its start and at its end;
                            ///< BODY_NO_PLATE: it ends there
     double bend[2];        ///< sine of the angle by which the path turns left there

@@ -21,14 +21,10 @@ enum { CELLS_A_SIDE_MAX = 256 };
 /// A sine below this, between two segments of a path, is rounding: they make one plate.
 #define STRAIGHT 1e-9
 
-static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, vec2 start,
-                             vec2 end)
+static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle, size_t first,
+                             size_t last)
 {
-    vec2 ends[] = { start, end };
-    scene_obstacle straight = *obstacle;
-    straight.path = ends;
-    straight.n_points = 2;
-    const surroundings_piece piece = surroundings_piece_of(&s->common.around, &straight, 0);
+    const surroundings_piece piece = surroundings_span_of(&s->common.around, obstacle, first, last);
     const vec2 to = vec2_sub(piece.end, piece.start);
     const vec2 middle = vec2_add(piece.start, vec2_scale(to, 0.5));
     const double half = 0.5 * piece.thickness;
@@ -38,11 +34,13 @@ static body_plate make_plate(const body_state *s, const scene_obstacle *obstacle
     const bool is_left = vec2_cross(piece.along, piece.upstream) > 0.0;
     const vec3 across = is_left ? left : vec3_scale(left, -1.0);
 
-    return (body_plate){ .middle = vec3_along((vec3){ middle.x, middle.y, 0.0 }, -half, across),
+    return (body_plate){ .middle = vec3_along((vec3){ middle.x, middle.y, 0.0 }, piece.lift - half,
+                                              across),
                          .along = along,
                          .across = across,
                          .half_length = 0.5 * piece.length,
                          .half_thickness = half,
+                         .lift = piece.lift,
                          .joined = { BODY_NO_PLATE, BODY_NO_PLATE } };
 }
 
@@ -70,23 +68,30 @@ static void prolong(body_plate *plate, int end, double length)
     plate->half_length += 0.5 * length;
 }
 
-/// Join the last two plates, between which the path bends. With the upstream side inside the bend their
-/// downstream faces meet at thickness tan(angle / 2) beyond the joint; at bends of more than a right angle
-/// the plates are prolonged by their thickness.
+/// How far the face of a plate on the outer side of a bend is from the path, m.
+static double outer_height(const body_plate *plate, double bend)
+{
+    const double upstream_bend = bend * vec3_cross(plate->along, plate->across).z;
+
+    return upstream_bend > 0.0 ? 2.0 * plate->half_thickness - plate->lift : plate->lift;
+}
+
+/// Join the last two plates, between which the path bends. Their faces on the outer side, at a height h from the path,
+/// meet at h tan(angle / 2) beyond the joint; at bends of more than a right angle the plates are prolonged by h.
 static void join_plates(body_state *s, double bend)
 {
     const int32_t last = (int32_t)s->n_plates - 1;
     body_plate *before = &s->plates[last - 1], *after = &s->plates[last];
     double cosine = vec3_dot(before->along, after->along);
-    double upstream_bend = bend * vec3_cross(before->along, before->across).z;
+    double half_tangent = cosine > 0.0 ? fabs(bend) / (1.0 + cosine) : 1.0;
+    double height = outer_height(before, bend);
 
     before->joined[1] = last;
     after->joined[0] = last - 1;
     before->bend[1] = after->bend[0] = bend;
-    if (upstream_bend > 0.0) {
-        double half_tangent = cosine > 0.0 ? fabs(bend) / (1.0 + cosine) : 1.0;
-        prolong(before, 1, 2.0 * before->half_thickness * half_tangent);
-        prolong(after, 0, 2.0 * after->half_thickness * half_tangent);
+    if (height > 0.0) {
+        prolong(before, 1, height * half_tangent);
+        prolong(after, 0, height * half_tangent);
     }
 }
 
@@ -95,8 +100,7 @@ static void make_plates(body_state *s, const scene_obstacle *obstacle)
     for (size_t first = 0, last = 1; last < obstacle->n_points; first = last++) {
         while (last + 1 < obstacle->n_points && is_straight(obstacle, last))
             last++;
-        s->plates[s->n_plates++] =
-            make_plate(s, obstacle, obstacle->path[first], obstacle->path[last]);
+        s->plates[s->n_plates++] = make_plate(s, obstacle, first, last);
         if (first > 0)
             join_plates(s, measure_bend(obstacle, first));
     }

@@ -1,6 +1,6 @@
 // Walls and plates as faces and arcs.
 //
-// A plate is its path swept by the thickness to the downstream side: a rectangle a segment. Of their
+// A plate is its path swept by the thickness to the downstream side, or by half of it to both: a rectangle a segment. Of their
 // union only the outside counts, so that a part that slides over a joint is in contact with one surface: sides extend
 // from joint to joint, each over its half-open range; on the outer side of a bend an arc joins them,
 // around the joint itself and with radius 0 if that is the upstream side, else the thickness; at free
@@ -51,7 +51,13 @@ static void add_side(disk_state *s, const surroundings_piece *g, vec2 n, double 
         add_face(s, b, a, depth);
 }
 
-// The end of a segment at p, across it; out points away from the segment.
+// The end of the upstream face of a segment whose path ends at p.
+static vec2 face_end(const surroundings_piece *g, vec2 p)
+{
+    return vec2_add(p, vec2_scale(g->upstream, g->lift));
+}
+
+// The end of a segment, across it, from p on its upstream face; out points away from the segment.
 static void add_end(disk_state *s, const surroundings_piece *g, vec2 p, vec2 out, double thickness)
 {
     vec2 down = vec2_scale(g->upstream, -1.0);
@@ -67,6 +73,7 @@ static void add_end(disk_state *s, const surroundings_piece *g, vec2 p, vec2 out
 static void add_free_end(disk_state *s, const surroundings_piece *g, vec2 p, vec2 out,
                          double thickness)
 {
+    p = face_end(g, p);
     add_end(s, g, p, out, thickness);
     add_arc(s, p, 0.0, out, g->upstream);
 }
@@ -76,17 +83,18 @@ static void add_joint(disk_state *s, const surroundings_piece *a, const surround
 {
     double turn = vec2_cross(a->along, b->along);
     bool is_left = vec2_cross(a->along, a->upstream) > 0.0;
-    bool is_flipped = is_left != (vec2_cross(b->along, b->upstream) > 0.0);
+    bool is_flipped = is_left != (vec2_cross(b->along, b->upstream) > 0.0) || a->lift != b->lift;
+    bool is_upstream = is_left ? turn < 0.0 : turn > 0.0; // the outer side
     bool is_straight = fabs(turn) <= parallel && vec2_dot(a->along, b->along) > 0.0;
     vec2 back = vec2_scale(b->along, -1.0);
-    double radius = is_flipped || (is_left ? turn < 0.0 : turn > 0.0) ? 0.0 : thickness;
+    double radius = is_flipped ? 0.0 : is_upstream ? a->lift : thickness - a->lift;
 
     if (!is_straight)
         add_arc(s, b->start, radius, a->along, back);
     if (!is_flipped)
         return;
-    add_end(s, a, b->start, a->along, thickness);
-    add_end(s, b, b->start, back, thickness);
+    add_end(s, a, face_end(a, b->start), a->along, thickness);
+    add_end(s, b, face_end(b, b->start), back, thickness);
 }
 
 static bool is_closed(const scene_obstacle *obstacle)
@@ -105,8 +113,8 @@ static void add_plate(disk_state *s, const scene_obstacle *obstacle)
     for (size_t k = 0; k < n; k++) {
         surroundings_piece g = surroundings_piece_of(&s->common.around, obstacle, k);
         vec2 down = vec2_scale(g.upstream, -1.0);
-        add_side(s, &g, g.upstream, 0.0, obstacle->thickness);
-        add_side(s, &g, down, obstacle->thickness, 0.0);
+        add_side(s, &g, g.upstream, g.lift, obstacle->thickness);
+        add_side(s, &g, down, obstacle->thickness - g.lift, 0.0);
         if (k > 0)
             add_joint(s, &last, &g, obstacle->thickness);
         last = g;

@@ -21,7 +21,8 @@ enum { PARTS_MAX = 64 };
 
 static const double radius = 0.012, mass = 0.0284;
 
-// Cylinders on a belt that stands, and a plate from its pivot in the middle of it. Do not move it once it was made.
+// Cylinders on a belt that stands, and a plate of 5 mm, whose upper face goes out from its pivot in the middle of it: centred
+// on its path. Do not move it once it was made.
 typedef struct world {
     micro_def def;
     scene_belt belt;
@@ -37,7 +38,7 @@ static void make_world(world *w, int solver)
 {
     *w = (world){ .def = helper_micro_def(solver),
                   .belt = { .acceleration = INFINITY, .deceleration = INFINITY },
-                  .path = { { 1.0, 1.0 }, { 1.5, 1.0 } },
+                  .path = { { 1.0, 0.9975 }, { 1.5, 0.9975 } },
                   .kinds[0] = {
                       .shape = { .type = SCENE_CYLINDER, .radius = radius, .height = 0.02 },
                       .material = { 210e9, 0.28 },
@@ -48,7 +49,7 @@ static void make_world(world *w, int solver)
     scene_obstacle_init(&w->plate);
     w->plate.n_points = 2;
     w->plate.path = w->path;
-    w->plate.pivot = w->path[0];
+    w->plate.pivot = (vec2){ 1.0, 1.0 };
     w->def.domain = (scene_rect){ 0.0, 2.0, 0.0, 2.0 };
     w->def.n_belts = w->def.n_obstacles = w->def.n_kinds = 1;
     w->def.belts = &w->belt;
@@ -191,6 +192,7 @@ static void the_largest_step_for_a_plate_is_named(void **state)
 
     (void)state;
     make_world(&w, 1);
+    w.path[0].y = w.path[1].y = w.plate.pivot.y;
     w.plate.is_commanded = true;
     w.def.n_actions = 1;
     w.def.actions = &action;

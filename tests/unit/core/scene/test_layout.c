@@ -272,12 +272,12 @@ static void guides_along_the_belt_deflect_nothing_and_bound_openings(void **stat
     add_plate(&s, 0.503, 0.1, 0.9, 0.1);
     const layout rail = measure(&s);
     assert_int_equal(rail.n_plates, 0);
-    assert_near(rail.opening.value, 0.1 - 0.005, 1e-12); // they are 5 mm thick, towards the wall
+    assert_near(rail.opening.value, 0.1 - 0.0025, 1e-12); // they are 5 mm thick
     make_belt(&s, east[0], east[1]);
     add_plate(&s, 0.2, 0.4, 0.5, 0.4);
     add_plate(&s, 0.2, 0.0, 0.5, 0.3);
     const layout narrowed = measure(&s);
-    assert_near(narrowed.opening.value, 0.1 - 0.005, 1e-12);
+    assert_near(narrowed.opening.value, 0.1 - 0.0025, 1e-12);
     assert_int_equal(narrowed.n_plates, 1);
 }
 
@@ -309,7 +309,7 @@ static void what_lies_off_the_belts_is_no_opening(void **state)
     add_plate(&s, 0.4, 0.1, 0.6, 0.3);
     const layout of = measure(&s);
     assert_int_equal(of.n_plates, 1);
-    assert_near(of.opening.value, 0.2 - 0.005, 1e-12); // the upper rail is 5 mm thick, downwards
+    assert_near(of.opening.value, 0.2 - 0.0025, 1e-12); // the upper rail is 5 mm thick
     assert_angles(&of, 45.0, 45.0);
 }
 

@@ -109,12 +109,73 @@ static void a_piece_faces_against_the_belt_whichever_way_its_path_runs(void **st
     scene_fini(&s);
 }
 
+// A belt at 0.395 m/s along x, and one of 0.05 degrees: what is typed is rounded.
 static void along_the_belt_the_left_side_is_upstream(void **state)
 {
     const vec2 n = surroundings_upstream((vec2){ 1.0, 0.0 }, (vec2){ 0.395, 1e-14 });
+    const vec2 m = surroundings_upstream((vec2){ 1.0, 0.0 }, (vec2){ 0.395, 3.4e-4 });
 
     (void)state;
     assert_true(n.x == 0.0 && n.y == 1.0);
+    assert_true(m.x == 0.0 && m.y == 1.0);
+}
+
+static void assert_corners(const surroundings *around, const scene_obstacle *o, size_t k,
+                           double low, double high)
+{
+    const surroundings_piece p = surroundings_piece_of(around, o, k);
+    double y_min = INFINITY, y_max = -INFINITY;
+    vec2 corners[4];
+
+    surroundings_piece_corners(&p, corners);
+    for (int c = 0; c < 4; c++) {
+        y_min = fmin(y_min, corners[c].y);
+        y_max = fmax(y_max, corners[c].y);
+    }
+    assert_near(y_min, low, 1e-12);
+    assert_near(y_max, high, 1e-12);
+}
+
+// 20 mm thick, whichever way the paths run, and where rounding makes them askew by 1e-9.
+static void a_guide_is_centred_on_its_path(void **state)
+{
+    static const vec2 paths[][2] = { { { 0.2, 0.3 }, { 0.8, 0.3 } },
+                                     { { 0.8, 0.3 }, { 0.2, 0.3 } },
+                                     { { 0.2, 0.3 + 1e-13 }, { 0.8, 0.3 } },
+                                     { { 0.2, 0.3 - 1e-13 }, { 0.8, 0.3 } } };
+    scene s;
+
+    (void)state;
+    helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+    for (size_t k = 0; k < 4; k++)
+        helper_scene_add_obstacle(&s, paths[k], 2, SCENE_SEALED)->thickness = 0.02;
+    helper_scene_resolve(&s);
+    const surroundings around = surroundings_of(&s);
+    for (size_t k = 0; k < 4; k++)
+        assert_corners(&around, &s.obstacles[k], 0, 0.29, 0.31);
+    scene_fini(&s);
+}
+
+// A funnel that goes over into two collinear guides. Its body lies above the path: so does theirs.
+static void a_guide_that_goes_on_from_a_plate_lies_on_its_side(void **state)
+{
+    static const vec2 path[] = { { 0.2, 0.4 }, { 0.4, 0.3 }, { 0.6, 0.3 }, { 0.8, 0.3 } };
+    vec2 back[4];
+    scene s;
+
+    (void)state;
+    for (int k = 0; k < 4; k++)
+        back[k] = path[3 - k];
+    helper_scene_belt(&s, 1.0, 0.5, 0.005, &somewhere, 1);
+    helper_scene_add_obstacle(&s, path, 4, SCENE_SEALED)->thickness = 0.02;
+    helper_scene_add_obstacle(&s, back, 4, SCENE_SEALED)->thickness = 0.02;
+    helper_scene_resolve(&s);
+    const surroundings around = surroundings_of(&s);
+    for (size_t k = 1; k < 3; k++) {
+        assert_corners(&around, &s.obstacles[0], k, 0.3, 0.32);
+        assert_corners(&around, &s.obstacles[1], 2 - k, 0.3, 0.32);
+    }
+    scene_fini(&s);
 }
 
 static void parts_leave_over_edges_that_are_no_walls(void **state)
@@ -150,6 +211,8 @@ int main(void)
         cmocka_unit_test(a_copy_outlives_the_scene_and_is_whole_or_not_there),
         cmocka_unit_test(a_piece_faces_against_the_belt_whichever_way_its_path_runs),
         cmocka_unit_test(along_the_belt_the_left_side_is_upstream),
+        cmocka_unit_test(a_guide_is_centred_on_its_path),
+        cmocka_unit_test(a_guide_that_goes_on_from_a_plate_lies_on_its_side),
         cmocka_unit_test(parts_leave_over_edges_that_are_no_walls),
     };
 
