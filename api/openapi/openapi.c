@@ -40,12 +40,11 @@ static const char goods[] =
     "The microscopic model has one friction for belts, one for obstacles and walls, and one for "
     "parts "
     "among each other. Where kinds of a mix differ in one, or a pair is not in the table, the "
-    "document must give it. Frictions are Coulomb's, dynamic and dry, in ordinary air; wet and "
-    "soaped ones are "
-    "smaller, and it is best to measure one's own. The macroscopic model has none. `material`, the "
-    "elastic "
-    "constants, are not those of goods: how hard parts are is a matter of the solver "
-    "(`micro.modulus_reduction`).";
+    "document must give it. Frictions are Coulomb's, dynamic and dry where no note says otherwise; "
+    "wet "
+    "and soaped ones are smaller, and it is best to measure one's own. The macroscopic model has "
+    "none. `material`, the elastic constants, are not those of goods: how hard parts are is a "
+    "matter of the solver (`micro.modulus_reduction`).";
 
 static const struct {
     const char *name;

@@ -145,7 +145,9 @@ const goods_item goods_items[SCENE_GOODS_COUNT] = {
     [SCENE_BUCKET_14] = { "bucket of plastic, 14 l, full", ROUND(0.3, 0.3), 14.8, SCENE_PE, &bucket,
                           "the diameter is that of its rim; mass: 14 kg in a bucket of 0.78 kg" },
     [SCENE_KEG_30] = { "keg, 30 l, full", ROUND(0.381, 0.4), 39.0, SCENE_STEEL, &din_kegs,
-                       "mass: 30 kg; 9 kg empty, Home Dining Kitchen: 30 litre keg" },
+                       "mass: 30 kg; 9 kg empty "
+                       "(https://homediningkitchen.com/what-are-the-dimensions-of-a-30-litre-keg/"
+                       ")" },
     [SCENE_KEG_50] = { "keg, 50 l, full", ROUND(0.408, 0.532), 62.5, SCENE_STEEL, &euro_kegs,
                        "mass: 50 kg; 12.5 kg empty are assumed, between 9 kg of 30 l and 13.5 kg "
                        "of 58.7 l" },
@@ -191,7 +193,7 @@ static const goods_source ctu = {
     "IMO/ILO/UNECE: CTU code, appendix 2, friction factors",
     "https://wiki.unece.org/display/TransportSustainableCTUCode/Appendix+2.%09Friction+factors"
 };
-static const goods_source physics = { "Table of frictions, glass (as printed in handbooks)",
+static const goods_source physics = { "A table of frictions that names no origin",
                                       "https://blog.csdn.net/ldghd/article/details/8453306" };
 static const goods_source pet_film = { "PET Film Supply: friction of PET film, ASTM D1894",
                                        "https://petfilmsupply.com/product/cof-of-pet-film/" };
@@ -216,7 +218,7 @@ const goods_friction goods_frictions[] = {
     { SCENE_STEEL, SCENE_PE, 0.12, 0.2, &transdev, "polyethylene (UHMW) on mild steel" },
     { SCENE_STEEL, SCENE_PET, 0.18, 0.35, &lust, "steel on plastic, sliding, dry" },
     { SCENE_STEEL, SCENE_GLASS, 0.2, 0.3, &physics,
-      "glass on metal, lubricated, as coated containers are; clean 0.5 to 0.7" },
+      "glass on metal, static, lubricated, as coated containers are; clean 0.5 to 0.7" },
     { SCENE_STEEL, SCENE_CARDBOARD, 0.3, 0.3, &assumed, LIKE_PAPER },
     { SCENE_STEEL, SCENE_RUBBER, 0.5, 0.6, &rubber_forum, "dry, 20 to 50 degrees Celsius" },
     { SCENE_STEEL, SCENE_WOOD, 0.3, 0.6, &lust, "sliding, dry" },
