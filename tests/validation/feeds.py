@@ -4,7 +4,8 @@
 A feed offers more than the outlet passes, so that the queue reaches back to the inlet. The rate is that of parts which
 leave the domain after the warm-up. Known are
 
-    the queue   its length does not change the rate;
+    the queue   its length does not change the rate; walls slip freely in `queue` and have the friction of plates in
+                queue-paper (the paper's frictions), queue-rough (large ones) and queue-smooth (none);
     speed       the rate is proportional to the speed of the belt;
     funnel      X. Wang et al., Chinese Physics B 29 (2020) 044502: Q ~ 1 - 0.74 exp(-0.19 D/(d cos theta)) for an opening
                 D and parts of diameter d, theta = 90 degrees minus the angle of the plates to the belt.
@@ -17,7 +18,7 @@ import os
 import statistics
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from documents import MICRO
@@ -38,6 +39,7 @@ class Row:
     layout: object
     tolerance: float  # of the ratio to the first row of the group, relative
     expected: float = 1.0  # that ratio
+    contacts: dict = field(default_factory=lambda: {"wall_friction": 0.0})  # /contacts of the scenario
 
 
 def wang(theta_deg, opening):
@@ -45,8 +47,16 @@ def wang(theta_deg, opening):
     return 1.0 - 0.74 * math.exp(-0.19 * opening / (D * math.cos(math.radians(theta_deg))))
 
 
-def fed(layout, substream):
-    """The scenario of a layout whose heap is replaced by a feed."""
+def frictions(part, plate, rate):
+    """Those of parts on parts and of parts on plates and walls, and lambda of all contacts, s/m."""
+    return {"cargo_cargo": {"friction": part, "tanh_linear_s_m": rate},
+            "handling_cargo": {"friction": plate, "tanh_linear_s_m": rate},
+            "conveyor_cargo": {"tanh_linear_s_m": rate}}
+
+
+def fed(row, substream):
+    """The scenario of a row: its layout, with a feed instead of the heap."""
+    layout = row.layout
     document = layout.document("fed")
     del document["initial"]
     warmup = round(FILLED_M / layout.speed, 3)
@@ -59,6 +69,7 @@ def fed(layout, substream):
                    "rate_per_s": round(OFFERED_PER_M * layout.speed, 3)}],
         "output": {"curve_every_s": 0.1, "snapshot_every_s": 10.0},
         "micro": MICRO["implicit"],
+        "contacts": row.contacts,
     }
 
 
@@ -68,6 +79,11 @@ def queue(length):
 
 def rows():
     yield from (Row("queue", f"queue of {length} m", queue(length), 0.02) for length in (0.4, 0.8, 1.6))
+    for group, contacts in {"queue-paper": {}, "queue-rough": frictions(1.0, 1.0, 1000.0)}.items():
+        yield from (Row(group, f"queue of {length} m", funnel(90, 10 * D, 1.0, length), 0.02, contacts=contacts)
+                    for length in (0.4, 1.6))
+    yield from (Row("queue-smooth", f"queue of {length} m", single(90, 0.10, 1.0, foot=length), 0.02,
+                    contacts=frictions(0.0, 0.0, 10.0)) for length in (0.4, 1.6))
     yield from (Row("speed", f"{speed} m/s", single(60, 0.10, 1.0, foot=0.5, speed=speed), 0.04, speed / SPEED_M_S)
                 for speed in (SPEED_M_S, 0.1, 0.2, 0.3, 0.5, 0.6))
     for n in (6, 10):
@@ -86,7 +102,8 @@ def rate(folder, warmup):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("groups", nargs="*", help="queue, speed, funnel-6d, funnel-10d (default all)")
+    parser.add_argument("groups", nargs="*", help="queue, queue-paper, queue-rough, queue-smooth, "
+                        "speed, funnel-6d, funnel-10d (default all)")
     parser.add_argument("--substreams", type=int, default=3, help="runs of a row (default %(default)s)")
     parser.add_argument("--program", type=Path, default=TREE / "build/release/bin/beltflow")
     parser.add_argument("--out", type=Path, default=TREE / "build/release/validation")
@@ -95,12 +112,12 @@ def main():
     program = Program(options.program, options.out / "runs")
     chosen = [row for row in rows() if not options.groups or row.group in options.groups]
     with ThreadPoolExecutor(options.jobs) as pool:
-        runs = [[pool.submit(program.solve, "micro", fed(row.layout, k)) for k in range(options.substreams)]
+        runs = [[pool.submit(program.solve, "micro", fed(row, k)) for k in range(options.substreams)]
                 for row in chosen]
         first, missed = {}, 0
         print(f"{'group':12} {'row':16} {'parts/s':>8} {'+-':>6} {'ratio':>7} {'known':>7} {'off %':>6} {'most':>5}")
         for row, made in zip(chosen, runs):
-            warmup = fed(row.layout, 0)["warmup_s"]
+            warmup = fed(row, 0)["warmup_s"]
             rates = [rate(run.result().folder, warmup) for run in made]
             mean = statistics.mean(rates)
             ratio = mean / first.setdefault(row.group, mean)

@@ -190,11 +190,11 @@ def example(angle, opening, duration_s, rows=16, columns=12):
     return single(angle, opening, duration_s, heap, foot)
 
 
-def funnel(angle, opening, duration_s):
+def funnel(angle, opening, duration_s, foot=None):
     """Straight plates from both sides at the same angle, the opening in the middle."""
     heap = Heap(first_e=None)
     across = (WIDTH_M - opening) / 2
-    foot = heap.end + HEAP_GAP_M
+    foot = heap.end + HEAP_GAP_M if foot is None else foot
     tip = foot + run_of(across, angle)
     plates = [[(foot, 0.0), (tip, across)], [(foot, WIDTH_M), (tip, WIDTH_M - across)]]
     return Belt(heap, plates, tip, duration_s)

@@ -46,7 +46,7 @@ class Scenes(unittest.TestCase):
         for row in feeds.rows():
             with self.subTest(row=row.name):
                 check = subprocess.run([PROGRAM, "check", "--model", "micro", "-"], text=True, capture_output=True,
-                                       input=json.dumps(feeds.fed(row.layout, 0)))
+                                       input=json.dumps(feeds.fed(row, 0)))
                 self.assertEqual(check.returncode, 0, check.stderr)
 
     def test_funnels_pass_what_was_published(self):
