@@ -3,6 +3,7 @@
 #include "core/run/review.h"
 #include "core/feed/arrivals.h"
 #include "core/feed/capacity.h"
+#include "core/run/review_belts.h"
 #include "core/run/review_plates.h"
 #include "core/run/run.h"
 #include "core/scene/surroundings.h"
@@ -184,6 +185,8 @@ bf_status run_review_of(const scene *s, run_model model, run_review *ret_review,
 {
     *ret_review = (run_review){ .model = model };
     bf_status status = review_plates(s, &ret_review->warnings, err);
+    if (status == BF_OK)
+        status = review_belts(s, model, &ret_review->warnings, err);
     for (size_t k = 0; k < s->n_feeds && status == BF_OK; k++)
         status = review_rate(s, k, &ret_review->warnings, err);
     review_actions(s, &ret_review->warnings);
